@@ -19,7 +19,7 @@ enum Kind {
 }
 
 /// Every option that names an output, with a command line; `{}` stands for the output.
-const OUTPUTS: [(&str, &str, Kind, &str); 18] = [
+const OUTPUTS: [(&str, &str, Kind, &str); 19] = [
     ("bake", "output", Kind::File, "bake a.cuts -o {}"),
     ("bake", "report", Kind::File, "bake a.cuts -o b.cuts --report {}"),
     ("render", "out", Kind::File, "render a.cuts --out {}"),
@@ -36,12 +36,14 @@ const OUTPUTS: [(&str, &str, Kind, &str); 18] = [
     ("compare", "json", Kind::File, "compare a.cuts b.png --json {}"),
     ("compare", "out", Kind::File, "compare a.cuts b.png --map flip --out {}"),
     ("export", "mitsuba", Kind::Folder, "export a.cuts --mitsuba {}"),
+    ("export", "materials", Kind::File, "export a.cuts --materials {}"),
     ("demo", "out", Kind::Folder, "demo --data a --out {}"),
     ("bench", "save", Kind::File, "bench --suite --baseline a.cuts --save {}"),
 ];
 
 /// Options that name an input; the dataset, the lights and the material are those of many commands.
-const INPUTS: [&str; 9] = ["file", "lights", "material", "scene", "scenes", "data", "test", "reference", "baseline"];
+const INPUTS: [&str; 10] =
+    ["file", "lights", "material", "scene", "scenes", "data", "test", "reference", "baseline", "original"];
 
 #[test]
 fn every_option_that_names_a_path_is_tried() {

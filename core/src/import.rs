@@ -17,6 +17,7 @@ use crate::{
 };
 use files::Files;
 use glam::Vec3;
+pub(crate) use gltf::percent_decoded;
 use repair::RawMesh;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ mod budget;
 mod files;
 mod gltf;
 mod material_file;
-mod mtl;
+pub(crate) mod mtl;
 mod obj;
 mod ply;
 mod ranges;
@@ -77,6 +78,24 @@ pub enum ImportError {
         path: PathBuf,
         /// What is wrong with the mesh.
         source: MeshError,
+    },
+    /// It needs extensions of its format that are not read.
+    #[error("the file needs the glTF extensions {}, which are not read; export it without them ({})", listed(names), path.display())]
+    Extensions {
+        /// Which file.
+        path: PathBuf,
+        /// The extensions.
+        names: Vec<String>,
+    },
+    /// It has no variant of that name.
+    #[error("the scene has no material variant \"{name}\"; it has {} ({})", if known.is_empty() { "none".into() } else { listed(known) }, path.display())]
+    NoSuchVariant {
+        /// Which file.
+        path: PathBuf,
+        /// What was asked for.
+        name: String,
+        /// Those that it has.
+        known: Vec<String>,
     },
     /// The scene would not fit in memory.
     #[error("the scene has {count} {what}, more than the limit of {limit}; reduce it or split it up ({})", path.display())]
@@ -133,6 +152,8 @@ pub struct ImportOptions {
     pub budget: Option<u64>,
     /// Whether files outside the folder of the scene or the material are read.
     pub allow_outside: bool,
+    /// The variant of a glTF file's materials that is shown; without it, those that the file shows first.
+    pub variant: Option<String>,
 }
 
 /// Report of an import and its repairs.
@@ -159,6 +180,8 @@ pub struct ImportReport {
     pub uvs_projected: usize,
     /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,
+    /// Names of the variants of its materials.
+    pub variants: Vec<String>,
     /// Files that were read beside that of the scene: buffers, materials and pictures.
     pub files: Vec<PathBuf>,
     /// Files outside the folder of the scene, as it names them. They were read only if that was allowed.
@@ -188,6 +211,8 @@ struct Source {
     objects: Vec<Object>,
     cameras: Vec<Camera>,
     lights: Vec<Light>,
+    /// Names of variants of the materials.
+    variants: Vec<String>,
     warnings: Vec<String>,
     unread: Vec<String>,
     outside: Vec<String>,
@@ -208,15 +233,22 @@ pub fn import(path: &Path) -> Result<Imported, ImportError> {
 /// A file that cannot be read, is damaged, is too large, holds no triangles, or needs files that it may not read.
 pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let read_format = match extension.as_str() {
-        "obj" => obj::read,
-        "gltf" | "glb" => gltf::read,
-        "ply" => ply::read,
-        _ => return Err(ImportError::Unsupported { path: path.into(), extension }),
-    };
+    let variant = options.variant.as_deref();
+    let is_gltf = ["gltf", "glb"].contains(&extension.as_str());
+    if !is_gltf && !["obj", "ply"].contains(&extension.as_str()) {
+        return Err(ImportError::Unsupported { path: path.into(), extension });
+    }
+    if !is_gltf && variant.is_some() {
+        return Err(gltf::no_variant(path, variant, Vec::new()));
+    }
     let mut files = Files::beside(path, options);
     let bytes = read_file(path, &mut files)?;
-    finish(read_format(&bytes, path, files)?, path)
+    let source = match extension.as_str() {
+        "obj" => obj::read(&bytes, path, files)?,
+        "ply" => ply::read(&bytes, path, files)?,
+        _ => gltf::read(&bytes, path, files, variant)?,
+    };
+    finish(source, path)
 }
 
 fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
@@ -228,8 +260,8 @@ fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
 /// Repairs the mesh, and checks that it is valid.
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
-    let Source { warnings, unread, outside, files, .. } = source;
-    let mut report = ImportReport { warnings, unread, outside, files, ..Default::default() };
+    let Source { variants, warnings, unread, outside, files, .. } = source;
+    let mut report = ImportReport { variants, warnings, unread, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {

@@ -22,7 +22,8 @@
 //! * [`camera`]: where it is seen from; [`shot`]: the pictures that a bake is for
 //! * [`material`]: parameters and maps; [`texture`]: the images that maps read
 //! * [`lights`]: local lights and their file; [`environment`]: distant light, maps and skies
-//! * [`import`]: scenes and materials from files of other programs; [`materialx`]: materials in and out of MaterialX documents
+//! * [`import`]: scenes and materials from files of other programs; [`materialx`]: materials in and out of MaterialX documents;
+//!   [`export`]: materials of a scene back to the formats of other programs
 //! * [`image`]: pictures and their files
 //!
 //! The papers:
@@ -45,6 +46,7 @@ pub mod color;
 pub mod cut;
 pub mod dataset;
 pub mod environment;
+pub mod export;
 pub mod ground;
 pub mod image;
 pub mod import;

@@ -18,4 +18,5 @@ mod write;
 
 pub use read::{MaterialXError, ReadMaterial, read};
 pub use surface::Surface;
+pub(crate) use write::nearest;
 pub use write::{Written, write};

@@ -167,6 +167,13 @@ impl Texture {
         }
     }
 
+    /// Mean of all texels, in linear values.
+    pub fn mean(&self, color_space: ColorSpace) -> Vec4 {
+        let count = self.size[0] as usize * self.size[1] as usize;
+        let sum: glam::DVec4 = (0..count).map(|index| self.texel_at(index, color_space).as_dvec4()).sum();
+        (sum / count as f64).as_vec4()
+    }
+
     /// Bilinear lookup with repeat; `uv` (0, 0) is the top left corner of the image.
     pub fn sample(&self, uv: Vec2, color_space: ColorSpace) -> Vec4 {
         let p = (uv - uv.floor()) * Vec2::new(self.size[0] as f32, self.size[1] as f32) - 0.5;

@@ -34,6 +34,8 @@ pub enum Action {
     ExportPicture(Option<PathBuf>),
     /// Write the picture with all its layers.
     ExportLayers(Option<PathBuf>),
+    /// Write the materials in a format of other programs.
+    ExportMaterials(Option<PathBuf>),
     /// Describe an image sequence to export.
     DescribeSequence,
     /// Choose the folder of the sequence that is described.

@@ -195,14 +195,16 @@ Examples:
   lapidary compare layers.exr truth.exr --layer indirect
   lapidary compare picture.exr truth.exr --fail-above rel_rmse=0.1 --fail-below ssim=0.95")]
     Compare(CompareArgs),
-    /// Write the scene for another renderer, to compare with it
+    /// Write the scene for another renderer, or its materials for other programs
     #[command(after_help = "\
 It takes the view, material and light options of `render`. materials.xml has Mitsuba's closest BSDFs. materials-exact.xml
 has this program's formulas, for the plugin in tests/crosscheck.
 
 Examples:
   lapidary export scene.cuts --env sky.hdr --rotate 30 --mitsuba /tmp/scene
-  mitsuba -m scalar_rgb -D spp=64 /tmp/scene/scene.xml")]
+  mitsuba -m scalar_rgb -D spp=64 /tmp/scene/scene.xml
+  lapidary export scene.cuts --materials scene.mtlx --surface standard-surface
+  lapidary export scene.cuts --materials edited.glb --original scene.glb")]
     Export(ExportArgs),
 }
 

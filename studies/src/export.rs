@@ -3,6 +3,7 @@
 
 mod files;
 mod layers;
+pub mod materials;
 mod metadata;
 pub mod mitsuba;
 mod studio;

@@ -18,14 +18,18 @@ use gltf::{
 };
 use serde_json::Value;
 use std::{borrow::Cow, path::Path};
+use variants::Variants;
 
 mod buffers;
 mod layers;
 mod lights;
 mod materials;
+mod variants;
+
+pub(crate) use buffers::percent_decoded;
 
 /// Extensions that are honoured; others are named in a warning.
-const EXTENSIONS: [&str; 7] = [
+const EXTENSIONS: [&str; 10] = [
     lights::EXTENSION,
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -33,21 +37,27 @@ const EXTENSIONS: [&str; 7] = [
     layers::EXTENSIONS[0],
     layers::EXTENSIONS[1],
     layers::EXTENSIONS[2],
+    layers::EXTENSIONS[3],
+    layers::EXTENSIONS[4],
+    variants::EXTENSION,
 ];
 
-pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
+pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<&str>) -> Result<Source, ImportError> {
     let failed = |trouble: Trouble| trouble.at(path, "glTF");
     let parse_error = |reason: String| failed(reason.into());
     check_glb_header(bytes).map_err(parse_error)?;
     files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
+    check_extensions(bytes, path)?;
     let gltf = parse(bytes).map_err(parse_error)?;
+    let variants = Variants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
     let buffers = Buffers::load(&gltf, &mut files).map_err(failed)?;
     let mut notes = Notes::default();
     let nodes = all_nodes(&gltf, &mut notes);
     check_size(&nodes, &mut files, path)?;
 
     let mut library = TextureLibrary::new(files);
-    let mut source = Source::default();
+    let mut source = Source { variants: variants.names.clone(), ..Default::default() };
+    source.warnings.extend(variants.remark());
     materials::add_materials(&mut source, &gltf, bytes, &buffers, &mut library).map_err(failed)?;
     if let Some(document) = document_with(bytes, lights::EXTENSION) {
         lights::add_lights(&mut source, &document, &nodes);
@@ -64,7 +74,8 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
             for primitive in mesh.primitives().filter(|p| is_surface(p.mode())) {
                 let read = Primitive::read(&primitive, &buffers).map_err(parse_error)?;
                 read.check_indices().map_err(|source| ImportError::Mesh { path: path.into(), source })?;
-                let material = materials::index_of(&mut source, &gltf, &primitive);
+                let chosen = variants.material(mesh.index(), primitive.index());
+                let material = materials::index_of(&mut source, &gltf, &primitive, chosen);
                 read.add_to(&mut source, *world_from_node, material, object);
             }
         }
@@ -81,13 +92,29 @@ fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| e.to_string())?;
     let mut json = document.into_json();
     // Read here; the crate would refuse a file that requires it.
-    json.extensions_required.retain(|e| e != lights::EXTENSION && !layers::EXTENSIONS.contains(&e.as_str()));
+    json.extensions_required.retain(|e| !EXTENSIONS.contains(&e.as_str()));
     let mut attributes = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
     if let Some(bad) = attributes.find(|accessor| accessor.value() >= json.accessors.len()) {
         return Err(format!("a mesh refers to accessor {bad}, but there are {}", json.accessors.len()));
     }
     let document = gltf::Document::from_json(json).map_err(|e| e.to_string())?;
     Ok(gltf::Gltf { document, blob })
+}
+
+/// Checks that all extensions that a file requires are read.
+///
+/// # Errors
+/// [`ImportError::Extensions`].
+fn check_extensions(bytes: &[u8], path: &Path) -> Result<(), ImportError> {
+    let required = document_with(bytes, "extensionsRequired").unwrap_or_default();
+    let names = required["extensionsRequired"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let unknown: Vec<String> = names.filter(|name| !EXTENSIONS.contains(name)).map(str::to_owned).collect();
+    if unknown.is_empty() { Ok(()) } else { Err(ImportError::Extensions { path: path.into(), names: unknown }) }
+}
+
+/// The error of a variant that is not there.
+pub(super) fn no_variant(path: &Path, wanted: Option<&str>, known: Vec<String>) -> ImportError {
+    ImportError::NoSuchVariant { path: path.into(), name: wanted.unwrap_or_default().into(), known }
 }
 
 /// The JSON text of a file.

@@ -20,10 +20,10 @@ use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
 /// Height in metres of a white texel of a bump map with multiplier 1, for which MTL has no unit.
-const BUMP_METRES: f32 = 0.01;
+pub(crate) const BUMP_METRES: f32 = 0.01;
 
 /// A specular colour up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
-const LARGEST_DIELECTRIC_F0: f32 = 0.2;
+pub(crate) const LARGEST_DIELECTRIC_F0: f32 = 0.2;
 
 /// The statements of one material by lower-case key; of repeated ones the last.
 #[derive(Debug, Default)]
@@ -213,6 +213,7 @@ fn material(
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
     add_maps(&mut material, entry, library)?;
     add_layers(&mut material, entry);
+    add_layer_maps(&mut material, entry, library)?;
     Ok(material)
 }
 
@@ -227,6 +228,22 @@ fn add_layers(material: &mut Material, entry: &MtlEntry) {
     parameters.set("coat_weight", coat);
     parameters.set("coat_roughness", entry.number("pcr").unwrap_or(0.0));
     parameters.set("fuzz_weight", sheen);
+}
+
+/// Maps of coat and sheen, where the material has them.
+fn add_layer_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibrary) -> Result<(), Trouble> {
+    for (key, name) in [("map_pc", "coat_weight"), ("map_pcr", "coat_roughness"), ("map_ps", "fuzz_weight")] {
+        let Some(map) = entry.map(key).filter(|_| material.model == BrdfModel::OpenPbr) else { continue };
+        material.maps.set(name, Some(texture_slot(&map, ColorSpace::Linear, library)?));
+    }
+    Ok(())
+}
+
+/// `aniso`, turned by `anisor` of a whole turn: along the tangent, or across it, whichever is nearer.
+fn anisotropy(entry: &MtlEntry) -> f32 {
+    let amount = entry.number("aniso").unwrap_or(0.0);
+    let from_tangent = (2.0 * entry.number("anisor").unwrap_or(0.0)).rem_euclid(1.0);
+    if (from_tangent - 0.5).abs() < 0.25 { -amount } else { amount }
 }
 
 fn parameters(entry: &MtlEntry) -> GgxParameters {
@@ -250,7 +267,7 @@ fn parameters(entry: &MtlEntry) -> GgxParameters {
         Some(shininess) => (2.0 / (shininess.max(0.0) + 2.0)).powf(0.25),
         None => GgxParameters::default().roughness,
     });
-    let anisotropy = entry.number("aniso").unwrap_or(0.0);
+    let anisotropy = anisotropy(entry);
     GgxParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight, ..Default::default() }
 }
 

@@ -2,9 +2,11 @@
 
 use crate::brdf::{BrdfModel, Value};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// A shading model of MaterialX.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Surface {
     /// `open_pbr_surface`: all that the model `openpbr` has, by the same names.
     #[default]

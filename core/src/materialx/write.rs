@@ -392,7 +392,11 @@ fn pair(Vec2 { x, y }: Vec2) -> String {
 }
 
 /// The parameters of `openpbr` that say a material best to a surface; `remarks` get what is lost.
-fn nearest(material: &MaterialFile, surface: Surface, remarks: &mut Vec<String>) -> MaterialFile {
+pub(crate) fn nearest<S: Clone>(
+    material: &MaterialOf<S>,
+    surface: Surface,
+    remarks: &mut Vec<String>,
+) -> MaterialOf<S> {
     let mut nearest = as_openpbr(material, remarks);
     nearest.parameters = nearest.parameters.sanitized();
     match surface {
@@ -418,7 +422,7 @@ fn nearest(material: &MaterialFile, surface: Surface, remarks: &mut Vec<String>)
 }
 
 /// What the rows of glTF's surface do not say: weights are multiplied into colours.
-fn say_to_gltf(nearest: &mut MaterialFile, remarks: &mut Vec<String>) {
+fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
     let p = &nearest.parameters;
     let (base, fuzz) = (p.number("base_weight"), p.number("fuzz_weight"));
     let (base_color, fuzz_color) = (base * p.color("base_color"), fuzz * p.color("fuzz_color"));
@@ -440,7 +444,7 @@ fn say_to_gltf(nearest: &mut MaterialFile, remarks: &mut Vec<String>) {
 }
 
 /// The other surface's numbers in place of OpenPBR's, of the same lobe.
-fn unstretched(nearest: &mut MaterialFile, names: [&'static str; 2], numbers: fn(stretch::Widths) -> [f32; 2]) {
+fn unstretched<S>(nearest: &mut MaterialOf<S>, names: [&'static str; 2], numbers: fn(stretch::Widths) -> [f32; 2]) {
     let [roughness, anisotropy] = names.map(|name| nearest.parameters.number(name));
     let is_mapped = names.iter().any(|name| nearest.maps.get(name).is_some());
     if anisotropy > 0.0 && !is_mapped {

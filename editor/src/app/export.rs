@@ -1,4 +1,4 @@
-//! Export of sequences and layered pictures: the dialog, the job, and its messages.
+//! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
 
 use super::{
     files::Written,
@@ -7,9 +7,17 @@ use super::{
 };
 use crate::{actions::Action, document::folder_of};
 use egui::Context;
+use lapidary_core::{materialx::Surface, scene::Scene};
 use lapidary_render::{Baked, Look};
 use lapidary_studies::jobs::export::{ExportMessage, ExportRun, ExportTask};
-use lapidary_studies::{export::LayerList, outputs::CommandFiles, terminal::error_text};
+use lapidary_studies::{
+    export::{
+        LayerList, has_extension,
+        materials::{MaterialExport, summary},
+    },
+    outputs::CommandFiles,
+    terminal::error_text,
+};
 use std::{
     path::{Path, PathBuf},
     time::Instant,
@@ -93,6 +101,32 @@ impl EditorState {
             Ok(layers) => self.start_export(ExportTask::Layers { look: look.into(), layers, path }, baked),
             Err(error) => self.messages.error(error_text(&error)),
         }
+    }
+
+    /// Writes the materials of the document. A glTF scene is written with the materials in place of its own.
+    pub(super) fn export_materials(&mut self, path: PathBuf) {
+        let Some(baked) = self.scene.rendered().cloned() else { return self.messages.error(NOTHING) };
+        let is_gltf = |path: &Path| has_extension(path, "gltf") || has_extension(path, "glb");
+        let original = self.document.scene.clone().filter(|scene| is_gltf(scene) && is_gltf(&path));
+        let export = MaterialExport { path, surface: Surface::default(), original };
+        let written = export
+            .files(CommandFiles::default().reads(self.inputs(Written::Other)))
+            .check()
+            .and_then(|()| export.write(&self.scene_of_document(&baked)));
+        match written {
+            Ok(exported) => {
+                let text = format!("Materials written: {}", summary(&exported, &export.path));
+                exported.remarks.into_iter().for_each(|remark| self.messages.warning(remark));
+                self.messages.note(text);
+            }
+            Err(error) => self.messages.error(error_text(&error)),
+        }
+    }
+
+    /// The scene with the materials and textures as they are edited.
+    fn scene_of_document(&self, baked: &Baked) -> Scene {
+        let textures = self.document.textures.iter().map(|entry| entry.texture.clone()).collect();
+        Scene { materials: self.document.materials.clone(), textures, ..baked.dataset.scene.clone() }
     }
 
     fn start_export(&mut self, task: ExportTask, baked: Baked) {

@@ -73,12 +73,13 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::Quit, true);
 }
 
-/// Jobs with a renderer of their own, of which one runs at a time.
+/// Jobs with a renderer of their own, of which one runs at a time, and the materials.
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     let (shown, running) = (state.scene.rendered().is_some(), state.exporting.is_running());
     let entries = [
         ("Export layered EXR...", Action::ExportLayers(None), shown && !running),
         ("Export sequence...", Action::DescribeSequence, shown && !running),
+        ("Export materials...", Action::ExportMaterials(None), shown),
         ("Cancel the export", Action::CancelExport, running),
     ];
     for (label, action, enabled) in entries {

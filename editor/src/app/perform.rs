@@ -58,6 +58,7 @@ impl EditorState {
             Action::SaveAs(Some(path)) => self.save_to(ctx, &path),
             Action::ExportPicture(Some(path)) => self.export_picture(path),
             Action::ExportLayers(Some(path)) => self.export_layers(path),
+            Action::ExportMaterials(Some(path)) => self.export_materials(path),
             Action::DescribeSequence => self.describe_sequence(),
             Action::SequenceFolder(Some(folder)) => self.choose_sequence_folder(&folder),
             Action::CancelExport => self.cancel_export(),
@@ -78,6 +79,7 @@ impl EditorState {
             | Action::SaveAs(None)
             | Action::ExportPicture(None)
             | Action::ExportLayers(None)
+            | Action::ExportMaterials(None)
             | Action::SequenceFolder(None)
             | Action::LoadTexture { path: None, .. }
             | Action::LoadMaterial { path: None, .. }
@@ -230,6 +232,7 @@ impl EditorState {
             Action::SaveAs(_) => Some(format!("{stem}.{}", session::EXTENSION)),
             Action::ExportPicture(_) => Some(format!("{stem}.png")),
             Action::ExportLayers(_) => Some(format!("{stem}-layers.exr")),
+            Action::ExportMaterials(_) => Some(format!("{stem}-materials.mtlx")),
             Action::SaveLights(_) => Some(format!("{stem}-lights.json")),
             Action::SaveMaterial { material, .. } => {
                 self.document.materials.get(*material).map(|m| format!("{}.json", m.name))

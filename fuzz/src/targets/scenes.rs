@@ -17,7 +17,8 @@ use std::{
 };
 
 /// Half of the memory that an input may take is for what is imported.
-const OPTIONS: ImportOptions = ImportOptions { budget: Some(crate::MOST_BYTES as u64 / 2), allow_outside: false };
+const OPTIONS: ImportOptions =
+    ImportOptions { budget: Some(crate::MOST_BYTES as u64 / 2), allow_outside: false, variant: None };
 
 fn import(path: &Path) -> Result<Imported, ImportError> {
     import_with(path, &OPTIONS)

@@ -2,7 +2,7 @@
 
 use super::values::choice;
 use clap::builder::TypedValueParser;
-use lapidary_core::{ground::Ground, light_tree::TreeKind};
+use lapidary_core::{ground::Ground, light_tree::TreeKind, materialx::Surface};
 use lapidary_precompute::Preset;
 use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, compare::map::ErrorMap};
 use serde::Deserialize;
@@ -13,6 +13,15 @@ pub fn tree_kind() -> impl TypedValueParser<Value = TreeKind> {
         ("geometric", "Direction alone (Eq. 10 of the paper)"),
         ("data-driven", "Pilot visibility alone (Eq. 11)"),
         ("mixed", "Both, weighted by --beta (Eq. 12)"),
+    ])
+}
+
+/// Surfaces of MaterialX documents.
+pub fn surface() -> impl TypedValueParser<Value = Surface> {
+    choice(&[
+        ("open-pbr", "open_pbr_surface: all that the model openpbr has"),
+        ("standard-surface", "standard_surface, which most programs read"),
+        ("gltf-pbr", "gltf_pbr: what glTF has"),
     ])
 }
 

@@ -1,8 +1,11 @@
-//! `lapidary export`: the scene for another renderer.
+//! `lapidary export`: the scene for another renderer, and its materials for other programs.
 
 use crate::{
-    args::{LocalLightArgs, ViewArgs, ViewedScene},
-    export::mitsuba::{self, Exported, MitsubaScene},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, choices},
+    export::{
+        materials::{self, MaterialExport},
+        mitsuba::{self, Exported, MitsubaScene},
+    },
     outputs::{CommandFiles, take_folder},
     terminal::Console,
     terminal::Outcome,
@@ -10,17 +13,27 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use glam::Vec3;
-use lapidary_core::lights::Light;
+use lapidary_core::{lights::Light, materialx::Surface};
 use lapidary_render::{Components, Illumination};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `export`.
 #[derive(Args, Clone, Debug)]
 pub struct ExportArgs {
     /// Folder for a Mitsuba 3 scene: scene.xml, materials.xml, meshes, textures and environment; files of these names
     /// are replaced
-    #[arg(long, value_name = "DIR", required = true)]
-    mitsuba: PathBuf,
+    #[arg(long, value_name = "DIR", required_unless_present = "materials")]
+    mitsuba: Option<PathBuf>,
+    /// File for the materials alone: .mtlx (MaterialX), .mtl, .gltf or .glb. Pictures of a .mtlx or .mtl go into a folder
+    /// beside it. A .gltf or .glb has the meshes, too, unless --original says otherwise
+    #[arg(long, value_name = "FILE")]
+    materials: Option<PathBuf>,
+    /// Surface of a MaterialX document
+    #[arg(long, value_name = "SURFACE", default_value = "open-pbr", value_parser = choices::surface(), requires = "materials")]
+    surface: Surface,
+    /// glTF file that the scene was baked from: --materials is a copy of it with its materials written anew
+    #[arg(long, value_name = "FILE.gltf", requires = "materials")]
+    original: Option<PathBuf>,
     /// Most bounces of light between surfaces, 0 to 1000; 1 is direct light and one indirect bounce [default: 0; 1 if
     /// --components names indirect]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
@@ -34,26 +47,44 @@ pub struct ExportArgs {
 impl ExportArgs {
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        self.view.files(&self.local).fills(&self.mitsuba, mitsuba::FILES)
+        let mut files = self.view.files(&self.local);
+        if let Some(folder) = &self.mitsuba {
+            files = files.fills(folder, mitsuba::FILES);
+        }
+        self.materials().map_or(files.clone(), |materials| materials.files(files))
+    }
+
+    fn materials(&self) -> Option<MaterialExport> {
+        let path = self.materials.clone()?;
+        Some(MaterialExport { path, surface: self.surface, original: self.original.clone() })
     }
 }
 
-/// Writes the scene.
+/// Writes the scene, its materials, or both.
 ///
 /// # Errors
 /// Files that cannot be read or written, parts of the light that Mitsuba cannot show alone, or no light at all.
 pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
-    let _taken = take_folder(&args.mitsuba)?;
+    let _taken = args.mitsuba.as_deref().map(take_folder).transpose()?;
     let viewed = args.view.resolve(&args.local, console)?;
-    let exported = scene(&viewed, args.bounces)?.write(&args.mitsuba)?;
+    if let Some(folder) = &args.mitsuba {
+        write_mitsuba(&viewed, args.bounces, folder, console)?;
+    }
+    if let Some(export) = args.materials() {
+        let exported = export.write(&viewed.baked.dataset.scene)?;
+        exported.remarks.iter().for_each(|remark| console.warning(remark));
+        console.summary(materials::summary(&exported, &export.path))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn write_mitsuba(viewed: &ViewedScene, bounces: Option<u32>, folder: &Path, console: Console) -> Result<()> {
+    let exported = scene(viewed, bounces)?.write(folder)?;
     let Exported { meshes, triangles, materials, remarks } = exported;
     remarks.iter().for_each(|remark| console.warning(remark));
-    let scene = args.mitsuba.join("scene.xml");
-    console.summary(format_args!(
-        "{}: {triangles} triangles in {meshes} meshes, {materials} materials",
-        scene.display()
-    ))?;
-    Ok(Outcome::Done)
+    let scene = folder.join("scene.xml");
+    console
+        .summary(format_args!("{}: {triangles} triangles in {meshes} meshes, {materials} materials", scene.display()))
 }
 
 /// The part of the light that is asked for, as lights and a number of bounces.

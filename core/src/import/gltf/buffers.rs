@@ -154,7 +154,7 @@ pub(super) fn read_uri(uri: &str, files: &mut Files) -> Result<Vec<u8>, Trouble>
 }
 
 /// Replaces `%20` and the like; what is no such code stays.
-pub(super) fn percent_decoded(uri: &str) -> String {
+pub(crate) fn percent_decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let Some((&first, after)) = rest.split_first() {

@@ -9,7 +9,7 @@ use super::{
     },
     buffers::{Buffers, percent_decoded, read_uri},
     document_with,
-    layers::{self, Layers},
+    layers::Layers,
 };
 use crate::{
     brdf::GgxParameters,
@@ -21,7 +21,10 @@ use glam::{Vec2, Vec3};
 use gltf::{buffer::View, material::AlphaMode, texture::WrappingMode};
 use serde::Deserialize;
 use serde_json::Value;
-use std::path::Path;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 /// Adds all materials in the order of the file.
 ///
@@ -45,9 +48,17 @@ pub(super) fn add_materials(
 }
 
 /// The material of a primitive; the default of the format is added when the first primitive needs it.
-pub(super) fn index_of(source: &mut Source, gltf: &gltf::Document, primitive: &gltf::Primitive) -> u32 {
+///
+/// `chosen` is that of a variant, which may not be there.
+pub(super) fn index_of(
+    source: &mut Source,
+    gltf: &gltf::Document,
+    primitive: &gltf::Primitive,
+    chosen: Option<usize>,
+) -> u32 {
     let default = gltf.materials().count();
-    let index = primitive.material().index().unwrap_or(default);
+    let chosen = chosen.filter(|index| *index < default);
+    let index = chosen.or(primitive.material().index()).unwrap_or(default);
     if index == source.materials.len() {
         source.materials.push(Material { name: "default".into(), ..Default::default() });
     }
@@ -61,6 +72,8 @@ struct Ignored {
     emissive: Vec<String>,
     second_uvs: Vec<String>,
     not_repeated: Vec<String>,
+    /// Of the extensions: what is told, and of which material.
+    told: BTreeSet<(&'static str, String)>,
 }
 
 impl Ignored {
@@ -81,6 +94,9 @@ impl Ignored {
                 warnings.push(format!("the materials {} {text}", listed(names)));
             }
         }
+        let mut by_text: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        self.told.iter().for_each(|(text, name)| by_text.entry(text).or_default().push(name.clone()));
+        warnings.extend(by_text.iter().map(|(text, names)| format!("the materials {} {text}", listed(names))));
     }
 }
 
@@ -119,7 +135,7 @@ fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
 
 /// What the extensions of each material add; empty if the file has none.
 fn layers_of(bytes: &[u8]) -> Vec<Layers> {
-    let document = layers::EXTENSIONS.iter().find_map(|extension| document_with(bytes, extension));
+    let document = document_with(bytes, "KHR_materials_");
     document.map(|document| Layers::of_all(&document)).unwrap_or_default()
 }
 
@@ -181,11 +197,16 @@ impl MaterialReader<'_> {
     fn add_layers(&mut self, material: &mut Material, index: usize) -> Result<(), Trouble> {
         let Some(layers) = self.layers.get(index).cloned() else { return Ok(()) };
         let name = material.name.clone();
-        layers.add_to(material, |info| {
+        let mean = material.maps.get("roughness").map_or(1.0, |slot| {
+            self.library.textures[slot.texture as usize].mean(slot.color_space)[slot.channel as usize]
+        });
+        let told = layers.add_to(material, mean, |info| {
             let missing = || Trouble::from(format!("a material refers to texture {}, which is not there", info.index));
             let texture = self.gltf.textures().nth(info.index).ok_or_else(missing)?;
             self.slot_of(&texture, info.tex_coord, info.transform(), &name)
-        })
+        })?;
+        self.ignored.told.extend(told.into_iter().map(|text| (text, material.name.clone())));
+        Ok(())
     }
 
     fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> Result<TextureSlot, Trouble> {

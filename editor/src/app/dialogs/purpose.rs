@@ -1,6 +1,7 @@
 //! The purpose of a file dialog: its title, the files it lists, and how its answer completes the action that asked.
 
 use crate::{actions::Action, preferences::FileUse};
+use lapidary_core::export::FORMATS;
 use std::path::{Path, PathBuf};
 
 /// Which dialog.
@@ -66,6 +67,10 @@ impl Purpose {
             }
             Action::ExportLayers(_) => {
                 purpose(FileUse::Picture, "Export the picture with layers", "Export", Mode::Save, "Pictures", &["exr"])
+            }
+            Action::ExportMaterials(_) => {
+                let (title, files) = ("Export the materials", "MaterialX, MTL, glTF");
+                purpose(FileUse::Material, title, "Export", Mode::Save, files, &FORMATS)
             }
             Action::SequenceFolder(_) => {
                 purpose(FileUse::Picture, "Choose the folder of the frames", "Choose", Mode::Folder, "Folders", &[])

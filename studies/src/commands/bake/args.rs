@@ -11,7 +11,7 @@ use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeReport, BakeSettings},
     ground::Ground,
-    import::import_with,
+    import::{ImportOptions, import_with},
     light_tree::TreeKind,
     ray::RayDevices,
 };
@@ -59,6 +59,10 @@ pub struct BakeArgs {
     pub scene: PathBuf,
     #[command(flatten)]
     outside: OutsideArgs,
+    /// Variant of a glTF scene's materials (KHR_materials_variants); `lapidary info SCENE` lists them [default: what the file
+    /// shows first]
+    #[arg(long, value_name = "NAME")]
+    variant: Option<String>,
     /// Dataset to write
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
@@ -226,7 +230,8 @@ impl BakeArgs {
         let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
         progress.cancel_on_interrupt();
         let start = Instant::now();
-        let imported = import_with(&self.scene, &self.outside.into())?;
+        let options = ImportOptions { variant: self.variant.clone(), ..self.outside.into() };
+        let imported = import_with(&self.scene, &options)?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
         // The scene's own buffers and pictures are known only now.
         self.files().reads(&imported.report.files).check()?;
