@@ -12,6 +12,7 @@ mod farm;
 mod faults;
 mod gpu;
 mod kills;
+mod materials;
 mod mitsuba;
 mod outputs;
 mod outside;

@@ -92,6 +92,19 @@ impl<S> MaterialOf<S> {
 }
 
 impl<S: Clone> MaterialOf<S> {
+    /// The same with nothing that it holds of models that it had before.
+    #[must_use]
+    pub fn own(&self) -> Self {
+        let mut own = Self { parameters: Parameters::default(), ..self.clone() };
+        own.maps.retain(|name, _| [NORMAL, BUMP].contains(&name) || self.model.parameter(name).is_some());
+        for parameter in self.model.parameters() {
+            if let Some(value) = self.parameters.get(parameter.name) {
+                own.parameters.set(parameter.name, value);
+            }
+        }
+        own
+    }
+
     /// With another model, which takes over the values and maps of the quantities that both have.
     pub fn change_model(&mut self, model: BrdfModel) {
         for to in model.parameters() {

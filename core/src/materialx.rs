@@ -10,7 +10,7 @@
 mod graph;
 mod placement;
 mod read;
-pub(crate) mod stretch;
+pub mod stretch;
 mod surface;
 #[cfg(test)]
 mod tests;

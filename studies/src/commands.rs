@@ -69,8 +69,9 @@ Example, for two machines that see the same folder:
   lapidary bake scene.gltf -o scene.cuts --shard 2/2
   lapidary merge scene.cuts")]
     Merge(MergeArgs),
-    /// Describe a dataset
-    #[command(after_help = "Example:\n  lapidary info scene.cuts --json | jq .report.mean_cut")]
+    /// Describe a dataset, or a scene with its materials and their variants
+    #[command(after_help = "Examples:\n  lapidary info scene.cuts --json | jq .report.mean_cut\n  lapidary info \
+shoe.glb --json | jq .variants")]
     Info(InfoArgs),
     /// List the BRDF models with their parameters
     #[command(after_help = "\

@@ -103,6 +103,15 @@ struct Candidate<'a> {
     line: u32,
 }
 
+/// What a surface is: its element, or what a reference to it says.
+fn category<'a>(shader: Node<'a, 'a>) -> &'a str {
+    if shader.has_tag_name("shaderref") {
+        shader.attribute("node").unwrap_or_default()
+    } else {
+        shader.tag_name().name()
+    }
+}
+
 impl<'a> Candidate<'a> {
     /// All of a document in its order.
     fn all(graph: &Graph<'a>, root: Node<'a, 'a>) -> Vec<Self> {
@@ -116,7 +125,12 @@ impl<'a> Candidate<'a> {
             let target = input.and_then(|input| graph.target(input).ok().flatten());
             of(node, target.map(|(shader, _)| shader))
         });
-        let materials: Vec<_> = materials.collect();
+        // Before version 1.38 a material holds its surface.
+        let before = root.children().filter(|node| node.has_tag_name("material")).map(|node| {
+            let shader = node.children().find(|child| child.has_tag_name("shaderref"));
+            of(node, shader)
+        });
+        let materials: Vec<_> = materials.chain(before).collect();
         if !materials.is_empty() {
             return materials;
         }
@@ -126,7 +140,7 @@ impl<'a> Candidate<'a> {
 
     fn surface(&self) -> Option<(Node<'a, 'a>, Surface)> {
         let shader = self.shader?;
-        Some((shader, Surface::of(shader.tag_name().name())?))
+        Some((shader, Surface::of(category(shader))?))
     }
 
     fn is_called(&self, name: &str) -> bool {
@@ -141,7 +155,7 @@ fn choose<'b, 'a>(
     line: u32,
 ) -> Result<&'b Candidate<'a>, MaterialXError> {
     let Some(first) = all.first() else {
-        let reason = "it has no material of a surface; those of version 1.37 and before have to be upgraded first";
+        let reason = "it has no material, and no surface that is read";
         return Err(MaterialXError::Contents { line, reason: reason.into() });
     };
     match wanted {
@@ -185,7 +199,7 @@ impl<'a> Reader<'_, 'a> {
 
     fn material(&mut self, of: &Candidate<'a>) -> Result<MaterialFile, MaterialXError> {
         let Some((shader, surface)) = of.surface() else {
-            let found = of.shader.map_or("nothing that is there", |shader| shader.tag_name().name());
+            let found = of.shader.map_or("nothing that is there", category);
             let known = Surface::ALL.map(Surface::node).join(", ");
             let reason = format!("the surface of \"{}\" is {found}, and only {known} are read", of.name);
             return Err(MaterialXError::Contents { line: of.line, reason });
@@ -399,7 +413,7 @@ impl<'a> Reader<'_, 'a> {
         if !lost.is_empty() {
             self.remarks.push(format!("what is left out: {}", lost.join(", ")));
         }
-        for input in shader.children().filter(|node| node.has_tag_name("input")) {
+        for input in shader.children().filter(|node| ["input", "bindinput"].contains(&node.tag_name().name())) {
             let name = input.attribute("name").unwrap_or_default();
             if !surface.knows(name) {
                 let line = self.graph.line(input);

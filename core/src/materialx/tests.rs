@@ -247,6 +247,29 @@ fn a_document_of_another_program_is_read() {
 }
 
 #[test]
+fn a_document_of_version_1_37_is_read() {
+    let text = r#"<materialx version="1.37">
+<nodegraph name="NG" colorspace="srgb_texture" fileprefix="Images/">
+  <tiledimage name="c" type="color3"><parameter name="file" type="filename" value="brass.jpg"/></tiledimage>
+  <output name="out" type="color3" nodename="c"/>
+</nodegraph>
+<material name="Brass">
+  <shaderref name="SR" node="standard_surface">
+    <bindinput name="metalness" type="float" value="1"/>
+    <bindinput name="specular" type="float" value="0"/>
+    <bindinput name="coat_color" type="color3" nodegraph="NG" output="out"/>
+    <bindinput name="coat_glow" type="float" value="1"/>
+  </shaderref>
+</material></materialx>"#;
+    let ReadMaterial { material, remarks } = read(text, None).unwrap();
+    let map = material.maps.get("coat_color").unwrap();
+    assert_eq!((map.file.as_str(), map.color_space), ("Images/brass.jpg", Some(ColorSpace::Srgb)));
+    // The weight of a metal's highlight is another thing there.
+    assert_eq!((material.name.as_str(), material.parameters.number("specular_weight")), ("Brass", 1.0));
+    assert!(remarks.len() == 1 && remarks[0].contains("line 11") && remarks[0].contains("coat_glow"), "{remarks:?}");
+}
+
+#[test]
 fn colors_are_converted_and_other_spaces_told() {
     let of = |space: &str| {
         let input =

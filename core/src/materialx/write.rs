@@ -455,12 +455,11 @@ fn unstretched<S>(nearest: &mut MaterialOf<S>, names: [&'static str; 2], numbers
 
 /// A material as one of `openpbr`, with the lobe as wide as it is; `remarks` get what has no place there.
 pub(crate) fn as_openpbr<S: Clone>(material: &MaterialOf<S>, remarks: &mut Vec<String>) -> MaterialOf<S> {
-    let mut nearest = material.clone();
+    let mut nearest = material.own();
     if material.model == BrdfModel::OpenPbr {
         return nearest;
     }
-    nearest.parameters = Default::default();
-    nearest.maps.retain(|name, _| [NORMAL, BUMP].contains(&name) || material.model.parameter(name).is_some());
+    // What is not told is the default of its model, not of the other.
     for parameter in material.model.parameters() {
         nearest.parameters.set(parameter.name, parameter.sanitized(material.parameters.value(parameter)));
     }
@@ -482,7 +481,8 @@ pub(crate) fn as_openpbr<S: Clone>(material: &MaterialOf<S>, remarks: &mut Vec<S
         nearest.parameters.set("specular_roughness", lobe[0]);
         nearest.parameters.set("specular_roughness_anisotropy", lobe[1]);
     }
-    if material.model.parameter("edge_color").is_some() && number("metalness") > 0.0 {
+    let edge = material.model.parameter("edge_color");
+    if edge.is_some_and(|p| material.parameters.value(p) != p.default) && number("metalness") > 0.0 {
         remarks.push("the color of its metal toward the edge becomes that of OpenPBR".into());
     }
     nearest

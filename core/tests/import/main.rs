@@ -3,6 +3,7 @@
 
 mod damage;
 mod gltf;
+mod gltf_extensions;
 mod limits;
 mod material_files;
 mod numbers;

@@ -10,6 +10,7 @@ mod ground;
 mod hands;
 mod kept;
 mod lights;
+mod materials;
 mod panels;
 
 use super::{

@@ -1,18 +1,22 @@
-//! The `info` command.
+//! The `info` command: what a dataset holds, or a scene that can be baked.
 
 use crate::{
+    export::has_extension,
     outputs::CommandFiles,
     terminal::{json_text, print_out},
 };
 use anyhow::Result;
 use clap::Args;
-use lapidary_core::dataset::{BakeAudit, BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
+use lapidary_core::{
+    dataset::{BakeAudit, BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text},
+    import::{Imported, import},
+};
 use std::path::PathBuf;
 
 /// Options of `info`.
 #[derive(Args, Clone, Debug)]
 pub struct InfoArgs {
-    /// Dataset to describe
+    /// Dataset to describe, or a scene: .obj, .gltf, .glb or .ply
     pub file: PathBuf,
     /// Print JSON
     #[arg(long)]
@@ -25,14 +29,68 @@ impl InfoArgs {
         CommandFiles::default().reads([&self.file])
     }
 
-    /// Prints what a dataset holds.
+    /// Prints what a dataset or a scene holds.
     ///
     /// # Errors
-    /// A dataset that cannot be read.
+    /// A file that cannot be read.
     pub fn run(&self) -> Result<()> {
+        if ["obj", "gltf", "glb", "ply"].iter().any(|extension| has_extension(&self.file, extension)) {
+            let imported = import(&self.file)?;
+            return if self.json {
+                print_out(&json_text(&scene_json(&imported))?)
+            } else {
+                print_out(&scene_text(&imported))
+            };
+        }
         let dataset = Dataset::read(&self.file)?;
         if self.json { print_out(&json_text(&info_json(&dataset))?) } else { print_out(&info_text(&dataset)) }
     }
+}
+
+fn names<T>(of: &[T], name: impl Fn(&T) -> &String) -> Vec<&String> {
+    of.iter().map(name).collect()
+}
+
+fn scene_json(Imported { scene, report }: &Imported) -> serde_json::Value {
+    serde_json::json!({
+        "vertices": scene.mesh.positions.len(),
+        "triangles": scene.mesh.triangles.len(),
+        "materials": names(&scene.materials, |m| &m.name),
+        "variants": report.variants,
+        "objects": names(&scene.objects, |o| &o.name),
+        "cameras": scene.cameras,
+        "lights": names(&scene.lights, |l| &l.name),
+        "warnings": report.warnings,
+    })
+}
+
+fn scene_text(Imported { scene, report }: &Imported) -> String {
+    let size = scene.mesh.bounds().max - scene.mesh.bounds().min;
+    let mut text = format!(
+        "mesh       {} vertices, {} triangles, {:.2} x {:.2} x {:.2} m\n",
+        scene.mesh.positions.len(),
+        scene.mesh.triangles.len(),
+        size.x,
+        size.y,
+        size.z
+    );
+    text += &format!(
+        "scene      {} objects, {} materials, {} textures, {} cameras, {} lights\n",
+        scene.objects.len(),
+        scene.materials.len(),
+        scene.textures.len(),
+        scene.cameras.len(),
+        scene.lights.len()
+    );
+    let lists = [
+        ("material  ", names(&scene.materials, |m| &m.name)),
+        ("variant   ", names(&report.variants, |name| name)),
+        ("warning   ", names(&report.warnings, |warning| warning)),
+    ];
+    for (what, names) in lists {
+        text.extend(names.iter().map(|name| format!("{what} {name}\n")));
+    }
+    text
 }
 
 fn info_json(dataset: &Dataset) -> serde_json::Value {

@@ -11,7 +11,9 @@ use anyhow::Result;
 use glam::{Vec3, Vec4};
 use lapidary_core::{
     brdf::{GgxParameters, Metal, OpenPbrParameters, widths},
+    color::luminance,
     material::{BrdfModel, Material},
+    materialx::stretch::{of_openpbr, to_burley},
     texture::TextureSlot,
 };
 
@@ -41,6 +43,7 @@ pub fn bsdfs(
     textures: &mut TextureFolder,
 ) -> Result<String> {
     let mut text = String::new();
+    let material = &material.own();
     let mut writer = MaterialWriter { material, index, textures };
     if wanted[0] {
         text += &writer.bumped(&named(id(index, false)), models)?;
@@ -91,7 +94,7 @@ impl MaterialWriter<'_, '_> {
             (BrdfModel::Lambert | BrdfModel::OrenNayar, _) => ("diffuse", self.color("reflectance", "base_color")?),
             (BrdfModel::Ggx, Models::Exact) => ("lapidary_ggx", self.ggx()?),
             (BrdfModel::Beckmann | BrdfModel::Ggx, _) if self.is_metal() => ("roughconductor", self.conductor()?),
-            _ => ("principled", self.principled()? + &self.layers()),
+            _ => ("principled", self.principled()? + &self.layers()?),
         };
         Ok(xml::plugin("bsdf", kind, attributes, &properties))
     }
@@ -137,23 +140,35 @@ impl MaterialWriter<'_, '_> {
         .concat())
     }
 
-    /// Coat and fuzz, where the model has them.
-    fn layers(&self) -> String {
+    /// Coat and fuzz, where the model has them. Fuzz is as strong as it is bright.
+    fn layers(&mut self) -> Result<String> {
         if self.material.model != BrdfModel::OpenPbr {
-            return String::new();
+            return Ok(String::new());
         }
+        let maps = &self.material.maps;
         let p = OpenPbrParameters::from(&self.material.parameters.clone().sanitized());
-        [
-            xml::value("float", "clearcoat", p.coat_weight),
-            xml::value("float", "clearcoat_gloss", 1.0 - p.coat_roughness),
-            xml::value("float", "sheen", p.fuzz_weight),
+        let unit = |x: f32| x.clamp(0.0, 1.0);
+        let fuzz = p.fuzz_weight * luminance(p.fuzz_color);
+        let gloss = match maps.get("coat_roughness") {
+            None => xml::value("float", "clearcoat_gloss", 1.0 - p.coat_roughness),
+            Some(slot) => self.map(Some("clearcoat_gloss"), "coat-gloss", slot, |texel| {
+                Vec3::splat(unit(1.0 - p.coat_roughness * texel[slot.channel as usize]))
+            })?,
+        };
+        Ok([
+            self.number("clearcoat", "coat-weight", p.coat_weight, maps.get("coat_weight"), unit)?,
+            gloss,
+            self.number("sheen", "fuzz-weight", fuzz, maps.get("fuzz_weight"), unit)?,
         ]
-        .concat()
+        .concat())
     }
 
     fn principled(&mut self) -> Result<String> {
         let mut common = self.material.clone();
         common.change_model(BrdfModel::Ggx);
+        if self.material.model == BrdfModel::OpenPbr {
+            take_from_openpbr(&mut common);
+        }
         MaterialWriter { material: &common, index: self.index, textures: self.textures }.principled_of_ggx()
     }
 
@@ -210,6 +225,16 @@ impl MaterialWriter<'_, '_> {
     }
 }
 
+/// Gives a GGX material what it lacks of OpenPBR's: the weight of its colour, how bright its highlight is, and a lobe as wide.
+fn take_from_openpbr(common: &mut Material) {
+    let p = OpenPbrParameters::from(&common.parameters.clone().sanitized());
+    common.parameters.set("base_color", p.base_weight * p.base_color);
+    common.parameters.set("specular", p.specular_weight * luminance(p.specular_color));
+    let [roughness, squeeze] = to_burley(of_openpbr(p.specular_roughness, p.specular_roughness_anisotropy));
+    common.parameters.set("roughness", roughness);
+    common.parameters.set("anisotropy", (squeeze / 0.9).min(1.0));
+}
+
 /// The index of refraction whose reflectance at normal incidence is that of the material, the weight of its lobe included.
 fn equivalent_eta(p: &GgxParameters) -> f32 {
     let root = ((p.ior - 1.0) / (p.ior + 1.0)) * p.specular.sqrt();
@@ -219,7 +244,7 @@ fn equivalent_eta(p: &GgxParameters) -> f32 {
 
 /// What the nearest BSDFs show otherwise of a material, beyond what they differ in by definition.
 pub fn remarks(material: &Material) -> Vec<String> {
-    let Material { name, model, parameters, maps, .. } = material;
+    let Material { name, model, parameters, maps, .. } = &material.own();
     let diffuse = [BrdfModel::Lambert, BrdfModel::OrenNayar].contains(model);
     let lobe = !diffuse;
     let has_equal = [BrdfModel::Lambert, BrdfModel::Beckmann, BrdfModel::Ggx].contains(model);
@@ -234,7 +259,41 @@ pub fn remarks(material: &Material) -> Vec<String> {
         (lobe && maps.get("specular").is_some(), "the map of its specular weight is left out"),
     ]
     .into_iter()
+    .chain(remarks_of_layers(material))
     .filter(|(differs, _)| *differs)
     .map(|(_, remark)| format!("material \"{name}\": {remark}"))
     .collect()
+}
+
+/// What `principled` lacks of OpenPBR.
+fn remarks_of_layers(material: &Material) -> Vec<(bool, &'static str)> {
+    if material.model != BrdfModel::OpenPbr {
+        return Vec::new();
+    }
+    let maps = &material.maps;
+    let p = OpenPbrParameters::from(&material.parameters.clone().sanitized());
+    let has = |names: &[&str]| names.iter().any(|name| maps.get(name).is_some());
+    let (is_coated, is_fuzzy) = (p.coat_weight > 0.0, p.fuzz_weight > 0.0);
+    let is_colored = |color: Vec3| color.max_element() != color.min_element();
+    let default = OpenPbrParameters::default();
+    let other_coat = p.coat_color != Vec3::ONE
+        || p.coat_roughness_anisotropy > 0.0
+        || p.coat_darkening > 0.0
+        || (p.coat_ior - 1.5).abs() > 1e-3
+        || has(&["coat_color", "coat_ior", "coat_darkening", "coat_roughness_anisotropy"]);
+    let other_fuzz = is_colored(p.fuzz_color)
+        || p.fuzz_roughness != default.fuzz_roughness
+        || has(&["fuzz_color", "fuzz_roughness"]);
+    vec![
+        (has(&["base_weight"]), "the map of its base weight is left out"),
+        (
+            p.base_diffuse_roughness > 0.0 || has(&["base_diffuse_roughness"]),
+            "its diffuse base is Burley's, not a rough one",
+        ),
+        (is_colored(p.specular_color) || has(&["specular_color"]), "its highlight is as bright, without its color"),
+        (has(&["specular_ior"]), "the map of its index of refraction is left out"),
+        (has(&["specular_weight"]), "the map of its specular weight is left out"),
+        (is_coated && other_coat, "its coat is a clear one of index 1.5 that does not darken"),
+        (is_fuzzy && other_fuzz, "its fuzz is Burley's sheen of the same brightness, without color and roughness"),
+    ]
 }

@@ -97,3 +97,48 @@ fn maps_are_multiplied_by_their_parameters_and_differences_are_told() {
     assert!(text.contains("\"clearcoat\" value=\"0.5\""), "{text}");
     assert!(bsdf::remarks(&Material::default()).is_empty());
 }
+
+#[test]
+fn what_a_layered_material_says_is_applied_or_told() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("textures")).unwrap();
+    let texels = Texels::F32(vec![[0.5, 0.25, 1.0, 1.0]]);
+    let textures = [Arc::new(Texture { name: "t".into(), size: [1, 1], texels, encoded: Arc::from([]) })];
+    let mut writer = TextureFolder::new(folder.path(), &textures);
+    let parameters = Parameters::default()
+        .with("base_color", Vec3::splat(0.8))
+        .with("base_weight", 0.5)
+        .with("specular_color", Vec3::new(1.0, 0.5, 0.5))
+        .with("coat_weight", 0.5)
+        .with("coat_roughness", 0.5)
+        .with("fuzz_weight", 0.5)
+        .with("fuzz_color", Vec3::splat(0.5));
+    let maps = MaterialMaps::from(
+        ["coat_weight", "coat_roughness", "specular_color"].map(|map| (map, TextureSlot::default())),
+    );
+    let material = Material { model: BrdfModel::OpenPbr, parameters, maps, ..Default::default() };
+    let text = bsdf::bsdfs(&material, 7, [true, false], bsdf::Models::Nearest, &mut writer).unwrap();
+    assert!(text.contains("\"base_color\" value=\"0.4, 0.4, 0.4\""), "{text}");
+    assert!(text.contains("\"sheen\" value=\"0.25\""), "{text}");
+    let read =
+        |name: &str| Image::read(&folder.path().join(format!("textures/material-7-{name}.exr"))).unwrap().pixels[0].x;
+    assert!((read("coat-weight") - 0.25).abs() < 1e-6 && (read("coat-gloss") - 0.75).abs() < 1e-6);
+    let told = bsdf::remarks(&material).join("\n");
+    assert!(told.contains("without its color") && told.contains("clear one of index 1.5"), "{told}");
+    assert!(!told.contains("base weight") && !told.contains("sheen"), "{told}");
+}
+
+#[test]
+fn values_that_a_model_does_not_have_are_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut writer = TextureFolder::new(folder.path(), &[]);
+    let stale = Parameters::default().with("anisotropy", -0.75).with("edge_color", Vec3::ZERO).with("coat_weight", 1.0);
+    let of = |parameters: Parameters, writer: &mut TextureFolder| {
+        let material = Material { model: BrdfModel::BlinnPhong, parameters, ..Default::default() };
+        let text = bsdf::bsdfs(&material, 0, [true, false], bsdf::Models::Nearest, writer).unwrap();
+        (text, bsdf::remarks(&material))
+    };
+    assert_eq!(of(stale, &mut writer), of(Parameters::default(), &mut writer));
+    let own = Parameters::default().with("roughness", 0.75);
+    assert_ne!(of(own, &mut writer).0, of(Parameters::default(), &mut writer).0, "negative control");
+}

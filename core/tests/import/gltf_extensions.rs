@@ -1,0 +1,141 @@
+//! Extensions of glTF: what is required and not known, variants, and what materials say by them.
+
+use super::{
+    gltf::{Gltf, QUAD},
+    *,
+};
+use lapidary_core::brdf::{BrdfModel, OpenPbrParameters, widths};
+
+/// A quad with a material, whose JSON is `material`, and the picture `a.png`.
+fn with_material(material: &str) -> Imported {
+    let rest = format!(
+        r#", "images": [{{"uri": "a.png"}}], "textures": [{{"source": 0}}], "materials": [{{"name": "m", {material}}}]"#
+    );
+    let scene = Gltf { primitive: r#""indices": 1, "material": 0"#, rest: Box::leak(rest.into_boxed_str()), ..QUAD };
+    let files = Files::new();
+    files.add_png("a.png", [0.25; 3]);
+    import(&files.add("a.gltf", scene.embedded())).unwrap()
+}
+
+#[test]
+fn an_extension_that_is_needed_and_not_known_is_named() {
+    let files = Files::new();
+    let refused = |name: &str| {
+        let rest = format!(r#", "extensionsUsed": ["{name}"], "extensionsRequired": ["KHR_materials_ior", "{name}"]"#);
+        let scene = Gltf { rest: Box::leak(rest.into_boxed_str()), ..QUAD };
+        import(&files.add("needy.gltf", scene.embedded())).err().map(|error| error.to_string())
+    };
+    let message = refused("ACME_magic").unwrap();
+    assert!(
+        message.contains("needs the glTF extensions \"ACME_magic\"") && message.ends_with("needy.gltf)"),
+        "{message}"
+    );
+    assert!(message.contains("needy.gltf") && !message.contains("KHR_materials_ior"), "{message}");
+    for known in ["KHR_materials_variants", "KHR_materials_transmission", "KHR_materials_emissive_strength"] {
+        assert_eq!(refused(known), None, "negative control");
+    }
+}
+
+#[test]
+fn variants_are_listed_and_chosen_by_name() {
+    let scene = Gltf {
+        primitive: r#""indices": 1, "material": 0, "extensions": {"KHR_materials_variants": {"mappings": [
+            {"material": 1, "variants": [0, 2]}, {"material": 9, "variants": [1]}]}}"#,
+        rest: r#", "extensionsUsed": ["KHR_materials_variants"],
+            "extensions": {"KHR_materials_variants": {"variants": [{"name": "red"}, {"name": "broken"}, {"name": "blue"}]}},
+            "materials": [{"name": "first"}, {"name": "other"}]"#,
+        ..QUAD
+    };
+    let files = Files::new();
+    let path = files.add("shoe.gltf", scene.embedded());
+    let shown = |variant: Option<&str>| {
+        let options = ImportOptions { variant: variant.map(str::to_owned), ..Default::default() };
+        import_with(&path, &options).map(|imported| {
+            let material = imported.scene.mesh.triangle_material[0] as usize;
+            (imported.scene.materials[material].name.clone(), imported.report)
+        })
+    };
+    let (first, report) = shown(None).unwrap();
+    assert_eq!((first.as_str(), report.variants.len()), ("first", 3));
+    assert!(report.warnings[0].contains("\"red\", \"broken\", \"blue\"; none is chosen"), "{:?}", report.warnings);
+    assert_eq!(shown(Some("red")).unwrap().0, "other");
+    assert_eq!(shown(Some("blue")).unwrap().0, "other");
+    assert_eq!(shown(Some("broken")).unwrap().0, "first", "a material that is not there");
+    let refused = shown(Some("green")).unwrap_err().to_string();
+    assert!(
+        refused.contains("no material variant \"green\"; it has \"red\"") && refused.contains("shoe.gltf"),
+        "{refused}"
+    );
+    let other = files.add("a.ply", "ply\n");
+    let options = ImportOptions { variant: Some("red".into()), ..Default::default() };
+    assert!(import_with(&other, &options).unwrap_err().to_string().contains("it has none"));
+}
+
+#[test]
+fn a_stretched_highlight_is_kept_with_a_texture_of_roughness_and_below_a_coat() {
+    let stretch = r#""KHR_materials_anisotropy": {"anisotropyStrength": 0.6, "anisotropyRotation": 0}"#;
+    // Texels of 0.25 and a factor of 1: the factor alone has no room for a stretch.
+    let mapped = with_material(&format!(
+        r#""extensions": {{{stretch}}}, "pbrMetallicRoughness": {{"metallicRoughnessTexture": {{"index": 0}}}}"#
+    ));
+    let material = &mapped.scene.materials[0];
+    let slot = material.maps.get("roughness").unwrap();
+    let texel = mapped.scene.textures[0].texel(0, 0, slot.color_space).y;
+    let parameters = &material.parameters;
+    let found = widths(parameters.number("roughness") * texel, parameters.number("anisotropy"));
+    let across = texel * texel;
+    let expected = [across + (1.0 - across) * 0.36, across];
+    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?} {expected:?}");
+    let of_factor = widths(1.0, parameters.number("anisotropy"));
+    assert!((of_factor[0] - expected[0]).abs() > 0.1, "negative control: the lobe of the factor");
+
+    let coat = r#""KHR_materials_clearcoat": {"clearcoatFactor": 1}"#;
+    let coated = with_material(&format!(
+        r#""extensions": {{{stretch}, {coat}}}, "pbrMetallicRoughness": {{"roughnessFactor": 0.5}}"#
+    ));
+    let p = OpenPbrParameters::from(&coated.scene.materials[0].parameters);
+    let short = 1.0 - p.specular_roughness_anisotropy;
+    let along = p.specular_roughness.powi(2) * (2.0 / (1.0 + short * short)).sqrt();
+    assert!((along - (0.25 + 0.75 * 0.36)).abs() < 1e-5 && (along * short - 0.25).abs() < 1e-5, "{p:?}");
+    assert_eq!(coated.report.warnings, [""; 0]);
+    let turned = stretch.replace("\"anisotropyRotation\": 0", "\"anisotropyRotation\": 1.5707963");
+    let turned = with_material(&format!(r#""extensions": {{{turned}, {coat}}}"#));
+    assert_eq!(turned.scene.materials[0].parameters.number("specular_roughness_anisotropy"), 0.0);
+    assert!(turned.report.warnings[0].contains("across the tangent below a coat"), "{:?}", turned.report.warnings);
+}
+
+#[test]
+fn what_extensions_say_and_is_not_kept_is_told() {
+    let imported = with_material(
+        r#""extensions": {
+            "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyTexture": {"index": 0}},
+            "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}},
+            "KHR_materials_transmission": {"transmissionFactor": 0.5}}"#,
+    );
+    let told = imported.report.warnings.join("\n");
+    for part in ["anisotropy texture", "normal map of their coat", "transmit light"] {
+        assert!(told.contains(&format!("\"m\" {}", if part == "transmit light" { part } else { "have a" })), "{told}");
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert_eq!(
+        with_material(r#""extensions": {"KHR_materials_transmission": {"transmissionFactor": 0}}"#).report.warnings,
+        [""; 0]
+    );
+    if BrdfModel::declared("geometry_opacity").is_some() {
+        assert_eq!(imported.scene.materials[0].parameters.number("geometry_opacity"), 0.5);
+    }
+}
+
+#[test]
+fn a_colored_highlight_becomes_openpbr_and_a_grey_one_is_a_weight() {
+    let of = |color: &str| {
+        let specular =
+            format!(r#""KHR_materials_specular": {{"specularFactor": 0.5, "specularColorFactor": {color}}}"#);
+        with_material(&format!(r#""extensions": {{{specular}}}"#)).scene.materials.remove(0)
+    };
+    let colored = of("[1, 0.5, 0.25]");
+    assert_eq!((colored.model, colored.parameters.number("specular_weight")), (BrdfModel::OpenPbr, 0.5));
+    assert_eq!(colored.parameters.color("specular_color"), Vec3::new(1.0, 0.5, 0.25));
+    let grey = of("[0.5, 0.5, 0.5]");
+    assert!(grey.model == BrdfModel::Ggx && (grey.parameters.number("specular") - 0.25).abs() < 1e-6);
+}
