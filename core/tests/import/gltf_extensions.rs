@@ -74,20 +74,27 @@ fn variants_are_listed_and_chosen_by_name() {
 #[test]
 fn a_stretched_highlight_is_kept_with_a_texture_of_roughness_and_below_a_coat() {
     let stretch = r#""KHR_materials_anisotropy": {"anisotropyStrength": 0.6, "anisotropyRotation": 0}"#;
-    // Texels of 0.25 and a factor of 1: the factor alone has no room for a stretch.
-    let mapped = with_material(&format!(
-        r#""extensions": {{{stretch}}}, "pbrMetallicRoughness": {{"metallicRoughnessTexture": {{"index": 0}}}}"#
-    ));
+    let with_factor = |factor: f32| {
+        let texture = format!(r#"{{"roughnessFactor": {factor}, "metallicRoughnessTexture": {{"index": 0}}}}"#);
+        with_material(&format!(r#""extensions": {{{stretch}}}, "pbrMetallicRoughness": {texture}"#))
+    };
+    let mapped = with_factor(0.5);
+    assert_eq!(mapped.report.warnings, [""; 0]);
     let material = &mapped.scene.materials[0];
     let slot = material.maps.get("roughness").unwrap();
     let texel = mapped.scene.textures[0].texel(0, 0, slot.color_space).y;
     let parameters = &material.parameters;
     let found = widths(parameters.number("roughness") * texel, parameters.number("anisotropy"));
-    let across = texel * texel;
+    let across = (0.5 * texel).powi(2);
     let expected = [across + (1.0 - across) * 0.36, across];
     assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?} {expected:?}");
-    let of_factor = widths(1.0, parameters.number("anisotropy"));
+    let of_factor = widths(parameters.number("roughness"), parameters.number("anisotropy"));
     assert!((of_factor[0] - expected[0]).abs() > 0.1, "negative control: the lobe of the factor");
+    // The factor alone has no room for a stretch, and there is one all the same.
+    let widest = with_factor(1.0);
+    let parameters = &widest.scene.materials[0].parameters;
+    assert!(parameters.number("anisotropy") > 0.4 && parameters.number("roughness") == 1.0);
+    assert!(widest.report.warnings[0].contains("narrower than meant"), "{:?}", widest.report.warnings);
 
     let coat = r#""KHR_materials_clearcoat": {"clearcoatFactor": 1}"#;
     let coated = with_material(&format!(

@@ -277,9 +277,12 @@ impl Anisotropy {
                 ([roughness, 0.0], Some(text))
             }
         };
-        material.parameters.set(name, if mean > 0.0 { factor.max(0.01) * roughness / at_mean } else { factor });
+        let wanted = if mean > 0.0 { factor.max(0.01) * roughness / at_mean } else { factor };
+        material.parameters.set(name, wanted.min(1.0));
         material.parameters.set(stretch_name, amount);
-        told
+        let narrower =
+            "have a stretched highlight with a texture of roughness, whose factor ends at 1; it is narrower than meant";
+        told.or((wanted > 1.0).then_some(narrower))
     }
 }
 
