@@ -32,7 +32,7 @@ fn materials_go_out_in_every_format_and_come_back() {
         ("export a.cuts --materials a.fbx", "ends in none of .mtlx"),
         ("export a.cuts --materials b.glb --original scene.obj", "scene.obj"),
         ("export a.cuts --materials a.mtlx --material a.mtlx", "over an input"),
-        ("render a.cuts --env studio --material a.mtlx#gold --out b.png", "no material \"gold\", but white"),
+        ("render a.cuts --env studio --material a.mtlx#gold --out b.png", "no material \"gold\", but \"white\""),
     ] {
         let message = folder.fail(options);
         assert!(message.contains(words), "{options}: {message}");

@@ -85,7 +85,7 @@ pub enum ExportError {
         path: PathBuf,
     },
     /// Text that is no text, or JSON that is none.
-    #[error("the materials cannot be put in words: {reason} ({})", path.display())]
+    #[error("the materials cannot be written: {reason} ({})", path.display())]
     Text {
         /// The output.
         path: PathBuf,

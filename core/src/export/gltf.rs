@@ -463,5 +463,5 @@ fn within(object: &mut Map<String, Value>, keys: &[&str], change: impl FnOnce(&m
 /// A binary file of a JSON text and its data.
 #[cfg(test)]
 pub(super) fn glb_of(json: &str, data: Vec<u8>) -> Vec<u8> {
-    container::binary(json, &container::binary_chunk(data))
+    container::binary(json, &container::binary_chunk(data)).unwrap()
 }

@@ -12,7 +12,7 @@ use crate::{
     texture::Channel,
 };
 use glam::Vec3;
-use std::fmt::Write;
+use std::{collections::BTreeSet, fmt::Write};
 
 /// Quantities that have a key.
 const HELD: [&str; 15] = [
@@ -53,7 +53,11 @@ const MOST_IOR: f32 = 4.0;
 /// The text of a library; `remarks` get what it does not hold.
 pub fn library(materials: &[MaterialFile], remarks: &mut Vec<String>) -> String {
     let mut text = String::from("# Materials of Lapidary\n");
+    let mut names = BTreeSet::new();
     for material in materials {
+        if !names.insert(material.name.trim()) {
+            remarks.push(format!("two materials are called \"{}\", and readers of MTL take the last", material.name));
+        }
         let mut entry = Entry { material, text: String::new(), lost: Vec::new() };
         entry.write();
         let Entry { text: written, lost, .. } = entry;

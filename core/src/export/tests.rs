@@ -310,3 +310,32 @@ fn a_document_has_all_materials_and_their_pictures() {
         }
     }
 }
+
+#[test]
+fn new_pictures_join_those_of_an_original() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = original(folder.path(), true);
+    let mut scene = import(&original).unwrap().scene;
+    scene.textures.push(texture("new.png", [[50, 60, 70, 255]; 4]));
+    let slot = |texture, channel| TextureSlot { texture, channel, ..Default::default() };
+    let material = &mut scene.materials[1];
+    material.parameters.set("metalness", 0.5);
+    material.maps.set("metalness", Some(slot(1, Channel::R)));
+    material.maps.set("roughness", Some(slot(0, Channel::B)));
+    material.maps.set(NORMAL, Some(slot(1, Channel::R)));
+    let path = folder.path().join("more.glb");
+    let options = ExportOptions { original: Some(&original), ..Default::default() };
+    write_materials(&scene, &path, &options).unwrap();
+    let read = import(&path).unwrap();
+    assert_eq!((read.report.warnings, read.scene.textures.len()), (Vec::new(), 3));
+    let texel = |map: &str| {
+        let slot = read.scene.materials[1].maps.get(map).unwrap();
+        let texel = read.scene.textures[slot.texture as usize].texel(1, 1, slot.color_space);
+        (255.0 * texel[slot.channel as usize]).round()
+    };
+    assert_eq!(
+        (texel("roughness"), texel("metalness"), texel(NORMAL)),
+        (30.0, 50.0, 50.0),
+        "blue of one, red of the other"
+    );
+}

@@ -12,7 +12,7 @@ use std::{
 /// Most nodes that are passed on the way from an input to its picture.
 const MOST_STEPS: u32 = 256;
 
-/// A node that passes one on, beside the image nodes: what is between an input and its picture.
+/// An element of a document.
 type XmlNode<'a> = Node<'a, 'a>;
 
 /// Why an input is not read.
@@ -94,7 +94,7 @@ impl<'a> Graph<'a> {
         self.names.get(&(of.id(), name)).copied()
     }
 
-    /// Remarks about what was read otherwise, in order of their lines' text, each once.
+    /// Remarks about what was read otherwise, each once.
     pub fn take_remarks(&self) -> Vec<String> {
         self.remarks.take().into_iter().collect()
     }
@@ -223,8 +223,8 @@ impl<'a> Graph<'a> {
                 let found = self.follow(self.needed(node, "in")?)?;
                 self.swizzled(node, found, output.unwrap_or_default().trim_start_matches("out"))
             }
-            "multiply" => self.combined(node, [1.0, 1.0], |a, b| a * b),
-            "add" => self.combined(node, [0.0, 1.0], |a, b| a + b),
+            "multiply" => self.combined(node, true),
+            "add" => self.combined(node, false),
             other => self.beyond(node, &format!("the node \"{other}\" is not read")),
         }
     }
@@ -251,16 +251,10 @@ impl<'a> Graph<'a> {
         Ok(Vec2::new(numbers[0], numbers[1]))
     }
 
-    /// A node of two inputs, one of which is a constant. `apply` is done to the factor where `to[0]` is 1, and to what is added where
-    /// `to[1]` is.
-    fn combined(&self, node: XmlNode<'a>, to: [f32; 2], apply: fn(Vec3, Vec3) -> Vec3) -> Result<Found> {
+    /// The product or the sum of two inputs, one of which is a constant.
+    fn combined(&self, node: XmlNode<'a>, multiplies: bool) -> Result<Found> {
         let [a, b] = ["in1", "in2"].map(|name| self.needed(node, name).and_then(|input| self.follow(input)));
-        let triple = |numbers: &[f32]| match numbers {
-            [x] => Vec3::splat(*x),
-            [x, y] => Vec3::new(*x, *y, 0.0),
-            [x, y, z, ..] => Vec3::new(*x, *y, *z),
-            [] => Vec3::ZERO,
-        };
+        let apply = |a: Vec3, b: Vec3| if multiplies { a * b } else { a + b };
         match (a?, b?) {
             (Found::Constant(a), Found::Constant(b)) => {
                 let count = a.len().max(b.len()).min(3);
@@ -269,12 +263,10 @@ impl<'a> Graph<'a> {
             (Found::Picture(mut picture), Found::Constant(numbers))
             | (Found::Constant(numbers), Found::Picture(mut picture)) => {
                 let number = triple(&numbers);
-                if to[0] > 0.0 {
-                    picture.factor = apply(picture.factor, number);
+                if multiplies {
+                    picture.factor *= number;
                 }
-                if to[1] > 0.0 {
-                    picture.added = apply(picture.added, number);
-                }
+                picture.added = apply(picture.added, number);
                 Ok(Found::Picture(picture))
             }
             _ => self.beyond(node, "two pictures are combined, which is not read"),
@@ -372,7 +364,7 @@ impl<'a> Graph<'a> {
             _ => return Ok(Vec3::ONE),
         };
         let numbers = self.constant(node, name, &[1.0])?;
-        Ok(if let [x, y, z, ..] = numbers[..] { Vec3::new(x, y, z) } else { Vec3::splat(numbers[0]) })
+        Ok(triple(&numbers))
     }
 
     /// The transform of an image node, after that of its coordinates.
@@ -467,5 +459,15 @@ impl<'a> Graph<'a> {
         }
         let strength = self.constant(node, "scale", &[1.0])?[0];
         Ok(Relief { picture: *picture, strength })
+    }
+}
+
+/// The first three of some numbers, or one for all.
+fn triple(numbers: &[f32]) -> Vec3 {
+    match numbers {
+        [x] => Vec3::splat(*x),
+        [x, y] => Vec3::new(*x, *y, 0.0),
+        [x, y, z, ..] => Vec3::new(*x, *y, *z),
+        [] => Vec3::ZERO,
     }
 }

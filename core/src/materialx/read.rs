@@ -48,7 +48,7 @@ pub enum MaterialXError {
     #[error("{0}")]
     Value(String),
     /// No material is called so.
-    #[error("it has no material \"{name}\", but {}", known.join(", "))]
+    #[error("it has no material \"{name}\", but {}", crate::import::listed(known))]
     NoSuchMaterial {
         /// What was asked for.
         name: String,

@@ -123,7 +123,7 @@ fn a_material_of_a_materialx_document_is_chosen_by_its_name() {
     let gold = load(&named("#gold"), &mut scene).unwrap();
     assert_eq!((gold.name.as_str(), gold.parameters.number("base_metalness"), scene.textures.len()), ("gold", 1.0, 1));
     let error = load(&named("#lead"), &mut scene).unwrap_err().to_string();
-    assert!(error.contains("no material \"lead\", but wood, gold") && error.contains("two.mtlx"), "{error}");
+    assert!(error.contains("no material \"lead\", but \"wood\", \"gold\"") && error.contains("two.mtlx"), "{error}");
     assert_eq!(pictures_of_material(&named("#wood")).len(), 1);
     assert!(pictures_of_material(&named("#gold")).is_empty());
 }

@@ -91,11 +91,20 @@ pub fn parts(bytes: &[u8]) -> (&[u8], Option<&[u8]>) {
 }
 
 /// A binary file of a JSON text and the chunks behind it.
-pub fn binary(json: &str, chunks: &[u8]) -> Vec<u8> {
+///
+/// # Errors
+/// More than the 4 GiB that the format counts, in words.
+pub fn binary(json: &str, chunks: &[u8]) -> Result<Vec<u8>, String> {
     let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = 20 + json.len() + chunks.len();
-    [MAGIC, &word(2), &word(length), &word(json.len()), JSON, &json, chunks].concat()
+    if length > u32::MAX as usize {
+        return Err(format!(
+            "it would have {} MB, more than the 4 GiB of a .glb file; write a .gltf file",
+            length >> 20
+        ));
+    }
+    Ok([MAGIC, &word(2), &word(length), &word(json.len()), JSON, &json, chunks].concat())
 }
 
 /// The chunk of binary data.

@@ -38,12 +38,10 @@ pub fn write(scene: &Scene, path: &Path, original: &Path) -> Result<Exported, Ex
     let contents = match (chunks, is_binary) {
         (Some(chunks), true) => container::binary(&text, chunks),
         (None, true) => container::binary(&text, &[]),
-        (None, false) => text.into_bytes(),
-        (Some(_), false) => {
-            let reason = "the original is a binary file; end the name in .glb";
-            return Err(ExportError::text(path, reason));
-        }
+        (None, false) => Ok(text.into_bytes()),
+        (Some(_), false) => Err("the original is a binary file; end the name in .glb".into()),
     };
+    let contents = contents.map_err(|reason| ExportError::text(path, reason))?;
     exported.files = copy_companions(json, path, original)?;
     write_atomically(path, &contents).map_err(ExportError::write(path))?;
     exported.files.insert(0, path.into());

@@ -61,8 +61,11 @@ pub fn write(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
         document["extensionsUsed"] = json!(writer.used);
     }
     let text = document.to_string();
-    let bytes =
-        if is_binary { container::binary(&text, &container::binary_chunk(file.data)) } else { text.into_bytes() };
+    let bytes = match is_binary {
+        true => container::binary(&text, &container::binary_chunk(file.data)),
+        false => Ok(text.into_bytes()),
+    };
+    let bytes = bytes.map_err(|reason| ExportError::text(path, reason))?;
     write_atomically(path, &bytes).map_err(ExportError::write(path))?;
     Ok(Exported { files: vec![path.into()], materials: materials.len(), remarks: writer.remarks })
 }
