@@ -5,7 +5,7 @@
 //! (`libraries/bxdf/translation`) but for four things. A coat stays on a metal, and its colour tints once. The width of a
 //! stretched lobe is kept, not the number that stretches it; see [`stretch`]. The coat's darkening is what the coat does to colours.
 //!
-//! Coordinates of MaterialX begin at the bottom of a picture, here at the top; see [`placement`].
+//! Coordinates of MaterialX begin at the bottom of a picture, here at the top; `placement` converts them.
 
 mod graph;
 mod placement;

@@ -79,14 +79,15 @@ mod tests {
 
     #[test]
     fn no_choice_is_out_of_bounds_and_nearly_all_change_something() {
-        let sound: Vec<u8> = b"v 0 1 2\n{\"a\": [1, 2]}".repeat(3);
+        let sound: Vec<u8> = b"v 0 1 2\n{\"a\": [1, 2]}<b c=\"d\"/>".repeat(3);
         let mut random = fastrand::Rng::with_seed(1);
-        let mutations: [Mutation; 5] = [super::bytes, text::text, json::json, json::quantities, containers::png];
+        let mutations: [Mutation; 6] =
+            [super::bytes, text::text, json::json, json::quantities, containers::png, xml::xml];
         let mut changed = 0;
         for i in 0..4000 {
             let choices: Vec<u8> = (0..random.usize(0..60)).map(|_| random.u8(..)).collect();
             let mut file = if i % 10 == 0 { Vec::new() } else { sound.clone() };
-            mutations[i % 5](&mut file, std::slice::from_ref(&sound), &mut Choices::new(&choices));
+            mutations[i % 6](&mut file, std::slice::from_ref(&sound), &mut Choices::new(&choices));
             changed += usize::from(file != sound);
         }
         assert!(changed > 3000, "{changed}");
