@@ -5,7 +5,8 @@ const PI: f32 = 3.14159265;
 
 // The centre of the map is +Z, its left quarter +X, its top +Y.
 fn uv_from_direction(d: vec3<f32>) -> vec2<f32> {
-    return vec2(0.5 - atan2(d.x, d.z) / (2.0 * PI), acos(clamp(d.y, -1.0, 1.0)) / PI);
+    // An arc cosine is coarser than an arc tangent on some adapters.
+    return vec2(0.5 - atan2(d.x, d.z) / (2.0 * PI), atan2(length(d.xz), d.y) / PI);
 }
 
 // A world direction in the frame of the map.

@@ -153,6 +153,16 @@ impl Material {
         values
     }
 
+    /// Sends this radiance, in W/(m² sr), as a colour up to one and the rest as its luminance.
+    pub fn set_emission(&mut self, radiance: Vec3) {
+        let largest = radiance.max_element();
+        if largest > 0.0 {
+            let scale = largest.max(1.0);
+            self.parameters.set("emission_color", radiance / scale);
+            self.parameters.set("emission_luminance", scale);
+        }
+    }
+
     /// Whether its constants send light.
     pub fn shines(&self) -> bool {
         SurfaceParameters::from(&self.parameters).emission() != Vec3::ZERO

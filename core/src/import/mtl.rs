@@ -142,7 +142,6 @@ fn take_numbers(rest: &mut &str) -> Vec<f32> {
 #[derive(Default)]
 struct Ignored {
     transparent: Vec<String>,
-    emissive: Vec<String>,
     shininess_maps: Vec<String>,
 }
 
@@ -177,11 +176,6 @@ pub(super) fn add_materials(
     );
     warn(
         source,
-        &ignored.emissive,
-        "the materials {} emit light, which was left out; place lights where they are needed",
-    );
-    warn(
-        source,
         &ignored.shininess_maps,
         "the materials {} have a shininess map (map_Ns), which was left out; convert it to a roughness map (map_Pr)",
     );
@@ -204,13 +198,13 @@ fn material(
     if !opaque || entry.map("map_d").is_some() {
         ignored.transparent.push(name.to_owned());
     }
-    if entry.color("ke").is_some_and(|c| c.max_element() > 0.0) || entry.map("map_ke").is_some() {
-        ignored.emissive.push(name.to_owned());
-    }
     if entry.map("map_ns").is_some() {
         ignored.shininess_maps.push(name.to_owned());
     }
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
+    let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
+    // Programs leave the colour black when a texture stands in for it.
+    material.set_emission(entry.color("ke").filter(|ke| ke.max_element() > 0.0).unwrap_or(whole));
     add_maps(&mut material, entry, library)?;
     add_layers(&mut material, entry);
     add_layer_maps(&mut material, entry, library)?;
@@ -297,6 +291,7 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
     maps.set("base_color", value("map_kd", ColorSpace::Srgb)?);
     maps.set("roughness", value("map_pr", ColorSpace::Linear)?);
     maps.set("metalness", value("map_pm", ColorSpace::Linear)?);
+    maps.set("emission_color", value("map_ke", ColorSpace::Srgb)?);
     maps.set("specular", value("map_ks", ColorSpace::Linear)?);
     maps.set("normal", slot(&["norm", "map_kn"], ColorSpace::Linear)?.map(with_strength));
     let bump = slot(&["bump", "map_bump"], ColorSpace::Linear)?;

@@ -173,8 +173,9 @@ impl Layers {
             told.extend(anisotropy.stretch(material, mean));
         }
         told.extend(self.transmission.as_ref().and_then(|transmission| transmission.thin_out(material)));
-        if let Some(emission) = self.emission.as_ref().filter(|_| is_declared("emission_luminance")) {
-            material.parameters.set("emission_luminance", emission.emissive_strength);
+        if let Some(emission) = &self.emission {
+            let luminance = material.parameters.number("emission_luminance");
+            material.parameters.set("emission_luminance", luminance * emission.emissive_strength);
         }
         Ok(told)
     }

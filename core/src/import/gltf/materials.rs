@@ -69,7 +69,6 @@ pub(super) fn index_of(
 #[derive(Default)]
 struct Ignored {
     transparent: Vec<String>,
-    emissive: Vec<String>,
     second_uvs: Vec<String>,
     not_repeated: Vec<String>,
     /// Of the extensions: what is told, and of which material.
@@ -80,7 +79,6 @@ impl Ignored {
     fn warn(&self, warnings: &mut Vec<String>) {
         for (names, text) in [
             (&self.transparent, "are transparent or cut out and show opaque, because transparency is not supported"),
-            (&self.emissive, "emit light, which was left out; place lights where they are needed"),
             (
                 &self.second_uvs,
                 "use a second set of texture coordinates and show with the first; unwrap them to one set",
@@ -157,15 +155,13 @@ impl MaterialReader<'_> {
         if source.alpha_mode() != AlphaMode::Opaque {
             self.ignored.transparent.push(name.clone());
         }
-        if source.emissive_factor().iter().any(|c| *c > 0.0) {
-            self.ignored.emissive.push(name.clone());
-        }
         let mut material = Material {
             name,
             parameters: parameters(source).into(),
             double_sided: source.double_sided(),
             ..Default::default()
         };
+        material.set_emission(Vec3::from_array(source.emissive_factor()));
         self.add_maps(&mut material, source)?;
         self.add_layers(&mut material, index)?;
         Ok(material)
@@ -185,6 +181,9 @@ impl MaterialReader<'_> {
         }
         if let Some(info) = source.specular().and_then(|s| s.specular_texture()) {
             maps.set("specular", Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name)? }));
+        }
+        if let Some(info) = source.emissive_texture() {
+            maps.set("emission_color", Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name)? }));
         }
         if let Some(normal) = source.normal_texture() {
             let transform = self.normal_transforms.get_mut(source.index().unwrap_or_default()).map(std::mem::take);

@@ -12,6 +12,7 @@ use crate::{
 use lapidary_core::{
     brdf::{BrdfModel, GgxParameters, OpenPbrParameters, Parameters, SurfaceBrdf},
     image::Image,
+    scene::Mesh,
 };
 
 /// Bright stripes, three to a light sample.
@@ -26,6 +27,12 @@ fn metal(alpha: f32) -> GgxParameters {
         metalness: 1.0,
         ..Default::default()
     }
+}
+
+fn metallic(mesh: Mesh, alpha: f32) -> Renderer {
+    let mut dataset = dataset(mesh, metal(alpha));
+    dataset.scene.materials[0].model = BrdfModel::Ggx;
+    Renderer::new(dataset)
 }
 
 fn view() -> View {
@@ -45,21 +52,20 @@ fn error(renderer: &Renderer, light: &Illumination, shown: &Image) -> f64 {
 fn mirrors_show_what_light_samples_cannot() {
     let light = stripes();
     for alpha in [0.0025, 0.01, 0.03] {
-        let renderer = Renderer::new(dataset(mesh(32, true), metal(alpha)));
+        let renderer = metallic(mesh(32, true), alpha);
         let lighting = renderer.lighting(&light, 256);
         let blurred = crate::SceneLighting { mirrored: None, ..lighting.clone() };
         let [sharp, blurred] = [&lighting, &blurred].map(|lighting| {
             error(&renderer, &light, &renderer.render_lit(&view(), &light, lighting, BrdfSampling::Lit).0)
         });
         assert!(sharp < 0.1, "{alpha}: {sharp}");
-        println!("{alpha} {sharp} {blurred}");
         assert!(blurred > 3.0 * sharp, "negative control: without the map, {alpha}: {blurred}");
     }
 }
 
 #[test]
 fn the_reference_by_samples_has_the_same_mirrors() {
-    let (light, renderer) = (stripes(), Renderer::new(dataset(mesh(32, true), metal(0.01))));
+    let (light, renderer) = (stripes(), metallic(mesh(32, true), 0.01));
     let reference = renderer.samples_reference(&view(), &light, &Quiet);
     let error = error(&renderer, &light, &reference);
     assert!(error < 0.1, "{error}");
@@ -70,14 +76,14 @@ fn the_reference_by_samples_has_the_same_mirrors() {
 fn no_energy_is_lost_or_won_and_there_is_no_seam() {
     let light = illumination([64, 32], |_, _| Vec3::ONE);
     let shown = |alpha: f32| {
-        let renderer = Renderer::new(dataset(mesh(32, false), metal(alpha)));
+        let renderer = metallic(mesh(32, false), alpha);
         mean(&renderer.render(&view(), &light, 256, BrdfSampling::Lit).0)
     };
     let means: Vec<f32> = (1..=60).step_by(3).map(|step| shown(0.005 * step as f32)).collect();
     let largest = means.windows(2).map(|pair| (pair[1] / pair[0] - 1.0).abs()).fold(0.0, f32::max);
     assert!(largest < 0.01, "{means:?}");
     let of_paths = {
-        let renderer = Renderer::new(dataset(mesh(4, false), metal(0.005)));
+        let renderer = metallic(mesh(4, false), 0.005);
         mean(&renderer.path_reference(&view(), &light, &[], PathSettings::direct(64), &Quiet))
     };
     assert!((means[0] / of_paths - 1.0).abs() < 0.01, "{} for {of_paths}", means[0]);
