@@ -34,7 +34,8 @@ struct FrameUniforms {
     lets_light_through: u32,
     // Weights of the channels in that share.
     share_weights: vec3<f32>,
-    padding: u32,
+    // Distance of the samples of a pixel, in pixels.
+    sample_distance: f32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;

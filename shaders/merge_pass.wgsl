@@ -122,7 +122,8 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
 
 // Widths of the lobes that refinement follows; 0 for none.
 fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
-    let lobes = lobes_of(point.brdf);
+    let own = lobes_of(point.brdf);
+    let lobes = select(vec3(0.0), sqrt(own * own + least_spread(point.slopes)), own > vec3(0.0));
     return select(vec3(0.0), max(lobes, vec3(NARROWEST)), vec3(REFINE) & (lobes > vec3(0.0)));
 }
 

@@ -16,6 +16,6 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     }
     let triangle = triangles[g.x - 1u];
     let bc = bitcast<vec2<f32>>(g.yz);
-    let uv = interpolated_uv(triangle.vertices, vec3(1.0 - bc.x - bc.y, bc));
+    let uv = footprint_at(triangle.vertices, vec3(1.0 - bc.x - bc.y, bc));
     return color_and_roughness(triangle.material & ~TWO_SIDED, uv);
 }

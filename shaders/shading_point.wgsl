@@ -46,6 +46,8 @@ struct SurfacePoint {
     world_from_local: mat3x3<f32>,
     wo: vec3<f32>,
     brdf: Brdf,
+    // Twice the covariance of the slopes within the sample in the local frame: xx, xy, yy.
+    slopes: vec3<f32>,
 }
 
 fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
@@ -56,20 +58,31 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
     let a = vertices[corners.x].position;
     let across = cross(vertices[corners.y].position - a, vertices[corners.z].position - a);
     let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
+    let smoothed = smooth_normal(corners, hit, -direction);
+    var slopes = vec3(0.0);
     var brdf: Brdf;
     if (g.w & FLAG_CATCHER) != 0u {
         brdf = diffuse_brdf(textureLoad(color_roughness, pixel, 0).xyz);
     } else {
-        brdf = brdf_of(triangle.material & ~TWO_SIDED, interpolated_uv(corners, hit.barycentric));
+        let material = triangle.material & ~TWO_SIDED;
+        let uv = footprint_at(corners, hit.barycentric);
+        brdf = brdf_of(material, uv);
+        if has_bumps(material) {
+            let tangent = interpolated_tangent(corners, hit.barycentric);
+            let handedness = vertices[corners.x].handedness * hit.side;
+            let bumped = bumped_normal(material, corners, uv, frame_around(smoothed, tangent, handedness));
+            slopes = slope_spread(bumped, local);
+        }
     }
     return SurfacePoint(
         corners,
         valid_weights(corners, hit.barycentric),
         interpolated_position(corners, hit.barycentric),
         normalize_or(across * hit.side, -direction),
-        smooth_normal(corners, hit, -direction),
+        smoothed,
         local,
         -direction * local,
         brdf,
+        slopes,
     );
 }

@@ -32,7 +32,7 @@ pub use blinn_phong::{BlinnPhong, BlinnPhongParameters};
 pub use fresnel::Metal;
 pub use ggx::{Ggx, GgxParameters};
 pub use lambert::{Lambert, LambertParameters};
-pub use lights::{CosinesX8, LightsX8, LobeMomentsX8};
+pub use lights::{CosinesX8, LightsX8, LobeMomentsX8, SpreadX8};
 pub use microfacet::{MIN_ALPHA, widths};
 pub use models::{BrdfModel, BrdfVisitor, Model, SurfaceBrdf};
 pub use openpbr::{OpenPbr, OpenPbrParameters};

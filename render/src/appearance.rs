@@ -6,7 +6,7 @@ use lapidary_core::{
     material::{Material, MaterialMaps},
     scene::{Mesh, Scene},
     surfel::MeshPlace,
-    texture::Texture,
+    texture::{Texture, UvFootprint},
 };
 use std::sync::Arc;
 
@@ -44,10 +44,10 @@ impl Appearance {
         pairs.filter(|(_, (a, b))| !same(a, b)).map(|(index, _)| index).collect()
     }
 
-    /// A material's values after its maps, clamped to their ranges here and nowhere later. Twin of
+    /// A material's values after its maps within a footprint, clamped to their ranges here and nowhere later. Twin of
     /// `material_number` and `material_color` in `shaders/materials.wgsl`.
-    pub(crate) fn values(&self, material: &Material, uv: Vec2) -> Values {
-        material.values(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot))
+    pub(crate) fn values(&self, material: &Material, uv: &UvFootprint) -> Values {
+        material.values(|slot| self.textures[slot.texture as usize].sample_footprint(uv, slot))
     }
 
     /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
@@ -55,8 +55,8 @@ impl Appearance {
         let triangle = place.triangle as usize;
         let material = &self.materials[mesh.triangle_material[triangle] as usize];
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
-        let uv = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
-        SurfaceBrdf::new(material.model, &self.values(material, uv)).as_brdf().albedo()
+        let uv: Vec2 = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
+        SurfaceBrdf::new(material.model, &self.values(material, &uv.into())).as_brdf().albedo()
     }
 
     /// With a material for each of the scene's `own`, and without references to missing maps. Also returns the changes,

@@ -57,7 +57,7 @@ pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit,
         caught_per_radiance: lit.catches.unwrap_or_default().to_array(),
         lets_light_through: u32::from(view.background == Background::Transparent),
         share_weights: lit.catches.map_or(Vec3::ZERO, share_weights).to_array(),
-        padding: 0,
+        sample_distance: (view.aa.max(1) as f32).sqrt().recip(),
     }
 }
 

@@ -35,7 +35,7 @@ pub struct FrameUniforms {
     pub caught_per_radiance: [f32; 3],
     pub lets_light_through: u32,
     pub share_weights: [f32; 3],
-    pub padding: u32,
+    pub sample_distance: f32,
 }
 
 /// `PastUniforms` of `predict_pass.wgsl`.

@@ -31,7 +31,7 @@ impl GpuMaterials {
             Some(pool) => (pool, Vec::new()),
             None => TexturePool::new(gpu, appearance),
         };
-        let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool.places)).collect();
+        let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool)).collect();
         let materials =
             Self { buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)), pool, tables: tables(gpu) };
         (materials, messages)
@@ -50,9 +50,9 @@ impl GpuMaterials {
     }
 }
 
-fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
+fn material(m: &material::Material, pool: &TexturePool) -> Material {
     let slot = |name| {
-        let placed = m.maps.get(name).and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
+        let placed = m.maps.get(name).and_then(|s| pool.place(name, s).map(|place| texture_slot(s, place)));
         placed.unwrap_or_default()
     };
     let mut parameters = [MaterialParameter::default(); MOST_PARAMETERS];
@@ -76,7 +76,7 @@ fn texture_slot(slot: &texture::TextureSlot, place: Place) -> TextureSlot {
         first: place.first,
         width: place.size[0],
         height: place.size[1],
-        kind: place.kind(slot.color_space),
+        kind: place.kind,
         scale: slot.scale.to_array(),
         offset: slot.offset.to_array(),
         turn: [sin, cos],

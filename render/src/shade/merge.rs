@@ -257,7 +257,7 @@ struct Merged<'a, 'p, F> {
 impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint) -> Self {
         let &Shader { field, cuts, height, sampling, .. } = shader;
-        let lobes = point.brdf.as_brdf().lobes();
+        let lobes = point.lobes();
         let refinement = (sampling != BrdfSampling::Once && lobes[0] > 0.0).then(|| Refinement::new(lobes, point.wo));
         let local_from_world = point.world_from_local.transpose();
         let is_refined = sampling != BrdfSampling::Once;

@@ -58,6 +58,7 @@ impl<'a> UnoccludedShader<'a> {
             base_color: looks.base_color,
             roughness: looks.roughness,
             brdf: looks.brdf,
+            slopes: looks.slopes,
             is_catcher: false,
         })
     }
@@ -84,7 +85,7 @@ mod tests {
             smooth_normal: Vec3::Y,
             tangent: Vec3::X,
             handedness: 1.0,
-            uv: Vec2::ZERO,
+            uv: Vec2::ZERO.into(),
             slopes: None,
         };
         let shaded = |radiance: &dyn Fn(Vec3) -> f32| {

@@ -42,7 +42,7 @@ impl App {
 fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
     let named = |name: &str| Material { name: name.into(), ..Default::default() };
     let texels = Texels::U8(vec![[255, 0, 0, 255]]);
-    let texture = Texture { name: "red.png".into(), size: [1, 1], texels, encoded: Arc::from([]) };
+    let texture = Texture::new("red.png", [1, 1], texels);
     let textures = vec![TextureEntry { texture: texture.into(), file: Some(PathBuf::from("/maps/red.png")) }];
     let document = Document { materials: vec![named("Knob"), named("Door")], textures, ..Document::empty() };
     let mut app =

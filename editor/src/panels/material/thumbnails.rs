@@ -67,7 +67,7 @@ mod tests {
 
     fn texture(size: [u32; 2], texel: impl Fn(u32) -> [u8; 4]) -> Arc<Texture> {
         let texels = Texels::U8((0..size[0] * size[1]).map(texel).collect());
-        Texture { name: "t".into(), size, texels, encoded: Arc::from([]) }.into()
+        Texture::new("t", size, texels).into()
     }
 
     #[test]

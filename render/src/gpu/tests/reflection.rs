@@ -114,7 +114,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 caught_per_radiance,
                 lets_light_through,
                 share_weights,
-                padding
+                sample_distance
             ),
         ),
         (

@@ -5,7 +5,10 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
     View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
-    shade::painter::{Painter, PictureLight},
+    shade::{
+        differentials::Differentials,
+        painter::{Painter, PictureLight},
+    },
     stale::Part,
     test_scenes::{dataset, mesh},
 };
@@ -42,9 +45,7 @@ fn noise(i: u32) -> u8 {
 }
 
 fn textures() -> Vec<Arc<Texture>> {
-    let texture = |name: &str, size: [u32; 2], texels| {
-        Arc::new(Texture { name: name.into(), size, texels, encoded: Arc::from([]) })
-    };
+    let texture = |name: &str, size: [u32; 2], texels| Arc::new(Texture::new(name, size, texels));
     let codes = |n: u32| (0..n).map(|i| std::array::from_fn(|c| noise(4 * i + c as u32))).collect();
     let floats = |n: u32| (0..n).map(|i| [f32::from(noise(i)) / 255.0; 4]).collect();
     vec![
@@ -124,7 +125,7 @@ pub(super) fn on_the_cpu(
     sampling: BrdfSampling,
 ) -> Image {
     let dataset = renderer.dataset();
-    let surfaces = renderer.surfaces();
+    let surfaces = renderer.surfaces().filtered(Differentials::of(view));
     let mut painter = Painter::new(view.mode, dataset, light, sampling);
     let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
     let geometry = gpu.read_geometry();

@@ -59,12 +59,11 @@ impl PointShader for DistantShader<'_> {
         let Self { samples, renderer, visible } = self;
         trace_lights(renderer, &samples.directions, point, visible);
         let receiver = ReceiverX8::new(point);
-        let brdf = point.brdf.as_brdf();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for (i, seen) in visible.chunks(8).enumerate().filter(|(_, seen)| seen.iter().any(|&v| v != 0)) {
             let wi = receiver.local(samples.wi[i]);
             let weight = f32x8::new(std::array::from_fn(|k| f32::from(seen.get(k).copied().unwrap_or(0))));
-            sum = sum + brdf.brdf_cos_x8(wi, point.wo, f32x8::ZERO).scale(samples.radiance[i]) * weight;
+            sum = sum + point.reflect(wi, f32x8::ZERO).scale(samples.radiance[i]) * weight;
         }
         sum.reduce_add() * samples.solid_angle
     }
