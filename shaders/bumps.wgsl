@@ -44,11 +44,15 @@ fn slope_of(normal: vec3<f32>) -> vec2<f32> {
     return normal.xy / max(max(normal.z, LEAST_Z * length(normal)), 1e-6);
 }
 
+fn pair_of(word: u32) -> vec2<f32> {
+    return bitcast<vec2<f32>>(vec2(word << 16u, word & 0xffff0000u));
+}
+
 fn slope_texel(level: Level, x: u32, y: u32) -> SlopeMoments {
     let first = level.first + SLOPE_WORDS * (y * level.size.x + x);
-    let mean = unpack2x16float(pool_word(first));
-    let variances = unpack2x16float(pool_word(first + 1u));
-    let product = unpack2x16float(pool_word(first + 2u)).x;
+    let mean = pair_of(pool_word(first));
+    let variances = pair_of(pool_word(first + 1u));
+    let product = pair_of(pool_word(first + 2u)).x;
     let own = moments_of(mean);
     return SlopeMoments(mean, own.second + vec3(variances.x, product, variances.y));
 }
@@ -56,32 +60,33 @@ fn slope_texel(level: Level, x: u32, y: u32) -> SlopeMoments {
 fn slope_level(slot: TextureSlot, level: u32, uv: vec2<f32>) -> SlopeMoments {
     let there = level_of(slot, level, SLOPE_WORDS);
     let quad = quad_around(there.size, uv);
-    let right = quad.blend.x;
-    let below = quad.blend.y;
     var sum = SlopeMoments(vec2(0.0), vec3(0.0));
-    sum = moments_sum(sum, (1.0 - right) * (1.0 - below), slope_texel(there, quad.low.x, quad.low.y));
-    sum = moments_sum(sum, right * (1.0 - below), slope_texel(there, quad.high.x, quad.low.y));
-    sum = moments_sum(sum, (1.0 - right) * below, slope_texel(there, quad.low.x, quad.high.y));
-    return moments_sum(sum, right * below, slope_texel(there, quad.high.x, quad.high.y));
+    for (var i = 0u; i < 4u; i++) {
+        let is_high = vec2((i & 1u) != 0u, i > 1u);
+        let at = select(quad.low, quad.high, is_high);
+        let weights = select(1.0 - quad.blend, quad.blend, is_high);
+        sum = moments_sum(sum, weights.x * weights.y, slope_texel(there, at.x, at.y));
+    }
+    return sum;
 }
 
 // Slopes of a texture at a point, in the units of the surface: of normals, or of heights if `is_height`.
 fn finest_slope(slot: TextureSlot, uv: vec2<f32>, is_height: bool) -> vec2<f32> {
-    if is_height {
-        return vec2(height_change(slot, uv, 0u), height_change(slot, uv, 1u));
+    if !is_height {
+        return slope_of(2.0 * sample_texture(slot, uv).xyz - 1.0);
     }
-    return slope_of(2.0 * sample_texture(slot, uv).xyz - 1.0);
-}
-
-// Change of height in metres per unit of u or v, by central differences over one texel.
-fn height_change(slot: TextureSlot, uv: vec2<f32>, axis: u32) -> f32 {
-    let size = vec2(f32(slot.width), f32(slot.height));
-    let texels = size[axis] * slot.scale[axis];
-    let step = 1.0 / max(abs(texels), 1e-6);
-    let along = step * linear_column(slot, axis);
-    let ahead = sample_texture(slot, uv + along)[slot.channel];
-    let behind = sample_texture(slot, uv - along)[slot.channel];
-    return slot.strength * (ahead - behind) / (2.0 * step);
+    // Changes of height in metres per unit of u and v, by central differences over one texel.
+    let texels = vec2(f32(slot.width), f32(slot.height)) * slot.scale;
+    let steps = 1.0 / max(abs(texels), vec2(1e-6));
+    var change = vec2(0.0);
+    for (var i = 0u; i < 4u; i++) {
+        let axis = i >> 1u;
+        let sign = select(1.0, -1.0, (i & 1u) != 0u);
+        let along = sign * steps[axis] * linear_column(slot, axis);
+        let height = sample_texture(slot, uv + along)[slot.channel];
+        change += select(vec2(0.0, sign * height), vec2(sign * height, 0.0), axis == 0u);
+    }
+    return slot.strength * change / (2.0 * steps);
 }
 
 // Slopes within taps. Levels are brought to the units of the surface by the columns of a matrix.
@@ -93,20 +98,22 @@ fn slopes_within(
     is_height: bool,
 ) -> SlopeMoments {
     let level = min(taps.level, f32(last_level(slot)));
-    let finer = u32(level);
     let blend = fract(level);
     let share = 1.0 / f32(taps.count);
     var finest = SlopeMoments(vec2(0.0), vec3(0.0));
     var lower = finest;
-    for (var i = 0u; i < taps.count; i++) {
-        let uv = taps.first + taps.step * f32(i);
-        if finer == 0u {
-            finest = moments_sum(finest, share * (1.0 - blend), moments_of(finest_slope(slot, uv, is_height)));
-        } else {
-            lower = moments_sum(lower, share * (1.0 - blend), slope_level(slot, finer, uv));
+    // Of each tap the finer and the coarser level.
+    for (var i = 0u; i < 2u * taps.count; i++) {
+        let uv = taps.first + taps.step * f32(i >> 1u);
+        let weight = share * select(1.0 - blend, blend, (i & 1u) != 0u);
+        let at = u32(level) + (i & 1u);
+        if !(weight > 0.0) {
+            continue;
         }
-        if blend > 0.0 {
-            lower = moments_sum(lower, share * blend, slope_level(slot, finer + 1u, uv));
+        if at == 0u {
+            finest = moments_sum(finest, weight, moments_of(finest_slope(slot, uv, is_height)));
+        } else {
+            lower = moments_sum(lower, weight, slope_level(slot, at, uv));
         }
     }
     return moments_sum(finest, 1.0, moments_mapped(lower, column_x, column_y));
@@ -126,10 +133,9 @@ struct Bumped {
     by_heights: Moving,
 }
 
-const STILL: Moving = Moving(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
-
 fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: mat3x3<f32>) -> Bumped {
-    var bumped = Bumped(smoothed[2], STILL, STILL);
+    let still = Moving(vec3(0.0), vec3(0.0), vec3(0.0));
+    var bumped = Bumped(smoothed[2], still, still);
     let normal_map = materials[material].normal_map;
     if normal_map.kind != 0u {
         let s = normal_map.strength;
@@ -167,9 +173,6 @@ fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: m
 // Changes of height in metres per unit of u and v.
 fn height_moments(slot: TextureSlot, uv: UvFootprint) -> SlopeMoments {
     let taps = taps_of(slot, uv);
-    if is_point(taps) {
-        return moments_of(finest_slope(slot, taps.first, true));
-    }
     let x = slot.strength * f32(slot.width) * vec2(linear_column(slot, 0u).x, linear_column(slot, 1u).x);
     let y = slot.strength * f32(slot.height) * vec2(linear_column(slot, 0u).y, linear_column(slot, 1u).y);
     return slopes_within(slot, taps, x, y, true);
@@ -184,14 +187,4 @@ fn spread_by(moving: Moving, local: mat3x3<f32>) -> vec3<f32> {
 // Twice the covariance of the slopes in a frame around the normal: xx, xy, yy.
 fn slope_spread(bumped: Bumped, local: mat3x3<f32>) -> vec3<f32> {
     return spread_by(bumped.by_normals, local) + spread_by(bumped.by_heights, local);
-}
-
-fn has_bumps(material: u32) -> bool {
-    return materials[material].normal_map.kind != 0u || materials[material].bump_map.kind != 0u;
-}
-
-// The lesser eigenvalue of a covariance.
-fn least_spread(m: vec3<f32>) -> f32 {
-    let half = 0.5 * (m.x - m.z);
-    return max(0.5 * (m.x + m.z) - sqrt(half * half + m.y * m.y), 0.0);
 }

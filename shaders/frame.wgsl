@@ -49,6 +49,11 @@ const VIEW_VISIBILITY_CUT: u32 = 4u;
 const VIEW_MERGED_CUT: u32 = 5u;
 const VIEW_BRDF_EVALUATIONS: u32 = 6u;
 
+// Whether the view shows colours and roughnesses of surfaces.
+fn shows_color() -> bool {
+    return frame.view_mode == VIEW_ALBEDO || frame.view_mode == VIEW_ROUGHNESS;
+}
+
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 
 // The unit direction through the sample of a pixel.

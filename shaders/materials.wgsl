@@ -198,22 +198,16 @@ fn taps_of(slot: TextureSlot, footprint: UvFootprint) -> Taps {
 // The mean within a footprint.
 fn sample_slot(slot: TextureSlot, footprint: UvFootprint) -> vec4<f32> {
     let taps = taps_of(slot, footprint);
-    if is_point(taps) {
-        return sample_texture(slot, taps.first);
-    }
-    let words = texel_words(slot);
     let level = min(taps.level, f32(last_level(slot)));
-    let finer = level_of(slot, u32(level), words);
-    let coarser = level_of(slot, u32(level) + 1u, words);
     let blend = fract(level);
+    let words = texel_words(slot);
     var sum = vec4(0.0);
-    for (var i = 0u; i < taps.count; i++) {
-        let uv = taps.first + taps.step * f32(i);
-        let fine = sample_level(slot, finer, uv);
-        if blend > 0.0 {
-            sum += mix(fine, sample_level(slot, coarser, uv), blend);
-        } else {
-            sum += fine;
+    // Of each tap the finer and the coarser level.
+    for (var i = 0u; i < 2u * taps.count; i++) {
+        let weight = select(1.0 - blend, blend, (i & 1u) != 0u);
+        if weight > 0.0 {
+            let there = level_of(slot, u32(level) + (i & 1u), words);
+            sum += weight * sample_level(slot, there, taps.first + taps.step * f32(i >> 1u));
         }
     }
     return sum / f32(taps.count);

@@ -120,6 +120,12 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     return shaded;
 }
 
+// The lesser eigenvalue of a covariance given as xx, xy, yy.
+fn least_spread(m: vec3<f32>) -> f32 {
+    let half = 0.5 * (m.x - m.z);
+    return max(0.5 * (m.x + m.z) - sqrt(half * half + m.y * m.y), 0.0);
+}
+
 // Widths of the lobes that refinement follows; 0 for none.
 fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
     let own = lobes_of(point.brdf);

@@ -2,6 +2,7 @@
 
 @group(3) @binding(0) var geometry: texture_2d<u32>;
 @group(3) @binding(1) var rotation: texture_2d<f32>;
+// See parameters_pass.wgsl.
 @group(3) @binding(2) var color_roughness: texture_2d<f32>;
 // The sums of the part of the light that is rendered.
 @group(3) @binding(3) var previous_value: texture_2d<f32>;
@@ -64,15 +65,8 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
     if (g.w & FLAG_CATCHER) != 0u {
         brdf = diffuse_brdf(textureLoad(color_roughness, pixel, 0).xyz);
     } else {
-        let material = triangle.material & ~TWO_SIDED;
-        let uv = footprint_at(corners, hit.barycentric);
-        brdf = brdf_of(material, uv);
-        if has_bumps(material) {
-            let tangent = interpolated_tangent(corners, hit.barycentric);
-            let handedness = vertices[corners.x].handedness * hit.side;
-            let bumped = bumped_normal(material, corners, uv, frame_around(smoothed, tangent, handedness));
-            slopes = slope_spread(bumped, local);
-        }
+        brdf = brdf_of(triangle.material & ~TWO_SIDED, footprint_at(corners, hit.barycentric));
+        slopes = select(textureLoad(color_roughness, pixel, 0).xyz, vec3(0.0), shows_color());
     }
     return SurfacePoint(
         corners,

@@ -2,7 +2,7 @@
 //! normals spread around it (Olano and Baker 2010, *LEAN Mapping*).
 //!
 //! A texel of a level holds the mean slope and the covariance below it, of which second moments are made at the lookup:
-//! unlike sums of squares, covariances can be rounded to 16-bit floats. The texture itself is the lowest level; it is taken
+//! unlike sums of squares, covariances can be rounded, to the upper 16 bits of floats. The texture itself is the lowest level; it is taken
 //! to be smooth between its texels, so that a map seen from near roughens nothing. Twin of `shaders/bumps.wgsl`.
 
 use super::{
@@ -10,10 +10,9 @@ use super::{
     levels::{for_each_covered, level_sizes},
 };
 use glam::{Mat2, Vec2, Vec3, Vec4Swizzles};
-use half::f16;
 
-/// Steepest slope that a level holds, so that its square is a 16-bit float.
-const STEEPEST: f32 = 200.0;
+/// Steepest slope that a level holds, so that sums of squares stay finite.
+const STEEPEST: f32 = 1e4;
 /// Least z of a texel's normal of length one: 83 degrees.
 const LEAST_Z: f32 = 0.125;
 
@@ -39,7 +38,7 @@ impl SlopeSource {
     }
 }
 
-/// Mean and covariance of slopes, exact in 16-bit floats.
+/// Mean and covariance of slopes, numbers of which the lower 16 bits are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SlopeTexel {
     /// Mean along x and y.
@@ -115,7 +114,7 @@ impl SlopeTexel {
     }
 
     fn rounded(self) -> Self {
-        let round = |x: f32| f16::from_f32(x).to_f32();
+        let round = |x: f32| f32::from_bits((x.to_bits() + 0x8000) & 0xffff_0000);
         let mean = self.mean.clamp(Vec2::splat(-STEEPEST), Vec2::splat(STEEPEST));
         Self {
             mean: Vec2::new(round(mean.x), round(mean.y)),
@@ -123,9 +122,9 @@ impl SlopeTexel {
         }
     }
 
-    /// As three words of two 16-bit floats each.
+    /// As three words of two numbers each.
     pub fn words(&self) -> [u32; 3] {
-        let pair = |a: f32, b: f32| u32::from(f16::from_f32(a).to_bits()) | u32::from(f16::from_f32(b).to_bits()) << 16;
+        let pair = |a: f32, b: f32| a.to_bits() >> 16 | b.to_bits();
         let [xx, xy, yy] = self.covariance;
         [pair(self.mean.x, self.mean.y), pair(xx, yy), pair(xy, 0.0)]
     }
@@ -260,12 +259,12 @@ mod tests {
         let xy = slopes.iter().map(|s| (s.x - mean.x) * (s.y - mean.y)).sum::<f32>() / slopes.len() as f32;
         let xx = slopes.iter().map(|s| (s.x - mean.x).powi(2)).sum::<f32>() / slopes.len() as f32;
         let last = t.slope_levels(SlopeSource::Normals).last().unwrap().texels[0];
-        assert!((last.mean - mean).length() < 1e-3 && (last.covariance[0] - xx).abs() < 1e-3 * xx);
-        assert!((last.covariance[1] - xy).abs() < 1e-4 && xx > 0.01);
+        assert!((last.mean - mean).length() < 4e-3 && (last.covariance[0] - xx).abs() < 4e-3 * xx);
+        assert!((last.covariance[1] - xy).abs() < 2e-4 && xx > 0.01);
         let all = UvFootprint { uv: Vec2::ZERO, changes: [64.0 * Vec2::X, 64.0 * Vec2::Y] };
         let strong = TextureSlot { strength: 2.0, flip_y: true, ..Default::default() };
         let seen = t.normal_moments(&all, &strong).unwrap();
-        assert!((seen.mean - mean * Vec2::new(2.0, -2.0)).length() < 2e-3);
+        assert!((seen.mean - mean * Vec2::new(2.0, -2.0)).length() < 8e-3);
         assert!((seen.covariance()[0] / xx - 4.0).abs() < 0.02, "the variance grows with the square of the strength");
         let point = UvFootprint::from(Vec2::new(0.1, 0.2));
         assert!(t.normal_moments(&point, &strong).is_none());
@@ -284,18 +283,21 @@ mod tests {
             let taps = far.through(&slot).taps(t.size);
             assert!(taps.level > 0.5, "{taps:?}");
             let far = t.height_moments(&far, &slot);
-            assert!((far.mean - near.mean).length() < 2e-3 * near.mean.length(), "{near:?} {far:?}");
+            assert!((far.mean - near.mean).length() < 8e-3 * near.mean.length(), "{near:?} {far:?}");
             assert!(far.covariance()[0] < 1e-4 && near.mean.length() > 0.1);
         }
     }
 
     #[test]
     fn words_hold_what_a_texel_holds() {
-        let texel = SlopeTexel { mean: Vec2::new(0.3, -7.0), covariance: [0.02, -0.01, 1e9] }.rounded();
-        let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
+        let texel = SlopeTexel { mean: Vec2::new(0.3, -7.0), covariance: [0.02, -0.01, 1e12] }.rounded();
+        let half = |bits: u32| f32::from_bits(bits << 16);
         let [mean, variances, product] = texel.words();
         assert_eq!(Vec2::new(half(mean), half(mean >> 16)), texel.mean);
         assert_eq!([half(variances), half(product), half(variances >> 16)], texel.covariance);
-        assert_eq!(texel.covariance[2], STEEPEST * STEEPEST);
+        assert!(
+            (texel.covariance[2] / (STEEPEST * STEEPEST) - 1.0).abs() < 0.004
+                && (texel.mean.x / 0.3 - 1.0).abs() < 0.004
+        );
     }
 }

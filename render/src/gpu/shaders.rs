@@ -108,6 +108,7 @@ pub const PARAMETERS: Program = Program {
             "environment",
             "surface",
             "materials",
+            "bumps",
             "brdf",
             MODELS,
             "parameters_pass",
