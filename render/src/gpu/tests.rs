@@ -6,5 +6,6 @@ mod ground;
 mod kept;
 mod reflection;
 mod sketch;
+mod textures;
 pub(super) mod twin;
 mod vertex_bounce;

@@ -40,7 +40,7 @@ pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)>
     }
 }
 
-fn noise(i: u32) -> u8 {
+pub(super) fn noise(i: u32) -> u8 {
     (i.wrapping_mul(0x9e37_79b9) >> 24) as u8
 }
 
@@ -192,15 +192,15 @@ fn settings(model: BrdfModel, case: u64) -> Parameters {
     settings
 }
 
-struct Rig {
-    renderer: Renderer,
-    gpu: GpuBackend,
+pub(super) struct Rig {
+    pub renderer: Renderer,
+    pub gpu: GpuBackend,
     lighting: Arc<SceneLighting>,
     _one: MutexGuard<'static, ()>,
 }
 
 impl Rig {
-    fn new(illum_cut: u32) -> Option<Self> {
+    pub fn new(illum_cut: u32) -> Option<Self> {
         let (one, mut gpu) = backend()?;
         let renderer = Renderer::new(scene());
         let lighting = Arc::new(renderer.lighting(&light(), illum_cut));
@@ -209,16 +209,16 @@ impl Rig {
         Some(Self { renderer, gpu, lighting, _one: one })
     }
 
-    fn lit(&self) -> PictureLight<'_> {
+    pub fn lit(&self) -> PictureLight<'_> {
         PictureLight { environment: Some(&self.lighting), ..Default::default() }
     }
 
-    fn look(&mut self, appearance: Appearance) {
+    pub fn look(&mut self, appearance: Appearance) {
         assert!(self.gpu.set_appearance(&appearance).unwrap().is_empty());
         self.renderer.set_appearance(appearance);
     }
 
-    fn both(&mut self, view: &View, sampling: BrdfSampling) -> [Image; 2] {
+    pub fn both(&mut self, view: &View, sampling: BrdfSampling) -> [Image; 2] {
         self.gpu.begin(view, sampling).unwrap();
         self.gpu.render_rows(0, 0..view.size[1]).unwrap();
         let gpu = self.gpu.read(1).unwrap().0;
