@@ -141,8 +141,8 @@ fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: m
         let s = normal_map.strength;
         let green = s * materials[material].normal_y;
         let taps = taps_of(normal_map, uv);
-        if is_point(taps) {
-            let n = (2.0 * sample_texture(normal_map, taps.first).xyz - 1.0) * vec3(s, green, 1.0);
+        if is_point(taps) || normal_map.kind == KIND_PROCEDURAL {
+            let n = (2.0 * sample_slot(normal_map, uv).xyz - 1.0) * vec3(s, green, 1.0);
             bumped.normal = normalize_or(smoothed * n, bumped.normal);
         } else {
             let within = slopes_within(normal_map, taps, vec2(1.0, 0.0), vec2(0.0, 1.0), false);
@@ -172,10 +172,39 @@ fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: m
 
 // Changes of height in metres per unit of u and v.
 fn height_moments(slot: TextureSlot, uv: UvFootprint) -> SlopeMoments {
+    if slot.kind == KIND_PROCEDURAL {
+        return pattern_moments(slot, through_slot(slot, uv));
+    }
     let taps = taps_of(slot, uv);
     let x = slot.strength * f32(slot.width) * vec2(linear_column(slot, 0u).x, linear_column(slot, 1u).x);
     let y = slot.strength * f32(slot.height) * vec2(linear_column(slot, 0u).y, linear_column(slot, 1u).y);
     return slopes_within(slot, taps, x, y, true);
+}
+
+// Half the distance of two lookups in a pattern for its slope.
+const PATTERN_STEP: f32 = 1e-3;
+
+// The same of a pattern.
+fn pattern_moments(slot: TextureSlot, there: UvFootprint) -> SlopeMoments {
+    let turn = mat2x2<f32>(linear_column(slot, 0u), linear_column(slot, 1u));
+    let steps = PATTERN_STEP / max(vec2(length(turn[0]), length(turn[1])), vec2(1e-6));
+    var change = vec2(0.0);
+    for (var i = 0u; i < 4u; i++) {
+        let is_x = i < 2u;
+        let sign = select(1.0, -1.0, (i & 1u) != 0u);
+        let along = sign * select(steps.y * turn[1], steps.x * turn[0], is_x);
+        let height = procedural_value(slot, UvFootprint(there.uv + along, there.right, there.below))[slot.channel];
+        change += select(vec2(0.0, sign * height), vec2(sign * height, 0.0), is_x);
+    }
+    var moments = moments_of(slot.strength * change / (2.0 * steps));
+    var range = 0.0;
+    if slot.channel < 3u {
+        range = slot.high[slot.channel] - slot.low[slot.channel];
+    }
+    let fine = slot.strength * slot.strength * range * range * procedural_filtered(slot, there).y;
+    let rows = transpose(turn);
+    moments.second += covariance_mapped(vec3(fine, 0.0, fine), rows[0], rows[1]);
+    return moments;
 }
 
 fn spread_by(moving: Moving, local: mat3x3<f32>) -> vec3<f32> {

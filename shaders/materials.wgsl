@@ -15,6 +15,11 @@ struct TextureSlot {
     turn: vec2<f32>,
     strength: f32,
     channel: u32,
+    // Of a pattern: its values, what it looks like (see PATTERN_*), and the octaves of noise.
+    low: vec3<f32>,
+    pattern: u32,
+    high: vec3<f32>,
+    octaves: u32,
 }
 
 // A declared parameter of a model: the value of a material, and the map that modulates it.
@@ -44,6 +49,8 @@ const KIND_LINEAR: u32 = 1u;
 const KIND_SRGB: u32 = 2u;
 // Four words a texel.
 const KIND_FLOAT: u32 = 3u;
+// A pattern, in no texels.
+const KIND_PROCEDURAL: u32 = 4u;
 
 // The pool is this wide, as a power of two.
 const POOL_WIDTH_LOG2: u32 = 13u;
@@ -197,6 +204,9 @@ fn taps_of(slot: TextureSlot, footprint: UvFootprint) -> Taps {
 
 // The mean within a footprint.
 fn sample_slot(slot: TextureSlot, footprint: UvFootprint) -> vec4<f32> {
+    if slot.kind == KIND_PROCEDURAL {
+        return procedural_value(slot, through_slot(slot, footprint));
+    }
     let taps = taps_of(slot, footprint);
     let level = min(taps.level, f32(last_level(slot)));
     let blend = fract(level);

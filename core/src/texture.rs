@@ -3,10 +3,12 @@
 
 mod footprint;
 mod levels;
+mod procedural;
 mod slopes;
 
 pub use footprint::{MOST_TAPS, TEXELS_PER_WIDTH, Taps, UvFootprint};
 pub use levels::{Level, Levels, level_sizes};
+pub use procedural::{NOISE_CELLS, Pattern, Procedural};
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 
 use crate::color::linear_from_srgb;
@@ -61,6 +63,9 @@ pub struct TextureSlot {
     pub strength: f32,
     /// Normals have their green channel down (DirectX) instead of up (OpenGL).
     pub flip_y: bool,
+    /// A pattern in place of a texture, whose index then tells nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub procedural: Option<Procedural>,
 }
 
 impl Default for TextureSlot {
@@ -74,11 +79,17 @@ impl Default for TextureSlot {
             rotation: 0.0,
             strength: 1.0,
             flip_y: false,
+            procedural: None,
         }
     }
 }
 
 impl TextureSlot {
+    /// The index of its texture; `None` for a pattern.
+    pub fn image(&self) -> Option<usize> {
+        self.procedural.is_none().then_some(self.texture as usize)
+    }
+
     /// Bound of the size of its numbers: larger ones place no texel where it was meant, and overflow in time.
     pub const MOST: f32 = 1e6;
 
@@ -92,6 +103,7 @@ impl TextureSlot {
             offset: pair(self.offset, default.offset),
             rotation: number(self.rotation, default.rotation),
             strength: number(self.strength, default.strength),
+            procedural: self.procedural.map(Procedural::sanitized),
             ..self
         }
     }

@@ -1,12 +1,12 @@
 //! The parts of a scene that may change without a bake: its materials and their textures.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     brdf::{SurfaceBrdf, Values},
     material::{Material, MaterialMaps},
     scene::{Mesh, Scene},
     surfel::MeshPlace,
-    texture::{Texture, UvFootprint},
+    texture::{Texture, TextureSlot, UvFootprint},
 };
 use std::sync::Arc;
 
@@ -47,7 +47,15 @@ impl Appearance {
     /// A material's values after its maps within a footprint, clamped to their ranges here and nowhere later. Twin of
     /// `material_number` and `material_color` in `shaders/materials.wgsl`.
     pub(crate) fn values(&self, material: &Material, uv: &UvFootprint) -> Values {
-        material.values(|slot| self.textures[slot.texture as usize].sample_footprint(uv, slot))
+        material.values(|slot| self.sample(slot, uv))
+    }
+
+    /// The mean of a map within a footprint.
+    pub(crate) fn sample(&self, slot: &TextureSlot, uv: &UvFootprint) -> Vec4 {
+        match &slot.procedural {
+            Some(pattern) => pattern.value(&uv.through(slot)),
+            None => self.textures[slot.texture as usize].sample_footprint(uv, slot),
+        }
     }
 
     /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
@@ -72,7 +80,7 @@ impl Appearance {
         let mut materials: Vec<Material> = self.materials.iter().take(needed).cloned().collect();
         materials.extend(own.iter().skip(given).cloned());
         for material in &mut materials {
-            if material.maps.slots().any(|slot| slot.texture as usize >= self.textures.len()) {
+            if material.maps.slots().any(|slot| slot.image().is_some_and(|image| image >= self.textures.len())) {
                 let name = &material.name;
                 remarks.push(format!("material \"{name}\" has maps without a picture and is shown without maps"));
                 material.maps = MaterialMaps::default();

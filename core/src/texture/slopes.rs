@@ -6,13 +6,15 @@
 //! to be smooth between its texels, so that a map seen from near roughens nothing. Twin of `shaders/bumps.wgsl`.
 
 use super::{
-    Channel, ColorSpace, Quad, Taps, Texture, TextureSlot, UvFootprint,
+    Channel, ColorSpace, Procedural, Quad, Taps, Texture, TextureSlot, UvFootprint,
     levels::{for_each_covered, level_sizes},
 };
 use glam::{Mat2, Vec2, Vec3, Vec4Swizzles};
 
 /// Steepest slope that a level holds, so that sums of squares stay finite.
 const STEEPEST: f32 = 1e4;
+/// Half the distance of two lookups in a pattern for its slope, in units of the pattern.
+const PATTERN_STEP: f32 = 1e-3;
 /// Least z of a texel's normal of length one: 83 degrees.
 const LEAST_Z: f32 = 0.125;
 
@@ -233,6 +235,24 @@ impl Texture {
         }
         let units = slot.strength * turn.transpose() * Mat2::from_diagonal(size);
         self.slope_moments(taps, SlopeSource::Heights(slot.channel), units, at)
+    }
+}
+
+impl TextureSlot {
+    /// Changes of the height of a pattern in metres per unit of u and v within a footprint.
+    pub fn pattern_moments(&self, pattern: &Procedural, footprint: &UvFootprint) -> SlopeMoments {
+        let there = footprint.through(self);
+        let turn = self.linear();
+        let slope = |along: Vec2| {
+            let step = PATTERN_STEP / along.length().max(1e-6);
+            let at = |uv| pattern.value(&UvFootprint { uv, ..there })[self.channel as usize];
+            self.strength * (at(there.uv + step * along) - at(there.uv - step * along)) / (2.0 * step)
+        };
+        let mut moments = SlopeMoments::of(Vec2::new(slope(turn.x_axis), slope(turn.y_axis)));
+        let fine = self.strength * self.strength * pattern.fine_slope_sq(&there, self.channel as usize);
+        let fine = covariance_mapped([fine, 0.0, fine], turn.transpose());
+        moments.second.iter_mut().zip(fine).for_each(|(second, fine)| *second += fine);
+        moments
     }
 }
 

@@ -73,7 +73,7 @@ impl EditorState {
         self.document.textures.push(TextureEntry { texture, file });
         let texture = (self.document.textures.len() - 1) as u32;
         let slot = match material.maps.get(map) {
-            Some(old) => TextureSlot { texture, ..old.clone() },
+            Some(old) => TextureSlot { texture, procedural: None, ..old.clone() },
             None => new_slot(map, texture),
         };
         material.maps.set(map, Some(slot));
@@ -212,7 +212,7 @@ fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
 /// Files that the document's scene, materials and light are made of, each once.
 fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let slots = document.materials.iter().flat_map(|m| m.maps.slots());
-    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.texture as usize)?));
+    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
     let environment = document.environment.file().map(Path::to_owned);
     let mut files: Vec<PathBuf> = textures.chain(environment).chain(document.scene.clone()).collect();
     files.sort();
@@ -232,6 +232,9 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut left_out = 0;
     let maps = material.maps.filter_map(|slot| {
+        if slot.procedural.is_some() {
+            return Some(slot_file(slot, Path::new(""), folder));
+        }
         let file = document.textures.get(slot.texture as usize).and_then(|entry| entry.file.as_deref());
         left_out += usize::from(file.is_none());
         Some(slot_file(slot, file?, folder))
@@ -250,6 +253,7 @@ fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
         rotation_degrees: slot.rotation.to_degrees(),
         strength: slot.strength,
         flip_y: slot.flip_y,
+        procedural: slot.procedural,
     }
 }
 

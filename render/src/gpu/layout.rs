@@ -90,6 +90,11 @@ pub struct TextureSlot {
     pub turn: [f32; 2],
     pub strength: f32,
     pub channel: u32,
+    /// Values of a pattern.
+    pub low: [f32; 3],
+    pub pattern: u32,
+    pub high: [f32; 3],
+    pub octaves: u32,
 }
 
 /// `MaterialParameter` of `materials.wgsl`.
@@ -251,6 +256,7 @@ pub mod constants {
     pub const KIND_LINEAR: u32 = 1;
     pub const KIND_SRGB: u32 = 2;
     pub const KIND_FLOAT: u32 = 3;
+    pub const KIND_PROCEDURAL: u32 = 4;
     /// Words in one row of the texture pool: within WebGPU's default limits.
     pub const POOL_WIDTH_LOG2: u32 = 13;
 }

@@ -108,7 +108,8 @@ impl TexturePool {
 /// The textures that some slot refers to, each once for each way to read it.
 fn in_use(appearance: &Appearance) -> Vec<Used> {
     let mut all: Vec<Used> = Vec::new();
-    for (map, slot) in appearance.materials.iter().flat_map(|m| m.maps.iter()) {
+    let slots = appearance.materials.iter().flat_map(|m| m.maps.iter());
+    for (map, slot) in slots.filter(|(_, slot)| slot.image().is_some()) {
         let texture = appearance.textures[slot.texture as usize].clone();
         let used = Used { index: slot.texture, detail: Detail::of(map, slot, &texture), texture };
         if !all.iter().any(|other| other.is_same(&used)) {

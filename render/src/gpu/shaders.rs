@@ -39,6 +39,7 @@ parts!(
     "parameters_pass",
     "past",
     "predict_pass",
+    "procedural",
     "rays_pass",
     "receiver",
     "refine",
@@ -91,7 +92,10 @@ pub const VISIBILITY: Program =
 /// Barycentric weights and frames.
 pub const SURFACE: Program = Program {
     name: "surface_pass",
-    parts: [&[], &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "bumps", "surface_pass"]],
+    parts: [
+        &[],
+        &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "procedural", "bumps", "surface_pass"],
+    ],
 };
 /// Rays for bakes.
 pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["traverse", "rays_pass"]] };
@@ -108,6 +112,7 @@ pub const PARAMETERS: Program = Program {
             "environment",
             "surface",
             "materials",
+            "procedural",
             "bumps",
             "brdf",
             MODELS,

@@ -9,7 +9,7 @@ use crate::appearance::Appearance;
 use glam::{Mat2, Mat3, Vec2, Vec3};
 use lapidary_core::{
     material::{BUMP, Material, NORMAL},
-    texture::{ColorSpace, covariance_mapped},
+    texture::{ColorSpace, SlopeMoments, TextureSlot, UvFootprint, covariance_mapped},
 };
 
 /// Slopes that move a normal: their covariance as xx, xy, yy, and how the normal moves with each.
@@ -31,11 +31,9 @@ impl SurfacePlace {
         let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
         let mut bumped = Bumped { normal: smooth.z_axis, moving: [Moving::default(); 2] };
         if let Some(slot) = material.maps.get(NORMAL) {
-            let texture = &appearance.textures[slot.texture as usize];
-            match texture.normal_moments(&self.uv, slot) {
+            match appearance.normal_moments(slot, &self.uv) {
                 None => {
-                    let n =
-                        slot.tangent_normal(texture.sample(slot.transform(self.uv.uv), ColorSpace::Linear).truncate());
+                    let n = slot.tangent_normal(appearance.encoded_normal(slot, &self.uv));
                     bumped.normal = (smooth * n).try_normalize().unwrap_or(bumped.normal);
                 }
                 Some(moments) => {
@@ -47,7 +45,7 @@ impl SurfacePlace {
             }
         }
         if let (Some(slot), Some([per_u, per_v])) = (material.maps.get(BUMP), self.slopes) {
-            let moments = appearance.textures[slot.texture as usize].height_moments(&self.uv, slot);
+            let moments = appearance.height_moments(slot, &self.uv);
             // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
             let tilted = bumped.normal - per_u * moments.mean.x - per_v * moments.mean.y;
             if let Some(normal) = tilted.try_normalize() {
@@ -59,6 +57,28 @@ impl SurfacePlace {
             }
         }
         bumped
+    }
+}
+
+impl Appearance {
+    /// See [`lapidary_core::texture::Texture::normal_moments`]. A pattern of normals is looked up as they are.
+    fn normal_moments(&self, slot: &TextureSlot, uv: &UvFootprint) -> Option<SlopeMoments> {
+        self.textures[slot.image()?].normal_moments(uv, slot)
+    }
+
+    fn encoded_normal(&self, slot: &TextureSlot, uv: &UvFootprint) -> Vec3 {
+        let texel = match slot.image() {
+            Some(image) => self.textures[image].sample(slot.transform(uv.uv), ColorSpace::Linear),
+            None => self.sample(slot, uv),
+        };
+        texel.truncate()
+    }
+
+    fn height_moments(&self, slot: &TextureSlot, uv: &UvFootprint) -> SlopeMoments {
+        match &slot.procedural {
+            Some(pattern) => slot.pattern_moments(pattern, uv),
+            None => self.textures[slot.texture as usize].height_moments(uv, slot),
+        }
     }
 }
 

@@ -32,7 +32,7 @@ impl Thumbnails {
 }
 
 /// The texture at most [`SIDE`] pixels wide and high: means over what each pixel covers, at most four by four texels of it.
-fn shrunk(texture: &Texture) -> ColorImage {
+pub(super) fn shrunk(texture: &Texture) -> ColorImage {
     let [w, h] = texture.size;
     let longer = w.max(h).max(SIDE);
     let [out_w, out_h] = [w, h].map(|side| (u64::from(side) * u64::from(SIDE) / u64::from(longer)).max(1) as u32);

@@ -2,12 +2,12 @@
 
 use super::twin::{Rig, agrees, appearance, difference, noise, on_the_cpu, parameters, view};
 use crate::{Appearance, BrdfSampling, View, ViewMode};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::GgxParameters,
     dataset::Dataset,
     material::{BrdfModel, MaterialMaps},
-    texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, Pattern, Procedural, Texels, Texture, TextureSlot},
 };
 use std::sync::Arc;
 
@@ -34,6 +34,7 @@ fn look(dataset: &Dataset, names: &[&str]) -> Appearance {
         offset: Vec2::new(0.3, -1.2),
         rotation: 0.4,
         flip_y: true,
+        procedural: None,
     };
     let mut maps = MaterialMaps::from([
         ("base_color", slot(0, ColorSpace::Srgb, Channel::R, 1.0)),
@@ -67,6 +68,39 @@ fn maps_are_filtered_as_on_the_cpu_alone_and_together_and_by_the_footprint_of_th
                 _ => true,
             };
             assert_eq!(agrees(&gpu, &other), !shows, "negative control, {names:?} {mode:?}");
+        }
+    }
+}
+
+#[test]
+fn patterns_are_those_of_the_cpu_as_values_and_as_heights() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    let look = |pattern, scale, map| {
+        let (low, high) = (Vec3::new(0.1, 0.7, 0.2), Vec3::new(0.9, 0.2, 0.6));
+        let procedural = Some(Procedural { pattern, low, high, octaves: 6 });
+        let (scale, strength) = (Vec2::new(scale, 0.7 * scale), 0.05 / scale);
+        let slot = TextureSlot { procedural, scale, strength, rotation: 0.3, ..Default::default() };
+        appearance(&dataset, BrdfModel::Ggx, parameters(0.6, 0.3), MaterialMaps::from([(map, slot)]))
+    };
+    for (i, pattern) in Pattern::ALL.into_iter().enumerate() {
+        for (map, scale, mode) in [
+            ("base_color", 0.6, ViewMode::Albedo),
+            ("base_color", 5.0, ViewMode::Albedo),
+            ("base_color", 5.0, ViewMode::Shaded),
+            ("bump", 0.9, ViewMode::Shaded),
+            ("bump", 9.0, ViewMode::Shaded),
+        ] {
+            // Edges as heights are as steep as the difference of two lookups makes them.
+            if map == "bump" && pattern != Pattern::Noise {
+                continue;
+            }
+            rig.look(look(pattern, scale, map));
+            let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Refine);
+            assert!(agrees(&gpu, &cpu), "{pattern:?} {map} {scale} {mode:?}: {:?}", difference(&gpu, &cpu));
+            rig.renderer.set_appearance(look(Pattern::ALL[(i + 1) % 3], scale, map));
+            let other = on_the_cpu(&rig.gpu, &rig.renderer, &view(mode), rig.lit(), BrdfSampling::Refine);
+            assert!(!agrees(&gpu, &other), "negative control, {pattern:?} {map} {scale}");
         }
     }
 }
