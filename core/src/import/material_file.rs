@@ -128,6 +128,10 @@ impl MaterialLoader<'_> {
             reason: e.to_string(),
         };
         let file: MaterialFile = serde_json::from_slice(&read_file(path, &mut self.files)?).map_err(parse_error)?;
+        if let Some((map, _)) = file.maps.iter().find(|(_, slot)| slot.picture() == Some("")) {
+            let reason = format!("the map `{map}` names neither a `file` nor a `procedural`");
+            return Err(ImportError::Parse { path: path.into(), format: "a material", reason });
+        }
         self.check_outside(&file.maps)?;
         let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, map_color_space(kind)))?;
         let mut material = file.with_maps(maps);

@@ -272,7 +272,10 @@ pub fn as_base_color(material: usize, path: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{import::load_material, texture::ColorSpace};
+    use lapidary_core::{
+        import::load_material,
+        texture::{ColorSpace, Procedural},
+    };
 
     fn document(file: Option<PathBuf>) -> Document {
         let texture = Arc::new(Texture::missing("wood.png"));
@@ -313,6 +316,18 @@ mod tests {
         let written = serde_json::to_value(&file.maps).unwrap();
         assert_eq!((left_out, written.as_object().unwrap().len()), (0, names.len()));
         assert!(written.as_object().unwrap().values().all(|slot| slot["file"] == "wood.png"), "{written}");
+    }
+
+    #[test]
+    fn a_pattern_is_written_and_needs_no_file() {
+        let pattern = Some(Procedural { octaves: 7, ..Default::default() });
+        let slot = TextureSlot { procedural: pattern, ..Default::default() };
+        let material = Material { maps: [("roughness", slot)].into(), ..Default::default() };
+        let (file, left_out) = material_file(&material, &document(None), Path::new("/a/b.json"));
+        let text = serde_json::to_string(&file.maps).unwrap();
+        assert!(left_out == 0 && !text.contains("file"), "{text}");
+        let read: lapidary_core::import::MapFiles = serde_json::from_str(&text).unwrap();
+        assert_eq!(read.get("roughness").unwrap().procedural, pattern);
     }
 
     #[test]
