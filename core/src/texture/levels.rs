@@ -79,6 +79,9 @@ pub(super) fn for_each_covered(from: [u32; 2], to: [u32; 2], mut f: impl FnMut(&
 }
 
 fn reduced(texels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 4]> {
+    if from == to.map(|side| 2 * side) {
+        return halved(texels, from[0] as usize);
+    }
     let mut level = Vec::with_capacity((to[0] * to[1]) as usize);
     for_each_covered(from, to, |covered| {
         let mut sum = [0.0; 4];
@@ -87,6 +90,18 @@ fn reduced(texels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 4]> {
         }
         level.push(sum);
     });
+    level
+}
+
+/// The same for even sizes, some times as fast.
+fn halved(texels: &[[f32; 4]], width: usize) -> Vec<[f32; 4]> {
+    let mut level = Vec::with_capacity(texels.len() / 4);
+    for rows in texels.chunks_exact(2 * width) {
+        let (above, below) = rows.split_at(width);
+        for (above, below) in above.as_chunks::<2>().0.iter().zip(below.as_chunks::<2>().0) {
+            level.push(std::array::from_fn(|c| 0.25 * (above[0][c] + above[1][c] + below[0][c] + below[1][c])));
+        }
+    }
     level
 }
 

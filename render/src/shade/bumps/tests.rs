@@ -227,3 +227,24 @@ fn figures_of_bumpy_highlights() {
         }
     }
 }
+
+#[test]
+#[ignore = "prints the times of docs/lab-notes/2026-11-26-texture-filtering.md"]
+fn times_of_filtered_maps() {
+    let slot = TextureSlot::default();
+    let mut appearance = look(BrdfModel::Ggx, 0.5, NORMAL, slot.clone());
+    for name in ["base_color", "roughness", "metalness"] {
+        appearance.materials[0].maps.set(name, Some(slot.clone()));
+    }
+    for distance in [1.0, 4.0, 16.0] {
+        let (renderer, light) = scene(appearance.clone(), distance);
+        let view = View { size: [160, 160], ..view() };
+        let time = |filter| {
+            let start = std::time::Instant::now();
+            picture(&renderer, &light, &view, filter);
+            start.elapsed().as_secs_f64()
+        };
+        let least = |filter| (0..5).map(|_| time(filter)).fold(f64::INFINITY, f64::min);
+        println!("{distance}: points {:.3} s, slopes {:.3} s", least(Filter::None), least(Filter::Slopes));
+    }
+}
