@@ -29,23 +29,24 @@ fn slope_sq(alpha: vec2<f32>) -> vec2<f32> {
     return sq / (1.0 - sq);
 }
 
-// Half vector and the spread that the light gives it.
+// Half vector and the spread of it that light and surface cause.
 struct Half {
     h: vec3<f32>,
     wi_dot_h: f32,
-    // (2 / kappa) J J^T as xx, xy, yy.
+    // (2 / kappa) J J^T and the slopes of the surface as xx, xy, yy.
     spread: vec3<f32>,
 }
 
-fn half_vector(wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> Half {
+fn half_vector(light: Light, wo: vec3<f32>) -> Half {
+    let wi = light.wi;
     let sum = wi + wo;
     let length = sqrt(max(dot(sum, sum), 1e-12));
     let h = sum / length;
     let wi_dot_h = 0.5 * length;
     let q = wi - h * wi_dot_h;
-    let scale = 0.5 * inv_kappa / max(wi_dot_h * wi_dot_h, 1e-4);
+    let scale = 0.5 * light.inv_kappa / max(wi_dot_h * wi_dot_h, 1e-4);
     let spread = scale * vec3(1.0 - h.x * h.x - q.x * q.x, -(h.x * h.y + q.x * q.y), 1.0 - h.y * h.y - q.y * q.y);
-    return Half(h, wi_dot_h, spread);
+    return Half(h, wi_dot_h, spread + light.slopes);
 }
 
 // v^T M v for M given as xx, xy, yy.
@@ -68,6 +69,8 @@ struct Light {
     wi: vec3<f32>,
     // Inverse concentration of its directions.
     inv_kappa: f32,
+    // Twice the covariance of the surface's slopes within the sample: xx, xy, yy.
+    slopes: vec3<f32>,
     // Mean cosine to the normal of its light above the horizon.
     cosine: f32,
     // Whether `wi` is above the horizon.
@@ -75,8 +78,8 @@ struct Light {
 }
 
 // f_r(wi, wo) times the cosine for directions around `wi` of an inverse concentration, 0 for one; zero below the horizon.
-fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> vec3<f32> {
-    return reflection_of(brdf, Light(wi, inv_kappa, max(wi.z, 0.0), wi.z > 0.0), wo);
+fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32, slopes: vec3<f32>) -> vec3<f32> {
+    return reflection_of(brdf, Light(wi, inv_kappa, slopes, max(wi.z, 0.0), wi.z > 0.0), wo);
 }
 
 // A GGX lobe without its Fresnel factor: D G / (4 cos_i cos_o) times the cosine. Twin of core/src/brdf/ggx_lobe.rs.

@@ -125,7 +125,7 @@ fn reflected(point: SurfacePoint, sample: LightSample, inv_kappa: f32) -> vec3<f
         return vec3(0.0);
     }
     let wi = sample.direction * point.world_from_local;
-    return brdf_cos(point.brdf, wi, point.wo, inv_kappa) * sample.irradiance;
+    return brdf_cos(point.brdf, wi, point.wo, inv_kappa, point.slopes) * sample.irradiance;
 }
 
 fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {

@@ -38,6 +38,8 @@ struct FrameUniforms {
     mirrored_height: u32,
     // Whether the light is shown that surfaces send by themselves.
     shows_emission: u32,
+    // Distance of the samples of a pixel, in pixels.
+    sample_distance: f32,
 }
 
 const BACKGROUND_MAP: u32 = 0u;
@@ -50,6 +52,11 @@ const VIEW_ROUGHNESS: u32 = 3u;
 const VIEW_VISIBILITY_CUT: u32 = 4u;
 const VIEW_MERGED_CUT: u32 = 5u;
 const VIEW_BRDF_EVALUATIONS: u32 = 6u;
+
+// Whether the view shows colours and roughnesses of surfaces.
+fn shows_color() -> bool {
+    return frame.view_mode == VIEW_ALBEDO || frame.view_mode == VIEW_ROUGHNESS;
+}
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 

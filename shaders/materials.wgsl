@@ -1,5 +1,6 @@
 // Materials and their textures. All textures lie in one pool of 32-bit words, so that any number of them of any size
-// needs one binding; lookups are bilinear with repeat, and filter after decoding. Twin of core/src/texture.rs.
+// needs one binding. Each is followed by its levels of detail, and lookups take the mean within a footprint, after decoding,
+// with repeat. Twin of core/src/texture.rs.
 
 struct TextureSlot {
     // First word in the pool.
@@ -14,6 +15,11 @@ struct TextureSlot {
     turn: vec2<f32>,
     strength: f32,
     channel: u32,
+    // Of a pattern: its values, what it looks like (see PATTERN_*), and the octaves of noise.
+    low: vec3<f32>,
+    pattern: u32,
+    high: vec3<f32>,
+    octaves: u32,
 }
 
 // A declared parameter of a model: the value of a material, and the map that modulates it.
@@ -46,6 +52,8 @@ const KIND_LINEAR: u32 = 1u;
 const KIND_SRGB: u32 = 2u;
 // Four words a texel.
 const KIND_FLOAT: u32 = 3u;
+// A pattern, in no texels.
+const KIND_PROCEDURAL: u32 = 4u;
 
 // The pool is this wide, as a power of two.
 const POOL_WIDTH_LOG2: u32 = 13u;
@@ -70,20 +78,55 @@ fn decode_srgb(code: u32) -> f32 {
     return tables.linear_from_srgb[code >> 2u][code & 3u];
 }
 
-fn texel(slot: TextureSlot, x: u32, y: u32) -> vec4<f32> {
-    let index = y * slot.width + x;
-    if slot.kind == KIND_FLOAT {
-        let first = slot.first + 4u * index;
+// A level of a texture in the pool; the texture itself is level 0.
+struct Level {
+    first: u32,
+    size: vec2<u32>,
+}
+
+fn texel_words(slot: TextureSlot) -> u32 {
+    return select(1u, 4u, slot.kind == KIND_FLOAT);
+}
+
+// A level whose texels, as those of all but level 0, take so many words.
+fn level_of(slot: TextureSlot, level: u32, words: u32) -> Level {
+    var there = Level(slot.first, vec2(slot.width, slot.height));
+    var texel_size = texel_words(slot);
+    for (var i = 0u; i < level; i++) {
+        there.first += texel_size * there.size.x * there.size.y;
+        there.size = max(there.size >> vec2(1u), vec2(1u));
+        texel_size = words;
+    }
+    return there;
+}
+
+// The level of one texel.
+fn last_level(slot: TextureSlot) -> u32 {
+    return firstLeadingBit(max(slot.width, slot.height));
+}
+
+fn texel(kind: u32, level: Level, x: u32, y: u32) -> vec4<f32> {
+    let index = y * level.size.x + x;
+    if kind == KIND_FLOAT {
+        let first = level.first + 4u * index;
         let words = vec4(pool_word(first), pool_word(first + 1u), pool_word(first + 2u), pool_word(first + 3u));
         return bitcast<vec4<f32>>(words);
     }
-    let word = pool_word(slot.first + index);
+    let word = pool_word(level.first + index);
     let codes = vec4(word & 255u, (word >> 8u) & 255u, (word >> 16u) & 255u, word >> 24u);
     let linear = vec4<f32>(codes) / 255.0;
-    if slot.kind == KIND_SRGB {
+    if kind == KIND_SRGB {
         return vec4(decode_srgb(codes.x), decode_srgb(codes.y), decode_srgb(codes.z), linear.w);
     }
     return linear;
+}
+
+// The linear part of a slot's transform: a column of the matrix.
+fn linear_column(slot: TextureSlot, axis: u32) -> vec2<f32> {
+    if axis == 0u {
+        return vec2(slot.turn.y, -slot.turn.x) * slot.scale.x;
+    }
+    return vec2(slot.turn.x, slot.turn.y) * slot.scale.y;
 }
 
 // Texture coordinates after the slot's transform.
@@ -92,25 +135,99 @@ fn transform_uv(slot: TextureSlot, uv: vec2<f32>) -> vec2<f32> {
     return vec2(slot.turn.y * s.x + slot.turn.x * s.y, -slot.turn.x * s.x + slot.turn.y * s.y) + slot.offset;
 }
 
-// Bilinear lookup with repeat of transformed coordinates.
-fn sample_texture(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
-    let size = vec2(slot.width, slot.height);
-    let p = (uv - floor(uv)) * vec2<f32>(size) - 0.5;
-    let f = p - floor(p);
-    // -1 to size - 1, wrapped.
-    let low = vec2<u32>(vec2<i32>(floor(p)) + vec2<i32>(size)) % size;
-    let high = (low + 1u) % size;
-    let top = mix(texel(slot, low.x, low.y), texel(slot, high.x, low.y), f.x);
-    let bottom = mix(texel(slot, low.x, high.y), texel(slot, high.x, high.y), f.x);
-    return mix(top, bottom, f.y);
+// The four texels around a point, and the weights of those on the right and of those below.
+struct Quad {
+    low: vec2<u32>,
+    high: vec2<u32>,
+    blend: vec2<f32>,
 }
 
-fn sample_slot(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
-    return sample_texture(slot, transform_uv(slot, uv));
+fn quad_around(size: vec2<u32>, uv: vec2<f32>) -> Quad {
+    let p = (uv - floor(uv)) * vec2<f32>(size) - 0.5;
+    // -1 to size - 1, wrapped.
+    let low = vec2<u32>(vec2<i32>(floor(p)) + vec2<i32>(size)) % size;
+    return Quad(low, (low + 1u) % size, p - floor(p));
+}
+
+// Bilinear lookup with repeat of transformed coordinates.
+fn sample_level(slot: TextureSlot, level: Level, uv: vec2<f32>) -> vec4<f32> {
+    let quad = quad_around(level.size, uv);
+    let low = quad.low;
+    let high = quad.high;
+    let top = mix(texel(slot.kind, level, low.x, low.y), texel(slot.kind, level, high.x, low.y), quad.blend.x);
+    let bottom = mix(texel(slot.kind, level, low.x, high.y), texel(slot.kind, level, high.x, high.y), quad.blend.x);
+    return mix(top, bottom, quad.blend.y);
+}
+
+// The same in the texture itself.
+fn sample_texture(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
+    return sample_level(slot, Level(slot.first, vec2(slot.width, slot.height)), uv);
+}
+
+// The lookups of a footprint. Twin of core/src/texture/footprint.rs.
+struct Taps {
+    count: u32,
+    first: vec2<f32>,
+    step: vec2<f32>,
+    level: f32,
+}
+
+const MOST_TAPS: f32 = 8.0;
+const TEXELS_PER_WIDTH: f32 = 1.7320508;
+
+fn is_point(taps: Taps) -> bool {
+    return taps.level <= 0.0 && taps.count == 1u;
+}
+
+fn taps_of(slot: TextureSlot, footprint: UvFootprint) -> Taps {
+    let uv = transform_uv(slot, footprint.uv);
+    let point = Taps(1u, uv, vec2(0.0), 0.0);
+    let size = vec2(f32(slot.width), f32(slot.height));
+    let turn = mat2x2<f32>(linear_column(slot, 0u), linear_column(slot, 1u));
+    let a = turn * footprint.right * size;
+    let b = turn * footprint.below * size;
+    // The ellipse has the axes of J J^T.
+    let m = vec3(a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
+    let half = 0.5 * (m.x - m.z);
+    let root = sqrt(half * half + m.y * m.y);
+    let long = sqrt(0.5 * (m.x + m.z) + root);
+    if !(long > TEXELS_PER_WIDTH && long < 1e18) {
+        return point;
+    }
+    let short = abs(a.x * b.y - a.y * b.x) / long;
+    let along = select(vec2(m.y, root - half), vec2(half + root, m.y), half > 0.0);
+    let axis = along * (long / max(length(along), 1e-20)) / size;
+    // No finer than texels.
+    let width = max(short, TEXELS_PER_WIDTH);
+    let count = clamp(floor(long / width + 0.5), 1.0, MOST_TAPS);
+    let step = axis / count;
+    let level = log2(max(width, long / count) / TEXELS_PER_WIDTH);
+    return Taps(u32(count), uv - step * (0.5 * (count - 1.0)), step, level);
+}
+
+// The mean within a footprint.
+fn sample_slot(slot: TextureSlot, footprint: UvFootprint) -> vec4<f32> {
+    if slot.kind == KIND_PROCEDURAL {
+        return procedural_value(slot, through_slot(slot, footprint));
+    }
+    let taps = taps_of(slot, footprint);
+    let level = min(taps.level, f32(last_level(slot)));
+    let blend = fract(level);
+    let words = texel_words(slot);
+    var sum = vec4(0.0);
+    // Of each tap the finer and the coarser level.
+    for (var i = 0u; i < 2u * taps.count; i++) {
+        let weight = select(1.0 - blend, blend, (i & 1u) != 0u);
+        if weight > 0.0 {
+            let there = level_of(slot, u32(level) + (i & 1u), words);
+            sum += weight * sample_level(slot, there, taps.first + taps.step * f32(i >> 1u));
+        }
+    }
+    return sum / f32(taps.count);
 }
 
 // A colour of a material after its map, within the parameter's range. Twin of `Material::values` in core/src/material.rs.
-fn material_color(material: u32, index: u32, uv: vec2<f32>, range: vec2<f32>, least: f32) -> vec3<f32> {
+fn material_color(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> vec3<f32> {
     let value = materials[material].parameters[index].value;
     let map = materials[material].parameters[index].map;
     if map.kind == 0u {
@@ -120,7 +237,7 @@ fn material_color(material: u32, index: u32, uv: vec2<f32>, range: vec2<f32>, le
 }
 
 // The same of a number. What is above `least` is scaled by the map.
-fn material_number(material: u32, index: u32, uv: vec2<f32>, range: vec2<f32>, least: f32) -> f32 {
+fn material_number(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> f32 {
     let value = materials[material].parameters[index].value.x;
     let map = materials[material].parameters[index].map;
     if map.kind == 0u {
@@ -130,7 +247,7 @@ fn material_number(material: u32, index: u32, uv: vec2<f32>, range: vec2<f32>, l
 }
 
 // Radiance that a material sends by itself. Twin of `SurfaceParameters` in core/src/brdf/surface.rs.
-fn material_emission(material: u32, uv: vec2<f32>) -> vec3<f32> {
+fn material_emission(material: u32, uv: UvFootprint) -> vec3<f32> {
     let first = materials[material].surface;
     if materials[material].parameters[first + 1u].value.x == 0.0 {
         return vec3(0.0);

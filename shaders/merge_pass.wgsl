@@ -129,9 +129,19 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     return shaded;
 }
 
+// Widths of all lobes, after the slopes within the sample have widened them. Twin of `SurfacePoint::lobes`.
+fn widened_lobes(point: SurfacePoint) -> mat3x2<f32> {
+    var lobes = lobes_of(point.brdf);
+    let added = max(point.slopes.xz - abs(point.slopes.y), vec2(0.0));
+    for (var i = 0u; i < 3u; i += 1u) {
+        lobes[i] = select(lobes[i], sqrt(lobes[i] * lobes[i] + added), any(lobes[i] != NO_LOBE));
+    }
+    return lobes;
+}
+
 // Widths of the lobes that refinement follows; 0 for none.
 fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
-    let all = lobes_of(point.brdf);
+    let all = widened_lobes(point);
     let lobes = vec3(min(all[0].x, all[0].y), min(all[1].x, all[1].y), min(all[2].x, all[2].y));
     return select(vec3(0.0), max(lobes, vec3(NARROWEST)), vec3(REFINE) & (lobes > vec3(0.0)));
 }
@@ -288,7 +298,7 @@ fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
 
 // The sharp lobes of a point, if they read the map.
 fn mirror_at(point: SurfacePoint) -> Mirror {
-    var mirror = mirror_of(lobes_of(point.brdf), point.wo);
+    var mirror = mirror_of(widened_lobes(point), point.wo);
     if !REFINE || FIELD != FIELD_ENVIRONMENT || frame.mirrored_height == 0u {
         mirror.share = 0.0;
     }

@@ -58,9 +58,12 @@ fn mirror_window(mirror: Mirror, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
     return t * t * (3.0 - t - t);
 }
 
-// The spread of a light that widens lobes: none outside the window. A lobe that is widened has too bright tails.
+// The spread of a light that widens lobes: none but well inside the window. A lobe that is widened has too bright tails, which
+// would be added to what the window has.
 fn mirror_spread(mirror: Mirror, window: f32, inv_kappa: f32) -> f32 {
-    return inv_kappa * (1.0 - (1.0 - window) * mirror.share);
+    let squared = window * window;
+    let fourth = squared * squared;
+    return inv_kappa * (1.0 - (1.0 - fourth * fourth) * mirror.share);
 }
 
 // Whether the cone of a radius around the local direction `wi` reaches into the window.
@@ -91,7 +94,7 @@ fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
             density += ggx_density(mirror.lobes[k], wi, wo);
         }
         let solid_angle = 1.0 / (f32(per_lobe) * max(density, 1e-6));
-        let light = reflection_of(point.brdf, Light(wi, 0.0, wi.z, true), wo) * patch_radiance(direction, solid_angle);
+        let light = reflection_of(point.brdf, Light(wi, 0.0, point.slopes, wi.z, true), wo) * patch_radiance(direction, solid_angle);
         sum += light * (mirror_window(mirror, wi, wo) * solid_angle);
     }
     return sum;

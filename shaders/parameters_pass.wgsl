@@ -1,5 +1,5 @@
-// Deferred pass 3: base colour and roughness, for the views that show them; of a ground that catches shadows its
-// reflectance.
+// Deferred pass 3: base colour and roughness, for the views that show them; for the others the spread of the slopes within
+// the sample. Of a ground that catches shadows its reflectance.
 
 @group(2) @binding(0) var geometry: texture_2d<u32>;
 @group(2) @binding(1) var environment_map: texture_2d<f32>;
@@ -15,7 +15,25 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4(caught_radiance(ray_direction(pixel)) * frame.caught_per_radiance, 1.0);
     }
     let triangle = triangles[g.x - 1u];
+    let material = triangle.material & ~TWO_SIDED;
     let bc = bitcast<vec2<f32>>(g.yz);
-    let uv = interpolated_uv(triangle.vertices, vec3(1.0 - bc.x - bc.y, bc));
-    return color_and_roughness(triangle.material & ~TWO_SIDED, uv);
+    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
+    let uv = footprint_at(triangle.vertices, hit.barycentric);
+    if shows_color() {
+        return color_and_roughness(material, uv);
+    }
+    let has_bumps = materials[material].normal_map.kind != 0u || materials[material].bump_map.kind != 0u;
+    if !has_bumps {
+        return vec4(0.0);
+    }
+    return vec4(spread_at(triangle.vertices, hit, material, uv, -ray_direction(pixel)), 0.0);
+}
+
+// Twice the covariance of the slopes in the local frame.
+fn spread_at(corners: vec3<u32>, hit: Hit, material: u32, uv: UvFootprint, wo: vec3<f32>) -> vec3<f32> {
+    let smoothed = smooth_normal(corners, hit, wo);
+    let tangent = interpolated_tangent(corners, hit.barycentric);
+    let handedness = vertices[corners.x].handedness * hit.side;
+    let bumped = bumped_normal(material, corners, uv, frame_around(smoothed, tangent, handedness));
+    return slope_spread(bumped, frame_around(facing(bumped.normal, wo), tangent, handedness));
 }

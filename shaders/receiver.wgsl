@@ -30,7 +30,7 @@ fn share_above_horizon(c: vec2<f32>) -> f32 {
 fn received_light(point: SurfacePoint, direction: vec3<f32>, wi: vec3<f32>, inv_kappa: f32) -> Light {
     let moments = lobe_moments(inv_kappa);
     let shading = cosines(moments, wi.z);
-    var light = Light(wi, inv_kappa, mean_above_horizon(shading), wi.z > 0.0);
+    var light = Light(wi, inv_kappa, point.slopes, mean_above_horizon(shading), wi.z > 0.0);
     if any(point.world_from_local[2] != point.smooth_normal) {
         let to_smooth = dot(direction, point.smooth_normal);
         let seen = share_above_horizon(cosines(moments, to_smooth));

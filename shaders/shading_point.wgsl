@@ -2,6 +2,7 @@
 
 @group(3) @binding(0) var geometry: texture_2d<u32>;
 @group(3) @binding(1) var rotation: texture_2d<f32>;
+// See parameters_pass.wgsl.
 @group(3) @binding(2) var color_roughness: texture_2d<f32>;
 // The sums of the part of the light that is rendered.
 @group(3) @binding(3) var previous_value: texture_2d<f32>;
@@ -48,6 +49,8 @@ struct SurfacePoint {
     brdf: Brdf,
     // Radiance that it sends by itself.
     emission: vec3<f32>,
+    // Twice the covariance of the slopes within the sample in the local frame: xx, xy, yy.
+    slopes: vec3<f32>,
 }
 
 fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
@@ -58,25 +61,29 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
     let a = vertices[corners.x].position;
     let across = cross(vertices[corners.y].position - a, vertices[corners.z].position - a);
     let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
+    let smoothed = smooth_normal(corners, hit, -direction);
+    var slopes = vec3(0.0);
     var brdf: Brdf;
     var emission = vec3(0.0);
     if (g.w & FLAG_CATCHER) != 0u {
         brdf = diffuse_brdf(textureLoad(color_roughness, pixel, 0).xyz);
     } else {
         let material = triangle.material & ~TWO_SIDED;
-        let uv = interpolated_uv(corners, hit.barycentric);
-        brdf = brdf_of(material, uv);
-        emission = material_emission(material, uv);
+        let footprint = footprint_at(corners, hit.barycentric);
+        brdf = brdf_of(material, footprint);
+        emission = material_emission(material, footprint);
+        slopes = select(textureLoad(color_roughness, pixel, 0).xyz, vec3(0.0), shows_color());
     }
     return SurfacePoint(
         corners,
         valid_weights(corners, hit.barycentric),
         interpolated_position(corners, hit.barycentric),
         normalize_or(across * hit.side, -direction),
-        smooth_normal(corners, hit, -direction),
+        smoothed,
         local,
         -direction * local,
         brdf,
         emission,
+        slopes,
     );
 }

@@ -25,6 +25,60 @@ fn interpolated_uv(corners: vec3<u32>, b: vec3<f32>) -> vec2<f32> {
     return vertices[corners.x].uv * b.x + vertices[corners.y].uv * b.y + vertices[corners.z].uv * b.z;
 }
 
+// Texture coordinates of a point, and how they change to the neighbouring samples of the picture: on the right and below.
+struct UvFootprint {
+    uv: vec2<f32>,
+    right: vec2<f32>,
+    below: vec2<f32>,
+}
+
+struct Slopes {
+    per_u: vec3<f32>,
+    per_v: vec3<f32>,
+    is_regular: bool,
+}
+
+// Gradients of u and v along a triangle: the surface gradient of a function is per_u df/du + per_v df/dv.
+fn surface_slopes(corners: vec3<u32>) -> Slopes {
+    let p = vertices[corners.x].position;
+    let e1 = vertices[corners.y].position - p;
+    let e2 = vertices[corners.z].position - p;
+    let d1 = vertices[corners.y].uv - vertices[corners.x].uv;
+    let d2 = vertices[corners.z].uv - vertices[corners.x].uv;
+    let n = cross(e1, e2);
+    let area_sq = dot(n, n);
+    // Gradients of the barycentric weights of the second and third corner.
+    let gb = cross(e2, n) / area_sq;
+    let gc = cross(n, e1) / area_sq;
+    return Slopes(gb * d1.x + gc * d2.x, gb * d1.y + gc * d2.y, area_sq > 0.0);
+}
+
+// The footprint of a sample. Twin of render/src/shade/differentials.rs.
+fn footprint_at(corners: vec3<u32>, b: vec3<f32>) -> UvFootprint {
+    let uv = interpolated_uv(corners, b);
+    let slopes = surface_slopes(corners);
+    if !slopes.is_regular {
+        return UvFootprint(uv, vec2(0.0), vec2(0.0));
+    }
+    let p = vertices[corners.x].position;
+    let normal = cross(vertices[corners.y].position - p, vertices[corners.z].position - p);
+    let away = interpolated_position(corners, b) - frame.eye;
+    let depth = -dot(away, frame.world_from_view[2]);
+    let size = depth * 2.0 * frame.tan_half_fov / f32(frame.size.y) * frame.sample_distance;
+    let right = along_plane(frame.world_from_view[0] * size, away, normal);
+    let below = along_plane(-frame.world_from_view[1] * size, away, normal);
+    return UvFootprint(uv, change_of_uv(slopes, right), change_of_uv(slopes, below));
+}
+
+// What moves across a ray moves so far on a plane.
+fn along_plane(across: vec3<f32>, away: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    return across - away * (dot(normal, across) / dot(normal, away));
+}
+
+fn change_of_uv(slopes: Slopes, moved: vec3<f32>) -> vec2<f32> {
+    return vec2(dot(slopes.per_u, moved), dot(slopes.per_v, moved));
+}
+
 fn interpolated_position(corners: vec3<u32>, b: vec3<f32>) -> vec3<f32> {
     return vertices[corners.x].position * b.x + vertices[corners.y].position * b.y + vertices[corners.z].position * b.z;
 }

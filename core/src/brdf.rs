@@ -34,7 +34,7 @@ pub use fresnel::Metal;
 pub use ggx::{Ggx, GgxParameters};
 pub use ggx_lobe::GgxLobe;
 pub use lambert::{Lambert, LambertParameters};
-pub use lights::{CosinesX8, LightsX8, LobeMomentsX8};
+pub use lights::{CosinesX8, LightsX8, LobeMomentsX8, SpreadX8};
 pub use microfacet::{MIN_ALPHA, widths};
 pub use models::{BrdfModel, BrdfVisitor, Model, SurfaceBrdf};
 pub use openpbr::{OpenPbr, OpenPbrParameters};

@@ -10,6 +10,7 @@
 
 mod gltf;
 mod mtl;
+mod patterns;
 mod pictures;
 #[cfg(test)]
 mod tests;
@@ -115,6 +116,7 @@ pub fn pictures_beside(path: &Path) -> PathBuf {
 /// # Errors
 /// See [`ExportError`].
 pub fn write_materials(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
+    let scene = &*patterns::as_pictures(scene);
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "mtlx" => write_materialx(scene, path, options.surface),

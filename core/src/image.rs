@@ -14,6 +14,7 @@ mod write;
 pub use layers::{Layer, LayeredImage, MetaValue, Metadata};
 pub use read::{Footprint, decode, dimensions, footprint};
 pub use region::{Region, RegionError};
+pub(crate) use write::srgb_bytes;
 pub use write::{encode_png, encode_png_pixels};
 
 /// Why a picture could not be read or written.

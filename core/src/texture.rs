@@ -1,4 +1,15 @@
-//! Textures: the encoded file, its decoded texels, and bilinear lookup with repeat.
+//! Textures: the encoded file, its decoded texels, and lookup with repeat: bilinear at a point, over levels of detail within
+//! the footprint of a sample.
+
+mod footprint;
+mod levels;
+mod procedural;
+mod slopes;
+
+pub use footprint::{MOST_TAPS, TEXELS_PER_WIDTH, Taps, UvFootprint};
+pub use levels::{Level, Levels, level_sizes};
+pub use procedural::{NOISE_CELLS, Pattern, Procedural};
+pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 
 use crate::color::linear_from_srgb;
 use glam::{Vec2, Vec3, Vec4};
@@ -52,6 +63,9 @@ pub struct TextureSlot {
     pub strength: f32,
     /// Normals have their green channel down (DirectX) instead of up (OpenGL).
     pub flip_y: bool,
+    /// A pattern in place of a texture, whose index then tells nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub procedural: Option<Procedural>,
 }
 
 impl Default for TextureSlot {
@@ -65,11 +79,17 @@ impl Default for TextureSlot {
             rotation: 0.0,
             strength: 1.0,
             flip_y: false,
+            procedural: None,
         }
     }
 }
 
 impl TextureSlot {
+    /// The index of its texture; `None` for a pattern.
+    pub fn image(&self) -> Option<usize> {
+        self.procedural.is_none().then_some(self.texture as usize)
+    }
+
     /// Bound of the size of its numbers: larger ones place no texel where it was meant, and overflow in time.
     pub const MOST: f32 = 1e6;
 
@@ -83,6 +103,7 @@ impl TextureSlot {
             offset: pair(self.offset, default.offset),
             rotation: number(self.rotation, default.rotation),
             strength: number(self.strength, default.strength),
+            procedural: self.procedural.map(Procedural::sanitized),
             ..self
         }
     }
@@ -113,6 +134,27 @@ pub enum Texels {
 }
 
 impl Texels {
+    /// The texel of an index, in linear values.
+    #[inline]
+    pub(crate) fn at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
+        match (self, color_space) {
+            (Self::F32(t), _) => Vec4::from_array(t[index]),
+            (Self::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
+            (Self::U8(t), ColorSpace::Srgb) => {
+                let [r, g, b, a] = t[index];
+                let lut = &*LINEAR_FROM_SRGB_U8;
+                Vec4::new(lut[r as usize], lut[g as usize], lut[b as usize], f32::from(a) / 255.0)
+            }
+        }
+    }
+
+    /// Bilinear lookup with repeat in texels of a picture of this size.
+    fn bilinear(&self, size: [u32; 2], uv: Vec2, color_space: ColorSpace) -> Vec4 {
+        let Quad { indices: [a, b, c, d], blend } = Quad::around(size, uv);
+        let texel = |index| self.at(index, color_space);
+        texel(a).lerp(texel(b), blend.x).lerp(texel(c).lerp(texel(d), blend.x), blend.y)
+    }
+
     /// The largest number of a 16-bit float.
     pub const MOST: f32 = 65_504.0;
 
@@ -122,6 +164,37 @@ impl Texels {
         let is_wrong = |texel: &&mut [f32; 4]| !texel.iter().all(|x| x.abs() <= Self::MOST);
         let repair = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(-Self::MOST, Self::MOST) };
         texels.iter_mut().filter(is_wrong).map(|texel| *texel = texel.map(repair)).count()
+    }
+}
+
+/// The four texels around a point.
+struct Quad {
+    /// Above on the left and on the right, and below.
+    indices: [usize; 4],
+    /// Weights of those on the right, and of those below.
+    blend: Vec2,
+}
+
+impl Quad {
+    fn around(size: [u32; 2], uv: Vec2) -> Self {
+        let p = (uv - uv.floor()) * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
+        let (base, blend) = (p.floor(), p - p.floor());
+        // Texels beyond an edge are those of the other one.
+        let neighbours = |first: f32, size: u32| {
+            let first = if first < 0.0 { size as usize - 1 } else { first as usize % size as usize };
+            (first, if first + 1 == size as usize { 0 } else { first + 1 })
+        };
+        let (left, right) = neighbours(base.x, size[0]);
+        let (above, below) = neighbours(base.y, size[1]);
+        let width = size[0] as usize;
+        let indices = [above * width + left, above * width + right, below * width + left, below * width + right];
+        Self { indices, blend }
+    }
+
+    /// Their weights.
+    fn weights(&self) -> [f32; 4] {
+        let (right, below) = (self.blend.x, self.blend.y);
+        [(1.0 - right) * (1.0 - below), right * (1.0 - below), (1.0 - right) * below, right * below]
     }
 }
 
@@ -136,6 +209,8 @@ pub struct Texture {
     pub texels: Texels,
     /// The bytes of the file, kept so that a dataset can store it whole. Empty for a generated texture.
     pub encoded: Arc<[u8]>,
+    /// Its levels of detail, made when they are asked for.
+    pub levels: Levels,
 }
 
 static LINEAR_FROM_SRGB_U8: LazyLock<[f32; 256]> =
@@ -145,64 +220,59 @@ impl Texture {
     /// A visible default for a texture that could not be read: a magenta and grey chequerboard.
     pub fn missing(name: &str) -> Self {
         let texels = (0..64).map(|i| if (i / 8 + i) % 2 == 0 { [255, 0, 255, 255] } else { [90, 90, 90, 255] });
-        Self { name: name.to_owned(), size: [8, 8], texels: Texels::U8(texels.collect()), encoded: Arc::from([]) }
+        Self::new(name, [8, 8], Texels::U8(texels.collect()))
+    }
+
+    /// A generated texture, without a file.
+    pub fn new(name: impl Into<String>, size: [u32; 2], texels: Texels) -> Self {
+        Self { name: name.into(), size, texels, encoded: Arc::from([]), levels: Levels::default() }
     }
 
     /// The texel at integer coordinates, repeated outside the image, in linear values.
     pub fn texel(&self, x: i64, y: i64, color_space: ColorSpace) -> Vec4 {
         let [w, h] = self.size.map(i64::from);
-        self.texel_at((y.rem_euclid(h) * w + x.rem_euclid(w)) as usize, color_space)
-    }
-
-    #[inline]
-    fn texel_at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
-        match (&self.texels, color_space) {
-            (Texels::F32(t), _) => Vec4::from_array(t[index]),
-            (Texels::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
-            (Texels::U8(t), ColorSpace::Srgb) => {
-                let [r, g, b, a] = t[index];
-                let lut = &*LINEAR_FROM_SRGB_U8;
-                Vec4::new(lut[r as usize], lut[g as usize], lut[b as usize], f32::from(a) / 255.0)
-            }
-        }
+        self.texels.at((y.rem_euclid(h) * w + x.rem_euclid(w)) as usize, color_space)
     }
 
     /// Mean of all texels, in linear values.
     pub fn mean(&self, color_space: ColorSpace) -> Vec4 {
         let count = self.size[0] as usize * self.size[1] as usize;
-        let sum: glam::DVec4 = (0..count).map(|index| self.texel_at(index, color_space).as_dvec4()).sum();
+        let sum: glam::DVec4 = (0..count).map(|index| self.texels.at(index, color_space).as_dvec4()).sum();
         (sum / count as f64).as_vec4()
     }
 
     /// Bilinear lookup with repeat; `uv` (0, 0) is the top left corner of the image.
     pub fn sample(&self, uv: Vec2, color_space: ColorSpace) -> Vec4 {
-        let p = (uv - uv.floor()) * Vec2::new(self.size[0] as f32, self.size[1] as f32) - 0.5;
-        let (base, f) = (p.floor(), p - p.floor());
-        // Texels beyond an edge are those of the other one.
-        let neighbours = |first: f32, size: u32| {
-            let first = if first < 0.0 { size as usize - 1 } else { first as usize % size as usize };
-            (first, if first + 1 == size as usize { 0 } else { first + 1 })
+        self.texels.bilinear(self.size, uv, color_space)
+    }
+
+    /// The mean within a footprint of transformed coordinates.
+    fn sample_taps(&self, taps: Taps, color_space: ColorSpace) -> Vec4 {
+        if taps.level <= 0.0 && taps.count == 1 {
+            return self.sample(taps.first, color_space);
+        }
+        let levels = self.levels(color_space);
+        let level = taps.level.min(levels.len() as f32);
+        let (finer, blend) = (level as usize, level.fract());
+        let at = |level: usize, uv| match level.checked_sub(1).map(|below| &levels[below]) {
+            None => self.sample(uv, color_space),
+            Some(level) => level.texels.bilinear(level.size, uv, color_space),
         };
-        let (left, right) = neighbours(base.x, self.size[0]);
-        let (above, below) = neighbours(base.y, self.size[1]);
-        let width = self.size[0] as usize;
-        let texel = |x: usize, y: usize| self.texel_at(y * width + x, color_space);
-        let top = texel(left, above).lerp(texel(right, above), f.x);
-        let bottom = texel(left, below).lerp(texel(right, below), f.x);
-        top.lerp(bottom, f.y)
+        let blended = |uv| {
+            let fine = at(finer, uv);
+            if blend > 0.0 { fine.lerp(at(finer + 1, uv), blend) } else { fine }
+        };
+        taps.positions().map(blended).sum::<Vec4>() / taps.count as f32
+    }
+
+    /// The mean within a footprint, through a slot: coordinates transformed, colour space applied.
+    pub fn sample_footprint(&self, footprint: &UvFootprint, slot: &TextureSlot) -> Vec4 {
+        self.sample_taps(footprint.through(slot).taps(self.size), slot.color_space)
     }
 
     /// Bilinear lookup of a slot: coordinates transformed, colour space applied.
     pub fn sample_slot(&self, uv: Vec2, slot: &TextureSlot) -> Vec4 {
         self.sample(slot.transform(uv), slot.color_space)
-    }
-
-    /// Change of a bump map's height in metres per unit of u and v, by central differences over one texel.
-    pub fn height_slopes(&self, uv: Vec2, slot: &TextureSlot) -> [f32; 2] {
-        let height = |uv: Vec2| self.sample(slot.transform(uv), ColorSpace::Linear)[slot.channel as usize];
-        let texel = Vec2::new(self.size[0] as f32, self.size[1] as f32) * slot.scale;
-        [Vec2::X / texel.x.abs().max(1e-6), Vec2::Y / texel.y.abs().max(1e-6)]
-            .map(|step| slot.strength * (height(uv + step) - height(uv - step)) / (2.0 * step.max_element()))
     }
 }
 
@@ -212,7 +282,7 @@ mod tests {
 
     fn two_by_one() -> Texture {
         let texels = Texels::U8(vec![[0, 0, 0, 255], [255, 255, 255, 255]]);
-        Texture { name: "t".into(), size: [2, 1], texels, encoded: Arc::from([]) }
+        Texture::new("t", [2, 1], texels)
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! The parts of a scene that may change without a bake: its materials and their textures.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     brdf::{SurfaceBrdf, SurfaceParameters, Values},
     material::{Material, MaterialMaps},
     scene::{Mesh, Scene},
     surfel::MeshPlace,
-    texture::Texture,
+    texture::{Texture, TextureSlot, UvFootprint},
 };
 use std::sync::Arc;
 
@@ -44,29 +44,41 @@ impl Appearance {
         pairs.filter(|(_, (a, b))| !same(a, b)).map(|(index, _)| index).collect()
     }
 
-    /// A material's values after its maps, clamped to their ranges here and nowhere later. Twin of
+    /// A material's values after its maps within a footprint, clamped to their ranges here and nowhere later. Twin of
     /// `material_number` and `material_color` in `shaders/materials.wgsl`.
-    pub(crate) fn values(&self, material: &Material, uv: Vec2) -> Values {
-        material.values(|slot| self.textures[slot.texture as usize].sample_slot(uv, slot))
+    pub(crate) fn values(&self, material: &Material, uv: &UvFootprint) -> Values {
+        material.values(|slot| self.sample(slot, uv))
+    }
+
+    /// The mean of a map within a footprint.
+    pub(crate) fn sample(&self, slot: &TextureSlot, uv: &UvFootprint) -> Vec4 {
+        match &slot.procedural {
+            Some(pattern) => pattern.value(&uv.through(slot)),
+            None => self.textures[slot.texture as usize].sample_footprint(uv, slot),
+        }
     }
 
     /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
     pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
         let (material, uv) = self.at(mesh, place);
-        SurfaceBrdf::new(material.model, &self.values(material, uv)).as_brdf().albedo()
+        SurfaceBrdf::new(material.model, &self.values(material, &uv.into())).as_brdf().albedo()
     }
 
     /// Radiance in W/(m² sr) that a point of `mesh` sends by itself.
     pub fn emission(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
         let (material, uv) = self.at(mesh, place);
-        if material.shines() { SurfaceParameters::of(&self.values(material, uv)).emission() } else { Vec3::ZERO }
+        if material.shines() {
+            SurfaceParameters::of(&self.values(material, &uv.into())).emission()
+        } else {
+            Vec3::ZERO
+        }
     }
 
     /// Material and texture coordinates of a point.
     fn at(&self, mesh: &Mesh, place: MeshPlace) -> (&Material, Vec2) {
         let triangle = place.triangle as usize;
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
-        let uv = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
+        let uv: Vec2 = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
         (&self.materials[mesh.triangle_material[triangle] as usize], uv)
     }
 
@@ -83,7 +95,7 @@ impl Appearance {
         let mut materials: Vec<Material> = self.materials.iter().take(needed).cloned().collect();
         materials.extend(own.iter().skip(given).cloned());
         for material in &mut materials {
-            if material.maps.slots().any(|slot| slot.texture as usize >= self.textures.len()) {
+            if material.maps.slots().any(|slot| slot.image().is_some_and(|image| image >= self.textures.len())) {
                 let name = &material.name;
                 remarks.push(format!("material \"{name}\" has maps without a picture and is shown without maps"));
                 material.maps = MaterialMaps::default();

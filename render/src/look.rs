@@ -226,8 +226,7 @@ mod tests {
         let rough = redone(|look| look.appearance.materials[1].parameters.set("roughness", 0.1));
         assert_eq!(rough, appearance(showing(&[1])));
         // Both have maps that had no picture.
-        let texture =
-            Texture { name: "t".into(), size: [1, 1], texels: Texels::F32(vec![[0.5; 4]]), encoded: [].into() };
+        let texture = Texture::new("t", [1, 1], Texels::F32(vec![[0.5; 4]]));
         let mapped = redone(|look| look.appearance.textures = vec![Arc::new(texture)]);
         assert_eq!(mapped, appearance(showing(&[0, 1])));
         assert_eq!(

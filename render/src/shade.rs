@@ -1,6 +1,8 @@
 //! From a sample of a pixel to the light that its surface reflects: camera ray, surface point, merge of the cuts.
 
 pub(crate) mod background;
+pub(crate) mod bumps;
+pub(crate) mod differentials;
 pub(crate) mod merge;
 pub mod mirror;
 pub(crate) mod node_field;

@@ -23,7 +23,7 @@ fn ashikhmin_shirley_reached(cosine: f32) -> f32 {
 }
 
 fn ashikhmin_shirley_reflect(brdf: AshikhminShirley, light: Light, wo: vec3<f32>) -> vec3<f32> {
-    let half = half_vector(light.wi, wo, light.inv_kappa);
+    let half = half_vector(light, wo);
     let filtered = phong_lobe(brdf.slopes, half);
     let cos_i = max(light.wi.z, 0.0);
     let cos_o = max(wo.z, 1e-4);

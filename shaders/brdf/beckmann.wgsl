@@ -24,7 +24,7 @@ fn beckmann_shadowing(alpha_sq: vec3<f32>, w: vec2<f32>, cosine: f32) -> f32 {
 }
 
 fn beckmann_reflect(brdf: Beckmann, light: Light, wo: vec3<f32>) -> vec3<f32> {
-    let half = half_vector(light.wi, wo, light.inv_kappa);
+    let half = half_vector(light, wo);
     let filtered = gaussian_lobe(brdf.alpha, half);
     let d = filtered.density / (filtered.cos_h_sq * filtered.cos_h_sq);
     let cos_o = max(wo.z, 1e-4);

@@ -17,7 +17,7 @@ fn blinn_phong_of(p: BlinnPhongParameters) -> BlinnPhong {
 }
 
 fn blinn_phong_reflect(brdf: BlinnPhong, light: Light, wo: vec3<f32>) -> vec3<f32> {
-    let half = half_vector(light.wi, wo, light.inv_kappa);
+    let half = half_vector(light, wo);
     let filtered = phong_lobe(brdf.slopes, half);
     let n = filtered.exponent;
     let factor = (n + 2.0) * (n + 4.0) * (0.125 * FRAC_1_PI) / (exp(-0.5 * LN_2 * n) + n);

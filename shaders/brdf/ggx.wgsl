@@ -27,7 +27,7 @@ fn ggx_of(p: GgxParameters) -> Ggx {
 }
 
 fn ggx_reflect(brdf: Ggx, light: Light, wo: vec3<f32>) -> vec3<f32> {
-    let half = half_vector(light.wi, wo, light.inv_kappa);
+    let half = half_vector(light, wo);
     let single = interface_fresnel(brdf.surface, half.wi_dot_h) * ggx_lobe(brdf.slopes, half, light, wo);
     let multiple = brdf.multiple * FRAC_1_PI * (albedo_left(brdf.whole, light.wi.z, wo.z) * light.cosine);
     return single + multiple + base_reflect(brdf.base, light, wo);

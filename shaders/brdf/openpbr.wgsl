@@ -130,7 +130,7 @@ fn fuzz_lobe(roughness: f32, half: Half, light: Light, wo: vec3<f32>) -> f32 {
 }
 
 fn openpbr_reflect(brdf: OpenPbr, light: Light, wo: vec3<f32>) -> vec3<f32> {
-    let half = half_vector(light.wi, wo, light.inv_kappa);
+    let half = half_vector(light, wo);
     let cos_i = light.wi.z;
     let glossy = openpbr_fresnel(brdf, half.wi_dot_h) * ggx_lobe(brdf.slopes, half, light, wo);
     let multiple = brdf.multiple * FRAC_1_PI * (albedo_left(brdf.whole, cos_i, wo.z) * light.cosine);

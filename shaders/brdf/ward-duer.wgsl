@@ -13,7 +13,7 @@ fn ward_duer_of(p: WardDuerParameters) -> WardDuer {
 }
 
 fn ward_duer_reflect(brdf: WardDuer, light: Light, wo: vec3<f32>) -> vec3<f32> {
-    let half = half_vector(light.wi, wo, light.inv_kappa);
+    let half = half_vector(light, wo);
     let filtered = gaussian_lobe(brdf.alpha, half);
     let below = filtered.cos_h_sq * filtered.cos_h_sq * max(half.wi_dot_h * half.wi_dot_h, 1e-4);
     let lobe = select(0.0, filtered.density * 0.25 / below * light.wi.z, light.is_above);

@@ -13,7 +13,7 @@ fn ward_of(p: WardParameters) -> Ward {
 }
 
 fn ward_reflect(brdf: Ward, light: Light, wo: vec3<f32>) -> vec3<f32> {
-    let half = half_vector(light.wi, wo, light.inv_kappa);
+    let half = half_vector(light, wo);
     let filtered = gaussian_lobe(brdf.alpha, half);
     let cos_i = max(light.wi.z, 0.0);
     let lobe = select(0.0, filtered.density * 0.25 * sqrt(cos_i / max(wo.z, 1e-4)), light.is_above);

@@ -1,7 +1,10 @@
 //! A lobe whose half vectors have normally distributed slopes: the distribution of Beckmann and of Ward.
 
-use super::microfacet::{HalfVectorLobe, HalfVectors, Sym2x8};
-use crate::simd::{Lanes, Vec3x8};
+use super::{
+    LightsX8,
+    microfacet::{HalfVectorLobe, HalfVectors, Sym2x8},
+};
+use crate::simd::Lanes;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -34,8 +37,8 @@ impl GaussianLobe {
 
     /// Widened by the spread of the lights: in the space of half vectors variances add up.
     #[inline(always)]
-    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> FilteredX8<L> {
-        let spread = half.light_spread(wi, inv_kappa);
+    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>) -> FilteredX8<L> {
+        let spread = half.spread(lights.wi, &lights.spread);
         let [x, y] = self.alpha;
         let [xx, yy] = [L::splat(x * x), L::splat(y * y)];
         let m = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };

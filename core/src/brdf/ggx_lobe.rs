@@ -8,7 +8,7 @@ use super::{
     LightsX8,
     microfacet::{HalfVectorLobe, HalfVectors, Sym2x8, slopes},
 };
-use crate::simd::{Lanes, Vec3x8};
+use crate::simd::Lanes;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -33,10 +33,10 @@ impl GgxLobe {
         self.alpha
     }
 
-    /// Squared widths `alpha²` of the lobe filtered by the light's spread, a matrix.
+    /// Squared widths `alpha²` of the lobe filtered by its spread, a matrix.
     #[inline(always)]
-    fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {
-        let spread = half.light_spread(wi, inv_kappa);
+    fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>) -> Sym2x8<L> {
+        let spread = half.spread(lights.wi, &lights.spread);
         let [lobe_xx, lobe_yy] = [L::splat(self.slope[0]), L::splat(self.slope[1])];
         let a = Sym2x8 { xx: lobe_xx + spread.xx, xy: spread.xy, yy: lobe_yy + spread.yy };
         let determinant = a.determinant();
@@ -47,8 +47,8 @@ impl GgxLobe {
     /// `D G / (4 |n·wi| |n·wo|)` times the cosine; zero for lights below the horizon.
     #[inline(always)]
     pub fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, half: &HalfVectors<L>, wo: Vec3) -> L {
-        let LightsX8 { wi, inv_kappa, above, .. } = *lights;
-        let m = self.filtered_alpha_sq(half, wi, inv_kappa);
+        let LightsX8 { wi, above, .. } = *lights;
+        let m = self.filtered_alpha_sq(half, lights);
         let determinant = m.determinant().at_least(1e-14);
         let h = half.h;
         let e = m.adjugate_quadratic(h.x, h.y) / determinant + h.z * h.z;

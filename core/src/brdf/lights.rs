@@ -6,13 +6,37 @@
 
 use crate::simd::{Lanes, Vec3x8};
 
+/// What widens the lobes of a surface for eight lights.
+#[derive(Clone, Copy, Debug)]
+pub struct SpreadX8<L> {
+    /// Inverse concentrations of the directions of the lights.
+    pub inv_kappa: L,
+    /// Twice the covariance of the surface's slopes within the footprint of a sample: xx, xy, yy along the local axes. The
+    /// square of a microfacet width is twice a variance as well.
+    pub slopes: [L; 3],
+}
+
+impl<L: Lanes> SpreadX8<L> {
+    /// Of lights alone: the surface has one normal.
+    #[inline(always)]
+    pub fn of_lights(inv_kappa: L) -> Self {
+        Self { inv_kappa, slopes: [L::splat(0.0); 3] }
+    }
+
+    /// With these [slopes](Self::slopes).
+    #[inline(always)]
+    pub fn with_slopes(inv_kappa: L, [xx, xy, yy]: [f32; 3]) -> Self {
+        Self { inv_kappa, slopes: [L::splat(xx), L::splat(xy), L::splat(yy)] }
+    }
+}
+
 /// Eight lights in the local frame of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct LightsX8<L> {
     /// Unit directions to them.
     pub wi: Vec3x8<L>,
-    /// Inverse concentrations of their directions around `wi`.
-    pub inv_kappa: L,
+    /// How they and the surface widen its lobes.
+    pub spread: SpreadX8<L>,
     /// Mean cosines to the normal of the light that is above the horizon.
     pub cosine: L,
     /// 1 where `wi` is above the horizon, else 0.
@@ -23,8 +47,14 @@ impl<L: Lanes> LightsX8<L> {
     /// Lights whose cosine is that of `wi`, and zero below the horizon.
     #[inline(always)]
     pub fn at(wi: Vec3x8<L>, inv_kappa: L) -> Self {
+        Self::spread(wi, SpreadX8::of_lights(inv_kappa))
+    }
+
+    /// The same on a surface with slopes.
+    #[inline(always)]
+    pub fn spread(wi: Vec3x8<L>, spread: SpreadX8<L>) -> Self {
         let above = wi.z.simd_gt(L::splat(0.0)) & L::splat(1.0);
-        Self { wi, inv_kappa, cosine: wi.z.at_least(0.0), above }
+        Self { wi, spread, cosine: wi.z.at_least(0.0), above }
     }
 }
 

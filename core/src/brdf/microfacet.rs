@@ -1,7 +1,7 @@
 //! What models of glossy surfaces share: widths, half vectors, and how a lobe and a diffuse base share light.
 
 use super::{
-    Albedo, LightsX8,
+    Albedo, LightsX8, SpreadX8,
     fresnel::{Metal, dielectric_x8},
 };
 use crate::{
@@ -67,18 +67,20 @@ impl<L: Lanes> HalfVectors<L> {
         Self { h, wi_dot_h: L::splat(0.5) * length }
     }
 
-    /// `(2 / κ) J Jᵀ`, where `J` is the Jacobian from light direction to the x and y of the half vector.
+    /// `(2 / κ) J Jᵀ`, where `J` is the Jacobian from light direction to the x and y of the half vector, and twice the
+    /// covariance of the surface's slopes: both move the half vector against the normals of the lobe.
     ///
     /// With `a = wi · h` and `q = wi - a h`, `J Jᵀ` is the upper left block of `(I - h hᵀ - q qᵀ) / (4 a²)`:
     /// the tangent plane of the half vector, foreshortened along the plane of incidence.
     #[inline(always)]
-    pub fn light_spread(&self, wi: Vec3x8<L>, inv_kappa: L) -> Sym2x8<L> {
+    pub fn spread(&self, wi: Vec3x8<L>, spread: &SpreadX8<L>) -> Sym2x8<L> {
         let q = wi - self.h * self.wi_dot_h;
-        let scale = inv_kappa * L::splat(0.5) / (self.wi_dot_h * self.wi_dot_h).at_least(1e-4);
+        let [xx, xy, yy] = spread.slopes;
+        let scale = spread.inv_kappa * L::splat(0.5) / (self.wi_dot_h * self.wi_dot_h).at_least(1e-4);
         Sym2x8 {
-            xx: scale * (L::splat(1.0) - self.h.x * self.h.x - q.x * q.x),
-            xy: -scale * (self.h.x * self.h.y + q.x * q.y),
-            yy: scale * (L::splat(1.0) - self.h.y * self.h.y - q.y * q.y),
+            xx: xx + scale * (L::splat(1.0) - self.h.x * self.h.x - q.x * q.x),
+            xy: xy - scale * (self.h.x * self.h.y + q.x * q.y),
+            yy: yy + scale * (L::splat(1.0) - self.h.y * self.h.y - q.y * q.y),
         }
     }
 }

@@ -2,10 +2,13 @@
 //! its line here.
 
 use super::{
-    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, OpenPbr, OrenNayar, Parameter, Parameters,
-    SurfaceParameters, Value, Values, Ward, WardDuer, surface::with_surface,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, LightsX8, OpenPbr, OrenNayar, Parameter, Parameters,
+    SpreadX8, SurfaceParameters, Value, Values, Ward, WardDuer, surface::with_surface,
 };
+use crate::simd::Vec3x8;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use wide::f32x8;
 
 /// A reflectance model that materials can have.
 pub trait Model: Brdf + Sized {
@@ -115,6 +118,32 @@ models! {
     #[default]
     Ggx(Ggx) = "ggx",
     OpenPbr(OpenPbr) = "openpbr",
+}
+
+impl SurfaceBrdf {
+    /// [`Brdf::brdf_cos_x8`] on a surface whose slopes widen its lobes, see [`SpreadX8::slopes`].
+    pub fn spread_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8, slopes: [f32; 3]) -> Vec3x8 {
+        let mut value = Vec3x8::splat(Vec3::ZERO);
+        self.visit(Reflect {
+            lights: LightsX8::spread(wi, SpreadX8::with_slopes(inv_kappa, slopes)),
+            wo,
+            value: &mut value,
+        });
+        value
+    }
+}
+
+/// Eight lights that any model reflects.
+struct Reflect<'a> {
+    lights: LightsX8<f32x8>,
+    wo: Vec3,
+    value: &'a mut Vec3x8,
+}
+
+impl BrdfVisitor for Reflect<'_> {
+    fn visit(self, brdf: &impl Brdf) {
+        *self.value = brdf.reflect(&self.lights, self.wo);
+    }
 }
 
 /// What is done with a model of a type that is known.

@@ -1,7 +1,10 @@
 //! A lobe whose half vectors are distributed as a power of their cosine, with two exponents (Ashikhmin and Shirley 2000).
 
-use super::microfacet::{HalfVectorLobe, HalfVectors, Sym2x8, slopes};
-use crate::simd::{Lanes, Vec3x8};
+use super::{
+    LightsX8,
+    microfacet::{HalfVectorLobe, HalfVectors, Sym2x8, slopes},
+};
+use crate::simd::Lanes;
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use wide::f32x8;
@@ -68,8 +71,8 @@ impl PhongLobe {
 
     /// Widened by the spread of the lights: in projected slope space variances add up.
     #[inline(always)]
-    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, wi: Vec3x8<L>, inv_kappa: L) -> FilteredX8<L> {
-        let spread = half.light_spread(wi, inv_kappa);
+    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>) -> FilteredX8<L> {
+        let spread = half.spread(lights.wi, &lights.spread);
         let [xx, yy] = [L::splat(self.slope[0]), L::splat(self.slope[1])];
         let slope = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
         let h = half.h;

@@ -124,7 +124,7 @@ fn check_scene(scene: &Scene) -> Result<(), Damage> {
         let name = || material.name.clone();
         material.validate().map_err(|source| Damage::Material { index, name: name(), source })?;
         let count = scene.textures.len();
-        if let Some(slot) = material.maps.slots().find(|slot| slot.texture as usize >= count) {
+        if let Some(slot) = material.maps.slots().find(|slot| slot.image().is_some_and(|image| image >= count)) {
             return Err(Damage::Texture { material: name(), texture: slot.texture, count });
         }
     }

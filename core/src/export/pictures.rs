@@ -105,6 +105,7 @@ fn named(slot: &TextureSlot, file: String) -> SlotFile {
         rotation_degrees: slot.rotation.to_degrees(),
         strength: slot.strength,
         flip_y: slot.flip_y,
+        procedural: None,
     }
 }
 

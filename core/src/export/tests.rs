@@ -15,7 +15,7 @@ use std::{fs, sync::Arc};
 /// A picture of 2 x 2 texels.
 fn texture(name: &str, texels: [[u8; 4]; 4]) -> Arc<Texture> {
     let encoded = encode_png_pixels([2, 2], &texels).into();
-    Texture { name: name.into(), size: [2, 2], texels: Texels::U8(texels.into()), encoded }.into()
+    Texture { encoded, ..Texture::new(name, [2, 2], Texels::U8(texels.into())) }.into()
 }
 
 fn material(name: &str, model: BrdfModel, values: &[(&'static str, Value)]) -> Material {

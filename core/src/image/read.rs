@@ -61,7 +61,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
     let (size, texels) =
         if bytes.starts_with(&EXR_MAGIC) { decode_exr(bytes, path)? } else { decode_common(bytes, path)? };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    Ok(Texture { name, size, texels, encoded: Arc::from(bytes) })
+    Ok(Texture { encoded: Arc::from(bytes), ..Texture::new(name, size, texels) })
 }
 
 /// Bytes that a picture takes, estimated from its header alone.

@@ -90,7 +90,7 @@ fn encode_png_premultiplied(image: &Image, coverage: &[f32]) -> Vec<u8> {
     encode_png_with_alpha(&Image { size: image.size, pixels }, coverage)
 }
 
-fn srgb_bytes(linear: Vec3) -> [u8; 3] {
+pub(crate) fn srgb_bytes(linear: Vec3) -> [u8; 3] {
     if linear.is_nan() {
         return [255, 0, 255];
     }

@@ -82,9 +82,11 @@ impl Budget {
         self.take(json.len() as u64 + JSON_OBJECT * count(b'{') + JSON_ENTRY * count(b','))
     }
 
-    /// Takes what a picture of an encoded length needs. What decoding alone needs is there again afterwards.
+    /// Takes what a picture of an encoded length needs with its levels of detail. What decoding alone needs is there again
+    /// afterwards.
     pub fn take_picture(&mut self, encoded: usize, footprint: Footprint) -> Result<(), OverBudget> {
-        let held = footprint.held.saturating_add(encoded as u64);
+        let levels = footprint.held / 3;
+        let held = footprint.held.saturating_add(levels).saturating_add(encoded as u64);
         self.take(held.saturating_add(footprint.decoding))?;
         self.used -= footprint.decoding;
         Ok(())
@@ -101,8 +103,8 @@ mod tests {
         budget.take(600).unwrap();
         assert_eq!(budget.take(500), Err(OverBudget { needed: 1100, limit: 1000 }));
         budget.take_picture(10, Footprint { held: 90, decoding: 300 }).unwrap();
-        assert_eq!(budget.take(301), Err(OverBudget { needed: 1001, limit: 1000 }));
-        assert!(budget.take(300).is_ok() && budget.take(u64::MAX).is_err() && budget.take_mesh(u64::MAX, 1).is_err());
+        assert_eq!(budget.take(271), Err(OverBudget { needed: 1001, limit: 1000 }), "90, and 30 for its levels");
+        assert!(budget.take(270).is_ok() && budget.take(u64::MAX).is_err() && budget.take_mesh(u64::MAX, 1).is_err());
         assert!(Budget::new(None).take(1 << 20).is_ok());
     }
 

@@ -13,7 +13,7 @@ use crate::{
     material::{Maps, Material, MaterialOf, map_color_space},
     materialx::{self, MaterialXError, ReadMaterial},
     scene::Scene,
-    texture::{Channel, ColorSpace, TextureSlot},
+    texture::{Channel, ColorSpace, Procedural, TextureSlot},
 };
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
@@ -32,8 +32,12 @@ pub type MapFiles = Maps<SlotFile>;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlotFile {
-    /// The picture, relative to the material file.
+    /// The picture, relative to the material file; empty for a pattern.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub file: String,
+    /// A pattern in place of a picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub procedural: Option<Procedural>,
     /// Colour space of 8-bit texels; by default sRGB for the base colour and linear for all else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color_space: Option<ColorSpace>,
@@ -114,7 +118,7 @@ pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
     let found = [false, true].into_iter().flat_map(|allow_outside| {
         let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });
         let slots = read.iter().flat_map(|file| file.maps.slots());
-        slots.filter_map(move |slot| files.find(&slot.file).ok())
+        slots.filter_map(SlotFile::picture).filter_map(move |name| files.find(name).ok())
     });
     found.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -140,11 +144,22 @@ struct MaterialLoader<'a> {
     report: ImportReport,
 }
 
+impl SlotFile {
+    /// The name of its picture, unless it is a pattern.
+    fn picture(&self) -> Option<&str> {
+        self.procedural.is_none().then_some(&self.file)
+    }
+}
+
 impl MaterialLoader<'_> {
     fn load(&mut self, wanted: Option<&str>) -> Result<Material, ImportError> {
         let path = self.path;
         let bytes = read_file(path, &mut self.files)?;
         let ReadMaterial { material: file, remarks } = contents(path, &bytes, wanted)?;
+        if let Some((map, _)) = file.maps.iter().find(|(_, slot)| slot.picture() == Some("")) {
+            let reason = format!("the map `{map}` names neither a `file` nor a `procedural`");
+            return Err(ImportError::Parse { path: path.into(), format: "a material", reason });
+        }
         self.report.warnings.extend(remarks);
         self.check_outside(&file.maps)?;
         let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, map_color_space(kind)))?;
@@ -160,7 +175,7 @@ impl MaterialLoader<'_> {
 
     /// Names all pictures that may not be read at once.
     fn check_outside(&mut self, maps: &MapFiles) -> Result<(), ImportError> {
-        let mut names: Vec<String> = maps.slots().map(|slot| slot.file.clone()).collect();
+        let mut names: Vec<String> = maps.slots().filter_map(SlotFile::picture).map(str::to_owned).collect();
         names.sort();
         names.dedup();
         names.retain(|name| matches!(self.files.find(name), Err(Trouble::Outside(_))));
@@ -169,7 +184,7 @@ impl MaterialLoader<'_> {
 
     fn slot(&mut self, slot: &SlotFile, default_space: ColorSpace) -> Result<TextureSlot, ImportError> {
         Ok(TextureSlot {
-            texture: self.texture(&slot.file)?,
+            texture: slot.picture().map(|name| self.texture(name)).transpose()?.unwrap_or_default(),
             color_space: slot.color_space.unwrap_or(default_space),
             channel: slot.channel,
             scale: slot.scale,
@@ -177,6 +192,7 @@ impl MaterialLoader<'_> {
             rotation: slot.rotation_degrees.to_radians(),
             strength: slot.strength,
             flip_y: slot.flip_y,
+            procedural: slot.procedural.map(Procedural::sanitized),
         })
     }
 

@@ -324,6 +324,7 @@ impl<'a> Reader<'_, 'a> {
             rotation_degrees,
             strength: 1.0,
             flip_y: false,
+            procedural: None,
         })
     }
 

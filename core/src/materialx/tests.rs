@@ -19,6 +19,7 @@ fn slot(file: &str) -> SlotFile {
         rotation_degrees: 0.0,
         strength: 1.0,
         flip_y: false,
+        procedural: None,
     }
 }
 

@@ -1,7 +1,10 @@
 //! Materials in files of their own.
 
 use super::*;
-use lapidary_core::material::Material;
+use lapidary_core::{
+    material::Material,
+    texture::{Pattern, Procedural},
+};
 
 fn load(path: &Path, scene: &mut Scene) -> Result<Material, ImportError> {
     load_material(path, scene, &ImportOptions::default()).map(|(material, _)| material)
@@ -24,6 +27,23 @@ fn material_files_have_a_map_for_every_parameter() {
     }
     let misspelt = files.add("iro.json", r#"{"maps": {"iro": {"file": "a.png"}}}"#);
     assert!(load(&misspelt, &mut Scene::default()).is_err());
+}
+
+#[test]
+fn material_files_have_patterns_and_a_map_without_any_source_is_an_error() {
+    let files = Files::new();
+    let json = r#"{"maps": {"roughness": {"procedural": {"pattern": "noise", "octaves": 90}, "scale": [3, 3]}}}"#;
+    let mut scene = Scene::default();
+    let material = load(&files.add("noisy.json", json), &mut scene).unwrap();
+    let slot = material.maps.get("roughness").unwrap();
+    let pattern = slot.procedural.unwrap();
+    assert_eq!((pattern.pattern, pattern.octaves, slot.scale.x), (Pattern::Noise, Procedural::MOST_OCTAVES, 3.0));
+    assert!(scene.textures.is_empty() && slot.image().is_none());
+    let error = |json| load(&files.add("bad.json", json), &mut Scene::default()).unwrap_err().to_string();
+    let unsourced = error(r#"{"maps": {"roughness": {"scale": [3, 3]}}}"#);
+    assert!(unsourced.contains("`roughness` names neither a `file` nor a `procedural`"), "{unsourced}");
+    let unknown = error(r#"{"maps": {"roughness": {"procedural": {"pattern": "marble"}}}}"#);
+    assert!(unknown.contains("unknown variant `marble`"), "{unknown}");
 }
 
 #[test]

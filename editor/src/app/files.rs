@@ -74,7 +74,7 @@ impl EditorState {
         self.document.textures.push(TextureEntry { texture, file });
         let texture = (self.document.textures.len() - 1) as u32;
         let slot = match material.maps.get(map) {
-            Some(old) => TextureSlot { texture, ..old.clone() },
+            Some(old) => TextureSlot { texture, procedural: None, ..old.clone() },
             None => new_slot(map, texture),
         };
         material.maps.set(map, Some(slot));
@@ -216,7 +216,7 @@ fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
 /// Files that the document's scene, materials and light are made of, each once.
 fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let slots = document.materials.iter().flat_map(|m| m.maps.slots());
-    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.texture as usize)?));
+    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
     let environment = document.environment.file().map(Path::to_owned);
     let mut files: Vec<PathBuf> = textures.chain(environment).chain(document.scene.clone()).collect();
     files.sort();
@@ -236,6 +236,9 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut left_out = 0;
     let maps = material.maps.filter_map(|slot| {
+        if slot.procedural.is_some() {
+            return Some(slot_file(slot, Path::new(""), folder));
+        }
         let file = document.textures.get(slot.texture as usize).and_then(|entry| entry.file.as_deref());
         left_out += usize::from(file.is_none());
         Some(slot_file(slot, file?, folder))
@@ -254,6 +257,7 @@ fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
         rotation_degrees: slot.rotation.to_degrees(),
         strength: slot.strength,
         flip_y: slot.flip_y,
+        procedural: slot.procedural,
     }
 }
 
@@ -279,7 +283,11 @@ pub fn as_base_color(material: usize, path: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{import::load_material, material::BrdfModel, texture::ColorSpace};
+    use lapidary_core::{
+        import::load_material,
+        material::BrdfModel,
+        texture::{ColorSpace, Procedural},
+    };
 
     fn document(file: Option<PathBuf>) -> Document {
         let texture = Arc::new(Texture::missing("wood.png"));
@@ -323,6 +331,18 @@ mod tests {
         let written = serde_json::to_value(&file.maps).unwrap();
         assert_eq!((left_out, written.as_object().unwrap().len()), (0, names.len()));
         assert!(written.as_object().unwrap().values().all(|slot| slot["file"] == "wood.png"), "{written}");
+    }
+
+    #[test]
+    fn a_pattern_is_written_and_needs_no_file() {
+        let pattern = Some(Procedural { octaves: 7, ..Default::default() });
+        let slot = TextureSlot { procedural: pattern, ..Default::default() };
+        let material = Material { maps: [("roughness", slot)].into(), ..Default::default() };
+        let (file, left_out) = material_file(&material, &document(None), Path::new("/a/b.json"));
+        let text = serde_json::to_string(&file.maps).unwrap();
+        assert!(left_out == 0 && !text.contains("file"), "{text}");
+        let read: lapidary_core::import::MapFiles = serde_json::from_str(&text).unwrap();
+        assert_eq!(read.get("roughness").unwrap().procedural, pattern);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 mod lobe_plot;
 mod maps;
 mod parameters;
+mod patterns;
 mod preset_balls;
 mod preview_ball;
 mod preview_worker;
@@ -24,6 +25,7 @@ use lapidary_core::{
 };
 use lapidary_render::{Post, SceneLighting};
 use lobe_plot::LobePlot;
+use patterns::PatternThumbnails;
 use preset_balls::PresetBalls;
 use preview_ball::Ball;
 use preview_worker::Preview;
@@ -57,6 +59,7 @@ pub struct MaterialPanel {
     /// Maps whose horizontal and vertical scale are edited apart.
     unlinked: HashSet<(usize, &'static str)>,
     thumbnails: Thumbnails,
+    patterns: PatternThumbnails,
     preview: Preview,
     presets: PresetBalls,
     plot: LobePlot,

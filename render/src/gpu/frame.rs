@@ -61,7 +61,8 @@ pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit,
         share_weights: lit.catches.map_or(Vec3::ZERO, share_weights).to_array(),
         mirrored_height: lit.shown.and_then(|light| light.mirrored.as_ref()).map_or(0, GpuPyramid::height),
         shows_emission: lit.emission.into(),
-        padding: [0; 3],
+        sample_distance: (view.aa.max(1) as f32).sqrt().recip(),
+        padding: [0; 2],
     }
 }
 

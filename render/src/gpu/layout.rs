@@ -38,7 +38,8 @@ pub struct FrameUniforms {
     /// Height of the finest level of the map that sharp lobes read; 0 for none.
     pub mirrored_height: u32,
     pub shows_emission: u32,
-    pub padding: [u32; 3],
+    pub sample_distance: f32,
+    pub padding: [u32; 2],
 }
 
 /// `PastUniforms` of `predict_pass.wgsl`.
@@ -93,6 +94,11 @@ pub struct TextureSlot {
     pub turn: [f32; 2],
     pub strength: f32,
     pub channel: u32,
+    /// Values of a pattern.
+    pub low: [f32; 3],
+    pub pattern: u32,
+    pub high: [f32; 3],
+    pub octaves: u32,
 }
 
 /// `MaterialParameter` of `materials.wgsl`.
@@ -256,6 +262,7 @@ pub mod constants {
     pub const KIND_LINEAR: u32 = 1;
     pub const KIND_SRGB: u32 = 2;
     pub const KIND_FLOAT: u32 = 3;
+    pub const KIND_PROCEDURAL: u32 = 4;
     /// Words in one row of the texture pool: within WebGPU's default limits.
     pub const POOL_WIDTH_LOG2: u32 = 13;
 }

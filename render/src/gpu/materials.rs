@@ -2,7 +2,10 @@
 
 use super::{
     device::GpuDevice,
-    layout::{Material, MaterialParameter, Tables, TextureSlot, constants::MOST_PARAMETERS},
+    layout::{
+        Material, MaterialParameter, Tables, TextureSlot,
+        constants::{KIND_PROCEDURAL, MOST_PARAMETERS},
+    },
     pipeline::bind,
     pool::{Place, TexturePool},
     scene::{GpuScene, storage},
@@ -12,7 +15,7 @@ use lapidary_core::{
     brdf::albedo_table,
     color::linear_from_srgb,
     material::{self, BUMP, NORMAL},
-    texture,
+    texture::{self, Procedural},
 };
 use wgpu::util::DeviceExt;
 
@@ -31,7 +34,7 @@ impl GpuMaterials {
             Some(pool) => (pool, Vec::new()),
             None => TexturePool::new(gpu, appearance),
         };
-        let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool.places)).collect();
+        let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool)).collect();
         let materials =
             Self { buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)), pool, tables: tables(gpu) };
         (materials, messages)
@@ -50,10 +53,13 @@ impl GpuMaterials {
     }
 }
 
-fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
+fn material(m: &material::Material, pool: &TexturePool) -> Material {
     let slot = |name| {
-        let placed = m.maps.get(name).and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
-        placed.unwrap_or_default()
+        let placed = |s: &texture::TextureSlot| match &s.procedural {
+            Some(pattern) => Some(pattern_slot(s, pattern)),
+            None => pool.place(name, s).map(|place| texture_slot(s, place)),
+        };
+        m.maps.get(name).and_then(placed).unwrap_or_default()
     };
     let mut parameters = [MaterialParameter::default(); MOST_PARAMETERS];
     for (packed, declared) in parameters.iter_mut().zip(m.model.parameters()) {
@@ -77,13 +83,21 @@ fn texture_slot(slot: &texture::TextureSlot, place: Place) -> TextureSlot {
         first: place.first,
         width: place.size[0],
         height: place.size[1],
-        kind: place.kind(slot.color_space),
+        kind: place.kind,
         scale: slot.scale.to_array(),
         offset: slot.offset.to_array(),
         turn: [sin, cos],
         strength: slot.strength,
         channel: slot.channel as u32,
+        ..Default::default()
     }
+}
+
+fn pattern_slot(slot: &texture::TextureSlot, pattern: &Procedural) -> TextureSlot {
+    let Procedural { pattern, low, high, octaves } = pattern.sanitized();
+    let place = Place { first: 0, size: [1, 1], kind: KIND_PROCEDURAL };
+    let (low, high) = (low.to_array(), high.to_array());
+    TextureSlot { low, pattern: pattern as u32, high, octaves, ..texture_slot(slot, place) }
 }
 
 /// Linear values of the 256 sRGB codes, as a shader's own power function is too coarse; and the albedos of lobes.

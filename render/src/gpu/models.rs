@@ -84,7 +84,7 @@ struct Brdf {{
 {members}}}
 
 // That of a material.
-fn brdf_of(material: u32, uv: vec2<f32>) -> Brdf {{
+fn brdf_of(material: u32, uv: UvFootprint) -> Brdf {{
     var brdf: Brdf;
     brdf.model = materials[material].model;
     switch brdf.model {{
@@ -125,7 +125,7 @@ fn albedo_of(brdf: Brdf) -> vec3<f32> {{
 }}
 
 // Base colour and roughness of a material, for the views that show them.
-fn color_and_roughness(material: u32, uv: vec2<f32>) -> vec4<f32> {{
+fn color_and_roughness(material: u32, uv: UvFootprint) -> vec4<f32> {{
     switch materials[material].model {{
 {shown}        default: {{ return vec4(0.0); }}
     }}
@@ -162,7 +162,7 @@ fn parameters(model: BrdfModel) -> String {
 struct {ty}Parameters {{
 {fields}}}
 
-fn read_{prefix}(material: u32, uv: vec2<f32>) -> {ty}Parameters {{
+fn read_{prefix}(material: u32, uv: UvFootprint) -> {ty}Parameters {{
     return {ty}Parameters(
 {reads}    );
 }}

@@ -9,37 +9,72 @@ use super::{
     scene::extent,
 };
 use crate::appearance::Appearance;
-use lapidary_core::texture::{ColorSpace, Texels, Texture};
+use lapidary_core::{
+    material::{BUMP, NORMAL},
+    texture::{ColorSpace, SlopeSource, Texels, Texture, TextureSlot, level_sizes},
+};
 use std::sync::Arc;
 
-/// Where a texture lies in the pool.
+/// What the levels below a texture hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// Its texels in this encoding.
+    Values(ColorSpace),
+    /// Slopes.
+    Slopes(SlopeSource),
+}
+
+impl Detail {
+    fn of(map: &str, slot: &TextureSlot, texture: &Texture) -> Self {
+        match (map, &texture.texels) {
+            (NORMAL, _) => Self::Slopes(SlopeSource::Normals),
+            (BUMP, _) => Self::Slopes(SlopeSource::Heights(slot.channel)),
+            (_, Texels::U8(_)) => Self::Values(slot.color_space),
+            (_, Texels::F32(_)) => Self::Values(ColorSpace::Linear),
+        }
+    }
+
+    /// How the shader decodes a texture.
+    fn kind(self, texture: &Texture) -> u32 {
+        match (&texture.texels, self) {
+            (Texels::F32(_), _) => KIND_FLOAT,
+            (Texels::U8(_), Self::Values(ColorSpace::Srgb)) => KIND_SRGB,
+            (Texels::U8(_), _) => KIND_LINEAR,
+        }
+    }
+}
+
+/// Where a texture with its levels lies in the pool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     /// First word.
     pub first: u32,
     /// Size in texels, after halving.
     pub size: [u32; 2],
-    float: bool,
+    /// How the shader decodes it.
+    pub kind: u32,
 }
 
-impl Place {
-    /// How the shader decodes it.
-    pub fn kind(&self, color_space: ColorSpace) -> u32 {
-        match (self.float, color_space) {
-            (true, _) => KIND_FLOAT,
-            (false, ColorSpace::Linear) => KIND_LINEAR,
-            (false, ColorSpace::Srgb) => KIND_SRGB,
-        }
+/// A texture in use, by its index, and what its levels hold. One that is read in two ways lies in the pool twice.
+#[derive(Clone)]
+struct Used {
+    index: u32,
+    detail: Detail,
+    texture: Arc<Texture>,
+}
+
+impl Used {
+    fn is_same(&self, other: &Self) -> bool {
+        (self.index, self.detail) == (other.index, other.detail) && Arc::ptr_eq(&self.texture, &other.texture)
     }
 }
 
 /// The uploaded textures.
 pub struct TexturePool {
     pub view: wgpu::TextureView,
-    /// Indexed by the appearance's texture; `None` for textures not in use.
-    pub places: Vec<Option<Place>>,
-    /// The packed textures, to detect changes.
-    packed: Vec<Option<Arc<Texture>>>,
+    places: Vec<Place>,
+    /// The packed textures, to find them and to detect changes.
+    packed: Vec<Used>,
 }
 
 impl TexturePool {
@@ -49,50 +84,59 @@ impl TexturePool {
         let capacity = u64::from(gpu.limits.max_texture_dimension_2d) << POOL_WIDTH_LOG2;
         let (fitted, messages) = fit(&packed, capacity.min(u64::from(u32::MAX)));
         let mut words = Vec::new();
-        let mut place = |texture: &Arc<Texture>| {
+        let place = |used: &Used| {
             let first = words.len() as u32;
-            append(&mut words, texture);
-            Place { first, size: texture.size, float: matches!(texture.texels, Texels::F32(_)) }
+            append(&mut words, &used.texture, used.detail);
+            Place { first, size: used.texture.size, kind: used.detail.kind(&used.texture) }
         };
-        let places = fitted.iter().map(|t| t.as_ref().map(&mut place)).collect::<Vec<_>>();
+        let places = fitted.iter().map(place).collect();
         (Self { view: upload(gpu, words), places, packed }, messages)
+    }
+
+    /// Where the texture of a slot lies, with the levels that this map needs.
+    pub fn place(&self, map: &str, slot: &TextureSlot) -> Option<Place> {
+        let is_wanted = |used: &Used| used.index == slot.texture && used.detail == Detail::of(map, slot, &used.texture);
+        self.packed.iter().position(is_wanted).map(|i| self.places[i])
     }
 
     /// Whether `appearance` uses the textures that were packed.
     pub fn serves(&self, appearance: &Appearance) -> bool {
-        let wanted = in_use(appearance);
-        let same = |(a, b): (&Option<Arc<Texture>>, &Option<Arc<Texture>>)| match (a, b) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (_, None) => true,
-            (None, Some(_)) => false,
-        };
-        wanted.len() <= self.packed.len() && self.packed.iter().zip(&wanted).all(same)
+        in_use(appearance).iter().all(|wanted| self.packed.iter().any(|used| used.is_same(wanted)))
     }
 }
 
-/// The textures that some slot refers to, by index.
-fn in_use(appearance: &Appearance) -> Vec<Option<Arc<Texture>>> {
-    let mut used = vec![None; appearance.textures.len()];
-    for slot in appearance.materials.iter().flat_map(|m| m.maps.slots()) {
-        used[slot.texture as usize] = Some(appearance.textures[slot.texture as usize].clone());
+/// The textures that some slot refers to, each once for each way to read it.
+fn in_use(appearance: &Appearance) -> Vec<Used> {
+    let mut all: Vec<Used> = Vec::new();
+    let slots = appearance.materials.iter().flat_map(|m| m.maps.iter());
+    for (map, slot) in slots.filter(|(_, slot)| slot.image().is_some()) {
+        let texture = appearance.textures[slot.texture as usize].clone();
+        let used = Used { index: slot.texture, detail: Detail::of(map, slot, &texture), texture };
+        if !all.iter().any(|other| other.is_same(&used)) {
+            all.push(used);
+        }
     }
-    used
+    all
 }
 
-fn words_of(texture: &Texture) -> u64 {
-    let texels = u64::from(texture.size[0]) * u64::from(texture.size[1]);
-    if matches!(texture.texels, Texels::F32(_)) { 4 * texels } else { texels }
+/// Words of a texture with its levels.
+fn words_of(texture: &Texture, detail: Detail) -> u64 {
+    let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+    let own = if matches!(texture.texels, Texels::F32(_)) { 4 } else { 1 };
+    let below = if matches!(detail, Detail::Slopes(_)) { 3 } else { own };
+    own * texels(texture.size) + below * level_sizes(texture.size).map(texels).sum::<u64>()
 }
 
 /// Halves the largest texture until all fit into `capacity` words.
-fn fit(textures: &[Option<Arc<Texture>>], capacity: u64) -> (Vec<Option<Arc<Texture>>>, Vec<String>) {
+fn fit(textures: &[Used], capacity: u64) -> (Vec<Used>, Vec<String>) {
+    let words = |used: &Used| words_of(&used.texture, used.detail);
     let mut fitted = textures.to_vec();
-    while fitted.iter().flatten().map(|t| words_of(t)).sum::<u64>() > capacity {
-        let largest = fitted.iter_mut().flatten().max_by_key(|t| words_of(t));
-        let Some(largest) = largest.filter(|t| t.size != [1, 1]) else { break };
-        *largest = Arc::new(halved(largest));
+    while fitted.iter().map(words).sum::<u64>() > capacity {
+        let largest = fitted.iter_mut().max_by_key(|used| words(used));
+        let Some(largest) = largest.filter(|used| used.texture.size != [1, 1]) else { break };
+        largest.texture = Arc::new(halved(&largest.texture));
     }
-    let scaled = textures.iter().flatten().zip(fitted.iter().flatten()).filter(|(a, b)| a.size != b.size);
+    let scaled = textures.iter().zip(&fitted).map(|(a, b)| (&a.texture, &b.texture)).filter(|(a, b)| a.size != b.size);
     let message = |(a, b): (&Arc<Texture>, &Arc<Texture>)| {
         format!(
             "the texture \"{}\" was scaled from {} x {} to {} x {}: all textures together may take {} MB on this adapter",
@@ -128,11 +172,25 @@ fn halved(texture: &Texture) -> Texture {
             Texels::F32(positions.map(|(x, y)| std::array::from_fn(|c| mean(sources(x, y), c))).collect())
         }
     };
-    Texture { name: texture.name.clone(), size, texels, encoded: Arc::from([]) }
+    Texture::new(texture.name.clone(), size, texels)
 }
 
-fn append(words: &mut Vec<u32>, texture: &Texture) {
-    match &texture.texels {
+/// Appends a texture and its levels, the largest first.
+fn append(words: &mut Vec<u32>, texture: &Texture, detail: Detail) {
+    append_texels(words, &texture.texels);
+    match detail {
+        Detail::Values(color_space) => {
+            texture.levels(color_space).iter().for_each(|level| append_texels(words, &level.texels));
+        }
+        Detail::Slopes(source) => {
+            let texels = texture.slope_levels(source).iter().flat_map(|level| &level.texels);
+            words.extend(texels.flat_map(|texel| texel.words()));
+        }
+    }
+}
+
+fn append_texels(words: &mut Vec<u32>, texels: &Texels) {
+    match texels {
         Texels::U8(t) => words.extend(t.iter().map(|&c| u32::from_le_bytes(c))),
         Texels::F32(t) => words.extend(t.iter().flatten().map(|c| c.to_bits())),
     }
@@ -162,24 +220,39 @@ mod tests {
 
     fn grey(size: [u32; 2], value: u8) -> Arc<Texture> {
         let texels = vec![[value; 4]; (size[0] * size[1]) as usize];
-        Arc::new(Texture { name: "grey".into(), size, texels: Texels::U8(texels), encoded: Arc::from([]) })
+        Arc::new(Texture::new("grey", size, Texels::U8(texels)))
     }
 
     #[test]
     fn textures_that_fit_stay_and_the_largest_is_halved_first() {
-        let textures = [Some(grey([64, 64], 7)), None, Some(grey([8, 8], 9))];
-        let (fitted, messages) = fit(&textures, 64 * 64 + 64);
-        assert!(messages.is_empty() && fitted[0].as_ref().unwrap().size == [64, 64]);
-        let (fitted, messages) = fit(&textures, 64 * 64 + 63);
-        assert_eq!(fitted[0].as_ref().unwrap().size, [32, 32]);
-        assert_eq!(fitted[2].as_ref().unwrap().size, [8, 8]);
+        let detail = Detail::Values(ColorSpace::Linear);
+        let used = |size, value| Used { index: 0, detail, texture: grey(size, value) };
+        let textures = [used([64, 64], 7), used([8, 8], 9)];
+        let needed = words_of(&textures[0].texture, detail) + words_of(&textures[1].texture, detail);
+        let (fitted, messages) = fit(&textures, needed);
+        assert!(messages.is_empty() && fitted[0].texture.size == [64, 64]);
+        let (fitted, messages) = fit(&textures, needed - 1);
+        assert_eq!([fitted[0].texture.size, fitted[1].texture.size], [[32, 32], [8, 8]]);
         assert!(messages.len() == 1 && messages[0].contains("64 x 64 to 32 x 32"), "{messages:?}");
+    }
+
+    #[test]
+    fn what_is_packed_has_the_length_that_is_told() {
+        let slopes = [SlopeSource::Normals, SlopeSource::Heights(Default::default())].map(Detail::Slopes);
+        let floats = Texture::new("floats", [5, 9], Texels::F32(vec![[0.5; 4]; 45]));
+        for detail in [Detail::Values(ColorSpace::Srgb), slopes[0], slopes[1]] {
+            for texture in [&*grey([16, 3], 100), &floats] {
+                let mut words = Vec::new();
+                append(&mut words, texture, detail);
+                assert_eq!(words.len() as u64, words_of(texture, detail), "{detail:?}");
+            }
+        }
     }
 
     #[test]
     fn halving_averages_and_keeps_odd_edges() {
         let texels = [0, 4, 8, 12, 16, 20].map(|v: u8| [v; 4]).to_vec();
-        let odd = Texture { name: "odd".into(), size: [3, 2], texels: Texels::U8(texels), encoded: Arc::from([]) };
+        let odd = Texture::new("odd", [3, 2], Texels::U8(texels));
         let half = halved(&odd);
         assert_eq!(half.size, [2, 1]);
         assert_eq!(half.texels, Texels::U8(vec![[8; 4], [14; 4]]));

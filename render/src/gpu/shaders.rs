@@ -19,6 +19,7 @@ macro_rules! parts {
 parts!(
     "bounce_pass",
     "brdf",
+    "bumps",
     "cut",
     "direct_lights",
     "direct_pass",
@@ -39,6 +40,7 @@ parts!(
     "parameters_pass",
     "past",
     "predict_pass",
+    "procedural",
     "rays_pass",
     "receiver",
     "refine",
@@ -68,8 +70,19 @@ pub struct Program {
 }
 
 /// What programs begin with that shade the points of surfaces.
-const SHADING: &[&str] =
-    &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "brdf", MODELS, "sums", "shading_point"];
+const SHADING: &[&str] = &[
+    "frame",
+    "fullscreen",
+    "scene",
+    "surface",
+    "geometry",
+    "materials",
+    "bumps",
+    "brdf",
+    MODELS,
+    "sums",
+    "shading_point",
+];
 
 /// In place of a file the models that a scene uses, and the dispatch to them.
 const MODELS: &str = "models";
@@ -80,7 +93,10 @@ pub const VISIBILITY: Program =
 /// Barycentric weights and frames.
 pub const SURFACE: Program = Program {
     name: "surface_pass",
-    parts: [&[], &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "surface_pass"]],
+    parts: [
+        &[],
+        &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "procedural", "bumps", "surface_pass"],
+    ],
 };
 /// Rays for bakes.
 pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["traverse", "rays_pass"]] };
@@ -97,6 +113,8 @@ pub const PARAMETERS: Program = Program {
             "environment",
             "surface",
             "materials",
+            "procedural",
+            "bumps",
             "brdf",
             MODELS,
             "parameters_pass",

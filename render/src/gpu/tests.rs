@@ -7,5 +7,6 @@ mod ground;
 mod kept;
 mod reflection;
 mod sketch;
+mod textures;
 pub(super) mod twin;
 mod vertex_bounce;

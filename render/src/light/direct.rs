@@ -12,6 +12,7 @@ use crate::shade::surface::SurfacePoint;
 use brightest::delta_light;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    brdf::narrow_widths,
     lights::{Light, LightSample},
     ray::{EightRays, Intersector, offset},
     simd::Vec3x8,
@@ -107,7 +108,8 @@ impl<'a> Arriving<'a> {
     fn add_cell(&mut self, light: &Light, corner: Vec2, shift: Vec2, ray: &LightSample) {
         // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
         let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;
-        let lobe = self.point.brdf.as_brdf().narrowest_lobe().map_or(f32::INFINITY, |width| 4.0 * width);
+        let lobes = narrow_widths(self.point.lobes()).into_iter().filter(|&width| width > 0.0);
+        let lobe = lobes.reduce(f32::min).map_or(f32::INFINITY, |width| 4.0 * width);
         let edge = (cell_edge / lobe).ceil().clamp(1.0, FINEST) as u32;
         let all = CELLS * edge;
         for i in 0..edge * edge {
@@ -133,7 +135,7 @@ impl<'a> Arriving<'a> {
 
     fn reflect(&mut self) {
         let (wi, inv_kappa) = (Vec3x8::from_array(self.wi), f32x8::new(self.inv_kappa));
-        let brdf_cos = self.point.brdf.as_brdf().brdf_cos_x8(wi, self.point.wo, inv_kappa);
+        let brdf_cos = self.point.reflect(wi, inv_kappa);
         self.sum += brdf_cos.scale(Vec3x8::from_array(self.irradiance)).reduce_add();
         (self.irradiance, self.count) = ([Vec3::ZERO; 8], 0);
     }

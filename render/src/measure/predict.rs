@@ -155,7 +155,7 @@ fn brdf_moments(lighting: &SceneLighting, receiver: &ReceiverX8, point: &Surface
     let index = from_fn(|i| first + (2 * i + 1) * leaves / 16);
     let direction = lighting.directions(index, point.position);
     let spread = lighting.leaf_inv_kappas(index, point.position);
-    let values = point.brdf.as_brdf().brdf_cos_x8(receiver.local(direction), point.wo, spread);
+    let values = point.reflect(receiver.local(direction), spread);
     let received = receiver.receives(direction).to_array().map(|mask| mask.to_bits() != 0);
     let value = |i: usize| if received[i] { values.lane(i) } else { Vec3::ZERO };
     let moments = Moments::of(from_fn::<_, 8, _>(value));

@@ -56,7 +56,10 @@ impl Renderer {
         self.refine();
         let shown = settings.components.environment;
         let backdrop = Backdrop::new(view, Some(light), shown, &mut BlurCache::default());
-        let sampler = PixelSampler::new(self, view, &backdrop);
+        let mut sampler = PixelSampler::new(self, view, &backdrop);
+        if settings.positions == SamplePositions::Shifted {
+            sampler = sampler.unfiltered(self);
+        }
         let tracer = Tracer::new(self, light, lights, settings);
         let mut halves = Halves::new(view.size, view.aa);
         // At least one sample for each position of the pixel pattern.
@@ -99,7 +102,10 @@ fn trace_pass(
         for x in sampler.columns(y as u32) {
             let pixel = y * width + x as usize;
             let mut rng = fastrand::Rng::with_seed(seed(pixel, settings.first_pass + pass));
-            let radiance = |point: &SurfacePoint| tracer.radiance(point, &mut rng);
+            let radiance = |point: &SurfacePoint| match point.slopes {
+                [0.0, 0.0, 0.0] => tracer.radiance(point, &mut rng),
+                _ => tracer.radiance(&point.with_one_normal([rng.f32(), rng.f32()]), &mut rng),
+            };
             row[x as usize] = match settings.positions {
                 SamplePositions::Shared => sampler.sample(x, y as u32, pass as usize, radiance),
                 SamplePositions::Shifted => {

@@ -159,7 +159,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
         F: 'a,
     {
         let map = self.field.mirrored().filter(|_| self.sampling != BrdfSampling::Once)?;
-        Some((Mirror::of(point.brdf.as_brdf().lobes(), point.wo, self.field.solid_angle())?, map))
+        Some((Mirror::of(point.lobes(), point.wo, self.field.solid_angle())?, map))
     }
 
     /// Visits the terms that are summed without a [`Mirror`], left to right, and before them the nodes of the merged cut
@@ -231,7 +231,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
                 false => receiver.lights_at_centers(direction, inv_kappa),
             };
             if let Some(mirror) = mirror {
-                lights.inv_kappa = mirror.spread(lights.wi, lights.inv_kappa);
+                lights.spread.inv_kappa = mirror.spread(lights.wi, lights.spread.inv_kappa);
             }
             let (brdf_cos, [weight, leaves]) = (brdf.reflect(&lights, point.wo), self.weights(terms));
             visit(&EightTerms { terms, direction, wi: lights.wi, radiance, brdf_cos, weight, leaves });
@@ -322,7 +322,7 @@ struct Merged<'a, 'p, F> {
 impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint, mirror: Option<&'p Mirror>) -> Self {
         let &Shader { field, cuts, height, sampling, .. } = shader;
-        let lobes = point.brdf.as_brdf().lobes();
+        let lobes = point.lobes();
         let refinement =
             (sampling != BrdfSampling::Once && lobes[0] != NO_LOBE).then(|| Refinement::new(lobes, point.wo));
         let local_from_world = point.world_from_local.transpose();

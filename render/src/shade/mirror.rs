@@ -115,16 +115,25 @@ impl Mirror {
         t * t * (L::splat(3.0) - t - t)
     }
 
-    /// The spread of eight lights that widens lobes: none outside the window. A lobe that is widened has too bright tails.
+    /// The spread of eight lights that widens lobes: none but well inside the window. A lobe that is widened has too bright
+    /// tails, which would be added to what the window has.
     #[inline(always)]
     pub fn spread<L: Lanes>(&self, wi: Vec3x8<L>, inv_kappa: L) -> L {
-        let outside = L::splat(1.0) - self.window(wi);
-        inv_kappa * (L::splat(1.0) - outside * L::splat(self.share))
+        inv_kappa * (L::splat(1.0) - (L::splat(1.0) - self.inside(wi)) * L::splat(self.share))
+    }
+
+    /// The eighth power of the window.
+    #[inline(always)]
+    fn inside<L: Lanes>(&self, wi: Vec3x8<L>) -> L {
+        let window = self.window(wi);
+        let squared = window * window;
+        let fourth = squared * squared;
+        fourth * fourth
     }
 
     /// The spread that widens lobes for eight light samples, which are single directions for soft lobes.
     pub fn sample_spread(&self, wi: Vec3x8, inv_kappa: f32x8) -> f32x8 {
-        inv_kappa * (self.window(wi) * f32x8::splat(self.share))
+        inv_kappa * (self.inside(wi) * f32x8::splat(self.share))
     }
 
     /// Whether the cone of `radius` around the local direction `wi` reaches into the window.

@@ -1,14 +1,16 @@
 //! The hit of a camera ray: position, frame after bump and normal map, and the BRDF with its textured parameters.
 
-use crate::appearance::Appearance;
+use crate::{appearance::Appearance, shade::differentials::Differentials};
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
-    brdf::{Lambert, LightsX8, LobeMomentsX8, SurfaceBrdf, SurfaceParameters, Value},
+    brdf::{Lambert, LightsX8, LobeMomentsX8, Lobes, NO_LOBE, SpreadX8, SurfaceBrdf, SurfaceParameters, Value},
     dataset::Dataset,
     material::Material,
     ray::{Hit, Intersector, offset},
     simd::{Lanes, Vec3x8},
+    texture::UvFootprint,
 };
+use std::f32::consts::TAU;
 use wide::f32x8;
 
 /// A point of a surface as seen along one ray.
@@ -41,6 +43,8 @@ pub struct SurfacePoint {
     pub brdf: SurfaceBrdf,
     /// Radiance that it sends by itself.
     pub emission: Vec3,
+    /// Twice the covariance of its slopes within the sample in the local frame, which widens all lobes: xx, xy, yy.
+    pub slopes: [f32; 3],
     /// Whether it belongs to a ground that catches shadows.
     pub is_catcher: bool,
 }
@@ -57,9 +61,43 @@ impl SurfacePoint {
             roughness: 1.0,
             brdf: SurfaceBrdf::Lambert(Lambert::new(reflectance)),
             emission: Vec3::ZERO,
+            slopes: [0.0; 3],
             is_catcher: true,
             ..self
         }
+    }
+
+    /// Widths of its lobes, as [`lapidary_core::brdf::Brdf::lobes`] tells them, after its slopes have widened them.
+    pub fn lobes(&self) -> Lobes {
+        let lobes = self.brdf.as_brdf().lobes();
+        if self.slopes == [0.0; 3] {
+            return lobes;
+        }
+        // Along each axis no more than any direction near it has, so that none is taken for wider than it is.
+        let [xx, xy, yy] = self.slopes;
+        let [along, across] = [xx, yy].map(|square| (square - xy.abs()).max(0.0));
+        let widened = |[x, y]: [f32; 2]| [(x * x + along).sqrt(), (y * y + across).sqrt()];
+        lobes.map(|lobe| if lobe == NO_LOBE { NO_LOBE } else { widened(lobe) })
+    }
+
+    /// BRDF times cosine for eight lights in local directions; zero below the horizon.
+    #[inline]
+    pub fn reflect(&self, wi: Vec3x8, inv_kappa: f32x8) -> Vec3x8 {
+        self.brdf.spread_cos_x8(wi, self.wo, inv_kappa, self.slopes)
+    }
+
+    /// With one of the normals that it has within its sample, by two numbers in [0, 1).
+    pub fn with_one_normal(&self, [u, v]: [f32; 2]) -> Self {
+        // Normally distributed slopes: Box and Muller's, through the root of the covariance (Cholesky).
+        let [xx, xy, yy] = self.slopes.map(|twice| 0.5 * twice);
+        let (radius, (sin, cos)) = ((-2.0 * (1.0 - u).max(1e-12).ln()).sqrt(), (TAU * v).sin_cos());
+        let (x, y) = (xx.sqrt(), (yy - xy * xy / xx.max(1e-12)).max(0.0).sqrt());
+        let slope = radius * Vec2::new(x * cos, xy / x.max(1e-6) * cos + y * sin);
+        let wo = self.world_from_local * self.wo;
+        let normal = facing((self.world_from_local * slope.extend(1.0)).normalize(), wo);
+        let handedness = self.world_from_local.determinant();
+        let world_from_local = frame(normal, self.world_from_local.x_axis, handedness);
+        Self { world_from_local, wo: world_from_local.transpose() * wo, slopes: [0.0; 3], ..self.clone() }
     }
 
     /// Whether light from a direction can be reflected: it is above the horizons of the shading normal and of the
@@ -81,8 +119,8 @@ pub struct SurfacePlace {
     pub tangent: Vec3,
     /// 1, or -1 for mirrored textures, where v increases against `smooth_normal` x `tangent`.
     pub handedness: f32,
-    /// Texture coordinates.
-    pub uv: Vec2,
+    /// Texture coordinates, and what a sample covers of them.
+    pub uv: UvFootprint,
     /// Gradients of u and v along the surface, per metre, for bump maps; `None` if they are undefined.
     pub slopes: Option<[Vec3; 2]>,
 }
@@ -100,36 +138,22 @@ pub(crate) struct PlaceLook {
     pub brdf: SurfaceBrdf,
     /// Radiance that it sends by itself.
     pub emission: Vec3,
+    /// See [`SurfacePoint::slopes`].
+    pub slopes: [f32; 3],
 }
 
 impl SurfacePlace {
     /// Frame and BRDF with `material`, whose maps are those of `appearance`, from the world direction `wo`.
     pub(crate) fn under(&self, appearance: &Appearance, material: &Material, wo: Vec3) -> PlaceLook {
-        let normal = self.bumped_normal(appearance, material);
-        let world_from_local = frame(facing(normal, wo), self.tangent, self.handedness);
-        let values = appearance.values(material, self.uv);
+        let bumped = self.bumped(appearance, material);
+        let world_from_local = frame(facing(bumped.normal, wo), self.tangent, self.handedness);
+        let values = appearance.values(material, &self.uv);
         let brdf = SurfaceBrdf::new(material.model, &values);
         let base_color = material.model.value_for(&values, "base_color").map_or(Vec3::ZERO, Value::color);
         let roughness = material.model.value_for(&values, "roughness").map_or(1.0, Value::number);
         let emission = SurfaceParameters::of(&values).emission();
-        PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, base_color, roughness, brdf, emission }
-    }
-
-    /// The normal after normal map and bump map.
-    fn bumped_normal(&self, appearance: &Appearance, material: &Material) -> Vec3 {
-        let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
-        let mut normal = smooth.z_axis;
-        if let Some(slot) = material.maps.get("normal") {
-            let texel = appearance.textures[slot.texture as usize].sample_slot(self.uv, slot).truncate();
-            let n = slot.tangent_normal(texel);
-            normal = (smooth * n).try_normalize().unwrap_or(normal);
-        }
-        if let (Some(slot), Some([per_u, per_v])) = (material.maps.get("bump"), self.slopes) {
-            let [du, dv] = appearance.textures[slot.texture as usize].height_slopes(self.uv, slot);
-            // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
-            normal = (normal - per_u * du - per_v * dv).try_normalize().unwrap_or(normal);
-        }
-        normal
+        let (wo, slopes) = (world_from_local.transpose() * wo, bumped.spread(&world_from_local));
+        PlaceLook { world_from_local, wo, base_color, roughness, brdf, emission, slopes }
     }
 }
 
@@ -139,6 +163,7 @@ pub struct ReceiverX8<L = f32x8> {
     smooth_normal: Vec3x8<L>,
     /// Whether the shading normal is another than the smooth one.
     is_bent: bool,
+    slopes: [f32; 3],
 }
 
 impl<L: Lanes> ReceiverX8<L> {
@@ -148,7 +173,7 @@ impl<L: Lanes> ReceiverX8<L> {
         let Mat3 { x_axis, y_axis, z_axis } = point.world_from_local;
         let axes = [Vec3x8::splat(x_axis), Vec3x8::splat(y_axis), Vec3x8::splat(z_axis)];
         let is_bent = point.world_from_local.z_axis != point.smooth_normal;
-        Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal), is_bent }
+        Self { axes, smooth_normal: Vec3x8::splat(point.smooth_normal), is_bent, slopes: point.slopes }
     }
 
     /// Directions in the local frame.
@@ -179,13 +204,13 @@ impl<L: Lanes> ReceiverX8<L> {
             cosine = cosine * (share.fast_min(L::splat(1.0)) & seen.simd_gt(L::splat(0.0)));
             above = above & to_smooth.simd_gt(L::splat(0.0));
         }
-        LightsX8 { wi, inv_kappa, cosine, above }
+        LightsX8 { wi, spread: SpreadX8::with_slopes(inv_kappa, self.slopes), cosine, above }
     }
 
     /// Lights whose cosines are those of their centres; zero below the horizons.
     #[inline(always)]
     pub fn lights_at_centers(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
-        let lights = LightsX8::at(self.local(direction), inv_kappa);
+        let lights = LightsX8::spread(self.local(direction), SpreadX8::with_slopes(inv_kappa, self.slopes));
         let seen = self.receives(direction);
         LightsX8 { cosine: lights.cosine & seen, above: lights.above & seen, ..lights }
     }
@@ -215,6 +240,8 @@ pub struct Surfaces<'a> {
     intersector: &'a Intersector,
     /// Largest distance in metres of shadow ray origins from a surface.
     largest_offset: f32,
+    /// Of camera rays whose footprints count.
+    differentials: Option<Differentials>,
 }
 
 impl<'a> Surfaces<'a> {
@@ -226,7 +253,12 @@ impl<'a> Surfaces<'a> {
         intersector: &'a Intersector,
         largest_offset: f32,
     ) -> Self {
-        Self { dataset, appearance, intersector, largest_offset }
+        Self { dataset, appearance, intersector, largest_offset, differentials: None }
+    }
+
+    /// With maps filtered within the footprints of camera rays. Without them lookups see points.
+    pub fn filtered(self, differentials: Differentials) -> Self {
+        Self { differentials: Some(differentials), ..self }
     }
 
     /// The first hit of a ray.
@@ -292,8 +324,12 @@ impl<'a> Surfaces<'a> {
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
         let offset = offset::of_shading(edge, self.largest_offset);
         let position = p0 * b.x + p1 * b.y + p2 * b.z;
-        let uvs = || vertices.map(|v| mesh.uvs[v as usize]);
-        let slopes = material.maps.get("bump").and_then(|_| surface_slopes(mesh.corners(triangle), uvs()));
+        let has_maps = material.maps.slots().next().is_some();
+        let slopes = if has_maps { surface_slopes([p0, p1, p2], vertices.map(|v| mesh.uvs[v as usize])) } else { None };
+        let uv = match (&self.differentials, slopes) {
+            (Some(differentials), Some(slopes)) => differentials.at(uv, position, face_normal, slopes),
+            _ => uv.into(),
+        };
         let place = SurfacePlace { position, smooth_normal, tangent, handedness, uv, slopes };
         let looks = place.under(self.appearance, material, wo);
         SurfacePoint {
@@ -311,6 +347,7 @@ impl<'a> Surfaces<'a> {
             roughness: looks.roughness,
             brdf: looks.brdf,
             emission: looks.emission,
+            slopes: looks.slopes,
             is_catcher: false,
         }
     }
@@ -334,7 +371,7 @@ fn surface_slopes([a, b, c]: [Vec3; 3], uv: [Vec2; 3]) -> Option<[Vec3; 2]> {
 }
 
 /// A frame around `normal` with its first axis along `tangent` as far as that is possible.
-fn frame(normal: Vec3, tangent: Vec3, handedness: f32) -> Mat3 {
+pub(super) fn frame(normal: Vec3, tangent: Vec3, handedness: f32) -> Mat3 {
     let t = (tangent - normal * normal.dot(tangent)).try_normalize();
     let t = t.unwrap_or_else(|| normal.any_orthonormal_vector());
     Mat3::from_cols(t, normal.cross(t) * handedness.signum(), normal)

@@ -59,6 +59,7 @@ impl<'a> UnoccludedShader<'a> {
             roughness: looks.roughness,
             brdf: looks.brdf,
             emission: looks.emission,
+            slopes: looks.slopes,
             is_catcher: false,
         });
         looks.emission + reflected
@@ -86,7 +87,7 @@ mod tests {
             smooth_normal: Vec3::Y,
             tangent: Vec3::X,
             handedness: 1.0,
-            uv: Vec2::ZERO,
+            uv: Vec2::ZERO.into(),
             slopes: None,
         };
         let shaded = |radiance: &dyn Fn(Vec3) -> f32| {

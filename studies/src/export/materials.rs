@@ -39,6 +39,6 @@ impl MaterialExport {
 
 /// What was written, in a line.
 pub fn summary(exported: &Exported, path: &Path) -> String {
-    let pictures = exported.files.len().saturating_sub(1);
-    format!("{}: {} materials, {pictures} pictures beside it", path.display(), exported.materials)
+    let others = exported.files.len().saturating_sub(1);
+    format!("{}: {} materials, {others} files beside it", path.display(), exported.materials)
 }

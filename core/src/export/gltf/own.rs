@@ -22,8 +22,12 @@ const UNSIGNED_INT: u32 = 5125;
 
 /// Writes meshes and materials; a `.gltf` file has its data within.
 pub fn write(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
+    // The ground's material is the last, and no triangle here has it.
+    let count = scene.materials.len();
+    let ground = scene.mesh.ground_material().map(|ground| ground as usize);
+    let kept = &scene.materials[..ground.filter(|ground| ground + 1 == count).unwrap_or(count)];
     let mut writer = MaterialWriter::new(&scene.textures, Textures::default());
-    let materials: Vec<Value> = scene.materials.iter().map(|material| writer.material(material, Value::Null)).collect();
+    let materials: Vec<Value> = kept.iter().map(|material| writer.material(material, Value::Null)).collect();
     let mut file = FileWriter::default();
     for (object, parts) in parts(&scene.mesh) {
         let name = scene.objects.get(object as usize).map_or("", |object| &object.name);

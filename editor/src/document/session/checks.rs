@@ -61,11 +61,12 @@ impl Checks<'_> {
             self.range(&what("the strength"), &mut slot.strength, [-1e6, 1e6, 1.0]);
         }
         material.maps.retain(|map, slot| {
-            if slot.texture.is_none() {
+            let is_told = slot.texture.is_some() || slot.procedural.is_some();
+            if !is_told {
                 self.warnings
                     .push(format!("the map {map} of the material \"{name}\" names no texture; it is left out"));
             }
-            slot.texture.is_some()
+            is_told
         });
     }
 

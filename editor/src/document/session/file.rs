@@ -7,7 +7,7 @@ use lapidary_core::{
     dataset::BakeSettings,
     lights::Light,
     material::{Material, MaterialOf},
-    texture::{Channel, ColorSpace, TextureSlot},
+    texture::{Channel, ColorSpace, Procedural, TextureSlot},
 };
 use lapidary_render::Solution;
 use serde::{Deserialize, Serialize};
@@ -63,6 +63,9 @@ pub struct SessionSlot {
     pub strength: f32,
     /// Normals have their green channel down.
     pub flip_y: bool,
+    /// A pattern in place of a picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub procedural: Option<Procedural>,
 }
 
 /// Where a texture comes from.
@@ -141,14 +144,18 @@ pub(super) fn document_material(
     material: &SessionMaterial,
     mut index_of: impl FnMut(&TextureSource) -> u32,
 ) -> Material {
-    let slot = |slot: &SessionSlot| slot.texture.as_ref().map(|source| slot.texture_slot(index_of(source)));
+    let slot = |slot: &SessionSlot| match &slot.texture {
+        Some(source) => Some(slot.texture_slot(index_of(source))),
+        None => slot.procedural.is_some().then(|| slot.texture_slot(0)),
+    };
     material.with_maps(material.maps.filter_map(slot))
 }
 
 impl SessionSlot {
     /// `None` if the document does not have the texture.
     fn of(slot: &TextureSlot, document: &Document) -> Option<Self> {
-        let entry = document.textures.get(slot.texture as usize)?;
+        let Some(image) = slot.image() else { return Some(slot.into()) };
+        let entry = document.textures.get(image)?;
         let source = match &entry.file {
             Some(file) => TextureSource::File(file.clone()),
             None => TextureSource::Scene { index: slot.texture, name: entry.texture.name.clone() },
@@ -166,6 +173,7 @@ impl SessionSlot {
             rotation: self.rotation_degrees.to_radians() as f32,
             strength: self.strength,
             flip_y: self.flip_y,
+            procedural: self.procedural.map(Procedural::sanitized),
         }
     }
 }
@@ -182,6 +190,7 @@ impl From<&TextureSlot> for SessionSlot {
             rotation_degrees: degrees(slot.rotation),
             strength: slot.strength,
             flip_y: slot.flip_y,
+            procedural: slot.procedural,
         }
     }
 }

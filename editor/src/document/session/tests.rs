@@ -15,7 +15,7 @@ use lapidary_core::{
     lights::Light,
     material::{BrdfModel, Material, MaterialMaps},
     test_scenes::{camera, dataset, light, write_picture},
-    texture::{Channel, ColorSpace, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, Procedural, Texture, TextureSlot},
 };
 use lapidary_render::{Post, Solution, ToneMap};
 use serde_json::{Value, json};
@@ -64,6 +64,7 @@ impl Project {
                 ("bump", TextureSlot { channel: Channel::G, rotation: 0.3, strength: 0.002, ..slot(1) }),
                 ("anisotropy", TextureSlot { channel: Channel::B, ..slot(3) }),
                 ("ior", TextureSlot { channel: Channel::A, offset: Vec2::X, ..slot(1) }),
+                ("roughness", TextureSlot { procedural: Some(Procedural::default()), ..slot(0) }),
             ]),
             double_sided: false,
         };

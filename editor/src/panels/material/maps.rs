@@ -1,12 +1,14 @@
 //! The row of a texture map: thumbnail, file, and how the picture lies and is read.
 
-use super::{Changes, MaterialPanel};
+use super::{Changes, MaterialPanel, patterns};
 use crate::{
     actions::Action,
     document::{Document, TextureEntry},
     panels::widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
 };
-use egui::{Button, CollapsingHeader, Label, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui::{
+    Button, CollapsingHeader, Label, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextureHandle, Ui, vec2,
+};
 use lapidary_core::{
     brdf::{BrdfModel, Parameter},
     material::map_label,
@@ -18,6 +20,8 @@ use std::path::PathBuf;
 const THUMBNAIL: f32 = 26.0;
 /// Points of the empty frame where there is none: rows without a map are to take little room.
 const EMPTY: f32 = 16.0;
+/// Points that the menu beside the button takes.
+const KINDS: f32 = 26.0;
 
 /// A map of a material.
 #[derive(Clone, Copy)]
@@ -30,7 +34,7 @@ pub struct Target {
 
 impl Target {
     /// "Roughness map".
-    fn name(self) -> String {
+    pub(super) fn name(self) -> String {
         let label = map_label(self.kind);
         if label.ends_with("map") { label.to_owned() } else { format!("{label} map") }
     }
@@ -48,7 +52,7 @@ pub fn slot(
     let name = target.name();
     group(ui, &name, |ui| {
         let entry = changes.material.maps.get(target.kind);
-        let entry = entry.and_then(|slot| document.textures.get(slot.texture as usize));
+        let entry = entry.and_then(|slot| document.textures.get(slot.image()?));
         let shown = picture_row(ui, state, target, entry, changes, actions);
         if let Some(path) = dropped_on(ui, shown.rect) {
             load(target, Some(path), actions);
@@ -59,7 +63,7 @@ pub fn slot(
     });
 }
 
-fn load(target: Target, path: Option<PathBuf>, actions: &mut Vec<Action>) {
+pub(super) fn load(target: Target, path: Option<PathBuf>, actions: &mut Vec<Action>) {
     actions.push(Action::LoadTexture { material: target.index, map: target.kind, path });
 }
 
@@ -74,32 +78,43 @@ fn picture_row(
 ) -> Response {
     let name = target.name();
     let is_there = changes.material.maps.get(target.kind).is_some();
+    let pattern = changes.material.maps.get(target.kind).and_then(|slot| slot.procedural);
     let picture = |ui: &mut Ui| {
-        thumbnail(ui, state, entry);
-        let (shown, full) = caption(&name, entry);
+        let handle = match (&pattern, entry) {
+            (Some(pattern), _) => Some(state.patterns.of(ui.ctx(), pattern)),
+            (None, Some(entry)) => Some(state.thumbnails.of(ui.ctx(), &entry.texture).clone()),
+            (None, None) => None,
+        };
+        thumbnail(ui, handle);
+        let (shown, full) = match &pattern {
+            Some(pattern) => (pattern.pattern.label().into(), "A pattern by formula, sharp at any distance".to_owned()),
+            None => caption(&name, entry),
+        };
         ui.add(Label::new(shown).truncate()).on_hover_text(full);
     };
     let choose = |ui: &mut Ui| {
         let verb = if is_there { "Swap" } else { "Load" };
         let hint = "Choose a png, jpg, tga, hdr or exr file, or drop one on this row.";
-        let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width(), 0.0));
+        let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width() - KINDS, 0.0));
         if ui.add(button).on_hover_text(hint).accessible_name(format!("{verb} {name}")).clicked() {
             load(target, None, actions);
         }
+        patterns::menu(ui, target, changes, actions);
     };
     let remove = |ui: &mut Ui| {
         let button = Button::new("×").frame(false);
-        let asked = is_there && {
+        is_there && {
             let button = ui.add(button).on_hover_text("Remove this map");
             button.accessible_name(format!("Remove {name}")).clicked()
-        };
-        if asked {
-            changes.material.maps.set(target.kind, None);
-            changes.note("Remove map", Edited::at_once(true));
         }
     };
-    let height = if entry.is_some() { THUMBNAIL } else { EMPTY };
-    wide_row(ui, height, picture, choose, remove).response
+    let height = if entry.is_some() || pattern.is_some() { THUMBNAIL } else { EMPTY };
+    let row = wide_row(ui, height, picture, choose, remove);
+    if row.inner {
+        changes.material.maps.set(target.kind, None);
+        changes.note("Remove map", Edited::at_once(true));
+    }
+    row.response
 }
 
 /// What stands beside a thumbnail, and in its tooltip.
@@ -122,15 +137,14 @@ fn lower_first(name: &str) -> String {
     name.chars().take(1).flat_map(char::to_lowercase).chain(name.chars().skip(1)).collect()
 }
 
-fn thumbnail(ui: &mut Ui, state: &mut MaterialPanel, entry: Option<&TextureEntry>) {
-    let side = if entry.is_some() { THUMBNAIL } else { EMPTY };
+fn thumbnail(ui: &mut Ui, picture: Option<TextureHandle>) {
+    let side = if picture.is_some() { THUMBNAIL } else { EMPTY };
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
-    let Some(entry) = entry else {
+    let Some(picture) = picture else {
         let stroke = Stroke::new(1.0, ui.visuals().weak_text_color().gamma_multiply(0.5));
         ui.painter().rect_stroke(rect.shrink(1.0), 2.0, stroke, StrokeKind::Inside);
         return;
     };
-    let picture = state.thumbnails.of(ui.ctx(), &entry.texture);
     let size = picture.size_vec2() * (THUMBNAIL / picture.size_vec2().max_elem());
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     let at = Rect::from_center_size(rect.center(), size);
@@ -168,6 +182,9 @@ fn settings(
         "normal" => normal_strength(ui, &mut slot, changes),
         "bump" => bump_strength(ui, &mut slot, changes),
         _ => {}
+    }
+    if let Some(pattern) = &mut slot.procedural {
+        patterns::controls(ui, target.kind, pattern, changes);
     }
     let title = RichText::new("Placement").small();
     let folded = CollapsingHeader::new(title).id_salt((target.index, target.kind)).show(ui, |ui| {
@@ -266,7 +283,7 @@ fn reading(
         let help = "Which component of the picture is read.";
         changes.note("Map channel", choice_row(ui, "Channel", help, &mut slot.channel, &channels));
     }
-    if matches!(kind, "normal" | "bump") {
+    if matches!(kind, "normal" | "bump") || slot.procedural.is_some() {
         return;
     }
     let floats = entry.is_some_and(|e| matches!(e.texture.texels, Texels::F32(_)));

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     light_tree::LightTree,
     material::{BrdfModel, MaterialMaps, PRESETS},
-    texture::{Channel, Texels, Texture},
+    texture::{Channel, Pattern, Procedural, Texels, Texture},
 };
 use std::{
     path::{Path, PathBuf},
@@ -42,7 +42,7 @@ impl App {
 fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
     let named = |name: &str| Material { name: name.into(), ..Default::default() };
     let texels = Texels::U8(vec![[255, 0, 0, 255]]);
-    let texture = Texture { name: "red.png".into(), size: [1, 1], texels, encoded: Arc::from([]) };
+    let texture = Texture::new("red.png", [1, 1], texels);
     let textures = vec![TextureEntry { texture: texture.into(), file: Some(PathBuf::from("/maps/red.png")) }];
     let document = Document { materials: vec![named("Knob"), named("Door")], textures, ..Document::empty() };
     let mut app =
@@ -288,6 +288,25 @@ fn maps_of_ior_and_anisotropy_are_loaded_placed_and_removed() {
     let ior = TextureSlot { channel: Channel::B, ..Default::default() };
     assert_eq!(harness.state().material().maps, MaterialMaps::from([("ior", ior)]));
     assert_eq!(harness.state().log(), (vec!["Map channel", "Remove map"], 2));
+}
+
+#[test]
+fn a_pattern_is_chosen_changed_and_replaced_by_an_image() {
+    let mut harness = harness(|_| {});
+    click(&mut harness, "Kinds of Roughness map");
+    click_hidden(&mut harness, "Noise");
+    let slot = |h: &Harness<App>| h.state().material().maps.get("roughness").cloned().unwrap();
+    let noise = Procedural { pattern: Pattern::Noise, ..Default::default() };
+    assert_eq!(slot(&harness), TextureSlot { procedural: Some(noise), ..Default::default() });
+    assert!(harness.query_by_label("Noise").is_some(), "its row says what it is");
+    click(&mut harness, "Kinds of Roughness map");
+    click_hidden(&mut harness, "Checker");
+    assert_eq!(slot(&harness).procedural.unwrap().pattern, Pattern::Checker);
+    assert_eq!(harness.state().log(), (vec!["Pattern"; 2], 2));
+    click(&mut harness, "Kinds of Roughness map");
+    click_hidden(&mut harness, "Image…");
+    let last = harness.state().actions.last().unwrap();
+    assert!(matches!(last, Action::LoadTexture { material: 0, map: "roughness", path: None }), "{last:?}");
 }
 
 #[test]

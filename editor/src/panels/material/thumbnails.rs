@@ -32,7 +32,7 @@ impl Thumbnails {
 }
 
 /// The texture at most [`SIDE`] pixels wide and high: means over what each pixel covers, at most four by four texels of it.
-fn shrunk(texture: &Texture) -> ColorImage {
+pub(super) fn shrunk(texture: &Texture) -> ColorImage {
     let [w, h] = texture.size;
     let longer = w.max(h).max(SIDE);
     let [out_w, out_h] = [w, h].map(|side| (u64::from(side) * u64::from(SIDE) / u64::from(longer)).max(1) as u32);
@@ -67,7 +67,7 @@ mod tests {
 
     fn texture(size: [u32; 2], texel: impl Fn(u32) -> [u8; 4]) -> Arc<Texture> {
         let texels = Texels::U8((0..size[0] * size[1]).map(texel).collect());
-        Texture { name: "t".into(), size, texels, encoded: Arc::from([]) }.into()
+        Texture::new("t", size, texels).into()
     }
 
     #[test]

@@ -35,7 +35,10 @@ impl Copied {
             let now = document.textures.get(index as usize).map(|t| Arc::as_ptr(&t.texture));
             self.textures.iter().any(|(i, texture)| *i == index && now == Some(texture.as_ptr()))
         };
-        let maps = self.material.maps.filter_map(|slot| same(slot.texture).then(|| slot.clone()));
+        let maps = self
+            .material
+            .maps
+            .filter_map(|slot| (slot.procedural.is_some() || same(slot.texture)).then(|| slot.clone()));
         let Material { name, double_sided, .. } = target.clone();
         Material { name, double_sided, ..self.material.with_maps(maps) }
     }

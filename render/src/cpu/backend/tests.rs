@@ -248,7 +248,7 @@ fn maps_of_anisotropy_and_ior_give_the_picture_of_the_values_that_they_make() {
     let (dataset, light) = scene();
     let mut backend = lit(&dataset, &light);
     let view = from_the_side(24);
-    let half = Texture { name: "half".into(), size: [1, 1], texels: Texels::F32(vec![[0.5; 4]]), encoded: [].into() };
+    let half = Texture::new("half", [1, 1], Texels::F32(vec![[0.5; 4]]));
     let half = Arc::new(half);
     let parameters = |anisotropy, ior| Parameters::from(GgxParameters { anisotropy, ior, ..glossy(0.5) });
     let mut shown = |parameters, [anisotropy, ior]: [bool; 2]| {

@@ -8,7 +8,7 @@ use super::twin::{agrees, appearance, backend, difference, in_bands, maps, param
 use crate::{
     Backend, BrdfSampling, Components, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
-    shade::surface::SurfacePoint,
+    shade::{differentials::Differentials, surface::SurfacePoint},
     test_scenes::{dataset, mesh, white},
 };
 use glam::{Vec2, Vec3, Vec4};
@@ -94,7 +94,8 @@ struct Receiver {
 
 /// What the deferred pass saw at each pixel.
 fn receivers(gpu: &GpuBackend, renderer: &Renderer, view: &View) -> Vec<Option<Receiver>> {
-    let (dataset, surfaces) = (renderer.dataset(), renderer.surfaces());
+    let surfaces = renderer.surfaces().filtered(Differentials::of(view));
+    let dataset = renderer.dataset();
     let mesh = &dataset.scene.mesh;
     let receiver = |(i, [id, b, c, flags]): (usize, [u32; 4])| {
         let triangle = (id as usize).checked_sub(1)?;
@@ -123,7 +124,7 @@ fn reflected(point: &SurfacePoint, sample: &LightSample, inv_kappa: f32) -> Vec3
         return Vec3::ZERO;
     }
     let wi = point.world_from_local.transpose() * sample.direction;
-    let reflected = point.brdf.as_brdf().brdf_cos_x8(Vec3x8::splat(wi), point.wo, f32x8::splat(inv_kappa));
+    let reflected = point.reflect(Vec3x8::splat(wi), f32x8::splat(inv_kappa));
     reflected.lane(0) * sample.irradiance
 }
 

@@ -115,7 +115,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 lets_light_through,
                 share_weights,
                 mirrored_height,
-                shows_emission
+                shows_emission,
+                sample_distance
             ),
         ),
         (
@@ -136,7 +137,22 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("Triangle", shape!(layout::Triangle, vertices, material)),
         (
             "TextureSlot",
-            shape!(layout::TextureSlot, first, width, height, kind, scale, offset, turn, strength, channel),
+            shape!(
+                layout::TextureSlot,
+                first,
+                width,
+                height,
+                kind,
+                scale,
+                offset,
+                turn,
+                strength,
+                channel,
+                low,
+                pattern,
+                high,
+                octaves
+            ),
         ),
         ("Material", shape!(layout::Material, model, normal_y, surface, padding, normal_map, bump_map, parameters)),
         ("Tables", shape!(layout::Tables, linear_from_srgb, albedo)),
@@ -296,6 +312,10 @@ fn shared_constants_have_the_same_values() {
         ("KIND_LINEAR", constants::KIND_LINEAR),
         ("KIND_SRGB", constants::KIND_SRGB),
         ("KIND_FLOAT", constants::KIND_FLOAT),
+        ("KIND_PROCEDURAL", constants::KIND_PROCEDURAL),
+        ("PATTERN_CHECKER", lapidary_core::texture::Pattern::Checker as u32),
+        ("PATTERN_NOISE", lapidary_core::texture::Pattern::Noise as u32),
+        ("NOISE_CELLS", lapidary_core::texture::NOISE_CELLS),
         ("POOL_WIDTH_LOG2", constants::POOL_WIDTH_LOG2),
         ("MOST_PARAMETERS", constants::MOST_PARAMETERS as u32),
         ("CUT_WIDTH_LOG2", lapidary_core::cut::packed::TEXTURE_WIDTH.ilog2()),
@@ -305,6 +325,8 @@ fn shared_constants_have_the_same_values() {
     for (name, value) in [
         ("MIN_ALPHA", MIN_ALPHA),
         ("MOST_LUMINANCE", SurfaceParameters::LIST[1].range[1]),
+        ("MOST_TAPS", lapidary_core::texture::MOST_TAPS as f32),
+        ("TEXELS_PER_WIDTH", lapidary_core::texture::TEXELS_PER_WIDTH),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
         ("LARGEST_SOLID_ANGLE", lapidary_core::cut::LARGEST_SOLID_ANGLE),
         ("LEAST_DISTANCE", crate::shade::node_field::LEAST_DISTANCE),

@@ -5,7 +5,10 @@ use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
     View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
-    shade::painter::{Painter, PictureLight},
+    shade::{
+        differentials::Differentials,
+        painter::{Painter, PictureLight},
+    },
     stale::Part,
     test_scenes::{dataset, mesh},
 };
@@ -37,14 +40,12 @@ pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)>
     }
 }
 
-fn noise(i: u32) -> u8 {
+pub(super) fn noise(i: u32) -> u8 {
     (i.wrapping_mul(0x9e37_79b9) >> 24) as u8
 }
 
 fn textures() -> Vec<Arc<Texture>> {
-    let texture = |name: &str, size: [u32; 2], texels| {
-        Arc::new(Texture { name: name.into(), size, texels, encoded: Arc::from([]) })
-    };
+    let texture = |name: &str, size: [u32; 2], texels| Arc::new(Texture::new(name, size, texels));
     let codes = |n: u32| (0..n).map(|i| std::array::from_fn(|c| noise(4 * i + c as u32))).collect();
     let floats = |n: u32| (0..n).map(|i| [f32::from(noise(i)) / 255.0; 4]).collect();
     vec![
@@ -64,6 +65,7 @@ pub(super) fn maps() -> MaterialMaps {
         offset: Vec2::new(0.3, -1.2),
         rotation: 0.4,
         flip_y: false,
+        procedural: None,
     };
     MaterialMaps::from([
         ("base_color", slot(0, ColorSpace::Srgb, Channel::R, 1.0)),
@@ -124,7 +126,7 @@ pub(super) fn on_the_cpu(
     sampling: BrdfSampling,
 ) -> Image {
     let dataset = renderer.dataset();
-    let surfaces = renderer.surfaces();
+    let surfaces = renderer.surfaces().filtered(Differentials::of(view));
     let mut painter = Painter::new(view.mode, dataset, light, sampling);
     let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
     let geometry = gpu.read_geometry();
@@ -191,15 +193,15 @@ fn settings(model: BrdfModel, case: u64) -> Parameters {
     settings
 }
 
-struct Rig {
-    renderer: Renderer,
-    gpu: GpuBackend,
+pub(super) struct Rig {
+    pub renderer: Renderer,
+    pub gpu: GpuBackend,
     lighting: Arc<SceneLighting>,
     _one: MutexGuard<'static, ()>,
 }
 
 impl Rig {
-    fn new(illum_cut: u32) -> Option<Self> {
+    pub fn new(illum_cut: u32) -> Option<Self> {
         let (one, mut gpu) = backend()?;
         let renderer = Renderer::new(scene());
         let lighting = Arc::new(renderer.lighting(&light(), illum_cut));
@@ -208,16 +210,16 @@ impl Rig {
         Some(Self { renderer, gpu, lighting, _one: one })
     }
 
-    fn lit(&self) -> PictureLight<'_> {
+    pub fn lit(&self) -> PictureLight<'_> {
         PictureLight { environment: Some(&self.lighting), emission: true, ..Default::default() }
     }
 
-    fn look(&mut self, appearance: Appearance) {
+    pub fn look(&mut self, appearance: Appearance) {
         assert!(self.gpu.set_appearance(&appearance).unwrap().is_empty());
         self.renderer.set_appearance(appearance);
     }
 
-    fn both(&mut self, view: &View, sampling: BrdfSampling) -> [Image; 2] {
+    pub fn both(&mut self, view: &View, sampling: BrdfSampling) -> [Image; 2] {
         self.gpu.begin(view, sampling).unwrap();
         self.gpu.render_rows(0, 0..view.size[1]).unwrap();
         let gpu = self.gpu.read(1).unwrap().0;

@@ -48,7 +48,7 @@ fn unshadowed<'a>(point: &SurfacePoint, lights: impl Iterator<Item = &'a Light>)
     for eight in samples.chunks(8) {
         let wi = |i: usize| eight.get(i).map_or(Vec3::Z, |s| local_from_world * s.direction);
         let wi = Vec3x8::from_array(std::array::from_fn(wi));
-        let reflected = point.brdf.as_brdf().brdf_cos_x8(wi, point.wo, f32x8::ZERO);
+        let reflected = point.reflect(wi, f32x8::ZERO);
         out.extend(eight.iter().enumerate().map(|(i, s)| Unshadowed {
             radiance: reflected.lane(i) * s.irradiance,
             direction: s.direction,

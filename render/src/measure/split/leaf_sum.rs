@@ -29,7 +29,6 @@ impl<F: NodeField> LeafSum<F> {
     /// Reflected radiance toward the eye.
     pub fn reflected(&self, point: &SurfacePoint) -> Vec3 {
         let receiver = ReceiverX8::new(point);
-        let brdf = point.brdf.as_brdf();
         let leaves = self.lit.len();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for (first, lit) in (0..).step_by(8).zip(self.lit.chunks(8)) {
@@ -41,7 +40,7 @@ impl<F: NodeField> LeafSum<F> {
             let arriving = Vec3x8::from_array(from_fn(|i| lit.get(i).copied().unwrap_or(Vec3::ZERO)));
             let direction = self.field.directions(index, point.position);
             let spread = self.field.leaf_inv_kappas(index, point.position);
-            let reflected = brdf.brdf_cos_x8(receiver.local(direction), point.wo, spread).scale(arriving);
+            let reflected = point.reflect(receiver.local(direction), spread).scale(arriving);
             let mask = receiver.receives(direction);
             sum = sum + Vec3x8 { x: reflected.x & mask, y: reflected.y & mask, z: reflected.z & mask };
         }

@@ -23,13 +23,13 @@ pub struct PathSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplePositions {
-    /// The positions at which cuts are shaded ([`View::pixel_offsets`](crate::View::pixel_offsets)): the two pictures
-    /// differ by light alone.
+    /// The positions at which cuts are shaded ([`View::pixel_offsets`](crate::View::pixel_offsets)), with the same footprints in
+    /// maps: the two pictures differ by light alone. A path has one of the normals of a footprint.
     #[default]
     Shared,
     /// Random positions: in each pixel, and for each first path, the pattern is shifted by another random vector
     /// (Cranley and Patterson 1976), so that no position repeats. The expected value is the mean over the whole pixel,
-    /// as in other renderers, and the error of a finite pattern is noise.
+    /// as in other renderers, and the error of a finite pattern is noise. Maps are looked up at points.
     Shifted,
 }
 

@@ -70,7 +70,7 @@ impl PointShader for DistantShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         trace_lights(self.renderer, &self.samples.directions, point, &mut self.visible);
         let map = self.samples.mirrored.as_ref();
-        let mirror = |map| Some((Mirror::of(point.brdf.as_brdf().lobes(), point.wo, self.samples.solid_angle)?, map));
+        let mirror = |map| Some((Mirror::of(point.lobes(), point.wo, self.samples.solid_angle)?, map));
         match map.and_then(mirror) {
             Some((mirror, map)) => self.mirrored(point, &mirror, map),
             None => self.sum(point),
@@ -88,11 +88,11 @@ impl DistantShader<'_> {
     /// The light of all samples that are seen.
     fn sum(&self, point: &SurfacePoint) -> Vec3 {
         let Self { samples, visible, .. } = self;
-        let (receiver, brdf) = (ReceiverX8::new(point), point.brdf.as_brdf());
+        let receiver = ReceiverX8::new(point);
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for (i, _) in visible.chunks(8).enumerate().filter(|(_, seen)| seen.iter().any(|&v| v != 0)) {
             let wi = receiver.local(samples.wi[i]);
-            sum = sum + brdf.brdf_cos_x8(wi, point.wo, f32x8::ZERO).scale(samples.radiance[i]) * self.seen(i);
+            sum = sum + point.reflect(wi, f32x8::ZERO).scale(samples.radiance[i]) * self.seen(i);
         }
         sum.reduce_add() * samples.solid_angle
     }
@@ -100,12 +100,12 @@ impl DistantShader<'_> {
     /// The same where sharp lobes read the map, with the visibility of the samples around the mirror's direction.
     fn mirrored(&self, point: &SurfacePoint, mirror: &Mirror, map: &MirroredMap) -> Vec3 {
         let samples = self.samples;
-        let (receiver, brdf) = (ReceiverX8::new(point), point.brdf.as_brdf());
+        let receiver = ReceiverX8::new(point);
         let [mut sum, mut seen, mut all] = [Vec3x8::splat(Vec3::ZERO); 3];
         for (i, &direction) in samples.wi.iter().enumerate() {
             let wi = receiver.local(direction);
             let spread = mirror.sample_spread(wi, samples.inv_kappa[i]);
-            let light = brdf.brdf_cos_x8(wi, point.wo, spread).scale(samples.radiance[i])
+            let light = point.reflect(wi, spread).scale(samples.radiance[i])
                 * Lanes::select(receiver.receives(direction), f32x8::ONE, f32x8::ZERO);
             let (reflected, window) = (light * self.seen(i), mirror.window(wi));
             sum = sum + reflected;

@@ -119,7 +119,6 @@ impl PointShader for SourceShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         self.trace(point);
         let receiver = ReceiverX8::new(point);
-        let brdf = point.brdf.as_brdf();
         let leaves = self.samples.lighting.tree.len();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for group in self.wanted.chunks(8) {
@@ -131,7 +130,7 @@ impl PointShader for SourceShader<'_> {
             let weight = from_fn(|k| if k < group.len() { self.solid_angles[member(k)] } else { 0.0 });
             let radiance = Vec3x8::from_array(nodes.map(|n| self.field.radiance(n)));
             let inv_kappa = self.field.leaf_inv_kappas(nodes, point.position);
-            sum = sum + brdf.brdf_cos_x8(wi, point.wo, inv_kappa).scale(radiance) * f32x8::new(weight);
+            sum = sum + point.reflect(wi, inv_kappa).scale(radiance) * f32x8::new(weight);
         }
         sum.reduce_add()
     }

@@ -68,7 +68,7 @@ fn maps_are_multiplied_by_their_parameters_and_differences_are_told() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let texels = Texels::F32(vec![[0.5, 0.25, -1.0, 1.0]]);
-    let textures = [Arc::new(Texture { name: "t".into(), size: [1, 1], texels, encoded: Arc::from([]) })];
+    let textures = [Arc::new(Texture::new("t", [1, 1], texels))];
     let kinds = ["roughness", "normal", "bump", "ior"];
     let maps = MaterialMaps::from(kinds.map(|kind| (kind, TextureSlot::default())));
     let parameters = GgxParameters { roughness: 0.6, anisotropy: -0.5, ..Default::default() };
@@ -103,7 +103,7 @@ fn what_a_layered_material_says_is_applied_or_told() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let texels = Texels::F32(vec![[0.5, 0.25, 1.0, 1.0]]);
-    let textures = [Arc::new(Texture { name: "t".into(), size: [1, 1], texels, encoded: Arc::from([]) })];
+    let textures = [Arc::new(Texture::new("t", [1, 1], texels))];
     let mut writer = TextureFolder::new(folder.path(), &textures);
     let parameters = Parameters::default()
         .with("base_color", Vec3::splat(0.8))

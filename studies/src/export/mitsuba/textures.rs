@@ -5,7 +5,7 @@ use anyhow::Result;
 use glam::{Vec3, Vec4};
 use lapidary_core::{
     image::Image,
-    texture::{Texture, TextureSlot},
+    texture::{Procedural, Texture, TextureSlot},
 };
 use std::{
     collections::BTreeSet,
@@ -40,7 +40,10 @@ impl<'a> TextureFolder<'a> {
     ) -> Result<String> {
         let file = format!("textures/{stem}.exr");
         if self.written.insert(file.clone()) {
-            let texture = &self.textures[slot.texture as usize];
+            let texture = match &slot.procedural {
+                Some(pattern) => Arc::new(pattern.baked(Procedural::BAKED)),
+                None => self.textures[slot.texture as usize].clone(),
+            };
             let texel = |x: u32, y: u32| value(texture.texel(x.into(), y.into(), slot.color_space));
             Image::from_fn(texture.size, texel).write(&self.folder.join(&file))?;
         }

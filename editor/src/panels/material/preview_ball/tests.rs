@@ -20,7 +20,7 @@ fn lambert(base_color: Vec3) -> Material {
 }
 
 fn texture(texels: Vec<[u8; 4]>, size: [u32; 2]) -> Arc<Texture> {
-    Texture { name: "t".into(), size, texels: Texels::U8(texels), encoded: Arc::from([]) }.into()
+    Texture::new("t", size, Texels::U8(texels)).into()
 }
 
 fn mean(pixels: &[BallPixel]) -> Vec3 {

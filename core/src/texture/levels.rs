@@ -1,0 +1,195 @@
+//! Levels of detail of a texture: each has half the size of the one before, down to one texel (Williams 1983).
+//!
+//! Levels are means of light: sRGB codes are decoded, averaged as floats from level to level, and encoded again. Sizes round down.
+//! A texel of a level covers all texels above it that it overlaps, each by its share, so that the mean of a
+//! level is that of the texture for every size.
+
+use super::{
+    ColorSpace, Texels, Texture,
+    slopes::{SlopeLevel, SlopeSource},
+};
+use crate::color::srgb_from_linear;
+use std::sync::OnceLock;
+
+/// A level: its size and its texels, encoded as those of the texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Size in texels.
+    pub size: [u32; 2],
+    /// The texels, row by row from the top.
+    pub texels: Texels,
+}
+
+/// The levels below a texture, made when they are first asked for. A copy makes its own, as its texels may become others.
+#[derive(Default)]
+pub struct Levels {
+    srgb: OnceLock<Vec<Level>>,
+    linear: OnceLock<Vec<Level>>,
+    slopes: [OnceLock<Vec<SlopeLevel>>; SlopeSource::COUNT],
+}
+
+impl Clone for Levels {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl std::fmt::Debug for Levels {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Levels")
+    }
+}
+
+/// The size of the next level; `None` after one texel.
+pub fn next_size([width, height]: [u32; 2]) -> Option<[u32; 2]> {
+    (width > 1 || height > 1).then(|| [(width / 2).max(1), (height / 2).max(1)])
+}
+
+/// Sizes of all levels of a texture from the second on.
+pub fn level_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    std::iter::successors(next_size(size), |&size| next_size(size))
+}
+
+/// Which texels of a row of `from` a texel of a row of `to` covers, with their weights, which add up to one.
+fn covered(from: u32, to: u32) -> impl Fn(u32) -> Vec<(u32, f32)> {
+    move |index| {
+        // In units of 1 / to texels.
+        let (begin, end) = (u64::from(index) * u64::from(from), u64::from(index + 1) * u64::from(from));
+        let to = u64::from(to);
+        (begin / to..end.div_ceil(to))
+            .map(|i| (i as u32, ((end.min((i + 1) * to) - begin.max(i * to)) as f32) / from as f32))
+            .collect()
+    }
+}
+
+/// Calls `f` for each texel of a level, with the texels above that it covers and their weights.
+pub(super) fn for_each_covered(from: [u32; 2], to: [u32; 2], mut f: impl FnMut(&[(usize, f32)])) {
+    let (column, row) = (covered(from[0], to[0]), covered(from[1], to[1]));
+    let columns: Vec<Vec<(u32, f32)>> = (0..to[0]).map(column).collect();
+    let mut all = Vec::new();
+    for rows in (0..to[1]).map(row) {
+        for columns in &columns {
+            all.clear();
+            for &(y, wy) in &rows {
+                all.extend(columns.iter().map(|&(x, wx)| ((y * from[0] + x) as usize, wx * wy)));
+            }
+            f(&all);
+        }
+    }
+}
+
+fn reduced(texels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 4]> {
+    if from == to.map(|side| 2 * side) {
+        return halved(texels, from[0] as usize);
+    }
+    let mut level = Vec::with_capacity((to[0] * to[1]) as usize);
+    for_each_covered(from, to, |covered| {
+        let mut sum = [0.0; 4];
+        for &(i, weight) in covered {
+            sum.iter_mut().zip(texels[i]).for_each(|(sum, x)| *sum += weight * x);
+        }
+        level.push(sum);
+    });
+    level
+}
+
+/// The same for even sizes, some times as fast.
+fn halved(texels: &[[f32; 4]], width: usize) -> Vec<[f32; 4]> {
+    let mut level = Vec::with_capacity(texels.len() / 4);
+    for rows in texels.chunks_exact(2 * width) {
+        let (above, below) = rows.split_at(width);
+        for (above, below) in above.as_chunks::<2>().0.iter().zip(below.as_chunks::<2>().0) {
+            level.push(std::array::from_fn(|c| 0.25 * (above[0][c] + above[1][c] + below[0][c] + below[1][c])));
+        }
+    }
+    level
+}
+
+impl Texture {
+    /// The levels below it, from half its size down to one texel, with 8-bit texels in this encoding.
+    pub fn levels(&self, color_space: ColorSpace) -> &[Level] {
+        let is_srgb = color_space == ColorSpace::Srgb && matches!(self.texels, Texels::U8(_));
+        let cell = if is_srgb { &self.levels.srgb } else { &self.levels.linear };
+        cell.get_or_init(|| self.reduced_levels(if is_srgb { ColorSpace::Srgb } else { ColorSpace::Linear }))
+    }
+
+    fn reduced_levels(&self, color_space: ColorSpace) -> Vec<Level> {
+        let mut above = self.size;
+        let count = self.size[0] as usize * self.size[1] as usize;
+        let mut texels: Vec<[f32; 4]> = (0..count).map(|i| self.texels.at(i, color_space).to_array()).collect();
+        let is_float = matches!(self.texels, Texels::F32(_));
+        let level = |size| {
+            texels = reduced(&texels, above, size);
+            above = size;
+            let texels = match is_float {
+                true => Texels::F32(texels.clone()),
+                false => Texels::U8(texels.iter().map(|&texel| encoded(texel, color_space)).collect()),
+            };
+            Level { size, texels }
+        };
+        level_sizes(self.size).map(level).collect()
+    }
+
+    /// The slopes below it, from half its size down to one texel, of what its texels mean.
+    pub fn slope_levels(&self, source: SlopeSource) -> &[SlopeLevel] {
+        self.levels.slopes[source.index()].get_or_init(|| SlopeLevel::all_of(self, source))
+    }
+}
+
+fn encoded([r, g, b, a]: [f32; 4], color_space: ColorSpace) -> [u8; 4] {
+    let encode = |x: f32| if color_space == ColorSpace::Srgb { srgb_from_linear(x) } else { x };
+    [encode(r), encode(g), encode(b), a].map(|x| (255.0 * x + 0.5) as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    fn texture(size: [u32; 2], texels: Texels) -> Texture {
+        Texture::new("t", size, texels)
+    }
+
+    #[test]
+    fn levels_of_any_size_have_the_mean_of_the_texture() {
+        for size in [[8, 8], [7, 5], [1, 9], [13, 2]] {
+            let texels = (0..size[0] * size[1]).map(|i| [((i * 37) % 11) as f32, i as f32, 1.0, 0.5]);
+            let t = texture(size, Texels::F32(texels.collect()));
+            let Texels::F32(all) = &t.texels else { unreachable!() };
+            let mean = |c: usize| all.iter().map(|t| t[c]).sum::<f32>() / all.len() as f32;
+            let last = t.levels(ColorSpace::Linear).last().unwrap();
+            assert_eq!(last.size, [1, 1]);
+            let Texels::F32(one) = &last.texels else { panic!("floats stay floats") };
+            for (c, &value) in one[0].iter().enumerate() {
+                assert!((value - mean(c)).abs() < 1e-4 * mean(c), "{size:?} {c}: {value} {}", mean(c));
+            }
+        }
+    }
+
+    #[test]
+    fn srgb_levels_are_means_of_light_and_not_of_codes() {
+        let t = texture([2, 1], Texels::U8(vec![[0, 0, 0, 255], [255, 255, 255, 255]]));
+        let value = |space| t.levels(space)[0].texels.at(0, space).x;
+        assert!((value(ColorSpace::Srgb) - 0.5).abs() < 0.005 && (value(ColorSpace::Linear) - 0.5).abs() < 0.005);
+        assert_eq!(t.levels(ColorSpace::Srgb)[0].texels, Texels::U8(vec![[188, 188, 188, 255]]));
+        assert_eq!(t.levels(ColorSpace::Linear)[0].texels, Texels::U8(vec![[128, 128, 128, 255]]), "another mean");
+    }
+
+    #[test]
+    fn a_chequerboard_far_away_has_the_mean_of_both_colours() {
+        let texels = (0..256 * 256).map(|i| if (i / 256 + i) % 2 == 0 { [250, 20, 0, 255] } else { [0, 90, 0, 255] });
+        let t = texture([256; 2], Texels::U8(texels.collect()));
+        let slot = super::super::TextureSlot { color_space: ColorSpace::Srgb, ..Default::default() };
+        let mean = 0.5 * (t.texel(0, 0, ColorSpace::Srgb) + t.texel(1, 0, ColorSpace::Srgb));
+        for i in 0..50 {
+            let uv = Vec2::new(0.013 * i as f32, 0.02 * i as f32 + 0.0013);
+            let changes = [Vec2::new(0.2, 0.03), Vec2::new(-0.01, 0.07)];
+            let far = t.sample_footprint(&super::super::UvFootprint { uv, changes }, &slot);
+            assert!((far - mean).abs().max_element() < 0.01, "{far} {mean}");
+        }
+        // Negative control: without levels some lookups see one colour alone.
+        let near = (0..50).map(|i| t.sample_slot(Vec2::new(0.013 * i as f32, 0.02 * i as f32 + 0.0013), &slot));
+        let worst = near.map(|near| (near - mean).abs().max_element()).fold(0.0, f32::max);
+        assert!(worst > 0.2, "{worst}");
+    }
+}

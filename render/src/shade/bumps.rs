@@ -1,0 +1,100 @@
+//! The normal after normal and bump map, and how far the normals within the footprint of a sample spread around it.
+//!
+//! A map seen from afar has many normals in a sample. Their covariance widens the lobes of every model as the spread of a light
+//! does (Olano and Baker 2010): the normals of the facets are those of the map plus those of the model. Twin of
+//! `shaders/bumps.wgsl`.
+
+use super::surface::{SurfacePlace, frame};
+use crate::appearance::Appearance;
+use glam::{Mat2, Mat3, Vec2, Vec3};
+use lapidary_core::{
+    material::{BUMP, Material, NORMAL},
+    texture::{ColorSpace, SlopeMoments, TextureSlot, UvFootprint, covariance_mapped},
+};
+
+/// Slopes that move a normal: their covariance as xx, xy, yy, and how the normal moves with each.
+#[derive(Clone, Copy, Default)]
+struct Moving {
+    covariance: [f32; 3],
+    axes: [Vec3; 2],
+}
+
+/// The mean normal, and what moves it.
+pub(crate) struct Bumped {
+    pub normal: Vec3,
+    moving: [Moving; 2],
+}
+
+impl SurfacePlace {
+    /// After normal map and bump map.
+    pub(super) fn bumped(&self, appearance: &Appearance, material: &Material) -> Bumped {
+        let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
+        let mut bumped = Bumped { normal: smooth.z_axis, moving: [Moving::default(); 2] };
+        if let Some(slot) = material.maps.get(NORMAL) {
+            match appearance.normal_moments(slot, &self.uv) {
+                None => {
+                    let n = slot.tangent_normal(appearance.encoded_normal(slot, &self.uv));
+                    bumped.normal = (smooth * n).try_normalize().unwrap_or(bumped.normal);
+                }
+                Some(moments) => {
+                    let length = (1.0 + moments.mean.length_squared()).sqrt();
+                    bumped.normal = smooth * moments.mean.extend(1.0) / length;
+                    let axes = [smooth.x_axis / length, smooth.y_axis / length];
+                    bumped.moving[0] = Moving { covariance: moments.covariance(), axes };
+                }
+            }
+        }
+        if let (Some(slot), Some([per_u, per_v])) = (material.maps.get(BUMP), self.slopes) {
+            let moments = appearance.height_moments(slot, &self.uv);
+            // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
+            let tilted = bumped.normal - per_u * moments.mean.x - per_v * moments.mean.y;
+            if let Some(normal) = tilted.try_normalize() {
+                let shorter = tilted.length().recip();
+                bumped.normal = normal;
+                bumped.moving[0].axes = bumped.moving[0].axes.map(|axis| axis * shorter);
+                bumped.moving[1] =
+                    Moving { covariance: moments.covariance(), axes: [per_u * shorter, per_v * shorter] };
+            }
+        }
+        bumped
+    }
+}
+
+impl Appearance {
+    /// See [`lapidary_core::texture::Texture::normal_moments`]. A pattern of normals is looked up as they are.
+    fn normal_moments(&self, slot: &TextureSlot, uv: &UvFootprint) -> Option<SlopeMoments> {
+        self.textures[slot.image()?].normal_moments(uv, slot)
+    }
+
+    fn encoded_normal(&self, slot: &TextureSlot, uv: &UvFootprint) -> Vec3 {
+        let texel = match slot.image() {
+            Some(image) => self.textures[image].sample(slot.transform(uv.uv), ColorSpace::Linear),
+            None => self.sample(slot, uv),
+        };
+        texel.truncate()
+    }
+
+    fn height_moments(&self, slot: &TextureSlot, uv: &UvFootprint) -> SlopeMoments {
+        match &slot.procedural {
+            Some(pattern) => slot.pattern_moments(pattern, uv),
+            None => self.textures[slot.texture as usize].height_moments(uv, slot),
+        }
+    }
+}
+
+impl Bumped {
+    /// Twice the covariance of the slopes in a frame around the normal: xx, xy, yy.
+    pub fn spread(&self, world_from_local: &Mat3) -> [f32; 3] {
+        let mut spread = [0.0; 3];
+        for Moving { covariance, axes } in self.moving.iter().filter(|moving| moving.covariance != [0.0; 3]) {
+            let local =
+                axes.map(|axis| Vec2::new(world_from_local.x_axis.dot(axis), world_from_local.y_axis.dot(axis)));
+            let there = covariance_mapped(*covariance, Mat2::from_cols(local[0], local[1]));
+            spread.iter_mut().zip(there).for_each(|(sum, own)| *sum += 2.0 * own);
+        }
+        spread
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,250 @@
+//! Bumps seen from afar, against the mean of all their normals, against light paths through whole pixels, and as the map slides
+//! below the pixels.
+
+use super::*;
+use crate::{
+    Background, BrdfSampling, PathSettings, Renderer, SamplePositions, View,
+    light::{components::Components, environment::Illumination},
+    shade::{
+        background::{Backdrop, BlurCache},
+        painter::{Painter, PictureLight},
+        pixel_sampler::PixelSampler,
+        surface::SurfacePoint,
+    },
+    stale::Part,
+    test_scenes::{dataset, illumination, mesh, rel_rmse},
+    view::Quiet,
+};
+use lapidary_core::{
+    brdf::GgxParameters,
+    camera::Camera,
+    environment::texel_direction,
+    image::Image,
+    material::{BrdfModel, Maps},
+    simd::Vec3x8,
+    texture::{Texels, Texture, TextureSlot, UvFootprint},
+};
+use std::sync::Arc;
+use wide::f32x8;
+
+const SIZE: u32 = 128;
+
+/// Heights of waves whose directions and phases are fixed; they repeat, and slope by about 0.2 with a height of 1 and a width of 1.
+fn height(x: f32, y: f32) -> f32 {
+    let wave =
+        |a: f32, b: f32, phase: f32| (std::f32::consts::TAU * (a * x + b * y) + phase).sin() / (a * a + b * b).sqrt();
+    let all = wave(9.0, 2.0, 0.3) + wave(-4.0, 11.0, 1.9) + wave(7.0, 7.0, 4.0) + wave(1.0, -13.0, 2.2);
+    0.03 * all
+}
+
+fn heights() -> Texture {
+    let at = |i: u32| [height((i % SIZE) as f32 / SIZE as f32, (i / SIZE) as f32 / SIZE as f32); 4];
+    Texture::new("waves", [SIZE; 2], Texels::F32((0..SIZE * SIZE).map(at).collect()))
+}
+
+/// The normals of [`heights`].
+fn normals() -> Texture {
+    let texel = |i: u32| {
+        let (x, y, d) = ((i % SIZE) as f32 / SIZE as f32, (i / SIZE) as f32 / SIZE as f32, 1e-3);
+        let along = |a: f32, b: f32| (height(x + a, y + b) - height(x - a, y - b)) / (2.0 * d);
+        let n = Vec3::new(-along(d, 0.0), -along(0.0, d), 1.0).normalize();
+        (0.5 * n + 0.5).extend(1.0).to_array()
+    };
+    Texture::new("normals", [SIZE; 2], Texels::F32((0..SIZE * SIZE).map(texel).collect()))
+}
+
+/// A place on the plane z = 0, a unit of u and v in a metre.
+fn place(uv: UvFootprint) -> SurfacePlace {
+    let (smooth_normal, tangent, slopes) = (Vec3::Z, Vec3::X, Some([Vec3::X, Vec3::Y]));
+    SurfacePlace { position: Vec3::ZERO, smooth_normal, tangent, handedness: 1.0, uv, slopes }
+}
+
+fn look(model: BrdfModel, roughness: f32, map: &'static str, slot: TextureSlot) -> Appearance {
+    let parameters = GgxParameters { base_color: Vec3::ONE, metalness: 1.0, roughness, ..Default::default() };
+    let material =
+        Material { model, parameters: parameters.into(), maps: Maps::from([(map, slot)]), ..Default::default() };
+    let texture = if map == BUMP { heights() } else { normals() };
+    Appearance { materials: vec![material], textures: vec![Arc::new(texture)] }
+}
+
+/// BRDF times cosine of a place for light from a world direction.
+fn reflected(appearance: &Appearance, uv: UvFootprint, wo: Vec3, wi: Vec3, with_slopes: bool) -> f32 {
+    let seen = place(uv).under(appearance, &appearance.materials[0], wo);
+    let slopes = if with_slopes { seen.slopes } else { [0.0; 3] };
+    let wi = Vec3x8::splat(seen.world_from_local.transpose() * wi);
+    seen.brdf.spread_cos_x8(wi, seen.wo, f32x8::ZERO, slopes).lane(0).y
+}
+
+#[test]
+fn a_footprint_reflects_as_the_mean_of_all_its_normals_do() {
+    let whole = UvFootprint { uv: Vec2::splat(0.5), changes: [2.0 * Vec2::X, 2.0 * Vec2::Y] };
+    let texels = || (0..SIZE * SIZE).map(|i| (Vec2::new((i % SIZE) as f32, (i / SIZE) as f32) + 0.5) / SIZE as f32);
+    let wo = Vec3::new(0.4, 0.1, 1.0).normalize();
+    // The sum of the waves is nearly Gaussian, as Beckmann's facets are; the tails of GGX are longer.
+    for (model, bound) in [(BrdfModel::Beckmann, 0.12), (BrdfModel::Ggx, 0.25)] {
+        for map in [NORMAL, BUMP] {
+            let appearance = look(model, 0.35, map, TextureSlot::default());
+            let (mut error, mut unwidened, mut sum) = (0.0, 0.0, 0.0);
+            for (x, y) in [(0.0, 0.0), (-0.4, -0.1), (0.1, 0.3), (-0.8, 0.2), (-0.5, -0.5)] {
+                let wi = Vec3::new(x, y, 1.0).normalize();
+                let all: f32 = texels().map(|uv| reflected(&appearance, uv.into(), wo, wi, true)).sum();
+                let expected = all / (SIZE * SIZE) as f32;
+                error += (reflected(&appearance, whole, wo, wi, true) - expected).powi(2);
+                unwidened += (reflected(&appearance, whole, wo, wi, false) - expected).powi(2);
+                sum += expected * expected;
+            }
+            let [error, unwidened] = [error, unwidened].map(|e| (e / sum).sqrt());
+            assert!(error < bound, "{model:?} {map}: {error}");
+            assert!(unwidened > 4.0 * error, "negative control, {model:?} {map}: {unwidened}");
+        }
+    }
+}
+
+#[test]
+fn drawn_normals_have_the_covariance_that_they_are_drawn_from() {
+    let appearance = look(BrdfModel::Ggx, 0.3, NORMAL, TextureSlot::default());
+    let renderer = scene(appearance, 1.0).0;
+    let view = view();
+    let backdrop = Backdrop::black();
+    let sampler = PixelSampler::new(&renderer, &view, &backdrop);
+    let mut point = None;
+    sampler.sample(20, 20, 0, |seen| {
+        point = Some(SurfacePoint { slopes: [0.04, 0.01, 0.02], ..seen.clone() });
+        Vec3::ZERO
+    });
+    let point = point.unwrap();
+    let mut sums = [0.0; 3];
+    let random = &mut fastrand::Rng::with_seed(5);
+    let count = 20_000;
+    for _ in 0..count {
+        let drawn = point.with_one_normal([random.f32(), random.f32()]);
+        let n = point.world_from_local.transpose() * drawn.world_from_local.z_axis;
+        let slope = n.truncate() / n.z;
+        let products = [slope.x * slope.x, slope.x * slope.y, slope.y * slope.y];
+        sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += 2.0 * product / count as f32);
+    }
+    let expected = point.slopes;
+    assert!(sums.iter().zip(expected).all(|(sum, expected)| (sum - expected).abs() < 0.001), "{sums:?}");
+    assert_eq!(point.with_one_normal([0.5, 0.5]).slopes, [0.0; 3]);
+}
+
+/// A floor with the map under a small bright light, seen `distance` times as far away as the map was made for.
+fn scene(mut appearance: Appearance, distance: f32) -> (Renderer, Illumination) {
+    for slot in appearance.materials[0].maps.slots_mut() {
+        slot.scale = Vec2::splat(0.75 * distance);
+    }
+    let mut dataset = dataset(mesh(8, false), GgxParameters::default());
+    (dataset.scene.materials, dataset.scene.textures) = (appearance.materials, appearance.textures);
+    let size = [256, 128];
+    let toward = Vec3::new(0.1, 0.8, -1.0).normalize();
+    let light = illumination(size, |x, y| {
+        let cosine = texel_direction(x, y, size).dot(toward);
+        Vec3::splat(0.2 + 60.0 * ((cosine - 1.0) / (0.08 * 0.08)).exp())
+    });
+    (Renderer::new(dataset), light)
+}
+
+fn view() -> View {
+    let camera = Camera::look_at(Vec3::new(0.0, 2.4, 3.0), Vec3::new(0.0, 0.0, 0.1), 24.0);
+    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [48, 48]) }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Filter {
+    /// Lookups at points.
+    None,
+    /// Mean normals.
+    Means,
+    /// Mean normals, and lobes that are as wide as the normals spread.
+    Slopes,
+}
+
+fn picture(renderer: &Renderer, light: &Illumination, view: &View, filter: Filter) -> Image {
+    let lighting = renderer.lighting(light, 256);
+    let lit = PictureLight { environment: Some(&lighting), ..Default::default() };
+    let backdrop = Backdrop::new(view, Some(light), true, &mut BlurCache::default());
+    let mut sampler = PixelSampler::new(renderer, view, &backdrop);
+    if filter == Filter::None {
+        sampler = sampler.unfiltered(renderer);
+    }
+    let mut painter = Painter::new(view.mode, renderer.dataset(), lit, BrdfSampling::Lit);
+    Image::from_fn(view.size, |x, y| {
+        sampler.pixel(x, y, |point| match filter {
+            Filter::Means => {
+                painter.part(Part::Environment, &SurfacePoint { slopes: [0.0; 3], ..point.clone() }, Vec2::ZERO)
+            }
+            _ => painter.part(Part::Environment, point, Vec2::ZERO),
+        })
+    })
+}
+
+fn by_paths(renderer: &Renderer, light: &Illumination, view: &View, spp: u32) -> Image {
+    let components = Components { environment: true, ..Components::ALL };
+    let settings = PathSettings { positions: SamplePositions::Shifted, components, ..PathSettings::direct(spp) };
+    renderer.path_reference(view, light, &[], settings, &Quiet)
+}
+
+const FILTERS: [Filter; 3] = [Filter::None, Filter::Means, Filter::Slopes];
+
+/// Relative RMSE of each filter against paths, and RMS change as a share of the mean from frame to frame as the camera moves
+/// by thirds of a pixel.
+fn errors(map: &'static str, roughness: f32, distance: f32, spp: u32) -> ([f64; 3], [f64; 3]) {
+    // Heights shrink with the map, so that slopes stay.
+    let strength = if map == BUMP { 1.0 / (0.75 * distance) } else { 1.0 };
+    let slot = TextureSlot { strength, ..Default::default() };
+    let (renderer, light) = scene(look(BrdfModel::Ggx, roughness, map, slot), distance);
+    let reference = by_paths(&renderer, &light, &view(), spp);
+    let error = FILTERS.map(|filter| rel_rmse(&picture(&renderer, &light, &view(), filter), &reference));
+    let change = FILTERS.map(|filter| {
+        let frame = |i: u32| {
+            let mut view = view();
+            view.camera.eye.x += 0.009 * i as f32;
+            picture(&renderer, &light, &view, filter)
+        };
+        let frames: Vec<Image> = (0..4).map(frame).collect();
+        frames.windows(2).map(|pair| rel_rmse(&pair[1], &pair[0])).sum::<f64>() / 3.0
+    });
+    (error, change)
+}
+
+#[test]
+fn highlights_of_bumps_are_near_those_of_paths_and_stay_as_the_camera_moves() {
+    for map in [NORMAL, BUMP] {
+        let ([none, means, slopes], [flicker, _, still]) = errors(map, 0.3, 8.0, 64);
+        assert!(slopes < 0.3 && slopes < 0.25 * none && slopes < 0.15 * means, "{map}: {none} {means} {slopes}");
+        assert!(still < 0.2 * flicker, "{map}: {flicker} {still}");
+    }
+}
+
+#[test]
+#[ignore = "prints the figures of docs/lab-notes/2026-11-26-texture-filtering.md"]
+fn figures_of_bumpy_highlights() {
+    println!("map, roughness, distance: error of points, means, slopes; change of points, means, slopes");
+    for (map, roughness) in [(NORMAL, 0.3), (NORMAL, 0.15), (BUMP, 0.3)] {
+        for distance in [1.0, 2.0, 4.0, 16.0] {
+            let (error, change) = errors(map, roughness, distance, 256);
+            println!("{map} {roughness} {distance}: {error:.3?} {change:.3?}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "prints the times of docs/lab-notes/2026-11-26-texture-filtering.md"]
+fn times_of_filtered_maps() {
+    let slot = TextureSlot::default();
+    let mut appearance = look(BrdfModel::Ggx, 0.5, NORMAL, slot.clone());
+    for name in ["base_color", "roughness", "metalness"] {
+        appearance.materials[0].maps.set(name, Some(slot.clone()));
+    }
+    for distance in [1.0, 4.0, 16.0] {
+        let (renderer, light) = scene(appearance.clone(), distance);
+        let view = View { size: [160, 160], ..view() };
+        let time = |filter| {
+            let start = std::time::Instant::now();
+            picture(&renderer, &light, &view, filter);
+            start.elapsed().as_secs_f64()
+        };
+        let least = |filter| (0..5).map(|_| time(filter)).fold(f64::INFINITY, f64::min);
+        println!("{distance}: points {:.3} s, slopes {:.3} s", least(Filter::None), least(Filter::Slopes));
+    }
+}
