@@ -5,7 +5,7 @@ const PATTERN_NOISE: u32 = 1u;
 
 const NOISE_CELLS: u32 = 4u;
 const SHARPEST: f32 = 0.01;
-const SLOPE_SQ: f32 = 0.115;
+const SLOPE_SQ: f32 = 0.186;
 
 fn triangle_wave(x: vec2<f32>) -> vec2<f32> {
     return abs(x - floor(x) - 0.5);
@@ -53,7 +53,7 @@ fn procedural_filtered(slot: TextureSlot, at: UvFootprint) -> vec2<f32> {
         let saw = (saw_sum(uv.x + 0.5 * width.x) - saw_sum(uv.x - 0.5 * width.x)) / width.x;
         return vec2(select(saw, 0.5 - 0.5 * waves.x * waves.y, slot.pattern == PATTERN_CHECKER), 0.0);
     }
-    let width = sqrt(dot(at.right, at.right) + dot(at.below, at.below));
+    let width = sqrt(0.5 * (dot(at.right, at.right) + dot(at.below, at.below)));
     var sum = 0.0;
     var fine = 0.0;
     var all = 0.0;
@@ -61,7 +61,7 @@ fn procedural_filtered(slot: TextureSlot, at: UvFootprint) -> vec2<f32> {
     for (var octave = 0u; octave < slot.octaves; octave++) {
         let cells = NOISE_CELLS << octave;
         let size = f32(cells);
-        let seen = clamp(2.0 - 2.0 * width * size, 0.0, 1.0);
+        let seen = clamp(1.1 - 0.36 * width * size, 0.0, 1.0);
         if seen > 0.0 {
             sum += weight * seen * (value_noise(uv, cells, octave) - 0.5);
         }

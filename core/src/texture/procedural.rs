@@ -59,7 +59,7 @@ pub const NOISE_CELLS: u32 = 4;
 /// Width below which edges are not sharper, in units of the pattern: differences of sums would be noise.
 const SHARPEST: f32 = 0.01;
 /// Mean square slope of one octave for cells of size 1 (a test computes it).
-const SLOPE_SQ: f32 = 0.115;
+const SLOPE_SQ: f32 = 0.186;
 
 /// A pattern's share of the higher value within a footprint, and the mean square of its slopes that are too fine to see.
 struct Filtered {
@@ -125,20 +125,21 @@ impl Procedural {
         let uv = uv - uv.floor();
         let width = (a.abs() + b.abs()).max(Vec2::splat(SHARPEST));
         let share = match self.pattern {
-            Pattern::Noise => return self.noise(uv, (a.length_squared() + b.length_squared()).sqrt()),
+            Pattern::Noise => return self.noise(uv, (0.5 * (a.length_squared() + b.length_squared())).sqrt()),
             Pattern::Checker => 0.5 - 0.5 * square_wave(uv.x, width.x) * square_wave(uv.y, width.y),
             Pattern::Gradient => saw(uv.x, width.x),
         };
         Filtered { share, fine_slope_sq: 0.0 }
     }
 
-    /// Octaves fade as their cells become as small as the footprint.
+    /// Octaves fade with the width of the footprint in cells as the mean over a square does: the line is a fit to its regression on
+    /// the value in the middle, 0.92 for half a cell, 0.74 for one, 0.38 for two.
     fn noise(&self, uv: Vec2, width: f32) -> Filtered {
         let (mut sum, mut fine, mut all) = (0.0, 0.0, 0.0);
         let (mut cells, mut weight) = (NOISE_CELLS, 1.0);
         for octave in 0..self.octaves {
             let size = cells as f32;
-            let seen = (2.0 - 2.0 * width * size).clamp(0.0, 1.0);
+            let seen = (1.1 - 0.36 * width * size).clamp(0.0, 1.0);
             if seen > 0.0 {
                 sum += weight * seen * (value_noise(uv, cells, octave) - 0.5);
             }
@@ -197,7 +198,7 @@ mod tests {
                 worst[1] = worst[1].max((point - mean).abs().max_element());
             }
             // Octaves of noise fade as a whole, so that theirs is nearly the mean.
-            let bound = if pattern == Pattern::Noise { 0.08 } else { 0.01 };
+            let bound = if pattern == Pattern::Noise { 0.06 } else { 0.01 };
             assert!(worst[0] < bound && worst[1] > 1.4 * worst[0], "{pattern:?}: {worst:?}");
         }
     }
@@ -206,7 +207,9 @@ mod tests {
     fn patterns_repeat_and_squares_begin_with_the_lower_value() {
         let checker = of(Pattern::Checker);
         let at = |p: &Procedural, u: f32, v: f32| p.value(&Vec2::new(u, v).into()).x;
-        assert_eq!([at(&checker, 0.2, 0.2), at(&checker, 0.7, 0.2), at(&checker, 0.7, 0.8)], [0.1, 0.9, 0.1]);
+        for (u, v, expected) in [(0.2, 0.2, 0.1), (0.7, 0.2, 0.9), (0.7, 0.8, 0.1)] {
+            assert!((at(&checker, u, v) - expected).abs() < 1e-5, "{u} {v}");
+        }
         for pattern in Pattern::ALL {
             let p = of(pattern);
             assert!((at(&p, 0.3, 0.6) - at(&p, 1.3, -0.4)).abs() < 1e-5, "{pattern:?}");
