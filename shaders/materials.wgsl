@@ -23,6 +23,9 @@ struct MaterialParameter {
     map: TextureSlot,
 }
 
+// In place of a measured BRDF that is not there.
+const NO_TABLE: u32 = 0xffffffffu;
+
 // Most parameters of a model.
 const MOST_PARAMETERS: u32 = 32u;
 
@@ -30,7 +33,9 @@ struct Material {
     model: u32,
     // -1 if the normal map has green down, else 1.
     normal_y: f32,
-    padding: vec2<u32>,
+    // First word of its measured BRDF.
+    table: u32,
+    padding: u32,
     normal_map: TextureSlot,
     bump_map: TextureSlot,
     // In the order in which the model declares them.

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::{SurfaceBrdf, Values},
+    brdf::Values,
     material::{Material, MaterialMaps},
     scene::{Mesh, Scene},
     surfel::MeshPlace,
@@ -56,7 +56,7 @@ impl Appearance {
         let material = &self.materials[mesh.triangle_material[triangle] as usize];
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
         let uv = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
-        SurfaceBrdf::new(material.model, &self.values(material, uv)).as_brdf().albedo()
+        material.brdf(&self.values(material, uv)).as_brdf().albedo()
     }
 
     /// With a material for each of the scene's `own`, and without references to missing maps. Also returns the changes,

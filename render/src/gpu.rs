@@ -11,6 +11,7 @@ mod layout;
 mod light;
 mod lit;
 mod materials;
+mod measured;
 mod models;
 mod passes;
 mod pipeline;

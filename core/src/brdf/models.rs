@@ -2,8 +2,8 @@
 //! its line here.
 
 use super::{
-    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, OpenPbr, OrenNayar, Parameter, Parameters, Value,
-    Values, Ward, WardDuer,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Content, Ggx, Lambert, Merl, OpenPbr, OrenNayar, Parameter,
+    Parameters, Value, Values, Ward, WardDuer,
 };
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +18,11 @@ pub trait Model: Brdf + Sized {
 
     /// With values in the order of [`Self::PARAMETERS`] and in their ranges.
     fn from_values(values: &Values) -> Self;
+
+    /// The same, of a model that a file has a part in; without the file what shows that it is not there.
+    fn of_file(values: &Values, _file: Option<&Content>) -> Self {
+        Self::from_values(values)
+    }
 }
 
 macro_rules! models {
@@ -64,16 +69,16 @@ macro_rules! models {
         }
 
         /// Any of the models, by value.
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Debug)]
         pub enum SurfaceBrdf {
             $(#[doc = concat!("See [`", stringify!($variant), "`].")] $variant($ty),)*
         }
 
         impl SurfaceBrdf {
-            /// The model with values of its parameters, in the order of its list and in their ranges.
+            /// The model with values of its parameters, in the order of its list and in their ranges, and with its file.
             #[inline]
-            pub fn new(model: BrdfModel, values: &Values) -> Self {
-                match model { $(BrdfModel::$variant => Self::$variant(<$ty as Model>::from_values(values)),)* }
+            pub fn new(model: BrdfModel, values: &Values, file: Option<&Content>) -> Self {
+                match model { $(BrdfModel::$variant => Self::$variant(<$ty as Model>::of_file(values, file)),)* }
             }
 
             /// The model behind the variant.
@@ -102,6 +107,7 @@ models! {
     #[default]
     Ggx(Ggx) = "ggx",
     OpenPbr(OpenPbr) = "openpbr",
+    Merl(Merl) = "merl",
 }
 
 /// What is done with a model of a type that is known.
@@ -114,6 +120,11 @@ impl BrdfModel {
     /// What models declare under a name, if any does.
     pub fn declared(name: &str) -> Option<&'static Parameter> {
         Self::ALL.iter().find_map(|model| model.parameter(name))
+    }
+
+    /// Whether its materials have a file.
+    pub fn has_file(self) -> bool {
+        self == Self::Merl
     }
 
     /// Its parameter of a name.

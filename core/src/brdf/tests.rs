@@ -35,7 +35,8 @@ fn models() -> Vec<(String, SurfaceBrdf)> {
 }
 
 fn brdf_of(model: BrdfModel, parameters: &Parameters) -> SurfaceBrdf {
-    SurfaceBrdf::new(model, &model.values(parameters))
+    let file = example_file(model).and_then(|file| file.content);
+    SurfaceBrdf::new(model, &model.values(parameters), file.as_ref())
 }
 
 /// The share of even light that is reflected to `wo`, by reciprocity that of light from there.

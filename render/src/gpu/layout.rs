@@ -107,7 +107,9 @@ pub struct MaterialParameter {
 pub struct Material {
     pub model: u32,
     pub normal_y: f32,
-    pub padding: [u32; 2],
+    /// First word of its measured BRDF.
+    pub table: u32,
+    pub padding: u32,
     pub normal_map: TextureSlot,
     pub bump_map: TextureSlot,
     pub parameters: [MaterialParameter; constants::MOST_PARAMETERS],
@@ -234,6 +236,8 @@ pub struct VertexIrradiance {
 /// Values that the shaders share with this side by name.
 pub mod constants {
     pub const MOST_PARAMETERS: usize = 32;
+    /// In place of a measured BRDF that is not there.
+    pub const NO_TABLE: u32 = u32::MAX;
     pub const BACKGROUND_MAP: u32 = 0;
     pub const BACKGROUND_FLAT: u32 = 1;
     pub const TWO_SIDED: u32 = 1 << 31;

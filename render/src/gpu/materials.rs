@@ -2,7 +2,11 @@
 
 use super::{
     device::GpuDevice,
-    layout::{Material, MaterialParameter, Tables, TextureSlot, constants::MOST_PARAMETERS},
+    layout::{
+        Material, MaterialParameter, Tables, TextureSlot,
+        constants::{MOST_PARAMETERS, NO_TABLE},
+    },
+    measured::GpuMeasured,
     pipeline::bind,
     pool::{Place, TexturePool},
     scene::{GpuScene, storage},
@@ -21,19 +25,24 @@ pub struct GpuMaterials {
     pub buffer: wgpu::Buffer,
     pub pool: TexturePool,
     pub tables: wgpu::Buffer,
+    pub measured: GpuMeasured,
 }
 
 impl GpuMaterials {
     /// Uploads; textures of `before` that still fit are reused. Also returns which were scaled, in sentences.
     pub fn new(gpu: &GpuDevice, appearance: &Appearance, before: Option<Self>) -> (Self, Vec<String>) {
-        let kept = before.map(|b| b.pool).filter(|pool| pool.serves(appearance));
-        let (pool, messages) = match kept {
+        let (pool, measured) = before.map(|b| (b.pool, b.measured)).unzip();
+        let kept = pool.filter(|pool| pool.serves(appearance));
+        let (pool, mut messages) = match kept {
             Some(pool) => (pool, Vec::new()),
             None => TexturePool::new(gpu, appearance),
         };
-        let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool.places)).collect();
-        let materials =
-            Self { buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)), pool, tables: tables(gpu) };
+        let (measured, unplaced) = GpuMeasured::new(gpu, appearance, measured);
+        messages.extend(unplaced);
+        let material = |m| Material { table: measured.first_word(m), ..material(m, &pool.places) };
+        let materials: Vec<Material> = appearance.materials.iter().map(material).collect();
+        let buffer = storage(gpu, "materials", bytemuck::cast_slice(&materials));
+        let materials = Self { buffer, pool, tables: tables(gpu), measured };
         (materials, messages)
     }
 
@@ -45,6 +54,7 @@ impl GpuMaterials {
             self.buffer.as_entire_binding(),
             wgpu::BindingResource::TextureView(&self.pool.view),
             self.tables.as_entire_binding(),
+            self.measured.buffer.as_entire_binding(),
         ];
         bind(gpu, "scene", layout, &resources)
     }
@@ -63,7 +73,8 @@ fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
     Material {
         model: m.model as u32,
         normal_y: if m.maps.get(NORMAL).is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
-        padding: [0; 2],
+        table: NO_TABLE,
+        padding: 0,
         normal_map: slot(NORMAL),
         bump_map: slot(BUMP),
         parameters,

@@ -55,7 +55,9 @@ impl ModelSet {
         };
         let members = each(&|_, ty, prefix| format!("    {prefix}: {ty},\n"));
         let makes = each(&|name, _, prefix| {
-            format!("        case {name}: {{ brdf.{prefix} = {prefix}_of(read_{prefix}(material, uv)); }}\n")
+            // What a file says does not stand among the parameters.
+            let table = if name == constant(BrdfModel::Merl) { ", materials[material].table" } else { "" };
+            format!("        case {name}: {{ brdf.{prefix} = {prefix}_of(read_{prefix}(material, uv){table}); }}\n")
         });
         let reflects = each(&|name, _, prefix| {
             format!("        case {name}: {{ return {prefix}_reflect(brdf.{prefix}, light, wo); }}\n")

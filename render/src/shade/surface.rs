@@ -103,7 +103,7 @@ impl SurfacePlace {
         let normal = self.bumped_normal(appearance, material);
         let world_from_local = frame(facing(normal, wo), self.tangent, self.handedness);
         let values = appearance.values(material, self.uv);
-        let brdf = SurfaceBrdf::new(material.model, &values);
+        let brdf = material.brdf(&values);
         let base_color = material.model.value_for(&values, "base_color").map_or(Vec3::ZERO, Value::color);
         let roughness = material.model.value_for(&values, "roughness").map_or(1.0, Value::number);
         PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, base_color, roughness, brdf }

@@ -28,6 +28,9 @@ pub fn show(
     actions: &mut Vec<Action>,
 ) {
     model(ui, changes);
+    if changes.material.model.has_file() {
+        super::brdf_file::show(ui, index, &changes.material, actions);
+    }
     let mut shown = |ui: &mut Ui, changes: &mut Changes, parameter: &'static Parameter| {
         match parameter.is_color() {
             true => color(ui, parameter, changes),

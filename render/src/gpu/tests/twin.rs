@@ -11,7 +11,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::{GgxParameters, Parameters},
+    brdf::{GgxParameters, Parameters, example_file},
     camera::Camera,
     dataset::Dataset,
     environment::{Environment, sun_and_sky},
@@ -100,7 +100,8 @@ pub(super) fn appearance(
     let parameters = parameters.into();
     let mut appearance = Appearance::of(&dataset.scene);
     for material in &mut appearance.materials {
-        *material = Material { model, parameters: parameters.clone(), maps: maps.clone(), ..material.clone() };
+        let file = example_file(model);
+        *material = Material { model, file, parameters: parameters.clone(), maps: maps.clone(), ..material.clone() };
     }
     appearance
 }

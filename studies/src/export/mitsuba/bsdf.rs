@@ -154,6 +154,12 @@ impl MaterialWriter<'_, '_> {
     fn principled(&mut self) -> Result<String> {
         let mut common = self.material.clone();
         common.change_model(BrdfModel::Ggx);
+        if self.material.model.has_file() {
+            let brdf = self.material.plain_brdf();
+            let width = brdf.as_brdf().narrowest_lobe().unwrap_or(1.0);
+            common.parameters.set("base_color", brdf.as_brdf().albedo().min(Vec3::ONE));
+            common.parameters.set("roughness", width.sqrt());
+        }
         MaterialWriter { material: &common, index: self.index, textures: self.textures }.principled_of_ggx()
     }
 
