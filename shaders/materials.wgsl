@@ -36,6 +36,8 @@ struct Material {
     // First word of its measured BRDF.
     table: u32,
     padding: u32,
+    // Albedo for light from the normal, and width of the lobe, of a BRDF that is known by its values.
+    estimate: vec4<f32>,
     normal_map: TextureSlot,
     bump_map: TextureSlot,
     // In the order in which the model declares them.

@@ -28,6 +28,8 @@ mod sampled;
 mod shared;
 mod ward;
 mod ward_duer;
+mod wgsl;
+mod written;
 
 pub use albedo::{Albedo, albedo_table};
 pub use ashikhmin_shirley::{AshikhminShirley, AshikhminShirleyParameters};
@@ -35,7 +37,7 @@ pub use beckmann::{Beckmann, BeckmannParameters};
 pub use blinn_phong::{BlinnPhong, BlinnPhongParameters};
 #[cfg(any(test, feature = "test-scenes"))]
 pub use content::example_file;
-pub use content::{BrdfFile, BrdfFileError, Content, ContentKind};
+pub use content::{BrdfFile, BrdfFileError, Content, ContentKind, FilePart};
 pub use fresnel::Metal;
 pub use ggx::{Ggx, GgxParameters};
 pub use lambert::{Lambert, LambertParameters};
@@ -51,6 +53,8 @@ pub use parameters::Parameters;
 pub use sampled::SampledLobe;
 pub use ward::{Ward, WardParameters};
 pub use ward_duer::{WardDuer, WardDuerParameters};
+pub use wgsl::{WIDE_LIGHT, Wgsl};
+pub use written::{SIGNATURE, Written, WrittenError};
 
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;

@@ -12,7 +12,7 @@ pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map
 pub use presets::{PRESETS, Preset};
 
 use crate::{
-    brdf::{BrdfFile, Parameters, SurfaceBrdf, Values},
+    brdf::{BrdfFile, Content, FilePart, Parameter, Parameters, SurfaceBrdf, Values},
     texture::TextureSlot,
 };
 use glam::{Vec3, Vec4};
@@ -77,7 +77,7 @@ impl<S> TryFrom<MaterialFields<S>> for MaterialOf<S> {
 
     fn try_from(fields: MaterialFields<S>) -> Result<Self, UnknownName> {
         let MaterialFields { name, model, file, parameters, maps, double_sided } = fields;
-        check::check_names(model, &parameters, &maps)?;
+        check::check_names(model, file.as_ref(), &parameters, &maps)?;
         Ok(Self { name, model, file, parameters, maps, double_sided })
     }
 }
@@ -106,11 +106,32 @@ impl<S> MaterialOf<S> {
     }
 }
 
+impl<S> MaterialOf<S> {
+    /// The parameters that it has: those of its model, or those that its file declares.
+    pub fn declared(&self) -> &'static [Parameter] {
+        let content = self.file.as_ref().and_then(|file| file.content.as_ref());
+        match content.and_then(Content::written).filter(|_| self.model == BrdfModel::Wgsl) {
+            Some(written) => written.parameters(),
+            None => self.model.parameters(),
+        }
+    }
+
+    /// Its parameter of a name.
+    pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
+        self.declared().iter().find(|p| p.name == name)
+    }
+
+    /// Its parameter for a quantity, such as `base_color` or `roughness`.
+    pub fn parameter_for(&self, quantity: &str) -> Option<&'static Parameter> {
+        self.declared().iter().find(|p| p.quantity == quantity)
+    }
+}
+
 impl<S: Clone> MaterialOf<S> {
     /// With another model, which takes over the values and maps of the quantities that both have.
     pub fn change_model(&mut self, model: BrdfModel) {
         for to in model.parameters() {
-            let Some(from) = self.model.parameter_for(to.quantity).filter(|from| from.name != to.name) else {
+            let Some(from) = self.parameter_for(to.quantity).filter(|from| from.name != to.name) else {
                 continue;
             };
             let value = self.parameters.value(from);
@@ -147,7 +168,7 @@ impl Material {
     #[inline]
     pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
         let mut values = Values::default();
-        for parameter in self.model.parameters() {
+        for parameter in self.declared() {
             let mut value = self.parameters.value(parameter);
             if let Some(slot) = self.maps.get(parameter.name) {
                 let texel = sample(slot);
@@ -162,13 +183,22 @@ impl Material {
 
     /// The reflectance of its constants, as if it had no maps.
     pub fn plain_brdf(&self) -> SurfaceBrdf {
-        self.brdf(&self.model.values(&self.parameters))
+        self.brdf(&self.plain_values())
     }
 
     /// The reflectance with values in the order of the model's parameters and in their ranges.
     #[inline]
     pub fn brdf(&self, values: &Values) -> SurfaceBrdf {
-        SurfaceBrdf::new(self.model, values, self.file.as_ref().and_then(|file| file.content.as_ref()))
+        let content = self.file.as_ref().and_then(|file| file.content.as_ref());
+        let Some(content) = content.filter(|_| self.model.has_file()) else {
+            return SurfaceBrdf::new(self.model, values, None);
+        };
+        SurfaceBrdf::new(self.model, values, Some(FilePart { content, plain: &self.plain_values() }))
+    }
+
+    /// The values of its parameters without maps, in their ranges.
+    pub fn plain_values(&self) -> Values {
+        Values::of(self.declared(), &self.parameters)
     }
 }
 

@@ -22,6 +22,7 @@ mod scene;
 mod shaders;
 mod shadows;
 mod targets;
+mod written;
 
 pub use backend::{GpuBackend, PassTimes};
 pub use device::{Room, has_hardware};

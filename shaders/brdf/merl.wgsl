@@ -3,7 +3,6 @@
 // The tables in use, see render/src/gpu/measured.rs: a head, the heads of the levels, and the levels' entries in 16-bit floats.
 @group(1) @binding(5) var<storage, read> measured: array<u32>;
 
-const MERL_MISSING: vec3<f32> = vec3<f32>(0.8, 0.0, 0.8);
 const MERL_PI: f32 = 3.14159265;
 const MERL_HALF_PI: f32 = 1.57079633;
 const MERL_HEAD_WORDS: u32 = 8u;
@@ -12,10 +11,11 @@ struct Merl {
     // First word of its table.
     table: u32,
     tint: vec3<f32>,
+    estimate: vec4<f32>,
 }
 
-fn merl_of(p: MerlParameters, table: u32) -> Merl {
-    return Merl(table, p.tint);
+fn merl_of(p: MerlParameters, table: u32, estimate: vec4<f32>) -> Merl {
+    return Merl(table, p.tint, estimate);
 }
 
 fn merl_number(word: u32) -> f32 {
@@ -102,7 +102,7 @@ fn merl_value(table: u32, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> vec3<
     let width_sq = merl_number(table);
     let angles = measured_angles(wi, wo, width_sq, inv_kappa);
     let levels = table + MERL_HEAD_WORDS;
-    let last = measured[table + 5u] - 1u;
+    let last = measured[table + 1u] - 1u;
     var lower = 0u;
     for (var i = 1u; i <= last; i++) {
         if merl_number(levels + i * MERL_HEAD_WORDS + 3u) <= angles.spread {
@@ -129,7 +129,7 @@ fn merl_reflect(brdf: Merl, light: Light, wo: vec3<f32>) -> vec3<f32> {
         return vec3(0.0);
     }
     if brdf.table == NO_TABLE {
-        return MERL_MISSING * (FRAC_1_PI * light.cosine);
+        return MISSING_ALBEDO * (FRAC_1_PI * light.cosine);
     }
     // Of a light whose middle is below the horizon, a part may be above it.
     let wi = vec3(light.wi.xy, max(light.wi.z, 0.0));
@@ -139,16 +139,9 @@ fn merl_reflect(brdf: Merl, light: Light, wo: vec3<f32>) -> vec3<f32> {
 }
 
 fn merl_lobes(brdf: Merl) -> vec3<f32> {
-    if brdf.table == NO_TABLE {
-        return vec3(0.0);
-    }
-    return vec3(merl_number(brdf.table + 1u), 0.0, 0.0);
+    return vec3(brdf.estimate.w, 0.0, 0.0);
 }
 
 fn merl_albedo(brdf: Merl) -> vec3<f32> {
-    if brdf.table == NO_TABLE {
-        return MERL_MISSING;
-    }
-    let first = brdf.table + 2u;
-    return vec3(merl_number(first), merl_number(first + 1u), merl_number(first + 2u)) * brdf.tint;
+    return brdf.estimate.xyz * select(brdf.tint, vec3(1.0), brdf.table == NO_TABLE);
 }

@@ -3,7 +3,7 @@
 //! The contents are shared: a material holds them, and so does each point that is shaded with it. A lifetime on every BRDF would
 //! spread through all of shading, and what is kept for ever would grow with each file that is tried.
 
-use super::{BrdfModel, Measured, MeasuredError};
+use super::{BrdfModel, Measured, MeasuredError, SampledLobe, Values, Written, WrittenError};
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},
@@ -16,6 +16,17 @@ use thiserror::Error;
 pub enum Content {
     /// A table of the MERL database.
     Measured(Arc<Measured>),
+    /// A function in WGSL.
+    Written(Arc<Written>),
+}
+
+/// What a file adds to a material's values.
+#[derive(Clone, Copy, Debug)]
+pub struct FilePart<'a> {
+    /// What the file holds.
+    pub content: &'a Content,
+    /// The values of the material without its maps.
+    pub plain: &'a Values,
 }
 
 /// Which kind of content a file has.
@@ -24,6 +35,8 @@ pub enum Content {
 pub enum ContentKind {
     /// A table of the MERL database.
     Measured,
+    /// A function in WGSL.
+    Written,
 }
 
 /// The file of a material's BRDF. Files of materials have its path alone.
@@ -48,7 +61,7 @@ pub enum BrdfFileError {
         source: std::io::Error,
     },
     /// No kind that is known.
-    #[error("a BRDF is a MERL table (.binary); choose such a file ({})", path.display())]
+    #[error("a BRDF is a MERL table (.binary) or a function in WGSL (.wgsl); choose such a file ({})", path.display())]
     Kind {
         /// Path of the file.
         path: PathBuf,
@@ -61,6 +74,14 @@ pub enum BrdfFileError {
         /// What is wrong.
         source: MeasuredError,
     },
+    /// A function that cannot be used.
+    #[error("no BRDF in WGSL: {source} ({})", path.display())]
+    Written {
+        /// Path of the file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        source: WrittenError,
+    },
 }
 
 impl Content {
@@ -68,6 +89,23 @@ impl Content {
     pub fn measured(&self) -> Option<&Arc<Measured>> {
         match self {
             Self::Measured(table) => Some(table),
+            Self::Written(_) => None,
+        }
+    }
+
+    /// Its function, if it is one.
+    pub fn written(&self) -> Option<&Arc<Written>> {
+        match self {
+            Self::Measured(_) => None,
+            Self::Written(written) => Some(written),
+        }
+    }
+
+    /// The lobe that was estimated of it with these values of its parameters.
+    pub fn estimate(&self, values: &Values) -> SampledLobe {
+        match self {
+            Self::Measured(table) => table.lobe().clone(),
+            Self::Written(written) => (*written.estimate(values)).clone(),
         }
     }
 
@@ -95,6 +133,14 @@ impl Content {
                 let remarks = table.remarks(&file_name(path));
                 Ok((Self::Measured(table.into()), remarks))
             }
+            ContentKind::Written => {
+                let failed = |source| BrdfFileError::Written { path: path.into(), source };
+                let not_text = |_| failed(WrittenError { place: None, reason: "it is no text".into() });
+                let written = Written::new(std::str::from_utf8(bytes).map_err(not_text)?).map_err(failed)?;
+                let name = file_name(path);
+                let remarks = written.remarks().iter().map(|remark| format!("{name}: {remark}")).collect();
+                Ok((Self::Written(written.into()), remarks))
+            }
         }
     }
 
@@ -102,6 +148,7 @@ impl Content {
     pub fn kind(&self) -> ContentKind {
         match self {
             Self::Measured(_) => ContentKind::Measured,
+            Self::Written(_) => ContentKind::Written,
         }
     }
 
@@ -109,6 +156,7 @@ impl Content {
     pub fn packed(&self) -> Vec<u8> {
         match self {
             Self::Measured(table) => table.packed(),
+            Self::Written(written) => written.text().as_bytes().to_vec(),
         }
     }
 
@@ -122,6 +170,7 @@ impl Content {
                 let failed = |source| BrdfFileError::Measured { path: path.into(), source };
                 Ok(Self::Measured(Measured::from_packed(bytes).map_err(failed)?.into()))
             }
+            ContentKind::Written => Self::from_bytes(kind, bytes, path).map(|(content, _)| content),
         }
     }
 
@@ -129,33 +178,49 @@ impl Content {
     pub fn hash(&self) -> [u8; 32] {
         match self {
             Self::Measured(table) => table.hash(),
+            Self::Written(written) => written.hash(),
         }
     }
 }
 
 impl ContentKind {
     /// Ends of the names of files.
-    pub const EXTENSIONS: &[&str] = &["binary"];
+    pub const EXTENSIONS: &[&str] = &["binary", "wgsl"];
 
     /// By the end of a file's name.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        (extension == "binary").then_some(Self::Measured)
+        match extension.as_str() {
+            "binary" => Some(Self::Measured),
+            "wgsl" => Some(Self::Written),
+            _ => None,
+        }
     }
 
     /// The model that has such a file.
     pub fn model(self) -> BrdfModel {
         match self {
             Self::Measured => BrdfModel::Merl,
+            Self::Written => BrdfModel::Wgsl,
         }
     }
 
     /// So that a file of gigabytes is not read first.
     fn check_length(self, found: u64, path: &Path) -> Result<(), BrdfFileError> {
-        let Self::Measured = self;
-        let expected = Measured::FILE_BYTES;
-        let source = MeasuredError::Length { found, expected };
-        if found <= expected { Ok(()) } else { Err(BrdfFileError::Measured { path: path.into(), source }) }
+        let too_long = |expected| match self {
+            Self::Measured => {
+                BrdfFileError::Measured { path: path.into(), source: MeasuredError::Length { found, expected } }
+            }
+            Self::Written => {
+                let reason = format!("it has {found} bytes, more than {expected}; make it shorter");
+                BrdfFileError::Written { path: path.into(), source: WrittenError { place: None, reason } }
+            }
+        };
+        let most = match self {
+            Self::Measured => Measured::FILE_BYTES,
+            Self::Written => Written::MOST_BYTES,
+        };
+        if found <= most { Ok(()) } else { Err(too_long(most)) }
     }
 }
 
@@ -212,5 +277,14 @@ pub fn example_file(model: super::BrdfModel) -> Option<BrdfFile> {
         let table = Measured::tabulated(|wi, wo| ggx.brdf_cos(wi, wo) / wi.z);
         BrdfFile { path: "example.binary".into(), content: Some(Content::Measured(table.into())) }
     });
-    (model == BrdfModel::Merl).then(|| MERL.clone())
+    static WGSL: LazyLock<BrdfFile> = LazyLock::new(|| {
+        let text = include_str!("../../../data/brdfs/velvet.wgsl");
+        let written = Written::new(text).expect("an example is a BRDF");
+        BrdfFile { path: "velvet.wgsl".into(), content: Some(Content::Written(written.into())) }
+    });
+    match model {
+        BrdfModel::Merl => Some(MERL.clone()),
+        BrdfModel::Wgsl => Some(WGSL.clone()),
+        _ => None,
+    }
 }

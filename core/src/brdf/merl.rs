@@ -1,7 +1,7 @@
 //! A measured BRDF in the format of the MERL database, tinted. See [`Measured`].
 
 use super::{
-    Brdf, Content, LightsX8, Lobes, Measured, Model, Parameter, Values, microfacet::is_seen, parameter::parameters,
+    Brdf, FilePart, LightsX8, Lobes, Measured, Model, Parameter, Values, microfacet::is_seen, parameter::parameters,
 };
 use crate::{
     simd::{Lanes, Vec3x8},
@@ -49,8 +49,8 @@ impl Model for Merl {
         Self::new(None, MerlParameters::new(values).tint)
     }
 
-    fn of_file(values: &Values, file: Option<&Content>) -> Self {
-        let table = file.and_then(Content::measured).cloned();
+    fn of_file(values: &Values, file: Option<FilePart>) -> Self {
+        let table = file.and_then(|file| file.content.measured()).cloned();
         Self { table, ..Self::from_values(values) }
     }
 }

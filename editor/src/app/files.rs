@@ -209,7 +209,8 @@ impl EditorState {
             }
             Ok(Loaded::Brdf { content, remarks }) => {
                 remarks.into_iter().for_each(|remark| self.messages.warning(remark));
-                let files = self.document.materials.iter_mut().filter_map(|material| material.file.as_mut());
+                let materials = self.document.materials.iter_mut().chain(self.history.materials_mut());
+                let files = materials.filter_map(|material| material.file.as_mut());
                 files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
                 self.messages.note(format!("Loaded again ({})", path.display()));
             }

@@ -110,6 +110,8 @@ pub struct Material {
     /// First word of its measured BRDF.
     pub table: u32,
     pub padding: u32,
+    /// Albedo for light from the normal, and width of the lobe, of a BRDF that is known by its values.
+    pub estimate: [f32; 4],
     pub normal_map: TextureSlot,
     pub bump_map: TextureSlot,
     pub parameters: [MaterialParameter; constants::MOST_PARAMETERS],

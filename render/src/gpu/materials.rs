@@ -7,13 +7,14 @@ use super::{
         constants::{MOST_PARAMETERS, NO_TABLE},
     },
     measured::GpuMeasured,
+    models::ModelSet,
     pipeline::bind,
     pool::{Place, TexturePool},
     scene::{GpuScene, storage},
 };
 use crate::appearance::Appearance;
 use lapidary_core::{
-    brdf::albedo_table,
+    brdf::{MISSING, albedo_table},
     color::linear_from_srgb,
     material::{self, BUMP, NORMAL},
     texture,
@@ -39,7 +40,13 @@ impl GpuMaterials {
         };
         let (measured, unplaced) = GpuMeasured::new(gpu, appearance, measured);
         messages.extend(unplaced);
-        let material = |m| Material { table: measured.first_word(m), ..material(m, &pool.places) };
+        let models = ModelSet::of(appearance);
+        let material = |m| Material {
+            model: models.number(m),
+            table: measured.first_word(m),
+            estimate: estimate(m),
+            ..material(m, &pool.places)
+        };
         let materials: Vec<Material> = appearance.materials.iter().map(material).collect();
         let buffer = storage(gpu, "materials", bytemuck::cast_slice(&materials));
         let materials = Self { buffer, pool, tables: tables(gpu), measured };
@@ -60,13 +67,27 @@ impl GpuMaterials {
     }
 }
 
+/// Albedo for light from the normal, and width of the lobe, if its BRDF is that of a file.
+fn estimate(m: &material::Material) -> [f32; 4] {
+    if !m.model.has_file() {
+        return [0.0; 4];
+    }
+    match m.file.as_ref().and_then(|file| file.content.as_ref()) {
+        Some(content) => {
+            let lobe = content.estimate(&m.plain_values());
+            lobe.albedo_at(1.0).extend(lobe.widths()[0]).to_array()
+        }
+        None => MISSING.extend(0.0).to_array(),
+    }
+}
+
 fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
     let slot = |name| {
         let placed = m.maps.get(name).and_then(|s| places[s.texture as usize].map(|place| texture_slot(s, place)));
         placed.unwrap_or_default()
     };
     let mut parameters = [MaterialParameter::default(); MOST_PARAMETERS];
-    for (packed, declared) in parameters.iter_mut().zip(m.model.parameters()) {
+    for (packed, declared) in parameters.iter_mut().zip(m.declared()) {
         let value = m.parameters.value(declared).color();
         *packed = MaterialParameter { value: value.to_array(), map: slot(declared.name), ..Default::default() };
     }
@@ -75,6 +96,7 @@ fn material(m: &material::Material, places: &[Option<Place>]) -> Material {
         normal_y: if m.maps.get(NORMAL).is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
         table: NO_TABLE,
         padding: 0,
+        estimate: [0.0; 4],
         normal_map: slot(NORMAL),
         bump_map: slot(BUMP),
         parameters,

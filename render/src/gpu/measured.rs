@@ -1,7 +1,6 @@
 //! Measured BRDFs on the GPU: all tables that materials use, in one buffer.
 //!
-//! Each begins with a head of 8 words: squared width of its lobe, width, albedo in red, green and blue, number of levels. A head
-//! of 8 words for each level follows: entries along its three axes, spread, index of its first word. An entry has two words,
+//! Each begins with a head of 8 words: squared width of its lobe, number of levels, and padding. A head of 8 words for each level follows: entries along its three axes, spread, index of its first word. An entry has two words,
 //! three 16-bit floats and padding.
 
 use super::{device::GpuDevice, layout::constants::NO_TABLE, scene::storage};
@@ -79,11 +78,8 @@ fn words_of(table: &Measured) -> usize {
 }
 
 fn push_table(words: &mut Vec<u32>, table: &Measured) {
-    let (lobe, levels) = (table.lobe(), table.levels());
-    let albedo = lobe.albedo_at(1.0);
-    let numbers = [table.width_sq(), lobe.widths()[0], albedo.x, albedo.y, albedo.z];
-    words.extend(numbers.map(f32::to_bits));
-    words.extend([levels.len() as u32, 0, 0]);
+    let levels = table.levels();
+    words.extend([table.width_sq().to_bits(), levels.len() as u32, 0, 0, 0, 0, 0, 0]);
     let mut first = words.len() + HEAD_WORDS * levels.len();
     for level in levels {
         words.extend(level.size.map(|n| n as u32));

@@ -104,8 +104,8 @@ impl SurfacePlace {
         let world_from_local = frame(facing(normal, wo), self.tangent, self.handedness);
         let values = appearance.values(material, self.uv);
         let brdf = material.brdf(&values);
-        let base_color = material.model.value_for(&values, "base_color").map_or(Vec3::ZERO, Value::color);
-        let roughness = material.model.value_for(&values, "roughness").map_or(1.0, Value::number);
+        let base_color = values.of_quantity(material.declared(), "base_color").map_or(Vec3::ZERO, Value::color);
+        let roughness = values.of_quantity(material.declared(), "roughness").map_or(1.0, Value::number);
         PlaceLook { world_from_local, wo: world_from_local.transpose() * wo, base_color, roughness, brdf }
     }
 

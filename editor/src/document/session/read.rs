@@ -188,13 +188,20 @@ fn material_template(given: &Value) -> SessionMaterial {
     let file = given.get("file").map(|_| BrdfFile::unread(""));
     let mut template = SessionMaterial { file, ..Default::default() };
     let named = |key| given.get(key).and_then(Value::as_object).into_iter().flatten();
-    for parameter in named("parameters").filter_map(|(name, _)| BrdfModel::declared(name)) {
-        template.parameters.set(parameter.name, parameter.default);
+    // What the file of a BRDF declares is known when it is read.
+    let may_declare = given.get("file").and_then(Value::as_str).is_some_and(|file| file.ends_with(".wgsl"));
+    for (name, value) in named("parameters") {
+        match BrdfModel::declared(name) {
+            Some(parameter) => template.parameters.set(parameter.name, parameter.default),
+            None if may_declare && value.is_number() => template.parameters.set(name.clone(), 0.0),
+            None if may_declare && value.is_array() => template.parameters.set(name.clone(), Vec3::ZERO),
+            None => {}
+        }
     }
     let known = || BrdfModel::ALL.iter().flat_map(|&model| map_names(model));
     for (name, _) in named("maps").filter(|(_, slot)| slot.is_object()) {
-        if let Some(name) = known().find(|known| known == name) {
-            template.maps.set(name, Some(SessionSlot::default()));
+        if may_declare || known().any(|known| known == name) {
+            template.maps.set(name.clone(), Some(SessionSlot::default()));
         }
     }
     template

@@ -137,7 +137,10 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             "TextureSlot",
             shape!(layout::TextureSlot, first, width, height, kind, scale, offset, turn, strength, channel),
         ),
-        ("Material", shape!(layout::Material, model, normal_y, table, padding, normal_map, bump_map, parameters)),
+        (
+            "Material",
+            shape!(layout::Material, model, normal_y, table, padding, estimate, normal_map, bump_map, parameters),
+        ),
         ("Tables", shape!(layout::Tables, linear_from_srgb, albedo)),
         ("MaterialParameter", shape!(layout::MaterialParameter, value, padding, map)),
         ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),
