@@ -48,7 +48,7 @@ fn gloss_has_the_values_that_rust_computes() {
         let other = diffuse + highlight(1.2 * exponent + 1.0);
         differ += usize::from((found - other).length() > 1e-5 * other.length());
     }
-    assert!(differ > 100, "negative control: {differ} of 200");
+    assert!(differ > 50, "negative control: {differ} of 200");
 }
 
 /// Each body gives its number in all three components.
