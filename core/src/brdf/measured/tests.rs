@@ -152,3 +152,38 @@ fn a_broken_file_is_an_error_that_says_what_is_wrong() {
     assert_eq!(error(&empty), MeasuredError::Empty);
     assert!(Measured::from_packed(&[0; 6]).is_err());
 }
+
+/// The index of an entry as the database's own reader has it, in double precision.
+fn index_of(wi: Vec3, wo: Vec3) -> usize {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let (wi, wo) = (wi.as_dvec3().normalize(), wo.as_dvec3().normalize());
+    let half = (wi + wo).normalize();
+    let (theta_h, phi_h) = (half.z.acos(), half.y.atan2(half.x));
+    let difference = glam::DQuat::from_rotation_y(-theta_h) * (glam::DQuat::from_rotation_z(-phi_h) * wi);
+    let (theta_d, phi_d) = (difference.z.acos(), difference.y.atan2(difference.x));
+    let phi_d = if phi_d < 0.0 { phi_d + PI } else { phi_d };
+    let h = (theta_h / FRAC_PI_2 * 90.0 * 90.0).sqrt() as usize;
+    let d = (theta_d / FRAC_PI_2 * 90.0) as usize;
+    let p = (phi_d / PI * 180.0) as usize;
+    p.min(179) + d.min(89) * 180 + h.min(89) * 180 * 90
+}
+
+#[test]
+fn entries_are_where_the_database_has_them() {
+    let table = tabulated(0.5);
+    let mut checked = 0;
+    for index in (0..ENTRIES).step_by(9973) {
+        let [wi, wo] = super::file::directions(index);
+        let turned = |d: Vec3| glam::Quat::from_rotation_z(0.7) * d;
+        if wi.z > 0.05 && wo.z > 0.05 {
+            assert_eq!(index_of(turned(wi), turned(wo)), index);
+            let entry = Vec3::from_array(table.levels()[0].entries[index]);
+            let found = table.value(turned(wi), turned(wo), 0.0);
+            assert!((found - entry).length() <= 0.01 * entry.length(), "{index}: {found}, not {entry}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 50);
+    let [wi, wo] = super::file::directions(50 * 90 * 180 + 20 * 180 + 30);
+    assert_ne!(index_of(wo.with_x(-wo.x), wi), 50 * 90 * 180 + 20 * 180 + 30, "negative control");
+}

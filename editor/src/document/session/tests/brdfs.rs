@@ -1,7 +1,7 @@
 //! Materials whose BRDF is in a file, and those of the first version.
 
 use super::*;
-use lapidary_core::brdf::{BrdfFile, example_file};
+use lapidary_core::brdf::{BrdfFile, Content, example_file};
 
 /// A document of which one material is measured.
 fn measured(project: &Project) -> Document {
@@ -47,4 +47,26 @@ fn ward_of_the_first_version_is_ward_duer() {
     let text = std::fs::read_to_string(project.file()).unwrap();
     std::fs::write(project.file(), text.replacen("\"lapidary_session\": 2", "\"lapidary_session\": 1", 1)).unwrap();
     assert_eq!(model(), BrdfModel::WardDuer);
+}
+
+#[test]
+fn what_a_written_brdf_declares_comes_back_with_its_maps() {
+    let project = Project::new();
+    let mut document = project.document();
+    let path = project.path("maps/mine.wgsl");
+    let text = "// @parameter depth_of_mine | Depth | number | 2 | 0..9 | | What.\n\
+                // @parameter hue_of_mine | Hue | color | 0.5 0.5 0.5 | 0..1 | | What.\n\
+                fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> { return p.hue_of_mine * (0.01 * p.depth_of_mine); }\n";
+    std::fs::write(&path, text).unwrap();
+    let (content, remarks) = Content::read(&path).unwrap();
+    assert!(remarks.is_empty(), "{remarks:?}");
+    let mut material = Material { model: BrdfModel::Wgsl, ..document.materials[1].clone() };
+    material.file = Some(BrdfFile { path, content: Some(content) });
+    material.parameters.set("depth_of_mine", 7.5);
+    material.parameters.set("hue_of_mine", Vec3::new(0.1, 0.2, 0.3));
+    material.maps.set("hue_of_mine", Some(slot(3)));
+    document.materials[1] = material.clone();
+    let (again, warnings) = project.reloaded(&document).into_document(Some(&project.dataset.scene));
+    assert_eq!((again.materials[1].clone(), warnings), (material, Vec::new()));
+    assert_ne!(again.materials[1], project.document().materials[1], "negative control");
 }
