@@ -13,6 +13,8 @@
 const FRAC_1_PI: f32 = 0.31830987;
 const MIN_ALPHA: f32 = 0.001;
 const NO_LOBE: vec2<f32> = vec2<f32>(0.0);
+// Albedo of a material whose BRDF is not there. Twin of core/src/brdf/merl.rs.
+const MISSING_ALBEDO: vec3<f32> = vec3<f32>(0.8, 0.0, 0.8);
 
 // Microfacet widths along tangent and bitangent. Twin of core/src/brdf/microfacet.rs, as what follows.
 fn lobe_alpha(roughness: f32, anisotropy: f32) -> vec2<f32> {

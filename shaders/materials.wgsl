@@ -29,6 +29,9 @@ struct MaterialParameter {
     map: TextureSlot,
 }
 
+// In place of a measured BRDF that is not there.
+const NO_TABLE: u32 = 0xffffffffu;
+
 // Most parameters of a model.
 const MOST_PARAMETERS: u32 = 32u;
 const MOST_LUMINANCE: f32 = 1e6;
@@ -39,7 +42,10 @@ struct Material {
     normal_y: f32,
     // Index of the first parameter of surfaces, which all models have.
     surface: u32,
-    padding: u32,
+    // First word of its measured BRDF.
+    table: u32,
+    // Albedo for light from the normal, and width of the lobe, of a BRDF that is known by its values.
+    estimate: vec4<f32>,
     normal_map: TextureSlot,
     bump_map: TextureSlot,
     // In the order in which the model declares them.

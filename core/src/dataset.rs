@@ -24,6 +24,7 @@
 //! | `source_environment_cuts` | u32 | texels, 4 | visibility of the N lights from the sources |
 //! | `source_environment_cut_offsets` | u32 | S | first texel of each source's cut |
 //! | `texture.0`, ... | u8 | bytes | image files as they were imported |
+//! | `brdf.0`, ... | u8 | bytes | files of BRDFs, packed: see [`Content::packed`](crate::brdf::Content::packed) |
 //!
 //! S surface sources are there if the bake was asked for them (`--mode indirect`, `cuts` or `all`), the tensors `meshless_*` of
 //! `dataset/meshless.rs` with `--mode meshless` or `all`.
@@ -33,6 +34,7 @@
 //! before they are written and before they are used.
 
 mod audit;
+mod brdfs;
 mod error;
 mod header;
 mod indirect;
@@ -74,7 +76,11 @@ use std::collections::BTreeMap;
 /// Version 5 added bakes that follow boundaries; those of version 4 are exhaustive.
 /// Version 6 added boundaries between surface sources; bakes of version 5 trace every source.
 /// Version 7 added the ground; scenes of version 6 have none.
-pub const FORMAT_VERSION: u32 = 7;
+/// Version 8 added files of BRDFs, and `ward` became Ward's model of 1992; that of version 7 is now `ward-duer`.
+pub const FORMAT_VERSION: u32 = 8;
+
+/// First version whose `ward` is the model of 1992.
+const WARD_OF_1992: u32 = 8;
 
 /// A baked scene.
 #[derive(Clone, Debug)]

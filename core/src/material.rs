@@ -12,7 +12,7 @@ pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map
 pub use presets::{PRESETS, Preset};
 
 use crate::{
-    brdf::{Parameters, SurfaceBrdf, SurfaceParameters, Values},
+    brdf::{BrdfFile, Content, FilePart, Parameter, Parameters, SurfaceBrdf, SurfaceParameters, Values},
     texture::TextureSlot,
 };
 use glam::{Vec3, Vec4};
@@ -29,6 +29,9 @@ pub struct MaterialOf<S> {
     pub name: String,
     /// Reflectance model.
     pub model: BrdfModel,
+    /// The file of a model that has one. It stays when the model changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<BrdfFile>,
     /// Values that the maps modulate.
     pub parameters: Parameters,
     /// Textures.
@@ -42,6 +45,7 @@ impl<S> Default for MaterialOf<S> {
         Self {
             name: String::new(),
             model: BrdfModel::default(),
+            file: None,
             parameters: Parameters::default(),
             maps: Maps::default(),
             double_sided: false,
@@ -55,6 +59,7 @@ impl<S> Default for MaterialOf<S> {
 struct MaterialFields<S> {
     name: String,
     model: BrdfModel,
+    file: Option<BrdfFile>,
     parameters: Parameters,
     maps: Maps<S>,
     double_sided: bool,
@@ -62,8 +67,8 @@ struct MaterialFields<S> {
 
 impl<S> Default for MaterialFields<S> {
     fn default() -> Self {
-        let MaterialOf { name, model, parameters, maps, double_sided } = MaterialOf::default();
-        Self { name, model, parameters, maps, double_sided }
+        let MaterialOf { name, model, file, parameters, maps, double_sided } = MaterialOf::default();
+        Self { name, model, file, parameters, maps, double_sided }
     }
 }
 
@@ -71,23 +76,60 @@ impl<S> TryFrom<MaterialFields<S>> for MaterialOf<S> {
     type Error = UnknownName;
 
     fn try_from(fields: MaterialFields<S>) -> Result<Self, UnknownName> {
-        let MaterialFields { name, model, parameters, maps, double_sided } = fields;
-        check::check_names(model, &parameters, &maps)?;
-        Ok(Self { name, model, parameters, maps, double_sided })
+        let MaterialFields { name, model, file, parameters, maps, double_sided } = fields;
+        check::check_names(model, file.as_ref(), &parameters, &maps)?;
+        Ok(Self { name, model, file, parameters, maps, double_sided })
     }
 }
 
 impl<S> MaterialOf<S> {
     /// The same with other maps.
     pub fn with_maps<T>(&self, maps: Maps<T>) -> MaterialOf<T> {
-        let Self { name, model, parameters, double_sided, .. } = self;
+        let Self { name, model, file, parameters, double_sided, .. } = self;
         MaterialOf {
             name: name.clone(),
             model: *model,
+            file: file.clone(),
             parameters: parameters.clone(),
             maps,
             double_sided: *double_sided,
         }
+    }
+}
+
+impl<S> MaterialOf<S> {
+    /// For a material of a file from before the name `ward` changed its meaning: there it was the model of Ward and Dür.
+    pub fn with_ward_of_before(&mut self) {
+        if self.model == BrdfModel::Ward {
+            self.model = BrdfModel::WardDuer;
+        }
+    }
+}
+
+impl<S> MaterialOf<S> {
+    /// The parameters that it has: those of its model, or those that its file declares.
+    pub fn declared(&self) -> &'static [Parameter] {
+        let content = self.file.as_ref().and_then(|file| file.content.as_ref());
+        match content.and_then(Content::written).filter(|_| self.model == BrdfModel::Wgsl) {
+            Some(written) => written.material_parameters(),
+            None => self.model.parameters(),
+        }
+    }
+
+    /// Those of its reflectance, which come first.
+    pub fn own_parameters(&self) -> &'static [Parameter] {
+        let declared = self.declared();
+        &declared[..declared.len() - SurfaceParameters::LIST.len()]
+    }
+
+    /// Its parameter of a name.
+    pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
+        self.declared().iter().find(|p| p.name == name)
+    }
+
+    /// Its parameter for a quantity, such as `base_color` or `roughness`.
+    pub fn parameter_for(&self, quantity: &str) -> Option<&'static Parameter> {
+        self.declared().iter().find(|p| p.quantity == quantity)
     }
 }
 
@@ -108,7 +150,7 @@ impl<S: Clone> MaterialOf<S> {
     /// With another model, which takes over the values and maps of the quantities that both have.
     pub fn change_model(&mut self, model: BrdfModel) {
         for to in model.parameters() {
-            let Some(from) = self.model.parameter_for(to.quantity).filter(|from| from.name != to.name) else {
+            let Some(from) = self.parameter_for(to.quantity).filter(|from| from.name != to.name) else {
                 continue;
             };
             let value = self.parameters.value(from);
@@ -124,6 +166,11 @@ impl<S: Clone> MaterialOf<S> {
 }
 
 impl Material {
+    /// With the path of its file alone.
+    pub fn without_content(&self) -> Self {
+        Self { file: self.file.as_ref().map(BrdfFile::without_content), ..self.clone() }
+    }
+
     /// With parameters and placements of maps in their ranges; see [`Parameters::sanitized`] and
     /// [`TextureSlot::sanitized`].
     pub fn sanitized(mut self) -> Self {
@@ -140,7 +187,7 @@ impl Material {
     #[inline]
     pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
         let mut values = Values::default();
-        for parameter in self.model.parameters() {
+        for parameter in self.declared() {
             let mut value = self.parameters.value(parameter);
             if let Some(slot) = self.maps.get(parameter.name) {
                 let texel = sample(slot);
@@ -170,7 +217,22 @@ impl Material {
 
     /// The reflectance of its constants, as if it had no maps.
     pub fn plain_brdf(&self) -> SurfaceBrdf {
-        SurfaceBrdf::new(self.model, &self.model.values(&self.parameters))
+        self.brdf(&self.plain_values())
+    }
+
+    /// The reflectance with values in the order of the model's parameters and in their ranges.
+    #[inline]
+    pub fn brdf(&self, values: &Values) -> SurfaceBrdf {
+        let content = self.file.as_ref().and_then(|file| file.content.as_ref());
+        let Some(content) = content.filter(|_| self.model.has_file()) else {
+            return SurfaceBrdf::new(self.model, values, None);
+        };
+        SurfaceBrdf::new(self.model, values, Some(FilePart { content, plain: &self.plain_values() }))
+    }
+
+    /// The values of its parameters without maps, in their ranges.
+    pub fn plain_values(&self) -> Values {
+        Values::of(self.declared(), &self.parameters)
     }
 }
 

@@ -51,6 +51,13 @@ pub enum Action {
         /// The picture.
         path: Option<PathBuf>,
     },
+    /// Use the BRDF of a file for a material.
+    LoadBrdf {
+        /// Which material.
+        material: usize,
+        /// The file.
+        path: Option<PathBuf>,
+    },
     /// Replace a material by that of a file.
     LoadMaterial {
         /// Which material.

@@ -47,7 +47,7 @@ pub fn all() -> Vec<Box<dyn Target>> {
 }
 
 /// Targets of one file.
-const FILES: [FileKind; 16] = [
+const FILES: [FileKind; 17] = [
     FileKind { name: "obj", share: 110, file: "input.obj", mutation: text::text, read: scenes::import_file },
     FileKind { name: "mtl", share: 50, file: "input.mtl", mutation: text::text, read: scenes::import_with_materials },
     FileKind { name: "gltf", share: 130, file: "input.gltf", mutation: json::json, read: scenes::import_file },
@@ -60,7 +60,8 @@ const FILES: [FileKind; 16] = [
     FileKind { name: "exr", share: 60, file: "input.exr", mutation: mutate::bytes, read: files::read_picture },
     FileKind { name: "lights", share: 60, file: "input.json", mutation: json::json, read: scenes::read_lights },
     FileKind { name: "material", share: 40, file: "input.json", mutation: json::json, read: scenes::read_material },
-    FileKind { name: "materialx", share: 40, file: "input.mtlx", mutation: xml::xml, read: scenes::read_material },
+    FileKind { name: "materialx", share: 30, file: "input.mtlx", mutation: xml::xml, read: scenes::read_material },
+    FileKind { name: "wgsl", share: 20, file: "input.wgsl", mutation: text::text, read: files::read_brdf },
     FileKind { name: "session", share: 60, file: "input.lapidary", mutation: json::json, read: files::read_session },
     FileKind { name: "cuts", share: 8, file: "input.cuts", mutation: tensors::dataset, read: scenes::read_dataset },
     FileKind { name: "bake", share: 1, file: "input.gltf", mutation: json::quantities, read: scenes::bake_file },

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
-    brdf::{SurfaceBrdf, SurfaceParameters, Values},
+    brdf::{SurfaceParameters, Values},
     material::{Material, MaterialMaps},
     scene::{Mesh, Scene},
     surfel::MeshPlace,
@@ -61,7 +61,7 @@ impl Appearance {
     /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
     pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
         let (material, uv) = self.at(mesh, place);
-        SurfaceBrdf::new(material.model, &self.values(material, &uv.into())).as_brdf().albedo()
+        material.brdf(&self.values(material, &uv.into())).as_brdf().albedo()
     }
 
     /// Radiance in W/(m² sr) that a point of `mesh` sends by itself.

@@ -11,6 +11,7 @@ mod layout;
 mod light;
 mod lit;
 mod materials;
+mod measured;
 mod models;
 mod passes;
 mod pipeline;
@@ -21,6 +22,7 @@ mod scene;
 mod shaders;
 mod shadows;
 mod targets;
+mod written;
 
 pub use backend::{GpuBackend, PassTimes};
 pub use device::{Room, has_hardware};

@@ -2,8 +2,8 @@
 //! its line here.
 
 use super::{
-    AshikhminShirley, Beckmann, BlinnPhong, Brdf, Ggx, Lambert, LightsX8, OpenPbr, OrenNayar, Parameter, Parameters,
-    SpreadX8, SurfaceParameters, Value, Values, Ward, WardDuer, surface::with_surface,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, FilePart, Ggx, Lambert, LightsX8, Merl, OpenPbr, OrenNayar,
+    Parameter, SpreadX8, SurfaceParameters, Values, Ward, WardDuer, Wgsl, surface::with_surface, written,
 };
 use crate::simd::Vec3x8;
 use glam::Vec3;
@@ -21,6 +21,11 @@ pub trait Model: Brdf + Sized {
 
     /// With values in the order of [`Self::PARAMETERS`] and in their ranges. Others may follow them.
     fn from_values(values: &Values) -> Self;
+
+    /// The same, of a model that a file has a part in; without the file what shows that it is not there.
+    fn of_file(values: &Values, _file: Option<FilePart>) -> Self {
+        Self::from_values(values)
+    }
 }
 
 macro_rules! models {
@@ -80,16 +85,16 @@ macro_rules! models {
         }
 
         /// Any of the models, by value.
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Debug)]
         pub enum SurfaceBrdf {
             $(#[doc = concat!("See [`", stringify!($variant), "`].")] $variant($ty),)*
         }
 
         impl SurfaceBrdf {
-            /// The model with values of its parameters, in the order of its list and in their ranges.
+            /// The model with values of its parameters, in the order of its list and in their ranges, and with its file.
             #[inline]
-            pub fn new(model: BrdfModel, values: &Values) -> Self {
-                match model { $(BrdfModel::$variant => Self::$variant(<$ty as Model>::from_values(values)),)* }
+            pub fn new(model: BrdfModel, values: &Values, file: Option<FilePart>) -> Self {
+                match model { $(BrdfModel::$variant => Self::$variant(<$ty as Model>::of_file(values, file)),)* }
             }
 
             /// The model behind the variant.
@@ -118,6 +123,8 @@ models! {
     #[default]
     Ggx(Ggx) = "ggx",
     OpenPbr(OpenPbr) = "openpbr",
+    Merl(Merl) = "merl",
+    Wgsl(Wgsl) = "wgsl",
 }
 
 impl SurfaceBrdf {
@@ -153,28 +160,27 @@ pub trait BrdfVisitor {
 }
 
 impl BrdfModel {
-    /// What models declare under a name, if any does.
+    /// What models, or else files of BRDFs that were read, declare under a name, if any does.
     pub fn declared(name: &str) -> Option<&'static Parameter> {
-        Self::ALL.iter().find_map(|model| model.parameter(name))
+        Self::all_declared().find(|p| p.name == name)
+    }
+
+    /// Whether its materials have a file.
+    pub fn has_file(self) -> bool {
+        matches!(self, Self::Merl | Self::Wgsl)
+    }
+
+    /// All parameters that models and files of BRDFs that were read declare; a name may come more than once.
+    pub fn all_declared() -> impl Iterator<Item = &'static Parameter> {
+        Self::ALL
+            .iter()
+            .flat_map(|model| model.parameters())
+            .chain(std::iter::once_with(written::all_declared).flatten())
     }
 
     /// Its parameter of a name.
     pub fn parameter(self, name: &str) -> Option<&'static Parameter> {
         self.parameters().iter().find(|p| p.name == name)
-    }
-
-    /// The values of its parameters that are told, within their ranges; the defaults of the others.
-    pub fn values(self, told: &Parameters) -> Values {
-        let mut values = Values::default();
-        self.parameters().iter().for_each(|p| values.push(p.sanitized(told.value(p))));
-        values
-    }
-
-    /// Among the values of its parameters that of a quantity, if it has a parameter for it.
-    pub fn value_for(self, values: &Values, quantity: &str) -> Option<Value> {
-        let index = self.parameters().iter().position(|p| p.quantity == quantity)?;
-        let first = self.parameters()[..index].iter().map(Parameter::numbers).sum();
-        Some(values.at(first, &self.parameters()[index]))
     }
 
     /// Its parameter for a quantity, such as `base_color` or `roughness`.

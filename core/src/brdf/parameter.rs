@@ -3,6 +3,7 @@
 //! Panels, material files, the shaders' structures and the tests follow from these declarations. A name means the same in
 //! all models that have it, so that a material keeps its look when its model is changed.
 
+use super::Parameters;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -212,6 +213,25 @@ impl Values {
         let mut last = Self { len: count, ..Self::default() };
         last.numbers[..count].copy_from_slice(&self.numbers[self.len - count..self.len]);
         last
+    }
+
+    /// Those of a list that are told, within their ranges; the defaults of the others.
+    pub fn of(list: &[Parameter], told: &Parameters) -> Self {
+        let mut values = Self::default();
+        list.iter().for_each(|p| values.push(p.sanitized(told.value(p))));
+        values
+    }
+
+    /// The value of a list's parameter for a quantity, if it has one.
+    pub fn of_quantity(&self, list: &[Parameter], quantity: &str) -> Option<Value> {
+        let index = list.iter().position(|p| p.quantity == quantity)?;
+        let first = list[..index].iter().map(Parameter::numbers).sum();
+        Some(self.at(first, &list[index]))
+    }
+
+    /// All numbers.
+    pub fn numbers(&self) -> &[f32] {
+        &self.numbers[..self.len]
     }
 
     /// The value of a parameter whose numbers begin at `first`.

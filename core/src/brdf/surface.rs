@@ -17,7 +17,7 @@ parameters! {
 
 impl SurfaceParameters {
     /// How many numbers they are.
-    const NUMBERS: usize = {
+    pub(super) const NUMBERS: usize = {
         let (mut sum, mut i) = (0, 0);
         while i < Self::LIST.len() {
             sum += Self::LIST[i].numbers();

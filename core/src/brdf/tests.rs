@@ -1,7 +1,10 @@
 //! Known answers for all models: reciprocity, energy, agreement of sampling and density, and of filtering and means.
 
 use super::*;
-use crate::sphere::{cosine_direction, fibonacci_directions, frame_around, uniform_direction};
+use crate::{
+    material::Material,
+    sphere::{cosine_direction, fibonacci_directions, frame_around, uniform_direction},
+};
 
 /// Each model with settings from its list: all that is between the bounds of its parameters is set at random, and some are
 /// at a bound.
@@ -11,7 +14,7 @@ fn models() -> Vec<(String, SurfaceBrdf)> {
         let mut random = fastrand::Rng::with_seed(7);
         for case in 0..6 {
             let mut parameters = Parameters::default();
-            for p in model.parameters() {
+            for p in material(model, Parameters::default()).declared() {
                 let [low, high] = p.slider;
                 let mut number = || match random.u8(..5) {
                     0 => low,
@@ -34,8 +37,12 @@ fn models() -> Vec<(String, SurfaceBrdf)> {
     all
 }
 
+fn material(model: BrdfModel, parameters: Parameters) -> Material {
+    Material { model, file: example_file(model), parameters, ..Default::default() }
+}
+
 fn brdf_of(model: BrdfModel, parameters: &Parameters) -> SurfaceBrdf {
-    SurfaceBrdf::new(model, &model.values(parameters))
+    material(model, parameters.clone()).plain_brdf()
 }
 
 /// The share of even light that is reflected to `wo`, by reciprocity that of light from there.

@@ -2,6 +2,7 @@
 
 use super::validate::MOST_LINK_SCALE;
 use crate::{
+    brdf::BrdfFileError,
     camera::field_of_view_range,
     cut::CutError,
     image::ImageError,
@@ -202,6 +203,24 @@ pub enum Damage {
         index: usize,
         /// Why.
         source: ImageError,
+    },
+    /// A file of a BRDF cannot be used.
+    #[error("BRDF {index} cannot be read: {source}")]
+    Brdf {
+        /// Which file, from 0.
+        index: usize,
+        /// Why.
+        source: BrdfFileError,
+    },
+    /// A material refers to a BRDF that is not there.
+    #[error("material `{material}` refers to BRDF {index}, but there are {count}")]
+    NoBrdf {
+        /// Name of the material.
+        material: String,
+        /// The index.
+        index: u32,
+        /// Number of files.
+        count: usize,
     },
     /// The metadata cannot be read.
     #[error("the metadata cannot be read ({0})")]

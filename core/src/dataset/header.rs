@@ -1,7 +1,7 @@
 //! The JSON part of a dataset, in the metadata of its file.
 
 use super::{BakeReport, BakeSettings};
-use crate::{camera::Camera, ground::GroundStart, lights::Light, material::Material};
+use crate::{brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -24,6 +24,12 @@ pub(super) struct Header {
     #[serde(default)]
     pub ground: Option<GroundStart>,
     pub textures: Vec<String>,
+    /// Kinds of the files of BRDFs.
+    #[serde(default)]
+    pub brdfs: Vec<ContentKind>,
+    /// Which of these each material has.
+    #[serde(default)]
+    pub material_brdfs: Vec<Option<u32>>,
     /// BLAKE3 of each tensor's bytes, hexadecimal.
     pub checksums: BTreeMap<String, String>,
 }

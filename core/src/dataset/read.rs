@@ -2,7 +2,7 @@
 //! anything is used.
 
 use super::{
-    Dataset, DatasetError, FORMAT_VERSION,
+    Dataset, DatasetError, FORMAT_VERSION, WARD_OF_1992,
     error::Damage,
     header::Header,
     reader::{Reader, TensorFile},
@@ -10,6 +10,7 @@ use super::{
 use crate::{
     image::decode,
     light_tree::{LightTree, is_permutation},
+    material::Material,
     scene::{Mesh, Object, Scene},
     texture::Texture,
 };
@@ -27,7 +28,10 @@ impl Dataset {
         let json = file.json().ok_or_else(|| foreign("it lacks Lapidary's metadata"))?;
         check_version(json, path)?;
         let damaged = |reason| DatasetError::of_contents(path, reason);
-        let header: Header = serde_json::from_str(json).map_err(|e| damaged(Damage::Metadata(e.to_string())))?;
+        let mut header: Header = serde_json::from_str(json).map_err(|e| damaged(Damage::Metadata(e.to_string())))?;
+        if header.format_version < WARD_OF_1992 {
+            header.materials.iter_mut().for_each(Material::with_ward_of_before);
+        }
         let checksums = header.checksums.clone();
         let dataset = Reader { file: &file, checksums: &checksums }.dataset(header).map_err(damaged)?;
         dataset.validate().map_err(damaged)?;
@@ -88,7 +92,7 @@ impl Reader<'_> {
         let textures = header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name).map(Into::into));
         Ok(Scene {
             mesh,
-            materials: header.materials.clone(),
+            materials: self.materials(header)?,
             textures: textures.collect::<Result<_, _>>()?,
             objects: header.objects.iter().map(|name| Object { name: name.clone() }).collect(),
             cameras: header.cameras.clone(),

@@ -13,6 +13,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
 
+mod brdfs;
 mod damage;
 
 /// The shared triangle with cuts and marks that differ from vertex to vertex.
@@ -107,7 +108,7 @@ fn replace(bytes: &mut [u8], from: &str, to: &str) {
 fn a_file_of_version_1_is_read_with_its_empty_maps_and_misspelt_ones_are_told() {
     let (_folder, path, mut bytes) = written();
     let sides = r#"\"maps\":{},\"double_sided\":false"#;
-    replace(&mut bytes, r#"\"format_version\":7"#, r#"\"format_version\":1"#);
+    replace(&mut bytes, r#"\"format_version\":8"#, r#"\"format_version\":1"#);
     replace(&mut bytes, sides, r#"\"maps\":{\"ior\":null}"#);
     std::fs::write(&path, &bytes).unwrap();
     assert_eq!(Dataset::read(&path).unwrap().scene.materials, dataset().scene.materials);
@@ -244,7 +245,7 @@ fn sources_of_version_3_are_as_far_apart_as_was_reported_or_as_follows_from_thei
         dataset.write(&path).unwrap();
         if is_older {
             let mut bytes = std::fs::read(&path).unwrap();
-            replace(&mut bytes, r#"\"format_version\":7"#, r#"\"format_version\":3"#);
+            replace(&mut bytes, r#"\"format_version\":8"#, r#"\"format_version\":3"#);
             // Its checksum and the tensor itself.
             replace(&mut bytes, "source_spacings", "what_is_unknown");
             replace(&mut bytes, "source_spacings", "what_is_unknown");

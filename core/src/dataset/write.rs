@@ -1,12 +1,12 @@
 //! Writing a dataset, atomically.
 
 use super::{
-    BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION,
+    BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION, brdfs,
     header::Header,
     indirect, meshless,
     tensors::{Tensor, arranged, checksum, cut_tensors, tensor},
 };
-use crate::output::write_parts_atomically;
+use crate::{material::Material, output::write_parts_atomically};
 use safetensors::Dtype;
 use std::{borrow::Cow, collections::BTreeMap, io, path::Path};
 
@@ -52,17 +52,20 @@ impl Dataset {
 
     /// The JSON part, with these checksums of the tensors.
     pub(super) fn header(&self, settings: &BakeSettings, checksums: BTreeMap<String, String>) -> Header {
+        let (brdfs, material_brdfs) = brdfs::kinds(&self.scene.materials);
         Header {
             format_version: FORMAT_VERSION,
             settings: settings.clone(),
             scene_hash: self.scene_hash.clone(),
             report: BakeReport { run: None, ..self.report.clone() },
-            materials: self.scene.materials.clone(),
+            materials: self.scene.materials.iter().map(Material::without_content).collect(),
             objects: self.scene.objects.iter().map(|o| o.name.clone()).collect(),
             cameras: self.scene.cameras.clone(),
             lights: self.scene.lights.clone(),
             ground: self.scene.mesh.ground,
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
+            brdfs,
+            material_brdfs,
             checksums,
         }
     }
@@ -96,6 +99,7 @@ impl Dataset {
             let bytes: &[u8] = &texture.encoded;
             tensors.push(tensor(&format!("texture.{i}"), Dtype::U8, [bytes.len()], bytes));
         }
+        tensors.extend(brdfs::tensors(&self.scene.materials));
         tensors
     }
 }

@@ -8,6 +8,7 @@ use super::{
     textures::sanitized,
 };
 use crate::{
+    brdf::{BrdfFile, Content},
     image::{ImageError, decode, footprint},
     input,
     material::{Maps, Material, MaterialOf, map_color_space},
@@ -118,7 +119,9 @@ pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
     let found = [false, true].into_iter().flat_map(|allow_outside| {
         let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });
         let slots = read.iter().flat_map(|file| file.maps.slots());
-        slots.filter_map(SlotFile::picture).filter_map(move |name| files.find(name).ok())
+        let brdf = read.iter().flat_map(|material| &material.file).map(|file| file.path.to_string_lossy());
+        let names: Vec<_> = slots.filter_map(SlotFile::picture).map(Into::into).chain(brdf).collect();
+        names.into_iter().filter_map(move |name| files.find(&name).ok())
     });
     found.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -161,9 +164,10 @@ impl MaterialLoader<'_> {
             return Err(ImportError::Parse { path: path.into(), format: "a material", reason });
         }
         self.report.warnings.extend(remarks);
-        self.check_outside(&file.maps)?;
+        self.check_outside(&file)?;
         let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, map_color_space(kind)))?;
         let mut material = file.with_maps(maps);
+        material.file = file.file.as_ref().map(|file| self.brdf(file)).transpose()?;
         if material.name.is_empty() {
             material.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         }
@@ -174,12 +178,27 @@ impl MaterialLoader<'_> {
     }
 
     /// Names all pictures that may not be read at once.
-    fn check_outside(&mut self, maps: &MapFiles) -> Result<(), ImportError> {
-        let mut names: Vec<String> = maps.slots().filter_map(SlotFile::picture).map(str::to_owned).collect();
+    fn check_outside(&mut self, file: &MaterialFile) -> Result<(), ImportError> {
+        let mut names: Vec<String> = file.maps.slots().filter_map(SlotFile::picture).map(str::to_owned).collect();
+        names.extend(file.file.as_ref().map(|file| file.path.to_string_lossy().into_owned()));
         names.sort();
         names.dedup();
         names.retain(|name| matches!(self.files.find(name), Err(Trouble::Outside(_))));
         if names.is_empty() { Ok(()) } else { Err(ImportError::Outside { path: self.path.into(), names }) }
+    }
+
+    /// The file of its BRDF, read.
+    fn brdf(&mut self, file: &BrdfFile) -> Result<BrdfFile, ImportError> {
+        let name = file.path.to_string_lossy();
+        let failed = |reason: String| ImportError::Parse { path: self.path.into(), format: "a material", reason };
+        let path = match self.files.find(&name) {
+            Ok(path) => path,
+            Err(Trouble::Reason(reason)) => return Err(failed(format!("its BRDF {name}: {reason}"))),
+            Err(other) => return Err(other.at(self.path, "a material")),
+        };
+        let (content, remarks) = Content::read(&path).map_err(|error| failed(error.to_string()))?;
+        self.report.warnings.extend(remarks);
+        Ok(BrdfFile { path, content: Some(content) })
     }
 
     fn slot(&mut self, slot: &SlotFile, default_space: ColorSpace) -> Result<TextureSlot, ImportError> {
@@ -225,3 +244,6 @@ impl MaterialLoader<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 use super::{BUMP, Maps, Material, NORMAL};
 use crate::{
-    brdf::{BrdfModel, Parameters},
+    brdf::{BrdfFile, BrdfModel, ContentKind, Parameters},
     texture::TextureSlot,
 };
 use thiserror::Error;
@@ -34,7 +34,16 @@ pub struct UnknownName {
 ///
 /// # Errors
 /// The first that is not, with the names of `model`.
-pub(super) fn check_names<T>(model: BrdfModel, parameters: &Parameters, maps: &Maps<T>) -> Result<(), UnknownName> {
+pub(super) fn check_names<T>(
+    model: BrdfModel,
+    file: Option<&BrdfFile>,
+    parameters: &Parameters,
+    maps: &Maps<T>,
+) -> Result<(), UnknownName> {
+    // What a file declares is known when it is read.
+    if file.is_some_and(|file| ContentKind::of(&file.path) == Some(ContentKind::Written)) {
+        return Ok(());
+    }
     let is_declared = |name: &str| BrdfModel::declared(name).is_some();
     let known = || model.parameters().iter().map(|p| p.name);
     let quoted = |names: &mut dyn Iterator<Item = &'static str>| names.map(|name| format!("`{name}`")).collect();

@@ -34,6 +34,10 @@ impl EditorState {
                 Kind::Material => self.drop_on_material(ctx, laid, path, actions, |material, path| {
                     Action::LoadMaterial { material, path: Some(path) }
                 }),
+                Kind::Brdf => self.drop_on_material(ctx, laid, path, actions, |material, path| Action::LoadBrdf {
+                    material,
+                    path: Some(path),
+                }),
                 Kind::Lights => actions.push(Action::LoadLights(Some(path))),
                 Kind::Unknown => self.messages.error(foreign(&path)),
             }

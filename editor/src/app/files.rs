@@ -13,6 +13,7 @@ use crate::{
 };
 use anyhow::{Context as _, Result};
 use lapidary_core::{
+    brdf::BrdfFile,
     import::{MaterialFile, SlotFile, is_materialx},
     input,
     material::{Material, map_label},
@@ -54,6 +55,11 @@ impl EditorState {
                 (Topic::Map { material, map }, Ok(Loaded::Texture(texture))) => {
                     self.use_texture(material, map, texture, path);
                 }
+                (Topic::Brdf(index), Ok(Loaded::Brdf { content, remarks })) => {
+                    remarks.into_iter().for_each(|remark| self.messages.warning(remark));
+                    path.into_iter()
+                        .for_each(|path| self.use_brdf(index, BrdfFile { path, content: Some(content.clone()) }));
+                }
                 (Topic::Material(index), Ok(Loaded::Material { material, textures, given, warnings })) => {
                     warnings.into_iter().for_each(|warning| self.messages.warning(warning));
                     self.use_material(index, *material, &textures[given..], given, path);
@@ -79,6 +85,16 @@ impl EditorState {
         };
         material.maps.set(map, Some(slot));
         self.edit_material(index, material, map_label(map));
+    }
+
+    /// Gives a material the BRDF of a file, as a step of undo.
+    fn use_brdf(&mut self, index: usize, file: BrdfFile) {
+        let Some(mut material) = self.document.materials.get(index).cloned() else { return };
+        if let Some(content) = &file.content {
+            material.change_model(content.kind().model());
+        }
+        material.file = Some(file);
+        self.edit_material(index, material, "Load BRDF");
     }
 
     /// `added` are the textures that the material refers to after the first `given` ones of the document, which may
@@ -160,7 +176,8 @@ impl EditorState {
             self.watched = files;
         }
         for path in self.watcher.changed() {
-            if path.extension().is_some_and(|e| e == "wgsl") {
+            let is_brdf = brdf_files(&self.document).any(|file| file.path == path);
+            if !is_brdf && path.extension().is_some_and(|e| e == "wgsl") {
                 self.render.reload();
                 continue;
             }
@@ -170,6 +187,8 @@ impl EditorState {
                 Source::Environment(spec.clone())
             } else if self.document.scene.as_ref() == Some(&path) {
                 Source::Scene { path: path.clone(), allow_outside: self.preferences.outside.allow(&path) }
+            } else if is_brdf {
+                Source::Brdf(path.clone())
             } else if may_be_read(&path, &self.document, &self.preferences.outside) {
                 Source::Texture(path.clone())
             } else {
@@ -190,6 +209,13 @@ impl EditorState {
                     let name = entry.texture.name.clone();
                     entry.texture = Texture { name, ..(*texture).clone() }.into();
                 }
+                self.messages.note(format!("Loaded again ({})", path.display()));
+            }
+            Ok(Loaded::Brdf { content, remarks }) => {
+                remarks.into_iter().for_each(|remark| self.messages.warning(remark));
+                let materials = self.document.materials.iter_mut().chain(self.history.materials_mut());
+                let files = materials.filter_map(|material| material.file.as_mut());
+                files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
                 self.messages.note(format!("Loaded again ({})", path.display()));
             }
             Ok(Loaded::Scene(source)) => self.scene_changed(path, *source),
@@ -218,10 +244,16 @@ fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let slots = document.materials.iter().flat_map(|m| m.maps.slots());
     let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
     let environment = document.environment.file().map(Path::to_owned);
-    let mut files: Vec<PathBuf> = textures.chain(environment).chain(document.scene.clone()).collect();
+    let brdfs = brdf_files(document).map(|file| file.path.clone());
+    let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environment).chain(document.scene.clone()).collect();
     files.sort();
     files.dedup();
     files
+}
+
+/// The files of materials' BRDFs.
+fn brdf_files(document: &Document) -> impl Iterator<Item = &BrdfFile> {
+    document.materials.iter().filter_map(|material| material.file.as_ref())
 }
 
 /// Whether a picture was chosen by the user, is in the folder of the scene, or may be elsewhere.
@@ -243,8 +275,9 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
         left_out += usize::from(file.is_none());
         Some(slot_file(slot, file?, folder))
     });
-    let Material { name, model, parameters, double_sided, .. } = material.clone();
-    (MaterialFile { name, model, parameters, maps, double_sided }, left_out)
+    let Material { name, model, file, parameters, double_sided, .. } = material.clone();
+    let beside = |file: BrdfFile| BrdfFile::unread(file.path.strip_prefix(folder).unwrap_or(&file.path));
+    (MaterialFile { name, model, file: file.map(beside), parameters, maps, double_sided }, left_out)
 }
 
 fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {

@@ -65,6 +65,9 @@ impl EditorState {
             Action::LoadTexture { material, map, path: Some(path) } => {
                 self.load(Topic::Map { material, map }, Source::Texture(path.clone()), path);
             }
+            Action::LoadBrdf { material, path: Some(path) } => {
+                self.load(Topic::Brdf(material), Source::Brdf(path.clone()), path);
+            }
             Action::LoadMaterial { material, path: Some(path) } => self.load_material(material, path),
             Action::SaveMaterial { material, path: Some(path) } => self.save_material(material, &path),
             Action::AddToLibrary(Some(path)) => self.add_to_library(path),
@@ -82,6 +85,7 @@ impl EditorState {
             | Action::ExportMaterials(None)
             | Action::SequenceFolder(None)
             | Action::LoadTexture { path: None, .. }
+            | Action::LoadBrdf { path: None, .. }
             | Action::LoadMaterial { path: None, .. }
             | Action::SaveMaterial { path: None, .. }
             | Action::LoadLights(None)

@@ -2,6 +2,7 @@
 
 mod actual_window;
 mod bounces;
+mod brdfs;
 mod comparison;
 mod documents;
 mod export;

@@ -1,6 +1,7 @@
 //! Undo and redo: a list of edits, each of which holds the value that the document does not have at the moment.
 
 use super::{Document, Edit};
+use lapidary_core::material::Material;
 use std::collections::VecDeque;
 
 /// More steps than anyone undoes by hand; the oldest is removed first. A step holds one value, at most some kB.
@@ -83,6 +84,14 @@ impl History {
             self.done.pop_back();
             self.gesture_open = false;
         }
+    }
+
+    /// The materials of all steps, for what is read again of files that they name.
+    pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
+        self.done.iter_mut().chain(&mut self.undone).filter_map(|step| match &mut step.edit {
+            Edit::Material { material, .. } => Some(&mut **material),
+            _ => None,
+        })
     }
 
     /// The next edit begins a new step.

@@ -1,11 +1,12 @@
 //! Session files: a document as versioned JSON, without its pictures and its dataset, which it names by path.
 //!
-//! `{"lapidary_session": 1, "scene", "dataset", "materials", "environment", "lights", "components", "solution", "camera",
+//! `{"lapidary_session": 2, "scene", "dataset", "materials", "environment", "lights", "components", "solution", "camera",
 //! "bookmarks", "view", "bake"}`; the lights are those of a lights file.
 //! Paths are relative to the file, angles in degrees. A reader takes what it can: values that cannot be are replaced
 //! with a warning, keys that it does not know are kept and written back ([`Unknown`]), files that are not there are
 //! listed and can be looked for ([`LoadedSession::relink`]). Only a newer version or damaged JSON is refused.
 
+mod brdfs;
 mod checks;
 mod error;
 mod file;
@@ -33,7 +34,9 @@ pub(super) use write::save_for_recovery;
 pub const EXTENSION: &str = "lapidary";
 
 /// Version that is written, and the newest that is read.
-pub const VERSION: u64 = 1;
+///
+/// In version 1 `ward` was the model that is `ward-duer` now.
+pub const VERSION: u64 = 2;
 
 /// Key of the version.
 const VERSION_KEY: &str = "lapidary_session";

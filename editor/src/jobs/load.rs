@@ -6,6 +6,7 @@ pub use kind::{Kind, foreign, kind_of};
 
 use super::Imported;
 use lapidary_core::{
+    brdf::Content,
     environment::Environment,
     import::{ImportError, ImportOptions, load_material},
     material::Material,
@@ -34,6 +35,8 @@ pub enum Topic {
         /// Which map.
         map: &'static str,
     },
+    /// The BRDF of a material.
+    Brdf(usize),
     /// A whole material.
     Material(usize),
     /// A file that has changed on disk.
@@ -54,6 +57,8 @@ pub enum Source {
     },
     /// A picture for a map.
     Texture(PathBuf),
+    /// The file of a BRDF.
+    Brdf(PathBuf),
     /// A material file.
     Material {
         /// Which.
@@ -79,6 +84,13 @@ pub enum Loaded {
     Scene(Box<Imported>),
     /// A picture.
     Texture(Arc<Texture>),
+    /// The contents of a BRDF's file.
+    Brdf {
+        /// What was read.
+        content: Content,
+        /// What is to be told, in sentences.
+        remarks: Vec<String>,
+    },
     /// A material that refers to `textures`.
     Material {
         /// The material.
@@ -164,6 +176,10 @@ fn open(source: Source) -> anyhow::Result<Loaded> {
         }
         Source::Scene { path, allow_outside } => Loaded::Scene(Imported::read(&path, allow_outside)?.into()),
         Source::Texture(path) => Loaded::Texture(Texture::read(&path)?.into()),
+        Source::Brdf(path) => {
+            let (content, remarks) = Content::read(&path)?;
+            Loaded::Brdf { content, remarks }
+        }
         Source::Material { path, textures, allow_outside } => {
             let given = textures.len();
             let mut scene = Scene { textures, ..Default::default() };

@@ -2,6 +2,7 @@
 //!
 //! The panel works on a copy of the material and asks for one edit per frame if the copy differs.
 
+mod brdf_file;
 mod lobe_plot;
 mod maps;
 mod parameters;

@@ -3,6 +3,7 @@
 use super::{Target, named, scenes::datasets};
 use crate::{choices::Choices, mutate::Mutation};
 use lapidary_core::{
+    brdf::Content,
     environment::Environment,
     image::{Image, decode, dimensions, footprint},
 };
@@ -125,6 +126,11 @@ pub fn read_picture(path: &Path) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Reads the file of a BRDF.
+pub fn read_brdf(path: &Path) -> Result<(), String> {
+    Content::read(path).map(drop).or_else(|error| named(&error, path))
 }
 
 /// Reads a session and all that it names.

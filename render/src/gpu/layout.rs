@@ -118,7 +118,10 @@ pub struct Material {
     pub normal_y: f32,
     /// Index of the first parameter of surfaces.
     pub surface: u32,
-    pub padding: u32,
+    /// First word of its measured BRDF.
+    pub table: u32,
+    /// Albedo for light from the normal, and width of the lobe, of a BRDF that is known by its values.
+    pub estimate: [f32; 4],
     pub normal_map: TextureSlot,
     pub bump_map: TextureSlot,
     pub parameters: [MaterialParameter; constants::MOST_PARAMETERS],
@@ -245,6 +248,8 @@ pub struct VertexIrradiance {
 /// Values that the shaders share with this side by name.
 pub mod constants {
     pub const MOST_PARAMETERS: usize = 32;
+    /// In place of a measured BRDF that is not there.
+    pub const NO_TABLE: u32 = u32::MAX;
     pub const BACKGROUND_MAP: u32 = 0;
     pub const BACKGROUND_FLAT: u32 = 1;
     pub const TWO_SIDED: u32 = 1 << 31;

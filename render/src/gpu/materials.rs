@@ -4,15 +4,17 @@ use super::{
     device::GpuDevice,
     layout::{
         Material, MaterialParameter, Tables, TextureSlot,
-        constants::{KIND_PROCEDURAL, MOST_PARAMETERS},
+        constants::{KIND_PROCEDURAL, MOST_PARAMETERS, NO_TABLE},
     },
+    measured::GpuMeasured,
+    models::ModelSet,
     pipeline::bind,
     pool::{Place, TexturePool},
     scene::{GpuScene, storage},
 };
 use crate::appearance::Appearance;
 use lapidary_core::{
-    brdf::albedo_table,
+    brdf::{MISSING, albedo_table},
     color::linear_from_srgb,
     material::{self, BUMP, NORMAL},
     texture::{self, Procedural},
@@ -24,19 +26,30 @@ pub struct GpuMaterials {
     pub buffer: wgpu::Buffer,
     pub pool: TexturePool,
     pub tables: wgpu::Buffer,
+    pub measured: GpuMeasured,
 }
 
 impl GpuMaterials {
     /// Uploads; textures of `before` that still fit are reused. Also returns which were scaled, in sentences.
     pub fn new(gpu: &GpuDevice, appearance: &Appearance, before: Option<Self>) -> (Self, Vec<String>) {
-        let kept = before.map(|b| b.pool).filter(|pool| pool.serves(appearance));
-        let (pool, messages) = match kept {
+        let (pool, measured) = before.map(|b| (b.pool, b.measured)).unzip();
+        let kept = pool.filter(|pool| pool.serves(appearance));
+        let (pool, mut messages) = match kept {
             Some(pool) => (pool, Vec::new()),
             None => TexturePool::new(gpu, appearance),
         };
-        let materials: Vec<Material> = appearance.materials.iter().map(|m| material(m, &pool)).collect();
-        let materials =
-            Self { buffer: storage(gpu, "materials", bytemuck::cast_slice(&materials)), pool, tables: tables(gpu) };
+        let (measured, unplaced) = GpuMeasured::new(gpu, appearance, measured);
+        messages.extend(unplaced);
+        let models = ModelSet::of(appearance);
+        let material = |m| Material {
+            model: models.number(m),
+            table: measured.first_word(m),
+            estimate: estimate(m),
+            ..material(m, &pool)
+        };
+        let materials: Vec<Material> = appearance.materials.iter().map(material).collect();
+        let buffer = storage(gpu, "materials", bytemuck::cast_slice(&materials));
+        let materials = Self { buffer, pool, tables: tables(gpu), measured };
         (materials, messages)
     }
 
@@ -48,8 +61,23 @@ impl GpuMaterials {
             self.buffer.as_entire_binding(),
             wgpu::BindingResource::TextureView(&self.pool.view),
             self.tables.as_entire_binding(),
+            self.measured.buffer.as_entire_binding(),
         ];
         bind(gpu, "scene", layout, &resources)
+    }
+}
+
+/// Albedo for light from the normal, and width of the lobe, if its BRDF is that of a file.
+fn estimate(m: &material::Material) -> [f32; 4] {
+    if !m.model.has_file() {
+        return [0.0; 4];
+    }
+    match m.file.as_ref().and_then(|file| file.content.as_ref()) {
+        Some(content) => {
+            let lobe = content.estimate(&m.plain_values());
+            lobe.albedo_at(1.0).extend(lobe.width()).to_array()
+        }
+        None => MISSING.extend(0.0).to_array(),
     }
 }
 
@@ -62,15 +90,16 @@ fn material(m: &material::Material, pool: &TexturePool) -> Material {
         m.maps.get(name).and_then(placed).unwrap_or_default()
     };
     let mut parameters = [MaterialParameter::default(); MOST_PARAMETERS];
-    for (packed, declared) in parameters.iter_mut().zip(m.model.parameters()) {
+    for (packed, declared) in parameters.iter_mut().zip(m.declared()) {
         let value = m.parameters.value(declared).color();
         *packed = MaterialParameter { value: value.to_array(), map: slot(declared.name), ..Default::default() };
     }
     Material {
         model: m.model as u32,
         normal_y: if m.maps.get(NORMAL).is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
-        surface: m.model.own_parameters().len() as u32,
-        padding: 0,
+        surface: m.own_parameters().len() as u32,
+        table: NO_TABLE,
+        estimate: [0.0; 4],
         normal_map: slot(NORMAL),
         bump_map: slot(BUMP),
         parameters,

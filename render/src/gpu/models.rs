@@ -1,18 +1,50 @@
 //! The shaders' dispatch to the BRDF models that a scene uses, written from the models' declarations. Models that no material
 //! has are not compiled.
 
+use super::written;
 use crate::appearance::Appearance;
-use lapidary_core::brdf::{BrdfModel, MapUse, Parameter};
-use std::fmt::Write;
+use lapidary_core::{
+    brdf::{BrdfModel, Content, MapUse, Parameter, Written},
+    material::Material,
+};
+use std::{fmt::Write, sync::Arc};
 
 /// The models that are compiled. The first is always there: a ground that catches shadows is diffuse.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ModelSet(Vec<BrdfModel>);
+#[derive(Clone, Debug)]
+pub struct ModelSet {
+    models: Vec<BrdfModel>,
+    /// Those that users wrote, each once.
+    written: Vec<Arc<Written>>,
+}
 
 impl Default for ModelSet {
     fn default() -> Self {
-        Self(vec![DIFFUSE])
+        Self { models: vec![DIFFUSE], written: Vec::new() }
     }
+}
+
+impl PartialEq for ModelSet {
+    fn eq(&self, other: &Self) -> bool {
+        let hash = |written: &Arc<Written>| written.hash();
+        self.models == other.models && self.written.iter().map(hash).eq(other.written.iter().map(hash))
+    }
+}
+
+/// What the text needs of a model.
+struct Entry {
+    /// `MODEL_OREN_NAYAR`.
+    constant: String,
+    /// Name of its structure.
+    type_name: String,
+    /// Name of the structure of its parameters.
+    parameters_name: String,
+    /// What its functions begin with: `oren_nayar`.
+    prefix: String,
+    list: &'static [Parameter],
+    /// What else it takes of a material than its parameters.
+    more: &'static str,
+    /// Whether the structure of the parameters is in the text of the model.
+    has_structure: bool,
 }
 
 /// The model of a ground that catches shadows.
@@ -21,63 +53,118 @@ const DIFFUSE: BrdfModel = BrdfModel::Lambert;
 impl ModelSet {
     /// Those that the materials have.
     pub fn of(appearance: &Appearance) -> Self {
-        let is_used = |&model: &BrdfModel| model == DIFFUSE || appearance.materials.iter().any(|m| m.model == model);
-        Self(BrdfModel::ALL.iter().copied().filter(is_used).collect())
+        let mut written: Vec<Arc<Written>> = Vec::new();
+        for found in appearance.materials.iter().filter_map(written_of) {
+            if !written.iter().any(|known| known.hash() == found.hash()) {
+                written.push(found.clone());
+            }
+        }
+        let has = |material: &Material, model| material.model == model && written_of(material).is_none();
+        let is_used = |&model: &BrdfModel| model == DIFFUSE || appearance.materials.iter().any(|m| has(m, model));
+        Self { models: BrdfModel::ALL.iter().copied().filter(is_used).collect(), written }
     }
 
-    /// All of them.
+    /// All of them, and one that a user wrote.
     #[cfg(test)]
     pub fn all() -> Self {
-        Self(BrdfModel::ALL.to_vec())
+        let example = lapidary_core::brdf::example_file(BrdfModel::Wgsl).and_then(|file| file.content);
+        let written = example.as_ref().and_then(Content::written).cloned().into_iter().collect();
+        Self { models: BrdfModel::ALL.to_vec(), written }
     }
 
     /// In the order of their list.
     pub fn models(&self) -> &[BrdfModel] {
-        &self.0
+        &self.models
+    }
+
+    /// The number of a material's model in shaders.
+    pub fn number(&self, material: &Material) -> u32 {
+        let place = written_of(material).and_then(|of| self.written.iter().position(|known| known.hash() == of.hash()));
+        place.map_or(material.model as u32, |index| (BrdfModel::ALL.len() + index) as u32)
     }
 
     /// The parameters of each model, what all of them have in common, and the dispatch.
     pub fn text(&self) -> String {
         let mut text = String::from("// Written from the declarations of the models.\n");
-        for (index, &model) in BrdfModel::ALL.iter().enumerate() {
-            let name = constant(model);
+        let all = BrdfModel::ALL.iter().map(|&model| constant(model));
+        let written = (0..self.written.len()).map(|index| format!("MODEL_WRITTEN_{index}"));
+        for (index, name) in all.chain(written).enumerate() {
             writeln!(text, "const {name}: u32 = {index}u;").expect("a string takes all");
         }
-        self.0.iter().for_each(|&model| text += &parameters(model));
-        text += &self.brdf();
+        self.written.iter().enumerate().for_each(|(index, of)| text += &written::text(of, index));
+        let entries = self.entries();
+        entries.iter().for_each(|entry| text += &parameters(entry));
+        text += &brdf(&entries);
         text
     }
 
-    fn brdf(&self) -> String {
-        let each = |f: &dyn Fn(&str, &str, &str) -> String| {
-            let line = |&model: &BrdfModel| f(&constant(model), model.type_name(), &prefix(model));
-            self.0.iter().map(line).collect::<String>()
+    fn entries(&self) -> Vec<Entry> {
+        let of_model = |&model: &BrdfModel| Entry {
+            constant: constant(model),
+            type_name: model.type_name().into(),
+            parameters_name: format!("{}Parameters", model.type_name()),
+            prefix: prefix(model),
+            list: model.own_parameters(),
+            more: if model == BrdfModel::Merl {
+                ", materials[material].table, materials[material].estimate"
+            } else {
+                ""
+            },
+            has_structure: false,
         };
-        let members = each(&|_, ty, prefix| format!("    {prefix}: {ty},\n"));
-        let makes = each(&|name, _, prefix| {
-            format!("        case {name}: {{ brdf.{prefix} = {prefix}_of(read_{prefix}(material, uv)); }}\n")
-        });
-        let reflects = each(&|name, _, prefix| {
-            format!("        case {name}: {{ return {prefix}_reflect(brdf.{prefix}, light, wo); }}\n")
-        });
-        let of = |what: &str| {
-            each(&|name, _, prefix| format!("        case {name}: {{ return {prefix}_{what}(brdf.{prefix}); }}\n"))
+        let of_written = |(index, of): (usize, &Arc<Written>)| Entry {
+            constant: format!("MODEL_WRITTEN_{index}"),
+            type_name: format!("Written{index}"),
+            parameters_name: format!("{}Parameters", written::prefix(index)),
+            prefix: format!("written_{index}"),
+            list: of.parameters(),
+            more: ", materials[material].estimate",
+            has_structure: true,
         };
-        let shown = each(&|name, _, prefix| {
-            let model = self.0.iter().find(|&&m| constant(m) == name).expect("a model of the set");
-            let field = |quantity, none: &str| {
-                model.parameter_for(quantity).map_or(none.to_owned(), |p| format!("p.{}", p.name))
-            };
-            let (color, roughness) = (field("base_color", "vec3(0.0)"), field("roughness", "1.0"));
-            format!(
-                "        case {name}: {{\n            let p = read_{prefix}(material, uv);\n            \
-                 return vec4({color}, {roughness});\n        }}\n"
-            )
-        });
-        let (lobes, albedos) = (of("lobes"), of("albedo"));
-        let diffuse = constant(DIFFUSE);
+        self.models.iter().map(of_model).chain(self.written.iter().enumerate().map(of_written)).collect()
+    }
+}
+
+/// What a user wrote for a material.
+fn written_of(material: &Material) -> Option<&Arc<Written>> {
+    let file = material.file.as_ref().filter(|_| material.model == BrdfModel::Wgsl)?;
+    file.content.as_ref().and_then(Content::written)
+}
+
+/// Any of the models, and the dispatch to them.
+fn brdf(entries: &[Entry]) -> String {
+    let each = |f: &dyn Fn(&Entry) -> String| entries.iter().map(f).collect::<String>();
+    let members = each(&|Entry { type_name, prefix, .. }| format!("    {prefix}: {type_name},\n"));
+    let makes = each(&|Entry { constant, prefix, list, more, .. }| {
+        let read = if list.is_empty() { String::new() } else { format!("read_{prefix}(material, uv){more}") };
+        format!("        case {constant}: {{ brdf.{prefix} = {prefix}_of({read}); }}\n")
+    });
+    let reflects = each(&|Entry { constant, prefix, .. }| {
+        format!("        case {constant}: {{ return {prefix}_reflect(brdf.{prefix}, light, wo); }}\n")
+    });
+    let of = |what: &str| {
+        each(&|Entry { constant, prefix, .. }| {
+            format!("        case {constant}: {{ return {prefix}_{what}(brdf.{prefix}); }}\n")
+        })
+    };
+    let shown = each(&|Entry { constant, prefix, list, .. }| {
+        let field = |quantity, none: &str| {
+            let parameter = list.iter().find(|p| p.quantity == quantity);
+            parameter.map_or(none.to_owned(), |p| format!("p.{}", p.name))
+        };
+        let (color, roughness) = (field("base_color", "vec3(0.0)"), field("roughness", "1.0"));
+        if list.is_empty() {
+            return format!("        case {constant}: {{ return vec4({color}, {roughness}); }}\n");
+        }
         format!(
-            "
+            "        case {constant}: {{\n            let p = read_{prefix}(material, uv);\n            \
+                 return vec4({color}, {roughness});\n        }}\n"
+        )
+    });
+    let (lobes, albedos) = (of("lobes"), of("albedo"));
+    let diffuse = constant(DIFFUSE);
+    format!(
+        "
 // Any of the models.
 struct Brdf {{
     model: u32,
@@ -131,23 +218,29 @@ fn color_and_roughness(material: u32, uv: UvFootprint) -> vec4<f32> {{
     }}
 }}
 "
-        )
-    }
+    )
 }
 
 /// `MODEL_OREN_NAYAR`.
 fn constant(model: BrdfModel) -> String {
-    format!("MODEL_{}", prefix(model).to_uppercase())
+    format!("MODEL_{}", model.key().replace('-', "_").to_uppercase())
 }
 
 /// What the functions of a model begin with: `oren_nayar`.
 fn prefix(model: BrdfModel) -> String {
-    model.key().replace('-', "_")
+    match model {
+        // The name of the language is none in it.
+        BrdfModel::Wgsl => "unwritten".into(),
+        _ => model.key().replace('-', "_"),
+    }
 }
 
 /// The structure of a model's parameters, and how it is read.
-fn parameters(model: BrdfModel) -> String {
-    let (ty, prefix) = (model.type_name(), prefix(model));
+fn parameters(entry: &Entry) -> String {
+    let Entry { parameters_name, prefix, list, has_structure, .. } = entry;
+    if list.is_empty() {
+        return String::new();
+    }
     let field = |p: &Parameter| format!("    {}: {},\n", p.name, if p.is_color() { "vec3<f32>" } else { "f32" });
     let read = |(index, p): (usize, &Parameter)| {
         let function = if p.is_color() { "material_color" } else { "material_number" };
@@ -155,15 +248,13 @@ fn parameters(model: BrdfModel) -> String {
         let [low, high] = p.range;
         format!("        {function}(material, {index}u, uv, vec2({low:?}, {high:?}), {least:?}),\n")
     };
-    let fields: String = model.own_parameters().iter().map(field).collect();
-    let reads: String = model.own_parameters().iter().enumerate().map(read).collect();
+    let fields: String = list.iter().map(field).collect();
+    let reads: String = list.iter().enumerate().map(read).collect();
+    let structure = if *has_structure { String::new() } else { format!("\nstruct {parameters_name} {{\n{fields}}}\n") };
     format!(
-        "
-struct {ty}Parameters {{
-{fields}}}
-
-fn read_{prefix}(material: u32, uv: UvFootprint) -> {ty}Parameters {{
-    return {ty}Parameters(
+        "{structure}
+fn read_{prefix}(material: u32, uv: UvFootprint) -> {parameters_name} {{
+    return {parameters_name}(
 {reads}    );
 }}
 "

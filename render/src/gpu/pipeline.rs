@@ -128,7 +128,7 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
     let layout = |label, bindings: &[Binding]| layout(gpu, label, bindings);
     Layouts {
         frame: layout("frame", &[Uniform]),
-        scene: layout("scene", &[Storage, Storage, Storage, Uint, Uniform]),
+        scene: layout("scene", &[Storage, Storage, Storage, Uint, Uniform, Storage]),
         light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
         ids: layout("ids", &[Uint]),
         parameters: layout("parameters", &[Uint, Float]),

@@ -1,5 +1,7 @@
 //! Known answers for the CPU renderer and both references: furnace, a lone light's shadow, orientation, all leaves.
 
+mod from_files;
+
 use super::*;
 use crate::{
     Background, BrdfSampling, PathSettings, Quiet, View,

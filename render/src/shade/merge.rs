@@ -489,7 +489,8 @@ mod tests {
         test_scenes::{dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, surface_at},
     };
     use lapidary_core::{
-        brdf::{BrdfModel, GgxParameters, SurfaceBrdf},
+        brdf::{BrdfModel, GgxParameters, example_file},
+        material::Material,
         sources::SourceTree,
     };
 
@@ -499,7 +500,9 @@ mod tests {
             let mut bits = Vec::new();
             for &model in BrdfModel::ALL {
                 let parameters = GgxParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
-                let brdf = SurfaceBrdf::new(model, &model.values(&parameters.into()));
+                let material =
+                    Material { model, file: example_file(model), parameters: parameters.into(), ..Default::default() };
+                let brdf = material.plain_brdf();
                 let point = SurfacePoint { brdf, ..point.clone() };
                 for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
                     let mut shader = Shader { instructions, ..Shader::new(field, cuts, sampling) };

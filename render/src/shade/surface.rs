@@ -148,9 +148,9 @@ impl SurfacePlace {
         let bumped = self.bumped(appearance, material);
         let world_from_local = frame(facing(bumped.normal, wo), self.tangent, self.handedness);
         let values = appearance.values(material, &self.uv);
-        let brdf = SurfaceBrdf::new(material.model, &values);
-        let base_color = material.model.value_for(&values, "base_color").map_or(Vec3::ZERO, Value::color);
-        let roughness = material.model.value_for(&values, "roughness").map_or(1.0, Value::number);
+        let brdf = material.brdf(&values);
+        let base_color = values.of_quantity(material.declared(), "base_color").map_or(Vec3::ZERO, Value::color);
+        let roughness = values.of_quantity(material.declared(), "roughness").map_or(1.0, Value::number);
         let emission = SurfaceParameters::of(&values).emission();
         let (wo, slopes) = (world_from_local.transpose() * wo, bumped.spread(&world_from_local));
         PlaceLook { world_from_local, wo, base_color, roughness, brdf, emission, slopes }

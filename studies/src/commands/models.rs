@@ -52,6 +52,7 @@ fn models_json() -> serde_json::Value {
             "model": model.key(),
             "label": model.label(),
             "summary": model.summary(),
+            "file": model.has_file(),
             "parameters": model.parameters().iter().map(parameter).collect::<Vec<_>>(),
         })
     };
@@ -65,7 +66,8 @@ fn models_json() -> serde_json::Value {
 fn models_text() -> String {
     let mut text = String::new();
     for model in BrdfModel::ALL {
-        text += &format!("{}: {}\n", model.key(), model.summary());
+        let file = if model.has_file() { " Its materials name a `file`." } else { "" };
+        text += &format!("{}: {}{file}\n", model.key(), model.summary());
         for p in model.parameters() {
             let [low, high] = p.range;
             let default = match p.default {

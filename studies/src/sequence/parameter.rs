@@ -68,7 +68,7 @@ pub enum Domain {
 impl Parameter {
     /// All of them, in the order of lists.
     pub fn all() -> impl Iterator<Item = Self> {
-        let declared = BrdfModel::ALL.iter().flat_map(|model| model.parameters()).map(|p| p.name);
+        let declared = BrdfModel::all_declared().map(|p| p.name);
         let mut known = BTreeSet::new();
         declared.filter(move |name| known.insert(*name)).map(Self::Brdf).chain(Self::OTHERS)
     }
@@ -206,7 +206,7 @@ fn each_material(look: &mut Look, of: Option<&str>, mut change: impl FnMut(&mut 
 /// The parameter of a material's model by this name, or for the same quantity.
 fn read_by(material: &Material, name: &str) -> Option<&'static brdf::Parameter> {
     let quantity = BrdfModel::declared(name).map_or(name, |parameter| parameter.quantity);
-    material.model.parameter(name).or_else(|| material.model.parameter_for(quantity))
+    material.parameter(name).or_else(|| material.parameter_for(quantity))
 }
 
 /// Materials whose model has the quantity under another name change that.

@@ -36,6 +36,7 @@ pub struct Purpose {
 
 const PICTURES: &[&str] = &["png", "jpg", "jpeg", "tga", "hdr", "exr"];
 const MATERIALS: &[&str] = &["json", "mtlx"];
+const BRDFS: &[&str] = lapidary_core::brdf::ContentKind::EXTENSIONS;
 const LIGHTS: &[&str] = &["json"];
 
 impl Purpose {
@@ -78,6 +79,7 @@ impl Purpose {
             Action::LoadTexture { .. } => {
                 purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", PICTURES)
             }
+            Action::LoadBrdf { .. } => purpose(FileUse::Material, "Load a BRDF", "Load", Mode::Open, "BRDFs", BRDFS),
             Action::LoadMaterial { .. } => {
                 purpose(FileUse::Material, "Load a material", "Load", Mode::Open, "Materials", MATERIALS)
             }
@@ -137,6 +139,7 @@ pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
         | Action::ExportLayers(path)
         | Action::SequenceFolder(path)
         | Action::LoadTexture { path, .. }
+        | Action::LoadBrdf { path, .. }
         | Action::LoadMaterial { path, .. }
         | Action::SaveMaterial { path, .. }
         | Action::LoadLights(path)

@@ -126,6 +126,9 @@ impl Session {
             visit("environment", &mut path);
             self.environment.spec = path.to_string_lossy().into_owned();
         }
+        for file in self.materials.iter_mut().filter_map(|m| m.file.as_mut()) {
+            visit("BRDF", &mut file.path);
+        }
         for slot in self.materials.iter_mut().flat_map(|m| m.maps.slots_mut()) {
             if let Some(TextureSource::File(path)) = &mut slot.texture {
                 visit("texture", path);

@@ -11,6 +11,7 @@ use crate::document::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    brdf::BrdfFile,
     input,
     lights::{Emission, Light},
     material::{BrdfModel, map_names},
@@ -39,7 +40,7 @@ pub struct LoadedSession {
 /// A file that is not where a session says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingFile {
-    /// `scene`, `dataset`, `environment` or `texture`.
+    /// `scene`, `dataset`, `environment`, `BRDF` or `texture`.
     pub what: &'static str,
     /// Where it should be.
     pub path: PathBuf,
@@ -53,6 +54,9 @@ pub fn load(path: &Path) -> Result<LoadedSession, SessionError> {
     let root = read_json(path)?;
     let mut reader = Reader::default();
     let mut session = reader.session(&root);
+    if root.get(VERSION_KEY).and_then(Value::as_u64) == Some(1) {
+        session.materials.iter_mut().for_each(SessionMaterial::with_ward_of_before);
+    }
     checks::sanitize(&mut session, &mut reader.warnings);
     let folder = folder_of(path);
     session.visit_paths(&mut |_, path| *path = resolve(path, &folder));
@@ -181,15 +185,23 @@ impl Reader {
 
 /// A material with the parameters and slots that `given` has, so that their values are read one by one as well.
 fn material_template(given: &Value) -> SessionMaterial {
-    let mut template = SessionMaterial::default();
+    let file = given.get("file").map(|_| BrdfFile::unread(""));
+    let mut template = SessionMaterial { file, ..Default::default() };
     let named = |key| given.get(key).and_then(Value::as_object).into_iter().flatten();
-    for parameter in named("parameters").filter_map(|(name, _)| BrdfModel::declared(name)) {
-        template.parameters.set(parameter.name, parameter.default);
+    // What the file of a BRDF declares is known when it is read.
+    let may_declare = given.get("file").and_then(Value::as_str).is_some_and(|file| file.ends_with(".wgsl"));
+    for (name, value) in named("parameters") {
+        match BrdfModel::declared(name) {
+            Some(parameter) => template.parameters.set(parameter.name, parameter.default),
+            None if may_declare && value.is_number() => template.parameters.set(name.clone(), 0.0),
+            None if may_declare && value.is_array() => template.parameters.set(name.clone(), Vec3::ZERO),
+            None => {}
+        }
     }
     let known = || BrdfModel::ALL.iter().flat_map(|&model| map_names(model));
     for (name, _) in named("maps").filter(|(_, slot)| slot.is_object()) {
-        if let Some(name) = known().find(|known| known == name) {
-            template.maps.set(name, Some(SessionSlot::default()));
+        if may_declare || known().any(|known| known == name) {
+            template.maps.set(name.clone(), Some(SessionSlot::default()));
         }
     }
     template

@@ -1,6 +1,6 @@
 //! From a session and the scene that it names to a document.
 
-use super::{LoadedSession, Session, SessionMaterial, TextureSource, file::document_material};
+use super::{LoadedSession, Session, SessionMaterial, TextureSource, brdfs, file::document_material};
 use crate::document::{Document, TextureEntry};
 use lapidary_core::{ground, material::Material, scene::Scene, texture::Texture};
 use std::{
@@ -32,6 +32,7 @@ impl LoadedSession {
             }
         };
         document.textures = textures.entries;
+        brdfs::read(&mut document.materials, scene.map_or(&[], |scene| &scene.materials), &mut warnings);
         document.scene = session.scene;
         document.dataset = session.dataset;
         document.environment = session.environment;

@@ -1,5 +1,6 @@
 //! A session survives the disk, moves, other versions and other datasets; damage is refused or said.
 
+mod brdfs;
 mod broken_writes;
 mod damage;
 
@@ -55,6 +56,7 @@ impl Project {
         let texture = Texture::read(&picture).unwrap().into();
         document.textures.push(TextureEntry { texture, file: Some(picture) });
         document.materials[1] = Material {
+            file: None,
             name: "cloth".into(),
             model: BrdfModel::Ward,
             parameters: GgxParameters { base_color: Vec3::new(0.8, 0.1, 0.3), roughness: 0.35, ..Default::default() }
@@ -147,7 +149,7 @@ fn the_file_has_relative_paths_degrees_and_short_numbers() {
     let project = Project::new();
     project.reloaded(&project.document());
     let json = project.json();
-    assert_eq!((&json["lapidary_session"], &json["scene"]), (&json!(1), &json!("../a.gltf")));
+    assert_eq!((&json["lapidary_session"], &json["scene"]), (&json!(2), &json!("../a.gltf")));
     assert_eq!(json["environment"]["spec"], "../maps/room.hdr");
     assert_eq!(json["camera"]["fov_y_degrees"], 35.0);
     let maps = &json["materials"][1]["maps"];

@@ -1,6 +1,6 @@
 //! The kind of a file: by its extension, by its shape for pictures, and by its contents for JSON.
 
-use lapidary_core::{image::dimensions, import::MaterialFile, input};
+use lapidary_core::{brdf::ContentKind, image::dimensions, import::MaterialFile, input};
 use std::path::Path;
 
 /// What a file holds.
@@ -18,6 +18,8 @@ pub enum Kind {
     Texture,
     /// A material file.
     Material,
+    /// The file of a BRDF.
+    Brdf,
     /// A list of local lights.
     Lights,
     /// None of these.
@@ -33,6 +35,7 @@ pub fn kind_of(path: &Path) -> Kind {
         "lapidary" => Kind::Session,
         "hdr" | "exr" => Kind::Environment,
         "png" | "jpg" | "jpeg" | "tga" => kind_of_picture(path),
+        extension if ContentKind::EXTENSIONS.contains(&extension) => Kind::Brdf,
         "json" => kind_of_json(path),
         "mtlx" => Kind::Material,
         _ => Kind::Unknown,
@@ -71,7 +74,7 @@ pub fn foreign(path: &Path) -> String {
     let what = if path.exists() { "Lapidary does not know this kind of file" } else { "there is no such file" };
     format!(
         "{what}; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an environment \
-         (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json, .mtlx) or lights (.json) ({})",
+         (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json, .mtlx), a BRDF (.binary, .wgsl) or lights (.json) ({})",
         path.display()
     )
 }

@@ -5,7 +5,11 @@ use crate::panels::widgets::{Number, choice_row, slider_row};
 use egui::{Color32, Ui};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints};
 use glam::Vec3;
-use lapidary_core::{brdf::Brdf, color::luminance, material::Material};
+use lapidary_core::{
+    brdf::{Brdf, BrdfModel, SampledLobe},
+    color::luminance,
+    material::Material,
+};
 use std::f32::consts::FRAC_PI_2;
 
 /// Directions across the half circle, and as many again around the mirror direction.
@@ -36,6 +40,14 @@ pub struct LobePlot {
     pub light_degrees: f32,
     /// In which plane.
     pub plane: Plane,
+}
+
+/// What was estimated of a BRDF of a file, and its tint: integrating it for each picture of the window takes too long.
+fn estimate(material: &Material) -> Option<(SampledLobe, Vec3)> {
+    let file = material.file.as_ref().filter(|_| material.model.has_file())?;
+    let tint = material.parameter("tint").filter(|_| material.model == BrdfModel::Merl);
+    let tint = tint.map_or(Vec3::ONE, |tint| material.parameters.value(tint).color());
+    Some((file.content.as_ref()?.estimate(&material.plain_values()), tint))
 }
 
 impl Default for LobePlot {
@@ -102,8 +114,13 @@ impl LobePlot {
     /// Share of the light that is reflected in all directions, by the light's angle in degrees, per colour.
     pub fn energy(&self, material: &Material) -> Vec<(f32, Vec3)> {
         let brdf = material.plain_brdf();
+        let estimate = estimate(material);
         let angles = (0..ANGLES).map(|i| STEEPEST * i as f32 / (ANGLES - 1) as f32);
-        angles.map(|angle| (angle, albedo(brdf.as_brdf(), self.direction(-angle.to_radians())))).collect()
+        let at = |angle: f32| match &estimate {
+            Some((estimate, tint)) => estimate.albedo_at(angle.to_radians().cos()) * *tint,
+            None => albedo(brdf.as_brdf(), self.direction(-angle.to_radians())),
+        };
+        angles.map(|angle| (angle, at(angle))).collect()
     }
 
     fn draw_energy(&self, ui: &mut Ui, energy: &[(f32, Vec3)]) {

@@ -157,7 +157,7 @@ fn thumbnail(ui: &mut Ui, picture: Option<TextureHandle>) {
 }
 
 /// The file that was dropped on `rect`, if any; marks the row while a file is held over it.
-fn dropped_on(ui: &Ui, rect: Rect) -> Option<PathBuf> {
+pub fn dropped_on(ui: &Ui, rect: Rect) -> Option<PathBuf> {
     if !ui.rect_contains_pointer(rect) {
         return None;
     }

@@ -28,6 +28,9 @@ pub fn show(
     actions: &mut Vec<Action>,
 ) {
     model(ui, changes);
+    if changes.material.model.has_file() {
+        super::brdf_file::show(ui, index, &changes.material, actions);
+    }
     let mut shown = |ui: &mut Ui, changes: &mut Changes, parameter: &'static Parameter| {
         match parameter.is_color() {
             true => color(ui, parameter, changes),
@@ -35,7 +38,7 @@ pub fn show(
         }
         maps::slot(ui, state, document, Target { index, kind: parameter.name }, changes, actions);
     };
-    for part in changes.material.model.parameters().chunk_by(|a, b| a.section == b.section) {
+    for part in changes.material.declared().chunk_by(|a, b| a.section == b.section) {
         match part[0].section {
             "" => part.iter().for_each(|parameter| shown(ui, changes, parameter)),
             title => {
@@ -94,7 +97,7 @@ fn figure(parameter: &Parameter, value: f32) -> String {
 
 /// Why a parameter has no effect, if it has none.
 fn unread(material: &Material, parameter: &Parameter) -> Option<&'static str> {
-    let metalness = material.model.parameter_for("metalness")?;
+    let metalness = material.parameter_for("metalness")?;
     let is_metal = material.parameters.value(metalness).number() >= 1.0 && material.maps.get(metalness.name).is_none();
     // That of OpenPBR scales what a metal reflects as well.
     let of_dielectrics = ["ior", "specular", "specular_ior"];

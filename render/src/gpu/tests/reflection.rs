@@ -154,7 +154,10 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 octaves
             ),
         ),
-        ("Material", shape!(layout::Material, model, normal_y, surface, padding, normal_map, bump_map, parameters)),
+        (
+            "Material",
+            shape!(layout::Material, model, normal_y, surface, table, estimate, normal_map, bump_map, parameters),
+        ),
         ("Tables", shape!(layout::Tables, linear_from_srgb, albedo)),
         ("MaterialParameter", shape!(layout::MaterialParameter, value, padding, map)),
         ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),

@@ -14,7 +14,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::{GgxParameters, Parameters},
+    brdf::{GgxParameters, Parameters, example_file},
     camera::Camera,
     dataset::Dataset,
     environment::{Environment, sun_and_sky},
@@ -102,7 +102,8 @@ pub(super) fn appearance(
     let parameters = parameters.into();
     let mut appearance = Appearance::of(&dataset.scene);
     for material in &mut appearance.materials {
-        *material = Material { model, parameters: parameters.clone(), maps: maps.clone(), ..material.clone() };
+        let file = example_file(model);
+        *material = Material { model, file, parameters: parameters.clone(), maps: maps.clone(), ..material.clone() };
     }
     appearance
 }
@@ -181,7 +182,8 @@ pub(super) fn parameters(roughness: f32, anisotropy: f32) -> GgxParameters {
 fn settings(model: BrdfModel, case: u64) -> Parameters {
     let mut random = fastrand::Rng::with_seed(case);
     let mut settings = Parameters::default();
-    for p in model.parameters() {
+    let material = Material { model, file: example_file(model), ..Default::default() };
+    for p in material.declared() {
         let [low, high] = p.slider;
         let low = if p.name.ends_with("roughness") { 0.35 } else { low };
         let mut number = || low + (high - low) * random.f32();
@@ -461,4 +463,23 @@ fn a_dataset_or_picture_beyond_the_limits_is_an_error_with_both_numbers() {
     // What was there before is still shown.
     let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
     assert!(agrees(&gpu, &cpu));
+}
+
+/// What is not there is the same magenta on both, and told from a white surface.
+#[test]
+fn a_brdf_whose_file_is_not_there_is_magenta() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    let view = view(ViewMode::Shaded);
+    for model in [BrdfModel::Merl, BrdfModel::Wgsl] {
+        let mut missing = appearance(&dataset, model, Parameters::default(), MaterialMaps::default());
+        missing.materials.iter_mut().for_each(|material| material.file = None);
+        rig.look(missing);
+        let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
+        assert!(agrees(&gpu, &cpu), "{model:?}: {:?}", difference(&gpu, &cpu));
+        let white = Parameters::default().with("base_color", Vec3::ONE);
+        rig.renderer.set_appearance(appearance(&dataset, BrdfModel::Lambert, white, MaterialMaps::default()));
+        let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
+        assert!(!agrees(&gpu, &other), "negative control: {model:?}");
+    }
 }

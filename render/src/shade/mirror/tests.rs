@@ -10,7 +10,7 @@ use crate::{
     view::View,
 };
 use lapidary_core::{
-    brdf::{BrdfModel, GgxParameters, OpenPbrParameters, Parameters, SurfaceBrdf},
+    brdf::{BrdfModel, GgxParameters, OpenPbrParameters, Parameters, SurfaceBrdf, Values},
     image::Image,
     scene::Mesh,
 };
@@ -89,7 +89,7 @@ fn only_sharp_lobes_are_mirrors() {
     let wo = Vec3::new(0.6, 0.0, 0.8);
     let leaf = 4.0 * PI / 32_768.0;
     let of = |model: BrdfModel, parameters: Parameters| {
-        let brdf = SurfaceBrdf::new(model, &model.values(&parameters));
+        let brdf = SurfaceBrdf::new(model, &Values::of(model.parameters(), &parameters), None);
         Mirror::of(brdf.as_brdf().lobes(), wo, leaf)
     };
     assert_eq!(of(BrdfModel::Ggx, metal(0.01).into()).unwrap().share, 1.0);

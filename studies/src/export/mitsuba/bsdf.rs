@@ -168,6 +168,11 @@ impl MaterialWriter<'_, '_> {
         common.change_model(BrdfModel::Ggx);
         if self.material.model == BrdfModel::OpenPbr {
             take_from_openpbr(&mut common);
+        } else if self.material.model.has_file() {
+            let brdf = self.material.plain_brdf();
+            let width = brdf.as_brdf().narrowest_lobe().unwrap_or(1.0);
+            common.parameters.set("base_color", brdf.as_brdf().albedo().min(Vec3::ONE));
+            common.parameters.set("roughness", width.sqrt());
         }
         MaterialWriter { material: &common, index: self.index, textures: self.textures }.principled_of_ggx()
     }

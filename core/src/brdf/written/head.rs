@@ -1,0 +1,133 @@
+//! The parameters that a user's BRDF declares, in comments:
+//!
+//! ```text
+//! // @parameter name | Label | number | 10 | 1..500 | unit | What it does.
+//! // @parameter tint | Tint | color | 0.8 0.8 0.8 | 0..1 | | What it does.
+//! ```
+
+use super::WrittenError;
+use crate::brdf::{BrdfModel, MOST_NUMBERS, Parameter, SurfaceParameters, Value};
+use glam::Vec3;
+use std::sync::{LazyLock, Mutex};
+
+/// What a line begins with.
+const MARK: &str = "// @parameter";
+/// Most parameters: shaders have room for so many.
+const MOST: usize = 32;
+
+/// All lists that were read, each once: panels, sweeps and shaders hold on to them. What stays for ever is thus bounded by
+/// the heads that differ, not by how often a file is read.
+static KNOWN: LazyLock<Mutex<Vec<&'static [Parameter]>>> = LazyLock::new(Mutex::default);
+
+/// What the files that were read declare, the newest first.
+pub fn all_declared() -> Vec<&'static Parameter> {
+    let known = KNOWN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    known.iter().rev().copied().flatten().collect()
+}
+
+/// The list in the comments of a text, and then what all materials have.
+///
+/// # Errors
+/// A line that declares nothing, or something that another has.
+pub fn parameters(text: &str) -> Result<&'static [Parameter], WrittenError> {
+    let mut list: Vec<Parameter> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let Some(rest) = line.trim_start().strip_prefix(MARK) else { continue };
+        let failed = |reason: String| WrittenError::at(text, index + 1, reason);
+        let parameter = parameter(rest).map_err(failed)?;
+        check_name(&parameter, &list).map_err(failed)?;
+        list.push(parameter);
+    }
+    let numbers: usize = list.iter().map(Parameter::numbers).sum();
+    let refused = |reason: String| Err(WrittenError::whole(reason));
+    if list.is_empty() {
+        return refused(format!(
+            "it declares no parameter; write a line \"{MARK} name | Label | number | 1 | 0..1 | | Help.\""
+        ));
+    }
+    let declared = list.len();
+    list.extend(SurfaceParameters::LIST);
+    let numbers = numbers + SurfaceParameters::NUMBERS;
+    if list.len() > MOST || numbers > MOST_NUMBERS {
+        return refused(format!(
+            "it has {declared} parameters, with those of all materials {} of {numbers} numbers, more than {MOST} of \
+             {MOST_NUMBERS}; use fewer",
+            list.len()
+        ));
+    }
+    let mut known = KNOWN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if let Some(same) = known.iter().find(|same| same[..] == list[..]) {
+        return Ok(same);
+    }
+    let kept: &'static [Parameter] = Box::leak(list.into_boxed_slice());
+    known.push(kept);
+    Ok(kept)
+}
+
+fn parameter(rest: &str) -> Result<Parameter, String> {
+    let fields: Vec<&str> = rest.split('|').map(str::trim).collect();
+    let &[name, label, kind, default, range, unit, help] = &fields[..] else {
+        return Err(format!(
+            "a parameter has 7 fields (name | Label | kind | default | range | unit | help), not {}",
+            fields.len()
+        ));
+    };
+    let number = |text: &str| match text.trim().parse::<f32>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("\"{text}\" is no number")),
+    };
+    let (low, high) =
+        range.split_once("..").ok_or(format!("the range \"{range}\" is not two numbers with .. between"))?;
+    let range = [number(low)?, number(high)?];
+    if !(range[0] < range[1]) || range.iter().any(|x| x.abs() > 1e6) {
+        return Err("the range must go from a lower to a higher number within -1e6 to 1e6".into());
+    }
+    let numbers = default.split_whitespace().map(number).collect::<Result<Vec<_>, _>>()?;
+    let default = match (kind, &numbers[..]) {
+        ("number", &[x]) => Value::Number(x),
+        ("color", &[x, y, z]) => Value::Color(Vec3::new(x, y, z)),
+        ("number" | "color", _) => return Err("a number has one default, a color three".into()),
+        _ => return Err(format!("the kind is number or color, not \"{kind}\"")),
+    };
+    if numbers.iter().any(|x| !(range[0]..=range[1]).contains(x)) {
+        return Err(format!("the default is not in the range {} to {}", range[0], range[1]));
+    }
+    let leaked = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
+    let help = if help.is_empty() { format!("{label}.") } else { help.to_owned() };
+    let declared =
+        Parameter { default, unit: leaked(unit), ..Parameter::number(leaked(label), range, 0.0, leaked(&help)) };
+    Ok(declared.named(leaked(name)))
+}
+
+/// The name is one of WGSL and of files, and means what it does elsewhere.
+fn check_name(parameter: &Parameter, before: &[Parameter]) -> Result<(), String> {
+    let name = parameter.name;
+    let is_lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_lower) || name.contains("__") {
+        return Err(format!("\"{name}\" is no name; use lower-case letters, digits and _"));
+    }
+    if before.iter().any(|p| p.name == name) {
+        return Err(format!("the parameter {name} is declared twice"));
+    }
+    if ["normal", "bump"].contains(&name) {
+        return Err(format!("{name} is the name of a map; choose another"));
+    }
+    if SurfaceParameters::LIST.iter().any(|p| p.name == name) {
+        return Err(format!("all materials have {name} already; choose another name"));
+    }
+    let Some(known) = BrdfModel::ALL.iter().find_map(|model| model.parameter(name)) else { return Ok(()) };
+    let [low, high] = known.range;
+    if known.is_color() != parameter.is_color() || parameter.range[0] < low || parameter.range[1] > high {
+        let kind = if known.is_color() { "color" } else { "number" };
+        return Err(format!(
+            "{name} is a {kind} from {low} to {high} in other models; keep to that, or choose another name"
+        ));
+    }
+    Ok(())
+}
+
+/// The structure of the parameters in WGSL. On one line behind the text, so that lines keep their numbers.
+pub fn structure(list: &[Parameter]) -> String {
+    let member = |p: &Parameter| format!(" {}: {},", p.name, if p.is_color() { "vec3<f32>" } else { "f32" });
+    format!("\nstruct Parameters {{{} }}\n", list.iter().map(member).collect::<String>())
+}

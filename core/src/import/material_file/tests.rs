@@ -1,0 +1,40 @@
+//! Materials whose BRDF is in a file.
+
+use super::load_material;
+use crate::brdf::{BrdfModel, Content, example_file};
+use std::path::Path;
+
+/// A folder with a material file that names `example.binary`, with these bytes if any.
+fn folder(table: Option<&[u8]>) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let material = r#"{"model": "merl", "file": "example.binary", "parameters": {"tint": [1, 0.5, 0.5]}}"#;
+    std::fs::write(folder.path().join("paint.json"), material).unwrap();
+    table.iter().for_each(|bytes| std::fs::write(folder.path().join("example.binary"), bytes).unwrap());
+    folder
+}
+
+fn load(folder: &Path) -> Result<(crate::material::Material, Vec<String>), super::ImportError> {
+    load_material(&folder.join("paint.json"), &mut Default::default(), &Default::default())
+}
+
+#[test]
+fn a_measured_brdf_beside_a_material_is_read_and_what_it_lacks_is_told() {
+    let example = example_file(BrdfModel::Merl).unwrap().content.unwrap();
+    let folder = folder(Some(&example.measured().unwrap().to_merl()));
+    let (material, remarks) = load(folder.path()).unwrap();
+    let file = material.file.clone().unwrap();
+    assert_eq!(file.path, folder.path().join("example.binary"));
+    assert_eq!(file.content.as_ref().map(Content::hash), Some(example.hash()));
+    assert!(remarks.is_empty(), "{remarks:?}");
+    assert!(material.plain_brdf().as_brdf().lobes()[0] > 0.0);
+    let unread = material.without_content();
+    assert_eq!(unread.plain_brdf().as_brdf().lobes()[0], 0.0, "negative control: magenta");
+}
+
+#[test]
+fn a_table_that_is_not_there_or_broken_is_named() {
+    let missing = load(folder(None).path()).unwrap_err().to_string();
+    assert!(missing.contains("its BRDF example.binary: there is no such file beside it"), "{missing}");
+    let broken = load(folder(Some(&[0; 40])).path()).unwrap_err().to_string();
+    assert!(broken.contains("no MERL BRDF: its table is 0 x 0 x 0") && broken.contains("example.binary"), "{broken}");
+}
