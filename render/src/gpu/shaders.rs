@@ -76,6 +76,7 @@ const SHADING: &[&str] = &[
     "surface",
     "geometry",
     "materials",
+    "procedural",
     "bumps",
     "brdf",
     MODELS,
