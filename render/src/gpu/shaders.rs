@@ -77,7 +77,6 @@ const SHADING: &[&str] = &[
     "geometry",
     "materials",
     "procedural",
-    "bumps",
     "brdf",
     MODELS,
     "sums",
