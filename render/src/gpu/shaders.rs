@@ -77,7 +77,7 @@ const SHADING: &[&str] = &[
     "surface",
     "geometry",
     "materials",
-    "bumps",
+    "procedural",
     "brdf",
     MODELS,
     "sums",
