@@ -217,8 +217,9 @@ fn angle(y: f32, x: f32) -> f32 {
     if x < 0.0 { std::f32::consts::PI - acute } else { acute }
 }
 
-/// The nearest 16-bit float, as shaders have it: none below the normal ones.
+/// The nearest 16-bit float, as shaders have it: none below the normal ones, and the largest for what
+/// is more, as some are that were measured near the horizon.
 fn halved(entry: [f32; 3]) -> [f32; 3] {
-    let least = f16::MIN_POSITIVE.to_f32();
-    entry.map(|x| if x < least { 0.0 } else { f16::from_f32(x).to_f32() })
+    let [least, most] = [f16::MIN_POSITIVE, f16::MAX].map(f16::to_f32);
+    entry.map(|x| if x < least { 0.0 } else { f16::from_f32(x.min(most)).to_f32() })
 }

@@ -12,8 +12,8 @@ pub const FILE_BYTES: usize = HEAD_BYTES + 3 * 8 * ENTRIES;
 const PACKED_BYTES: usize = 3 * 2 * ENTRIES;
 /// Reflectance of a unit of red, green and blue.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
-/// Largest entry: that of a 16-bit float. A mirror as sharp as the table has 1e6, of which no measurement is near.
-const MOST: f64 = 65_504.0;
+/// Largest entry. A mirror as sharp as the table has 1e6.
+const MOST: f64 = 1e9;
 
 impl Measured {
     /// Reads the contents of a `.binary` file: three sizes of 32 bits, and the planes of red, green and blue, in 64-bit floats.
