@@ -34,7 +34,7 @@ impl Pyramid {
         &self.levels
     }
 
-    /// All levels in one map: the finest, and below it the others side by side; see [`Self::place`].
+    /// All levels in one map: the finest, and below it the others side by side.
     pub fn atlas(&self) -> Image {
         let [width, height] = self.levels[0].size;
         let below = self.levels.get(1).map_or(0, |level| level.size[1]);
