@@ -20,7 +20,11 @@ use lapidary_core::{
     scene::{Scene, camera_named},
 };
 use lapidary_render::{Background, Baked, Illumination, Look, View};
-use std::path::{Path, PathBuf};
+use std::{
+    convert::Infallible,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
 
 /// Dataset, light, material and view.
 #[derive(Args, Clone, Debug)]
@@ -37,7 +41,9 @@ pub struct ViewArgs {
 }
 
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Material (any of these replaces all materials of the scene by one)")]
+#[command(
+    next_help_heading = "Material (any of these replaces all materials of the scene by one, --material NAME=FILE the named one)"
+)]
 struct MaterialArgs {
     /// Perceptual roughness of a GGX material, 0 to 1; alpha is its square [default if another is given: 0.5]
     #[arg(long, value_name = "R", value_parser = values::fraction)]
@@ -49,11 +55,32 @@ struct MaterialArgs {
     #[arg(long, value_name = "M", value_parser = values::fraction)]
     metalness: Option<f32>,
     /// Material of any model, with textures, as a JSON file or a MaterialX document (FILE.mtlx, or FILE.mtlx#NAME for one of
-    /// several); or preset:NAME, which `lapidary models` lists
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["roughness", "base_color", "metalness"])]
-    material: Option<PathBuf>,
+    /// several); or preset:NAME, which `lapidary models` lists. With a name before it, in place of the scene's material of that
+    /// name; may be given several times
+    #[arg(long, value_name = "[NAME=]FILE", conflicts_with_all = ["roughness", "base_color", "metalness"])]
+    material: Vec<MaterialChoice>,
     #[command(flatten)]
     outside: OutsideArgs,
+}
+
+/// A material that replaces others.
+#[derive(Clone, Debug)]
+struct MaterialChoice {
+    /// Which it replaces; all without a name.
+    of: Option<String>,
+    /// Its file, or a preset.
+    file: PathBuf,
+}
+
+impl FromStr for MaterialChoice {
+    type Err = Infallible;
+
+    /// What stands before `=` is a name unless it looks like a path.
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        let named = text.split_once('=').filter(|(name, _)| !name.contains(['/', '\\', '.']));
+        let (of, file) = named.map_or((None, text), |(name, file)| (Some(name.to_owned()), file));
+        Ok(Self { of, file: file.into() })
+    }
 }
 
 #[derive(Args, Clone, Debug)]
@@ -144,10 +171,11 @@ impl ViewArgs {
     /// The files that are read, together with those of `local`.
     pub fn files(&self, local: &LocalLightArgs) -> CommandFiles {
         let files = CommandFiles::default().reads([&self.file]).reads(self.light.input()).reads(local.input());
-        let material = self.material.material.as_ref().filter(|path| preset_name(path).is_none());
+        let chosen = self.material.material.iter().map(|choice| &choice.file);
+        let materials: Vec<&PathBuf> = chosen.filter(|path| preset_name(path).is_none()).collect();
         files
-            .reads(material.map(|path| material_in_file(path).0))
-            .reads(material.iter().flat_map(|path| pictures_of_material(path)))
+            .reads(materials.iter().map(|path| material_in_file(path).0))
+            .reads(materials.iter().flat_map(|path| pictures_of_material(path)))
     }
 
     /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.
@@ -213,22 +241,26 @@ fn preset(name: &str) -> Result<Material> {
 }
 
 impl MaterialArgs {
-    /// Replaces all materials if one was asked for.
+    /// Replaces the materials that were asked for.
     fn apply(&self, scene: &mut Scene, console: Console) -> Result<()> {
-        let material = match &self.material {
-            Some(path) if preset_name(path).is_some() => Some(preset(preset_name(path).unwrap_or_default())?),
-            Some(path) => {
-                let (material, warnings) = load_material(path, scene, &self.outside.into())?;
-                warnings.iter().for_each(|warning| console.warning(warning));
-                Some(material)
+        for MaterialChoice { of, file } in &self.material {
+            let material = self.read(file, scene, console)?;
+            match of {
+                Some(name) => replace_named(&mut scene.materials, name, &material)?,
+                None => replace_all(scene, &material),
             }
-            None => self.ggx(),
-        };
-        if let Some(material) = material {
-            let ground = scene.mesh.ground_material();
-            replace_materials(&mut scene.materials, ground, &material);
         }
+        self.ggx().iter().for_each(|material| replace_all(scene, material));
         Ok(())
+    }
+
+    fn read(&self, file: &Path, scene: &mut Scene, console: Console) -> Result<Material> {
+        if let Some(name) = preset_name(file) {
+            return preset(name);
+        }
+        let (material, warnings) = load_material(file, scene, &self.outside.into())?;
+        warnings.iter().for_each(|warning| console.warning(warning));
+        Ok(material)
     }
 
     fn ggx(&self) -> Option<Material> {
@@ -242,6 +274,23 @@ impl MaterialArgs {
         };
         given.then(|| Material { model: BrdfModel::Ggx, parameters: parameters.into(), ..Default::default() })
     }
+}
+
+fn replace_all(scene: &mut Scene, material: &Material) {
+    let ground = scene.mesh.ground_material();
+    replace_materials(&mut scene.materials, ground, material);
+}
+
+/// Replaces the materials of one name.
+fn replace_named(materials: &mut [Material], name: &str, material: &Material) -> Result<()> {
+    if !materials.iter().any(|old| old.name == name) {
+        let names: Vec<&str> = materials.iter().map(|old| old.name.as_str()).collect();
+        bail!("the scene has no material \"{name}\"; it has {}", names.join(", "));
+    }
+    for old in materials.iter_mut().filter(|old| old.name == name) {
+        *old = Material { name: name.into(), double_sided: old.double_sided, ..material.clone() };
+    }
+    Ok(())
 }
 
 /// Gives all of a scene one material, but for that of its ground. What is seen from both sides stays so: that was baked.
@@ -385,7 +434,7 @@ mod tests {
             roughness: None,
             base_color: None,
             metalness: None,
-            material: None,
+            material: Vec::new(),
             outside: OutsideArgs::default(),
         };
         let quiet = Console { quiet: true };
@@ -398,5 +447,21 @@ mod tests {
         let parameters = Parameters::from(GgxParameters { roughness: 0.2, ..Default::default() });
         assert!(changed.materials.iter().all(|m| m.parameters == parameters && m.name.is_empty()));
         assert!(!changed.materials[0].double_sided && changed.materials[1].double_sided);
+    }
+
+    #[test]
+    fn a_named_material_is_replaced_and_a_name_that_is_not_there_is_an_error() {
+        let choice = |text: &str| text.parse::<MaterialChoice>().unwrap();
+        let named = choice("Shell=preset:Gold");
+        assert_eq!((named.of.as_deref(), named.file.to_str()), (Some("Shell"), Some("preset:Gold")));
+        assert!(choice("./a=b.json").of.is_none() && choice("gold.json").of.is_none());
+        let mut two = scene(vec![]);
+        two.materials[0].name = "Shell".into();
+        let gold = preset("gold").unwrap();
+        replace_named(&mut two.materials, "Shell", &gold).unwrap();
+        assert_eq!((&two.materials[0].parameters, two.materials[0].name.as_str()), (&gold.parameters, "Shell"));
+        assert_ne!(two.materials[1].parameters, gold.parameters, "negative control: another name");
+        let error = replace_named(&mut two.materials, "Core", &gold).unwrap_err().to_string();
+        assert!(error.contains("no material \"Core\"") && error.contains("Shell"), "{error}");
     }
 }
