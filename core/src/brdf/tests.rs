@@ -14,7 +14,7 @@ fn models() -> Vec<(String, SurfaceBrdf)> {
         let mut random = fastrand::Rng::with_seed(7);
         for case in 0..6 {
             let mut parameters = Parameters::default();
-            for p in material(model, Parameters::default()).declared() {
+            for p in material(model, Parameters::default()).own_parameters() {
                 let [low, high] = p.slider;
                 let mut number = || match random.u8(..5) {
                     0 => low,
