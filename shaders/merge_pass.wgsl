@@ -298,7 +298,7 @@ fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
 
 // The sharp lobes of a point, if they read the map.
 fn mirror_at(point: SurfacePoint) -> Mirror {
-    var mirror = mirror_of(widened_lobes(point), point.wo);
+    var mirror = mirror_of(lobes_of(point.brdf), point.slopes, point.wo);
     if !REFINE || FIELD != FIELD_ENVIRONMENT || frame.mirrored_height == 0u {
         mirror.share = 0.0;
     }

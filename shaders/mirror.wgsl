@@ -5,7 +5,10 @@
 const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;
 const WINDOW: f32 = 6.0;
-const MIRROR_SAMPLES: u32 = 16u;
+const MIRROR_SAMPLES: u32 = 12u;
+const FILLED: f32 = 2.5;
+const CORRELATED_LOW: f32 = 0.1;
+const CORRELATED_HIGH: f32 = 0.3;
 // Cosine and sine of the golden section of a turn.
 const GOLDEN_COS: f32 = -0.7373688;
 const GOLDEN_SIN: f32 = -0.67549026;
@@ -14,8 +17,8 @@ const GOLDEN_SIN: f32 = -0.67549026;
 struct Mirror {
     // How much of the window's light is replaced; 0 for none.
     share: f32,
-    // The widths of what is sampled; the first `count` count.
-    lobes: mat3x2<f32>,
+    // The widths of what is sampled, the first `count`: the sharp lobes, and one that fills the window.
+    lobes: mat4x2<f32>,
     count: u32,
     // Inverse squares of the window's half-axes, in slopes of half vectors.
     axes: vec2<f32>,
@@ -23,17 +26,23 @@ struct Mirror {
     reach: f32,
 }
 
-// Of a model's lobes, seen from the local direction `wo`.
-fn mirror_of(lobes: mat3x2<f32>, wo: vec3<f32>) -> Mirror {
+// 1 below `low`, 0 above `high`, smooth between.
+fn falling(x: f32, low: f32, high: f32) -> f32 {
+    let t = clamp((high - x) / (high - low), 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+// Of a model's lobes, on a surface of some slopes, seen from the local direction `wo`.
+fn mirror_of(lobes: mat3x2<f32>, slopes: vec3<f32>, wo: vec3<f32>) -> Mirror {
     let sample_radius = sqrt(frame.leaf_solid_angle / PI);
     let least = vec2(MIN_ALPHA);
-    var mirror = Mirror(0.0, mat3x2(least, least, least), 0u, vec2(0.0), 0.0);
+    var mirror = Mirror(0.0, mat4x2(least, least, least, least), 0u, vec2(0.0), 0.0);
     var widest = vec2(0.0);
     for (var i = 0u; i < 3u; i += 1u) {
-        let lobe = lobes[i];
-        let t = clamp((SOFT - min(lobe.x, lobe.y) / sample_radius) / (SOFT - SHARP), 0.0, 1.0);
-        let sharpness = t * t * (3.0 - 2.0 * t);
-        if any(lobe != NO_LOBE) && sharpness > 0.0 {
+        let lobe = sqrt(lobes[i] * lobes[i] + slopes.xz);
+        var sharpness = falling(min(lobe.x, lobe.y) / sample_radius, SHARP, SOFT);
+        sharpness *= falling(abs(slopes.y) / max(lobe.x * lobe.y, 1e-12), CORRELATED_LOW, CORRELATED_HIGH);
+        if any(lobes[i] != NO_LOBE) && sharpness > 0.0 {
             mirror.lobes[mirror.count] = max(lobe, least);
             mirror.count += 1u;
             mirror.share = max(mirror.share, sharpness);
@@ -42,6 +51,8 @@ fn mirror_of(lobes: mat3x2<f32>, wo: vec3<f32>) -> Mirror {
     }
     let added = sample_radius / max(wo.z, 0.1);
     let half_axes = WINDOW * sqrt(widest * widest + 0.125 * added * added);
+    mirror.lobes[mirror.count] = min(half_axes / FILLED, vec2(1.0));
+    mirror.count += 1u;
     mirror.reach = 2.0 * atan(max(half_axes.x, half_axes.y));
     mirror.axes = 1.0 / (half_axes * half_axes);
     if !(wo.z > 0.0) {
@@ -74,30 +85,33 @@ fn reaches_window(mirror: Mirror, wi: vec3<f32>, radius: f32, wo: vec3<f32>) -> 
 // Light of the window without any shadow.
 fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
     let wo = point.wo;
-    let per_lobe = MIRROR_SAMPLES / mirror.count;
     var sum = vec3(0.0);
     var turn = vec2(1.0, 0.0);
-    for (var i = 0u; i < per_lobe * mirror.count; i += 1u) {
-        let lobe = mirror.lobes[i % mirror.count];
-        let radius = sqrt((f32(i / mirror.count) + 0.5) / f32(per_lobe));
-        let half = ggx_visible_normal(lobe, wo, radius * turn);
-        if i % mirror.count == mirror.count - 1u {
-            turn = vec2(turn.x * GOLDEN_COS - turn.y * GOLDEN_SIN, turn.x * GOLDEN_SIN + turn.y * GOLDEN_COS);
+    for (var i = 0u; i < MIRROR_SAMPLES; i += 1u) {
+        let disc = sqrt((f32(i) + 0.5) / f32(MIRROR_SAMPLES)) * turn;
+        for (var j = 0u; j < mirror.count; j += 1u) {
+            sum += unshadowed_sample(mirror, point, ggx_visible_normal(mirror.lobes[j], wo, disc));
         }
-        let wi = 2.0 * dot(wo, half) * half - wo;
-        let direction = point.world_from_local * wi;
-        if !(wi.z > 0.0 && dot(direction, point.smooth_normal) > 0.0) {
-            continue;
-        }
-        var density = 0.0;
-        for (var k = 0u; k < mirror.count; k += 1u) {
-            density += ggx_density(mirror.lobes[k], wi, wo);
-        }
-        let solid_angle = 1.0 / (f32(per_lobe) * max(density, 1e-6));
-        let light = reflection_of(point.brdf, Light(wi, 0.0, point.slopes, wi.z, true), wo) * patch_radiance(direction, solid_angle);
-        sum += light * (mirror_window(mirror, wi, wo) * solid_angle);
+        turn = vec2(turn.x * GOLDEN_COS - turn.y * GOLDEN_SIN, turn.x * GOLDEN_SIN + turn.y * GOLDEN_COS);
     }
     return sum;
+}
+
+// Light from the direction that a half vector mirrors to.
+fn unshadowed_sample(mirror: Mirror, point: SurfacePoint, half: vec3<f32>) -> vec3<f32> {
+    let wo = point.wo;
+    let wi = 2.0 * dot(wo, half) * half - wo;
+    let direction = point.world_from_local * wi;
+    if !(wi.z > 0.0 && dot(direction, point.smooth_normal) > 0.0) {
+        return vec3(0.0);
+    }
+    var density = 0.0;
+    for (var k = 0u; k < mirror.count; k += 1u) {
+        density += ggx_density(mirror.lobes[k], wi, wo);
+    }
+    let solid_angle = 1.0 / (f32(MIRROR_SAMPLES) * max(density, 1e-6));
+    let reflected = reflection_of(point.brdf, Light(wi, 0.0, point.slopes, wi.z, true), wo);
+    return reflected * patch_radiance(direction, solid_angle) * (mirror_window(mirror, wi, wo) * solid_angle);
 }
 
 // Mean radiance of the map over a patch of about a solid angle around a world direction.

@@ -269,11 +269,6 @@ impl Texture {
     pub fn sample_footprint(&self, footprint: &UvFootprint, slot: &TextureSlot) -> Vec4 {
         self.sample_taps(footprint.through(slot).taps(self.size), slot.color_space)
     }
-
-    /// Bilinear lookup of a slot: coordinates transformed, colour space applied.
-    pub fn sample_slot(&self, uv: Vec2, slot: &TextureSlot) -> Vec4 {
-        self.sample(slot.transform(uv), slot.color_space)
-    }
 }
 
 #[cfg(test)]

@@ -120,8 +120,9 @@ impl Redo {
         let ground = catches && (sky || environment != old.components.environment);
         let bounced = sky || lights || old.solution != new.solution;
         // What surfaces send by themselves is shown with local lights, but summed with what needs no merge.
-        let shines = |look: &Look| look.components.direct && look.appearance.materials.iter().any(Material::shines);
-        let background = environment != old.components.environment || environment && sky || shines(old) != shines(new);
+        let shines = || new.appearance.materials.iter().any(Material::shines);
+        let lamps = direct != old.components.direct && shines();
+        let background = environment != old.components.environment || environment && sky || lamps;
         Stale {
             environment: looks.and(Pixels::all_if(background)),
             // `LitScene` adds those that the light of a changed material reaches.
@@ -194,6 +195,19 @@ mod tests {
         assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), sky);
         assert_eq!(redone(|look| look.illum_cut = 7), sky);
         assert_eq!(redone(|look| look.tau = 0.5), sky);
+    }
+
+    #[test]
+    fn what_shines_is_shown_with_local_lights() {
+        let mut lamp = look();
+        lamp.appearance.materials[0].set_emission(glam::Vec3::ONE);
+        let mut without = lamp.clone();
+        without.components.direct = false;
+        assert_eq!(Redo::between(&lamp, &without).pixels.environment, Pixels::All);
+        let shown = Pixels::Showing(Marks::of_materials([0]));
+        assert_eq!(Redo::between(&look(), &lamp).pixels.environment, shown, "a lamp that is lit");
+        let dark = redone(|look| look.components.direct = false);
+        assert_eq!(dark.pixels.environment, Pixels::Nothing, "negative control: nothing shines");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::{bilinear, texel_solid_angle};
 use crate::image::Image;
 use glam::Vec3;
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::{borrow::Cow, f32::consts::PI};
 
 /// Longest side of the finest level: a texel of it is as wide as the sharpest lobe, 0.003 radians.
 const LONGEST: u32 = 2048;
@@ -18,11 +18,12 @@ pub struct Pyramid {
 impl Pyramid {
     /// Of a latitude-longitude map. The finest level is the map itself, halved until no side is longer than 2,048 texels.
     pub fn new(map: &Image) -> Self {
-        let mut finest = map.clone();
+        // A large map is not copied.
+        let mut finest = Cow::Borrowed(map);
         while finest.size.into_iter().any(|side| side > LONGEST) {
-            finest = halved(&finest);
+            finest = Cow::Owned(halved(&finest));
         }
-        let mut levels = vec![finest];
+        let mut levels = vec![finest.into_owned()];
         while let Some(coarsest) = levels.last().filter(|level| !level.size.contains(&1)) {
             levels.push(halved(coarsest));
         }

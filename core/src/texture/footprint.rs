@@ -99,12 +99,6 @@ impl UvFootprint {
         let level = (width.max(long / count) / TEXELS_PER_WIDTH).log2();
         Taps { count: count as u32, first: self.uv - step * (0.5 * (count - 1.0)), step, level }
     }
-
-    /// Standard deviations squared and their product of a box as large as the footprint: xx, xy, yy.
-    pub fn covariance(&self) -> [f32; 3] {
-        let [a, b] = self.changes;
-        [(a.x * a.x + b.x * b.x) / 12.0, (a.x * a.y + b.x * b.y) / 12.0, (a.y * a.y + b.y * b.y) / 12.0]
-    }
 }
 
 impl TextureSlot {

@@ -32,7 +32,7 @@ use crate::{
     viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
-use lapidary_core::lights::Light;
+use lapidary_core::{lights::Light, material::Material};
 use lapidary_render::{Baked, Bounces, Illumination, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
@@ -333,7 +333,8 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
 fn unlit(state: &EditorState) -> Option<Unlit> {
     let (document, baked) = (&state.document, state.scene.rendered()?);
     let is_alone = document.view.mode == ViewMode::Shaded && !state.interface.comparison.open;
-    let unlit = is_alone.then(|| Unlit::of(&document.lights, document.components, &baked.dataset)).flatten();
+    let shines = document.materials.iter().any(Material::shines);
+    let unlit = is_alone.then(|| Unlit::of(&document.lights, shines, document.components, &baked.dataset)).flatten();
     unlit.filter(|_| state.pictures.shown().is_some())
 }
 

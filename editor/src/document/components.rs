@@ -73,13 +73,14 @@ pub enum Unlit {
 }
 
 impl Unlit {
-    /// Why lights and what is shown of them leave a dataset in the dark; `None` where they do not.
-    pub fn of(lights: &[Light], components: ComponentSettings, dataset: &Dataset) -> Option<Self> {
+    /// Why lights, surfaces that may shine by themselves, and what is shown of them leave a dataset in the dark; `None` where they
+    /// do not.
+    pub fn of(lights: &[Light], shines: bool, components: ComponentSettings, dataset: &Dataset) -> Option<Self> {
         let (shown, environment) = (components.shown(), dataset.settings.mode.environment());
         let bounces = shown.indirect && Bounces::of(dataset).any();
         let by_environment = environment && (shown.environment || bounces);
-        let by_lights = lights.iter().any(Light::shines) && (shown.direct || bounces);
-        match (by_environment || by_lights, lights.is_empty() && !environment) {
+        let by_lights = (shines || lights.iter().any(Light::shines)) && (shown.direct || bounces);
+        match (by_environment || by_lights, lights.is_empty() && !shines && !environment) {
             (true, _) => None,
             (false, true) => Some(Self::NoLights),
             (false, false) => Some(Self::SwitchedOff),
@@ -108,12 +109,14 @@ mod tests {
         let mut dataset = test_scenes::dataset(&["a"], &[]);
         let shows = |solo| ComponentSettings { solo, ..Default::default() };
         let off = ComponentSettings { environment: false, direct: false, indirect: false, solo: None };
-        let unlit = |dataset: &Dataset, lights: &[Light], components| Unlit::of(lights, components, dataset);
+        let unlit = |dataset: &Dataset, lights: &[Light], components| Unlit::of(lights, false, components, dataset);
         assert_eq!(unlit(&dataset, &[], shows(None)), None, "by the environment");
         assert_eq!(unlit(&dataset, &[], shows(Some(Component::Direct))), Some(Unlit::SwitchedOff));
         assert_eq!(unlit(&dataset, &[], off), Some(Unlit::SwitchedOff));
         dataset.settings.mode = BakeParts::MESHLESS;
         assert_eq!(unlit(&dataset, &[], shows(None)), Some(Unlit::NoLights));
+        let shining = |components| Unlit::of(&[], true, components, &dataset);
+        assert_eq!([shining(shows(None)), shining(off)], [None, Some(Unlit::SwitchedOff)], "a surface that shines");
         let lamp = test_scenes::light();
         assert_eq!(unlit(&dataset, std::slice::from_ref(&lamp), shows(None)), None);
         let bounce_alone = shows(Some(Component::Indirect));

@@ -2,7 +2,8 @@
 //! cut with its radiance, visibility and BRDF (paper, 4.2).
 //!
 //! The nodes are those of [`crate::shade::merge`], in the same traversal: their contributions sum to the rendered
-//! radiance.
+//! radiance. Of a sharp lobe they are what the light samples say; the picture reads the map in its window
+//! ([`crate::shade::mirror`]).
 
 pub(crate) mod cut_map;
 

@@ -17,7 +17,8 @@
 //! Where no lit cuts are merged, `StoredCuts` is the rendered picture and is left out. `MeanBrdf` is Eq. 4 of the paper, where the renderer samples by Eq. 6. `TracedVertices` needs a way to trace
 //! vertices as the bake did. Without one, and for surface sources, it is left out, and one step shows both errors of
 //! visibility. For surface sources the paths have one bounce, and the last step also shows the error of the sources'
-//! discs. Errors of steps are those of vectors: they may cancel, and do not sum to the whole.
+//! discs. Errors of steps are those of vectors: they may cancel, and do not sum to the whole. No lobe reads the map of the
+//! environment here ([`crate::shade::mirror`]): the light samples are what is split.
 
 mod leaf_sum;
 pub(crate) mod vertices;
@@ -177,6 +178,11 @@ impl Renderer {
     pub fn split_error(&self, job: &SplitJob, progress: &dyn Progress) -> Result<Option<ErrorSplit>, SplitError> {
         job.region.check(job.view.size)?;
         let cuts = job.light.cuts_of(&self.dataset)?;
+        let plain = match job.light {
+            CutLight::Environment(lighting) => Some(SceneLighting { mirrored: None, ..lighting.clone() }),
+            CutLight::Sources(_) => None,
+        };
+        let job = &SplitJob { light: plain.as_ref().map_or(job.light, CutLight::Environment), ..*job };
         let view = job.view.of_surfaces();
         let backdrop = Backdrop::black();
         let chain = Chain { renderer: self, sampler: PixelSampler::new(self, &view, &backdrop), cuts, job, progress };

@@ -159,7 +159,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
         F: 'a,
     {
         let map = self.field.mirrored().filter(|_| self.sampling != BrdfSampling::Once)?;
-        Some((Mirror::of(point.lobes(), point.wo, self.field.solid_angle())?, map))
+        Some((Mirror::at(point, self.field.solid_angle())?, map))
     }
 
     /// Visits the terms that are summed without a [`Mirror`], left to right, and before them the nodes of the merged cut

@@ -26,18 +26,27 @@ const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;
 /// Half-width of the window in widths of what is in it: less than a twentieth of a GGX lobe lies outside.
 const WINDOW: f32 = 6.0;
-/// Most directions that are read; a multiple of eight.
-const SAMPLES: usize = 16;
+/// Directions that are read for each lobe.
+const SAMPLES: usize = 12;
+/// Most lobes that are sampled: three sharp ones, and one that fills the window.
+const MOST_LOBES: usize = 4;
+/// Half-width of the window in widths of the lobe that fills it. It samples what is wide: a diffuse or a rough base.
+const FILLED: f32 = 2.5;
+/// Correlations of slopes between which a mirror fades: where they lie along neither axis, lobes of axes cannot sample them.
+const CORRELATED: [f32; 2] = [0.1, 0.3];
 /// Turn from sample to sample, as cosine and sine: the golden section of a full turn, for which discs are filled evenly.
 const GOLDEN: Vec2 = Vec2::new(-0.737_368_8, -0.675_490_26);
 
 /// The shader's copies of these are compared with them in a test.
 #[cfg(test)]
-pub(crate) const CONSTANTS: [(&str, f32); 6] = [
+pub(crate) const CONSTANTS: [(&str, f32); 9] = [
     ("SHARP", SHARP),
     ("SOFT", SOFT),
     ("WINDOW", WINDOW),
     ("MIRROR_SAMPLES", SAMPLES as f32),
+    ("FILLED", FILLED),
+    ("CORRELATED_LOW", CORRELATED[0]),
+    ("CORRELATED_HIGH", CORRELATED[1]),
     ("GOLDEN_COS", GOLDEN.x),
     ("GOLDEN_SIN", GOLDEN.y),
 ];
@@ -72,8 +81,8 @@ impl MirroredMap {
 pub(crate) struct Mirror {
     /// How much of the window's light is replaced: less than all of it where lobes begin to be soft.
     share: f32,
-    /// The widths of what is sampled; the first `count` count.
-    lobes: [[f32; 2]; 3],
+    /// The widths of what is sampled, the first `count`: the sharp lobes, and one that fills the window.
+    lobes: [[f32; 2]; MOST_LOBES],
     count: usize,
     /// Inverse squares of the window's half-axes, in slopes of half vectors.
     axes: [f32; 2],
@@ -83,14 +92,22 @@ pub(crate) struct Mirror {
 }
 
 impl Mirror {
-    /// Of a model's lobes, seen from the local direction `wo`, among light samples of a solid angle in steradians.
-    pub fn of(lobes: Lobes, wo: Vec3, leaf_solid_angle: f32) -> Option<Self> {
+    /// Of the lobes of a point, among light samples of a solid angle in steradians.
+    pub fn at(point: &SurfacePoint, leaf_solid_angle: f32) -> Option<Self> {
+        Self::of(point.brdf.as_brdf().lobes(), point.slopes, point.wo, leaf_solid_angle)
+    }
+
+    /// Of a model's lobes, on a surface of these [slopes](SurfacePoint::slopes), seen from the local direction `wo`.
+    fn of(lobes: Lobes, [xx, xy, yy]: [f32; 3], wo: Vec3, leaf_solid_angle: f32) -> Option<Self> {
         let sample_radius = (leaf_solid_angle / PI).sqrt();
-        let (mut sharp, mut count, mut share, mut widest) = ([[MIN_ALPHA; 2]; 3], 0, 0.0_f32, [0.0_f32; 2]);
+        let (mut sampled, mut count) = ([[MIN_ALPHA; 2]; MOST_LOBES], 0);
+        let (mut share, mut widest) = (0.0_f32, [0.0_f32; 2]);
         for [along, across] in lobes.into_iter().filter(|&lobe| lobe != NO_LOBE) {
-            let sharpness = sharpness(along.min(across) / sample_radius);
+            let [along, across] = [(along * along + xx).sqrt(), (across * across + yy).sqrt()];
+            let correlation = xy.abs() / (along * across);
+            let sharpness = sharpness(along.min(across) / sample_radius) * falling(correlation, CORRELATED);
             if sharpness > 0.0 {
-                sharp[count] = [along.max(MIN_ALPHA), across.max(MIN_ALPHA)];
+                sampled[count] = [along.max(MIN_ALPHA), across.max(MIN_ALPHA)];
                 widest = [widest[0].max(along), widest[1].max(across)];
                 count += 1;
                 share = share.max(sharpness);
@@ -99,9 +116,10 @@ impl Mirror {
         // What a sample adds to the width in the space of half vectors, more so at grazing angles.
         let added = sample_radius / wo.z.max(0.1);
         let half_axes = widest.map(|width| WINDOW * (width * width + 0.125 * added * added).sqrt());
+        sampled[count] = half_axes.map(|axis| (axis / FILLED).min(1.0));
         let reach = 2.0 * half_axes[0].max(half_axes[1]).atan();
         let axes = half_axes.map(|axis| 1.0 / (axis * axis));
-        (share > 0.0 && wo.z > 0.0).then_some(Self { share, lobes: sharp, count, axes, reach, wo })
+        (share > 0.0 && wo.z > 0.0).then_some(Self { share, lobes: sampled, count: count + 1, axes, reach, wo })
     }
 
     /// How much eight local directions belong to the window: 1 around the mirror's direction, 0 outside.
@@ -155,7 +173,7 @@ impl Mirror {
     fn unshadowed_with<L: Lanes>(&self, brdf: &impl Brdf, receiver: &ReceiverX8<L>, map: &MirroredMap) -> Vec3 {
         let samples = self.samples();
         let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
-        for eight in samples.as_chunks::<8>().0 {
+        for eight in samples[..(self.count * SAMPLES).next_multiple_of(8)].as_chunks::<8>().0 {
             let (mut wi, mut per_density) = ([Vec3::Z; 8], [0.0; 8]);
             for (lane, sample) in eight.iter().enumerate() {
                 (wi[lane], per_density[lane]) = *sample;
@@ -174,23 +192,22 @@ impl Mirror {
     }
 
     /// Local directions above the horizon by the lobes, and the solid angles that they stand for; 0 for none.
-    fn samples(&self) -> [(Vec3, f32); SAMPLES] {
-        let per_lobe = SAMPLES / self.count;
+    fn samples(&self) -> [(Vec3, f32); MOST_LOBES * SAMPLES] {
         let lobes = self.lobes.map(GgxLobe::new);
         let lobes = &lobes[..self.count];
-        let mut samples = [(Vec3::Z, 0.0); SAMPLES];
+        let mut samples = [(Vec3::Z, 0.0); MOST_LOBES * SAMPLES];
         let mut turn = Vec2::X;
-        for (i, sample) in samples.iter_mut().enumerate().take(per_lobe * self.count) {
-            let radius = (((i / self.count) as f32 + 0.5) / per_lobe as f32).sqrt();
-            let half = lobes[i % self.count].visible_normal(self.wo, radius * turn);
-            if i % self.count == self.count - 1 {
-                turn = GOLDEN.rotate(turn);
+        for (i, of_each) in samples[..self.count * SAMPLES].chunks_mut(self.count).enumerate() {
+            let radius = ((i as f32 + 0.5) / SAMPLES as f32).sqrt();
+            for (sample, lobe) in of_each.iter_mut().zip(lobes) {
+                let half = lobe.visible_normal(self.wo, radius * turn);
+                let wi = 2.0 * self.wo.dot(half) * half - self.wo;
+                if wi.z > 0.0 {
+                    let density: f32 = lobes.iter().map(|lobe| lobe.pdf(wi, self.wo)).sum();
+                    *sample = (wi, 1.0 / (SAMPLES as f32 * density.max(1e-6)));
+                }
             }
-            let wi = 2.0 * self.wo.dot(half) * half - self.wo;
-            if wi.z > 0.0 {
-                let density: f32 = lobes.iter().map(|lobe| lobe.pdf(wi, self.wo)).sum();
-                *sample = (wi, 1.0 / (per_lobe as f32 * density.max(1e-6)));
-            }
+            turn = GOLDEN.rotate(turn);
         }
         samples
     }
@@ -221,7 +238,12 @@ impl<L: Lanes> BrdfVisitor for Unshadowed<'_, L> {
 
 /// 1 for lobes that are sharp, of a width in radii of a light sample; 0 for soft ones.
 fn sharpness(width: f32) -> f32 {
-    let t = ((SOFT - width) / (SOFT - SHARP)).clamp(0.0, 1.0);
+    falling(width, [SHARP, SOFT])
+}
+
+/// 1 below `low`, 0 above `high`, smooth between.
+fn falling(x: f32, [low, high]: [f32; 2]) -> f32 {
+    let t = ((high - x) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 

@@ -75,9 +75,9 @@ struct MaterialChoice {
 impl FromStr for MaterialChoice {
     type Err = Infallible;
 
-    /// What stands before `=` is a name unless it looks like a path.
+    /// What stands before `=` is a name unless it is the folder of a path.
     fn from_str(text: &str) -> Result<Self, Infallible> {
-        let named = text.split_once('=').filter(|(name, _)| !name.contains(['/', '\\', '.']));
+        let named = text.split_once('=').filter(|(name, _)| !name.contains(['/', '\\']) && !Path::new(text).exists());
         let (of, file) = named.map_or((None, text), |(name, file)| (Some(name.to_owned()), file));
         Ok(Self { of, file: file.into() })
     }

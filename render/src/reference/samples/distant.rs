@@ -70,7 +70,7 @@ impl PointShader for DistantShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         trace_lights(self.renderer, &self.samples.directions, point, &mut self.visible);
         let map = self.samples.mirrored.as_ref();
-        let mirror = |map| Some((Mirror::of(point.lobes(), point.wo, self.samples.solid_angle)?, map));
+        let mirror = |map| Some((Mirror::at(point, self.samples.solid_angle)?, map));
         match map.and_then(mirror) {
             Some((mirror, map)) => self.mirrored(point, &mirror, map),
             None => self.sum(point),

@@ -71,17 +71,34 @@ fn the_reference_by_samples_has_the_same_mirrors() {
     assert!(error < 0.1, "{error}");
 }
 
-/// In even light all widths show what paths show.
+/// In even light all widths show what paths show: of metals, of plastics, and of coats over wide and narrow bases.
 #[test]
 fn no_energy_is_lost_or_won_and_there_is_no_seam() {
     let light = illumination([64, 32], |_, _| Vec3::ONE);
-    let error = |alpha: f32| {
-        let renderer = metallic(mesh(32, false), alpha);
+    let error = |model: BrdfModel, parameters: Parameters| {
+        let mut dataset = dataset(mesh(32, false), parameters);
+        dataset.scene.materials[0].model = model;
+        let renderer = Renderer::new(dataset);
         let shown = mean(&renderer.render(&view(), &light, 256, BrdfSampling::Lit).0);
-        shown / mean(&renderer.path_reference(&view(), &light, &[], PathSettings::direct(64), &Quiet)) - 1.0
+        shown / mean(&renderer.path_reference(&view(), &light, &[], PathSettings::direct(128), &Quiet)) - 1.0
     };
-    let errors: Vec<f32> = (1..=60).step_by(4).map(|step| error(0.0033 * step as f32)).collect();
-    assert!(errors.iter().all(|error| error.abs() < 0.02), "{errors:?}");
+    let coat = |alpha: f32, base: f32| OpenPbrParameters {
+        coat_weight: 1.0,
+        coat_roughness: alpha.sqrt(),
+        base_metalness: 1.0,
+        specular_roughness: base,
+        ..Default::default()
+    };
+    let plastic = |alpha: f32| GgxParameters { metalness: 0.0, ..metal(alpha) };
+    for alpha in (1..=60).step_by(6).map(|step| 0.0033 * step as f32) {
+        let errors = [
+            error(BrdfModel::Ggx, metal(alpha).into()),
+            error(BrdfModel::Ggx, plastic(alpha).into()),
+            error(BrdfModel::OpenPbr, coat(alpha, 0.25).into()),
+            error(BrdfModel::OpenPbr, coat(alpha, 0.5).into()),
+        ];
+        assert!(errors.iter().all(|error| error.abs() < 0.03), "{alpha}: {errors:?}");
+    }
 }
 
 #[test]
@@ -90,21 +107,23 @@ fn only_sharp_lobes_are_mirrors() {
     let leaf = 4.0 * PI / 32_768.0;
     let of = |model: BrdfModel, parameters: Parameters| {
         let brdf = SurfaceBrdf::new(model, &Values::of(model.parameters(), &parameters), None);
-        Mirror::of(brdf.as_brdf().lobes(), wo, leaf)
+        Mirror::of(brdf.as_brdf().lobes(), [0.0; 3], wo, leaf)
     };
     assert_eq!(of(BrdfModel::Ggx, metal(0.01).into()).unwrap().share, 1.0);
     assert!(of(BrdfModel::Ggx, metal(0.2).into()).is_none() && of(BrdfModel::Lambert, Parameters::default()).is_none());
     let coated = OpenPbrParameters { coat_weight: 1.0, specular_roughness: 0.5, ..Default::default() };
     let coat = of(BrdfModel::OpenPbr, coated.into()).unwrap();
-    assert_eq!((coat.count, coat.share), (1, 1.0), "the coat over a rough base");
-    assert!(Mirror::of([[0.01; 2]; 3], -wo, leaf).is_none(), "seen from below");
+    assert_eq!((coat.count, coat.share), (2, 1.0), "the coat over a rough base, and the window");
+    let grooves = |xy| Mirror::of([[0.01; 2], NO_LOBE, NO_LOBE], [2e-4, xy, 2e-4], wo, leaf);
+    assert!(grooves(1e-4).is_none() && grooves(0.0).is_some(), "grooves that run along no axis");
+    assert!(Mirror::of([[0.01; 2]; 3], [0.0; 3], -wo, leaf).is_none(), "seen from below");
 }
 
 /// The window is whole around the mirror's direction, empty where [`Mirror::overlaps`] says so, and falls between.
 #[test]
 fn windows_lie_around_the_direction_of_the_mirror() {
     let wo = Vec3::new(0.6, 0.0, 0.8);
-    let mirror = Mirror::of([[0.01, 0.02], NO_LOBE, NO_LOBE], wo, 4.0 * PI / 32_768.0).unwrap();
+    let mirror = Mirror::of([[0.01, 0.02], NO_LOBE, NO_LOBE], [0.0; 3], wo, 4.0 * PI / 32_768.0).unwrap();
     let at = |direction: Vec3| mirror.window::<f32x8>(Vec3x8::splat(direction.normalize())).to_array()[0];
     let mirrored = Vec3::new(-wo.x, -wo.y, wo.z);
     assert_eq!(at(mirrored), 1.0);
@@ -119,15 +138,20 @@ fn windows_lie_around_the_direction_of_the_mirror() {
 }
 
 #[test]
-fn samples_follow_the_lobe() {
+fn samples_fill_the_window_and_follow_the_lobe() {
     let wo = Vec3::new(0.3, 0.2, 0.93).normalize();
     for lobe in [[0.02, 0.02], [0.005, 0.03]] {
-        let mirror = Mirror::of([lobe, NO_LOBE, NO_LOBE], wo, 4.0 * PI / 32_768.0).unwrap();
+        let mirror = Mirror::of([lobe, NO_LOBE, NO_LOBE], [0.0; 3], wo, 4.0 * PI / 32_768.0).unwrap();
+        // The density integrates to one, of the lobe and of something even in the window.
+        let integral = |f: &dyn Fn(Vec3) -> f32| mirror.samples().iter().map(|&(wi, area)| f(wi) * area).sum::<f32>();
         let ggx = GgxLobe::new(lobe);
-        // Their solid angles weighted by the density add up to one.
-        let sum: f32 = mirror.samples().iter().map(|&(wi, area)| ggx.pdf(wi, wo) * area).sum();
-        assert!((sum - 1.0).abs() < 1e-3, "{sum}");
-        let off: Vec2 = mirror.samples().iter().map(|(wi, _)| (*wi + wo).normalize().truncate()).sum();
-        assert!(off.length() / SAMPLES as f32 <= lobe[1], "{off}");
+        let of_lobe = integral(&|wi| ggx.pdf(wi, wo));
+        assert!((of_lobe - 1.0).abs() < 0.1, "{of_lobe}");
+        let even = integral(&|wi| mirror.window::<f32x8>(Vec3x8::splat(wi)).to_array()[0]);
+        let directions = lapidary_core::sphere::fibonacci_directions(400_000);
+        let exact =
+            directions.iter().filter(|d| d.z > 0.0).map(|&d| mirror.window::<f32x8>(Vec3x8::splat(d)).to_array()[0]);
+        let exact = exact.sum::<f32>() * 4.0 * PI / 400_000.0;
+        assert!((even / exact - 1.0).abs() < 0.15, "{even} for {exact}");
     }
 }
