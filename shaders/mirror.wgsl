@@ -5,6 +5,7 @@
 const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;
 const WINDOW: f32 = 6.0;
+const OF_LOBE: f32 = 3.0;
 const MIRROR_SAMPLES: u32 = 12u;
 const FILLED: f32 = 2.5;
 const CORRELATED_LOW: f32 = 0.1;
@@ -50,7 +51,7 @@ fn mirror_of(lobes: mat3x2<f32>, slopes: vec3<f32>, wo: vec3<f32>) -> Mirror {
         }
     }
     let added = sample_radius / max(wo.z, 0.1);
-    let half_axes = WINDOW * sqrt(widest * widest + 0.125 * added * added);
+    let half_axes = sqrt(OF_LOBE * OF_LOBE * widest * widest + WINDOW * WINDOW * 0.125 * added * added);
     mirror.lobes[mirror.count] = min(half_axes / FILLED, vec2(1.0));
     mirror.count += 1u;
     mirror.reach = 2.0 * atan(max(half_axes.x, half_axes.y));

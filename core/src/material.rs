@@ -131,6 +131,26 @@ impl<S> MaterialOf<S> {
     pub fn parameter_for(&self, quantity: &str) -> Option<&'static Parameter> {
         self.declared().iter().find(|p| p.quantity == quantity)
     }
+
+    /// The reflectance of its constants, as if it had no maps.
+    pub fn plain_brdf(&self) -> SurfaceBrdf {
+        self.brdf(&self.plain_values())
+    }
+
+    /// The reflectance with values in the order of the model's parameters and in their ranges.
+    #[inline]
+    pub fn brdf(&self, values: &Values) -> SurfaceBrdf {
+        let content = self.file.as_ref().and_then(|file| file.content.as_ref());
+        let Some(content) = content.filter(|_| self.model.has_file()) else {
+            return SurfaceBrdf::new(self.model, values, None);
+        };
+        SurfaceBrdf::new(self.model, values, Some(FilePart { content, plain: &self.plain_values() }))
+    }
+
+    /// The values of its parameters without maps, in their ranges.
+    pub fn plain_values(&self) -> Values {
+        Values::of(self.declared(), &self.parameters)
+    }
 }
 
 impl<S: Clone> MaterialOf<S> {
@@ -138,8 +158,8 @@ impl<S: Clone> MaterialOf<S> {
     #[must_use]
     pub fn own(&self) -> Self {
         let mut own = Self { parameters: Parameters::default(), ..self.clone() };
-        own.maps.retain(|name, _| [NORMAL, BUMP].contains(&name) || self.model.parameter(name).is_some());
-        for parameter in self.model.parameters() {
+        own.maps.retain(|name, _| [NORMAL, BUMP].contains(&name) || self.parameter(name).is_some());
+        for parameter in self.declared() {
             if let Some(value) = self.parameters.get(parameter.name) {
                 own.parameters.set(parameter.name, value);
             }
@@ -174,7 +194,8 @@ impl Material {
     /// With parameters and placements of maps in their ranges; see [`Parameters::sanitized`] and
     /// [`TextureSlot::sanitized`].
     pub fn sanitized(mut self) -> Self {
-        self.parameters = self.parameters.sanitized();
+        let declared = self.declared();
+        self.parameters = self.parameters.sanitized().sanitized_by(declared);
         for slot in self.maps.slots_mut() {
             *slot = std::mem::take(slot).sanitized();
         }
@@ -213,26 +234,6 @@ impl Material {
     /// Whether its constants send light.
     pub fn shines(&self) -> bool {
         SurfaceParameters::from(&self.parameters).emission() != Vec3::ZERO
-    }
-
-    /// The reflectance of its constants, as if it had no maps.
-    pub fn plain_brdf(&self) -> SurfaceBrdf {
-        self.brdf(&self.plain_values())
-    }
-
-    /// The reflectance with values in the order of the model's parameters and in their ranges.
-    #[inline]
-    pub fn brdf(&self, values: &Values) -> SurfaceBrdf {
-        let content = self.file.as_ref().and_then(|file| file.content.as_ref());
-        let Some(content) = content.filter(|_| self.model.has_file()) else {
-            return SurfaceBrdf::new(self.model, values, None);
-        };
-        SurfaceBrdf::new(self.model, values, Some(FilePart { content, plain: &self.plain_values() }))
-    }
-
-    /// The values of its parameters without maps, in their ranges.
-    pub fn plain_values(&self) -> Values {
-        Values::of(self.declared(), &self.parameters)
     }
 }
 

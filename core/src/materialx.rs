@@ -7,6 +7,7 @@
 //!
 //! Coordinates of MaterialX begin at the bottom of a picture, here at the top; `placement` converts them.
 
+mod estimate;
 mod graph;
 mod placement;
 mod read;
@@ -16,6 +17,7 @@ mod surface;
 mod tests;
 mod write;
 
+pub(crate) use estimate::without_file;
 pub use read::{MaterialXError, ReadMaterial, read};
 pub use surface::Surface;
 pub(crate) use write::nearest;

@@ -36,7 +36,7 @@ macro_rules! targets {
 
 targets!(
     obj 200, mtl 200, gltf 200, glb 200, ply 200, png 200, jpg 200, tga 200, hdr 200, exr 200, lights 50, material 50,
-    materialx 100, session 50, cuts 20, bake 5, checkpoint 5
+    materialx 100, wgsl 50, session 50, cuts 20, bake 5, checkpoint 5
 );
 
 /// A target that reads nothing right is found out.

@@ -165,6 +165,11 @@ impl BrdfModel {
         Self::all_declared().find(|p| p.name == name)
     }
 
+    /// What models declare under a name, whatever files were read.
+    pub fn declared_by_models(name: &str) -> Option<&'static Parameter> {
+        Self::ALL.iter().find_map(|model| model.parameter(name))
+    }
+
     /// Whether its materials have a file.
     pub fn has_file(self) -> bool {
         matches!(self, Self::Merl | Self::Wgsl)

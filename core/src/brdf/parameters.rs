@@ -60,11 +60,23 @@ impl Parameters {
         self.0.iter().map(|(name, value)| (name.as_ref(), *value))
     }
 
-    /// With all values that a model declares in their ranges, and of their kinds; see [`Parameter::sanitized`].
+    /// With all values that a model declares in their ranges, and of their kinds; see [`Parameter::sanitized`]. What files
+    /// declare may differ from file to file: see [`Self::sanitized_by`].
     #[must_use]
     pub fn sanitized(mut self) -> Self {
         for (name, value) in &mut self.0 {
-            if let Some(parameter) = BrdfModel::declared(name) {
+            if let Some(parameter) = BrdfModel::declared_by_models(name) {
+                *value = parameter.sanitized(*value);
+            }
+        }
+        self
+    }
+
+    /// With all values of these parameters in their ranges, and of their kinds.
+    #[must_use]
+    pub fn sanitized_by(mut self, declared: &[Parameter]) -> Self {
+        for parameter in declared {
+            if let Some(value) = self.0.get_mut(parameter.name) {
                 *value = parameter.sanitized(*value);
             }
         }
@@ -93,10 +105,13 @@ impl<'de> Deserialize<'de> for Parameters {
     }
 }
 
-/// Equal if all values are, told or not.
+/// Equal if all values are, told or not. What only files declare has no default here: it is told, or not.
 impl PartialEq for Parameters {
     fn eq(&self, other: &Self) -> bool {
-        let same = |name: &Cow<str>| self.or_default(name) == other.or_default(name);
+        let same = |name: &Cow<str>| {
+            let default = BrdfModel::declared_by_models(name).map(|p| p.default);
+            self.get(name).or(default) == other.get(name).or(default)
+        };
         self.0.keys().chain(other.0.keys()).all(same)
     }
 }

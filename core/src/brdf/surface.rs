@@ -1,4 +1,5 @@
-//! What all materials have, whatever their model: light of their own, and openings.
+//! What all materials have, whatever their model: light of their own. An opacity would stand here; none is stored yet, and
+//! importers tell what they leave out.
 
 use super::{Parameter, Values, parameter::parameters};
 use glam::Vec3;

@@ -93,7 +93,8 @@ impl<'a> MaterialWriter<'a> {
     /// A material in place of what `before` says; what is no business of this program stays there.
     fn material(&mut self, material: &Material, before: Value) -> Value {
         let mut remarks = Vec::new();
-        let (said, rotation) = turned(material);
+        let (mut said, rotation) = turned(material);
+        self.leave_out_missing(&mut said, &mut remarks);
         let said = nearest(&said, Surface::GltfPbr, &mut remarks);
         let mut writer = OneMaterial {
             said: self.stretched_at_mean(said, material),
@@ -106,6 +107,19 @@ impl<'a> MaterialWriter<'a> {
         let OneMaterial { json, lost, .. } = writer;
         self.remarks.extend(lost.into_iter().map(|lost| format!("material \"{}\": {lost}", material.name)));
         Value::Object(json)
+    }
+
+    /// Takes away maps whose pictures were missing when they were imported, unless the file refers to them already.
+    fn leave_out_missing(&self, material: &mut Material, remarks: &mut Vec<String>) {
+        material.maps.retain(|name, slot| {
+            let missing = self.scene.get(slot.texture as usize).filter(|texture| texture.encoded.is_empty());
+            let Some(missing) = missing.filter(|_| !self.textures.known.contains_key(&slot.texture)) else {
+                return true;
+            };
+            let (name, picture) = (name.replace('_', " "), &missing.name);
+            remarks.push(format!("the picture \"{picture}\" was missing, and the map of its {name} is left out"));
+            false
+        });
     }
 
     /// The stretch of a lobe whose roughness has a map is that at the map's mean; constants were converted before.
@@ -404,9 +418,10 @@ impl OneMaterial<'_, '_> {
         &self.all.scene[slot.texture as usize]
     }
 
-    /// Whether glTF has the format of a picture.
+    /// Whether glTF has the format of a picture. What is missing stays as the file refers to it.
     fn is_readable(&self, slot: &TextureSlot) -> bool {
-        ["png", "jpg"].contains(&super::pictures::extension(&self.texture_of(slot).encoded))
+        let encoded = &self.texture_of(slot).encoded;
+        encoded.is_empty() || ["png", "jpg"].contains(&super::pictures::extension(encoded))
     }
 
     fn is_linear(&self, slot: &TextureSlot) -> bool {

@@ -8,7 +8,7 @@ use crate::{
         mtl::{BUMP_METRES, LARGEST_DIELECTRIC_F0},
     },
     material::{BUMP, NORMAL},
-    materialx::stretch,
+    materialx::{stretch, without_file},
     texture::Channel,
 };
 use glam::Vec3;
@@ -58,7 +58,9 @@ pub fn library(materials: &[MaterialFile], remarks: &mut Vec<String>) -> String 
         if !names.insert(material.name.trim()) {
             remarks.push(format!("two materials are called \"{}\", and readers of MTL take the last", material.name));
         }
-        let mut entry = Entry { material, text: String::new(), lost: Vec::new() };
+        let mut lost = Vec::new();
+        let material = &*without_file(material, &mut lost);
+        let mut entry = Entry { material, text: String::new(), lost };
         entry.write();
         let Entry { text: written, lost, .. } = entry;
         text += &written;
@@ -175,6 +177,11 @@ impl Entry<'_> {
         let mut last = "";
         for (quantity, key) in MAPS {
             let Some(slot) = self.map(quantity).cloned() else { continue };
+            // Readers take a picture for light by itself.
+            if key == "map_Ke" && !(self.number("emission_luminance", 0.0) > 0.0) {
+                self.lost.push("a map of its emission is left out, as it sends no light".into());
+                continue;
+            }
             if key == last {
                 self.lost.push(format!("one of the two maps of {key} is left out"));
                 continue;

@@ -341,3 +341,57 @@ fn new_pictures_join_those_of_an_original() {
         "blue of one, red of the other"
     );
 }
+
+#[test]
+fn brdfs_of_files_become_the_nearest_and_maps_of_no_light_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut paint = material("paint", BrdfModel::Merl, &[("tint", Vec3::new(0.9, 0.8, 0.7).into())]);
+    paint.file = crate::brdf::example_file(BrdfModel::Merl);
+    let encoded = TextureSlot { color_space: ColorSpace::Srgb, ..Default::default() };
+    paint.maps.set("tint", Some(encoded.clone()));
+    let mut dark = lacquer();
+    dark.name = "dark".into();
+    dark.maps.set("emission_color", Some(encoded));
+    let mut bright = dark.clone();
+    bright.name = "bright".into();
+    bright.parameters.set("emission_luminance", 2.0);
+    let written = scene(vec![paint.clone(), dark, bright], vec![texture("a.png", [[200, 100, 50, 255]; 4])]);
+    let exported = export(&written, &folder.path().join("all.mtl"));
+    let told = exported.remarks.join("\n");
+    assert!(told.contains("material \"paint\": its measured BRDF becomes the nearest"), "{told}");
+    assert!(told.contains("material \"dark\": a map of its emission") && !told.contains("material \"bright\": a map"));
+    let text = fs::read_to_string(folder.path().join("all.mtl")).unwrap();
+    assert_eq!((text.matches("map_Ke").count(), text.matches("map_Kd").count()), (1, 1), "{text}");
+    let path = folder.path().join("all.mtlx");
+    let exported = export(&written, &path);
+    assert!(exported.remarks.iter().any(|remark| remark.contains("its measured BRDF")), "{:?}", exported.remarks);
+    let named = PathBuf::from(format!("{}#paint", path.display()));
+    let read = load_material(&named, &mut Scene::default(), &Default::default()).unwrap().0;
+    let brdf = paint.plain_brdf();
+    let (albedo, width) = (brdf.as_brdf().albedo(), brdf.as_brdf().narrowest_lobe().unwrap());
+    let (color, roughness) = (read.parameters.color("base_color"), read.parameters.number("specular_roughness"));
+    assert!((color - albedo).length() < 1e-5 && (roughness - width.sqrt()).abs() < 1e-5, "{color} {roughness}");
+    assert!((color - 1.05 * albedo).length() > 1e-5, "negative control");
+    assert!(read.maps.get("base_color").is_some());
+}
+
+#[test]
+fn pictures_that_were_missing_are_none_but_an_original_keeps_its_entry() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut gone = lacquer();
+    gone.maps.set("base_color", Some(TextureSlot { color_space: ColorSpace::Srgb, ..Default::default() }));
+    let path = folder.path().join("own.glb");
+    let exported = export(&scene(vec![gone], vec![Texture::missing("gone.png").into()]), &path);
+    assert!(exported.remarks.iter().any(|remark| remark.contains("gone.png")), "{:?}", exported.remarks);
+    assert!(import(&path).unwrap().scene.textures.is_empty());
+    let original = original(folder.path(), false);
+    fs::remove_file(folder.path().join("picture.png")).unwrap();
+    let mut scene = import(&original).unwrap().scene;
+    scene.materials[0].parameters.set("roughness", 0.25);
+    let path = folder.path().join("changed.gltf");
+    let options = ExportOptions { original: Some(&original), ..Default::default() };
+    let exported = write_materials(&scene, &path, &options).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.contains(r#""baseColorTexture":{"index":0}"#) && !text.contains("data:image"), "{text}");
+    assert!(exported.remarks.iter().all(|remark| !remark.contains("missing")), "{:?}", exported.remarks);
+}

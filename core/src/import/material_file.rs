@@ -136,7 +136,12 @@ fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>) -> Result<ReadMater
             other => parse_error("MaterialX", other.to_string()),
         });
     }
-    let material = serde_json::from_slice(bytes).map_err(|e| parse_error("a material", e.to_string()))?;
+    let mut material: MaterialFile =
+        serde_json::from_slice(bytes).map_err(|e| parse_error("a material", e.to_string()))?;
+    if material.file.is_some() && !material.model.has_file() {
+        // The file is of a model that it had before, and so is what the file declares.
+        material = MaterialFile { file: None, ..material.own() };
+    }
     Ok(ReadMaterial { material, remarks: Vec::new() })
 }
 

@@ -261,17 +261,18 @@ impl<'a> Reader<'_, 'a> {
     fn set(&mut self, material: &mut MaterialFile, parameter: &Parameter, row: Row, told: Told) {
         let Told { value, slot, added } = told;
         let base = if slot.is_some() && parameter.map == MapUse::ScalesAboveOne { 1.0 } else { 0.0 };
-        if added != base {
-            self.remarks.push(format!("the map of \"{}\" cannot be shifted so, and is left out", row.input));
-            let kept = if base == 1.0 { parameter.default } else { value };
-            material.parameters.set(parameter.name, kept);
-            return;
-        }
-        let powered = |x: f32| if row.power == 1.0 { x } else { x.max(0.0).powf(row.power) };
-        let value = match value {
-            Value::Number(x) => Value::Number(base + powered(x)),
+        let powered = |value: Value, base: f32| match value {
+            Value::Number(x) if row.power == 1.0 => Value::Number(base + x),
+            Value::Number(x) => Value::Number(base + x.max(0.0).powf(row.power)),
             color => color,
         };
+        if added != base {
+            self.remarks.push(format!("the map of \"{}\" cannot be shifted so, and is left out", row.input));
+            // A factor says nothing without what is added, such as -1 of what is inverted.
+            material.parameters.set(parameter.name, powered(row.default, 0.0));
+            return;
+        }
+        let value = powered(value, base);
         if slot.is_some() && row.power != 1.0 {
             self.remarks.push(format!("the map of \"{}\" is taken as it is, without a change of its scale", row.input));
         }

@@ -351,3 +351,29 @@ fn depth_and_length_are_bounded() {
     assert!(read(&document(&many), None).is_ok());
     assert!(matches!(read(&" ".repeat((64 << 20) + 1), None), Err(MaterialXError::TooLong { .. })));
 }
+
+#[test]
+fn an_inverted_roughness_has_its_default() {
+    let nodes = r#"<nodegraph name="g"><image name="p" type="float"><input name="file" type="filename" value="a.png"/></image>
+<multiply name="m" type="float"><input name="in1" type="float" nodename="p"/><input name="in2" type="float" value="-1"/></multiply>
+<add name="a" type="float"><input name="in1" type="float" nodename="m"/><input name="in2" type="float" value="1"/></add>
+<output name="o" type="float" nodename="a"/></nodegraph>"#;
+    let input = r#"<input name="specular_roughness" type="float" nodegraph="g" output="o"/>"#;
+    let text =
+        document(&format!("{nodes}<standard_surface name=\"s\" type=\"surfaceshader\">{input}</standard_surface>"));
+    let ReadMaterial { material, remarks } = read(&text, None).unwrap();
+    assert_eq!(material.parameters.number("specular_roughness"), 0.2);
+    assert!(remarks.join("").contains("cannot be shifted"), "{remarks:?}");
+    let ReadMaterial { material, .. } = read(&text.replace("value=\"1\"", "value=\"0\""), None).unwrap();
+    assert!(material.maps.get("specular_roughness").is_some(), "negative control: not shifted");
+}
+
+#[test]
+fn a_pattern_is_left_out_and_told() {
+    let mut material = coated();
+    material.maps.set("base_color", Some(SlotFile { procedural: Some(Default::default()), ..slot("") }));
+    material.maps.set("coat_weight", Some(slot("a.png")));
+    let written = write(&[material], Surface::OpenPbr).unwrap();
+    assert!(!written.text.contains("value=\"\"") && written.text.contains("a.png"), "{}", written.text);
+    assert!(written.remarks.join("").contains("the pattern of its base color is left out"), "{:?}", written.remarks);
+}

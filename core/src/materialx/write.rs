@@ -1,6 +1,7 @@
 //! From materials to a document.
 
 use super::{
+    estimate::{leave_out_patterns, without_file},
     placement::Placement,
     stretch,
     surface::{OPACITY_CUTOFF, Row, Surface},
@@ -121,7 +122,8 @@ impl DocumentWriter {
     fn material(&mut self, material: &MaterialFile) -> io::Result<()> {
         let name = self.name_like(&material.name);
         let mut remarks = Vec::new();
-        let nearest = nearest(material, self.surface, &mut remarks);
+        let mut nearest = nearest(material, self.surface, &mut remarks);
+        leave_out_patterns(&mut nearest.maps, &mut remarks);
         let graph = format!("NG_{name}");
         let mut ends: Vec<(Row, End)> = Vec::new();
         let rows =
@@ -455,6 +457,7 @@ fn unstretched<S>(nearest: &mut MaterialOf<S>, names: [&'static str; 2], numbers
 
 /// A material as one of `openpbr`, with the lobe as wide as it is; `remarks` get what has no place there.
 pub(crate) fn as_openpbr<S: Clone>(material: &MaterialOf<S>, remarks: &mut Vec<String>) -> MaterialOf<S> {
+    let material = &*without_file(material, remarks);
     let mut nearest = material.own();
     if material.model == BrdfModel::OpenPbr {
         return nearest;

@@ -16,13 +16,14 @@ use lapidary_core::{
     brdf::BrdfFile,
     import::{MaterialFile, SlotFile, is_materialx},
     input,
-    material::{Material, map_label},
+    material::{BUMP, BrdfModel, Material, NORMAL, map_label},
     materialx::{self, Surface},
     output::{check_output, write_atomically},
     texture::{Texture, TextureSlot},
 };
 use lapidary_studies::args::shader_source;
 use std::{
+    borrow::Cow,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -266,6 +267,7 @@ fn may_be_read(picture: &Path, document: &Document, allowed: &AllowedFolders) ->
 /// A material for a file of its own, and how many of its maps have no file to name.
 fn material_file(material: &Material, document: &Document, path: &Path) -> (MaterialFile, usize) {
     let folder = path.parent().unwrap_or(Path::new(""));
+    let material = &*without_foreign(material);
     let mut left_out = 0;
     let maps = material.maps.filter_map(|slot| {
         if slot.procedural.is_some() {
@@ -276,8 +278,21 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
         Some(slot_file(slot, file?, folder))
     });
     let Material { name, model, file, parameters, double_sided, .. } = material.clone();
-    let beside = |file: BrdfFile| BrdfFile::unread(file.path.strip_prefix(folder).unwrap_or(&file.path));
-    (MaterialFile { name, model, file: file.map(beside), parameters, maps, double_sided }, left_out)
+    // Its contents are not written, but formats without such files estimate by them.
+    let beside =
+        |file: BrdfFile| BrdfFile { path: file.path.strip_prefix(folder).unwrap_or(&file.path).into(), ..file };
+    let file = file.filter(|_| model.has_file()).map(beside);
+    (MaterialFile { name, model, file, parameters, maps, double_sided }, left_out)
+}
+
+/// A material without what only the file of a BRDF that it had before declares: without that file, no reader knows it.
+fn without_foreign(material: &Material) -> Cow<'_, Material> {
+    let is_known = |name: &str| BrdfModel::declared_by_models(name).is_some() || [NORMAL, BUMP].contains(&name);
+    let mut names = material.parameters.iter().map(|(name, _)| name).chain(material.maps.iter().map(|(name, _)| name));
+    if material.model == BrdfModel::Wgsl || names.all(is_known) {
+        return Cow::Borrowed(material);
+    }
+    Cow::Owned(material.own())
 }
 
 fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
@@ -318,7 +333,6 @@ mod tests {
     use super::*;
     use lapidary_core::{
         import::load_material,
-        material::BrdfModel,
         texture::{ColorSpace, Procedural},
     };
 
@@ -376,6 +390,21 @@ mod tests {
         assert!(left_out == 0 && !text.contains("file"), "{text}");
         let read: lapidary_core::import::MapFiles = serde_json::from_str(&text).unwrap();
         assert_eq!(read.get("roughness").unwrap().procedural, pattern);
+    }
+
+    #[test]
+    fn a_file_of_a_model_that_it_had_is_not_written_nor_what_it_declares() {
+        let example = lapidary_core::brdf::example_file(BrdfModel::Wgsl);
+        let mut material = Material { model: BrdfModel::Wgsl, file: example, ..Default::default() };
+        material.parameters.set("fibre_spread", 0.5);
+        let path = Path::new("/a/b.json");
+        let written = |material: &Material| {
+            let file = material_file(material, &document(None), path).0;
+            (file.file.is_some_and(|file| file.content.is_some()), file.parameters.get("fibre_spread").is_some())
+        };
+        assert_eq!(written(&material), (true, true), "negative control");
+        material.change_model(BrdfModel::Ggx);
+        assert_eq!(written(&material), (false, false));
     }
 
     #[test]

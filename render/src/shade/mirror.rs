@@ -24,8 +24,10 @@ use wide::f32x8;
 const SHARP: f32 = 3.0;
 /// A lobe above this many reads light samples alone.
 const SOFT: f32 = 5.0;
-/// Half-width of the window in widths of what is in it: less than a twentieth of a GGX lobe lies outside.
+/// Half-width of the window in widths that a light sample adds: what is blurred by it lies inside.
 const WINDOW: f32 = 6.0;
+/// Half-width of the window in widths of the lobe.
+const OF_LOBE: f32 = 3.0;
 /// Directions that are read for each lobe.
 const SAMPLES: usize = 12;
 /// Most lobes that are sampled: three sharp ones, and one that fills the window.
@@ -39,10 +41,11 @@ const GOLDEN: Vec2 = Vec2::new(-0.737_368_8, -0.675_490_26);
 
 /// The shader's copies of these are compared with them in a test.
 #[cfg(test)]
-pub(crate) const CONSTANTS: [(&str, f32); 9] = [
+pub(crate) const CONSTANTS: [(&str, f32); 10] = [
     ("SHARP", SHARP),
     ("SOFT", SOFT),
     ("WINDOW", WINDOW),
+    ("OF_LOBE", OF_LOBE),
     ("MIRROR_SAMPLES", SAMPLES as f32),
     ("FILLED", FILLED),
     ("CORRELATED_LOW", CORRELATED[0]),
@@ -115,7 +118,8 @@ impl Mirror {
         }
         // What a sample adds to the width in the space of half vectors, more so at grazing angles.
         let added = sample_radius / wo.z.max(0.1);
-        let half_axes = widest.map(|width| WINDOW * (width * width + 0.125 * added * added).sqrt());
+        let blurred = WINDOW * WINDOW * 0.125 * added * added;
+        let half_axes = widest.map(|width| (OF_LOBE * OF_LOBE * width * width + blurred).sqrt());
         sampled[count] = half_axes.map(|axis| (axis / FILLED).min(1.0));
         let reach = 2.0 * half_axes[0].max(half_axes[1]).atan();
         let axes = half_axes.map(|axis| 1.0 / (axis * axis));

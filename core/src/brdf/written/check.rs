@@ -14,6 +14,8 @@ pub const SIGNATURE: &str = "fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>
 /// Most expressions of all functions, and elements of an array.
 const MOST_EXPRESSIONS: usize = 20_000;
 const MOST_ELEMENTS: u32 = 1024;
+/// Most numbers of a value, and of all variables of a function: the interpreter copies them.
+const MOST_NUMBERS: u64 = 4096;
 
 /// Checks a module and finds its function.
 ///
@@ -31,8 +33,10 @@ pub fn check(module: &Module, text: &str) -> Result<Handle<Function>, WrittenErr
     if let Some(entry) = module.entry_points.first() {
         return Err(WrittenError::whole(format!("{} is an entry point; a BRDF has only functions", entry.name)));
     }
+    let mut numbers = Vec::new();
     for (handle, ty) in module.types.iter() {
-        check_type(&ty.inner).map_err(|what| refused(module.types.get_span(handle), what))?;
+        let checked = check_type(&ty.inner).and_then(|()| checked_numbers(&ty.inner, &numbers));
+        numbers.push(checked.map_err(|what| refused(module.types.get_span(handle), &what))?);
     }
     let count: usize = module.functions.iter().map(|(_, f)| f.expressions.len()).sum();
     if count > MOST_EXPRESSIONS {
@@ -41,6 +45,13 @@ pub fn check(module: &Module, text: &str) -> Result<Handle<Function>, WrittenErr
         )));
     }
     for (_, function) in module.functions.iter() {
+        let of_locals = function.local_variables.iter().map(|(_, local)| numbers[local.ty.index()]);
+        if of_locals.sum::<u64>() > MOST_NUMBERS {
+            let name = function.name.as_deref().unwrap_or_default();
+            return Err(WrittenError::whole(format!(
+                "the function {name} must have variables of at most {MOST_NUMBERS} numbers"
+            )));
+        }
         check_function(function, text)?;
     }
     let is_root = |function: &Function| function.name.as_deref() == Some(ROOT);
@@ -65,7 +76,24 @@ fn has_signature(module: &Module, function: &Function) -> bool {
         && function.result.as_ref().is_some_and(|result| is_direction(result.ty))
 }
 
-fn check_type(ty: &TypeInner) -> Result<(), &'static str> {
+/// How many numbers a value has; `before` are those of the types that it may be made of.
+fn checked_numbers(ty: &TypeInner, before: &[u64]) -> Result<u64, String> {
+    let numbers = match *ty {
+        TypeInner::Vector { size, .. } => size as u64,
+        TypeInner::Matrix { columns, rows, .. } => columns as u64 * rows as u64,
+        TypeInner::Array { base, size: ArraySize::Constant(count), .. } => {
+            before[base.index()] * u64::from(count.get())
+        }
+        TypeInner::Struct { ref members, .. } => members.iter().map(|member| before[member.ty.index()]).sum(),
+        _ => 1,
+    };
+    if numbers > MOST_NUMBERS {
+        return Err(format!("a value of a BRDF has at most {MOST_NUMBERS} numbers, this {numbers}"));
+    }
+    Ok(numbers)
+}
+
+fn check_type(ty: &TypeInner) -> Result<(), String> {
     let is_plain = |scalar: Scalar| match scalar.kind {
         ScalarKind::Float | ScalarKind::Sint | ScalarKind::Uint => scalar.width == 4,
         ScalarKind::Bool => true,
@@ -73,12 +101,12 @@ fn check_type(ty: &TypeInner) -> Result<(), &'static str> {
     };
     match *ty {
         TypeInner::Scalar(scalar) | TypeInner::Vector { scalar, .. } | TypeInner::Matrix { scalar, .. } => {
-            if is_plain(scalar) { Ok(()) } else { Err("numbers of a BRDF have 32 bits") }
+            if is_plain(scalar) { Ok(()) } else { Err("numbers of a BRDF have 32 bits".into()) }
         }
         TypeInner::Array { size: ArraySize::Constant(count), .. } if count.get() <= MOST_ELEMENTS => Ok(()),
-        TypeInner::Array { .. } => Err("an array of a BRDF has a constant size of at most 1024"),
+        TypeInner::Array { .. } => Err(format!("an array of a BRDF has a constant size of at most {MOST_ELEMENTS}")),
         TypeInner::Struct { .. } => Ok(()),
-        _ => Err("a BRDF has only numbers, vectors, matrices, arrays and structures; pass no pointers"),
+        _ => Err("a BRDF has only numbers, vectors, matrices, arrays and structures; pass no pointers".into()),
     }
 }
 

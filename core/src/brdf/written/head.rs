@@ -30,78 +30,106 @@ pub fn all_declared() -> Vec<&'static Parameter> {
 /// # Errors
 /// A line that declares nothing, or something that another has.
 pub fn parameters(text: &str) -> Result<&'static [Parameter], WrittenError> {
-    let mut list: Vec<Parameter> = Vec::new();
+    let mut list: Vec<Line> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let Some(rest) = line.trim_start().strip_prefix(MARK) else { continue };
         let failed = |reason: String| WrittenError::at(text, index + 1, reason);
-        let parameter = parameter(rest).map_err(failed)?;
-        check_name(&parameter, &list).map_err(failed)?;
-        list.push(parameter);
+        let line = Line::read(rest).map_err(failed)?;
+        check_name(&line, &list).map_err(failed)?;
+        list.push(line);
     }
-    let numbers: usize = list.iter().map(Parameter::numbers).sum();
+    let numbers: usize = list.iter().map(|line| if line.is_color() { 3 } else { 1 }).sum();
     let refused = |reason: String| Err(WrittenError::whole(reason));
     if list.is_empty() {
         return refused(format!(
             "it declares no parameter; write a line \"{MARK} name | Label | number | 1 | 0..1 | | Help.\""
         ));
     }
-    let declared = list.len();
-    list.extend(SurfaceParameters::LIST);
+    let all = list.len() + SurfaceParameters::LIST.len();
     let numbers = numbers + SurfaceParameters::NUMBERS;
-    if list.len() > MOST || numbers > MOST_NUMBERS {
+    if all > MOST || numbers > MOST_NUMBERS {
         return refused(format!(
-            "it has {declared} parameters, with those of all materials {} of {numbers} numbers, more than {MOST} of \
+            "it has {} parameters, with those of all materials {all} of {numbers} numbers, more than {MOST} of \
              {MOST_NUMBERS}; use fewer",
             list.len()
         ));
     }
     let mut known = KNOWN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if let Some(same) = known.iter().find(|same| same[..] == list[..]) {
+    let is_same = |known: &[Parameter]| known.len() == all && list.iter().zip(known).all(|(line, p)| line.says(p));
+    if let Some(same) = known.iter().find(|known| is_same(known)) {
         return Ok(same);
     }
-    let kept: &'static [Parameter] = Box::leak(list.into_boxed_slice());
+    let kept: Vec<Parameter> = list.iter().map(Line::kept).chain(SurfaceParameters::LIST.iter().copied()).collect();
+    let kept: &'static [Parameter] = Box::leak(kept.into_boxed_slice());
     known.push(kept);
     Ok(kept)
 }
 
-fn parameter(rest: &str) -> Result<Parameter, String> {
-    let fields: Vec<&str> = rest.split('|').map(str::trim).collect();
-    let &[name, label, kind, default, range, unit, help] = &fields[..] else {
-        return Err(format!(
-            "a parameter has 7 fields (name | Label | kind | default | range | unit | help), not {}",
-            fields.len()
-        ));
-    };
-    let number = |text: &str| match text.trim().parse::<f32>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        _ => Err(format!("\"{text}\" is no number")),
-    };
-    let (low, high) =
-        range.split_once("..").ok_or(format!("the range \"{range}\" is not two numbers with .. between"))?;
-    let range = [number(low)?, number(high)?];
-    if !(range[0] < range[1]) || range.iter().any(|x| x.abs() > 1e6) {
-        return Err("the range must go from a lower to a higher number within -1e6 to 1e6".into());
+/// A line that declares a parameter.
+struct Line<'a> {
+    name: &'a str,
+    label: &'a str,
+    unit: &'a str,
+    help: String,
+    default: Value,
+    range: [f32; 2],
+}
+
+impl<'a> Line<'a> {
+    fn is_color(&self) -> bool {
+        matches!(self.default, Value::Color(_))
     }
-    let numbers = default.split_whitespace().map(number).collect::<Result<Vec<_>, _>>()?;
-    let default = match (kind, &numbers[..]) {
-        ("number", &[x]) => Value::Number(x),
-        ("color", &[x, y, z]) => Value::Color(Vec3::new(x, y, z)),
-        ("number" | "color", _) => return Err("a number has one default, a color three".into()),
-        _ => return Err(format!("the kind is number or color, not \"{kind}\"")),
-    };
-    if numbers.iter().any(|x| !(range[0]..=range[1]).contains(x)) {
-        return Err(format!("the default is not in the range {} to {}", range[0], range[1]));
+
+    /// Whether it declares just this.
+    fn says(&self, p: &Parameter) -> bool {
+        (self.name, self.label, self.unit, self.help.as_str()) == (p.name, p.label, p.unit, p.help)
+            && (self.default, self.range) == (p.default, p.range)
     }
-    let leaked = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
-    let help = if help.is_empty() { format!("{label}.") } else { help.to_owned() };
-    let declared =
-        Parameter { default, unit: leaked(unit), ..Parameter::number(leaked(label), range, 0.0, leaked(&help)) };
-    Ok(declared.named(leaked(name)))
+
+    /// What it declares, for ever.
+    fn kept(&self) -> Parameter {
+        let leaked = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
+        let number = Parameter::number(leaked(self.label), self.range, 0.0, leaked(&self.help));
+        Parameter { default: self.default, unit: leaked(self.unit), ..number }.named(leaked(self.name))
+    }
+
+    /// The fields behind the mark.
+    fn read(rest: &'a str) -> Result<Self, String> {
+        let fields: Vec<&str> = rest.split('|').map(str::trim).collect();
+        let &[name, label, kind, default, range, unit, help] = &fields[..] else {
+            return Err(format!(
+                "a parameter has 7 fields (name | Label | kind | default | range | unit | help), not {}",
+                fields.len()
+            ));
+        };
+        let number = |text: &str| match text.trim().parse::<f32>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(format!("\"{text}\" is no number")),
+        };
+        let (low, high) =
+            range.split_once("..").ok_or(format!("the range \"{range}\" is not two numbers with .. between"))?;
+        let range = [number(low)?, number(high)?];
+        if !(range[0] < range[1]) || range.iter().any(|x| x.abs() > 1e6) {
+            return Err("the range must go from a lower to a higher number within -1e6 to 1e6".into());
+        }
+        let numbers = default.split_whitespace().map(number).collect::<Result<Vec<_>, _>>()?;
+        let default = match (kind, &numbers[..]) {
+            ("number", &[x]) => Value::Number(x),
+            ("color", &[x, y, z]) => Value::Color(Vec3::new(x, y, z)),
+            ("number" | "color", _) => return Err("a number has one default, a color three".into()),
+            _ => return Err(format!("the kind is number or color, not \"{kind}\"")),
+        };
+        if numbers.iter().any(|x| !(range[0]..=range[1]).contains(x)) {
+            return Err(format!("the default is not in the range {} to {}", range[0], range[1]));
+        }
+        let help = if help.is_empty() { format!("{label}.") } else { help.to_owned() };
+        Ok(Self { name, label, unit, help, default, range })
+    }
 }
 
 /// The name is one of WGSL and of files, and means what it does elsewhere.
-fn check_name(parameter: &Parameter, before: &[Parameter]) -> Result<(), String> {
-    let name = parameter.name;
+fn check_name(line: &Line, before: &[Line]) -> Result<(), String> {
+    let name = line.name;
     let is_lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_lower) || name.contains("__") {
         return Err(format!("\"{name}\" is no name; use lower-case letters, digits and _"));
@@ -115,9 +143,9 @@ fn check_name(parameter: &Parameter, before: &[Parameter]) -> Result<(), String>
     if SurfaceParameters::LIST.iter().any(|p| p.name == name) {
         return Err(format!("all materials have {name} already; choose another name"));
     }
-    let Some(known) = BrdfModel::ALL.iter().find_map(|model| model.parameter(name)) else { return Ok(()) };
+    let Some(known) = BrdfModel::declared_by_models(name) else { return Ok(()) };
     let [low, high] = known.range;
-    if known.is_color() != parameter.is_color() || parameter.range[0] < low || parameter.range[1] > high {
+    if known.is_color() != line.is_color() || line.range[0] < low || line.range[1] > high {
         let kind = if known.is_color() { "color" } else { "number" };
         return Err(format!(
             "{name} is a {kind} from {low} to {high} in other models; keep to that, or choose another name"

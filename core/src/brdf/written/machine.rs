@@ -6,15 +6,20 @@ use super::{
 };
 use naga::{Block, Expression, Function, Handle, Literal, LocalVariable, Module, ScalarKind, Statement, SwitchValue};
 
+/// Most calls within each other: each takes room on the stack.
+const MOST_DEPTH: u32 = 64;
+
 /// A run of a module: its variables, and how many statements it may still do.
 pub struct Machine<'a> {
     module: &'a Module,
     /// Private variables of the module.
     globals: Vec<Val>,
     statements: u32,
+    /// Calls under way.
+    depth: u32,
 }
 
-/// It did not end within its statements.
+/// It did not end within its statements, or called too deep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Endless;
 
@@ -49,7 +54,7 @@ struct Frame<'f> {
 impl<'a> Machine<'a> {
     /// With so many statements.
     pub fn new(module: &'a Module, statements: u32) -> Self {
-        let mut machine = Self { module, globals: Vec::new(), statements };
+        let mut machine = Self { module, globals: Vec::new(), statements, depth: 0 };
         for (_, variable) in module.global_variables.iter() {
             let zero = Val::zero(module, &module.types[variable.ty].inner);
             let value = variable.init.map_or(zero, |init| machine.constant(init));
@@ -65,6 +70,10 @@ impl<'a> Machine<'a> {
 
     /// Calls a function.
     pub fn call(&mut self, function: Handle<Function>, arguments: Vec<Val>) -> Result<Option<Val>, Endless> {
+        if self.depth == MOST_DEPTH {
+            return Err(Endless);
+        }
+        self.depth += 1;
         let module = self.module;
         let function = &module.functions[function];
         let mut frame =
@@ -74,7 +83,9 @@ impl<'a> Machine<'a> {
             let value = local.init.map_or(zero, |init| self.value(&frame, init));
             frame.locals.push(value);
         }
-        match self.block(&mut frame, &function.body)? {
+        let flow = self.block(&mut frame, &function.body)?;
+        self.depth -= 1;
+        match flow {
             Flow::Return(value) => Ok(value),
             _ => Ok(None),
         }
@@ -193,7 +204,7 @@ impl<'a> Machine<'a> {
                     Root::Local(local) => &frame.locals[local.index()],
                     Root::Global(index) => &self.globals[index],
                 };
-                path.iter().fold(value.clone(), |value, &index| value.part(index))
+                value.load(&path)
             }
             expression => {
                 self.computed(expression, &|handle| self.value(frame, handle), &|handle| self.flat(frame, handle))

@@ -192,6 +192,10 @@ pub fn math(fun: Math, first: &Val, others: [&Val; 2]) -> Val {
     let (a, [b, c]) = (first.flat(), others.map(Val::flat));
     Val::Flat(match a.kind {
         Kind::Float => of_floats(fun, a, b, c),
+        kind if fun == Math::Dot => {
+            let products = a.zip(&b, kind, u32::wrapping_mul);
+            Flat::scalar(kind, products.bits.into_iter().fold(0, u32::wrapping_add))
+        }
         Kind::Sint => {
             let i = |x: u32| x as i32;
             match fun {

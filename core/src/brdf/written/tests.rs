@@ -82,6 +82,11 @@ fn statements_and_functions_do_what_wgsl_says() {
         ),
         ("return vec3(dot(vec3(1.0, 2.0, 3.0), cross(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0))));", 3.0),
         (
+            "let k = i32(p.x * 4.0); let u = u32(k); return vec3(f32(dot(vec3(1i, k, 3i), vec3(-1i, 4i, 5i))) + f32(dot(vec2(u, 3u), vec2(4u, 5u))));",
+            45.0,
+        ),
+        ("let u = u32(p.x * 4.0); return vec3(f32(dot(vec2(0x80000000u, u), vec2(u, 3u))));", 6.0),
+        (
             "return vec3(clamp(7.5, 1.0, 3.0) + mix(2.0, 4.0, 0.5 * p.x) + smoothstep(0.0, 2.0, 2.0 * p.x) + step(1.0, 2.0) + fract(2.25));",
             7.25,
         ),
@@ -125,6 +130,12 @@ fn what_is_wrong_is_told_with_its_line() {
     assert!(told.starts_with("line 2: this function is not interpreted"), "{told}");
     let told = refused(&body("return vec3(dpdx(wi.x));"));
     assert!(told.starts_with("line 2: "), "{told}");
+    let told = refused(&body("var a: array<array<f32, 1024>, 1024>; a[0][0] = 0.1; return vec3(a[0][0]);"));
+    assert!(told.contains("at most 4096 numbers"), "{told}");
+    assert!(Written::new(&body("var a: array<array<f32, 4>, 4>; a[0][0] = 0.1; return vec3(a[0][0]);")).is_ok());
+    let many: String = (0..5).map(|i| format!("var a{i}: array<f32, 1024>; a{i}[0] = 0.1; ")).collect();
+    let told = refused(&body(&(many + "return vec3(a0[0] + a1[0] + a2[0] + a3[0] + a4[0]);")));
+    assert!(told.contains("variables of at most 4096 numbers"), "{told}");
     assert!(refused("fn brdf() {}").contains("it declares no parameter"));
 }
 
@@ -170,6 +181,15 @@ fn what_never_ends_or_is_no_reflectance_is_refused() {
         "fn f0_(x: f32) -> f32 {{ return x; }}\n{calls}fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {{ return vec3(f19_(0.0)); }}"
     )));
     assert!(told.contains("does not end"), "{told}");
+    let chain: String = (1..70).map(|i| format!("fn f{i}_(x: f32) -> f32 {{ return f{}_(x); }}\n", i - 1)).collect();
+    let called = |depth: u32| {
+        with(&format!(
+            "fn f0_(x: f32) -> f32 {{ return x; }}\n{chain}fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {{ return vec3(f{depth}_(0.1)); }}"
+        ))
+    };
+    let told = refused(&called(69));
+    assert!(told.contains("does not end"), "{told}");
+    assert!(Written::new(&called(30)).is_ok(), "negative control");
     let told = refused(&body("return vec3(0.0) / (wi.z - wi.z);"));
     assert!(told.contains("which is no reflectance for wi"), "{told}");
     assert!(refused(&body("return vec3(-0.1);")).contains("no reflectance"));

@@ -96,6 +96,15 @@ impl Val {
         }
     }
 
+    /// The part at the end of a path.
+    pub fn load(&self, path: &[usize]) -> Self {
+        match (self, path) {
+            (_, []) => self.clone(),
+            (Self::Flat(_), &[index, ..]) => self.part(index),
+            (Self::Many(parts), &[index, ref rest @ ..]) => parts[index.min(parts.len() - 1)].load(rest),
+        }
+    }
+
     /// Replaces the part at the end of a path.
     pub fn store(&mut self, path: &[usize], value: Self) {
         let Some((&index, rest)) = path.split_first() else {

@@ -2,7 +2,8 @@
 //! `_anisotropy`, `_transmission`, `_emissive_strength`), read from the JSON itself: the `gltf` crate does not offer them.
 //!
 //! A material with a coat, sheen or a colour of its highlight becomes OpenPBR. Its coat does not darken the base, as glTF's does
-//! not. Sheen is the same lobe here, of the square of glTF's roughness. What is transmitted passes a thin surface straight on.
+//! not. Sheen is the same lobe here, of the square of glTF's roughness. What is transmitted would pass a thin surface straight on; no
+//! model has an opacity yet, so it is told that such a material shows opaque.
 
 use super::materials::Transform;
 use crate::{
@@ -222,7 +223,7 @@ fn is_declared(name: &str) -> bool {
 }
 
 impl Transmission {
-    /// Makes a material let pass what glTF's transmits. Returns what is to be told.
+    /// Gives a model that has an opacity what glTF's material lets pass; none has yet. Returns what is to be told.
     fn thin_out(&self, material: &mut Material) -> Option<&'static str> {
         const OPACITY: &str = "geometry_opacity";
         if !(self.transmission_factor > 0.0) {

@@ -13,6 +13,18 @@ fn folder(table: Option<&[u8]>) -> tempfile::TempDir {
     folder
 }
 
+#[test]
+fn a_file_is_not_looked_for_where_the_model_has_none() {
+    let folder = folder(None);
+    let path = folder.path().join("paint.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("merl", "ggx")).unwrap();
+    let (material, remarks) = load(folder.path()).unwrap();
+    assert!(material.file.is_none() && material.parameters.get("tint").is_none() && remarks.is_empty(), "{remarks:?}");
+    std::fs::write(&path, text).unwrap();
+    assert!(load(folder.path()).is_err(), "negative control");
+}
+
 fn load(folder: &Path) -> Result<(crate::material::Material, Vec<String>), super::ImportError> {
     load_material(&folder.join("paint.json"), &mut Default::default(), &Default::default())
 }
