@@ -15,6 +15,7 @@ use lapidary_core::{
     input,
     lights::{Emission, Light},
     material::{BrdfModel, map_names},
+    texture::Procedural,
 };
 use lapidary_precompute::Preset;
 use serde::{Serialize, de::DeserializeOwned};
@@ -199,9 +200,11 @@ fn material_template(given: &Value) -> SessionMaterial {
         }
     }
     let known = || BrdfModel::ALL.iter().flat_map(|&model| map_names(model));
-    for (name, _) in named("maps").filter(|(_, slot)| slot.is_object()) {
+    for (name, slot) in named("maps").filter(|(_, slot)| slot.is_object()) {
         if may_declare || known().any(|known| known == name) {
-            template.maps.set(name.clone(), Some(SessionSlot::default()));
+            let procedural =
+                slot.get("procedural").filter(|pattern| pattern.is_object()).map(|_| Procedural::default());
+            template.maps.set(name.clone(), Some(SessionSlot { procedural, ..Default::default() }));
         }
     }
     template

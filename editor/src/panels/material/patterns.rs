@@ -38,7 +38,7 @@ impl PatternThumbnails {
 /// The button that opens a menu of what a map can be.
 pub fn menu(ui: &mut Ui, target: Target, changes: &mut Changes, actions: &mut Vec<Action>) {
     let name = target.name();
-    let (button, _) = MenuButton::new("▾").ui(ui, |ui| {
+    let (button, _) = MenuButton::new("…").ui(ui, |ui| {
         if ui.button("Image…").clicked() {
             super::maps::load(target, None, actions);
         }
