@@ -1,9 +1,8 @@
 //! The origin of a pixel's radiance: its surface point, the cuts of the three vertices, and every node of the merged
 //! cut with its radiance, visibility and BRDF (paper, 4.2).
 //!
-//! The nodes are those of [`crate::shade::merge`], in the same traversal: their contributions sum to the rendered
-//! radiance. Of a sharp lobe they are what the light samples say; the picture reads the map in its window
-//! ([`crate::shade::mirror`]).
+//! The nodes are those of [`crate::shade::merge`], in the same traversal: with what a sharp lobe reads of the map in their
+//! place ([`crate::shade::mirror`]), their contributions sum to the rendered radiance.
 
 pub(crate) mod cut_map;
 
@@ -140,6 +139,8 @@ pub struct PixelExplanation {
     pub dark_nodes: Vec<u32>,
     /// Suns of the environment, see [`Renderer::explain_suns`].
     pub suns: Vec<ExplainedSun>,
+    /// What the map gives in the window of a sharp lobe, less what the nodes give there.
+    pub mirror: Vec3,
     /// The sum of the contributions.
     pub radiance: Vec3,
     /// The shaded surface point.
@@ -243,6 +244,11 @@ impl FieldJob for Explain<'_> {
             |interval| dark_nodes.push(interval.heap_index(1 << field.height())),
             |eight: &EightTerms| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
         );
+        let of_nodes: Vec3 = nodes.iter().map(|node: &ExplainedNode| node.contribution).sum();
+        let rendered = Shader::new(field, self.cuts, self.sampling).shade(&self.point);
+        // The same sum in another order differs by rounding.
+        let is_mirror = !rendered.abs_diff_eq(of_nodes, 1e-5 * rendered.max_element());
+        let mirror = if is_mirror { rendered - of_nodes } else { Vec3::ZERO };
         let is_lit = self.sampling == BrdfSampling::Lit;
         let vertex = |i: usize| ExplainedVertex {
             index: self.point.vertices[i],
@@ -259,7 +265,8 @@ impl FieldJob for Explain<'_> {
             vertices: [0, 1, 2].map(vertex),
             illumination_nodes: if is_lit { 0 } else { field.illumination_cut().len() },
             merged_nodes: shader.work.merged_nodes,
-            radiance: nodes.iter().map(|node: &ExplainedNode| node.contribution).sum(),
+            mirror,
+            radiance: of_nodes + mirror,
             nodes,
             dark_nodes,
             suns: Vec::new(),

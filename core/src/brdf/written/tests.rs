@@ -85,7 +85,7 @@ fn statements_and_functions_do_what_wgsl_says() {
             "let k = i32(p.x * 4.0); let u = u32(k); return vec3(f32(dot(vec3(1i, k, 3i), vec3(-1i, 4i, 5i))) + f32(dot(vec2(u, 3u), vec2(4u, 5u))));",
             45.0,
         ),
-        ("let u = u32(p.x * 4.0); return vec3(f32(dot(vec2(0x80000000u, u), vec2(u, 3u))));", 6.0),
+        ("let u = u32(p.x * 4.0); return vec3(f32(dot(vec2(0x80000000u, u), vec2(u, 3u)) & 0xffffu));", 6.0),
         (
             "return vec3(clamp(7.5, 1.0, 3.0) + mix(2.0, 4.0, 0.5 * p.x) + smoothstep(0.0, 2.0, 2.0 * p.x) + step(1.0, 2.0) + fract(2.25));",
             7.25,

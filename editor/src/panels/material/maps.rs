@@ -7,7 +7,8 @@ use crate::{
     panels::widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
 };
 use egui::{
-    Button, CollapsingHeader, Label, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextureHandle, Ui, vec2,
+    Align, Button, CollapsingHeader, Label, Layout, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextureHandle,
+    Ui, vec2,
 };
 use lapidary_core::{
     brdf::{BrdfModel, Parameter},
@@ -20,8 +21,6 @@ use std::path::PathBuf;
 const THUMBNAIL: f32 = 26.0;
 /// Points of the empty frame where there is none: rows without a map are to take little room.
 const EMPTY: f32 = 16.0;
-/// Points that the menu beside the button takes.
-const KINDS: f32 = 26.0;
 
 /// A map of a material.
 #[derive(Clone, Copy)]
@@ -95,11 +94,14 @@ fn picture_row(
     let choose = |ui: &mut Ui| {
         let verb = if is_there { "Swap" } else { "Load" };
         let hint = "Choose a png, jpg, tga, hdr or exr file, or drop one on this row.";
-        let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width() - KINDS, 0.0));
-        if ui.add(button).on_hover_text(hint).accessible_name(format!("{verb} {name}")).clicked() {
-            load(target, None, actions);
-        }
-        patterns::menu(ui, target, changes, actions);
+        // From the right, so that the button takes what the menu leaves.
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            patterns::menu(ui, target, changes, actions);
+            let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width(), 0.0));
+            if ui.add(button).on_hover_text(hint).accessible_name(format!("{verb} {name}")).clicked() {
+                load(target, None, actions);
+            }
+        });
     };
     let remove = |ui: &mut Ui| {
         let button = Button::new("×").frame(false);
