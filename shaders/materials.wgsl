@@ -255,9 +255,9 @@ fn material_number(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>,
 // Radiance that a material sends by itself. Twin of `SurfaceParameters` in core/src/brdf/surface.rs.
 fn material_emission(material: u32, uv: UvFootprint) -> vec3<f32> {
     let first = materials[material].surface;
-    if materials[material].parameters[first + 1u].value.x == 0.0 {
+    if materials[material].parameters[first].value.x == 0.0 {
         return vec3(0.0);
     }
-    let color = material_color(material, first, uv, vec2(0.0, 1.0), 0.0);
-    return color * material_number(material, first + 1u, uv, vec2(0.0, MOST_LUMINANCE), 0.0);
+    let luminance = material_number(material, first, uv, vec2(0.0, MOST_LUMINANCE), 0.0);
+    return material_color(material, first + 1u, uv, vec2(0.0, 1.0), 0.0) * luminance;
 }

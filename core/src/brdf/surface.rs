@@ -7,12 +7,12 @@ use glam::Vec3;
 parameters! {
     /// Parameters of a surface beside its reflectance, with the names of OpenPBR.
     pub struct SurfaceParameters {
-        emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the light that the surface sends by itself.")
-            .in_section("Emission"),
         emission_luminance: f32 = Parameter::number(
             "Emission luminance", [0.0, 1e6], 0.0,
             "How bright the surface shines by itself, in the unit of the environment. With bounces it lights others.",
         ).with_slider([0.0, 20.0]).in_section("Emission"),
+        emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the light that the surface sends by itself.")
+            .in_section("Emission"),
     }
 }
 

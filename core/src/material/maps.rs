@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn every_parameter_has_a_map_and_colours_are_encoded() {
-        let names = ["base_color", "emission_color", "emission_luminance", NORMAL, BUMP];
+        let names = ["base_color", "emission_luminance", "emission_color", NORMAL, BUMP];
         assert_eq!(map_names(BrdfModel::Lambert).collect::<Vec<_>>(), names);
         assert_eq!(
             (map_color_space("base_color"), map_color_space("roughness")),

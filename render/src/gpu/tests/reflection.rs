@@ -327,7 +327,7 @@ fn shared_constants_have_the_same_values() {
     }
     for (name, value) in [
         ("MIN_ALPHA", MIN_ALPHA),
-        ("MOST_LUMINANCE", SurfaceParameters::LIST[1].range[1]),
+        ("MOST_LUMINANCE", SurfaceParameters::LIST[0].range[1]),
         ("MOST_TAPS", lapidary_core::texture::MOST_TAPS as f32),
         ("TEXELS_PER_WIDTH", lapidary_core::texture::TEXELS_PER_WIDTH),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
