@@ -289,7 +289,8 @@ fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode,
 
 fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
     (*shaded).radiance *= leaf_solid_angle();
-    if mirror.share > 0.0 {
+    // Where nothing of the window is seen, nothing is replaced.
+    if mirror.share > 0.0 && any((*shaded).window_seen > vec3(0.0)) {
         let seen = (*shaded).window_seen * leaf_solid_angle();
         let all = (*shaded).window_all * leaf_solid_angle();
         (*shaded).radiance = sharpened(mirror, (*shaded).radiance, seen, all, unshadowed_window(mirror, point));

@@ -129,7 +129,7 @@ impl Environment {
 
     /// Radiance from a unit direction, bilinear between texels; wraps in longitude.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        bilinear(&self.map, direction)
+        bilinear(&self.map, uv_from_direction(direction))
     }
 
     /// The map at ever coarser resolutions. It is made at the first call.
@@ -138,10 +138,10 @@ impl Environment {
     }
 }
 
-/// The value of a latitude-longitude map in a unit direction, bilinear between texels; wraps in longitude.
-fn bilinear(map: &Image, direction: Vec3) -> Vec3 {
+/// The value of a latitude-longitude map, bilinear between texels; wraps in longitude.
+fn bilinear(map: &Image, uv: Vec2) -> Vec3 {
     let (w, h) = (map.width() as i64, map.height() as i64);
-    let p = uv_from_direction(direction) * Vec2::new(w as f32, h as f32) - 0.5;
+    let p = uv * Vec2::new(w as f32, h as f32) - 0.5;
     let (base, f) = (p.floor(), p - p.floor());
     let texel = |x: i64, y: i64| map.at(x.rem_euclid(w) as usize, y.clamp(0, h - 1) as usize);
     let (x, y) = (base.x as i64, base.y as i64);

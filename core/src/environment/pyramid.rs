@@ -1,6 +1,6 @@
 //! A map with ever coarser copies of itself, for means over patches of directions (mip maps).
 
-use super::{bilinear, texel_solid_angle};
+use super::{bilinear, texel_solid_angle, uv_from_direction};
 use crate::image::Image;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -66,7 +66,8 @@ impl Pyramid {
         let fine = (texels.max(1.0) as u32).ilog2().min(last as u32) as usize;
         let rest = (texels / (1_u32 << fine) as f32 - 1.0).clamp(0.0, 1.0);
         let coarse = (fine + 1).min(last);
-        bilinear(&self.levels[fine], direction).lerp(bilinear(&self.levels[coarse], direction), rest)
+        let uv = uv_from_direction(direction);
+        bilinear(&self.levels[fine], uv).lerp(bilinear(&self.levels[coarse], uv), rest)
     }
 }
 

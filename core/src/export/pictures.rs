@@ -5,7 +5,7 @@ use crate::{
     import::{MaterialFile, SlotFile},
     material::Material,
     output::write_atomically,
-    texture::{Texture, TextureSlot},
+    texture::Texture,
 };
 use std::{
     collections::{BTreeSet, HashMap},
@@ -45,7 +45,7 @@ impl<'a> PictureFolder<'a> {
         for (slot, name) in maps.slots_mut() {
             *name = self.picture(slot.texture)?;
         }
-        Ok(material.with_maps(maps.filter_map(|(slot, name)| Some(named(slot, name.clone()?)))))
+        Ok(material.with_maps(maps.filter_map(|(slot, name)| Some(SlotFile::of(slot, name.clone()?)))))
     }
 
     /// The name of a texture's picture, relative to the file beside the folder; written at the first time.
@@ -92,20 +92,6 @@ impl<'a> PictureFolder<'a> {
             name = format!("{stem}-{count}.{extension}");
         }
         name
-    }
-}
-
-fn named(slot: &TextureSlot, file: String) -> SlotFile {
-    SlotFile {
-        file,
-        color_space: Some(slot.color_space),
-        channel: slot.channel,
-        scale: slot.scale,
-        offset: slot.offset,
-        rotation_degrees: slot.rotation.to_degrees(),
-        strength: slot.strength,
-        flip_y: slot.flip_y,
-        procedural: None,
     }
 }
 

@@ -153,6 +153,21 @@ struct MaterialLoader<'a> {
 }
 
 impl SlotFile {
+    /// Of a slot whose picture is in `file`; empty for a pattern.
+    pub fn of(slot: &TextureSlot, file: String) -> Self {
+        Self {
+            file,
+            procedural: slot.procedural,
+            color_space: Some(slot.color_space),
+            channel: slot.channel,
+            scale: slot.scale,
+            offset: slot.offset,
+            rotation_degrees: slot.rotation.to_degrees(),
+            strength: slot.strength,
+            flip_y: slot.flip_y,
+        }
+    }
+
     /// The name of its picture, unless it is a pattern.
     fn picture(&self) -> Option<&str> {
         self.procedural.is_none().then_some(&self.file)

@@ -271,11 +271,13 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
     let mut left_out = 0;
     let maps = material.maps.filter_map(|slot| {
         if slot.procedural.is_some() {
-            return Some(slot_file(slot, Path::new(""), folder));
+            return Some(SlotFile::of(slot, String::new()));
         }
         let file = document.textures.get(slot.texture as usize).and_then(|entry| entry.file.as_deref());
         left_out += usize::from(file.is_none());
-        Some(slot_file(slot, file?, folder))
+        let file = file?;
+        let file = file.strip_prefix(folder).unwrap_or(file).to_string_lossy().into_owned();
+        Some(SlotFile::of(slot, file))
     });
     let Material { name, model, file, parameters, double_sided, .. } = material.clone();
     // Its contents are not written, but formats without such files estimate by them.
@@ -293,20 +295,6 @@ fn without_foreign(material: &Material) -> Cow<'_, Material> {
         return Cow::Borrowed(material);
     }
     Cow::Owned(material.own())
-}
-
-fn slot_file(slot: &TextureSlot, file: &Path, folder: &Path) -> SlotFile {
-    SlotFile {
-        file: file.strip_prefix(folder).unwrap_or(file).to_string_lossy().into_owned(),
-        color_space: Some(slot.color_space),
-        channel: slot.channel,
-        scale: slot.scale,
-        offset: slot.offset,
-        rotation_degrees: slot.rotation.to_degrees(),
-        strength: slot.strength,
-        flip_y: slot.flip_y,
-        procedural: slot.procedural,
-    }
 }
 
 /// As MaterialX or JSON, by the extension. Returns what the file does not hold.

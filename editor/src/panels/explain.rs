@@ -10,6 +10,7 @@ mod tests;
 use super::units::grouped;
 use crate::panels::widgets::{copyable, section};
 use egui::{Grid, RichText, Ui};
+use glam::Vec3;
 use lapidary_core::color::luminance;
 use lapidary_render::{CutMap, ErrorSplit, PixelExplanation, TreeOf};
 use std::sync::Arc;
@@ -120,6 +121,10 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
     let whole = luminance(explanation.radiance).max(f32::MIN_POSITIVE);
     for sun in &explanation.suns {
         rows.push(("Sun".into(), format!("{:.1} %, by rays", 100.0 * luminance(sun.contribution) / whole)));
+    }
+    if explanation.mirror != Vec3::ZERO {
+        let share = 100.0 * luminance(explanation.mirror) / whole;
+        rows.push(("Mirror".into(), format!("{share:.1} %, from the map in place of nodes")));
     }
     let [r, g, b] = explanation.radiance.to_array();
     rows.push(("Radiance".into(), format!("{r:.3}, {g:.3}, {b:.3}")));

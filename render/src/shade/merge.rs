@@ -300,7 +300,13 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
         let per_leaf = shader.field.solid_angle();
         let [reflected, seen, all] = [reflected, seen, all].map(|sum| sum.reduce_add() * per_leaf);
         let Some((mirror, map)) = mirror else { return reflected };
-        mirror.sharpened(reflected, seen, all, mirror.unshadowed::<L>(point, map))
+        mirror.sharpened(
+            reflected,
+            seen,
+            all,
+            #[inline(always)]
+            || mirror.unshadowed::<L>(point, map),
+        )
     }
 }
 
@@ -480,93 +486,4 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{
-        light::bounce::SourceLighting,
-        renderer::Renderer,
-        shade::node_field::SourceField,
-        test_scenes::{dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, surface_at},
-    };
-    use lapidary_core::{
-        brdf::{BrdfModel, GgxParameters, example_file},
-        material::Material,
-        sources::SourceTree,
-    };
-
-    /// The bits of one point in each instruction set, under each model and sampling.
-    fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePoint) -> Vec<Vec<[u32; 3]>> {
-        let shaded = |instructions: InstructionSet| {
-            let mut bits = Vec::new();
-            for &model in BrdfModel::ALL {
-                let parameters = GgxParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
-                let material =
-                    Material { model, file: example_file(model), parameters: parameters.into(), ..Default::default() };
-                let brdf = material.plain_brdf();
-                let point = SurfacePoint { brdf, ..point.clone() };
-                for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
-                    let mut shader = Shader { instructions, ..Shader::new(field, cuts, sampling) };
-                    bits.push(shader.shade(&point).to_array().map(f32::to_bits));
-                }
-            }
-            bits
-        };
-        InstructionSet::available().map(shaded).collect()
-    }
-
-    /// All sets have the bits of the first, which is not dark.
-    fn assert_same(bits: &[Vec<[u32; 3]>]) {
-        assert!(bits.iter().all(|of_set| of_set == &bits[0]), "{bits:?}");
-        assert!(bits[0].iter().all(|color| f32::from_bits(color[2]) > 0.0), "{bits:?}");
-    }
-
-    #[test]
-    fn all_instruction_sets_shade_a_point_to_the_same_bits() {
-        let parameters = GgxParameters { base_color: Vec3::new(0.6, 0.3, 0.1), ..glossy(0.4) };
-        let renderer = Renderer::new(dataset(mesh(16, true), parameters));
-        let light = illumination([64, 32], |x, y| Vec3::new(0.3, 0.2, if x > 40 && y < 10 { 30.0 } else { 0.1 }));
-        let lighting = renderer.lighting(&light, 64);
-        let point = surface_at(&renderer, &from_the_side(24));
-        let far = bits_in_each_set(&lighting, &renderer.dataset.cuts, &point);
-        assert_same(&far);
-        assert_ne!(far[0][3], far[0][4], "negative control: another sampling is another number");
-        let smooth_normal = (point.smooth_normal + 0.3 * Vec3::X).normalize();
-        let bent = bits_in_each_set(&lighting, &renderer.dataset.cuts, &SurfacePoint { smooth_normal, ..point });
-        assert_same(&bent);
-        assert_ne!(far[0], bent[0], "negative control: another normal is another number");
-    }
-
-    #[test]
-    fn all_instruction_sets_gather_sources_to_the_same_bits() {
-        let renderer = Renderer::new(floor_and_wall(3));
-        let indirect = renderer.dataset.indirect.as_ref().unwrap();
-        let radiance: Vec<Vec3> = (0..indirect.sources.len()).map(|i| Vec3::new(1.0, 0.5, i as f32)).collect();
-        let lighting = SourceLighting::new(SourceTree::new(&indirect.sources).into(), &radiance, 64);
-        let point = surface_at(&renderer, &from_the_side(24));
-        assert_same(&bits_in_each_set(SourceField::new(&lighting), &indirect.cuts, &point));
-    }
-
-    #[test]
-    fn stepping_over_leaves_visits_each_leaf_of_a_root_once() {
-        let leaves = 16;
-        for root in [1, 2, 3, 5, 7, 11, 15, 16, 31] {
-            let first_leaf = |mut n: u32| {
-                while n < leaves {
-                    n *= 2;
-                }
-                n
-            };
-            let mut visited = Vec::new();
-            let mut node = root;
-            while node != 0 {
-                node = first_leaf(node);
-                visited.push(node);
-                node = next_node(node, root);
-            }
-            let below = |n: u32| (0..5).any(|k| n >> k == root);
-            assert_eq!(visited, (leaves..2 * leaves).filter(|&n| below(n)).collect::<Vec<_>>(), "{root}");
-        }
-        assert_eq!(next_node(4, 2), 5);
-        assert_eq!(next_node(9, 2), 5); // the right leaf of the left half: on to the right half
-    }
-}
+mod tests;

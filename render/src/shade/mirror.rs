@@ -5,8 +5,8 @@
 //!
 //! `∫ f L V w  =  ∫ f L w · (Σ f̃ L V w / Σ f̃ L w)`
 //!
-//! The first factor has no visibility. It is read from the map by importance samples of the lobe, each from a level of the
-//! pyramid as coarse as the samples are apart (Krivanek and Colbert 2008, *Real-time Shading with Filtered Importance
+//! The first factor has no visibility. It is read from the map by importance samples of the lobe and of one that fills the
+//! window, each from a level of the pyramid as coarse as the samples are apart (Krivanek and Colbert 2008, *Real-time Shading with Filtered Importance
 //! Sampling*). The second is the share of this light that is seen, over the nodes of the merged cut. Any model has both,
 //! since nothing of it but the widths of its lobes is asked for. Twin of `shaders/mirror.wgsl`.
 
@@ -217,8 +217,13 @@ impl Mirror {
     }
 
     /// All light of a point with that of the window replaced: `reflected` of the nodes, `seen` of it in the window, `all` of the
-    /// window if everything were seen, and [`Self::unshadowed`].
-    pub fn sharpened(&self, reflected: Vec3, seen: Vec3, all: Vec3, unshadowed: Vec3) -> Vec3 {
+    /// window if everything were seen, and [`Self::unshadowed`], which is not asked for where nothing of the window is seen.
+    #[inline(always)]
+    pub fn sharpened(&self, reflected: Vec3, seen: Vec3, all: Vec3, unshadowed: impl FnOnce() -> Vec3) -> Vec3 {
+        if seen == Vec3::ZERO {
+            return reflected;
+        }
+        let unshadowed = unshadowed();
         let share = |seen: f32, all: f32| if all > 0.0 { (seen / all).min(1.0) } else { 0.0 };
         let shares = Vec3::new(share(seen.x, all.x), share(seen.y, all.y), share(seen.z, all.z));
         reflected + (shares * unshadowed - seen) * self.share

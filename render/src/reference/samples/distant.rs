@@ -113,6 +113,6 @@ impl DistantShader<'_> {
             all = all + light * window;
         }
         let [sum, seen, all] = [sum, seen, all].map(|sum| sum.reduce_add() * samples.solid_angle);
-        mirror.sharpened(sum, seen, all, mirror.unshadowed::<f32x8>(point, map))
+        mirror.sharpened(sum, seen, all, || mirror.unshadowed::<f32x8>(point, map))
     }
 }

@@ -216,35 +216,15 @@ fn highlights_of_bumps_are_near_those_of_paths_and_stay_as_the_camera_moves() {
     }
 }
 
+/// Prints the figures of `docs/results.md`.
 #[test]
-#[ignore = "prints the figures of docs/lab-notes/2026-11-26-texture-filtering.md"]
-fn figures_of_bumpy_highlights() {
-    println!("map, roughness, distance: error of points, means, slopes; change of points, means, slopes");
-    for (map, roughness) in [(NORMAL, 0.3), (NORMAL, 0.15), (BUMP, 0.3)] {
-        for distance in [1.0, 2.0, 4.0, 16.0] {
-            let (error, change) = errors(map, roughness, distance, 256);
-            println!("{map} {roughness} {distance}: {error:.3?} {change:.3?}");
-        }
-    }
-}
-
-#[test]
-#[ignore = "prints the times of docs/lab-notes/2026-11-26-texture-filtering.md"]
-fn times_of_filtered_maps() {
-    let slot = TextureSlot::default();
-    let mut appearance = look(BrdfModel::Ggx, 0.5, NORMAL, slot.clone());
-    for name in ["base_color", "roughness", "metalness"] {
-        appearance.materials[0].maps.set(name, Some(slot.clone()));
-    }
-    for distance in [1.0, 4.0, 16.0] {
-        let (renderer, light) = scene(appearance.clone(), distance);
-        let view = View { size: [160, 160], ..view() };
-        let time = |filter| {
-            let start = std::time::Instant::now();
-            picture(&renderer, &light, &view, filter);
-            start.elapsed().as_secs_f64()
-        };
-        let least = |filter| (0..5).map(|_| time(filter)).fold(f64::INFINITY, f64::min);
-        println!("{distance}: points {:.3} s, slopes {:.3} s", least(Filter::None), least(Filter::Slopes));
+fn slopes_help_at_every_distance() {
+    println!("distance: error of points, means, slopes; change of points, means, slopes");
+    for distance in [1.0, 2.0, 4.0, 16.0] {
+        let (error, change) = errors(NORMAL, 0.3, distance, 256);
+        println!("{distance}: {error:.3?} {change:.3?}");
+        let ([none, means, slopes], [flicker, _, still]) = (error, change);
+        assert!(slopes < 0.35 && slopes < 0.4 * none && slopes < 0.4 * means, "{distance}: {error:?}");
+        assert!(still < 0.6 * flicker, "{distance}: {change:?}");
     }
 }

@@ -1,5 +1,6 @@
 //! What `explain` says on standard output.
 
+use glam::Vec3;
 use lapidary_core::color::luminance;
 use lapidary_render::{ErrorSplit, PixelExplanation, SplitStep};
 use std::fmt::Write;
@@ -42,6 +43,10 @@ pub fn of_pixel(explanation: &PixelExplanation) -> String {
     for sun in &explanation.suns {
         let share = 100.0 * luminance(sun.contribution) / whole;
         let _ = writeln!(text, "{share:6.2} % a sun of {:.1} degrees, by rays", sun.angle_degrees);
+    }
+    if explanation.mirror != Vec3::ZERO {
+        let share = 100.0 * luminance(explanation.mirror) / whole;
+        let _ = writeln!(text, "{share:6.2} % by a mirror, which reads the map in place of nodes");
     }
     text.truncate(text.trim_end().len());
     text
