@@ -181,7 +181,7 @@ impl MaterialLoader<'_> {
         let ReadMaterial { material: file, remarks } = contents(path, &bytes, wanted)?;
         if let Some((map, _)) = file.maps.iter().find(|(_, slot)| slot.picture() == Some("")) {
             let reason = format!("the map `{map}` names neither a `file` nor a `procedural`");
-            return Err(ImportError::Parse { path: path.into(), format: "a material", reason });
+            return Err(self.unread(Trouble::Reason(reason), ""));
         }
         self.report.warnings.extend(remarks);
         self.check_outside(&file)?;

@@ -29,7 +29,7 @@ const WINDOW: f32 = 6.0;
 /// Half-width of the window in widths of the lobe.
 const OF_LOBE: f32 = 3.0;
 /// Directions that are read for each lobe.
-const SAMPLES: usize = 12;
+const SAMPLES: usize = 8;
 /// Most lobes that are sampled: three sharp ones, and one that fills the window.
 const MOST_LOBES: usize = 4;
 /// Half-width of the window in widths of the lobe that fills it. It samples what is wide: a diffuse or a rough base.
