@@ -199,13 +199,14 @@ mod tests {
 
     #[test]
     fn what_shines_is_shown_with_local_lights() {
-        let mut lamp = look();
+        let before = look();
+        let mut lamp = before.clone();
         lamp.appearance.materials[0].set_emission(glam::Vec3::ONE);
         let mut without = lamp.clone();
         without.components.direct = false;
         assert_eq!(Redo::between(&lamp, &without).pixels.environment, Pixels::All);
         let shown = Pixels::Showing(Marks::of_materials([0]));
-        assert_eq!(Redo::between(&look(), &lamp).pixels.environment, shown, "a lamp that is lit");
+        assert_eq!(Redo::between(&before, &lamp).pixels.environment, shown, "a lamp that is lit");
         let dark = redone(|look| look.components.direct = false);
         assert_eq!(dark.pixels.environment, Pixels::Nothing, "negative control: nothing shines");
     }

@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn the_source_tree_has_the_data_and_another_folder_is_refused() {
         let scenes = DataFolder::find(None).unwrap().scenes();
-        assert!(scenes.len() == 3 && scenes[0].ends_with("still-life.gltf"), "{scenes:?}");
+        assert!(scenes.len() == 4 && scenes[0].ends_with("still-life.gltf"), "{scenes:?}");
         let error = DataFolder::find(Some(Path::new("nowhere"))).err().map(|e| e.to_string());
         assert!(error.is_some_and(|e| e.contains("--data") && e.ends_with("(nowhere)")));
     }
