@@ -5,7 +5,7 @@ use crate::{
     actions::Action,
     panels::widgets::{Edited, Number, color_row, slider_row},
 };
-use egui::{Context, TextureHandle, TextureOptions, Ui, containers::menu::MenuButton};
+use egui::{Button, Context, TextureHandle, TextureOptions, Ui, containers::menu::MenuButton};
 use glam::Vec3;
 use lapidary_core::{
     brdf::{BrdfModel, Parameter},
@@ -38,7 +38,7 @@ impl PatternThumbnails {
 /// The button that opens a menu of what a map can be.
 pub fn menu(ui: &mut Ui, target: Target, changes: &mut Changes, actions: &mut Vec<Action>) {
     let name = target.name();
-    let (button, _) = MenuButton::new("…").ui(ui, |ui| {
+    let (button, _) = MenuButton::from_button(Button::new("…").small()).ui(ui, |ui| {
         if ui.button("Image…").clicked() {
             super::maps::load(target, None, actions);
         }
