@@ -80,8 +80,8 @@ fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() 
     let error = |test: &str, reference: &str| rel_rmse(&folder, &format!("{test}.exr"), &format!("{reference}.exr"));
     let (ward, once, gold) = (error("ward", "ggx"), error("once", "own"), error("option", "own"));
     // Beside the shape of the lobe this is the sun that rough metal reflects twice, which Ward-Duer lacks.
-    assert!((ward - 0.368).abs() < 0.01, "another model: {ward}");
-    assert!((once - 0.042).abs() < 0.01, "few nodes: {once}");
+    assert!((ward - 0.349).abs() < 0.01, "another model: {ward}");
+    assert!((once - 0.053).abs() < 0.01, "few nodes: {once}");
     assert!(gold > 0.5, "negative control: {gold}");
     for (bright, own) in read("bright").pixels.iter().zip(&read("own").pixels) {
         assert!((*bright - 2.0 * own).abs().max_element() <= 1e-3 * own.max_element(), "{bright} and {own}");
