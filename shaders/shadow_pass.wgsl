@@ -1,13 +1,30 @@
-// Depth of all triangles from a light. Which view it is comes as the number of the instance.
+// Depth of all triangles from a light. Which view it is comes as the number of the instance. Of a thin surface as many texels
+// have a depth as it stops light.
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat, either) triangle: u32,
+    @location(1) @interpolate(flat, either) layer: u32,
+    @location(2) uv: vec2<f32>,
+}
 
 @vertex
-fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) layer: u32) -> @builtin(position) vec4<f32> {
+fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) layer: u32) -> Corner {
     let triangle = index / 3u;
     let corners = triangles[triangle].vertices;
-    let world = vertices[corners[index - 3u * triangle]].position;
+    let corner = vertices[corners[index - 3u * triangle]];
     let view = shadow_views[layer];
-    return shadow_clip(view, shadow_local(view, world - view.origin));
+    let clip = shadow_clip(view, shadow_local(view, corner.position - view.origin));
+    return Corner(clip, triangle, layer, corner.uv);
 }
 
 @fragment
-fn fragment() {}
+fn fragment(corner: Corner) {
+    if HAS_VEILS {
+        let material = triangles[corner.triangle].material & ~TWO_SIDED;
+        let texel = vec2<u32>(corner.position.xy);
+        if material_opacity(material, corner.uv) <= threshold(texel, corner.layer, corner.triangle) {
+            discard;
+        }
+    }
+}

@@ -58,6 +58,7 @@ pub mod material;
 pub mod materialx;
 pub mod memory;
 pub mod meshless;
+pub mod opacity;
 pub mod output;
 pub mod ray;
 pub mod scene;

@@ -17,6 +17,7 @@ mod leaves;
 pub mod offset;
 mod segments;
 mod triangle;
+mod veils;
 
 pub use boundaries::{BoundarySet, BoundaryTracer, SegmentSet, SegmentTracer, is_number_per_probe};
 pub use device::{BoxNode, RayDevice, RayDevices, RayOrigin};
@@ -26,7 +27,8 @@ pub use segments::SegmentBatch;
 
 use crate::{
     bounds::Bounds,
-    scene::Mesh,
+    opacity::Opacities,
+    scene::{Mesh, Scene},
     surfel::{MeshPlace, Surfel},
     threads::on_threads,
 };
@@ -37,9 +39,13 @@ use obvhs::{bvh2::Bvh2, ray::Ray, triangle::Triangle};
 use rayon::prelude::*;
 use std::{collections::HashSet, panic::resume_unwind};
 use triangle::TriangleFrom;
+use veils::{Veils, any_threshold};
 
 /// Threads that build a hierarchy.
 const BUILDERS: usize = 8;
+
+/// What is seen without anything between, in units of which visibility is told: 0 where all light is stopped.
+pub const OPEN: u8 = u8::MAX;
 
 /// Where a ray first meets the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +61,9 @@ pub struct Hit {
 }
 
 /// A mesh prepared for ray casting. Keeps its own copy of the corners, so that the mesh may change.
+///
+/// Surfaces that let light through stand apart. What tells of occlusion passes them by; `transmittance` tells what they leave of
+/// the light; first hits are on them as often as they stop light, by chance, or where a threshold says so.
 pub struct Intersector {
     bvh: Bvh2,
     /// Corners in the order of the leaves of `bvh`.
@@ -63,29 +72,54 @@ pub struct Intersector {
     leaf_ids: Vec<u32>,
     /// The same triangles, eight at a time.
     blocks: LeafBlocks,
+    veils: Option<Box<Veils>>,
 }
 
+/// How the triangles of a mesh are arranged.
+type Build = fn(&[Triangle]) -> Bvh2;
+
 impl Intersector {
-    /// Builds a hierarchy that is good for many rays; some seconds for a million triangles.
+    /// Builds a hierarchy that is good for many rays; some seconds for a million triangles. All of them stop all light.
     pub fn new(mesh: &Mesh) -> Self {
-        Self::with_hierarchy(mesh, hierarchy::build)
+        Self::with_hierarchy(mesh, &Opacities::default(), hierarchy::build)
+    }
+
+    /// The same under the materials of a scene.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self::with_opacities(&scene.mesh, &Opacities::of(&scene.materials, &scene.textures))
+    }
+
+    /// The same with other opacities, one for each material of the mesh.
+    pub fn with_opacities(mesh: &Mesh, opacities: &Opacities) -> Self {
+        Self::with_hierarchy(mesh, opacities, hierarchy::build)
     }
 
     /// Builds a hierarchy in a fraction of the time, with which rays take up to twice as long. They meet the same
     /// but along edges, where rounding decides: 2 of 4 million rays onto the armadillo.
-    pub fn quick(mesh: &Mesh) -> Self {
-        Self::with_hierarchy(mesh, hierarchy::build_quickly)
+    pub fn quick(mesh: &Mesh, opacities: &Opacities) -> Self {
+        Self::with_hierarchy(mesh, opacities, hierarchy::build_quickly)
     }
 
     /// By threads of its own, always as many: who waits for a hierarchy may be the thread that others wait for, and how equal
     /// costs are sorted may depend on the number of threads.
-    fn with_hierarchy(mesh: &Mesh, build: fn(&[Triangle]) -> Bvh2) -> Self {
-        let apart = || on_threads(BUILDERS, || Self::made(mesh, build));
+    fn with_hierarchy(mesh: &Mesh, opacities: &Opacities, build: Build) -> Self {
+        let apart = || on_threads(BUILDERS, || Self::parted(mesh, opacities, build));
         std::thread::scope(|scope| scope.spawn(apart).join()).unwrap_or_else(|panic| resume_unwind(panic))
     }
 
-    fn made(mesh: &Mesh, build: fn(&[Triangle]) -> Bvh2) -> Self {
-        let mut distinct = distinct_triangles(mesh);
+    fn parted(mesh: &Mesh, opacities: &Opacities, build: Build) -> Self {
+        let thin = opacities.thin();
+        if thin.iter().all(Option::is_none) {
+            return Self::made(mesh, build, |_| true);
+        }
+        let is_thin = |t: u32| thin[mesh.triangle_material[t as usize] as usize].is_some();
+        let veils = Veils::new(mesh, Self::made(mesh, build, is_thin), &thin);
+        Self { veils: Some(Box::new(veils)), ..Self::made(mesh, build, |t| !is_thin(t)) }
+    }
+
+    /// Of the triangles that `is_part` tells.
+    fn made(mesh: &Mesh, build: Build, is_part: impl Fn(u32) -> bool) -> Self {
+        let mut distinct = distinct_triangles(mesh, is_part);
         let bounds = mesh.bounds();
         distinct.sort_by_cached_key(|&t| mesh.shell_of_ground(t, bounds));
         let shells = distinct.chunk_by(|&a, &b| mesh.shell_of_ground(a, bounds) == mesh.shell_of_ground(b, bounds));
@@ -104,13 +138,44 @@ impl Intersector {
         let leaf_ids: Vec<u32> = bvh.primitive_indices.par_iter().map(|&i| distinct[i as usize]).collect();
         let leaf_triangles: Vec<[Vec3; 3]> = leaf_ids.par_iter().map(|&t| mesh.corners(t as usize)).collect();
         let blocks = LeafBlocks::new(&bvh, &leaf_triangles);
-        Self { bvh, leaf_triangles, leaf_ids, blocks }
+        Self { bvh, leaf_triangles, leaf_ids, blocks, veils: None }
     }
 
     /// The first triangle along a ray, if any. The origin must lie off the surface that it starts from.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        let (leaf, hit) = self.closest_leaf(origin, direction, f32::INFINITY)?;
-        Some(Hit { triangle: self.leaf_ids[leaf], ..hit })
+        self.closest_above(origin, direction, any_threshold(direction))
+    }
+
+    /// The first triangle along a ray whose opacity at the hit is above its threshold.
+    pub fn closest_above(&self, origin: Vec3, direction: Vec3, threshold: impl Fn(u32) -> f32) -> Option<Hit> {
+        let (of, leaf, hit) = self.first(origin, direction, f32::INFINITY, threshold)?;
+        Some(Hit { triangle: of.leaf_ids[leaf], ..hit })
+    }
+
+    /// The first leaf triangle along a ray before `distance` that is above its threshold, and what it is a leaf of.
+    fn first(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        threshold: impl Fn(u32) -> f32,
+    ) -> Option<(&Self, usize, Hit)> {
+        let solid = self.closest_leaf(origin, direction, distance, |_, _| true).map(|(leaf, hit)| (self, leaf, hit));
+        self.nearer_veil(origin, direction, solid.map_or(distance, |(.., hit)| hit.distance), threshold).or(solid)
+    }
+
+    /// The first leaf triangle of the thin surfaces.
+    fn nearer_veil(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        threshold: impl Fn(u32) -> f32,
+    ) -> Option<(&Self, usize, Hit)> {
+        let veils = self.veils.as_ref()?;
+        let stops = |leaf, hit: &Hit| veils.stop(leaf, hit, &threshold);
+        let (leaf, hit) = veils.surfaces.closest_leaf(origin, direction, distance, stops)?;
+        Some((&veils.surfaces, leaf, hit))
     }
 
     /// The first hit of a ray, or the one behind the ground of `mesh` if that is hit from below, or not to be hit from above either.
@@ -121,6 +186,7 @@ impl Intersector {
         hit: Option<Hit>,
         (origin, direction): (Vec3, Vec3),
         from_above: bool,
+        threshold: impl Fn(u32) -> f32,
     ) -> Option<Hit> {
         /// Steps behind the plane as shares of the distance, until rounding leaves it behind.
         const STEPS: [f32; 5] = [2e-7, 1e-6, 5e-6, 2.5e-5, 1.25e-4];
@@ -130,7 +196,7 @@ impl Intersector {
         }
         let behind = |step: f32| {
             let passed = ground.distance * (1.0 + step);
-            let hit = self.closest_hit(origin + direction * passed, direction);
+            let hit = self.closest_above(origin + direction * passed, direction, &threshold);
             hit.map(|hit| Hit { distance: hit.distance + passed, ..hit })
         };
         let beyond = STEPS.into_iter().map(behind).find(|hit| hit.is_none_or(|hit| !mesh.is_ground(hit.triangle)));
@@ -139,8 +205,8 @@ impl Intersector {
 
     /// The first surface along a ray before `distance` metres, with its normal on the side of the origin.
     pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
-        let (leaf, hit) = self.closest_leaf(origin, direction, distance)?;
-        Some(self.surfel(leaf, hit, origin, direction))
+        let (of, leaf, hit) = self.first(origin, direction, distance, any_threshold(direction))?;
+        Some(of.surfel(leaf, hit, origin, direction))
     }
 
     /// Where a ray meets a leaf triangle, with the normal on the side of the origin.
@@ -154,8 +220,14 @@ impl Intersector {
         }
     }
 
-    /// The first leaf triangle along a ray before `distance`.
-    fn closest_leaf(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<(usize, Hit)> {
+    /// The first leaf triangle along a ray before `distance` that it stops at.
+    fn closest_leaf(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        stops: impl Fn(usize, &Hit) -> bool,
+    ) -> Option<(usize, Hit)> {
         let mut closest = None;
         let mut leaf_hit = obvhs::ray::RayHit::none();
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
@@ -163,7 +235,7 @@ impl Intersector {
             let known = (ray.tmax, closest.map(|(leaf, _): (usize, Hit)| self.leaf_ids[leaf]));
             let triangle = TriangleFrom::unless_missed(origin, self.leaf_triangles[leaf], direction);
             match triangle.and_then(|triangle| triangle.hit(direction)) {
-                Some(hit) if is_nearer((hit.distance, self.leaf_ids[leaf]), known) => {
+                Some(hit) if is_nearer((hit.distance, self.leaf_ids[leaf]), known) && stops(leaf, &hit) => {
                     closest = Some((leaf, hit));
                     hit.distance
                 }
@@ -173,7 +245,7 @@ impl Intersector {
         closest
     }
 
-    /// Whether anything lies along a ray.
+    /// Whether anything that stops all light lies along a ray.
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
         let ray = Ray::new_inf(origin.into(), direction.into());
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
@@ -182,7 +254,7 @@ impl Intersector {
         })
     }
 
-    /// Whether anything lies along a ray before `distance` metres.
+    /// Whether anything that stops all light lies along a ray before `distance` metres.
     pub fn occluded_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
@@ -192,7 +264,7 @@ impl Intersector {
         })
     }
 
-    /// Whether anything lies strictly between two points. Both lie off any surface.
+    /// Whether anything that stops all light lies strictly between two points. Both lie off any surface.
     pub fn occluded_between(&self, from: Vec3, to: Vec3) -> bool {
         let segment = to - from;
         let ray = Ray::new(from.into(), segment.into(), 0.0, 1.0);
@@ -211,19 +283,20 @@ impl Intersector {
 
 /// The triangles but for later copies of others, which no ray would tell apart: of triangles at the same distance the first
 /// counts. Building takes a time that grows with the square of copies in one place.
-fn distinct_triangles(mesh: &Mesh) -> Vec<u32> {
+fn distinct_triangles(mesh: &Mesh, is_part: impl Fn(u32) -> bool) -> Vec<u32> {
     let corners = |t: u32| mesh.corners(t as usize).map(|corner| corner.to_array().map(f32::to_bits));
     let mix = |hash: u64, bits: u32| (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     let hash = |t: u32| (corners(t).as_flattened().iter().fold(0, |h, &bits| mix(h, bits)), t);
-    let mut hashed: Vec<(u64, u32)> = (0..mesh.triangles.len() as u32).into_par_iter().map(hash).collect();
+    let part: Vec<u32> = (0..mesh.triangles.len() as u32).filter(|&t| is_part(t)).collect();
+    let mut hashed: Vec<(u64, u32)> = part.par_iter().map(|&t| hash(t)).collect();
     hashed.par_sort_unstable();
-    let mut is_copy = vec![false; hashed.len()];
+    let mut is_copy = vec![false; mesh.triangles.len()];
     // Equal triangles have equal hashes and stand side by side, the first before its copies.
     for alike in hashed.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
         let mut known = HashSet::new();
         alike.iter().for_each(|&(_, t)| is_copy[t as usize] = !known.insert(corners(t)));
     }
-    (0..mesh.triangles.len() as u32).filter(|&t| !is_copy[t as usize]).collect()
+    part.into_iter().filter(|&t| !is_copy[t as usize]).collect()
 }
 
 /// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes. Rays begin in

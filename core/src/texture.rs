@@ -241,6 +241,12 @@ impl Texture {
         (sum / count as f64).as_vec4()
     }
 
+    /// The least value of a channel.
+    pub fn least(&self, channel: usize, color_space: ColorSpace) -> f32 {
+        let count = self.size[0] as usize * self.size[1] as usize;
+        (0..count).map(|index| self.texels.at(index, color_space)[channel]).fold(f32::INFINITY, f32::min)
+    }
+
     /// Bilinear lookup with repeat; `uv` (0, 0) is the top left corner of the image.
     pub fn sample(&self, uv: Vec2, color_space: ColorSpace) -> Vec4 {
         self.texels.bilinear(self.size, uv, color_space)

@@ -137,7 +137,7 @@ impl Surface for MeshSurface<'_> {
     }
 
     fn sees(&self, from: Vec3, to: Vec3) -> bool {
-        !self.intersector.occluded_between(from, to)
+        self.intersector.lets_through_by_chance(from, to)
     }
 
     fn reflectance(&self, at: &Surfel) -> Vec3 {

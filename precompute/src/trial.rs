@@ -58,7 +58,7 @@ impl Trial {
 
     fn on_this_thread(scene: &Scene) -> Option<Self> {
         let sides = classify(scene);
-        let intersector = Intersector::new(&scene.mesh);
+        let intersector = Intersector::of_scene(scene);
         let [of_pilot, points] = some_points(&scene.mesh, &sides, &intersector);
         if points.is_empty() {
             return None;
@@ -104,7 +104,6 @@ fn tree(intersector: &Intersector, points: &[BakePoint]) -> Option<LightTree> {
     let mut tracer = BoundaryTracer::default();
     for (point, visible) in points.iter().zip(fractions.chunks_mut(LIGHTS)) {
         sampler.sample(point, &mut tracer, visible);
-        visible.iter_mut().for_each(|v| *v *= u8::MAX);
     }
     let pilot = PilotVisibility { lights: LIGHTS, fractions };
     LightTree::build(&Features::of_kind(TreeKind::Mixed, 0.5, &directions, &pilot)).ok()

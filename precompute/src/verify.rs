@@ -82,7 +82,7 @@ pub struct Verification {
 pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let mesh = &dataset.scene.mesh;
     let points = bake_points(dataset);
-    let intersector = Intersector::new(mesh);
+    let intersector = Intersector::of_scene(&dataset.scene);
     let sampler = VisibilitySampler::new(&intersector, &dataset.tree, dataset.report.lights_per_probe());
     let check = |vertex: &usize| {
         let stored = dataset.cuts.cut(dataset.tree.height(), *vertex as u32);
@@ -300,6 +300,7 @@ mod tests {
             packed::{PackedCuts, depth, value},
         },
         dataset::{BakeParts, BakeSettings, IndirectSettings},
+        ray::OPEN,
     };
 
     fn box_over_floor(settings: BakeSettings) -> Dataset {
@@ -361,9 +362,9 @@ mod tests {
         for vertex in 0..all as u32 {
             let mut leaves: Vec<u8> = Vec::new();
             for &node in dataset.cuts.cut(8, vertex) {
-                leaves.extend(std::iter::repeat_n(u8::from(value(node) > 0.5), 256 >> depth(node)));
+                leaves.extend(std::iter::repeat_n(OPEN * u8::from(value(node) > 0.5), 256 >> depth(node)));
             }
-            leaves[100] ^= u8::from(vertex == 7);
+            leaves[100] ^= OPEN * u8::from(vertex == 7);
             let mut cut = Vec::new();
             CutSelector::new(8, criterion).select(&leaves, &mut cut);
             let offset = cuts.push_cut(&cut);

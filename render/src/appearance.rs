@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     brdf::{SurfaceParameters, Values},
     material::{Material, MaterialMaps},
+    opacity::Opacities,
     scene::{Mesh, Scene},
     surfel::MeshPlace,
     texture::{Texture, TextureSlot, UvFootprint},
@@ -31,6 +32,11 @@ impl Appearance {
         self.materials == other.materials
             && self.textures.len() == other.textures.len()
             && self.textures.iter().zip(&other.textures).all(same_texture)
+    }
+
+    /// What its surfaces let through.
+    pub fn opacities(&self) -> Opacities {
+        Opacities::of(&self.materials, &self.textures)
     }
 
     /// Materials that do not look the same in `other`, which has as many, by index.

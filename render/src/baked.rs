@@ -1,7 +1,7 @@
 //! A dataset with its ray hierarchies: made once, shared by the CPU renderer, the references and picking.
 
 use glam::Vec3;
-use lapidary_core::{dataset::Dataset, ray::Intersector};
+use lapidary_core::{dataset::Dataset, opacity::Opacities, ray::Intersector};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
@@ -44,6 +44,11 @@ impl Baked {
         baked
     }
 
+    /// The opacities that the hierarchies have: those that were baked.
+    pub fn opacities(&self) -> Opacities {
+        Opacities::of(&self.dataset.scene.materials, &self.dataset.scene.textures)
+    }
+
     /// Whether the scene stands on a ground.
     pub fn has_ground(&self) -> bool {
         self.dataset.scene.mesh.ground.is_some()
@@ -61,7 +66,10 @@ impl Baked {
     /// Casts rays on the mesh, by the best hierarchy that is there; they meet the same with any but along edges, see [`Intersector::quick`]. If there is none yet, the quick
     /// one is built, and other callers wait for it: call it from a thread that may wait.
     pub fn intersector(&self) -> &Intersector {
-        let quick = || self.rays.quick.get_or_init(|| Intersector::quick(&self.dataset.scene.mesh));
+        let quick = || {
+            let scene = &self.dataset.scene;
+            self.rays.quick.get_or_init(|| Intersector::quick(&scene.mesh, &self.opacities()))
+        };
         self.rays.thorough.get().unwrap_or_else(quick)
     }
 
@@ -72,7 +80,7 @@ impl Baked {
 
     /// Builds the thorough hierarchy, for those who trace many rays; seconds for a million triangles.
     pub fn refine(&self) {
-        self.rays.thorough.get_or_init(|| Intersector::new(&self.dataset.scene.mesh));
+        self.rays.thorough.get_or_init(|| Intersector::of_scene(&self.dataset.scene));
     }
 
     /// The patch of each vertex, 0 to 63: vertices close to each other, as many in each. Found at the first call.

@@ -129,6 +129,7 @@ impl Redo {
             bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && (bounced || ground))),
             direct: looks.and(Pixels::all_if(direct != old.components.direct || direct && ground)),
             lights: direct && lights || Self::shows_other_suns(old, new),
+            surfaces: old.appearance.opacities() != new.appearance.opacities(),
         }
     }
 
@@ -176,7 +177,7 @@ mod tests {
         let local = |pixels| Redo { local: true, pixels, ..DISPLAY };
         let all = |environment, bounce, direct| {
             let [environment, bounce, direct] = [environment, bounce, direct].map(Pixels::all_if);
-            Stale { environment, bounce, direct, lights: false }
+            Stale { environment, bounce, direct, ..Stale::NOTHING }
         };
         let sky = Redo { environment: true, ..local(all(true, true, false)) };
         assert_eq!(redone(|_| ()), Redo::NOTHING);
@@ -235,7 +236,7 @@ mod tests {
     fn a_material_concerns_the_pixels_that_show_it() {
         let showing = |materials: &[usize]| {
             let pixels = Pixels::Showing(Marks::of_materials(materials.iter().copied()));
-            Stale { environment: pixels, bounce: pixels, direct: pixels, lights: false }
+            Stale { environment: pixels, bounce: pixels, direct: pixels, ..Stale::NOTHING }
         };
         let appearance = |pixels| Redo { appearance: true, local: true, pixels, display: true, ..Redo::NOTHING };
         let rough = redone(|look| look.appearance.materials[1].parameters.set("roughness", 0.1));

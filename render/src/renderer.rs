@@ -9,6 +9,7 @@ use crate::{
 };
 use lapidary_core::{
     dataset::Dataset,
+    opacity::Opacities,
     ray::{Intersector, offset},
 };
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -18,6 +19,9 @@ pub struct Renderer {
     pub(crate) dataset: Arc<Dataset>,
     pub(crate) appearance: Appearance,
     baked: Baked,
+    opacities: Opacities,
+    /// Casts rays where surfaces let through other light than at the bake.
+    own_rays: Option<Intersector>,
     /// Distance in metres that shadow rays start off a surface, at most.
     largest_offset: f32,
     /// Made at the first use: the references by paths do without.
@@ -32,7 +36,8 @@ impl Renderer {
         let dataset = baked.dataset.clone();
         let appearance = Appearance::of(&dataset.scene);
         let largest_offset = offset::LARGEST * dataset.scene.mesh.bounds().diagonal();
-        Self { dataset, appearance, baked, largest_offset, rig: OnceLock::new() }
+        let opacities = baked.opacities();
+        Self { dataset, appearance, baked, opacities, own_rays: None, largest_offset, rig: OnceLock::new() }
     }
 
     /// For a scene with the materials of a look; missing materials and maps are replaced.
@@ -49,6 +54,12 @@ impl Renderer {
             self.appearance.materials.len(),
             "one material for each index of the mesh"
         );
+        let opacities = appearance.opacities();
+        if opacities != self.opacities {
+            let is_baked = opacities == self.baked.opacities();
+            self.own_rays = (!is_baked).then(|| Intersector::quick(&self.dataset.scene.mesh, &opacities));
+            self.opacities = opacities;
+        }
         self.appearance = appearance;
     }
 
@@ -57,9 +68,9 @@ impl Renderer {
         &self.dataset
     }
 
-    /// Casts rays on the mesh.
+    /// Casts rays on the mesh, whose surfaces let through what they do now.
     pub fn intersector(&self) -> &Intersector {
-        self.baked.intersector()
+        self.own_rays.as_ref().unwrap_or_else(|| self.baked.intersector())
     }
 
     /// Builds the hierarchy for many rays, see [`Baked::refine`].

@@ -115,14 +115,22 @@ pub struct Stale {
     pub direct: Pixels,
     /// Other local lights shine: the renderer compares them with those that its sums have.
     pub lights: bool,
+    /// Pixels show other surfaces, for some let through other light.
+    pub surfaces: bool,
 }
 
 impl Stale {
     /// No sample is stale.
-    pub const NOTHING: Self =
-        Self { environment: Pixels::Nothing, bounce: Pixels::Nothing, direct: Pixels::Nothing, lights: false };
-    /// All are.
-    pub const ALL: Self = Self { environment: Pixels::All, bounce: Pixels::All, direct: Pixels::All, lights: true };
+    pub const NOTHING: Self = Self {
+        environment: Pixels::Nothing,
+        bounce: Pixels::Nothing,
+        direct: Pixels::Nothing,
+        lights: false,
+        surfaces: false,
+    };
+    /// All are, of the same surfaces.
+    pub const ALL: Self =
+        Self { environment: Pixels::All, bounce: Pixels::All, direct: Pixels::All, lights: true, surfaces: false };
 
     /// Whether anything is to be rendered.
     pub fn any(self) -> bool {
@@ -136,6 +144,7 @@ impl Stale {
             bounce: self.bounce.and(other.bounce),
             direct: self.direct.and(other.direct),
             lights: self.lights || other.lights,
+            surfaces: self.surfaces || other.surfaces,
         }
     }
 

@@ -27,7 +27,7 @@ use lapidary_core::{
     lights::{Emission, Light},
     material::{BrdfModel, Material},
     meshless::{Basis, MeshlessBake, Transport},
-    ray::{DirectionSet, Intersector},
+    ray::{DirectionSet, Intersector, OPEN},
     scene::{Mesh, Object, Scene},
     sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
@@ -297,7 +297,7 @@ fn environment_cuts(dataset: &Dataset, sources: &[Source]) -> PackedCuts {
     let mut selector = CutSelector::new(dataset.tree.height(), criterion);
     let mut cuts = PackedCuts::default();
     for source in sources {
-        let above = |d: &Vec3| u8::from(d.dot(source.surfel.normal) > 0.0);
+        let above = |d: &Vec3| OPEN * u8::from(d.dot(source.surfel.normal) > 0.0);
         let visible: Vec<u8> = dataset.tree.leaf_directions().iter().map(above).collect();
         let mut cut = Vec::new();
         selector.select(&visible, &mut cut);

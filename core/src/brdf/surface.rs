@@ -1,5 +1,4 @@
-//! What all materials have, whatever their model: light of their own. An opacity would stand here; none is stored yet, and
-//! importers tell what they leave out.
+//! What all materials have, whatever their model: light of their own, and what they let through.
 
 use super::{Parameter, Values, parameter::parameters};
 use glam::Vec3;
@@ -13,6 +12,14 @@ parameters! {
         ).with_slider([0.0, 20.0]).in_section("Emission"),
         emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the light that the surface sends by itself.")
             .in_section("Emission"),
+        geometry_opacity: f32 = Parameter::number(
+            "Opacity", [0.0, 1.0], 1.0,
+            "Share of light that the surface stops; the rest passes straight on. Shadows change with the next bake.",
+        ).in_section("Opacity"),
+        opacity_cutoff: f32 = Parameter::number(
+            "Cutoff", [0.0, 1.0], 0.0,
+            "Above zero: points below this opacity are holes, and all others stop all light.",
+        ).in_section("Opacity"),
     }
 }
 

@@ -1,8 +1,12 @@
 //! Selection of visibility cuts (paper, 3.2, Eq. 5).
 
 use super::packed::{VALUE_MAX, depth, pack_node, value};
+use crate::ray::OPEN;
 use serde::{Deserialize, Serialize};
 use std::collections::BinaryHeap;
+
+/// The value of a leaf that sees all.
+const UNIT: f64 = OPEN as f64;
 
 /// When a node of a visibility cut is fine enough.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,12 +25,15 @@ impl Default for CutCriterion {
     }
 }
 
-/// Selects cuts of binary functions on `2^height` leaves; keeps its buffers between vertices.
+/// Selects cuts of functions on `2^height` leaves, which are nearly all 0 or 1; keeps its buffers between vertices.
 pub struct CutSelector {
     height: u32,
     criterion: CutCriterion,
-    /// Number of leaves with value one below each node, by heap index.
-    ones: Vec<u32>,
+    /// Sum of the leaves below each node, by heap index, in units of 1 / [`OPEN`].
+    sums: Vec<u32>,
+    /// Sum of `x - x²` of the leaves below each node, in units of 1 / `OPEN`²: zero unless leaves lie between 0 and 1. Empty if
+    /// none does.
+    between: Vec<u32>,
     /// Whether a node is split, by heap index.
     split: Vec<bool>,
 }
@@ -35,14 +42,14 @@ impl CutSelector {
     /// For trees of `height`.
     pub fn new(height: u32, criterion: CutCriterion) -> Self {
         let nodes = 2 << height;
-        Self { height, criterion, ones: vec![0; nodes], split: vec![false; nodes] }
+        Self { height, criterion, sums: vec![0; nodes], between: Vec::new(), split: vec![false; nodes] }
     }
 
-    /// Appends the packed cut of `leaves` (each 0 or 1, in tree order) to `cut`, which must be empty. Returns the sum
-    /// of squared errors of the stored values over all leaves.
+    /// Appends the packed cut of `leaves` (0 to [`OPEN`], in tree order) to `cut`, which must be empty. Returns the sum of
+    /// squared errors of the stored values over all leaves.
     pub fn select(&mut self, leaves: &[u8], cut: &mut Vec<u16>) -> f64 {
         assert_eq!(leaves.len(), 1 << self.height, "one value per leaf");
-        self.count_ones(leaves);
+        self.sum(leaves);
         self.split.fill(false);
         let unbounded = self.criterion.max_nodes as usize >= leaves.len() && self.criterion.total_error.is_none();
         if !unbounded {
@@ -51,24 +58,29 @@ impl CutSelector {
         self.emit(unbounded, cut)
     }
 
-    fn count_ones(&mut self, leaves: &[u8]) {
-        let n = leaves.len();
-        for (count, &leaf) in self.ones[n..].iter_mut().zip(leaves) {
-            *count = u32::from(leaf);
+    fn sum(&mut self, leaves: &[u8]) {
+        sum_up(&mut self.sums, leaves.iter().map(|&leaf| u32::from(leaf)));
+        self.between.clear();
+        if leaves.iter().any(|&leaf| leaf != 0 && leaf != OPEN) {
+            self.between.resize(self.sums.len(), 0);
+            sum_up(&mut self.between, leaves.iter().map(|&leaf| u32::from(leaf) * u32::from(OPEN - leaf)));
         }
-        for i in (1..n).rev() {
-            self.ones[i] = self.ones[2 * i] + self.ones[2 * i + 1];
-        }
+    }
+
+    /// Sum of the leaves below a node, and of their squares, in units of 1 / `OPEN` and of its square.
+    fn moments(&self, node: usize) -> (u64, u64) {
+        let (sum, between) = (u64::from(self.sums[node]), self.between.get(node).copied().unwrap_or(0));
+        (sum, sum * u64::from(OPEN) - u64::from(between))
     }
 
     fn size(&self, node: usize) -> u32 {
         1 << (self.height - node.ilog2())
     }
 
-    /// `|C| var = |C| (mean - mean²)`: the squared error of a node of a binary function.
+    /// `|C| var`: the squared error of a node.
     fn error(&self, node: usize) -> f32 {
-        let (ones, size) = (self.ones[node] as f32, self.size(node) as f32);
-        ones - ones * ones / size
+        let ((sum, squares), size) = (self.moments(node), u64::from(self.size(node)));
+        ((size * squares - sum * sum) as f64 / (size as f64 * UNIT * UNIT)) as f32
     }
 
     fn exceeds_sigma(&self, node: usize) -> bool {
@@ -108,14 +120,22 @@ impl CutSelector {
                 stack.extend([2 * node + 1, 2 * node]);
                 continue;
             }
-            let (ones, size) = (f64::from(self.ones[node]), f64::from(self.size(node)));
-            let packed = pack_node(node.ilog2(), (ones / size) as f32);
+            let ((sum, squares), size) = (self.moments(node), f64::from(self.size(node)));
+            let (sum, squares) = (sum as f64 / UNIT, squares as f64 / (UNIT * UNIT));
+            let packed = pack_node(node.ilog2(), (sum / size) as f32);
             let stored = f64::from(value(packed));
-            squared_error += ones - 2.0 * ones * stored + size * stored * stored;
+            squared_error += squares - 2.0 * sum * stored + size * stored * stored;
             writer.push(packed);
         }
         squared_error
     }
+}
+
+/// Fills the leaves of a heap, and all nodes above them with the sums of their children.
+fn sum_up(heap: &mut [u32], leaves: impl ExactSizeIterator<Item = u32>) {
+    let n = leaves.len();
+    heap[n..].iter_mut().zip(leaves).for_each(|(sum, leaf)| *sum = leaf);
+    (1..n).rev().for_each(|i| heap[i] = heap[2 * i] + heap[2 * i + 1]);
 }
 
 /// Appends nodes left to right and replaces equal siblings by their parent, which is lossless.
@@ -155,13 +175,15 @@ impl<'a> CutWriter<'a> {
     }
 }
 
-/// Sum over all leaves of the squared differences between a packed cut and `leaves`, each 0 or 1.
+/// Sum over all leaves of the squared differences between a packed cut and `leaves`, each 0 to [`OPEN`].
 pub fn squared_error(height: u32, cut: &[u16], leaves: &[u8]) -> f64 {
     let (mut first, mut sum) = (0, 0.0);
     for &node in cut {
         let (size, stored) = (1 << (height - depth(node)), f64::from(value(node)));
-        let ones = leaves[first..first + size].iter().filter(|&&leaf| leaf == 1).count() as f64;
-        sum += ones - 2.0 * ones * stored + size as f64 * stored * stored;
+        let below = leaves[first..first + size].iter().map(|&leaf| u64::from(leaf));
+        let (ones, squares) = below.fold((0, 0), |(sum, squares), leaf| (sum + leaf, squares + leaf * leaf));
+        let (ones, squares) = (ones as f64 / UNIT, squares as f64 / (UNIT * UNIT));
+        sum += squares - 2.0 * ones * stored + size as f64 * stored * stored;
         first += size;
     }
     sum
@@ -204,10 +226,14 @@ mod tests {
         let mut bit = 0;
         while v.len() < 1 << height {
             v.extend(std::iter::repeat_n(bit, rng.usize(1..60)));
-            bit = 1 - bit;
+            bit = OPEN - bit;
         }
         v.truncate(1 << height);
         v
+    }
+
+    fn share(leaf: u8) -> f64 {
+        f64::from(leaf) / 255.0
     }
 
     fn expand(height: u32, cut: &[u16]) -> Vec<f32> {
@@ -222,7 +248,7 @@ mod tests {
     }
 
     fn squared_error_leaf_by_leaf(height: u32, cut: &[u16], leaves: &[u8]) -> f64 {
-        let differences = expand(height, cut).into_iter().zip(leaves).map(|(a, &b)| f64::from(a) - f64::from(b));
+        let differences = expand(height, cut).into_iter().zip(leaves).map(|(a, &b)| f64::from(a) - share(b));
         differences.map(|d| d * d).sum()
     }
 
@@ -235,7 +261,7 @@ mod tests {
             assert!((error - squared_error_leaf_by_leaf(height, &cut, &leaves)).abs() < 1e-2);
             assert!((error - squared_error(height, &cut, &leaves)).abs() < 1e-9);
             let mean = |first: usize, size: usize| {
-                leaves[first..first + size].iter().map(|&x| f64::from(x)).sum::<f64>() / size as f64
+                leaves[first..first + size].iter().map(|&x| share(x)).sum::<f64>() / size as f64
             };
             let variance = |first, size: usize| size as f64 * (mean(first, size) - mean(first, size).powi(2));
             // A node keeps the bound, or it stands for two equal siblings that do.
@@ -265,11 +291,33 @@ mod tests {
     }
 
     #[test]
+    fn light_that_passes_in_part_is_kept_and_errors_are_those_of_its_share() {
+        let (height, sigma) = (10, 1.5);
+        let binary = leaves(height, 11);
+        // A pane before the second half: what was seen is seen by 77 of 255.
+        let dimmed = |(i, &leaf): (usize, &u8)| if i >= 512 { leaf / 255 * 77 } else { leaf };
+        let leaves: Vec<u8> = binary.iter().enumerate().map(dimmed).collect();
+        for criterion in [
+            CutCriterion { sigma, ..Default::default() },
+            CutCriterion { sigma: 0.0, max_nodes: 64, total_error: None },
+            CutCriterion { sigma: 0.0, max_nodes: u32::MAX, total_error: Some(3.0) },
+        ] {
+            let (cut, error) = select(height, criterion, &leaves);
+            assert!((error - squared_error_leaf_by_leaf(height, &cut, &leaves)).abs() < 1e-2);
+            assert!((error - squared_error(height, &cut, &leaves)).abs() < 1e-9);
+            let (of_binary, _) = select(height, criterion, &binary);
+            assert!(squared_error(height, &of_binary, &leaves) > 3.0 * error.max(1.0), "negative control");
+        }
+        // Light that passes evenly has no edge to follow.
+        assert_eq!(select(height, CutCriterion { sigma, ..Default::default() }, &[100; 1024]).0.len(), 1);
+    }
+
+    #[test]
     fn sigma_zero_keeps_the_function_exactly() {
         let leaves = leaves(9, 7);
         let (cut, error) = select(9, CutCriterion { sigma: 0.0, ..Default::default() }, &leaves);
         assert_eq!(error, 0.0);
-        let exact: Vec<f32> = leaves.iter().map(|&x| f32::from(x)).collect();
+        let exact: Vec<f32> = leaves.iter().map(|&x| share(x) as f32).collect();
         assert_eq!(expand(9, &cut), exact);
         assert!(cut.len() < leaves.len(), "equal siblings merge");
     }

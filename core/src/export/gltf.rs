@@ -8,7 +8,6 @@ mod own;
 
 use super::{ExportError, Exported};
 use crate::{
-    brdf::BrdfModel,
     material::{BUMP, Material, NORMAL},
     materialx::{Surface, nearest, stretch},
     scene::Scene,
@@ -222,9 +221,7 @@ impl OneMaterial<'_, '_> {
     }
 
     fn write_base(&mut self) {
-        let alpha = self.declared("geometry_opacity");
-        let before = self.json.get("pbrMetallicRoughness").and_then(|pbr| pbr["baseColorFactor"][3].as_f64());
-        let alpha = alpha.map_or(json!(before.unwrap_or(1.0)), number);
+        let alpha = number(self.number("geometry_opacity"));
         let [r, g, b] = self.color("base_color").to_array().map(number);
         let (roughness, metalness) = (self.number("specular_roughness"), self.number("base_metalness"));
         let color = self.base_color_texture();
@@ -236,11 +233,6 @@ impl OneMaterial<'_, '_> {
             Self::set(pbr, "baseColorTexture", color);
             Self::set(pbr, "metallicRoughnessTexture", roughness_texture);
         });
-    }
-
-    /// A value that the model declares, once it does.
-    fn declared(&self, name: &str) -> Option<f32> {
-        BrdfModel::declared(name).map(|_| self.number(name))
     }
 
     fn base_color_texture(&mut self) -> Option<Value> {
@@ -376,7 +368,7 @@ impl OneMaterial<'_, '_> {
     }
 
     fn write_emission(&mut self) {
-        let Some(luminance) = self.declared("emission_luminance") else { return };
+        let luminance = self.number("emission_luminance");
         let color = self.color("emission_color");
         // Factors of glTF are at most 1.
         let most = color.max_element().max(1.0);
@@ -391,8 +383,7 @@ impl OneMaterial<'_, '_> {
     }
 
     fn write_alpha(&mut self) {
-        let Some(opacity) = self.declared("geometry_opacity") else { return };
-        let cutoff = self.declared("opacity_cutoff").unwrap_or(0.0);
+        let [opacity, cutoff] = ["geometry_opacity", "opacity_cutoff"].map(|name| self.number(name));
         let mode = if cutoff > 0.0 {
             Some("MASK")
         } else {

@@ -141,7 +141,6 @@ fn take_numbers(rest: &mut &str) -> Vec<f32> {
 /// Features of materials that are not supported, by material.
 #[derive(Default)]
 struct Ignored {
-    transparent: Vec<String>,
     shininess_maps: Vec<String>,
 }
 
@@ -171,11 +170,6 @@ pub(super) fn add_materials(
     );
     warn(
         source,
-        &ignored.transparent,
-        "the materials {} are transparent or cut out and show opaque, because transparency is not supported",
-    );
-    warn(
-        source,
         &ignored.shininess_maps,
         "the materials {} have a shininess map (map_Ns), which was left out; convert it to a roughness map (map_Pr)",
     );
@@ -194,10 +188,6 @@ fn material(
     library: &mut TextureLibrary,
     ignored: &mut Ignored,
 ) -> Result<Material, Trouble> {
-    let opaque = entry.number("d").unwrap_or(1.0) >= 1.0 && entry.number("tr").unwrap_or(0.0) <= 0.0;
-    if !opaque || entry.map("map_d").is_some() {
-        ignored.transparent.push(name.to_owned());
-    }
     if entry.map("map_ns").is_some() {
         ignored.shininess_maps.push(name.to_owned());
     }
@@ -205,6 +195,10 @@ fn material(
     let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
     // Programs leave the colour black when a texture stands in for it.
     material.set_emission(entry.color("ke").filter(|ke| ke.max_element() > 0.0).unwrap_or(whole));
+    let opacity = entry.number("d").unwrap_or_else(|| 1.0 - entry.number("tr").unwrap_or(0.0));
+    if opacity < 1.0 {
+        material.parameters.set("geometry_opacity", opacity.max(0.0));
+    }
     add_maps(&mut material, entry, library)?;
     add_layers(&mut material, entry);
     add_layer_maps(&mut material, entry, library)?;
@@ -303,6 +297,13 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
         }
         Some((multiplier, slot)) => maps.set("bump", Some(with_strength((BUMP_METRES * multiplier, slot)))),
         None => {}
+    }
+    if let Some(map) = entry.map("map_d") {
+        let slot = texture_slot(&map, ColorSpace::Linear, library)?;
+        // A picture with an alpha channel has it there, whatever its colours are.
+        let has_alpha = library.textures[slot.texture as usize].least(Channel::A as usize, ColorSpace::Linear) < 1.0;
+        let channel = map.channel.unwrap_or(if has_alpha { Channel::A } else { Channel::R });
+        maps.set("geometry_opacity", Some(TextureSlot { channel, ..slot }));
     }
     Ok(())
 }

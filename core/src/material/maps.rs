@@ -161,7 +161,8 @@ mod tests {
 
     #[test]
     fn every_parameter_has_a_map_and_colours_are_encoded() {
-        let names = ["base_color", "emission_luminance", "emission_color", NORMAL, BUMP];
+        let names =
+            ["base_color", "emission_luminance", "emission_color", "geometry_opacity", "opacity_cutoff", NORMAL, BUMP];
         assert_eq!(map_names(BrdfModel::Lambert).collect::<Vec<_>>(), names);
         assert_eq!(
             (map_color_space("base_color"), map_color_space("roughness")),

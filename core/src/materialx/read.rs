@@ -373,11 +373,11 @@ impl<'a> Reader<'_, 'a> {
             Unread::Wrong(text) | Unread::Beyond(text) => MaterialXError::Value(text),
         };
         let (mode, cutoff) = (mode.map_err(unread)?, cutoff.map_err(unread)?);
-        if BrdfModel::declared(OPACITY).is_some() && mode == 0.0 {
+        if mode == 0.0 {
             material.parameters.set(OPACITY, 1.0);
             material.maps.set(OPACITY, None);
         }
-        if BrdfModel::declared(OPACITY_CUTOFF).is_some() && mode == 1.0 {
+        if mode == 1.0 {
             material.parameters.set(OPACITY_CUTOFF, cutoff);
         }
         Ok(())

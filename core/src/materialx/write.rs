@@ -179,14 +179,13 @@ impl DocumentWriter {
     }
 
     fn alpha(&mut self, nearest: &MaterialFile) -> io::Result<()> {
-        let cutoff = BrdfModel::declared(OPACITY_CUTOFF).map_or(0.0, |_| nearest.parameters.number(OPACITY_CUTOFF));
+        let cutoff = nearest.parameters.number(OPACITY_CUTOFF);
         let shows =
             nearest.maps.get("geometry_opacity").is_some() || nearest.parameters.number("geometry_opacity") < 1.0;
-        let mode = match (BrdfModel::declared("geometry_opacity"), cutoff > 0.0) {
-            (None, _) => return Ok(()),
-            (Some(_), true) => 1,
-            (Some(_), false) if shows => 2,
-            _ => 0,
+        let mode = match (cutoff > 0.0, shows) {
+            (true, _) => 1,
+            (false, true) => 2,
+            (false, false) => 0,
         };
         self.input("alpha_mode", "integer", mode)?;
         if mode == 1 {
@@ -403,7 +402,7 @@ pub(crate) fn nearest<S: Clone>(
     nearest.parameters = nearest.parameters.sanitized();
     match surface {
         Surface::OpenPbr => {
-            if BrdfModel::declared(OPACITY_CUTOFF).is_some() && nearest.parameters.number(OPACITY_CUTOFF) > 0.0 {
+            if nearest.parameters.number(OPACITY_CUTOFF) > 0.0 {
                 remarks.push("OpenPBR has no opacity below which it is cut out; it is blended".into());
             }
         }

@@ -8,7 +8,7 @@
 //! The walk is a [`Kernel`], for the widest instructions that the machine has.
 
 use super::{
-    DirectionSet, Intersector,
+    DirectionSet, Intersector, OPEN,
     directions::{GROUP, GROUPS, PACKET, PACKET_PLANES, Packet},
     leaves::BlockFrom,
 };
@@ -21,7 +21,7 @@ pub(super) type Active = [u8; GROUPS];
 
 impl Intersector {
     /// Traces all directions for which `wanted` holds from `origin`, and sets `visible[i]` of those that meet nothing
-    /// to 1. Other entries are left alone. Returns the number of rays traced.
+    /// to [`OPEN`]. Other entries are left alone. Returns the number of rays traced.
     ///
     /// `wanted` gets a direction; it must be cheap. `visible` has one entry per direction, in the order in which the
     /// set was made.
@@ -45,7 +45,7 @@ impl Intersector {
             let open = set.run(Walk::<false> { scene: self, packet, origin, active, stack: &mut stack });
             for i in 0..packet.count {
                 if open[i / GROUP] >> (i % GROUP) & 1 == 1 {
-                    visible[packet.targets[i] as usize] = 1;
+                    visible[packet.targets[i] as usize] = OPEN;
                 }
             }
         }

@@ -8,6 +8,7 @@ use super::{
     group::RayGroup,
     leaves::BlockFrom,
     triangle::TriangleFrom,
+    veils::any_threshold,
 };
 use crate::{
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
@@ -22,7 +23,27 @@ impl Intersector {
     /// [`Self::closest_hit`] of many rays from one origin. The nearer the unit directions of eight are to each other, the
     /// faster it is.
     pub fn closest_hits(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
-        self.closest_hits_in(InstructionSet::widest(), origin, directions)
+        let by_chance = |ray: usize, triangle| any_threshold(directions[ray / 8][ray % 8])(triangle);
+        self.closest_hits_above(origin, directions, by_chance)
+    }
+
+    /// [`Self::closest_above`] of many rays from one origin; `threshold` gets the number of the ray and a triangle.
+    pub fn closest_hits_above(
+        &self,
+        origin: Vec3,
+        directions: &[[Vec3; 8]],
+        threshold: impl Fn(usize, u32) -> f32,
+    ) -> Vec<[Option<Hit>; 8]> {
+        let mut hits = self.closest_hits_in(InstructionSet::widest(), origin, directions);
+        if self.has_veils() {
+            let rays = hits.as_flattened_mut().iter_mut().zip(directions.as_flattened()).enumerate();
+            rays.for_each(|(ray, (hit, &direction))| {
+                let distance = hit.map_or(f32::INFINITY, |hit| hit.distance);
+                let nearer = self.nearer_veil(origin, direction, distance, |triangle| threshold(ray, triangle));
+                *hit = nearer.map(|(of, leaf, hit)| Hit { triangle: of.leaf_ids[leaf], ..hit }).or(*hit);
+            });
+        }
+        hits
     }
 
     /// The same in the instructions of `set`.
@@ -42,8 +63,13 @@ impl Intersector {
         let hits = InstructionSet::widest().run(Eights { scene: self, origin, directions, before: distance });
         let surfel =
             |(hit, direction): (&LeafHit, Vec3)| hit.map(|(leaf, hit)| self.surfel(leaf, hit, origin, direction));
+        let nearest = |hit: &LeafHit, direction| {
+            let distance = hit.map_or(distance, |(_, hit)| hit.distance);
+            let veil = self.nearer_veil(origin, direction, distance, any_threshold(direction));
+            veil.map(|(of, leaf, hit)| of.surfel(leaf, hit, origin, direction)).or_else(|| surfel((hit, direction)))
+        };
         let eight = |(hits, directions): (&[LeafHit; 8], &[Vec3; 8])| {
-            std::array::from_fn(|lane| surfel((&hits[lane], directions[lane])))
+            std::array::from_fn(|lane| nearest(&hits[lane], directions[lane]))
         };
         hits.iter().zip(directions).map(eight).collect()
     }

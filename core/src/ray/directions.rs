@@ -73,6 +73,13 @@ impl DirectionSet {
         self.len
     }
 
+    /// Calls `each` with all directions and their numbers.
+    pub(super) fn each(&self, mut each: impl FnMut(usize, Vec3)) {
+        for packet in &self.packets {
+            (0..packet.count).for_each(|i| each(packet.targets[i] as usize, packet.rays[i / GROUP].lane(i % GROUP)));
+        }
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len == 0

@@ -17,7 +17,7 @@ fn batches_single_rays_and_brute_force_agree_to_the_bit() {
             for (v, &d) in visible.iter().zip(&directions) {
                 let occluded = scene.occluded_by_brute_force(origin, d);
                 assert_eq!(scene.occluded(origin, d), occluded);
-                assert_eq!(*v == 1, d.x > -0.2 && !occluded, "direction {d}");
+                assert_eq!(*v == OPEN, d.x > -0.2 && !occluded, "direction {d}");
                 blocked += usize::from(occluded);
             }
             let open = lights - blocked;
@@ -355,7 +355,7 @@ fn from_below_rays_pass_the_ground_however_far_they_begin() {
             let nearest = of_soup.clone().filter_map(of_triangle).min_by(|a, b| a.0.total_cmp(&b.0));
             let expected = nearest.map(|(_, triangle)| triangle);
             for from_above in [false, true] {
-                let found = triangle(scene.past_ground(&mesh, first, ray, from_above));
+                let found = triangle(scene.past_ground(&mesh, first, ray, from_above, |_| 0.0));
                 // From a hundred diagonals away edges are rounded to either side, in the oracle above all.
                 assert!(found == expected || distance > 100.0, "{distance}: {found:?} and {expected:?}");
                 differing += usize::from(found != expected);
@@ -366,6 +366,6 @@ fn from_below_rays_pass_the_ground_however_far_they_begin() {
     assert!(met > 150 && differing < 40, "{met} met, {differing} of 1200 differ");
     let down = (Vec3::new(0.0, 20.0, 40.0), Vec3::NEG_Y);
     let first = scene.closest_hit(down.0, down.1);
-    assert!(scene.past_ground(&mesh, first, down, true) == first && first.is_some());
-    assert_eq!(scene.past_ground(&mesh, first, down, false), None);
+    assert!(scene.past_ground(&mesh, first, down, true, |_| 0.0) == first && first.is_some());
+    assert_eq!(scene.past_ground(&mesh, first, down, false, |_| 0.0), None);
 }

@@ -128,9 +128,35 @@ fn what_extensions_say_and_is_not_kept_is_told() {
         with_material(r#""extensions": {"KHR_materials_transmission": {"transmissionFactor": 0}}"#).report.warnings,
         [""; 0]
     );
-    if BrdfModel::declared("geometry_opacity").is_some() {
-        assert_eq!(imported.scene.materials[0].parameters.number("geometry_opacity"), 0.5);
-    }
+    assert_eq!(imported.scene.materials[0].parameters.number("geometry_opacity"), 0.5);
+}
+
+#[test]
+fn alpha_counts_where_the_material_says_so() {
+    let with_alpha = |mode: &str, alpha: f32, left: u8| {
+        let material = format!(
+            r#""materials": [{{"name": "m", {mode} "pbrMetallicRoughness": {{"baseColorFactor": [1, 1, 1, {alpha}],
+                "baseColorTexture": {{"index": 0}}}}}}]"#
+        );
+        let rest = format!(r#", "images": [{{"uri": "a.png"}}], "textures": [{{"source": 0}}], {material}"#);
+        let scene =
+            Gltf { primitive: r#""indices": 1, "material": 0"#, rest: Box::leak(rest.into_boxed_str()), ..QUAD };
+        let files = Files::new();
+        files.add_rgba("a.png", [2, 1], &[9, 9, 9, left, 9, 9, 9, 255]);
+        let imported = import(&files.add("a.gltf", scene.embedded())).unwrap();
+        assert_eq!(imported.report.warnings, [""; 0]);
+        let material = &imported.scene.materials[0];
+        let number = |name: &str| material.parameters.number(name);
+        let channel = material.maps.get("geometry_opacity").map(|slot| slot.channel);
+        (number("geometry_opacity"), number("opacity_cutoff"), channel)
+    };
+    let map = Some(Channel::A);
+    assert_eq!(with_alpha("", 0.5, 0), (1.0, 0.0, None), "opaque unless it says otherwise");
+    assert_eq!(with_alpha(r#""alphaMode": "BLEND","#, 0.5, 7), (0.5, 0.0, map));
+    assert_eq!(with_alpha(r#""alphaMode": "BLEND","#, 0.5, 255), (0.5, 0.0, None), "a picture without alpha");
+    assert_eq!(with_alpha(r#""alphaMode": "MASK","#, 1.0, 7), (1.0, 0.5, map));
+    assert_eq!(with_alpha(r#""alphaMode": "MASK", "alphaCutoff": 0.25,"#, 1.0, 7), (1.0, 0.25, map));
+    assert_eq!(with_alpha(r#""alphaMode": "MASK", "alphaCutoff": 0,"#, 0.5, 7), (1.0, 0.0, None), "cuts nothing");
 }
 
 #[test]

@@ -41,6 +41,12 @@ impl Files {
         let image = lapidary_core::image::Image::filled([2, 2], Vec3::from_array(rgb));
         self.add(name, lapidary_core::image::encode_png(&image))
     }
+
+    fn add_rgba(&self, name: &str, [width, height]: [u32; 2], texels: &[u8]) -> PathBuf {
+        let path = self.add(name, "");
+        image::save_buffer(&path, texels, width, height, image::ColorType::Rgba8).expect("a folder that takes files");
+        path
+    }
 }
 
 /// Imports `contents` as the only file of a folder.

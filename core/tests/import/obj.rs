@@ -34,10 +34,32 @@ fn obj_quirks_are_understood() {
     assert_eq!(scene.textures[0].size, [2, 2]);
     assert!(!scene.textures[0].encoded.is_empty());
     let warnings = imported.report.warnings.join("\n");
-    assert!(
-        warnings.contains("\"lost\" are in no material library") && warnings.contains("\"red wood\" are transparent")
-    );
-    assert_eq!(imported.report.warnings.len(), 2, "{warnings}");
+    assert!(warnings.contains("\"lost\" are in no material library"));
+    assert_eq!(imported.report.warnings.len(), 1, "{warnings}");
+    let opacity = |material: usize| scene.materials[material].parameters.number("geometry_opacity");
+    assert_eq!([opacity(0), opacity(1)], [0.5, 1.0]);
+}
+
+#[test]
+fn opacity_is_read_under_all_its_names() {
+    let files = Files::new();
+    let library = "newmtl d\nd 0.25\nnewmtl tr\nTr 0.25\nnewmtl both\nTr 1\nd 1\n\
+        newmtl grey\nmap_d grey.png\nnewmtl alpha\nmap_d -s 2 2 1 alpha.png\nnewmtl said\nmap_d -imfchan g alpha.png\n";
+    files.add("a.mtl", library);
+    files.add_png("grey.png", [0.5; 3]);
+    files.add_rgba("alpha.png", [1, 1], &[255, 255, 255, 0]);
+    let mut obj = String::from("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\n");
+    let names = ["d", "tr", "both", "grey", "alpha", "said"];
+    names.iter().for_each(|name| obj += &format!("usemtl {name}\nf 1 3 2\n"));
+    let imported = import(&files.add("a.obj", obj)).unwrap();
+    assert_eq!(imported.report.warnings, [""; 0]);
+    let materials = &imported.scene.materials;
+    let opacity = |i: usize| materials[i].parameters.number("geometry_opacity");
+    assert_eq!([0, 1, 2, 3, 4, 5].map(opacity), [0.25, 0.75, 1.0, 1.0, 1.0, 1.0]);
+    let map = |i: usize| materials[i].maps.get("geometry_opacity");
+    let channels = [0, 3, 4, 5].map(|i| map(i).map(|slot| slot.channel));
+    assert_eq!(channels, [None, Some(Channel::R), Some(Channel::A), Some(Channel::G)]);
+    assert_eq!(map(4).unwrap().scale, Vec2::splat(2.0));
 }
 
 #[test]

@@ -26,8 +26,9 @@ pub fn pick(
     size: [u32; 2],
 ) -> Option<Picked> {
     let direction = camera.direction_through(pixel, size);
-    let first = intersector.closest_hit(camera.eye, direction);
-    let hit = intersector.past_ground(mesh, first, (camera.eye, direction), ground == Ground::On)?;
+    // Whatever stops any light can be picked.
+    let first = intersector.closest_above(camera.eye, direction, |_| 0.0);
+    let hit = intersector.past_ground(mesh, first, (camera.eye, direction), ground == Ground::On, |_| 0.0)?;
     let index = hit.triangle as usize;
     Some(Picked {
         object: *mesh.triangle_object.get(index)?,

@@ -13,7 +13,7 @@ use crate::{
 use lapidary_core::{
     dataset::BakeSettings,
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
-    ray::Intersector,
+    ray::{Intersector, OPEN},
     sources::Source,
     surfel::{Surface, Surfel},
 };
@@ -45,7 +45,7 @@ pub fn order_sources(
     let scratch = || (SourceScratch::default(), vec![0.0; sources.len()]);
     let row = |(scratch, solid_angles): &mut (SourceScratch, Vec<f32>), point: &&BakePoint| {
         sampler.sample(point, scratch, solid_angles);
-        solid_angles.iter().map(|&angle| u8::from(angle > 0.0)).collect()
+        solid_angles.iter().map(|&angle| if angle > 0.0 { OPEN } else { 0 }).collect()
     };
     let rows = |points: &[&BakePoint]| Ok(points.par_iter().map_init(scratch, row).collect());
     let pilot = pilot_of(points, diagonal, sources.len(), settings.pilot_clusters, observer, rows)?;

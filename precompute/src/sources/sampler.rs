@@ -20,6 +20,8 @@ pub struct SourceSampler<'a> {
     sources: &'a [Source],
     /// End of the segments to each source, off its surface.
     ends: Vec<Vec3>,
+    /// Shares of the light that the surfaces of the sources stop, if any of them is thin.
+    opacities: Option<Vec<f32>>,
     near: NearField,
     /// What boundaries are followed in, unless all segments are traced.
     boundaries: Option<SegmentSet>,
@@ -41,7 +43,15 @@ impl<'a> SourceSampler<'a> {
         let ends: Vec<Vec3> = sources.iter().map(|s| s.surfel.position + s.surfel.normal * offset).collect();
         let boundaries = (sources_per_probe != EXHAUSTIVE)
             .then(|| SegmentSet::new(ends.clone(), &neighbours(sources), sources_per_probe));
-        Self { scene, sources, ends, near: NearField::new(sources), boundaries }
+        let opacity = |source: &Source| scene.opacity_at(source.surfel.place);
+        let opacities = scene.has_veils().then(|| sources.iter().map(opacity).collect());
+        Self { scene, sources, ends, opacities, near: NearField::new(sources), boundaries }
+    }
+
+    /// Share of the light of a distant source that arrives past the thin surfaces: less than 1 for one that lies in such a surface.
+    fn passed(&self, origin: Vec3, source: usize) -> f32 {
+        let Some(opacities) = &self.opacities else { return 1.0 };
+        opacities[source] * self.scene.past_veils_between(origin, self.ends[source])
     }
 
     /// Number of sources.
@@ -67,6 +77,7 @@ impl<'a> SourceSampler<'a> {
                 Some(set) => tracer.trace(self.scene, origin, set, wanted, hidden),
                 None => batch.trace(self.scene, origin, &self.ends, wanted, hidden),
             };
+            wanted.iter().for_each(|&i| seen[i as usize] *= self.passed(origin, i as usize));
         }
         let near = |origin, receives: &dyn Fn(Vec3) -> bool, add: &mut dyn FnMut(usize, f32)| {
             self.near.gather(self.sources, self.scene, origin, receives, add)
@@ -80,7 +91,8 @@ impl<'a> SourceSampler<'a> {
         let has_near = self.sort(point, seen, |i, side| far.push((i, side)));
         for (i, side) in far {
             let open = !self.scene.occluded_between(point.origin(side), self.ends[i]);
-            seen[i] = if open { self.sources[i].solid_angle_from(point.place(side)) } else { 0.0 };
+            let solid_angle = self.sources[i].solid_angle_from(point.place(side));
+            seen[i] = if open { solid_angle * self.passed(point.origin(side), i) } else { 0.0 };
         }
         gather_near(point, has_near, seen, |origin, receives, add| {
             self.near.gather_singly(self.sources, self.scene, origin, receives, add)

@@ -63,7 +63,7 @@ impl BounceTrial {
 
     fn on_this_thread(scene: &Scene) -> Result<Self, BakeError> {
         let sides = classify(scene);
-        let intersector = Intersector::new(&scene.mesh);
+        let intersector = Intersector::of_scene(scene);
         let black = |_: &_| Vec3::ZERO;
         let surface = MeshSurface::new(&scene.mesh, &intersector, &sides.two_sided, &black);
         let viewpoint = find_viewpoint(&surface, None, &scene.cameras, &scene.lights)?;

@@ -34,7 +34,7 @@ pub fn sample_pilot(
     pilot_of(points, diagonal, sampler.len(), clusters, observer, rows)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights`. `rows` has 0 or 1 for each light of each of some
+/// Clusters the points and samples each cluster's visibility of `lights`. `rows` has 0 to 255 for each light of each of some
 /// points.
 pub fn pilot_of(
     points: &BakePoints,
@@ -78,11 +78,11 @@ fn point_features(points: &[BakePoint], diagonal: f32) -> Features {
 
 /// For each light the share of rows that see it, of 255.
 fn mean_of(rows: &[Vec<u8>], lights: usize) -> Vec<u8> {
-    let mut sums = vec![0_u16; lights];
+    let mut sums = vec![0_u32; lights];
     for row in rows {
-        sums.iter_mut().zip(row).for_each(|(s, &v)| *s += u16::from(v));
+        sums.iter_mut().zip(row).for_each(|(s, &v)| *s += u32::from(v));
     }
-    sums.iter().map(|&s| (u32::from(s) * 255 / rows.len() as u32) as u8).collect()
+    sums.iter().map(|&s| (s / rows.len() as u32) as u8).collect()
 }
 
 #[cfg(test)]

@@ -3,11 +3,11 @@
 use super::{
     points::BakePoint,
     side::Side,
-    visibility::{EXHAUSTIVE, VisibilitySampler},
+    visibility::{EXHAUSTIVE, Veils, VisibilitySampler},
 };
 use crate::errors::BakeError;
 use glam::Vec3;
-use lapidary_core::ray::{BoundarySet, BoundaryTracer, Intersector, RayDevice, RayDevices, RayOrigin};
+use lapidary_core::ray::{BoundarySet, BoundaryTracer, Intersector, OPEN, RayDevice, RayDevices, RayOrigin};
 use rayon::prelude::*;
 
 /// How lights are traced, and by whom.
@@ -24,15 +24,17 @@ pub enum ManySampler<'a> {
     /// The cores.
     Cores(VisibilitySampler<'a>),
     /// A device.
-    Device(DeviceSampler),
+    Device(DeviceSampler<'a>),
 }
 
 /// A scene on a device, which traces every light.
-pub struct DeviceSampler {
+pub struct DeviceSampler<'a> {
     device: Box<dyn RayDevice>,
     directions: Vec<Vec3>,
     /// What is followed in the traced light, so that the device sees no more than the cores would; `None` for all of it.
     boundaries: Option<BoundarySet>,
+    /// The device has no thin surfaces.
+    veils: Veils<'a>,
 }
 
 impl<'a> ManySampler<'a> {
@@ -52,6 +54,7 @@ impl<'a> ManySampler<'a> {
                 device,
                 directions: directions.to_vec(),
                 boundaries: (per_probe != EXHAUSTIVE).then(|| BoundarySet::new(directions, per_probe)),
+                veils: Veils::new(scene, directions),
             }),
         })
     }
@@ -69,7 +72,7 @@ impl<'a> ManySampler<'a> {
         matches!(self, Self::Device(_))
     }
 
-    /// What `make` makes of the visibility of each point, 0 or 1 for each direction, and of the rays traced for it: on all cores,
+    /// What `make` makes of the visibility of each point, 0 to [`OPEN`] for each direction, and of the rays traced for it: on all cores,
     /// in the order of the points. `scratch` makes buffers that are kept.
     ///
     /// # Errors
@@ -103,7 +106,7 @@ impl<'a> ManySampler<'a> {
     }
 }
 
-impl DeviceSampler {
+impl DeviceSampler<'_> {
     /// Words of bits of each side of the points, one after the other.
     fn trace(&self, points: &[&BakePoint]) -> Result<Vec<u32>, BakeError> {
         let at = |point: &BakePoint, side: Side| RayOrigin { origin: point.origin(side), half: point.half_of(side) };
@@ -124,9 +127,13 @@ impl DeviceSampler {
         for (&side, open) in point.sides().iter().zip(rows) {
             match &self.boundaries {
                 Some(set) => tracer.follow(open, set, &point.half_of(side), visible),
-                None => visible.iter_mut().enumerate().for_each(|(i, v)| *v |= (open[i / 32] >> (i % 32)) as u8 & 1),
+                None => visible
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(i, v)| *v |= OPEN * ((open[i / 32] >> (i % 32)) as u8 & 1)),
             }
         }
+        self.veils.dim(point, visible);
         let is_traced = |d: &&Vec3| point.sides().contains(&point.side_of(**d));
         self.directions.iter().filter(is_traced).count() as u64
     }
@@ -172,7 +179,7 @@ mod tests {
                 self.0.trace_batch(at.origin, &self.1, |d| at.half.has(d), &mut visible);
                 visible
                     .chunks(32)
-                    .map(|bits| bits.iter().rev().fold(0, |word, &bit| word << 1 | u32::from(bit)))
+                    .map(|bits| bits.iter().rev().fold(0, |word, &bit| word << 1 | u32::from(bit / OPEN)))
                     .collect()
             };
             Ok(origins.iter().map(row).collect::<Vec<Vec<u32>>>().concat())

@@ -4,7 +4,7 @@ use crate::vertices::{points::BakePoint, side::Side};
 use glam::Vec3;
 use lapidary_core::{
     light_tree::LightTree,
-    ray::{BoundarySet, BoundaryTracer, DirectionSet, Intersector},
+    ray::{BoundarySet, BoundaryTracer, DirectionSet, Intersector, OPEN},
 };
 
 /// Lights, or sources, for each that is probed, if every one is traced.
@@ -19,6 +19,30 @@ pub const FINEST: usize = 8;
 pub struct VisibilitySampler<'a> {
     scene: &'a Intersector,
     directions: Directions,
+    veils: Veils<'a>,
+}
+
+/// The thin surfaces of a scene, and the directions in which they dim what is seen.
+pub struct Veils<'a> {
+    scene: &'a Intersector,
+    /// `None` if nothing is thin.
+    directions: Option<DirectionSet>,
+}
+
+impl<'a> Veils<'a> {
+    /// Of a scene, for any unit directions.
+    pub fn new(scene: &'a Intersector, directions: &[Vec3]) -> Self {
+        Self { scene, directions: scene.has_veils().then(|| DirectionSet::new(directions)) }
+    }
+
+    /// Lessens what a point sees past all other surfaces to the share of the light that passes.
+    pub fn dim(&self, point: &BakePoint, visible: &mut [u8]) {
+        let Some(directions) = &self.directions else { return };
+        for &side in point.sides() {
+            let half = point.half_of(side);
+            self.scene.attenuate(point.origin(side), directions, |d| half.has(d), visible);
+        }
+    }
 }
 
 enum Directions {
@@ -35,11 +59,12 @@ impl<'a> VisibilitySampler<'a> {
 
     /// For any unit directions, in the order given.
     pub fn of_directions(scene: &'a Intersector, directions: &[Vec3], lights_per_probe: usize) -> Self {
+        let veils = Veils::new(scene, directions);
         let directions = match lights_per_probe {
             EXHAUSTIVE => Directions::All(DirectionSet::new(directions)),
             _ => Directions::Boundaries(BoundarySet::new(directions, lights_per_probe)),
         };
-        Self { scene, directions }
+        Self { scene, directions, veils }
     }
 
     /// Number of directions.
@@ -50,7 +75,7 @@ impl<'a> VisibilitySampler<'a> {
         }
     }
 
-    /// Sets `visible[leaf]` to 1 for every light that the point sees and to 0 for all others. Returns the rays traced.
+    /// Sets `visible[leaf]` to the share of each light that the point sees, in units of 1 / [`OPEN`]. Returns the rays traced.
     pub fn sample(&self, point: &BakePoint, tracer: &mut BoundaryTracer, visible: &mut [u8]) -> u64 {
         visible.fill(0);
         let mut trace = |&side: &Side| {
@@ -60,7 +85,9 @@ impl<'a> VisibilitySampler<'a> {
                 Directions::Boundaries(set) => tracer.trace(self.scene, origin, set, &half, &mut *visible),
             }
         };
-        point.sides().iter().map(&mut trace).sum()
+        let rays = point.sides().iter().map(&mut trace).sum();
+        self.veils.dim(point, visible);
+        rays
     }
 
     /// [`Self::sample`] ray by ray and without packets, for verification.
@@ -68,7 +95,8 @@ impl<'a> VisibilitySampler<'a> {
         for (v, &d) in visible.iter_mut().zip(tree.leaf_directions()) {
             let side = point.side_of(d);
             let traced = point.sides().contains(&side);
-            *v = u8::from(traced && !self.scene.occluded(point.origin(side), d));
+            let passed = if traced { self.scene.transmittance(point.origin(side), d) } else { 0.0 };
+            *v = (passed * f32::from(OPEN)).round() as u8;
         }
     }
 
@@ -126,9 +154,9 @@ mod tests {
         let mut visible = vec![0; 4096];
         let sampler = VisibilitySampler::new(&intersector, &tree, EXHAUSTIVE);
         let rays = sampler.sample(&points.points[0], &mut BoundaryTracer::default(), &mut visible);
-        assert_eq!(visible.iter().map(|&v| u64::from(v)).sum::<u64>(), rays);
+        assert_eq!(visible.iter().map(|&v| u64::from(v / OPEN)).sum::<u64>(), rays);
         for (v, d) in visible.iter().zip(tree.leaf_directions()) {
-            assert_eq!(*v == 1, d.y > points.points[0].horizon);
+            assert_eq!(*v == OPEN, d.y > points.points[0].horizon);
         }
     }
 }

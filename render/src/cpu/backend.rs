@@ -71,7 +71,7 @@ struct Begun {
 impl Begun {
     /// Whether an edit leaves nothing of the picture. The other modes do not show the parts of the light one by one.
     fn is_lost(&self, stale: &Stale) -> bool {
-        self.view.mode != ViewMode::Shaded && stale.any()
+        stale.surfaces || (self.view.mode != ViewMode::Shaded && stale.any())
     }
 
     /// Whether the picture, from another camera or of another size, shows the same surfaces in the same light.

@@ -47,6 +47,7 @@ use lapidary_core::{
     dataset::Dataset,
     environment::Environment,
     image::{Image, Region},
+    opacity::Opacities,
 };
 use picture::Picture;
 use std::{ops::Range, sync::Arc};
@@ -69,6 +70,8 @@ pub struct GpuBackend {
     /// Stands in where no environment is shown; made for the scene.
     dark: Option<(GpuLight, Arc<Environment>)>,
     map: Option<GpuMap>,
+    /// What the surfaces let through.
+    opacities: Opacities,
     local_lights: DirectLights,
     targets: Option<Targets>,
     /// What is in the sums of the targets.
@@ -127,7 +130,7 @@ impl GpuBackend {
     }
 
     fn on(gpu: GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
-        let shaders = Shaders { source: source.clone(), models: ModelSet::default() };
+        let shaders = Shaders { source: source.clone(), ..Default::default() };
         let passes = Passes::new(&gpu, &shaders, &[])?;
         let uniform = |label, size: usize| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -157,6 +160,7 @@ impl GpuBackend {
             bounce: VertexBounce::default(),
             dark: None,
             map: None,
+            opacities: Opacities::default(),
             targets: None,
             state: None,
             picture: None,
@@ -165,9 +169,17 @@ impl GpuBackend {
     }
 
     /// Builds the passes anew if the materials have other models than they are compiled for.
-    fn compile_for(&mut self, models: ModelSet) -> Result<(), BackendError> {
-        if models != self.shaders.models {
-            let shaders = Shaders { models, source: self.shaders.source.clone() };
+    /// For materials. Where others let light through than before, they cast other shadows.
+    fn compile_for(&mut self, appearance: &Appearance) -> Result<(), BackendError> {
+        let (models, opacities) = (ModelSet::of(appearance), appearance.opacities());
+        let mut has_veils = self.shaders.has_veils;
+        if opacities != self.opacities {
+            has_veils = opacities.thin().iter().any(Option::is_some);
+            self.opacities = opacities;
+            self.local_lights.forget_shadows();
+        }
+        if (&models, has_veils) != (&self.shaders.models, self.shaders.has_veils) {
+            let shaders = Shaders { models, has_veils, source: self.shaders.source.clone() };
             self.passes = Passes::new(&self.gpu, &shaders, &self.passes.variants())?;
             self.shaders = shaders;
             self.local_lights.forget_shadows();
@@ -321,7 +333,7 @@ impl Backend for GpuBackend {
             false => vec![0],
         };
         let patches = storage(&self.gpu, "patches", bytemuck::cast_slice(&patches));
-        self.compile_for(ModelSet::of(&appearance))?;
+        self.compile_for(&appearance)?;
         self.scene = Some(Loaded { scene, patches, materials, dataset: dataset.clone() });
         // The lights go with their scene, and with them what was said of them.
         self.local_lights.set(&[], 1.0);
@@ -338,7 +350,7 @@ impl Backend for GpuBackend {
         messages.extend(scaled);
         self.scene = Some(Loaded { materials, ..loaded });
         self.picture = None;
-        self.compile_for(ModelSet::of(&fitted))?;
+        self.compile_for(&fitted)?;
         self.gpu.check()?;
         Ok(messages)
     }
@@ -374,7 +386,7 @@ impl Backend for GpuBackend {
 
     fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
         // Other modes do not show the parts of the light one by one.
-        let is_lost = view.mode != ViewMode::Shaded && stale.any();
+        let is_lost = stale.surfaces || (view.mode != ViewMode::Shaded && stale.any());
         self.check_size(view.size)?;
         if self.is_of_same_light(view, sampling, stale) {
             self.remember()?;

@@ -41,6 +41,7 @@ impl DirectPasses {
         let shadow = Pipeline {
             depth: true,
             layouts: &[&layouts.frame, &layouts.scene, &views],
+            constants: &[shaders.veils()],
             ..Pipeline::new(module(gpu, shaders, &SHADOW)?, "shadow map")
         };
         let direct = Pipeline {

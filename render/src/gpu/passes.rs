@@ -69,6 +69,7 @@ impl Passes {
             depth: true,
             layouts: &[&l.frame, &l.scene],
             targets: &[format::TRIANGLE],
+            constants: &[shaders.veils()],
             ..Pipeline::new(load(&VISIBILITY)?, "visibility")
         };
         let surface = Pipeline {

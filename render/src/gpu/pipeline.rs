@@ -38,6 +38,15 @@ pub struct Layouts {
 pub struct Shaders {
     pub source: ShaderSource,
     pub models: ModelSet,
+    /// Whether any surface lets light through.
+    pub has_veils: bool,
+}
+
+impl Shaders {
+    /// The constant that tells it to passes that draw triangles.
+    pub fn veils(&self) -> (&'static str, f64) {
+        ("HAS_VEILS", f64::from(u8::from(self.has_veils)))
+    }
 }
 
 /// The compiled text of a program.

@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use crate::gpu::tests::twin::backend;
     use lapidary_core::{
-        ray::{DirectionSet, HalfSpace},
+        ray::{DirectionSet, HalfSpace, OPEN},
         sphere::fibonacci_directions,
         test_scenes::soup,
     };
@@ -233,9 +233,9 @@ mod tests {
             for (row, at) in open.chunks(lights.div_ceil(32)).zip(&origins) {
                 let mut visible = vec![0; lights];
                 scene.trace_batch(at.origin, &set, |d| at.half.has(d), &mut visible);
-                let differs = |(i, v): &(usize, &u8)| row[i / 32] >> (i % 32) & 1 != u32::from(**v);
+                let differs = |(i, v): &(usize, &u8)| row[i / 32] >> (i % 32) & 1 != u32::from(**v / OPEN);
                 ties += visible.iter().enumerate().filter(differs).count();
-                seen += visible.iter().filter(|v| **v == 1).count();
+                seen += visible.iter().filter(|v| **v == OPEN).count();
             }
             // A driver may fuse products and sums: rays along an edge then fall to either side.
             assert!(ties * 100_000 <= 70 * lights, "{ties} of {}", 70 * lights);

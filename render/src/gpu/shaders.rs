@@ -37,6 +37,7 @@ parts!(
     "materials",
     "merge_pass",
     "mirror",
+    "opacity",
     "parameters_pass",
     "past",
     "predict_pass",
@@ -88,8 +89,10 @@ const SHADING: &[&str] = &[
 const MODELS: &str = "models";
 
 /// Which triangle each pixel sees.
-pub const VISIBILITY: Program =
-    Program { name: "visibility_pass", parts: [&[], &["frame", "scene", "visibility_pass"]] };
+pub const VISIBILITY: Program = Program {
+    name: "visibility_pass",
+    parts: [&["frame", "scene"], &["surface", "materials", "procedural", "opacity", "visibility_pass"]],
+};
 /// Barycentric weights and frames.
 pub const SURFACE: Program = Program {
     name: "surface_pass",
@@ -132,7 +135,10 @@ pub const MERGE: Program = Program {
 /// Lit cuts.
 pub const LIT: Program = Program { name: "lit_pass", parts: [&[], &["frame", "tree", "cut", "lit_pass"]] };
 /// Depth from a light.
-pub const SHADOW: Program = Program { name: "shadow_pass", parts: [&[], &["scene", "shadow", "shadow_pass"]] };
+pub const SHADOW: Program = Program {
+    name: "shadow_pass",
+    parts: [&["frame", "scene"], &["surface", "materials", "procedural", "opacity", "shadow", "shadow_pass"]],
+};
 /// Local lights.
 pub const DIRECT: Program =
     Program { name: "direct_pass", parts: [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]] };

@@ -40,9 +40,9 @@ pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
     (start + STEP * ((sample % 4096) * CELLS * CELLS) as f32).fract()
 }
 
-/// Whether nothing is between a point and a light at `distance` metres.
-pub(crate) fn arrives(intersector: &Intersector, point: &SurfacePoint, direction: Vec3, distance: f32) -> bool {
-    !intersector.occluded_before(point.ray_origin, direction, offset::REACH_OF_SHADING * distance)
+/// Share of the light of a light at `distance` metres that arrives at a point.
+pub(crate) fn arriving_share(intersector: &Intersector, point: &SurfacePoint, direction: Vec3, distance: f32) -> f32 {
+    intersector.transmittance_before(point.ray_origin, direction, offset::REACH_OF_SHADING * distance)
 }
 
 /// Radiance that a point reflects of the direct light of `lights`; `shift` is that of [`pixel_shift`].
@@ -54,14 +54,14 @@ pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: 
             let ray = light.sample(point.ray_origin, (corner + shift) / CELLS as f32);
             ray.filter(|ray| point.receives(ray.direction))
         });
-        let seen = seen(point, &rays, intersector);
-        for (i, ((corner, shift), ray)) in cells.into_iter().zip(&rays).enumerate() {
-            ray.iter().filter(|_| seen >> i & 1 != 0).for_each(|ray| arriving.add_cell(light, corner, shift, ray));
+        let shares = seen(point, &rays, intersector);
+        for ((cell, ray), share) in cells.into_iter().zip(&rays).zip(shares).filter(|&(_, share)| share > 0.0) {
+            ray.iter().for_each(|ray| arriving.add_cell(light, cell, ray, share));
         }
     }
     let delta = lights.iter().filter(|light| light.is_delta());
     arriving.reflected()
-        + delta_light(point, delta, |direction, distance| arrives(intersector, point, direction, distance))
+        + delta_light(point, delta, |direction, distance| arriving_share(intersector, point, direction, distance))
 }
 
 /// The cells of a light with an extent: the corner of each, in cells, and where in it its ray goes to.
@@ -72,12 +72,12 @@ fn cells(shift: Vec2) -> [(Vec2, Vec2); ALL_CELLS] {
     })
 }
 
-/// The rays that nothing blocks, one bit each. Those to a distant light are traced eight at a time.
-fn seen(point: &SurfacePoint, rays: &[Option<LightSample>; ALL_CELLS], intersector: &Intersector) -> u32 {
+/// Share of the light that arrives along each ray. Those to a distant light are traced eight at a time.
+fn seen(point: &SurfacePoint, rays: &[Option<LightSample>; ALL_CELLS], intersector: &Intersector) -> [f32; ALL_CELLS] {
     let is_distant = rays.iter().flatten().all(|ray| ray.distance.is_infinite());
     if !is_distant {
-        let arrives = |ray: &LightSample| arrives(intersector, point, ray.direction, ray.distance);
-        return (0..ALL_CELLS).map(|i| u32::from(rays[i].as_ref().is_some_and(arrives)) << i).sum();
+        let share = |ray: &LightSample| arriving_share(intersector, point, ray.direction, ray.distance);
+        return std::array::from_fn(|i| rays[i].as_ref().map_or(0.0, share));
     }
     let eight = |rays: &[Option<LightSample>]| {
         let directions = std::array::from_fn(|i| rays[i].map_or(Vec3::Y, |ray| ray.direction));
@@ -86,7 +86,11 @@ fn seen(point: &SurfacePoint, rays: &[Option<LightSample>; ALL_CELLS], intersect
     };
     let eights: [EightRays; ALL_CELLS / 8] = std::array::from_fn(|i| eight(&rays[8 * i..]));
     let open = intersector.open(&eights);
-    open.iter().enumerate().map(|(i, &open)| u32::from(open) << (8 * i)).sum()
+    let share = |i: usize, ray: &LightSample| match open[i / 8] >> (i % 8) & 1 {
+        0 => 0.0,
+        _ => intersector.past_veils(point.ray_origin, ray.direction, f32::INFINITY),
+    };
+    std::array::from_fn(|i| rays[i].as_ref().map_or(0.0, |ray| share(i, ray)))
 }
 
 /// Light from up to eight directions that has not been reflected yet.
@@ -104,8 +108,8 @@ impl<'a> Arriving<'a> {
         Self { point, wi: [Vec3::Z; 8], irradiance: [Vec3::ZERO; 8], inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
     }
 
-    /// Adds a cell of a light, visible along `ray`, at as many points as the lobe needs.
-    fn add_cell(&mut self, light: &Light, corner: Vec2, shift: Vec2, ray: &LightSample) {
+    /// Adds a cell of a light, of which a share arrives along `ray`, at as many points as the lobe needs.
+    fn add_cell(&mut self, light: &Light, (corner, shift): (Vec2, Vec2), ray: &LightSample, share: f32) {
         // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
         let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;
         let lobes = narrow_widths(self.point.lobes()).into_iter().filter(|&width| width > 0.0);
@@ -116,15 +120,15 @@ impl<'a> Arriving<'a> {
             let u = corner + (Vec2::new((i % edge) as f32, (i / edge) as f32) + shift) / edge as f32;
             let sample = light.sample(self.point.ray_origin, u / CELLS as f32);
             let received = sample.filter(|s| self.point.receives(s.direction));
-            received.iter().for_each(|sample| self.add(sample, all * all));
+            received.iter().for_each(|sample| self.add(sample, all * all, share));
         }
     }
 
-    /// Adds one of a light's samples.
-    fn add(&mut self, sample: &LightSample, samples: u32) {
+    /// Adds a share of one of a light's samples.
+    fn add(&mut self, sample: &LightSample, samples: u32, share: f32) {
         let i = self.count;
         self.wi[i] = self.point.world_from_local.transpose() * sample.direction;
-        self.irradiance[i] = sample.irradiance / samples as f32;
+        self.irradiance[i] = sample.irradiance * (share / samples as f32);
         // A cap of solid angle w has a mean resultant of 1 - w / 4π, and 1 / kappa tends to what is missing to one.
         self.inv_kappa[i] = 1.0 / (SPHERE * sample.pdf * samples as f32);
         self.count += 1;

@@ -14,6 +14,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::Lens,
     ground::Ground,
+    opacity::chance,
     ray::{Hit, in_eights},
     scene::Mesh,
 };
@@ -39,6 +40,20 @@ pub(crate) struct Sight {
     pub direction: Vec3,
     /// The first hit.
     pub seen: FirstHit,
+}
+
+/// Samples of a pixel whose thresholds are spread evenly.
+const STRATA: u32 = 16;
+
+/// Opacities above which surfaces are seen by a sample of a pixel, another for each triangle: layers let each other show as often
+/// as they let light through. Twin of `threshold` in `shaders/opacity.wgsl`.
+fn threshold([x, y]: [u32; 2], sample: u32) -> impl Fn(u32) -> f32 {
+    move |triangle| {
+        let order = (chance(&[x, y, sample / STRATA, triangle, STRATA]) * 4096.0) as u32;
+        let (flips, factor, shift) = (order & 15, 2 * (order >> 4 & 15) + 1, order >> 8);
+        let stratum = (((sample % STRATA) ^ flips) * factor + shift) % STRATA;
+        (stratum as f32 + chance(&[x, y, sample, triangle])) / STRATA as f32
+    }
 }
 
 impl<'a> PixelSampler<'a> {
@@ -71,13 +86,14 @@ impl<'a> PixelSampler<'a> {
 
     /// The view along one of a pixel's samples.
     pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
-        self.sight_at(x, y, self.offset(sample))
+        self.sight_at([x, y], self.offset(sample), threshold([x, y], sample as u32))
     }
 
-    /// The view from a position in the pixel's unit square.
-    fn sight_at(&self, x: u32, y: u32, in_pixel: Vec2) -> Sight {
+    /// The view from a position in the pixel's unit square, of surfaces above thresholds of opacity.
+    fn sight_at(&self, [x, y]: [u32; 2], in_pixel: Vec2, threshold: impl Fn(u32) -> f32) -> Sight {
         let (position, direction) = self.toward(x, y, in_pixel);
-        let hit = self.past_hidden_ground(self.surfaces.hit_along(self.view.camera.eye, direction), direction);
+        let first = self.surfaces.hit_above(self.view.camera.eye, direction, &threshold);
+        let hit = self.past_hidden_ground(first, direction, threshold);
         Sight { position, direction, seen: self.seen(hit, direction) }
     }
 
@@ -91,10 +107,12 @@ impl<'a> PixelSampler<'a> {
     pub fn hits(&self, pixels: &[[u32; 2]], sample: usize) -> Vec<Option<Hit>> {
         let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1;
         let eights = in_eights(pixels.iter().map(direction));
-        let hits = self.surfaces.hits_from(self.view.camera.eye, &eights).into_flattened();
-        let directions = eights.as_flattened();
-        let first = hits.into_iter().zip(directions).take(pixels.len());
-        first.map(|(hit, &direction)| self.past_hidden_ground(hit, direction)).collect()
+        // The last eight may be filled up with rays of no pixel.
+        let of_ray = |ray: usize| threshold(pixels[ray.min(pixels.len() - 1)], sample as u32);
+        let eye = self.view.camera.eye;
+        let hits = self.surfaces.hits_from(eye, &eights, |ray, triangle| of_ray(ray)(triangle)).into_flattened();
+        let first = hits.into_iter().zip(eights.as_flattened()).take(pixels.len()).enumerate();
+        first.map(|(ray, (hit, &direction))| self.past_hidden_ground(hit, direction, of_ray(ray))).collect()
     }
 
     /// The view along one of a pixel's samples, whose hit is known.
@@ -104,9 +122,9 @@ impl<'a> PixelSampler<'a> {
     }
 
     /// A hit of a camera ray, or the one behind a ground that is not seen. From below it never is.
-    fn past_hidden_ground(&self, hit: Option<Hit>, direction: Vec3) -> Option<Hit> {
+    fn past_hidden_ground(&self, hit: Option<Hit>, direction: Vec3, threshold: impl Fn(u32) -> f32) -> Option<Hit> {
         let is_seen = self.view.ground() != Ground::Off;
-        self.surfaces.past_ground(hit, (self.view.camera.eye, direction), is_seen)
+        self.surfaces.past_ground(hit, (self.view.camera.eye, direction), is_seen, threshold)
     }
 
     /// What is seen at a hit. A ground that catches shadows reflects what is behind it.
@@ -174,9 +192,11 @@ impl<'a> PixelSampler<'a> {
         self.radiance(self.sight(x, y, sample), shade)
     }
 
-    /// [`Self::sample`] at any position in the pixel's unit square.
+    /// [`Self::sample`] at any position in the pixel's unit square; thin surfaces are seen by chance.
     pub fn sample_at(&self, x: u32, y: u32, in_pixel: Vec2, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
-        self.radiance(self.sight_at(x, y, in_pixel), shade)
+        let position = [in_pixel.x.to_bits(), in_pixel.y.to_bits()];
+        let by_chance = |triangle| chance(&[x, y, position[0], position[1], triangle]);
+        self.radiance(self.sight_at([x, y], in_pixel, by_chance), shade)
     }
 
     fn radiance(&self, sight: Sight, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {

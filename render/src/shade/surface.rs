@@ -8,6 +8,7 @@ use lapidary_core::{
     material::Material,
     ray::{Hit, Intersector, offset},
     simd::{Lanes, Vec3x8},
+    surfel::MeshPlace,
     texture::UvFootprint,
 };
 use std::f32::consts::TAU;
@@ -266,19 +267,40 @@ impl<'a> Surfaces<'a> {
         self.seen_at(self.hit_along(origin, direction), direction)
     }
 
-    /// Where rays from one origin first meet the mesh.
-    pub fn hits_from(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
-        self.intersector.closest_hits(origin, directions)
+    /// Where rays from one origin first meet the mesh, see [`Intersector::closest_hits_above`].
+    pub fn hits_from(
+        &self,
+        origin: Vec3,
+        directions: &[[Vec3; 8]],
+        threshold: impl Fn(usize, u32) -> f32,
+    ) -> Vec<[Option<Hit>; 8]> {
+        self.intersector.closest_hits_above(origin, directions, threshold)
     }
 
-    /// Where a ray first meets the mesh.
+    /// Where a ray first meets the mesh; thin surfaces stop it by chance.
     pub fn hit_along(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         self.intersector.closest_hit(origin, direction)
     }
 
+    /// Where it first meets the mesh with an opacity above a threshold.
+    pub fn hit_above(&self, origin: Vec3, direction: Vec3, threshold: impl Fn(u32) -> f32) -> Option<Hit> {
+        self.intersector.closest_above(origin, direction, threshold)
+    }
+
     /// See [`Intersector::past_ground`].
-    pub fn past_ground(&self, hit: Option<Hit>, ray: (Vec3, Vec3), from_above: bool) -> Option<Hit> {
-        self.intersector.past_ground(&self.dataset.scene.mesh, hit, ray, from_above)
+    pub fn past_ground(
+        &self,
+        hit: Option<Hit>,
+        ray: (Vec3, Vec3),
+        from_above: bool,
+        threshold: impl Fn(u32) -> f32,
+    ) -> Option<Hit> {
+        self.intersector.past_ground(&self.dataset.scene.mesh, hit, ray, from_above, threshold)
+    }
+
+    /// Share of the light that a point stops.
+    pub fn opacity(&self, hit: &Hit) -> f32 {
+        self.intersector.opacity_at(MeshPlace { triangle: hit.triangle, barycentric: hit.barycentric })
     }
 
     /// What is seen along `direction` where a ray in that direction met the mesh. The distance of the hit is not read.

@@ -11,6 +11,7 @@ use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset},
     import::{ImportOptions, Imported, import_with},
     light_tree::TreeKind,
+    ray::OPEN,
     scene::Scene,
     sphere::fibonacci_directions,
 };
@@ -124,7 +125,7 @@ impl Measurement<'_> {
         let baker = VariantBaker::new(scene.clone(), Some(room_in(scene, self.scale.max_vertices)), reporter)?;
         let directions = fibonacci_directions(SKY_DIRECTIONS);
         let some = baker.some_points(SKY_POINTS);
-        let seen = |visible: &[u8]| visible.iter().map(|&v| f64::from(v)).sum::<f64>();
+        let seen = |visible: &[u8]| visible.iter().map(|&v| f64::from(v) / f64::from(OPEN)).sum::<f64>();
         let seen: f64 = baker.visibility(&directions, &some, reporter, seen)?.iter().sum();
         if seen < LEAST_SKY * (some.len() * SKY_DIRECTIONS) as f64 {
             return Ok(None);

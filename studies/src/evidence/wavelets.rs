@@ -23,6 +23,7 @@ use glam::Vec3;
 use lapidary_core::{
     cut::{CutCriterion, CutSelector},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
+    ray::OPEN,
 };
 use maud::{Markup, html};
 use serde::Serialize;
@@ -108,7 +109,7 @@ fn forest(directions: &[Vec3], pilot: &PilotVisibility, tree: TreeKind, beta: f3
 
 /// What is lost by keeping only the largest coefficients of all faces.
 fn wavelets(visible: &[u8], side: usize) -> Nonlinear {
-    let mut coefficients: Vec<f32> = visible.iter().map(|&v| v.into()).collect();
+    let mut coefficients: Vec<f32> = visible.iter().map(|&v| f32::from(v) / f32::from(OPEN)).collect();
     coefficients.chunks_mut(side * side).for_each(|face| haar::forward(face, side));
     Nonlinear::new(&coefficients)
 }
@@ -201,7 +202,7 @@ mod tests {
     }
 
     fn upper_half() -> Vec<u8> {
-        cube_map::directions(SIDE).iter().map(|d| u8::from(d.y > 0.0)).collect()
+        cube_map::directions(SIDE).iter().map(|d| OPEN * u8::from(d.y > 0.0)).collect()
     }
 
     #[test]
@@ -222,7 +223,7 @@ mod tests {
     fn wavelets_are_as_good_as_the_cut_and_one_fewer_is_not() {
         let directions = cube_map::directions(SIDE);
         let axis = Vec3::new(0.3, 0.8, 0.5).normalize();
-        let visible: Vec<u8> = directions.iter().map(|d| u8::from(d.dot(axis) > 0.2)).collect();
+        let visible: Vec<u8> = directions.iter().map(|d| OPEN * u8::from(d.dot(axis) > 0.2)).collect();
         let nonlinear = wavelets(&visible, SIDE);
         let mut before = usize::MAX;
         for sigma in [0.5, 1.0, 2.0] {

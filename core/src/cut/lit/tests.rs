@@ -5,6 +5,7 @@ use crate::cut::{
     packed::{PackedCursor, pack_node},
     validate_depths,
 };
+use crate::ray::OPEN;
 
 const HEIGHT: u32 = 9;
 const LEAVES: usize = 1 << HEIGHT;
@@ -21,7 +22,7 @@ fn stored(seed: u64) -> Vec<u16> {
     let mut rng = fastrand::Rng::with_seed(seed);
     let mut leaves: Vec<u8> = Vec::new();
     while leaves.len() < LEAVES {
-        leaves.extend(std::iter::repeat_n(rng.u8(0..2), rng.usize(1..20)));
+        leaves.extend(std::iter::repeat_n(OPEN * rng.u8(0..2), rng.usize(1..20)));
     }
     leaves.truncate(LEAVES);
     let mut cut = Vec::new();

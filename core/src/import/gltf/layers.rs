@@ -218,19 +218,15 @@ impl Layers {
     }
 }
 
-fn is_declared(name: &str) -> bool {
-    BrdfModel::declared(name).is_some()
-}
-
 impl Transmission {
-    /// Gives a model that has an opacity what glTF's material lets pass; none has yet. Returns what is to be told.
+    /// Takes what glTF's material lets pass from its opacity. Returns what is to be told.
     fn thin_out(&self, material: &mut Material) -> Option<&'static str> {
         const OPACITY: &str = "geometry_opacity";
         if !(self.transmission_factor > 0.0) {
             return None;
         }
-        if !is_declared(OPACITY) || self.transmission_texture.is_some() {
-            return Some("transmit light, which is left out; they show opaque");
+        if self.transmission_texture.is_some() {
+            return Some("transmit light by a map, which is left out; they show opaque");
         }
         let opacity = material.parameters.number(OPACITY) * (1.0 - self.transmission_factor);
         material.parameters.set(OPACITY, opacity);

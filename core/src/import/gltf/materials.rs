@@ -68,7 +68,6 @@ pub(super) fn index_of(
 /// Features of materials that are not supported.
 #[derive(Default)]
 struct Ignored {
-    transparent: Vec<String>,
     second_uvs: Vec<String>,
     not_repeated: Vec<String>,
     /// Of the extensions: what is told, and of which material.
@@ -78,7 +77,6 @@ struct Ignored {
 impl Ignored {
     fn warn(&self, warnings: &mut Vec<String>) {
         for (names, text) in [
-            (&self.transparent, "are transparent or cut out and show opaque, because transparency is not supported"),
             (
                 &self.second_uvs,
                 "use a second set of texture coordinates and show with the first; unwrap them to one set",
@@ -152,9 +150,6 @@ impl MaterialReader<'_> {
     fn material(&mut self, source: &gltf::Material) -> Result<Material, Trouble> {
         let index = source.index().unwrap_or_default();
         let name = source.name().map_or_else(|| format!("material {index}"), str::to_owned);
-        if source.alpha_mode() != AlphaMode::Opaque {
-            self.ignored.transparent.push(name.clone());
-        }
         let mut material = Material {
             name,
             parameters: parameters(source).into(),
@@ -163,6 +158,7 @@ impl MaterialReader<'_> {
         };
         material.set_emission(Vec3::from_array(source.emissive_factor()));
         self.add_maps(&mut material, source)?;
+        self.add_opacity(&mut material, source);
         self.add_layers(&mut material, index)?;
         Ok(material)
     }
@@ -191,6 +187,30 @@ impl MaterialReader<'_> {
             maps.set("normal", Some(TextureSlot { strength: normal.scale(), ..slot }));
         }
         Ok(())
+    }
+
+    /// The alpha of the base colour, where the material says that it counts.
+    fn add_opacity(&self, material: &mut Material, source: &gltf::Material) {
+        let cutoff = match source.alpha_mode() {
+            AlphaMode::Opaque => return,
+            AlphaMode::Mask => source.alpha_cutoff().unwrap_or(0.5),
+            AlphaMode::Blend => 0.0,
+        };
+        if source.alpha_mode() == AlphaMode::Mask && cutoff <= 0.0 {
+            return; // nothing is cut out
+        }
+        let [.., alpha] = source.pbr_metallic_roughness().base_color_factor();
+        material.parameters.set("geometry_opacity", alpha);
+        if cutoff > 0.0 {
+            material.parameters.set("opacity_cutoff", cutoff);
+        }
+        let alpha = |slot: &TextureSlot| TextureSlot { channel: Channel::A, ..slot.clone() };
+        let has_alpha = |slot: &TextureSlot| {
+            let texture = &self.library.textures[slot.texture as usize];
+            texture.least(Channel::A as usize, slot.color_space) < 1.0
+        };
+        let map = material.maps.get("base_color").map(alpha).filter(has_alpha);
+        material.maps.set("geometry_opacity", map);
     }
 
     fn add_layers(&mut self, material: &mut Material, index: usize) -> Result<(), Trouble> {

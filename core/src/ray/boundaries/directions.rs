@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     ray::{
-        Intersector,
+        Intersector, OPEN,
         directions::{GROUP, HalfSpace, spatial_order},
         frontier::Frontier,
         group::RayGroup,
@@ -93,7 +93,7 @@ pub struct BoundaryTracer {
 }
 
 impl BoundaryTracer {
-    /// Sets `visible[i]` to 1 for those of the directions within `half` that seem to meet nothing from `origin`. Other entries
+    /// Sets `visible[i]` to [`OPEN`] for those of the directions within `half` that seem to meet nothing from `origin`. Other entries
     /// are left alone. Returns the number of rays traced.
     ///
     /// `visible` has one entry per direction, in the order in which the set was made.
@@ -123,7 +123,7 @@ impl BoundaryTracer {
         for (group, &open) in set.graph.groups.iter().zip(&state.open) {
             let mut rest = open;
             while rest != 0 {
-                visible[group.targets[rest.trailing_zeros() as usize] as usize] = 1;
+                visible[group.targets[rest.trailing_zeros() as usize] as usize] = OPEN;
                 rest &= rest - 1;
             }
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    ray::{HalfSpace, Intersector},
+    ray::{HalfSpace, Intersector, OPEN},
     scene::Mesh,
     sphere::fibonacci_directions,
     test_scenes::soup,
@@ -27,7 +27,7 @@ fn seen_along_boundaries(
     let (open, mut told) = (directions.chunks(32).map(open).collect::<Vec<u32>>(), vec![0; directions.len()]);
     tracer.follow(&open, &set, half, &mut told);
     assert!(told == seen);
-    let single = |&d: &Vec3| u8::from(half.has(d) && !scene.occluded(Vec3::ZERO, d));
+    let single = |&d: &Vec3| OPEN * u8::from(half.has(d) && !scene.occluded(Vec3::ZERO, d));
     (seen, directions.iter().map(single).collect(), rays)
 }
 
@@ -57,7 +57,7 @@ fn boundaries_lead_around_all_that_probes_meet() {
         let scene = Intersector::new(&disc(axis, [0.7, 1.3]));
         let (seen, expected, rays) = seen_along_boundaries(&scene, &directions, 16, &ABOVE);
         assert!(seen == expected, "around {axis}");
-        assert!(seen.contains(&1) && rays < 8192 / 5, "{rays}");
+        assert!(seen.contains(&OPEN) && rays < 8192 / 5, "{rays}");
         let below = HalfSpace { is_above: false, ..ABOVE };
         let (seen, expected, _) = seen_along_boundaries(&scene, &directions, 16, &below);
         assert!(seen == expected, "below, around {axis}");

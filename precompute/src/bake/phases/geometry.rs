@@ -56,7 +56,7 @@ impl Geometry {
     ) -> Result<Self, BakeError> {
         let source_vertices = scene.mesh.vertices_of_scene();
         let mut sides = classify(&scene);
-        let source = Intersector::new(&scene.mesh);
+        let source = Intersector::of_scene(&scene);
         if let Some(budget) = budget {
             remark_on_budget(source_vertices, budget, observer);
         }
@@ -75,7 +75,7 @@ impl Geometry {
             scene.mesh.append_ground(ground);
             sides.append(sides_of_ground);
         }
-        let intersector = if is_split { Intersector::new(&scene.mesh) } else { source };
+        let intersector = if is_split { Intersector::of_scene(&scene) } else { source };
         let points = BakePoints::new(&scene.mesh, &sides);
         let buried = points.buried(&intersector, &sides, observer)?;
         Ok(Self { scene, intersector, source_vertices, sides, points, buried })
@@ -83,7 +83,7 @@ impl Geometry {
 
     /// That of a dataset, whose mesh is tessellated.
     pub(crate) fn of_dataset(dataset: Dataset) -> Self {
-        let intersector = Intersector::new(&dataset.scene.mesh);
+        let intersector = Intersector::of_scene(&dataset.scene);
         let points = bake_points(&dataset);
         let mut buried = vec![false; points.points.len()];
         points.of_vertex.iter().zip(&dataset.vertex_valid).for_each(|(&p, valid)| buried[p as usize] = !valid);
@@ -113,7 +113,7 @@ impl Geometry {
         self.points.of_vertex.iter().map(|&p| !self.buried[p as usize]).collect()
     }
 
-    /// What `each` makes of the visibility (0 or 1), traced exhaustively, of `directions` from each of `points`, and of the number of rays that were
+    /// What `each` makes of the visibility (0 to [`lapidary_core::ray::OPEN`]), traced exhaustively, of `directions` from each of `points`, and of the number of rays that were
     /// traced for it; on all cores, in the order of the points. `scratch` makes what is kept from point to point.
     ///
     /// # Errors

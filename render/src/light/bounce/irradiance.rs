@@ -58,8 +58,8 @@ fn light_sample(point: &Surfel, normal: Vec3, light: &Light, u: Vec2, intersecto
     }
     let origin = position + point.normal * offset;
     // A light may lie on a surface, which does not block it.
-    let blocked = intersector.occluded_before(origin, sample.direction, offset::REACH_OF_BOUNCE * sample.distance);
-    if blocked { Vec3::ZERO } else { received }
+    let reach = offset::REACH_OF_BOUNCE * sample.distance;
+    received * intersector.transmittance_before(origin, sample.direction, reach)
 }
 
 /// Irradiance of each source from the environment: its cut merged with the illumination cut, times the cosine. `None`

@@ -21,21 +21,19 @@ struct Unshadowed {
     with_fainter: Vec3,
 }
 
-/// Radiance that a point reflects of `lights`, within [`NEGLIGIBLE`]. `arrives` tells by direction and distance whether
-/// the path is free.
+/// Radiance that a point reflects of `lights`, within [`NEGLIGIBLE`]. `arriving` tells by direction and distance
+/// the share of the light that arrives.
 pub(super) fn delta_light<'a>(
     point: &SurfacePoint,
     lights: impl Iterator<Item = &'a Light>,
-    mut arrives: impl FnMut(Vec3, f32) -> bool,
+    mut arriving: impl FnMut(Vec3, f32) -> f32,
 ) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for light in from_brightest(unshadowed(point, lights)).iter() {
         if light.with_fainter.cmple(NEGLIGIBLE * sum).all() {
             break;
         }
-        if arrives(light.direction, light.distance) {
-            sum += light.radiance;
-        }
+        sum += light.radiance * arriving(light.direction, light.distance);
     }
     sum
 }
@@ -76,7 +74,7 @@ mod tests {
     use super::*;
     use crate::{
         Renderer,
-        light::direct::arrives,
+        light::direct::arriving_share,
         test_scenes::{dataset, from_above, light, plates, surface_at, white},
     };
     use lapidary_core::{camera::Camera, lights::Emission};
@@ -98,7 +96,7 @@ mod tests {
         let mut rays = 0;
         let sum = delta_light(point, lights.iter(), |direction, distance| {
             rays += 1;
-            arrives(renderer.intersector(), point, direction, distance)
+            arriving_share(renderer.intersector(), point, direction, distance)
         });
         (sum, rays)
     }

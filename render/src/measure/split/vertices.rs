@@ -6,6 +6,7 @@ use crate::{
     shade::{point_shader::PointShader, surface::SurfacePoint},
 };
 use glam::Vec3;
+use lapidary_core::ray::OPEN;
 use std::{
     collections::HashMap,
     sync::{Arc, Mutex, PoisonError},
@@ -64,7 +65,11 @@ impl PointShader for VertexShader<'_, '_> {
         let visible = point.vertices.map(|vertex| self.vertices.of(vertex));
         let leaves = self.sum.lit.len();
         for (leaf, lit) in self.sum.lit.iter_mut().enumerate() {
-            let share: f32 = visible.iter().zip(point.weights).map(|(v, weight)| weight * f32::from(v[leaf])).sum();
+            let share: f32 = visible
+                .iter()
+                .zip(point.weights)
+                .map(|(v, weight)| weight * f32::from(v[leaf]) / f32::from(OPEN))
+                .sum();
             *lit = self.lighting.nodes.radiance[leaves + leaf] * share;
         }
         self.sum.reflected(point)

@@ -67,7 +67,12 @@ impl Emitters {
         let hit = Hit { triangle, distance, barycentric, back_face: normal.dot(direction) > 0.0 };
         let FirstHit::Surface(point) = surfaces.seen_at(Some(hit), direction) else { return None };
         let pdf = self.pdf(mesh.triangle_material[triangle as usize], distance, normal.dot(direction));
-        (pdf > 0.0 && pdf.is_finite()).then_some(EmitterSample { direction, distance, radiance: point.emission, pdf })
+        (pdf > 0.0 && pdf.is_finite()).then_some(EmitterSample {
+            direction,
+            distance,
+            radiance: point.emission * surfaces.opacity(&hit),
+            pdf,
+        })
     }
 
     /// Density per solid angle of [`Self::sample`] at a point of a material at this distance in metres, whose normal has this

@@ -5,7 +5,7 @@ use super::{
     settings::PathSettings,
 };
 use crate::{
-    light::{direct::arrives, environment::Illumination},
+    light::{direct::arriving_share, environment::Illumination},
     renderer::Renderer,
     shade::{
         background::Sky,
@@ -126,10 +126,10 @@ impl<'a> Tracer<'a> {
         let world = self.sky.to_world(direction);
         let (reflected, other) = reflection(point, world);
         let value = reflected * self.sky.radiance(world);
-        if value == Vec3::ZERO || self.renderer.intersector().occluded(point.ray_origin, world) {
+        if value == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        value * (power_heuristic(pdf, other) / pdf)
+        value * self.renderer.intersector().transmittance(point.ray_origin, world) * (power_heuristic(pdf, other) / pdf)
     }
 
     fn by_local_lights(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
@@ -139,7 +139,8 @@ impl<'a> Tracer<'a> {
             let Some(sample) = light.sample(point.ray_origin, u) else { continue };
             let (reflected, other) = reflection(point, sample.direction);
             let value = reflected * sample.irradiance;
-            if value != Vec3::ZERO && arrives(self.renderer.intersector(), point, sample.direction, sample.distance) {
+            if value != Vec3::ZERO {
+                let value = value * self.arriving_share(point, sample.direction, sample.distance);
                 sum += value * (power_heuristic(probability * sample.pdf, other) / probability);
             }
         }
@@ -156,10 +157,12 @@ impl<'a> Tracer<'a> {
         let Some(sample) = self.emitters.sample(&self.surfaces, mesh, point.ray_origin, u) else { return Vec3::ZERO };
         let (reflected, other) = reflection(point, sample.direction);
         let value = reflected * sample.radiance;
-        if value == Vec3::ZERO || !arrives(self.renderer.intersector(), point, sample.direction, sample.distance) {
+        if value == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        value * (power_heuristic(sample.pdf, other) / sample.pdf)
+        value
+            * self.arriving_share(point, sample.direction, sample.distance)
+            * (power_heuristic(sample.pdf, other) / sample.pdf)
     }
 
     /// What the surface at the end of a reflection sends by itself, weighted against its samples.
@@ -191,8 +194,9 @@ impl<'a> Tracer<'a> {
         let mut sum = Vec3::ZERO;
         for (light, probability) in self.lights.all() {
             let Some(hit) = light.intersect(point.ray_origin, scattered.world) else { continue };
-            if arrives(self.renderer.intersector(), point, scattered.world, hit.distance) {
-                sum += hit.radiance * power_heuristic(scattered.pdf, probability * hit.pdf);
+            let share = self.arriving_share(point, scattered.world, hit.distance);
+            if share > 0.0 {
+                sum += share * hit.radiance * power_heuristic(scattered.pdf, probability * hit.pdf);
             }
         }
         sum
@@ -201,10 +205,14 @@ impl<'a> Tracer<'a> {
     /// Radiance of the environment along a reflection, weighted against its samples, unless a surface blocks it.
     fn environment_behind(&self, point: &SurfacePoint, scattered: &Scattered) -> Vec3 {
         let radiance = self.environment_along(scattered);
-        if radiance == Vec3::ZERO || self.renderer.intersector().occluded(point.ray_origin, scattered.world) {
+        if radiance == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        radiance
+        radiance * self.renderer.intersector().transmittance(point.ray_origin, scattered.world)
+    }
+
+    fn arriving_share(&self, point: &SurfacePoint, direction: Vec3, distance: f32) -> f32 {
+        arriving_share(self.renderer.intersector(), point, direction, distance)
     }
 
     fn environment_along(&self, scattered: &Scattered) -> Vec3 {

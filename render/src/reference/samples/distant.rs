@@ -12,7 +12,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     light_tree::LightTree,
-    ray::DirectionSet,
+    ray::{DirectionSet, OPEN},
     simd::{Lanes, Vec3x8},
 };
 use wide::f32x8;
@@ -53,10 +53,13 @@ impl LightSamples {
     }
 }
 
-/// Sets `visible` to 1 for the lights that a point sees and whose light it receives, and to 0 for all others.
+/// Sets `visible` to the share of each light that a point sees, in units of 1 / [`OPEN`], and to 0 for those whose light it does
+/// not receive.
 pub(crate) fn trace_lights(renderer: &Renderer, lights: &DirectionSet, point: &SurfacePoint, visible: &mut [u8]) {
     visible.fill(0);
-    renderer.intersector().trace_batch(point.ray_origin, lights, |d| point.receives(d), visible);
+    let receives = |d| point.receives(d);
+    renderer.intersector().trace_batch(point.ray_origin, lights, receives, visible);
+    renderer.intersector().attenuate(point.ray_origin, lights, receives, visible);
 }
 
 /// Traces and sums; keeps its buffer between points.
@@ -79,9 +82,9 @@ impl PointShader for DistantShader<'_> {
 }
 
 impl DistantShader<'_> {
-    /// Whether eight samples are seen: 1 or 0 each.
+    /// Shares of eight samples that are seen.
     fn seen(&self, i: usize) -> f32x8 {
-        let seen = |k| self.visible.get(8 * i + k).map_or(0.0, |&v| f32::from(v));
+        let seen = |k| self.visible.get(8 * i + k).map_or(0.0, |&v| f32::from(v) / f32::from(OPEN));
         f32x8::new(std::array::from_fn(seen))
     }
 

@@ -89,7 +89,13 @@ impl SourceShader<'_> {
             }
         }
         let hidden = |i: u32| solid_angles[i as usize] = 0.0;
-        self.batch.trace(self.renderer.intersector(), point.ray_origin, &samples.ends, wanted, hidden);
+        let intersector = self.renderer.intersector();
+        self.batch.trace(intersector, point.ray_origin, &samples.ends, wanted, hidden);
+        for &i in wanted.iter().filter(|_| intersector.has_veils()) {
+            let opacity = intersector.opacity_at(samples.lighting.tree.sources()[i as usize].surfel.place);
+            solid_angles[i as usize] *=
+                opacity * intersector.past_veils_between(point.ray_origin, samples.ends[i as usize]);
+        }
         has_near
     }
 

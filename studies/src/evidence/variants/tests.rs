@@ -1,6 +1,7 @@
 use super::*;
 use lapidary_core::{
     dataset::Dataset,
+    ray::OPEN,
     test_scenes::{cuboid, floor, scene_of},
 };
 use lapidary_precompute::{BakeJob, Silent, bake, resolve};
@@ -63,7 +64,7 @@ fn visibility_and_pilot_take_any_directions() {
     let all = baker.some_points(usize::MAX);
     let seen = baker.visibility(&directions, &all, &Silent, <[u8]>::to_vec).unwrap();
     assert_eq!(seen.len(), baker.geometry.bake_points());
-    assert!(seen.iter().any(|v| v[0] == 1) && seen.iter().any(|v| v[0] == 0));
+    assert!(seen.iter().any(|v| v[0] == OPEN) && seen.iter().any(|v| v[0] == 0));
     let pilot = baker.geometry.pilot(&directions, 4, &Silent).unwrap();
     assert_eq!((pilot.lights, pilot.clusters()), (3, 4));
 }

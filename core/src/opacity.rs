@@ -1,0 +1,172 @@
+//! How much of the light that meets a surface is stopped by it, point by point.
+//!
+//! A surface that stops less is thin: light passes straight on, neither refracted nor coloured. It is looked up at points, never
+//! within footprints, so that rays, cameras and bakes meet the same holes.
+
+use crate::{
+    material::Material,
+    texture::{Texture, TextureSlot},
+};
+use glam::Vec2;
+use std::sync::Arc;
+
+/// Names of the parameters, and of their maps.
+const OPACITY: &str = "geometry_opacity";
+const CUTOFF: &str = "opacity_cutoff";
+
+/// The opacity of a material's points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opacity {
+    stopped: Mapped,
+    /// Above zero: points stop all light from this opacity on, and none below it.
+    cutoff: Mapped,
+}
+
+/// A number from 0 to 1 that a map may scale.
+#[derive(Clone, Debug)]
+struct Mapped {
+    number: f32,
+    /// Without a texture: of a pattern, or where it is missing.
+    map: Option<(TextureSlot, Option<Arc<Texture>>)>,
+}
+
+impl PartialEq for Mapped {
+    /// Whether both are the same everywhere: by equal numbers, and by the identical texture, not only an equal one.
+    fn eq(&self, other: &Self) -> bool {
+        let texture = |of: &Self| of.map.as_ref().and_then(|(_, texture)| texture.as_ref().map(Arc::as_ptr));
+        let slot = |of: &Self| of.map.as_ref().map(|(slot, _)| slot.clone());
+        self.number == other.number && slot(self) == slot(other) && texture(self) == texture(other)
+    }
+}
+
+impl Mapped {
+    fn of(material: &Material, name: &str, textures: &[Arc<Texture>]) -> Self {
+        let texture = |slot: &TextureSlot| slot.image().and_then(|image| textures.get(image).cloned());
+        let map = material.maps.get(name).map(|slot| (slot.clone(), texture(slot)));
+        Self { number: material.parameters.number(name), map }
+    }
+
+    /// The least that it is anywhere. Looks at each texel of its map, if it has one.
+    fn least(&self) -> f32 {
+        let factor = match &self.map {
+            Some((TextureSlot { procedural: Some(_), .. }, _)) => 0.0,
+            Some((slot, Some(texture))) => texture.least(slot.channel as usize, slot.color_space),
+            None | Some((_, None)) => 1.0,
+        };
+        self.number * factor
+    }
+
+    fn at(&self, uv: Vec2) -> f32 {
+        let sample = |slot: &TextureSlot, texture: &Option<Arc<Texture>>| {
+            let uv = slot.transform(uv);
+            let pattern = slot.procedural.as_ref().map(|pattern| pattern.value(&uv.into()));
+            pattern.or_else(|| texture.as_ref().map(|texture| texture.sample(uv, slot.color_space)))
+        };
+        let texel = self.map.as_ref().and_then(|(slot, texture)| Some((sample(slot, texture)?, slot.channel)));
+        (self.number * texel.map_or(1.0, |(texel, channel)| texel[channel as usize])).clamp(0.0, 1.0)
+    }
+}
+
+impl Opacity {
+    /// Of a material whose maps are among `textures`.
+    pub fn of(material: &Material, textures: &[Arc<Texture>]) -> Self {
+        Self { stopped: Mapped::of(material, OPACITY, textures), cutoff: Mapped::of(material, CUTOFF, textures) }
+    }
+
+    /// Whether it stops all light everywhere.
+    pub fn is_full(&self) -> bool {
+        let least = self.stopped.least();
+        // A map may lower a cutoff anywhere.
+        let cuts_nothing = self.cutoff.map.is_none() && self.cutoff.number > 0.0 && least >= self.cutoff.number;
+        least >= 1.0 || cuts_nothing
+    }
+
+    /// Share of the light that a point stops, 0 to 1.
+    pub fn at(&self, uv: Vec2) -> f32 {
+        let (stopped, cutoff) = (self.stopped.at(uv), self.cutoff.at(uv));
+        if cutoff > 0.0 { f32::from(u8::from(stopped >= cutoff)) } else { stopped }
+    }
+}
+
+/// The opacities of all materials of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Opacities(Vec<Opacity>);
+
+impl Opacities {
+    /// Of materials whose maps are among `textures`.
+    pub fn of(materials: &[Material], textures: &[Arc<Texture>]) -> Self {
+        Self(materials.iter().map(|material| Opacity::of(material, textures)).collect())
+    }
+
+    /// Per material its opacity, if it lets light through anywhere.
+    pub fn thin(&self) -> Vec<Option<Opacity>> {
+        self.0.iter().map(|opacity| (!opacity.is_full()).then(|| opacity.clone())).collect()
+    }
+}
+
+/// A number in [0, 1) that looks random, from words that seed it. Twin of `chance` in `shaders/opacity.wgsl`.
+pub fn chance(words: &[u32]) -> f32 {
+    let mixed = words.iter().fold(0, |hash, &word| mix(hash ^ word));
+    (mixed >> 8) as f32 / (1 << 24) as f32
+}
+
+/// A permutation of the 32-bit numbers, PCG (Jarzynski and Olano, *Hash Functions for GPU Rendering*, 2020).
+fn mix(number: u32) -> u32 {
+    let state = number.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texture::{Channel, Texels};
+
+    /// A map whose alpha is 0 on the left and 255 on the right.
+    fn half(left: u8) -> Vec<Arc<Texture>> {
+        let texels = Texels::U8(vec![[255, 255, 255, left], [255; 4]]);
+        vec![Arc::new(Texture::new("t", [2, 1], texels))]
+    }
+
+    fn material(opacity: f32, cutoff: f32, has_map: bool) -> Material {
+        let mut material = Material::default();
+        material.parameters.set(OPACITY, opacity);
+        material.parameters.set("opacity_cutoff", cutoff);
+        let slot = TextureSlot { channel: Channel::A, ..Default::default() };
+        material.maps.set(OPACITY, has_map.then_some(slot));
+        material
+    }
+
+    #[test]
+    fn numbers_maps_and_cutoffs_tell_what_is_stopped() {
+        let (left, right) = (Vec2::new(0.25, 0.5), Vec2::new(0.75, 0.5));
+        for (opacity, cutoff, has_map, expected) in [
+            (1.0, 0.0, false, [1.0, 1.0]),
+            (0.25, 0.0, false, [0.25, 0.25]),
+            (0.25, 0.5, false, [0.0, 0.0]),
+            (0.25, 0.2, false, [1.0, 1.0]),
+            (0.5, 0.0, true, [0.0, 0.5]),
+            (1.0, 0.5, true, [0.0, 1.0]),
+        ] {
+            let opacity = Opacity::of(&material(opacity, cutoff, has_map), &half(0));
+            assert_eq!([left, right].map(|uv| opacity.at(uv)), expected, "{opacity:?}");
+            assert_eq!(opacity.is_full(), expected == [1.0; 2]);
+        }
+    }
+
+    #[test]
+    fn a_map_that_stops_all_light_makes_no_thin_surface() {
+        let materials = [material(1.0, 0.0, true), material(0.9, 0.0, true), material(1.0, 0.5, true)];
+        let thin = |left| Opacities::of(&materials, &half(left)).thin().iter().map(Option::is_some).collect::<Vec<_>>();
+        assert_eq!(thin(255), [false, true, false]);
+        assert_eq!(thin(200), [true, true, false], "negative control: above the cutoff nothing is cut out");
+        assert_eq!(thin(100), [true; 3]);
+    }
+
+    #[test]
+    fn equal_textures_that_are_not_the_same_are_told_apart() {
+        let (materials, textures) = ([material(1.0, 0.5, true)], half(0));
+        assert_eq!(Opacities::of(&materials, &textures), Opacities::of(&materials, &textures));
+        assert_ne!(Opacities::of(&materials, &textures), Opacities::of(&materials, &half(0)));
+    }
+}

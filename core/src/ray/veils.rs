@@ -1,0 +1,261 @@
+//! Surfaces that let light through, apart from those that stop it: rays are rare that meet any, and only they pay for it.
+
+use super::{DirectionSet, Hit, Intersector, OPEN, triangle::TriangleFrom};
+use crate::{
+    opacity::{Opacity, chance},
+    scene::Mesh,
+    surfel::MeshPlace,
+};
+use glam::{Vec2, Vec3};
+use obvhs::ray::Ray;
+use std::collections::HashMap;
+
+/// Thin surfaces: those whose materials let light through anywhere.
+pub(super) struct Veils {
+    pub surfaces: Intersector,
+    /// The leaf of each triangle.
+    leaf_of: HashMap<u32, u32>,
+    /// Of each leaf triangle.
+    corners: Vec<Corners>,
+    /// Per material.
+    opacities: Vec<Option<Opacity>>,
+}
+
+/// What the opacity of a triangle's points is looked up by.
+struct Corners {
+    uvs: [Vec2; 3],
+    material: u32,
+}
+
+impl Veils {
+    /// Of the surfaces of a mesh whose materials have an opacity in `thin`.
+    pub fn new(mesh: &Mesh, surfaces: Intersector, thin: &[Option<Opacity>]) -> Self {
+        let of_leaf = |&t: &u32| {
+            let uvs = mesh.triangles[t as usize].map(|v| mesh.uvs[v as usize]);
+            Corners { uvs, material: mesh.triangle_material[t as usize] }
+        };
+        let corners = surfaces.leaf_ids.iter().map(of_leaf).collect();
+        let leaf_of = surfaces.leaf_ids.iter().copied().zip(0..).collect();
+        Self { surfaces, leaf_of, corners, opacities: thin.to_vec() }
+    }
+
+    /// Whether a ray that has met a leaf triangle ends there: if its opacity is above `threshold`.
+    pub fn stop(&self, leaf: usize, hit: &Hit, threshold: impl Fn(u32) -> f32) -> bool {
+        self.opacity(leaf, hit.barycentric) > threshold(self.surfaces.leaf_ids[leaf])
+    }
+
+    /// Share of the light that a leaf triangle stops at a point.
+    fn opacity(&self, leaf: usize, barycentric: Vec2) -> f32 {
+        let Corners { uvs: [a, b, c], material } = self.corners[leaf];
+        let uv = a + (b - a) * barycentric.x + (c - a) * barycentric.y;
+        self.opacities[material as usize].as_ref().map_or(1.0, |opacity| opacity.at(uv))
+    }
+
+    /// Share of the light that passes all of them along a ray before `distance`, in lengths of `direction`.
+    fn transmittance(&self, origin: Vec3, direction: Vec3, distance: f32) -> f32 {
+        let mut passed = 1.0_f32;
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        self.surfaces.bvh.ray_traverse_miss(ray, |_, leaf| {
+            let triangle = TriangleFrom::unless_missed(origin, self.surfaces.leaf_triangles[leaf], direction);
+            if let Some(hit) =
+                triangle.and_then(|triangle| triangle.hit(direction)).filter(|hit| hit.distance < distance)
+            {
+                passed *= 1.0 - self.opacity(leaf, hit.barycentric);
+            }
+            if passed > 0.0 { f32::INFINITY } else { 0.0 }
+        });
+        passed
+    }
+}
+
+/// A threshold of opacity that is another for each direction and each triangle: a ray stops at thin surfaces as often as they
+/// stop light.
+pub(super) fn any_threshold(direction: Vec3) -> impl Fn(u32) -> f32 {
+    let [x, y, z] = direction.to_array().map(f32::to_bits);
+    move |triangle| chance(&[x, y, z, triangle])
+}
+
+impl Intersector {
+    /// Whether any surface lets light through.
+    pub fn has_veils(&self) -> bool {
+        self.veils.is_some()
+    }
+
+    /// Share of the light that passes along a ray, 0 to 1.
+    pub fn transmittance(&self, origin: Vec3, direction: Vec3) -> f32 {
+        if self.occluded(origin, direction) { 0.0 } else { self.past_veils(origin, direction, f32::INFINITY) }
+    }
+
+    /// Share of the light that passes along a ray before `distance` metres, 0 to 1.
+    pub fn transmittance_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> f32 {
+        if self.occluded_before(origin, direction, distance) {
+            0.0
+        } else {
+            self.past_veils(origin, direction, distance)
+        }
+    }
+
+    /// Share of the light that passes strictly between two points, 0 to 1. Both lie off any surface.
+    pub fn transmittance_between(&self, from: Vec3, to: Vec3) -> f32 {
+        if self.occluded_between(from, to) { 0.0 } else { self.past_veils_between(from, to) }
+    }
+
+    /// Share of the light that passes the thin surfaces alone between two points.
+    pub fn past_veils_between(&self, from: Vec3, to: Vec3) -> f32 {
+        self.past_veils(from, to - from, 1.0)
+    }
+
+    /// Whether light passes between two points; past thin surfaces as often as they let it.
+    pub fn lets_through_by_chance(&self, from: Vec3, to: Vec3) -> bool {
+        !self.occluded_between(from, to)
+            && self.veils.as_ref().is_none_or(|veils| {
+                let segment = to - from;
+                veils.transmittance(from, segment, 1.0) > any_threshold(segment)(0)
+            })
+    }
+
+    /// Share of the light that a point of the mesh stops.
+    pub fn opacity_at(&self, place: MeshPlace) -> f32 {
+        self.veils.as_ref().map_or(1.0, |veils| {
+            veils.leaf_of.get(&place.triangle).map_or(1.0, |&leaf| veils.opacity(leaf as usize, place.barycentric))
+        })
+    }
+
+    /// Share of the light that passes the thin surfaces before `distance`, in lengths of `direction`.
+    pub fn past_veils(&self, origin: Vec3, direction: Vec3, distance: f32) -> f32 {
+        self.veils.as_ref().map_or(1.0, |veils| veils.transmittance(origin, direction, distance))
+    }
+
+    /// Lessens `visible`, what [`Self::trace_batch`] or a tracer of boundaries gave for the directions for which `wanted` holds,
+    /// to the share of the light that passes the thin surfaces on the way.
+    pub fn attenuate(
+        &self,
+        origin: Vec3,
+        directions: &DirectionSet,
+        wanted: impl Fn(Vec3) -> bool,
+        visible: &mut [u8],
+    ) {
+        let Some(veils) = &self.veils else { return };
+        let mut clear = vec![0; visible.len()];
+        veils.surfaces.trace_batch(origin, directions, &wanted, &mut clear);
+        directions.each(|i, direction| {
+            if visible[i] != 0 && clear[i] == 0 && wanted(direction) {
+                let passed = veils.transmittance(origin, direction, f32::INFINITY);
+                visible[i] = (passed * f32::from(OPEN)).round() as u8;
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{material::Material, opacity::Opacities, sphere::fibonacci_directions, texture::TextureSlot};
+
+    /// A triangle that faces up, around the y axis.
+    fn triangle(y: f32, side: f32) -> [Vec3; 3] {
+        [Vec3::new(-side, y, side), Vec3::new(side, y, side), Vec3::new(0.0, y, -2.0 * side)]
+    }
+
+    /// Triangles above each other, each with a material of some opacity; the last one has a hole where u > 0.5.
+    fn stack(opacities: &[f32]) -> (Mesh, Opacities) {
+        let triangles = (1..=opacities.len() as u32).map(|i| triangle(i as f32, 2.0));
+        let positions: Vec<Vec3> = triangles.flatten().collect();
+        let count = opacities.len() as u32;
+        let mesh = Mesh {
+            uvs: positions.iter().map(|p| Vec2::new(0.25 * p.x + 0.5, 0.25)).collect(),
+            triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            triangle_material: (0..count).collect(),
+            triangle_object: vec![0; opacities.len()],
+            positions,
+            ..Mesh::default()
+        };
+        let material = |&opacity: &f32| {
+            let mut material = Material::default();
+            material.parameters.set("geometry_opacity", opacity);
+            material
+        };
+        let mut materials: Vec<Material> = opacities.iter().map(material).collect();
+        let checker = crate::texture::Procedural::default();
+        let slot = TextureSlot { procedural: Some(checker), ..Default::default() };
+        if let Some(last) = materials.last_mut() {
+            last.maps.set("geometry_opacity", Some(slot));
+        }
+        (mesh, Opacities::of(&materials, &[]))
+    }
+
+    const AT: [Vec3; 2] = [Vec3::new(-0.3, 0.0, 0.1), Vec3::new(0.3, 0.0, 0.1)];
+
+    #[test]
+    fn light_passes_in_proportion_through_all_that_lies_between() {
+        let (mesh, opacities) = stack(&[0.25, 0.5, 0.8]);
+        let scene = Intersector::with_opacities(&mesh, &opacities);
+        let last = AT.map(|at| scene.transmittance(at + 2.5 * Vec3::Y, Vec3::Y));
+        assert!(
+            [1.0, 0.2].map(|share| last.iter().any(|t: &f32| (t - share).abs() < 1e-5)) == [true; 2],
+            "a hole and a pane: {last:?}"
+        );
+        for (at, last) in AT.into_iter().zip(last) {
+            let expected = [(0.5, 1.0), (1.5, 0.75), (2.5, 0.375), (3.5, 0.375 * last)];
+            for (height, expected) in expected {
+                let [before, between] = [
+                    scene.transmittance_before(at, Vec3::Y, height),
+                    scene.transmittance_between(at, at + height * Vec3::Y),
+                ];
+                assert!((before - expected).abs() < 1e-5 && (between - expected).abs() < 1e-5, "{before} {between}");
+            }
+            assert!(!scene.occluded(at, Vec3::Y), "nothing stops all of it");
+        }
+        assert!(Intersector::new(&mesh).occluded(AT[0], Vec3::Y), "negative control: without opacities");
+    }
+
+    #[test]
+    fn what_stops_all_light_hides_what_lets_some_through() {
+        let (mesh, opacities) = stack(&[0.5, 1.0, 0.5]);
+        let scene = Intersector::with_opacities(&mesh, &opacities);
+        assert!(scene.has_veils() && scene.occluded(AT[0], Vec3::Y));
+        assert_eq!(scene.transmittance(AT[0], Vec3::Y), 0.0);
+        assert_eq!(scene.transmittance_before(AT[0], Vec3::Y, 1.5), 0.5);
+        let met = |threshold: f32| scene.closest_above(AT[0], Vec3::Y, |_| threshold).unwrap().triangle;
+        assert_eq!([0.0, 0.49, 0.5, 0.9].map(met), [0, 0, 1, 1]);
+    }
+
+    #[test]
+    fn whole_sets_and_eights_of_rays_agree_with_single_ones() {
+        let (mesh, opacities) = stack(&[0.25, 0.5, 0.8]);
+        let scene = Intersector::with_opacities(&mesh, &opacities);
+        let (origin, directions) = (Vec3::new(0.1, 0.2, 0.0), fibonacci_directions(2048));
+        let set = DirectionSet::new(&directions);
+        let upward = |d: Vec3| d.y > 0.1;
+        let mut visible = vec![0; directions.len()];
+        scene.trace_batch(origin, &set, upward, &mut visible);
+        assert!(directions.iter().zip(&visible).all(|(&d, &v)| v == if upward(d) { OPEN } else { 0 }));
+        scene.attenuate(origin, &set, upward, &mut visible);
+        let single = |&d: &Vec3| if upward(d) { (scene.transmittance(origin, d) * 255.0).round() as u8 } else { 0 };
+        assert_eq!(visible, directions.iter().map(single).collect::<Vec<u8>>());
+        assert!(visible.iter().filter(|&&v| v != 0 && v != OPEN).count() > 200);
+
+        let eights = crate::ray::in_eights(directions.iter().copied());
+        let hits = scene.closest_hits(origin, &eights);
+        let surfels = scene.surfels_before(origin, &eights, 2.5);
+        for (i, &direction) in directions.iter().enumerate() {
+            let hit = scene.closest_hit(origin, direction);
+            assert_eq!(hits[i / 8][i % 8], hit);
+            assert_eq!(surfels[i / 8][i % 8], scene.surfel_before(origin, direction, 2.5));
+        }
+    }
+
+    #[test]
+    fn rays_stop_as_often_as_light_is_stopped() {
+        let (mesh, opacities) = stack(&[0.25, 0.5, 1.0]);
+        let scene = Intersector::with_opacities(&mesh, &opacities);
+        let directions: Vec<Vec3> = fibonacci_directions(400_000).into_iter().filter(|d| d.y > 0.98).collect();
+        let mut met = [0.0; 3];
+        for &direction in &directions {
+            if let Some(hit) = scene.closest_hit(Vec3::new(-0.4, 0.0, 0.0), direction) {
+                met[hit.triangle as usize] += 1.0 / directions.len() as f32;
+            }
+        }
+        assert!((met[0] - 0.25).abs() < 0.02 && (met[1] - 0.375).abs() < 0.02, "{met:?}");
+    }
+}
