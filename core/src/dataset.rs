@@ -61,6 +61,7 @@ use crate::{
     ground::Ground,
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
+    opacity::Opacities,
     scene::Scene,
     shot::Shot,
     sources::IndirectBake,
@@ -291,7 +292,8 @@ impl BakeReport {
     }
 }
 
-/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on.
+/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on beside what
+/// surfaces let through, which is edited without the file.
 /// Objects, cameras and local lights are left out, so that moving a light makes no bake stale. They are hints for the
 /// viewpoint of surface sources and meshless basis, and a checkpoint has its own record of the resulting points.
 pub fn scene_hash(scene: &Scene) -> String {
@@ -311,6 +313,11 @@ pub fn scene_hash(scene: &Scene) -> String {
         hasher.update(&[u8::from(material.double_sided)]);
     }
     hasher.finalize().to_hex().to_string()
+}
+
+/// Hash of a scene with what its surfaces let through: all that a bake depends on beside its settings.
+pub fn bake_hash(scene_hash: &str, opacities: &Opacities) -> String {
+    opacities.hash().map_or_else(|| scene_hash.into(), |opacities| format!("{scene_hash}-{opacities}"))
 }
 
 #[cfg(test)]

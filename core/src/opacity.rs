@@ -5,6 +5,7 @@
 
 use crate::{
     material::Material,
+    scene::Scene,
     texture::{Texture, TextureSlot},
 };
 use glam::Vec2;
@@ -31,12 +32,28 @@ struct Mapped {
 }
 
 impl PartialEq for Mapped {
-    /// Whether both are the same everywhere: by equal numbers, and by the identical texture, not only an equal one.
+    /// Whether both are the same everywhere: by equal numbers and slots, and by the same texture, or one of an equal file.
     fn eq(&self, other: &Self) -> bool {
-        let texture = |of: &Self| of.map.as_ref().and_then(|(_, texture)| texture.as_ref().map(Arc::as_ptr));
-        let slot = |of: &Self| of.map.as_ref().map(|(slot, _)| slot.clone());
-        self.number == other.number && slot(self) == slot(other) && texture(self) == texture(other)
+        let is_same =
+            |a: &Texture, b: &Texture| std::ptr::eq(a, b) || (!a.encoded.is_empty() && a.encoded == b.encoded);
+        let maps_agree = match (&self.map, &other.map) {
+            (None, None) => true,
+            (Some((slot, texture)), Some((other_slot, other))) => {
+                let textures_agree = match (texture, other) {
+                    (Some(texture), Some(other)) => is_same(texture, other),
+                    (texture, other) => texture.is_none() && other.is_none(),
+                };
+                without_index(slot) == without_index(other_slot) && textures_agree
+            }
+            _ => false,
+        };
+        self.number == other.number && maps_agree
     }
+}
+
+/// A slot without the index of its texture, which says nothing of that.
+fn without_index(slot: &TextureSlot) -> TextureSlot {
+    TextureSlot { texture: 0, ..slot.clone() }
 }
 
 impl Mapped {
@@ -56,6 +73,14 @@ impl Mapped {
         self.number * factor
     }
 
+    fn hash_into(&self, hasher: &mut blake3::Hasher) {
+        hasher.update(&self.number.to_le_bytes());
+        if let Some((slot, texture)) = &self.map {
+            hasher.update(serde_json::to_string(&without_index(slot)).expect("a slot is written to memory").as_bytes());
+            hasher.update(texture.as_ref().map_or(&[][..], |texture| &texture.encoded));
+        }
+    }
+
     fn at(&self, uv: Vec2) -> f32 {
         let sample = |slot: &TextureSlot, texture: &Option<Arc<Texture>>| {
             let uv = slot.transform(uv);
@@ -68,6 +93,9 @@ impl Mapped {
 }
 
 impl Opacity {
+    /// All light is stopped.
+    const FULL: Self = Self { stopped: Mapped { number: 1.0, map: None }, cutoff: Mapped { number: 0.0, map: None } };
+
     /// Of a material whose maps are among `textures`.
     pub fn of(material: &Material, textures: &[Arc<Texture>]) -> Self {
         Self { stopped: Mapped::of(material, OPACITY, textures), cutoff: Mapped::of(material, CUTOFF, textures) }
@@ -89,8 +117,16 @@ impl Opacity {
 }
 
 /// The opacities of all materials of a scene.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Opacities(Vec<Opacity>);
+
+impl PartialEq for Opacities {
+    /// Whether both let through the same light. Materials that one lacks, as that of a ground, let none through.
+    fn eq(&self, other: &Self) -> bool {
+        let at = |of: &Self, i: usize| of.0.get(i).cloned().unwrap_or(Opacity::FULL);
+        (0..self.0.len().max(other.0.len())).all(|i| at(self, i) == at(other, i))
+    }
+}
 
 impl Opacities {
     /// Of materials whose maps are among `textures`.
@@ -98,9 +134,47 @@ impl Opacities {
         Self(materials.iter().map(|material| Opacity::of(material, textures)).collect())
     }
 
+    /// A hash of what lets light through, as hexadecimal; `None` if no number and no map says that anything does.
+    pub fn hash(&self) -> Option<String> {
+        let mut hasher = blake3::Hasher::new();
+        for (material, opacity) in self.0.iter().enumerate().filter(|(_, opacity)| **opacity != Opacity::FULL) {
+            hasher.update(&material.to_le_bytes());
+            [&opacity.stopped, &opacity.cutoff].into_iter().for_each(|mapped| mapped.hash_into(&mut hasher));
+        }
+        (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
+    }
+
     /// Per material its opacity, if it lets light through anywhere.
     pub fn thin(&self) -> Vec<Option<Opacity>> {
         self.0.iter().map(|opacity| (!opacity.is_full()).then(|| opacity.clone())).collect()
+    }
+}
+
+impl Material {
+    /// Lets through what another material does; `placed` tells where a map of it is found.
+    pub fn take_opacity(&mut self, from: &Self, mut placed: impl FnMut(&TextureSlot) -> Option<TextureSlot>) {
+        for name in [OPACITY, CUTOFF] {
+            self.parameters.set(name, from.parameters.number(name));
+            self.maps.set(name, from.maps.get(name).and_then(&mut placed));
+        }
+    }
+}
+
+impl Scene {
+    /// Its materials let through what others do, one for each, whose maps are among `textures`.
+    pub fn take_opacities(&mut self, materials: &[Material], textures: &[Arc<Texture>]) {
+        let Self { materials: own, textures: known, .. } = self;
+        let mut placed = |slot: &TextureSlot| {
+            let Some(image) = slot.image() else { return Some(slot.clone()) };
+            let texture = textures.get(image)?;
+            let place = known.iter().position(|known| Arc::ptr_eq(known, texture));
+            let place = place.unwrap_or_else(|| {
+                known.push(texture.clone());
+                known.len() - 1
+            });
+            Some(TextureSlot { texture: place as u32, ..slot.clone() })
+        };
+        own.iter_mut().zip(materials).for_each(|(own, from)| own.take_opacity(from, &mut placed));
     }
 }
 
@@ -161,6 +235,23 @@ mod tests {
         assert_eq!(thin(255), [false, true, false]);
         assert_eq!(thin(200), [true, true, false], "negative control: above the cutoff nothing is cut out");
         assert_eq!(thin(100), [true; 3]);
+    }
+
+    #[test]
+    fn a_scene_takes_opacities_with_their_textures_and_no_more() {
+        let (own, other) = (half(255), half(0));
+        let mut scene = Scene { materials: vec![material(1.0, 0.0, false); 2], textures: own, ..Scene::default() };
+        scene.materials[0].name = "kept".into();
+        let before = Opacities::of(&scene.materials, &scene.textures);
+        assert_eq!(before.hash(), None);
+        let edited = [material(0.5, 0.0, true), material(1.0, 0.0, false)];
+        scene.take_opacities(&edited, &other);
+        let after = Opacities::of(&scene.materials, &scene.textures);
+        assert_eq!(after, Opacities::of(&edited, &other));
+        assert!(after.hash().is_some() && after.hash() != Opacities::of(&[material(0.4, 0.0, true)], &other).hash());
+        assert_eq!((scene.textures.len(), scene.materials[0].name.as_str()), (2, "kept"));
+        scene.take_opacities(&edited, &other);
+        assert_eq!(scene.textures.len(), 2, "it has them already");
     }
 
     #[test]

@@ -27,6 +27,7 @@ use lapidary_core::{
     ground::Ground,
     lights::Light,
     material::{BrdfModel, Material},
+    opacity::Opacities,
     scene::Scene,
     texture::Texture,
 };
@@ -346,11 +347,27 @@ impl Document {
             ShownMaterials::Solo(index) if index >= self.materials.len() => ShownMaterials::Own,
             shown => shown,
         };
-        let shown = |(index, own): (usize, &Material)| materials.instead_of(index, own);
+        // What lets light through does so in any material.
+        let shown = |(index, own): (usize, &Material)| {
+            let mut shown = materials.instead_of(index, own);
+            shown.take_opacity(own, |slot| Some(slot.clone()));
+            shown
+        };
         Appearance {
             materials: self.materials.iter().enumerate().map(shown).collect(),
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
         }
+    }
+
+    /// Whether materials let through other light than at the bake of a dataset.
+    pub fn lets_through_otherwise(&self, dataset: &Dataset) -> bool {
+        self.own_appearance().opacities() != Opacities::of(&dataset.scene.materials, &dataset.scene.textures)
+    }
+
+    /// The same with the materials' own reflectance.
+    pub fn own_appearance(&self) -> Appearance {
+        let textures = self.textures.iter().map(|t| t.texture.clone()).collect();
+        Appearance { materials: self.materials.clone(), textures }
     }
 }
 

@@ -38,11 +38,12 @@ use crate::{
 };
 use lapidary_core::{
     cut::packed::PackedCuts,
-    dataset::{BakeAudit, BakeReport, BakeSettings, Dataset, scene_hash},
+    dataset::{BakeAudit, BakeReport, BakeSettings, Dataset, bake_hash, scene_hash},
     ground::{Ground, add_ground},
     light_tree::LightTree,
     lock::OutputLock,
     memory::{peak, resident},
+    opacity::Opacities,
     output::check_output,
     ray::RayDevices,
     scene::Scene,
@@ -130,9 +131,10 @@ pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeErro
     let scene = checkpoint.scene()?;
     let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
     let settings = resolve(scene.settings.clone())?;
+    let content = bake_hash(&hash, &Opacities::of(&scene.scene.materials, &scene.scene.textures));
     let geometry = Geometry::of_dataset(scene);
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
-    let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&hash, &settings, points));
+    let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&content, &settings, points));
     let tree = tree.ok_or_else(|| checkpoint.foreign_scene())?;
     let begun = Begun { settings, hash, geometry, tree, audit, checkpoint, devices: None, estimated_memory: None };
     let (dataset, checkpoint) = begun.dataset(warnings, Clock::new(&remarks, 0.0))?;
@@ -190,14 +192,15 @@ impl<'a> Begun<'a> {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
         let hash = scene_hash(&scene);
+        let content = bake_hash(&hash, &Opacities::of(&scene.materials, &scene.textures));
         let vertices = most_vertices(scene.mesh.positions.len(), &settings);
         if settings.ground != Ground::Off {
             add_ground(&mut scene);
         }
         let resumed = match work {
             // It always goes on.
-            Work::Share(shard) => Checkpoint::open_share(&job.output, *shard, &hash, &settings)?,
-            _ if job.resume => Checkpoint::open(&job.output, work, &hash, &settings)?,
+            Work::Share(shard) => Checkpoint::open_share(&job.output, *shard, &content, &settings)?,
+            _ if job.resume => Checkpoint::open(&job.output, work, &content, &settings)?,
             _ => None,
         };
         let units = tessellation_units(vertices);
@@ -206,7 +209,7 @@ impl<'a> Begun<'a> {
             Geometry::new(scene, stored, settings.max_vertices, &settings.shots, observer)
         })?;
         cancelled(observer)?;
-        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &hash, resumed, devices, clock)?;
+        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &content, resumed, devices, clock)?;
         Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint, devices, estimated_memory })
     }
 

@@ -18,12 +18,13 @@ use crate::{
     panels::bake::{BakeStatus, Pace, control_name, stale_reasons},
 };
 use lapidary_core::{
-    dataset::{BakeParts, BakeSettings, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset, bake_hash},
     ground::Ground,
+    opacity::Opacities,
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
-use lapidary_render::Baked;
+use lapidary_render::{Appearance, Baked};
 use lapidary_studies::jobs::spawn;
 use std::{
     path::{Path, PathBuf},
@@ -117,7 +118,11 @@ impl EditorState {
         if !self.may_write(&output, Written::Dataset) {
             return;
         }
-        let Imported { scene, import_secs, report, .. } = source;
+        let Imported { mut scene, import_secs, report, .. } = source;
+        let Appearance { materials, textures } = self.document.own_appearance();
+        if Opacities::of(&materials, &textures) != Opacities::of(&scene.materials, &scene.textures) {
+            Arc::make_mut(&mut scene).take_opacities(&materials, &textures);
+        }
         let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
         let (inputs, warnings) = (report.files, report.warnings);
         let job = BakeJob { settings, output: output.clone(), inputs, chunks: None, resume, import_secs, warnings };
@@ -232,7 +237,8 @@ impl EditorState {
         };
         let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
         let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
-        let looked = Looked { output, scene_hash: source.hash.clone(), settings, written };
+        let content = bake_hash(&source.hash, &self.document.own_appearance().opacities());
+        let looked = Looked { output, scene_hash: content, settings, written };
         let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {
             let found = leftover(&looked.output, &looked.scene_hash, &looked.settings);

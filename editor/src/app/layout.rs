@@ -279,7 +279,12 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     let baked = state.scene.rendered();
     let mesh = baked.map(|b| &b.dataset.scene.mesh);
     let selected_object = state.selection.object;
-    let busy = baked.and_then(|_| state.baking.words(state.seen()));
+    let is_otherwise = |baked: &Baked| state.document.lets_through_otherwise(&baked.dataset);
+    let words = |baked: &Baked| {
+        let busy = state.baking.words(state.seen());
+        busy.or_else(|| is_otherwise(baked).then_some("Opacity was edited; bake again for its shadows"))
+    };
+    let busy = baked.and_then(words);
     let shown = state.pictures.shown().filter(|_| baked.is_some());
     let accent = ui.visuals().selection.bg_fill;
     let panel = &state.interface.comparison;

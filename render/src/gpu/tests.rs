@@ -5,6 +5,7 @@ mod direct;
 mod emission;
 mod ground;
 mod kept;
+mod opacity;
 mod reflection;
 mod sketch;
 mod textures;

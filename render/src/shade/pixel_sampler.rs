@@ -215,3 +215,6 @@ impl<'a> PixelSampler<'a> {
         sum / self.offsets.len() as f32
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -17,6 +17,9 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
     if scene_hash_now.is_some_and(|hash| hash != dataset.scene_hash) {
         reasons.push("The scene file changed since the bake".into());
     }
+    if document.lets_through_otherwise(dataset) {
+        reasons.push("Opacity of materials was edited; shadows are of those in the bake".into());
+    }
     let (now, baked) = (described(&document.bake), described(&dataset.settings));
     let differing = now.iter().zip(&baked).filter(|(now, baked)| now != baked);
     reasons.extend(differing.map(|((name, now), (_, baked))| format!("{name}: {now} now, {baked} in the bake")));

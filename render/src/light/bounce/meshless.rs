@@ -236,7 +236,7 @@ mod tests {
         let free = |vertex: u32, i: u32| {
             let direction = cosine_direction((i as f32 + 0.5) / 1024.0, (i as f32 * 0.618_034).fract());
             let origin = mesh.positions[vertex as usize] + 1e-4 * (wall.normal + Vec3::Y);
-            OPEN * u8::from(!baked.intersector().occluded(origin, frame_around(wall.normal) * direction))
+            u8::from(!baked.intersector().occluded(origin, frame_around(wall.normal) * direction))
         };
         let share = |vertex: u32| (0..1024).map(|i| f32::from(free(vertex, i))).sum::<f32>() / 1024.0;
         let open = mesh.triangles[wall.place.triangle as usize].map(share).iter().sum::<f32>() / 3.0;
