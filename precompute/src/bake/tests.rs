@@ -30,6 +30,7 @@ use std::{
 };
 
 mod ground;
+mod opacity;
 mod progress;
 mod resumed;
 mod shards;

@@ -145,3 +145,32 @@ fn boundaries_between_sources_are_hardly_ever_wrong() {
     assert!(all - rays > 3 * COUNT as u64 / 4, "{rays} of {all} rays, of which some are near the point");
     assert!(compared(1024).0 > 100, "negative control: probes that lie too far apart");
 }
+
+#[test]
+fn sources_are_dimmed_by_panes_on_the_way() {
+    let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
+    let sources = sources_of(&prepared);
+    let triangles = [room(Vec3::ZERO, Vec3::ONE), crate::test_scenes::floor(0.99, 0.2).to_vec()].concat();
+    let mut scene = crate::test_scenes::scene_of(&triangles);
+    let panes = scene.mesh.triangles.len() - 2;
+    scene.mesh.triangle_material[panes..].fill(1);
+    scene.materials.push(scene.materials[0].clone());
+    let mut seen_by = |opacity: f32, sources_per_probe: usize| {
+        scene.materials[1].parameters.set("geometry_opacity", opacity);
+        let intersector = Intersector::of_scene(&scene);
+        let sampler = SourceSampler::new(&intersector, &sources, 1e-4, sources_per_probe);
+        let [mut seen, mut singly] = [(); 2].map(|()| vec![0.0; sources.len()]);
+        let point = floor_point(0.1, -0.2);
+        sampler.sample(&point, &mut SourceScratch::default(), &mut seen);
+        sampler.sample_singly(&point, &mut singly);
+        assert!(sources_per_probe != EXHAUSTIVE || seen == singly);
+        let ceiling = seen.iter().zip(&sources).filter(|(_, s)| s.surfel.position.y > 0.999);
+        ceiling.map(|(angle, _)| angle).sum::<f32>()
+    };
+    let open = seen_by(0.0, EXHAUSTIVE);
+    for sources_per_probe in [EXHAUSTIVE, 16] {
+        let dimmed = seen_by(0.25, sources_per_probe);
+        assert!((dimmed / open - 0.75).abs() < 0.01, "{dimmed} of {open}");
+    }
+    assert!(seen_by(1.0, EXHAUSTIVE) < 0.05 * open, "negative control: a pane that stops all light");
+}
