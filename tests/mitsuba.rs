@@ -81,6 +81,32 @@ fn lights_bounces_and_background_follow_the_options() {
 }
 
 #[test]
+fn surfaces_that_shine_are_lights() {
+    let folder = Folder::new();
+    folder.bake("a.cuts", "");
+    folder.write("lamp.json", r#"{"model": "lambert", "parameters": {"emission_luminance": 2}}"#.into());
+    let export = |options: &str| {
+        let output = folder
+            .run(&format!("export a.cuts --lights none --background black --material lamp.json {options} --mitsuba m"));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{options}: {said}");
+        (scene_xml(&folder), said)
+    };
+    let depth = |depth: u32| format!("\"max_depth\" value=\"{depth}\"");
+    let (scene, said) = export("--env none --bounces 1");
+    assert_well_formed(&scene);
+    assert!(scene.contains("\"radiance\" value=\"2, 2, 2\"") && scene.contains(&depth(2)), "{scene}");
+    assert!(scene.contains("\"hide_emitters\" value=\"false\"") && !said.contains("bounce"), "{said}");
+    let (scene, said) = export("--env studio --bounces 1");
+    assert!(scene.contains(&depth(3)) && said.contains("one bounce more") && said.contains("as background"), "{said}");
+    let (scene, said) = export("--env studio --components environment");
+    assert!(!scene.contains("\"area\"") && scene.contains("\"hide_emitters\" value=\"true\""), "{scene}");
+    assert!(!said.contains("bounce"), "{said}");
+    let message = folder.fail("export a.cuts --env none --material lamp.json --components indirect --mitsuba m");
+    assert!(message.contains("environment and direct"), "{message}");
+}
+
+#[test]
 fn what_cannot_be_exported_is_told_before_anything_is_written() {
     let folder = Folder::new();
     folder.bake("a.cuts", "");

@@ -22,6 +22,7 @@ import math
 
 import mitsuba as mi
 import numpy as np
+from microfacets import dielectric, visible_normals
 
 MIN_ALPHA = 1e-3
 COSINES = np.linspace(0.0, 1.0, 41)
@@ -56,32 +57,17 @@ def _metal_index(reflectance, edge):
 @functools.cache
 def _albedos():
     """E and A over COSINES, ALPHAS and the square roots ROOTS of the reflectance at normal incidence (E is the last)."""
-    side = 48
-    u, v = (grid.ravel() for grid in np.meshgrid(*[(np.arange(side) + 0.5) / side] * 2))
     table = np.zeros((len(COSINES), len(ALPHAS), len(ROOTS) + 1))
     for i, cos_o in enumerate(np.maximum(COSINES, 1e-3)):
-        wo = np.array([math.sqrt(max(0.0, 1.0 - cos_o * cos_o)), 0.0, cos_o])
         for j, alpha in enumerate(np.maximum(ALPHAS, MIN_ALPHA)):
-            stretched = np.array([alpha * wo[0], 0.0, wo[2]])
-            stretched /= np.linalg.norm(stretched)
-            # Visible normals as a spherical cap (Dupuy and Benyoub 2023).
-            z = (1.0 - v) * (1.0 + stretched[2]) - stretched[2]
-            sine = np.sqrt(np.clip(1.0 - z * z, 0.0, 1.0))
-            cap = np.stack([sine * np.cos(2 * np.pi * u), sine * np.sin(2 * np.pi * u), z], 1) + stretched
-            half = cap * np.array([alpha, alpha, 1.0])
-            half[:, 2] = np.maximum(half[:, 2], 1e-9)
-            half /= np.linalg.norm(half, axis=1, keepdims=True)
+            half, wo = visible_normals(cos_o, alpha, side=48)
             cos_h = half @ wo
             cos_i = 2.0 * cos_h * half[:, 2] - cos_o
             tan = lambda c: np.sqrt(1.0 + alpha * alpha * (1.0 / (c * c) - 1.0))
             root_i, root_o = tan(np.maximum(cos_i, 1e-6)), tan(cos_o)
             weight = np.where(cos_i > 0.0, (1.0 + root_o) / (root_i + root_o), 0.0)
             for k, root in enumerate(ROOTS):
-                n = (1.0 + root) / (1.0 - root)
-                inner = np.sqrt(1.0 - (1.0 - cos_h**2) / n**2)
-                across = (cos_h - n * inner) / (cos_h + n * inner)
-                along = (n * cos_h - inner) / (n * cos_h + inner)
-                table[i, j, k] = np.mean(weight * 0.5 * (across**2 + along**2))
+                table[i, j, k] = np.mean(weight * dielectric(cos_h, (1.0 + root) / (1.0 - root)))
             table[i, j, -1] = np.mean(weight)
     return table
 

@@ -248,6 +248,24 @@ fn a_document_of_another_program_is_read() {
 }
 
 #[test]
+fn all_that_is_not_rendered_is_told() {
+    for surface in Surface::ALL {
+        for (input, what) in surface.lost() {
+            let told = |value: f32| {
+                let node = surface.node();
+                let text = format!(
+                    r#"<materialx version="1.39"><{node} name="SR" type="surfaceshader">
+                    <input name="{input}" type="float" value="{value}"/></{node}></materialx>"#
+                );
+                read(&text, None).unwrap().remarks
+            };
+            assert_eq!(told(0.5), [format!("what is left out: {what}")], "{input}");
+            assert_eq!(told(0.0), Vec::<String>::new(), "negative control: there is no {what}");
+        }
+    }
+}
+
+#[test]
 fn a_document_of_version_1_37_is_read() {
     let text = r#"<materialx version="1.37">
 <nodegraph name="NG" colorspace="srgb_texture" fileprefix="Images/">

@@ -13,7 +13,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use glam::Vec3;
-use lapidary_core::{lights::Light, materialx::Surface};
+use lapidary_core::{lights::Light, materialx::Surface, scene::Scene};
 use lapidary_render::{Components, Illumination};
 use std::path::{Path, PathBuf};
 
@@ -94,7 +94,10 @@ fn scene(viewed: &ViewedScene, bounces: Option<u32>) -> Result<MitsubaScene<'_>>
     let bounces = if components.indirect { bounces.unwrap_or(default) } else { 0 };
     let environment = Some(&viewed.light).filter(|light| gives_light(light));
     let lights: Vec<&Light> = viewed.local.lights.iter().filter(|light| light.shines()).collect();
-    let left_out = (environment.is_some() && !components.environment) || (!lights.is_empty() && !components.direct);
+    let dataset = &viewed.baked.dataset;
+    let shines = any_surface_shines(&dataset.scene);
+    let is_direct = shines || !lights.is_empty();
+    let left_out = (environment.is_some() && !components.environment) || (is_direct && !components.direct);
     if bounces > 0 && left_out {
         bail!(
             "Mitsuba shows bounced light with the direct light that it comes from; leave --components out, or name \
@@ -103,10 +106,15 @@ fn scene(viewed: &ViewedScene, bounces: Option<u32>) -> Result<MitsubaScene<'_>>
     }
     let environment = environment.filter(|_| components.environment);
     let lights = if components.direct { lights } else { Vec::new() };
-    if environment.is_none() && lights.is_empty() {
-        bail!("there is no light to export; give one with --env or --lights");
+    let emission = components.direct && shines;
+    if environment.is_none() && lights.is_empty() && !emission {
+        bail!("there is no light to export; give one with --env or --lights, or let a material shine");
     }
-    Ok(MitsubaScene { dataset: &viewed.baked.dataset, view: &viewed.view, environment, lights, bounces })
+    Ok(MitsubaScene { dataset, view: &viewed.view, environment, lights, emission, bounces })
+}
+
+fn any_surface_shines(scene: &Scene) -> bool {
+    scene.mesh.triangle_material.iter().any(|&material| scene.materials[material as usize].shines())
 }
 
 fn gives_light(light: &Illumination) -> bool {

@@ -5,7 +5,7 @@
 //! | `scene.xml` | integrator, camera, light, shapes; its defaults `materials`, `max_depth` and `spp` can be set from outside |
 //! | `materials.xml` | the BSDFs of Mitsuba that are nearest to the materials |
 //! | `materials-exact.xml` | the same materials by the formulas of this program, for the plugin `tests/crosscheck/lapidary_ggx.py` |
-//! | `meshes/*.ply` | triangles by material and side, as they were baked |
+//! | `meshes/*.ply` | triangles by material and side, as they were baked; those that shine on both sides twice |
 //! | `textures/*.exr` | maps of the materials, multiplied by their parameters, linear |
 //! | `environment.exr` | the map on the grid on which Mitsuba interpolates as this program does |
 //!
@@ -40,6 +40,8 @@ pub struct MitsubaScene<'a> {
     pub environment: Option<&'a Illumination>,
     /// Local lights; dark ones are left out.
     pub lights: Vec<&'a Light>,
+    /// Whether surfaces shine, of which there are some.
+    pub emission: bool,
     /// Bounces of light between surfaces before the one toward the eye.
     pub bounces: u32,
 }
@@ -65,18 +67,39 @@ impl MitsubaScene<'_> {
         for part in ["", "meshes", "textures"] {
             create_folder(&folder.join(part))?;
         }
-        let parts = meshes::parts(self.dataset);
-        let mut remarks = self.remarks();
-        let shapes: String = parts.iter().map(Part::shape).collect();
+        let Scene { mesh, textures, .. } = &self.dataset.scene;
+        let parts = meshes::parts(self.dataset, |material| self.shines(material));
+        let mut textures = TextureFolder::new(folder, textures);
+        let mut remarks = sensor::remarks(self);
+        remarks.extend(emitters::remarks(&self.lights));
+        let shapes = self.shapes(&parts, &mut textures)?;
         let scene = sensor::integrator_and_sensor(self) + &self.emitters(folder)? + &shapes;
         write_text(folder, "scene.xml", &xml::document(&(sensor::DEFAULTS.to_owned() + &scene)))?;
         for part in &parts {
-            write_file(folder, &part.file(), &part.ply(&self.dataset.scene.mesh))?;
+            write_file(folder, &part.file(), &part.ply(mesh))?;
         }
         let used: BTreeSet<u32> = parts.iter().map(|part| part.material).collect();
-        self.write_materials(folder, &parts, &used, &mut remarks)?;
+        self.write_materials(folder, &parts, &used, &mut textures, &mut remarks)?;
         let triangles = parts.iter().map(|part| part.triangles.len()).sum();
         Ok(Exported { meshes: parts.len(), triangles, materials: used.len(), remarks })
+    }
+
+    /// Whether surfaces of a material send light.
+    fn shines(&self, material: u32) -> bool {
+        self.emission && self.dataset.scene.materials[material as usize].shines()
+    }
+
+    fn shapes(&self, parts: &[Part], textures: &mut TextureFolder) -> Result<String> {
+        let mut text = String::new();
+        for part in parts {
+            let emitter = if self.shines(part.material) {
+                emitters::surface(&self.dataset.scene.materials[part.material as usize], part.material, textures)?
+            } else {
+                String::new()
+            };
+            text += &part.shape(&emitter);
+        }
+        Ok(text)
     }
 
     fn emitters(&self, folder: &Path) -> Result<String> {
@@ -94,30 +117,26 @@ impl MitsubaScene<'_> {
         folder: &Path,
         parts: &[Part],
         used: &BTreeSet<u32>,
+        textures: &mut TextureFolder,
         remarks: &mut Vec<String>,
     ) -> Result<()> {
-        let Scene { materials, textures, .. } = &self.dataset.scene;
-        let mut textures = TextureFolder::new(folder, textures);
         for (file, models) in [("materials.xml", bsdf::Models::Nearest), ("materials-exact.xml", bsdf::Models::Exact)] {
             let mut text = String::new();
             for &index in used {
-                let material = &materials[index as usize];
+                let material = &self.dataset.scene.materials[index as usize];
                 let both = [false, true]
                     .map(|two_sided| parts.iter().any(|p| (p.material, p.two_sided) == (index, two_sided)));
-                text += &bsdf::bsdfs(material, index, both, models, &mut textures)?;
+                text += &bsdf::bsdfs(material, index, both, models, textures)?;
                 if models == bsdf::Models::Nearest {
                     remarks.extend(bsdf::remarks(material));
+                    if self.shines(index) {
+                        remarks.extend(emitters::remarks_of_surface(material, both[1]));
+                    }
                 }
             }
             write_text(folder, file, &xml::document(&text))?;
         }
         Ok(())
-    }
-
-    fn remarks(&self) -> Vec<String> {
-        let mut remarks = sensor::remarks(self.view, self.dataset.scene.mesh.ground.is_some());
-        remarks.extend(emitters::remarks(&self.lights));
-        remarks
     }
 }
 

@@ -262,7 +262,6 @@ pub fn remarks(material: &Material) -> Vec<String> {
         ),
         (lobe && maps.get("ior").is_some(), "the map of its index of refraction is left out"),
         (lobe && maps.get("specular").is_some(), "the map of its specular weight is left out"),
-        (material.shines(), "the light that it sends by itself is left out"),
     ]
     .into_iter()
     .chain(remarks_of_layers(material))

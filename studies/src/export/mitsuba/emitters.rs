@@ -1,17 +1,22 @@
-//! Environment and local lights.
+//! Environment, local lights, and surfaces that shine.
 //!
-//! Latitude-longitude maps have the same axes in both programs. Point and directional lights, and spots without penumbra,
-//! are the same by definition. What is not:
+//! Latitude-longitude maps have the same axes in both programs. Point and directional lights, spots without penumbra and
+//! flat surfaces that shine are the same by definition. What is not:
 //!
 //! * A spot's penumbra: Mitsuba falls off linearly in the angle, this program smoothly in its cosine.
 //! * A rectangle is geometry in Mitsuba: it is seen, unless emitters are hidden, and stands in the way of other light. So is
 //!   the disc of a directional light with an extent, a thousand kilometres away.
+//! * A surface with smooth normals shines on the side of these in Mitsuba, and on that of its triangles here.
+//! * A map of radiance is sampled by texture coordinates in Mitsuba, which finds one surface at each point from 0 to 1.
 
-use super::xml;
+use super::{textures::TextureFolder, xml};
+use anyhow::Result;
 use glam::{Mat4, Vec3};
 use lapidary_core::{
+    brdf::SurfaceParameters,
     image::Image,
     lights::{Disc, Emission, Light, RectangleShape},
+    material::Material,
 };
 use lapidary_render::Illumination;
 
@@ -79,6 +84,27 @@ fn shape(kind: &str, world_from_shape: Mat4, radiance: Vec3) -> String {
     xml::plugin("shape", kind, "", &(xml::to_world(world_from_shape) + &emitter + &black))
 }
 
+/// The light that surfaces of a material send, by its map of colours or else that of luminances.
+///
+/// # Errors
+/// A map that cannot be written.
+pub fn surface(material: &Material, index: u32, textures: &mut TextureFolder) -> Result<String> {
+    let maps = &material.maps;
+    let p = SurfaceParameters::from(&material.parameters.clone().sanitized());
+    let file = format!("material-{index}-emission");
+    let radiance = if let Some(slot) = maps.get("emission_color") {
+        textures.property(Some("radiance"), &file, slot, |texel| {
+            p.emission_luminance * (p.emission_color * texel.truncate()).clamp(Vec3::ZERO, Vec3::ONE)
+        })?
+    } else if let Some(slot) = maps.get("emission_luminance") {
+        let scale = |factor: f32| factor.max(0.0) * p.emission();
+        textures.property(Some("radiance"), &file, slot, |texel| scale(texel[slot.channel as usize]))?
+    } else {
+        xml::triple("rgb", "radiance", p.emission())
+    };
+    Ok(xml::plugin("emitter", "area", "", &radiance))
+}
+
 /// A disc far away, which is seen under the same angle.
 fn distant(disc: &Disc, irradiance: Vec3) -> String {
     let cos = 1.0 - disc.height;
@@ -95,6 +121,24 @@ fn placed(shape: &RectangleShape) -> Mat4 {
     // Width, height and normal of a light are left-handed; the rectangle is its own mirror image.
     let columns = [-shape.half_width, shape.half_height, shape.normal].map(|axis| axis.extend(0.0));
     Mat4::from_cols(columns[0], columns[1], columns[2], shape.center.extend(1.0))
+}
+
+/// What differs of surfaces that send light.
+pub fn remarks_of_surface(material: &Material, two_sided: bool) -> Vec<String> {
+    let Material { name, maps, .. } = material;
+    let [color, luminance] = ["emission_color", "emission_luminance"].map(|map| maps.get(map).is_some());
+    [
+        (two_sided, "it shines on both sides, for which Mitsuba has two meshes"),
+        (color && luminance, "the map of its emission luminance is left out"),
+        (
+            color || luminance,
+            "Mitsuba loses light of its map of emission where texture coordinates lie outside 0 to 1 or upon each other",
+        ),
+    ]
+    .into_iter()
+    .filter(|(differs, _)| *differs)
+    .map(|(_, remark)| format!("material \"{name}\": {remark}"))
+    .collect()
 }
 
 /// What differs of these lights.

@@ -1,8 +1,25 @@
 //! Triangles by material and side, as binary PLY files.
+//!
+//! An emitter of Mitsuba shines on the side of the normal only. Triangles that shine on both sides are two meshes, each a little
+//! before its own side, so that a ray meets the one that shines toward it.
 
 use super::{bsdf, xml};
 use lapidary_core::{dataset::Dataset, scene::Mesh};
 use std::collections::{BTreeMap, HashMap};
+
+/// How far such a mesh is from its triangles, per largest coordinate of it: 80 steps of 32-bit floats.
+const LIFT: f32 = 1e-5;
+
+/// Which side of its triangles a mesh shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Face {
+    /// All that there are.
+    All,
+    /// The one of the normal.
+    Front,
+    /// The other one.
+    Back,
+}
 
 /// Triangles of one material that reflect on one or on both sides.
 pub struct Part {
@@ -10,41 +27,75 @@ pub struct Part {
     pub material: u32,
     /// Whether both sides reflect, which is decided triangle by triangle when a scene is baked.
     pub two_sided: bool,
+    /// Which side the mesh shows.
+    pub face: Face,
     /// Indices of the triangles.
     pub triangles: Vec<usize>,
 }
 
-/// All triangles of a dataset.
-pub fn parts(dataset: &Dataset) -> Vec<Part> {
+/// All triangles of a dataset; those that `shine` on both sides once for each.
+pub fn parts(dataset: &Dataset, shines: impl Fn(u32) -> bool) -> Vec<Part> {
     let mut parts: BTreeMap<(u32, bool), Vec<usize>> = BTreeMap::new();
     for (triangle, &material) in dataset.scene.mesh.triangle_material.iter().enumerate() {
         parts.entry((material, dataset.two_sided[triangle])).or_default().push(triangle);
     }
-    parts.into_iter().map(|((material, two_sided), triangles)| Part { material, two_sided, triangles }).collect()
+    let faces = |material, two_sided| match two_sided && shines(material) {
+        true => &[Face::Front, Face::Back][..],
+        false => &[Face::All],
+    };
+    parts
+        .into_iter()
+        .flat_map(|((material, two_sided), triangles)| {
+            let part = move |&face| Part { material, two_sided, face, triangles: triangles.clone() };
+            faces(material, two_sided).iter().map(part)
+        })
+        .collect()
 }
 
 impl Part {
     /// Path of the mesh in the exported folder.
     pub fn file(&self) -> String {
-        format!("meshes/{}.ply", bsdf::id(self.material, self.two_sided))
+        let face = match self.face {
+            Face::All => "",
+            Face::Front => "-front",
+            Face::Back => "-back",
+        };
+        format!("meshes/{}{face}.ply", bsdf::id(self.material, self.two_sided))
     }
 
-    /// The element of the scene that shows it.
-    pub fn shape(&self) -> String {
+    /// The element of the scene that shows it, with its `emitter` if it has one.
+    pub fn shape(&self, emitter: &str) -> String {
         let properties =
             xml::value("string", "filename", self.file()) + &xml::reference(&bsdf::id(self.material, self.two_sided));
-        xml::plugin("shape", "ply", "", &properties)
+        xml::plugin("shape", "ply", "", &(properties + emitter))
+    }
+
+    /// Metres from the triangles along their normals.
+    fn lift(&self, mesh: &Mesh) -> f32 {
+        let corners = self.triangles.iter().flat_map(|&triangle| mesh.corners(triangle));
+        let largest = corners.fold(0.0, |largest: f32, corner| largest.max(corner.abs().max_element()));
+        match self.face {
+            Face::All => 0.0,
+            Face::Front => LIFT * largest,
+            Face::Back => -LIFT * largest,
+        }
     }
 
     /// Positions, normals, texture coordinates and triangles, little endian. Texture coordinates begin at the top left
     /// corner of a picture in both programs.
     pub fn ply(&self, mesh: &Mesh) -> Vec<u8> {
+        let lift = self.lift(mesh);
+        let is_back = self.face == Face::Back;
         let mut vertices = Vec::new();
         let mut numbers: HashMap<u32, u32> = HashMap::new();
         let mut faces = Vec::with_capacity(13 * self.triangles.len());
         for &triangle in &self.triangles {
             faces.push(3);
-            for vertex in mesh.triangles[triangle] {
+            let mut corners = mesh.triangles[triangle];
+            if is_back {
+                corners.reverse();
+            }
+            for vertex in corners {
                 let number = *numbers.entry(vertex).or_insert_with(|| {
                     vertices.push(vertex as usize);
                     vertices.len() as u32 - 1
@@ -54,8 +105,9 @@ impl Part {
         }
         let mut bytes = header(vertices.len(), self.triangles.len()).into_bytes();
         for v in vertices {
-            let place = [mesh.positions[v].to_array(), mesh.normals[v].to_array()].concat();
-            let numbers = place.into_iter().chain(mesh.uvs[v].to_array());
+            let place = mesh.positions[v] + lift * mesh.normals[v];
+            let normal = if is_back { -mesh.normals[v] } else { mesh.normals[v] };
+            let numbers = place.to_array().into_iter().chain(normal.to_array()).chain(mesh.uvs[v].to_array());
             bytes.extend(numbers.flat_map(f32::to_le_bytes));
         }
         bytes.extend(faces);

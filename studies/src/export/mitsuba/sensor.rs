@@ -13,10 +13,8 @@ pub const DEFAULTS: &str = "<default name=\"materials\" value=\"materials.xml\"/
 
 /// The path integrator, a perspective camera and a film of linear Rec. 709 with a box filter.
 pub fn integrator_and_sensor(scene: &MitsubaScene) -> String {
-    // Mitsuba counts the edges of a path, eye and light included.
-    let depth = scene.bounces.saturating_add(2);
-    let hidden = scene.view.background != Background::Environment;
-    let integrator = format!("<default name=\"max_depth\" value=\"{depth}\"/>\n")
+    let hidden = scene.view.background != Background::Environment && !scene.emission;
+    let integrator = format!("<default name=\"max_depth\" value=\"{}\"/>\n", depth(scene))
         + &xml::plugin(
             "integrator",
             "path",
@@ -24,6 +22,13 @@ pub fn integrator_and_sensor(scene: &MitsubaScene) -> String {
             &(xml::value("integer", "max_depth", "$max_depth") + &xml::value("boolean", "hide_emitters", hidden)),
         );
     integrator + &xml::plugin("sensor", "perspective", "", &sensor(scene))
+}
+
+/// Edges of the longest path, eye and light included. It takes a bounce that a surface which shines is seen by another, and none
+/// that a light is.
+fn depth(scene: &MitsubaScene) -> u32 {
+    let is_lit_by_surfaces_alone = scene.environment.is_none() && scene.lights.is_empty();
+    scene.bounces.saturating_add(if is_lit_by_surfaces_alone { 1 } else { 2 })
 }
 
 fn sensor(scene: &MitsubaScene) -> String {
@@ -53,11 +58,26 @@ fn sensor(scene: &MitsubaScene) -> String {
     .concat()
 }
 
-/// What of the view Mitsuba does not show.
-pub fn remarks(view: &View, has_ground: bool) -> Vec<String> {
-    let blurred = matches!(view.background, Background::Blurred(_));
-    let blurred = blurred.then(|| "Mitsuba shows no blurred background: it is black there".into());
-    let ground = has_ground && view.ground != Ground::On;
-    let ground = ground.then(|| "Mitsuba shows the ground as a surface: choose --ground on to compare with it".into());
-    blurred.into_iter().chain(ground).collect()
+/// What of the view, and of how far light goes, Mitsuba shows otherwise.
+pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
+    let view = scene.view;
+    let shines = scene.emission;
+    let behind = view.background != Background::Environment;
+    let is_seen = shines && behind && scene.environment.is_some();
+    let is_blurred = matches!(view.background, Background::Blurred(_)) && !shines;
+    let is_ground = scene.dataset.scene.mesh.ground.is_some() && view.ground != Ground::On;
+    let is_mixed = shines && (scene.environment.is_some() || !scene.lights.is_empty());
+    [
+        (is_blurred, "Mitsuba shows no blurred background: it is black there"),
+        (
+            is_seen,
+            "Mitsuba shows the environment as background, for it could only hide it with the surfaces that shine",
+        ),
+        (is_ground, "Mitsuba shows the ground as a surface: choose --ground on to compare with it"),
+        (is_mixed, "light of surfaces that shine has one bounce more in Mitsuba, as that of lights has"),
+    ]
+    .into_iter()
+    .filter(|(differs, _)| *differs)
+    .map(|(_, remark)| remark.into())
+    .collect()
 }

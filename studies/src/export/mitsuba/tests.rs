@@ -8,6 +8,7 @@ use lapidary_core::{
     image::Image,
     lights::Emission,
     material::{BrdfModel, Material, MaterialMaps},
+    test_scenes,
     texture::{Texels, Texture, TextureSlot},
 };
 use std::sync::Arc;
@@ -61,6 +62,67 @@ fn a_rectangle_lies_where_it_is_and_faces_its_target() {
     assert!((x.length() - 1.0).abs() < 1e-6 && (y.length() - 0.5).abs() < 1e-6);
     assert!((x.cross(y).normalize() - Vec3::NEG_Y).length() < 1e-6, "right-handed");
     assert!(text.contains("1, 2, 3") && text.contains("radiance"));
+}
+
+/// Corners and normals of a PLY file of one triangle, in the order of its face.
+fn triangle_of(ply: &[u8]) -> [[Vec3; 3]; 2] {
+    let header = ply.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    let number = |i: usize| f32::from_le_bytes(ply[header + 4 * i..header + 4 * i + 4].try_into().unwrap());
+    let corner = |v: usize, first: usize| Vec3::from_array([0, 1, 2].map(|i| number(8 * v + first + i)));
+    let face = &ply[header + 4 * 8 * 3 + 1..];
+    let order = [0, 1, 2].map(|i| u32::from_le_bytes(face[4 * i..4 * i + 4].try_into().unwrap()) as usize);
+    [order.map(|v| corner(v, 0)), order.map(|v| corner(v, 3))]
+}
+
+#[test]
+fn what_shines_on_both_sides_has_a_mesh_before_each() {
+    let mut dataset = test_scenes::dataset(&["lamp"], &[]);
+    let mesh = dataset.scene.mesh.clone();
+    assert_eq!(meshes::parts(&dataset, |_| true).len(), 1, "a surface of one side");
+    dataset.two_sided[0] = true;
+    assert_eq!(meshes::parts(&dataset, |_| false).len(), 1, "a surface that does not shine");
+    let parts = meshes::parts(&dataset, |_| true);
+    let sides: Vec<[Vec3; 2]> = parts
+        .iter()
+        .map(|part| {
+            let [[a, b, c], normals] = triangle_of(&part.ply(&mesh));
+            let normal = (b - a).cross(c - a).normalize();
+            assert_eq!(normals, [normal; 3], "smooth normals are on the same side");
+            [normal, a]
+        })
+        .collect();
+    let [[up, front], [down, back]] = sides[..] else { panic!("{sides:?}") };
+    assert_eq!([up, down], [Vec3::Y, Vec3::NEG_Y]);
+    assert!(front.y > 5e-6 && front.y < 1e-4 && back.y == -front.y, "{front} {back}");
+    assert_ne!(parts[0].file(), parts[1].file());
+}
+
+#[test]
+fn surfaces_send_the_light_of_their_maps() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("textures")).unwrap();
+    let textures = [Arc::new(Texture::new("t", [1, 1], Texels::F32(vec![[0.5, 0.25, 2.0, 1.0]])))];
+    let mut writer = TextureFolder::new(folder.path(), &textures);
+    let parameters =
+        Parameters::default().with("emission_luminance", 4.0).with("emission_color", Vec3::new(1.0, 0.5, 1.0));
+    let mut text_of = |index: u32, maps: &[&'static str]| {
+        let mut material = Material { parameters: parameters.clone(), ..Default::default() };
+        maps.iter().for_each(|&map| material.maps.set(map, Some(TextureSlot::default())));
+        let text = emitters::surface(&material, index, &mut writer).unwrap();
+        let file = folder.path().join(format!("textures/material-{index}-emission.exr"));
+        (text, Image::read(&file).ok().map(|image| image.pixels[0]), emitters::remarks_of_surface(&material, false))
+    };
+    let (text, picture, remarks) = text_of(0, &[]);
+    assert!(text.contains("\"radiance\" value=\"4, 2, 4\"") && picture.is_none() && remarks.is_empty(), "{text}");
+    let color = Vec3::new(2.0, 0.5, 4.0);
+    let (text, picture, remarks) = text_of(1, &["emission_color"]);
+    assert!(text.contains("<texture type=\"bitmap\" name=\"radiance\">"), "{text}");
+    assert!((picture.unwrap() - color).length() < 1e-5 && remarks.len() == 1, "clamped to one: {remarks:?}");
+    let (_, picture, _) = text_of(2, &["emission_luminance"]);
+    assert!((picture.unwrap() - Vec3::new(2.0, 1.0, 2.0)).length() < 1e-5, "{picture:?}");
+    let (_, picture, remarks) = text_of(3, &["emission_color", "emission_luminance"]);
+    assert!((picture.unwrap() - color).length() < 1e-5, "{picture:?}");
+    assert!(remarks[0].contains("luminance is left out"), "{remarks:?}");
 }
 
 #[test]
