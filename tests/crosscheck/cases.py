@@ -154,6 +154,35 @@ def _shining():
     )
 
 
+BLACK = {"model": "lambert", "parameters": {"base_color": [0, 0, 0]}}
+PANE = {
+    "model": "lambert",
+    "parameters": {"base_color": [0, 0, 0], "geometry_opacity": 0.8},
+    "maps": {
+        "geometry_opacity": {
+            "procedural": {"pattern": "gradient", "low": [0.1, 0, 0], "high": [0.9, 0, 0]},
+            "scale": [1, 1],
+        }
+    },
+}
+
+
+def _thin():
+    """Nothing but the floor reflects, for Mitsuba counts a pane that light passes as a bounce."""
+    yield Case(
+        "a pane whose opacity rises from one edge to the other",
+        scene="lamp",
+        integrator="path",
+        options=["--eye", "1.2,1.4,2.2", "--target", "0.2,0.2,0", "--fov", "40"] + _light("studio"),
+        material=PANE,
+        part="lamp",
+        rest={"white": WHITE, "box": BLACK},
+        bounces=0,
+        samples=2,
+        controls={"opacity 0.7 in place of 0.8": Control(parameters={"geometry_opacity": 0.7})},
+    )
+
+
 PRINCIPLED = {"base_color": [0.4, 0.15, 0.1], "roughness": 0.5, "clearcoat": 1.0, "clearcoat_gloss": 0.1, "sheen": 1.0}
 PLASTIC = {"diffuse_reflectance": [0.5, 0.2, 0.1], "alpha": PLASTIC_ALPHA, "distribution": "ggx"}
 ROUGH_PLASTIC = ("roughplastic", PLASTIC | {"int_ior": IOR, "ext_ior": 1.0})
@@ -273,6 +302,7 @@ def small():
         )
     )
     cases.extend(_shining())
+    cases.extend(_thin())
     cases.extend(_functions())
     cases.extend(_models())
     return cases

@@ -84,6 +84,11 @@ impl MitsubaScene<'_> {
         Ok(Exported { meshes: parts.len(), triangles, materials: used.len(), remarks })
     }
 
+    /// Whether any surface lets light through.
+    fn lets_through(&self) -> bool {
+        self.dataset.scene.materials.iter().any(bsdf::lets_through)
+    }
+
     /// Whether surfaces of a material send light.
     fn shines(&self, material: u32) -> bool {
         self.emission && self.dataset.scene.materials[material as usize].shines()

@@ -2,7 +2,7 @@
 //!
 //! `lambert` is `diffuse`, exactly, and a Beckmann metal is `roughconductor`. A GGX metal is nearly that: shadowing and masking are
 //! independent of each other there, and here correlated by height (Heitz 2014, Eq. 99), and light that is lost between facets comes
-//! back here. All else becomes `principled` (Burley 2012) of the same width and colour, whose diffuse base is Burley's.
+//! back here. What lets light through is within a `mask`. All else becomes `principled` (Burley 2012) of the same width and colour, whose diffuse base is Burley's.
 //!
 //! The exact form of `ggx` is the plugin `lapidary_ggx` of `tests/crosscheck`, which says the formula of this program in its own words.
 
@@ -45,14 +45,24 @@ pub fn bsdfs(
     let mut text = String::new();
     let material = &material.own();
     let mut writer = MaterialWriter { material, index, textures };
-    if wanted[0] {
-        text += &writer.bumped(&named(id(index, false)), models)?;
-    }
-    if wanted[1] {
-        let inner = writer.bumped("", models)?;
-        text += &xml::plugin("bsdf", "twosided", &named(id(index, true)), &inner);
+    let opacity = if lets_through(material) { Some(writer.opacity()?) } else { None };
+    for two_sided in [false, true].into_iter().filter(|&both| wanted[usize::from(both)]) {
+        let attributes = named(id(index, two_sided));
+        let own = if opacity.is_none() { &attributes[..] } else { "" };
+        let inner = match two_sided {
+            false => writer.bumped(own, models)?,
+            true => xml::plugin("bsdf", "twosided", own, &writer.bumped("", models)?),
+        };
+        text += &opacity
+            .as_ref()
+            .map_or(inner.clone(), |opacity| xml::plugin("bsdf", "mask", &attributes, &(opacity.clone() + &inner)));
     }
     Ok(text)
+}
+
+/// Whether a material may let light through.
+pub fn lets_through(material: &Material) -> bool {
+    material.parameters.number("geometry_opacity") < 1.0 || material.maps.get("geometry_opacity").is_some()
 }
 
 fn named(id: String) -> String {
@@ -87,6 +97,18 @@ impl MaterialWriter<'_, '_> {
             bsdf = xml::plugin("bsdf", kind, outermost(level + 1), &(texture + &bsdf));
         }
         Ok(bsdf)
+    }
+
+    /// The share of the light that `mask` stops.
+    fn opacity(&mut self) -> Result<String> {
+        let parameters = self.material.parameters.clone().sanitized();
+        let [opacity, cutoff] = ["geometry_opacity", "opacity_cutoff"].map(|name| parameters.number(name));
+        let cut = |x: f32| if cutoff > 0.0 { f32::from(u8::from(x >= cutoff)) } else { x.clamp(0.0, 1.0) };
+        let map = self.material.maps.get("geometry_opacity");
+        match map {
+            None => Ok(xml::value("float", "opacity", cut(opacity))),
+            Some(_) => self.number("opacity", "opacity", opacity, map, cut),
+        }
     }
 
     fn model(&mut self, attributes: &str, models: Models) -> Result<String> {
@@ -262,6 +284,7 @@ pub fn remarks(material: &Material) -> Vec<String> {
         ),
         (lobe && maps.get("ior").is_some(), "the map of its index of refraction is left out"),
         (lobe && maps.get("specular").is_some(), "the map of its specular weight is left out"),
+        (maps.get("opacity_cutoff").is_some(), "the map of its cutoff is left out"),
     ]
     .into_iter()
     .chain(remarks_of_layers(material))

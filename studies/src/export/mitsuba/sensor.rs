@@ -24,11 +24,15 @@ pub fn integrator_and_sensor(scene: &MitsubaScene) -> String {
     integrator + &xml::plugin("sensor", "perspective", "", &sensor(scene))
 }
 
+/// Thin surfaces that a path passes: Mitsuba counts each as a bounce.
+const LAYERS: u32 = 8;
+
 /// Edges of the longest path, eye and light included. It takes a bounce that a surface which shines is seen by another, and none
 /// that a light is.
 fn depth(scene: &MitsubaScene) -> u32 {
     let is_lit_by_surfaces_alone = scene.environment.is_none() && scene.lights.is_empty();
-    scene.bounces.saturating_add(if is_lit_by_surfaces_alone { 1 } else { 2 })
+    let layers = if scene.lets_through() { LAYERS } else { 0 };
+    scene.bounces.saturating_add(layers + if is_lit_by_surfaces_alone { 1 } else { 2 })
 }
 
 fn sensor(scene: &MitsubaScene) -> String {
@@ -74,6 +78,14 @@ pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
             "Mitsuba shows the environment as background, for it could only hide it with the surfaces that shine",
         ),
         (is_ground, "Mitsuba shows the ground as a surface: choose --ground on to compare with it"),
+        (
+            scene.lets_through(),
+            "Mitsuba counts surfaces that light passes as bounces: the longest path is 8 longer for them",
+        ),
+        (
+            scene.lets_through() && !scene.lights.is_empty(),
+            "Mitsuba's local lights cast whole shadows behind surfaces that let light through",
+        ),
         (is_mixed, "light of surfaces that shine has one bounce more in Mitsuba, as that of lights has"),
     ]
     .into_iter()
