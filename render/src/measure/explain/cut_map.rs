@@ -14,7 +14,11 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    environment::texel_direction, image::Image, light_tree::NearestLeaf, ray::DirectionSet, sources::owners,
+    environment::texel_direction,
+    image::Image,
+    light_tree::NearestLeaf,
+    ray::{DirectionSet, OPEN},
+    sources::owners,
     surfel::GradedGrid,
 };
 use rayon::prelude::*;
@@ -92,14 +96,14 @@ impl Renderer {
         let leaf_of = directions(size).map(|d| nearest.leaf(d)).collect::<Vec<usize>>();
         let mut traced = vec![0; leaves];
         trace_lights(self, &DirectionSet::new(tree.leaf_directions()), point, &mut traced);
+        let share = |leaf: usize| f32::from(traced[leaf]) / f32::from(OPEN);
         let shown = Shown::of(explanation, leaves);
         let image = |f: &dyn Fn(usize) -> Vec3| Image { size, pixels: leaf_of.iter().map(|&leaf| f(leaf)).collect() };
         let received = |leaf: usize| point.receives(tree.leaf_directions()[leaf]);
-        let agreement =
-            |leaf| visibility_color(received(leaf).then(|| (shown.visibility[leaf], f32::from(traced[leaf]))));
+        let agreement = |leaf| visibility_color(received(leaf).then(|| (shown.visibility[leaf], share(leaf))));
         CutMap {
             cut: image(&|leaf| shown.light[leaf] * if received(leaf) { 1.0 } else { NOT_RECEIVED }),
-            traced: image(&|leaf| lighting.nodes.radiance[leaves + leaf] * f32::from(traced[leaf])),
+            traced: image(&|leaf| lighting.nodes.radiance[leaves + leaf] * share(leaf)),
             visibility: Some(image(&agreement)),
             cluster: leaf_of.iter().map(|&leaf| shown.cluster[leaf]).collect(),
         }
