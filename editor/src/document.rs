@@ -306,6 +306,14 @@ impl Document {
         }
     }
 
+    /// The name of a material, or its number if it has none.
+    pub fn material_name(&self, index: usize) -> String {
+        match self.materials.get(index) {
+            Some(material) if !material.name.is_empty() => material.name.clone(),
+            _ => format!("Material {}", index + 1),
+        }
+    }
+
     /// The file that a texture is read from: its own, or a file of its name beside the scene. It need not exist:
     /// pictures inside a scene's file have names too.
     pub fn file_of(&self, entry: &TextureEntry) -> Option<PathBuf> {
@@ -352,6 +360,11 @@ impl Document {
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
         }
     }
+}
+
+/// `material` in place of `target`, which keeps its name and its sides: which sides reflect was baked.
+pub fn in_place_of(target: &Material, material: Material) -> Material {
+    Material { name: target.name.clone(), double_sided: target.double_sided, ..material }
 }
 
 /// The fastest useful bake: surface sources for a scene with its own lights, the environment for other scenes, and a ground

@@ -139,10 +139,7 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
 /// Which material, of how many.
 fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
     let materials = &context.document.materials;
-    let title = |i: usize| match materials[i].name.as_str() {
-        "" => format!("Material {}", i + 1),
-        name => name.to_owned(),
-    };
+    let title = |i: usize| context.document.material_name(i);
     let current = context.selected.filter(|&i| i < materials.len());
     ui.horizontal(|ui| {
         let shown = current.map_or("No material".to_owned(), title);

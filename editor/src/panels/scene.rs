@@ -5,7 +5,7 @@ mod bookmarks;
 mod tests;
 
 use super::widgets::{outline, section};
-use crate::{actions::Action, document::Document};
+use crate::{actions::Action, document::Document, dragged::Dragged};
 use egui::{Button, Color32, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2};
 use lapidary_core::{color::srgb_from_linear, dataset::Dataset, material::Material};
 use std::collections::BTreeSet;
@@ -103,7 +103,7 @@ fn objects(
 /// The colour of one of an object's materials; a click selects the material.
 fn object_swatch(ui: &mut Ui, context: &SceneContext, object: &str, index: usize, actions: &mut Vec<Action>) {
     let Some(material) = context.document.materials.get(index) else { return };
-    let name = material_name(index, material);
+    let name = context.document.material_name(index);
     let swatch = swatch(ui, material, Sense::click());
     swatch.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{name} of {object}")));
     if swatch.on_hover_text(name).clicked() {
@@ -113,11 +113,13 @@ fn object_swatch(ui: &mut Ui, context: &SceneContext, object: &str, index: usize
 
 fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Vec<Action>) {
     let materials = &context.document.materials;
-    let names: Vec<String> = materials.iter().enumerate().map(|(i, m)| material_name(i, m)).collect();
+    let names: Vec<String> = (0..materials.len()).map(|i| context.document.material_name(i)).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     list(ui, "Materials", &names, wanted, |ui, index| {
         swatch(ui, &materials[index], Sense::hover());
-        if name_button(ui, context.selected_material == Some(index), names[index]).clicked() {
+        let name = name_button(ui, context.selected_material == Some(index), names[index]).interact(Sense::drag());
+        name.dnd_set_drag_payload(Dragged::Material(index));
+        if name.on_hover_text("Drag it onto a surface to give that its values").clicked() {
             actions.push(Action::SelectMaterial(Some(index)));
         }
     });
@@ -160,8 +162,4 @@ fn swatch(ui: &mut Ui, material: &Material, sense: Sense) -> Response {
     let color = Color32::from_rgb(color[0], color[1], color[2]);
     ui.painter().rect(rect, 2.0, color, outline(ui), StrokeKind::Inside);
     response
-}
-
-fn material_name(index: usize, material: &Material) -> String {
-    if material.name.is_empty() { format!("Material {}", index + 1) } else { material.name.clone() }
 }

@@ -37,14 +37,24 @@ pub fn pick(
     })
 }
 
+/// Bounds of an object's triangles of a material, as [`object_bounds`].
+pub fn surface_bounds(mesh: &Mesh, object: u32, material: usize) -> Option<Bounds> {
+    bounds_of(mesh, object, |triangle| mesh.triangle_material[triangle] as usize == material)
+}
+
 /// Bounds of an object's triangles; `None` if it has none. The ground, which is endless, has those of what stands on it. Goes
 /// through the whole mesh: keep the result.
 pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
+    bounds_of(mesh, object, |_| true)
+}
+
+fn bounds_of(mesh: &Mesh, object: u32, counts: impl Fn(usize) -> bool) -> Option<Bounds> {
     if mesh.ground_object() == Some(object) {
         return Some(mesh.bounds());
     }
-    let of_object = mesh.triangle_object.iter().enumerate().filter(|&(_, &owner)| owner == object);
-    let bounds = Bounds::around(of_object.flat_map(|(triangle, _)| mesh.corners(triangle)));
+    let owners = mesh.triangle_object.iter().enumerate();
+    let counted = owners.filter(|&(triangle, &owner)| owner == object && counts(triangle));
+    let bounds = Bounds::around(counted.flat_map(|(triangle, _)| mesh.corners(triangle)));
     (bounds.min.x <= bounds.max.x).then_some(bounds)
 }
 

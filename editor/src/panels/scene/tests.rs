@@ -140,3 +140,20 @@ fn cameras_of_the_scene_are_there_but_not_to_be_deleted() {
     panel.run();
     assert!(matches!(&panel.state().actions[..], [Action::Camera(c)] if c.name == "Hero"));
 }
+
+#[test]
+fn a_material_can_be_dragged_and_an_object_cannot() {
+    let mut panel = panel(named(&["Floor", "Teapot"]), &[]);
+    for (label, expected) in [("Gold", Some(Dragged::Material(0))), ("Teapot", None)] {
+        let from = panel.get_by_label(label).rect().center();
+        panel.drag_at(from);
+        panel.step();
+        panel.hover_at(from + vec2(30.0, 40.0));
+        panel.step();
+        let dragged = egui::DragAndDrop::payload::<Dragged>(&panel.ctx).map(|dragged| *dragged);
+        assert_eq!(dragged, expected, "{label}");
+        panel.drop_at(from + vec2(30.0, 40.0));
+        panel.run();
+    }
+    assert!(panel.state().actions.is_empty(), "a drag is no click: {:?}", panel.state().actions);
+}

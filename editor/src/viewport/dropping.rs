@@ -1,0 +1,109 @@
+//! A preset or a material is dragged over the picture: the surface that would take it is outlined and named, and takes it
+//! where it is let go.
+
+use super::{ViewportContext, outline, pick};
+use crate::{actions::Action, document::Edit, dragged::Dragged};
+use egui::{Align2, Color32, Context, DragAndDrop, Id, LayerId, Order, Rect, Response, TextStyle, Ui, Vec2, vec2};
+use lapidary_core::bounds::Bounds;
+
+/// Where the words lie beside the pointer, and the room around them, in points.
+const BESIDE: Vec2 = vec2(16.0, 18.0);
+const PADDING: Vec2 = vec2(6.0, 3.0);
+
+/// What is dragged over the picture.
+#[derive(Default)]
+pub(super) struct Dropping {
+    /// The surface under it.
+    over: Option<Surface>,
+    /// What it is and where it would go.
+    words: Option<String>,
+}
+
+#[cfg(test)]
+impl Dropping {
+    pub fn words(&self) -> Option<&str> {
+        self.words.as_deref()
+    }
+}
+
+/// The triangles of an object that have one material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Surface {
+    object: u32,
+    material: usize,
+    /// Finding them takes a pass over the mesh, so they are kept while the pointer stays on the surface.
+    bounds: Option<Bounds>,
+}
+
+/// Follows what is dragged, and drops it where it is let go.
+pub(super) fn handle(
+    ui: &Ui,
+    response: &Response,
+    size_px: [u32; 2],
+    state: &mut Dropping,
+    context: &ViewportContext,
+    actions: &mut Vec<Action>,
+) {
+    // Taken before it is looked at: egui forgets it at the end of the frame in which it is let go.
+    let hovering = response.dnd_hover_payload::<Dragged>();
+    let is_dropped = response.dnd_release_payload::<Dragged>().is_some();
+    let pointer = ui.input(|input| input.pointer.latest_pos()).filter(|_| hovering.is_some());
+    let camera = &context.document.camera;
+    let picked = pointer.and_then(|at| context.picked(camera, at, response.rect, size_px));
+    let over = picked.map(|picked| surface(state.over, context, picked.object, picked.material));
+    if is_dropped && let Some((dragged, surface)) = hovering.zip(over) {
+        drop_on(context, *dragged, surface, actions);
+    }
+    state.over = over.filter(|_| !is_dropped);
+    let dragged = DragAndDrop::payload::<Dragged>(ui.ctx());
+    state.words = dragged.map(|dragged| description(*dragged, state.over, context));
+}
+
+fn surface(known: Option<Surface>, context: &ViewportContext, object: u32, material: usize) -> Surface {
+    let is_it = |known: &Surface| (known.object, known.material) == (object, material);
+    known.filter(is_it).unwrap_or_else(|| {
+        let bounds = context.mesh.and_then(|mesh| pick::surface_bounds(mesh, object, material));
+        Surface { object, material, bounds }
+    })
+}
+
+/// One step of undo, and the surface is selected.
+fn drop_on(context: &ViewportContext, dragged: Dragged, surface: Surface, actions: &mut Vec<Action>) {
+    let Surface { object, material: index, .. } = surface;
+    let target = context.document.materials.get(index);
+    let Some(material) = target.and_then(|target| dragged.applied_to(target, context.document)) else { return };
+    let edit = Edit::Material { index, material: Box::new(material) };
+    actions.extend([Action::EndGesture, Action::Edit { edit, label: dragged.label() }, Action::EndGesture]);
+    actions.extend([Action::SelectObject(Some(object)), Action::SelectMaterial(Some(index))]);
+}
+
+/// Outlines and names the surface that would take what is dragged.
+pub(super) fn paint(ui: &Ui, rect: Rect, state: &Dropping, context: &ViewportContext) {
+    let bounds = state.over.and_then(|surface| surface.bounds);
+    if let Some(bounds) = bounds {
+        outline::paint(&ui.painter_at(rect), rect, &context.document.camera, bounds, context.accent);
+    }
+    if let Some(words) = &state.words {
+        write_beside_pointer(ui.ctx(), words);
+    }
+}
+
+/// What is dragged, and on what.
+fn description(dragged: Dragged, over: Option<Surface>, context: &ViewportContext) -> String {
+    let name = dragged.name(context.document);
+    match over {
+        Some(surface) => format!("{name} on {}", context.document.material_name(surface.material)),
+        None => name,
+    }
+}
+
+/// Writes above all else.
+fn write_beside_pointer(ctx: &Context, text: &str) {
+    let Some(pointer) = ctx.pointer_latest_pos() else { return };
+    let painter = ctx.layer_painter(LayerId::new(Order::Tooltip, Id::unique("dragged material")));
+    let font = TextStyle::Small.resolve(&ctx.global_style());
+    let galley = painter.layout_no_wrap(text.into(), font, Color32::from_gray(235));
+    let place = Align2::LEFT_TOP.anchor_size(pointer + BESIDE, galley.size() + 2.0 * PADDING);
+    painter.rect_filled(place, 4.0, Color32::from_black_alpha(190));
+    painter.galley(place.min + PADDING, galley, Color32::PLACEHOLDER);
+}
