@@ -358,6 +358,7 @@ impl Document {
         Appearance {
             materials: self.materials.iter().enumerate().map(shown).collect(),
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
+            assigned: None,
         }
     }
 }
