@@ -12,6 +12,7 @@ use crate::{
     lights::Light,
     material::Material,
     materialx::MaterialXError,
+    parts::Variants,
     scene::{MeshError, Object, Scene},
     texture::Texture,
 };
@@ -211,8 +212,7 @@ struct Source {
     objects: Vec<Object>,
     cameras: Vec<Camera>,
     lights: Vec<Light>,
-    /// Names of variants of the materials.
-    variants: Vec<String>,
+    variants: Variants,
     warnings: Vec<String>,
     unread: Vec<String>,
     outside: Vec<String>,
@@ -261,7 +261,8 @@ fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
     let Source { variants, warnings, unread, outside, files, .. } = source;
-    let mut report = ImportReport { variants, warnings, unread, outside, files, ..Default::default() };
+    let names = variants.names.clone();
+    let mut report = ImportReport { variants: names, warnings, unread, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {
@@ -271,6 +272,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         objects: source.objects,
         cameras: source.cameras,
         lights: source.lights,
+        variants,
     };
     aim_at_the_center(&mut scene);
     ranges::keep_in_range(&mut scene, &mut report.warnings);

@@ -59,6 +59,7 @@ pub mod materialx;
 pub mod memory;
 pub mod meshless;
 pub mod output;
+pub mod parts;
 pub mod ray;
 pub mod scene;
 pub mod shot;
