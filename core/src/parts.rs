@@ -20,6 +20,16 @@ impl Part {
     }
 }
 
+/// All parts of a mesh, in the order of their objects and materials.
+pub fn parts_of(mesh: &Mesh) -> Vec<Part> {
+    let mut parts: Vec<Part> = (0..mesh.triangles.len()).filter_map(|t| Part::of_triangle(mesh, t)).collect();
+    // Triangles of a part mostly follow each other.
+    parts.dedup();
+    parts.sort_unstable();
+    parts.dedup();
+    parts
+}
+
 /// Variants of materials (`KHR_materials_variants`). Any that is chosen says what all of their parts have.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Variants {

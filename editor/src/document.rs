@@ -6,6 +6,7 @@ mod edit;
 mod history;
 pub mod library;
 pub mod lights;
+pub mod parts;
 mod path_list;
 pub mod recent;
 mod relative;
@@ -33,6 +34,7 @@ use lapidary_core::{
 use lapidary_precompute::Preset;
 use lapidary_render::{Appearance, Background, BrdfSampling, Post, Solution, ViewMode};
 use lapidary_studies::ladder::Cuts;
+use parts::Assignment;
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},
@@ -46,8 +48,14 @@ pub struct Document {
     pub scene: Option<PathBuf>,
     /// The dataset that is shown; `None` until there is a bake.
     pub dataset: Option<PathBuf>,
-    /// One for each material index of the mesh.
+    /// One for each material index of the mesh, and those that were added.
     pub materials: Vec<Material>,
+    /// How many of them were added, the last ones.
+    pub added: usize,
+    /// Parts that have another material than the mesh says.
+    pub assigned: Assignment,
+    /// Names of the scene's objects.
+    pub objects: Vec<String>,
     /// The material of the ground while none is shown.
     pub hidden_ground: Option<Material>,
     /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that
@@ -293,6 +301,9 @@ impl Document {
             scene: None,
             dataset: None,
             materials: Vec::new(),
+            added: 0,
+            assigned: Assignment::new(),
+            objects: Vec::new(),
             hidden_ground: None,
             textures: Vec::new(),
             environment: EnvironmentSettings::default(),
@@ -328,6 +339,7 @@ impl Document {
         Self {
             scene: path,
             materials: scene.materials.clone(),
+            objects: scene.objects.iter().map(|object| object.name.clone()).collect(),
             textures: scene.textures.iter().map(entry).collect(),
             lights: scene.lights.clone(),
             bake: proposed_bake(scene),

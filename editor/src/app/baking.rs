@@ -9,7 +9,10 @@ use super::{
     },
 };
 use crate::{
-    document::{Document, TextureEntry},
+    document::{
+        Document, TextureEntry,
+        parts::{OwnMaterials, Renumbering},
+    },
     jobs::{
         Imported,
         bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
@@ -255,6 +258,7 @@ impl EditorState {
         self.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
         let objects = baked.dataset.scene.objects.len();
         self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
+        self.selection.part = self.selection.part.filter(|part| (part.object as usize) < objects);
         // The hierarchies are for the picture, and no guests.
         baked.begin();
         (self.scene.baked, self.scene.preview) = (Some(baked), preview);
@@ -312,9 +316,9 @@ impl EditorState {
     /// Gives the document the materials that another dataset needs. That of a ground is kept while no ground is shown.
     fn take_materials_of(&mut self, next: &Dataset) {
         let ground_of = |dataset: &Dataset| dataset.scene.mesh.ground_material().map(|index| index as usize);
-        let materials = self.document.materials.len();
-        let shown = self.scene.rendered().and_then(|baked| ground_of(&baked.dataset));
-        if let Some(index) = shown.filter(|&index| index < materials) {
+        let own = self.document.own_materials();
+        let shown = self.scene.rendered().and_then(|baked| ground_of(&baked.dataset)).filter(|&index| index < own);
+        if let Some(index) = shown {
             self.document.hidden_ground = Some(self.document.materials.remove(index));
         }
         fit_materials(&mut self.document, next);
@@ -322,6 +326,16 @@ impl EditorState {
         if let Some((place, kept)) = place.zip(self.document.hidden_ground.take_if(|_| ground_of(next).is_some())) {
             *place = kept;
         }
+        let before = OwnMaterials { count: own, ground: shown };
+        let after = OwnMaterials { count: self.document.own_materials(), ground: ground_of(next) };
+        self.renumber_materials(Renumbering { before, after });
+    }
+
+    fn renumber_materials(&mut self, renumbering: Renumbering) {
+        self.document.renumber_materials(&renumbering);
+        self.history.renumber_materials(&renumbering);
+        let selected = self.selection.material.map(|index| renumbering.of(index));
+        self.selection.material = selected.filter(|&index| index < self.document.materials.len());
     }
 
     /// What the picture is rendered by.
@@ -391,6 +405,7 @@ fn checkpoint_time(output: &Path) -> Option<SystemTime> {
 /// so that there are as many as the mesh refers to.
 pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) {
     let materials = &dataset.scene.materials;
+    let added = document.materials.split_off(document.own_materials());
     document.materials.truncate(materials.len());
     let known = document.materials.len();
     let places = take_textures(document, &dataset.scene.textures);
@@ -400,6 +415,8 @@ pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) {
             slot.texture = place;
         }
     }
+    document.materials.extend(added);
+    document.take_objects(&dataset.scene);
 }
 
 /// Takes over the textures of a scene, by name, first at the same index. They replace their stand-ins; new ones are

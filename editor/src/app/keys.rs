@@ -147,7 +147,7 @@ const POINTER: [(&str, &str); 14] = [
     ("[ ]", "Turn the environment by 5 degrees (Shift: 1)"),
     ("Click", "Select"),
     ("Double click", "Orbit about this point"),
-    ("Drop a material", "Give its values to the surface there (also: a preset)"),
+    ("Drop a material", "Give its values to what is there (Shift: to it alone)"),
     ("Drag a handle", "Move the selected light (Esc: put it back)"),
     ("Shift + slider", "Fine steps"),
     ("Hold R", "See the reference, while comparing"),

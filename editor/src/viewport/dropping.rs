@@ -4,7 +4,7 @@
 use super::{ViewportContext, outline, pick};
 use crate::{actions::Action, document::Edit, dragged::Dragged};
 use egui::{Align2, Color32, Context, DragAndDrop, Id, LayerId, Order, Rect, Response, TextStyle, Ui, Vec2, vec2};
-use lapidary_core::bounds::Bounds;
+use lapidary_core::{bounds::Bounds, material::PRESETS, parts::Part};
 
 /// Where the words lie beside the pointer, and the room around them, in points.
 const BESIDE: Vec2 = vec2(16.0, 18.0);
@@ -26,11 +26,12 @@ impl Dropping {
     }
 }
 
-/// The triangles of an object that have one material.
+/// A part of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Surface {
-    object: u32,
-    material: usize,
+    part: Part,
+    /// Whether it alone takes what is dragged, and not all surfaces of its material.
+    alone: bool,
     /// Finding them takes a pass over the mesh, so they are kept while the pointer stays on the surface.
     bounds: Option<Bounds>,
 }
@@ -50,7 +51,8 @@ pub(super) fn handle(
     let pointer = ui.input(|input| input.pointer.latest_pos()).filter(|_| hovering.is_some());
     let camera = &context.document.camera;
     let picked = pointer.and_then(|at| context.picked(camera, at, response.rect, size_px));
-    let over = picked.map(|picked| surface(state.over, context, picked.object, picked.material));
+    let alone = ui.input(|input| input.modifiers.shift);
+    let over = picked.map(|picked| surface(state.over, context, picked.part(), alone));
     if is_dropped && let Some((dragged, surface)) = hovering.zip(over) {
         drop_on(context, *dragged, surface, actions);
     }
@@ -59,22 +61,36 @@ pub(super) fn handle(
     state.words = dragged.map(|dragged| description(*dragged, state.over, context));
 }
 
-fn surface(known: Option<Surface>, context: &ViewportContext, object: u32, material: usize) -> Surface {
-    let is_it = |known: &Surface| (known.object, known.material) == (object, material);
-    known.filter(is_it).unwrap_or_else(|| {
-        let bounds = context.mesh.and_then(|mesh| pick::surface_bounds(mesh, object, material));
-        Surface { object, material, bounds }
-    })
+fn surface(known: Option<Surface>, context: &ViewportContext, part: Part, alone: bool) -> Surface {
+    let bounds = || context.mesh.and_then(|mesh| pick::part_bounds(mesh, part));
+    let is_ground = context.mesh.is_some_and(|mesh| mesh.ground_object() == Some(part.object));
+    let bounds = known.filter(|known| known.part == part).map_or_else(bounds, |known| known.bounds);
+    Surface { part, alone: alone && !is_ground, bounds }
 }
 
 /// One step of undo, and the surface is selected.
 fn drop_on(context: &ViewportContext, dragged: Dragged, surface: Surface, actions: &mut Vec<Action>) {
-    let Surface { object, material: index, .. } = surface;
+    let Surface { part, alone, .. } = surface;
+    if alone {
+        return actions.extend([Action::SelectObject(Some(part.object)), alone_on(part, dragged)]);
+    }
+    let index = context.document.material_of(part);
     let target = context.document.materials.get(index);
     let Some(material) = target.and_then(|target| dragged.applied_to(target, context.document)) else { return };
+    actions.push(Action::SelectObject(Some(part.object)));
     let edit = Edit::Material { index, material: Box::new(material) };
     actions.extend([Action::EndGesture, Action::Edit { edit, label: dragged.label() }, Action::EndGesture]);
-    actions.extend([Action::SelectObject(Some(object)), Action::SelectMaterial(Some(index))]);
+    actions.extend([Action::SelectMaterial(Some(index)), Action::SelectPart(part)]);
+}
+
+/// Gives a part what is dragged as a material that other surfaces of its present one do not get.
+fn alone_on(part: Part, dragged: Dragged) -> Action {
+    match dragged {
+        Dragged::Preset { index, .. } => {
+            Action::MakeUnique { part, material: PRESETS.get(index).map(|preset| preset.material().into()) }
+        }
+        Dragged::Material(material) => Action::Assign { part, material },
+    }
 }
 
 /// Outlines and names the surface that would take what is dragged.
@@ -90,9 +106,11 @@ pub(super) fn paint(ui: &Ui, rect: Rect, state: &Dropping, context: &ViewportCon
 
 /// What is dragged, and on what.
 fn description(dragged: Dragged, over: Option<Surface>, context: &ViewportContext) -> String {
-    let name = dragged.name(context.document);
+    let document = context.document;
+    let name = dragged.name(document);
     match over {
-        Some(surface) => format!("{name} on {}", context.document.material_name(surface.material)),
+        Some(Surface { part, alone: true, .. }) => format!("{name} on {} alone", document.part_name(part)),
+        Some(Surface { part, .. }) => format!("{name} on {}", document.material_name(document.material_of(part))),
         None => name,
     }
 }

@@ -249,7 +249,9 @@ impl Pass<'_> {
         let picked = self.picked(pointer);
         if !self.response.double_clicked() {
             self.actions.push(Action::SelectObject(picked.map(|picked| picked.object)));
-            self.actions.push(Action::SelectMaterial(picked.map(|picked| picked.material)));
+            let part = picked.map(|picked| picked.part());
+            self.actions.push(Action::SelectMaterial(part.map(|part| self.context.document.material_of(part))));
+            self.actions.extend(part.map(Action::SelectPart));
         } else if let Some(picked) = picked {
             self.camera = navigation::centered_on(&self.camera, picked.position);
         }

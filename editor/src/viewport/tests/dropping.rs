@@ -3,7 +3,10 @@
 use super::*;
 use crate::dragged::Dragged;
 use egui::DragAndDrop;
-use lapidary_core::material::{Material, PRESETS};
+use lapidary_core::{
+    material::{Material, PRESETS},
+    parts::Part,
+};
 
 /// The viewport of the squares of "Right", "Left" and a material that no surface has, and one of those dragged.
 fn dragging(dragged: Dragged) -> Harness<'static, App> {
@@ -51,8 +54,9 @@ fn a_material_that_is_dropped_on_a_surface_gives_its_values_to_the_material_ther
     assert_eq!(materials[0].parameters.number("metalness"), 0.0, "negative control: the other square");
     assert_eq!(edits(&harness), ["Drop material"]);
     let log = &harness.state().log;
-    assert!(matches!(log[..3], [Action::EndGesture, Action::Edit { .. }, Action::EndGesture]), "a step of its own");
-    assert!(matches!(log[3..], [Action::SelectObject(Some(0)), Action::SelectMaterial(Some(1))]));
+    assert!(matches!(log[0], Action::SelectObject(Some(0))));
+    assert!(matches!(log[1..4], [Action::EndGesture, Action::Edit { .. }, Action::EndGesture]), "a step of its own");
+    assert!(matches!(log[4..], [Action::SelectMaterial(Some(1)), Action::SelectPart(Part { object: 0, material: 1 })]));
     assert_eq!(camera(&harness), start(), "the camera stays");
     assert_eq!(harness.state().state.dropping.words(), None);
 }
@@ -71,6 +75,39 @@ fn a_preset_that_is_dropped_leaves_maps_or_clears_them() {
         assert_eq!(taken.maps.get("roughness").is_none(), clear_maps);
         assert_eq!(edits(&harness), ["Drop preset"]);
     }
+}
+
+#[test]
+fn with_shift_the_surface_alone_takes_it() {
+    let gold = PRESETS.iter().position(|preset| preset.name == "Gold").unwrap();
+    let part = Part { object: 0, material: 1 };
+    for dragged in [Dragged::Material(2), Dragged::Preset { index: gold, clear_maps: false }] {
+        let mut harness = dragging(dragged);
+        harness.state_mut().document.objects = vec!["Panel".into()];
+        harness.event(Event::ModifiersChanged(Modifiers::SHIFT));
+        let left = hover(&mut harness, -1.0);
+        assert_eq!(harness.state().state.dropping.words(), Some("Gold on Panel alone"));
+        let_go(&mut harness, left);
+        assert!(edits(&harness).is_empty(), "its material stays as it is");
+        match (dragged, &harness.state().log[1]) {
+            (Dragged::Material(_), Action::Assign { part: taken, material: 2 }) => assert_eq!(*taken, part),
+            (Dragged::Preset { .. }, Action::MakeUnique { part: taken, material: Some(material) }) => {
+                assert_eq!((*taken, material.name.as_str()), (part, "Gold"));
+                assert_eq!(material.parameters, PRESETS[gold].parameters);
+            }
+            (_, other) => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn the_material_that_a_surface_was_assigned_takes_what_is_dropped() {
+    let mut harness = dragging(Dragged::Material(2));
+    harness.state_mut().document.assigned = [(Part { object: 0, material: 1 }, 0)].into();
+    let left = hover(&mut harness, -1.0);
+    let_go(&mut harness, left);
+    let metalness = |index: usize| harness.state().document.materials[index].parameters.number("metalness");
+    assert_eq!((metalness(0), metalness(1)), (1.0, 0.0));
 }
 
 #[test]
