@@ -37,7 +37,8 @@ mod tangents;
 mod textures;
 
 pub use material_file::{
-    MapFiles, MaterialFile, SlotFile, is_materialx, load_material, material_in_file, pictures_of_material,
+    MapFiles, MaterialFile, SlotFile, is_materialx, load_material, material_in_file, materials_in_file,
+    pictures_of_material,
 };
 
 /// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.

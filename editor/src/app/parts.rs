@@ -2,7 +2,7 @@
 
 use super::state::EditorState;
 use crate::document::{
-    Edit,
+    Edit, in_place_of,
     parts::{Assignment, as_added},
 };
 use lapidary_core::{material::Material, parts::Part, scene::Scene};
@@ -19,16 +19,23 @@ impl EditorState {
         self.show_part(part);
     }
 
-    /// Gives a part a material that no other has: a copy of what it has, or `material`.
+    /// Gives a part a material that no other has: a copy of what it has, or `material`. One that no other has already takes the
+    /// values.
     pub(super) fn make_unique(&mut self, part: Part, material: Option<Material>) {
-        let Some(shared) = self.document.materials.get(self.document.material_of(part)).cloned() else { return };
-        if self.is_of_ground(part) {
+        let index = self.document.material_of(part);
+        let Some(present) = self.document.materials.get(index).cloned().filter(|_| !self.is_of_ground(part)) else {
             return;
-        }
-        let double_sided = shared.double_sided;
-        let material = Material { double_sided, ..as_added(&self.document, material.unwrap_or(shared)) };
-        let assigned = self.document.assigning([(part, self.document.materials.len())]);
-        self.do_step(Edit::Added { material: Some(material.into()), assigned }, "Material of its own");
+        };
+        let material = material.unwrap_or_else(|| present.clone());
+        let of_all = self.bounds.parts.iter();
+        let edit = if of_all.filter(|other| self.document.material_of(**other) == index).count() > 1 {
+            let added = Material { double_sided: present.double_sided, ..as_added(&self.document, material) };
+            let assigned = self.document.assigning([(part, self.document.materials.len())]);
+            Edit::Added { material: Some(added.into()), assigned }
+        } else {
+            Edit::Material { index, material: in_place_of(&present, material).into() }
+        };
+        self.do_step(edit, "Material of its own");
         self.show_part(part);
     }
 

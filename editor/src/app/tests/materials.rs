@@ -64,3 +64,35 @@ fn a_preset_is_dragged_from_its_menu_onto_a_surface_as_a_step_of_undo() {
     assert!(window.shows("Undone: Drop preset"));
     assert_eq!(window.0.state().document.materials, before, "one step");
 }
+
+#[test]
+fn a_file_of_several_materials_asks_which() {
+    let place = Place::new();
+    place.bake();
+    let document = r#"<materialx version="1.39">
+        <open_pbr_surface name="S1" type="surfaceshader"><input name="specular_roughness" type="float" value="0.5"/></open_pbr_surface>
+        <open_pbr_surface name="S2" type="surfaceshader"><input name="specular_roughness" type="float" value="0.125"/></open_pbr_surface>
+        <surfacematerial name="gold" type="material"><input name="surfaceshader" nodename="S1"/></surfacematerial>
+        <surfacematerial name="steel" type="material"><input name="surfaceshader" nodename="S2"/></surfacematerial>
+        </materialx>"#;
+    std::fs::write(place.path("all.mtlx"), document).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    let before = window.0.state().document.materials.clone();
+    for (answer, roughness) in [("Cancel", None), ("steel", Some(0.125)), ("gold", Some(0.5))] {
+        window.perform(Action::LoadMaterial { material: 0, path: Some(place.path("all.mtlx")) });
+        window.wait("the question", |s| !s.prompts.is_empty());
+        assert!(window.shows("Which material?") && window.shows("all.mtlx has 2 materials"));
+        window.click(answer);
+        window.wait("the answer", |s| s.prompts.is_empty() && s.loading.is_empty());
+        let material = &window.0.state().document.materials[0];
+        match roughness {
+            None => assert_eq!(*material, before[0], "negative control"),
+            Some(expected) => assert_eq!(material.parameters.number("specular_roughness"), expected),
+        }
+    }
+    for _ in 0..2 {
+        window.perform(Action::Undo);
+    }
+    assert_eq!(window.0.state().document.materials, before, "a step each");
+}

@@ -120,6 +120,27 @@ fn a_material_that_was_added_stays_that_of_its_part_while_a_ground_comes_and_goe
     assert_eq!(window.0.state().document.added, 0);
 }
 
+#[test]
+fn a_surface_that_has_a_material_alone_already_takes_the_values_of_others() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    let gold = Material { name: "Gold".into(), ..Default::default() };
+    for roughness in [0.25, 0.5] {
+        let mut material = gold.clone();
+        material.parameters.set("roughness", roughness);
+        window.perform(Action::MakeUnique { part: PYRAMID, material: Some(material.into()) });
+        let document = &window.0.state().document;
+        assert_eq!((document.materials.len(), document.materials[1].name.as_str()), (2, "Gold"));
+        assert_eq!(document.materials[1].parameters.number("roughness"), roughness);
+    }
+    window.perform(Action::MakeUnique { part: PYRAMID, material: None });
+    assert_eq!(window.0.state().history.undo_label(), Some("Material of its own"));
+    window.perform(Action::Undo);
+    assert_eq!(window.0.state().document.materials[1].parameters.number("roughness"), 0.25, "one step each");
+    window.perform(Action::Undo);
+    assert_eq!(window.0.state().document.materials.len(), 1);
+}
+
 /// A floor that is leather or suede.
 const SHOE: &str = r#"{"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_variants"],
     "extensions": {"KHR_materials_variants": {"variants": [{"name": "plain"}, {"name": "painted"}]}},
