@@ -12,6 +12,7 @@ use crate::{
     lights::Light,
     material::Material,
     materialx::MaterialXError,
+    parts::Variants,
     scene::{MeshError, Object, Scene},
     texture::Texture,
 };
@@ -36,7 +37,8 @@ mod tangents;
 mod textures;
 
 pub use material_file::{
-    MapFiles, MaterialFile, SlotFile, is_materialx, load_material, material_in_file, pictures_of_material,
+    MapFiles, MaterialFile, SlotFile, is_materialx, load_material, material_in_file, materials_in_file,
+    pictures_of_material,
 };
 
 /// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
@@ -211,8 +213,7 @@ struct Source {
     objects: Vec<Object>,
     cameras: Vec<Camera>,
     lights: Vec<Light>,
-    /// Names of variants of the materials.
-    variants: Vec<String>,
+    variants: Variants,
     warnings: Vec<String>,
     unread: Vec<String>,
     outside: Vec<String>,
@@ -261,7 +262,8 @@ fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
     let Source { variants, warnings, unread, outside, files, .. } = source;
-    let mut report = ImportReport { variants, warnings, unread, outside, files, ..Default::default() };
+    let names = variants.names.clone();
+    let mut report = ImportReport { variants: names, warnings, unread, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {
@@ -271,6 +273,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         objects: source.objects,
         cameras: source.cameras,
         lights: source.lights,
+        variants,
     };
     aim_at_the_center(&mut scene);
     ranges::keep_in_range(&mut scene, &mut report.warnings);

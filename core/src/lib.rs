@@ -60,6 +60,7 @@ pub mod memory;
 pub mod meshless;
 pub mod opacity;
 pub mod output;
+pub mod parts;
 pub mod ray;
 pub mod scene;
 pub mod shot;

@@ -18,7 +18,7 @@ mod tests;
 mod write;
 
 pub(crate) use estimate::without_file;
-pub use read::{MaterialXError, ReadMaterial, read};
+pub use read::{MaterialXError, ReadMaterial, names, read};
 pub use surface::Surface;
 pub(crate) use write::nearest;
 pub use write::{Written, write};

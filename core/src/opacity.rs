@@ -5,7 +5,7 @@
 
 use crate::{
     material::Material,
-    scene::Scene,
+    scene::{Mesh, Scene},
     texture::{Texture, TextureSlot},
 };
 use glam::Vec2;
@@ -118,26 +118,44 @@ impl Opacity {
 
 /// The opacities of all materials of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct Opacities(Vec<Opacity>);
+pub struct Opacities {
+    materials: Vec<Opacity>,
+    /// The material of each triangle, where that is not the mesh's.
+    assigned: Option<Arc<[u32]>>,
+}
 
 impl PartialEq for Opacities {
     /// Whether both let through the same light. Materials that one lacks, as that of a ground, let none through.
     fn eq(&self, other: &Self) -> bool {
-        let at = |of: &Self, i: usize| of.0.get(i).cloned().unwrap_or(Opacity::FULL);
-        (0..self.0.len().max(other.0.len())).all(|i| at(self, i) == at(other, i))
+        let at = |of: &Self, i: usize| of.materials.get(i).cloned().unwrap_or(Opacity::FULL);
+        let is_any_thin = self.materials.iter().any(|opacity| *opacity != Opacity::FULL);
+        let materials = self.materials.len().max(other.materials.len());
+        (0..materials).all(|i| at(self, i) == at(other, i)) && (!is_any_thin || self.assigned == other.assigned)
     }
 }
 
 impl Opacities {
     /// Of materials whose maps are among `textures`.
     pub fn of(materials: &[Material], textures: &[Arc<Texture>]) -> Self {
-        Self(materials.iter().map(|material| Opacity::of(material, textures)).collect())
+        let materials = materials.iter().map(|material| Opacity::of(material, textures)).collect();
+        Self { materials, assigned: None }
+    }
+
+    /// The same where triangles have other materials than those of the mesh.
+    pub fn assigned(self, assigned: Option<Arc<[u32]>>) -> Self {
+        Self { assigned, ..self }
+    }
+
+    /// The material of a triangle.
+    pub fn material(&self, mesh: &Mesh, triangle: u32) -> u32 {
+        let materials = self.assigned.as_deref().unwrap_or(&mesh.triangle_material);
+        materials[triangle as usize]
     }
 
     /// A hash of what lets light through, as hexadecimal; `None` if no number and no map says that anything does.
     pub fn hash(&self) -> Option<String> {
         let mut hasher = blake3::Hasher::new();
-        for (material, opacity) in self.0.iter().enumerate().filter(|(_, opacity)| **opacity != Opacity::FULL) {
+        for (material, opacity) in self.materials.iter().enumerate().filter(|(_, opacity)| **opacity != Opacity::FULL) {
             hasher.update(&material.to_le_bytes());
             [&opacity.stopped, &opacity.cutoff].into_iter().for_each(|mapped| mapped.hash_into(&mut hasher));
         }
@@ -146,7 +164,7 @@ impl Opacities {
 
     /// Per material its opacity, if it lets light through anywhere.
     pub fn thin(&self) -> Vec<Option<Opacity>> {
-        self.0.iter().map(|opacity| (!opacity.is_full()).then(|| opacity.clone())).collect()
+        self.materials.iter().map(|opacity| (!opacity.is_full()).then(|| opacity.clone())).collect()
     }
 }
 

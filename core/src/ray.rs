@@ -112,8 +112,9 @@ impl Intersector {
         if thin.iter().all(Option::is_none) {
             return Self::made(mesh, build, |_| true);
         }
-        let is_thin = |t: u32| thin[mesh.triangle_material[t as usize] as usize].is_some();
-        let veils = Veils::new(mesh, Self::made(mesh, build, is_thin), &thin);
+        let material = |t: u32| opacities.material(mesh, t);
+        let is_thin = |t: u32| thin[material(t) as usize].is_some();
+        let veils = Veils::new(mesh, Self::made(mesh, build, is_thin), material, &thin);
         Self { veils: Some(Box::new(veils)), ..Self::made(mesh, build, |t| !is_thin(t)) }
     }
 

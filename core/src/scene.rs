@@ -6,6 +6,7 @@ use crate::{
     ground::GroundStart,
     lights::Light,
     material::Material,
+    parts::Variants,
     surfel::{MeshPlace, Surfel},
     texture::Texture,
 };
@@ -76,6 +77,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Local lights of the source file; may be empty.
     pub lights: Vec<Light>,
+    /// Variants of the materials.
+    pub variants: Variants,
 }
 
 impl Scene {

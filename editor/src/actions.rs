@@ -2,7 +2,7 @@
 
 use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, dataset::BakeParts};
+use lapidary_core::{camera::Camera, dataset::BakeParts, material::Material, parts::Part};
 use lapidary_studies::ladder::Cuts;
 use std::path::PathBuf;
 
@@ -95,6 +95,24 @@ pub enum Action {
     SelectObject(Option<u32>),
     /// Select a material, or nothing.
     SelectMaterial(Option<usize>),
+    /// Select a part of an object.
+    SelectPart(Part),
+    /// Give a part another material of the document.
+    Assign {
+        /// Which part.
+        part: Part,
+        /// Which material.
+        material: usize,
+    },
+    /// Give a part a material of its own.
+    MakeUnique {
+        /// Which part.
+        part: Part,
+        /// The material; a copy of what the part has if there is none.
+        material: Option<Box<Material>>,
+    },
+    /// Show a variant of the materials, or what the file shows first.
+    ChooseVariant(Option<usize>),
     /// Select a local light, or nothing.
     SelectLight(Option<usize>),
     /// Add a local light that lights what the camera looks at.

@@ -24,6 +24,7 @@ mod messages;
 mod notice;
 mod opening;
 mod pacing;
+mod parts;
 mod perform;
 mod pictures;
 mod prompts;

@@ -6,6 +6,7 @@ mod edit;
 mod history;
 pub mod library;
 pub mod lights;
+pub mod parts;
 mod path_list;
 pub mod recent;
 mod relative;
@@ -34,6 +35,7 @@ use lapidary_core::{
 use lapidary_precompute::Preset;
 use lapidary_render::{Appearance, Background, BrdfSampling, Post, Solution, ViewMode};
 use lapidary_studies::ladder::Cuts;
+use parts::Assignment;
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},
@@ -47,8 +49,14 @@ pub struct Document {
     pub scene: Option<PathBuf>,
     /// The dataset that is shown; `None` until there is a bake.
     pub dataset: Option<PathBuf>,
-    /// One for each material index of the mesh.
+    /// One for each material index of the mesh, and those that were added.
     pub materials: Vec<Material>,
+    /// How many of them were added, the last ones.
+    pub added: usize,
+    /// Parts that have another material than the mesh says.
+    pub assigned: Assignment,
+    /// Names of the scene's objects.
+    pub objects: Vec<String>,
     /// The material of the ground while none is shown.
     pub hidden_ground: Option<Material>,
     /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that
@@ -294,6 +302,9 @@ impl Document {
             scene: None,
             dataset: None,
             materials: Vec::new(),
+            added: 0,
+            assigned: Assignment::new(),
+            objects: Vec::new(),
             hidden_ground: None,
             textures: Vec::new(),
             environment: EnvironmentSettings::default(),
@@ -304,6 +315,14 @@ impl Document {
             bookmarks: Vec::new(),
             view: ViewSettings::default(),
             bake: Preset::Normal.settings(),
+        }
+    }
+
+    /// The name of a material, or its number if it has none.
+    pub fn material_name(&self, index: usize) -> String {
+        match self.materials.get(index) {
+            Some(material) if !material.name.is_empty() => material.name.clone(),
+            _ => format!("Material {}", index + 1),
         }
     }
 
@@ -321,6 +340,7 @@ impl Document {
         Self {
             scene: path,
             materials: scene.materials.clone(),
+            objects: scene.objects.iter().map(|object| object.name.clone()).collect(),
             textures: scene.textures.iter().map(entry).collect(),
             lights: scene.lights.clone(),
             bake: proposed_bake(scene),
@@ -356,19 +376,26 @@ impl Document {
         Appearance {
             materials: self.materials.iter().enumerate().map(shown).collect(),
             textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
+            assigned: None,
         }
     }
 
     /// Whether materials let through other light than at the bake of a dataset.
     pub fn lets_through_otherwise(&self, dataset: &Dataset) -> bool {
-        self.own_appearance().opacities() != Opacities::of(&dataset.scene.materials, &dataset.scene.textures)
+        let scene = &dataset.scene;
+        self.baked_appearance(scene).opacities() != Opacities::of(&scene.materials, &scene.textures)
     }
 
-    /// The same with the materials' own reflectance.
-    pub fn own_appearance(&self) -> Appearance {
-        let textures = self.textures.iter().map(|t| t.texture.clone()).collect();
-        Appearance { materials: self.materials.clone(), textures }
+    /// The materials that a scene has from its file, as a bake of it takes them.
+    pub fn baked_appearance(&self, scene: &Scene) -> Appearance {
+        let materials = self.materials.iter().take(scene.materials.len()).cloned().collect();
+        Appearance { materials, textures: self.textures.iter().map(|t| t.texture.clone()).collect(), assigned: None }
     }
+}
+
+/// `material` in place of `target`, which keeps its name and its sides: which sides reflect was baked.
+pub fn in_place_of(target: &Material, material: Material) -> Material {
+    Material { name: target.name.clone(), double_sided: target.double_sided, ..material }
 }
 
 /// The fastest useful bake: surface sources for a scene with its own lights, the environment for other scenes, and a ground

@@ -8,6 +8,7 @@ mod app;
 mod check;
 mod cli;
 mod document;
+mod dragged;
 mod edit;
 mod jobs;
 mod panels;

@@ -9,12 +9,14 @@
 //! | Shift + right drag, `[` and `]` (Shift: finer) | turn the environment |
 //! | click, double click | select, orbit about what is clicked |
 //! | drag of a handle of the selected light | move it (Escape: put it back) |
+//! | drop of a preset or a material on a surface | give its material these values |
 //!
 //! Keys that are pressed once are commands of the window: see `app/keys.rs`.
 
 pub mod camera_text;
 mod clusters;
 pub mod compare;
+mod dropping;
 pub mod gizmo;
 mod input;
 mod legend;
@@ -27,8 +29,10 @@ pub use input::turn_environment;
 
 use crate::{actions::Action, document::Document, panels::comparison::CompareView};
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
-use lapidary_core::{bounds::Bounds, dataset::BakeParts, ray::Intersector, scene::Mesh};
+use glam::Vec2;
+use lapidary_core::{bounds::Bounds, camera::Camera, dataset::BakeParts, ray::Intersector, scene::Mesh};
 use lapidary_render::{SourceLighting, ViewMode};
+use pick::Picked;
 use std::{sync::Arc, time::Duration};
 
 /// What the viewport remembers from frame to frame.
@@ -44,6 +48,7 @@ pub struct ViewportState {
     gizmo: gizmo::Gizmo,
     clusters: clusters::Clusters,
     flash: outline::Flash,
+    dropping: dropping::Dropping,
     checker: Option<TextureHandle>,
 }
 
@@ -103,6 +108,12 @@ impl ViewportContext<'_> {
     fn clusters(&self) -> Option<&Arc<SourceLighting>> {
         self.sources.filter(|_| self.shows_clusters && self.document.view.mode == ViewMode::Shaded)
     }
+
+    /// What `camera` sees at a place of the window, in a viewport at `rect` of `size_px` pixels.
+    fn picked(&self, camera: &Camera, at: Pos2, rect: Rect, size_px: [u32; 2]) -> Option<Picked> {
+        let scene = (self.mesh?, self.intersector?);
+        pick::pick(scene, self.document.bake.ground, camera, pixel(at, rect, size_px), size_px)
+    }
 }
 
 /// What the viewport wants of the window.
@@ -118,9 +129,9 @@ pub struct ViewportResponse {
 
 impl ViewportResponse {
     /// A position of the window in the picture, 0 to 1 from the upper left corner; `None` outside.
-    pub fn place(&self, at: Pos2) -> Option<glam::Vec2> {
+    pub fn place(&self, at: Pos2) -> Option<Vec2> {
         let place = (at - self.rect.min) / self.rect.size();
-        self.rect.contains(at).then_some(glam::Vec2::new(place.x, place.y)).filter(|place| place.is_finite())
+        self.rect.contains(at).then_some(Vec2::new(place.x, place.y)).filter(|place| place.is_finite())
     }
 }
 
@@ -140,6 +151,7 @@ pub fn show(
     let size_px = pixels(rect, ui.pixels_per_point());
     if context.placeholder.is_none() {
         input::handle(ui, &response, size_px, state, context, actions);
+        dropping::handle(ui, &response, size_px, &mut state.dropping, context, actions);
     } else {
         input::end_gesture(state, actions);
     }
@@ -151,6 +163,12 @@ fn pixels(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
     let size = rect.size() * pixels_per_point;
     // A float that is negative or NaN becomes 0.
     [size.x, size.y].map(|side| (side.round() as u32).max(1))
+}
+
+/// A place of the window in the picture, in pixels.
+fn pixel(at: Pos2, rect: Rect, size_px: [u32; 2]) -> Vec2 {
+    let share = (at - rect.min) / rect.size();
+    Vec2::new(share.x * size_px[0] as f32, share.y * size_px[1] as f32)
 }
 
 fn is_moving(ui: &Ui, state: &ViewportState) -> bool {
@@ -182,6 +200,7 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
             state.clusters.paint(ui, rect, &context.document.camera, intersector, sources);
         }
         outline(ui, rect, state, context);
+        dropping::paint(ui, rect, &state.dropping, context);
         gizmo::paint(ui, rect, &state.gizmo, context);
         if view != Some(CompareView::Difference) {
             legend::paint(&ui.painter_at(rect), rect, context);

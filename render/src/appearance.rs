@@ -1,4 +1,4 @@
-//! The parts of a scene that may change without a bake: its materials and their textures.
+//! The parts of a scene that may change without a bake: its materials, their textures, and which triangle has which.
 
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
@@ -9,45 +9,62 @@ use lapidary_core::{
     surfel::MeshPlace,
     texture::{Texture, TextureSlot, UvFootprint},
 };
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
+
+/// The material of each triangle, by index; `None` for those of the mesh.
+pub type Assigned = Option<Arc<[u32]>>;
 
 /// Materials and the textures that they refer to by index.
 #[derive(Clone, Debug, Default)]
 pub struct Appearance {
-    /// One for each material index of the mesh.
+    /// One for each material index of the mesh, and more that are assigned.
     pub materials: Vec<Material>,
     /// Shared: copying an appearance copies no texels.
     pub textures: Vec<Arc<Texture>>,
+    /// Materials of triangles that differ from the mesh.
+    pub assigned: Assigned,
 }
 
 impl Appearance {
     /// As the scene has them.
     pub fn of(scene: &Scene) -> Self {
-        Self { materials: scene.materials.clone(), textures: scene.textures.clone() }
+        Self { materials: scene.materials.clone(), textures: scene.textures.clone(), assigned: None }
     }
 
-    /// Whether both look the same: equal materials, and the identical textures, not only equal ones.
+    /// Index of the material that a triangle of `mesh` has.
+    pub(crate) fn material_of(&self, mesh: &Mesh, triangle: usize) -> u32 {
+        self.assigned.as_ref().map_or_else(|| mesh.triangle_material[triangle], |assigned| assigned[triangle])
+    }
+
+    /// Whether both look the same: equal materials of equal triangles, and the identical textures, not only equal ones.
     pub fn is_same(&self, other: &Self) -> bool {
         let same_texture = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
         self.materials == other.materials
+            && same_assignment(&self.assigned, &other.assigned)
             && self.textures.len() == other.textures.len()
             && self.textures.iter().zip(&other.textures).all(same_texture)
     }
 
     /// What its surfaces let through.
     pub fn opacities(&self) -> Opacities {
-        Opacities::of(&self.materials, &self.textures)
+        Opacities::of(&self.materials, &self.textures).assigned(self.assigned.clone())
     }
 
-    /// Materials that do not look the same in `other`, which has as many, by index.
-    pub(crate) fn changed_materials(&self, other: &Self) -> Vec<usize> {
+    /// Materials of triangles that do not look the same in `other`, by index: before or after. `None` if that may be all.
+    pub(crate) fn changed_materials(&self, other: &Self) -> Option<Vec<usize>> {
+        let mut changed = match (&self.assigned, &other.assigned) {
+            (Some(a), Some(b)) => reassigned(a, b),
+            (None, None) if self.materials.len() == other.materials.len() => BTreeSet::new(),
+            _ => return None,
+        };
         let same_texture = |index: u32| match [self, other].map(|looks| looks.textures.get(index as usize)) {
             [Some(a), Some(b)] => Arc::ptr_eq(a, b),
             [a, b] => a.is_none() && b.is_none(),
         };
         let same = |a: &Material, b: &Material| a == b && a.maps.slots().all(|slot| same_texture(slot.texture));
         let pairs = self.materials.iter().zip(&other.materials).enumerate();
-        pairs.filter(|(_, (a, b))| !same(a, b)).map(|(index, _)| index).collect()
+        changed.extend(pairs.filter(|(_, (a, b))| !same(a, b)).map(|(index, _)| index));
+        Some(changed.into_iter().collect())
     }
 
     /// A material's values after its maps within a footprint, clamped to their ranges here and nowhere later. Twin of
@@ -85,14 +102,15 @@ impl Appearance {
         let triangle = place.triangle as usize;
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
         let uv: Vec2 = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
-        (&self.materials[mesh.triangle_material[triangle] as usize], uv)
+        (&self.materials[self.material_of(mesh, triangle) as usize], uv)
     }
 
-    /// With a material for each of the scene's `own`, and without references to missing maps. Also returns the changes,
-    /// in sentences.
+    /// With a material for each of the scene's `own` and those that are assigned beside them, and without references to missing
+    /// maps. Also returns the changes, in sentences.
     pub fn fitted(&self, own: &[Material]) -> (Self, Vec<String>) {
         let mut remarks = Vec::new();
-        let (given, needed) = (self.materials.len(), own.len());
+        let given = self.materials.len();
+        let needed = if self.assigned.is_some() { own.len().max(given) } else { own.len() };
         if given != needed {
             remarks.push(format!(
                 "there are {given} materials for the {needed} of the scene; those that lack are the scene's own"
@@ -107,6 +125,20 @@ impl Appearance {
                 material.maps = MaterialMaps::default();
             }
         }
-        (Self { materials, textures: self.textures.clone() }, remarks)
+        (Self { materials, textures: self.textures.clone(), assigned: self.assigned.clone() }, remarks)
     }
+}
+
+/// Whether the triangles of a mesh have the same materials by both.
+pub(crate) fn same_assignment(a: &Assigned, b: &Assigned) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+        (a, b) => a.is_none() && b.is_none(),
+    }
+}
+
+/// What triangles had before and have after, where that differs.
+fn reassigned(before: &[u32], after: &[u32]) -> BTreeSet<usize> {
+    let differing = before.iter().zip(after).filter(|(a, b)| a != b);
+    differing.flat_map(|(&a, &b)| [a as usize, b as usize]).collect()
 }

@@ -37,7 +37,7 @@ mod test_scenes;
 mod view;
 mod view_mode;
 
-pub use appearance::Appearance;
+pub use appearance::{Appearance, Assigned};
 pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats, ShadedSamples};
 pub use baked::Baked;
 pub use cpu::{

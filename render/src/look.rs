@@ -142,12 +142,11 @@ impl Redo {
 
     /// Pixels that show a material that has changed.
     fn changed_looks(old: &Look, new: &Look) -> Pixels {
-        let [before, after] = [&old.appearance, &new.appearance];
-        if before.materials.len() != after.materials.len() {
-            return Pixels::All;
+        match old.appearance.changed_materials(&new.appearance) {
+            None => Pixels::All,
+            Some(changed) if changed.is_empty() => Pixels::Nothing,
+            Some(changed) => Pixels::Showing(Marks::of_materials(changed)),
         }
-        let changed = before.changed_materials(after);
-        if changed.is_empty() { Pixels::Nothing } else { Pixels::Showing(Marks::of_materials(changed)) }
     }
 }
 

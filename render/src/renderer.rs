@@ -47,11 +47,11 @@ impl Renderer {
         renderer
     }
 
-    /// Gives the scene other materials; there must be as many.
+    /// Gives the scene other materials; there must be as many, or more that are assigned.
     pub fn set_appearance(&mut self, appearance: Appearance) {
-        assert_eq!(
-            appearance.materials.len(),
-            self.appearance.materials.len(),
+        let (given, needed) = (appearance.materials.len(), self.dataset.scene.materials.len());
+        assert!(
+            given == needed || given > needed && appearance.assigned.is_some(),
             "one material for each index of the mesh"
         );
         let opacities = appearance.opacities();

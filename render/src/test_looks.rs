@@ -26,7 +26,7 @@ pub fn look() -> Look {
         ..Default::default()
     };
     Look {
-        appearance: Appearance { materials: vec![material("gold"), material("wood")], textures: Vec::new() },
+        appearance: Appearance { materials: vec![material("gold"), material("wood")], ..Default::default() },
         light: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0, sun: None },
         lights: [light].into(),
         components: Components::ALL,

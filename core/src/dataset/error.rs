@@ -113,6 +113,9 @@ pub enum Damage {
         /// Error of the system.
         source: std::io::Error,
     },
+    /// Variants name objects or materials that are not there.
+    #[error("its variants do not fit its objects and materials")]
+    Variants,
     /// The mesh is invalid.
     #[error(transparent)]
     Mesh(#[from] MeshError),

@@ -1,7 +1,9 @@
 //! The JSON part of a dataset, in the metadata of its file.
 
 use super::{BakeReport, BakeSettings};
-use crate::{brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material};
+use crate::{
+    brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material, parts::Variants,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -20,6 +22,8 @@ pub(super) struct Header {
     pub cameras: Vec<Camera>,
     #[serde(default)]
     pub lights: Vec<Light>,
+    #[serde(default, skip_serializing_if = "Variants::is_empty")]
+    pub variants: Variants,
     /// Where the ground begins in the mesh.
     #[serde(default)]
     pub ground: Option<GroundStart>,

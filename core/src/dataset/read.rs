@@ -97,6 +97,7 @@ impl Reader<'_> {
             objects: header.objects.iter().map(|name| Object { name: name.clone() }).collect(),
             cameras: header.cameras.clone(),
             lights: header.lights.clone(),
+            variants: header.variants.clone(),
         })
     }
 

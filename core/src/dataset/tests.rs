@@ -5,6 +5,7 @@ use crate::{
     cut::packed::pack_node,
     material::MaterialMaps,
     meshless::{Basis, Transport},
+    parts::{Part, PartVariants, Variants},
     sources::Source,
     surfel::{MeshPlace, Surfel},
     test_scenes,
@@ -303,4 +304,21 @@ fn the_meshless_basis_and_its_links_survive_the_disk() {
     assert_eq!((a.basis.sender_levels(), &a.transport), (1, &b.transport));
     dataset().write(&path).unwrap();
     assert!(Dataset::read(&path).unwrap().meshless.is_none(), "a dataset without it");
+}
+
+#[test]
+fn variants_survive_the_disk_and_older_files_have_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let mut dataset = test_scenes::dataset(&["a", "b"], &[]);
+    dataset.write(&path).unwrap();
+    assert!(Dataset::read(&path).unwrap().scene.variants.is_empty());
+    assert!(!String::from_utf8_lossy(&std::fs::read(&path).unwrap()).contains("variants"), "as files of before");
+    let part = PartVariants { part: Part { object: 0, material: 0 }, plain: 0, in_variants: vec![1] };
+    dataset.scene.variants = Variants { names: vec!["red".into()], parts: vec![part] };
+    dataset.write(&path).unwrap();
+    assert_eq!(Dataset::read(&path).unwrap().scene.variants, dataset.scene.variants);
+    dataset.scene.variants.parts[0].in_variants[0] = 2;
+    let refused = dataset.write(&path).unwrap_err().to_string();
+    assert!(refused.contains("its variants do not fit"), "{refused}");
 }

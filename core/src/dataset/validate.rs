@@ -37,12 +37,15 @@ impl Dataset {
     /// # Errors
     /// The first [`Damage`] found.
     pub fn validate(&self) -> Result<(), Damage> {
-        let Scene { mesh, materials, objects, .. } = &self.scene;
+        let Scene { mesh, materials, objects, variants, .. } = &self.scene;
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
         mesh.validate(materials.len(), objects.len())?;
         check_count("flags of sides", self.two_sided.len(), triangles)?;
         check_count("flags of vertices", self.vertex_valid.len(), vertices)?;
         check_scene(&self.scene)?;
+        if !variants.fit(objects.len(), materials.len()) {
+            return Err(Damage::Variants);
+        }
         self.check_settings()?;
         if !is_permutation(self.tree.order()) {
             return Err(Damage::Tree);

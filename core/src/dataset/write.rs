@@ -62,6 +62,7 @@ impl Dataset {
             objects: self.scene.objects.iter().map(|o| o.name.clone()).collect(),
             cameras: self.scene.cameras.clone(),
             lights: self.scene.lights.clone(),
+            variants: self.scene.variants.clone(),
             ground: self.scene.mesh.ground,
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
             brdfs,

@@ -6,10 +6,7 @@ use super::{
     listed,
     textures::TextureLibrary,
 };
-use crate::{
-    camera::Camera,
-    scene::{MeshError, Object},
-};
+use crate::{camera::Camera, parts::Part, scene::MeshError};
 use buffers::Buffers;
 use glam::{DVec4, Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
 use gltf::{
@@ -18,7 +15,7 @@ use gltf::{
 };
 use serde_json::Value;
 use std::{borrow::Cow, path::Path};
-use variants::Variants;
+use variants::FileVariants;
 
 mod buffers;
 mod layers;
@@ -49,14 +46,15 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
     files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
     check_extensions(bytes, path)?;
     let gltf = parse(bytes).map_err(parse_error)?;
-    let variants = Variants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
+    let variants = FileVariants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
     let buffers = Buffers::load(&gltf, &mut files).map_err(failed)?;
     let mut notes = Notes::default();
     let nodes = all_nodes(&gltf, &mut notes);
     check_size(&nodes, &mut files, path)?;
 
     let mut library = TextureLibrary::new(files);
-    let mut source = Source { variants: variants.names.clone(), ..Default::default() };
+    let mut source = Source::default();
+    source.variants.names.clone_from(&variants.names);
     source.warnings.extend(variants.remark());
     materials::add_materials(&mut source, &gltf, bytes, &buffers, &mut library).map_err(failed)?;
     if let Some(document) = document_with(bytes, lights::EXTENSION) {
@@ -69,14 +67,15 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
         if let Some(mesh) = node.mesh() {
             let name = node_name(node);
             notes.inspect(&name, node, &mesh);
-            let object = source.objects.len() as u32;
-            source.objects.push(Object { name });
+            let mut parts = variants::PartsOfNode::new(&mut source, name);
             for primitive in mesh.primitives().filter(|p| is_surface(p.mode())) {
                 let read = Primitive::read(&primitive, &buffers).map_err(parse_error)?;
                 read.check_indices().map_err(|source| ImportError::Mesh { path: path.into(), source })?;
-                let chosen = variants.material(mesh.index(), primitive.index());
-                let material = materials::index_of(&mut source, &gltf, &primitive, chosen);
-                read.add_to(&mut source, *world_from_node, material, object);
+                let mut material = |chosen| materials::index_of(&mut source, &gltf, &primitive, chosen);
+                let place = [mesh.index(), primitive.index()];
+                let (own, looks) = (material(variants.chosen(place)), variants.looks(place, &mut material));
+                let part = parts.add(&mut source, own, looks);
+                read.add_to(&mut source, *world_from_node, part);
             }
         }
     }
@@ -250,7 +249,7 @@ impl Primitive {
     }
 
     /// Adds the primitive as it stands in the world. A mirroring transform turns the triangles around.
-    fn add_to(self, source: &mut Source, world_from_object: Mat4, material: u32, object: u32) {
+    fn add_to(self, source: &mut Source, world_from_object: Mat4, Part { object, material }: Part) {
         let raw = &mut source.mesh;
         let base = raw.positions.len();
         let linear = Mat3::from_mat4(world_from_object);

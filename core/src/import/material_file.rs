@@ -80,6 +80,17 @@ pub fn material_in_file(path: &Path) -> (&Path, Option<&str>) {
     }
 }
 
+/// Names of the materials to choose from in a MaterialX document, if the path names none of them; none of other files, and of those
+/// that cannot be read.
+pub fn materials_in_file(path: &Path) -> Vec<String> {
+    let (file, wanted) = material_in_file(path);
+    if wanted.is_some() || !is_materialx(file) {
+        return Vec::new();
+    }
+    let text = input::read(file).ok().and_then(|bytes| String::from_utf8(bytes.to_vec()).ok());
+    text.and_then(|text| materialx::names(&text).ok()).unwrap_or_default()
+}
+
 /// Whether a file is a MaterialX document, by its extension.
 pub fn is_materialx(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mtlx"))

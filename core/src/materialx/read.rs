@@ -71,6 +71,34 @@ pub struct ReadMaterial {
 /// # Errors
 /// A document that is no MaterialX, has no such material, or has a value that is none. They name the line.
 pub fn read(text: &str, wanted: Option<&str>) -> Result<ReadMaterial, MaterialXError> {
+    with_graph(text, |graph, root| {
+        let all = Candidate::all(graph, root);
+        let chosen = choose(&all, wanted, graph.line(root))?;
+        let mut reader = Reader { graph, remarks: Vec::new() };
+        reader.tell_of_others(&all, chosen, wanted.is_some(), root);
+        let material = reader.material(chosen)?;
+        let mut remarks = reader.remarks;
+        remarks.extend(graph.take_remarks());
+        Ok(ReadMaterial { material, remarks })
+    })
+}
+
+/// The names of the materials that [`read`] reads, in the order of the document.
+///
+/// # Errors
+/// A document that is no MaterialX.
+pub fn names(text: &str) -> Result<Vec<String>, MaterialXError> {
+    with_graph(text, |graph, root| {
+        let all = Candidate::all(graph, root);
+        Ok(all.iter().filter(|candidate| candidate.surface().is_some()).map(|c| c.name.to_owned()).collect())
+    })
+}
+
+/// Parses a document, and does something with its graph and its outermost element.
+fn with_graph<R>(
+    text: &str,
+    make: impl for<'a> FnOnce(&Graph<'a>, Node<'a, 'a>) -> Result<R, MaterialXError>,
+) -> Result<R, MaterialXError> {
     if text.len() > MOST_BYTES {
         return Err(MaterialXError::TooLong { found: text.len() >> 20, limit: MOST_BYTES >> 20 });
     }
@@ -82,14 +110,7 @@ pub fn read(text: &str, wanted: Option<&str>) -> Result<ReadMaterial, MaterialXE
         let reason = format!("it begins with \"{}\", not with \"materialx\"", root.tag_name().name());
         return Err(MaterialXError::Contents { line: graph.line(root), reason });
     }
-    let all = Candidate::all(&graph, root);
-    let chosen = choose(&all, wanted, graph.line(root))?;
-    let mut reader = Reader { graph: &graph, remarks: Vec::new() };
-    reader.tell_of_others(&all, chosen, wanted.is_some(), root);
-    let material = reader.material(chosen)?;
-    let mut remarks = reader.remarks;
-    remarks.extend(graph.take_remarks());
-    Ok(ReadMaterial { material, remarks })
+    make(&graph, root)
 }
 
 /// A material, or a surface that no material has.

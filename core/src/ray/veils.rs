@@ -29,10 +29,10 @@ struct Corners {
 
 impl Veils {
     /// Of the surfaces of a mesh whose materials have an opacity in `thin`.
-    pub fn new(mesh: &Mesh, surfaces: Intersector, thin: &[Option<Opacity>]) -> Self {
+    pub fn new(mesh: &Mesh, surfaces: Intersector, material: impl Fn(u32) -> u32, thin: &[Option<Opacity>]) -> Self {
         let of_leaf = |&t: &u32| {
             let uvs = mesh.triangles[t as usize].map(|v| mesh.uvs[v as usize]);
-            Corners { uvs, material: mesh.triangle_material[t as usize] }
+            Corners { uvs, material: material(t) }
         };
         let corners = surfaces.leaf_ids.iter().map(of_leaf).collect();
         let leaf_of = surfaces.leaf_ids.iter().copied().zip(0..).collect();

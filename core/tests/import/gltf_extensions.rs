@@ -4,7 +4,10 @@ use super::{
     gltf::{Gltf, QUAD},
     *,
 };
-use lapidary_core::brdf::{BrdfModel, OpenPbrParameters, widths};
+use lapidary_core::{
+    brdf::{BrdfModel, OpenPbrParameters, widths},
+    parts::{Part, PartVariants, Variants},
+};
 
 /// A quad with a material, whose JSON is `material`, and the picture `a.png`.
 fn with_material(material: &str) -> Imported {
@@ -69,6 +72,34 @@ fn variants_are_listed_and_chosen_by_name() {
     let other = files.add("a.ply", "ply\n");
     let options = ImportOptions { variant: Some("red".into()), ..Default::default() };
     assert!(import_with(&other, &options).unwrap_err().to_string().contains("it has none"));
+}
+
+/// Two primitives of one material of which only the first changes with the variant.
+#[test]
+fn parts_know_their_material_in_every_variant_whichever_is_chosen() {
+    let scene = Gltf {
+        primitive: r#""indices": 1, "material": 0, "extensions": {"KHR_materials_variants": {"mappings": [
+            {"material": 1, "variants": [1]}]}}}, {"attributes": {"POSITION": 0}, "indices": 1, "material": 0"#,
+        rest: r#", "extensionsUsed": ["KHR_materials_variants"],
+            "extensions": {"KHR_materials_variants": {"variants": [{"name": "red"}, {"name": "blue"}]}},
+            "materials": [{"name": "first"}, {"name": "other"}]"#,
+        ..QUAD
+    };
+    let files = Files::new();
+    let path = files.add("shoe.gltf", scene.embedded());
+    for (chosen, own) in [(None, 0), (Some("red"), 0), (Some("blue"), 1)] {
+        let options = ImportOptions { variant: chosen.map(str::to_owned), ..Default::default() };
+        let scene = import_with(&path, &options).unwrap().scene;
+        let part = Part { object: 0, material: own };
+        let expected = PartVariants { part, plain: 0, in_variants: vec![0, 1] };
+        assert_eq!(scene.variants, Variants { names: vec!["red".into(), "blue".into()], parts: vec![expected] });
+        let shown = |variant| scene.variants.shown(variant).collect::<Vec<_>>();
+        assert_eq!([shown(None), shown(Some(0)), shown(Some(1))], [vec![(part, 0)], vec![(part, 0)], vec![(part, 1)]]);
+        let parts: Vec<_> = (0..scene.mesh.triangles.len()).filter_map(|t| Part::of_triangle(&scene.mesh, t)).collect();
+        let fixed = Part { object: if own == 0 { 1 } else { 0 }, material: 0 };
+        assert!(parts.contains(&part) && parts.contains(&fixed), "{parts:?}");
+        assert_eq!(scene.objects.len(), if own == 0 { 2 } else { 1 }, "they are told apart by object or material");
+    }
 }
 
 #[test]

@@ -9,7 +9,10 @@ use super::{
     },
 };
 use crate::{
-    document::{Document, TextureEntry},
+    document::{
+        Document, TextureEntry,
+        parts::{OwnMaterials, Renumbering},
+    },
     jobs::{
         Imported,
         bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
@@ -24,7 +27,7 @@ use lapidary_core::{
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
-use lapidary_render::{Appearance, Baked};
+use lapidary_render::Baked;
 use lapidary_studies::jobs::spawn;
 use std::{
     path::{Path, PathBuf},
@@ -119,9 +122,9 @@ impl EditorState {
             return;
         }
         let Imported { mut scene, import_secs, report, .. } = source;
-        let Appearance { materials, textures } = self.document.own_appearance();
-        if Opacities::of(&materials, &textures) != Opacities::of(&scene.materials, &scene.textures) {
-            Arc::make_mut(&mut scene).take_opacities(&materials, &textures);
+        let edited = self.document.baked_appearance(&scene);
+        if edited.opacities() != Opacities::of(&scene.materials, &scene.textures) {
+            Arc::make_mut(&mut scene).take_opacities(&edited.materials, &edited.textures);
         }
         let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
         let (inputs, warnings) = (report.files, report.warnings);
@@ -237,7 +240,7 @@ impl EditorState {
         };
         let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
         let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
-        let content = bake_hash(&source.hash, &self.document.own_appearance().opacities());
+        let content = bake_hash(&source.hash, &self.document.baked_appearance(&source.scene).opacities());
         let looked = Looked { output, scene_hash: content, settings, written };
         let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {
@@ -261,6 +264,7 @@ impl EditorState {
         self.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
         let objects = baked.dataset.scene.objects.len();
         self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
+        self.selection.part = self.selection.part.filter(|part| (part.object as usize) < objects);
         // The hierarchies are for the picture, and no guests.
         baked.begin();
         (self.scene.baked, self.scene.preview) = (Some(baked), preview);
@@ -318,9 +322,9 @@ impl EditorState {
     /// Gives the document the materials that another dataset needs. That of a ground is kept while no ground is shown.
     fn take_materials_of(&mut self, next: &Dataset) {
         let ground_of = |dataset: &Dataset| dataset.scene.mesh.ground_material().map(|index| index as usize);
-        let materials = self.document.materials.len();
-        let shown = self.scene.rendered().and_then(|baked| ground_of(&baked.dataset));
-        if let Some(index) = shown.filter(|&index| index < materials) {
+        let own = self.document.own_materials();
+        let shown = self.scene.rendered().and_then(|baked| ground_of(&baked.dataset)).filter(|&index| index < own);
+        if let Some(index) = shown {
             self.document.hidden_ground = Some(self.document.materials.remove(index));
         }
         fit_materials(&mut self.document, next);
@@ -328,6 +332,16 @@ impl EditorState {
         if let Some((place, kept)) = place.zip(self.document.hidden_ground.take_if(|_| ground_of(next).is_some())) {
             *place = kept;
         }
+        let before = OwnMaterials { count: own, ground: shown };
+        let after = OwnMaterials { count: self.document.own_materials(), ground: ground_of(next) };
+        self.renumber_materials(Renumbering { before, after });
+    }
+
+    fn renumber_materials(&mut self, renumbering: Renumbering) {
+        self.document.renumber_materials(&renumbering);
+        self.history.renumber_materials(&renumbering);
+        let selected = self.selection.material.map(|index| renumbering.of(index));
+        self.selection.material = selected.filter(|&index| index < self.document.materials.len());
     }
 
     /// What the picture is rendered by.
@@ -397,6 +411,7 @@ fn checkpoint_time(output: &Path) -> Option<SystemTime> {
 /// so that there are as many as the mesh refers to.
 pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) {
     let materials = &dataset.scene.materials;
+    let added = document.materials.split_off(document.own_materials());
     document.materials.truncate(materials.len());
     let known = document.materials.len();
     let places = take_textures(document, &dataset.scene.textures);
@@ -406,6 +421,8 @@ pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) {
             slot.texture = place;
         }
     }
+    document.materials.extend(added);
+    document.take_objects(&dataset.scene);
 }
 
 /// Takes over the textures of a scene, by name, first at the same index. They replace their stand-ins; new ones are

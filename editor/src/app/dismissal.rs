@@ -1,11 +1,11 @@
 //! A click beside an open menu, list or color picker closes it, and does nothing else.
 
-use egui::{Area, Context, Id, Order, Popup, Rect, Sense};
+use egui::{Area, Context, DragAndDrop, Id, Order, Popup, Rect, Sense};
 
 /// Covers all that lies under what has popped up, while something has. Only `menus`, the bar that an open menu belongs to,
-/// stays free: there, the pointer goes on to the next menu. Must be called after everything was shown.
+/// stays free: there, the pointer goes on to the next menu; and all is free for what is dragged out of a menu. Must be called after everything was shown.
 pub fn shield(ctx: &Context, menus: Option<Rect>) {
-    if !Popup::is_any_open(ctx) {
+    if !Popup::is_any_open(ctx) || DragAndDrop::has_any_payload(ctx) {
         return;
     }
     let window = ctx.content_rect();

@@ -163,7 +163,7 @@ impl EditorState {
         self.interface.lights.forget_document();
         self.interface.material.forget_document();
         self.selection =
-            Selection { object: None, light: None, material: (!self.document.materials.is_empty()).then_some(0) };
+            Selection { material: (!self.document.materials.is_empty()).then_some(0), ..Selection::default() };
         self.reset_camera();
         self.pictures.clear();
         self.requests.forget();

@@ -74,6 +74,7 @@ impl EditorState {
         let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);
         let mesh = &baked.dataset.scene.mesh;
         let (scene, document) = ((mesh, baked.intersector_if_ready()?), &self.document);
-        pick::pick(scene, document.bake.ground, &document.camera, pixel, size).map(|picked| picked.material)
+        pick::pick(scene, document.bake.ground, &document.camera, pixel, size)
+            .map(|picked| document.material_of(picked.part()))
     }
 }

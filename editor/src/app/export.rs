@@ -28,6 +28,9 @@ const UNDER_WAY: &str = "An export is under way; cancel it first";
 /// Why there is nothing to export.
 const NOTHING: &str = "There is nothing to export; open and bake a scene first";
 
+/// What is told where a glTF file is written with its materials alone anew.
+const KEEPS_PARTS: &str = "Surfaces that were given other materials have those of the scene's file there: only its materials are written anew";
+
 impl EditorState {
     /// The picture that is exported, and its scene; `None` while there is none.
     fn exported(&mut self) -> Option<(Look, Baked)> {
@@ -117,6 +120,9 @@ impl EditorState {
             Ok(exported) => {
                 let text = format!("Materials written: {}", summary(&exported, &export.path));
                 exported.remarks.into_iter().for_each(|remark| self.messages.warning(remark));
+                if export.original.is_some() && !self.document.assigned.is_empty() {
+                    self.messages.warning(KEEPS_PARTS);
+                }
                 self.messages.note(text);
             }
             Err(error) => self.messages.error(error_text(&error)),
@@ -126,7 +132,11 @@ impl EditorState {
     /// The scene with the materials and textures as they are edited.
     fn scene_of_document(&self, baked: &Baked) -> Scene {
         let textures = self.document.textures.iter().map(|entry| entry.texture.clone()).collect();
-        Scene { materials: self.document.materials.clone(), textures, ..baked.dataset.scene.clone() }
+        let mut scene = Scene { materials: self.document.materials.clone(), textures, ..baked.dataset.scene.clone() };
+        if let Some(assigned) = self.document.assigned_to(&scene.mesh) {
+            scene.mesh.triangle_material = assigned.to_vec();
+        }
+        scene
     }
 
     fn start_export(&mut self, task: ExportTask, baked: Baked) {

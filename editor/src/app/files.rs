@@ -65,6 +65,10 @@ impl EditorState {
                     warnings.into_iter().for_each(|warning| self.messages.warning(warning));
                     self.use_material(index, *material, &textures[given..], given, path);
                 }
+                (Topic::Material(material), Ok(Loaded::Several(names))) => {
+                    let prompt = |file| Prompt::Several { file, names, material };
+                    path.map(prompt).into_iter().for_each(|prompt| self.ask(prompt));
+                }
                 (Topic::Material(index), Ok(Loaded::Outside(names))) => {
                     let material = |file| Prompt::Outside { file, names, then: Again::Load(index) };
                     path.map(material).into_iter().for_each(|prompt| self.ask(prompt));

@@ -138,7 +138,7 @@ pub const BINDINGS: [Binding; 33] = [
 const WIDTH: f32 = 960.0;
 
 /// Pointer gestures, for the keyboard map.
-const POINTER: [(&str, &str); 13] = [
+const POINTER: [(&str, &str); 14] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
     ("Wheel", "Move closer or away (also: Alt + right drag)"),
@@ -147,6 +147,7 @@ const POINTER: [(&str, &str); 13] = [
     ("[ ]", "Turn the environment by 5 degrees (Shift: 1)"),
     ("Click", "Select"),
     ("Double click", "Orbit about this point"),
+    ("Drop a material", "Give its values to what is there (Shift: to it alone)"),
     ("Drag a handle", "Move the selected light (Esc: put it back)"),
     ("Shift + slider", "Fine steps"),
     ("Hold R", "See the reference, while comparing"),

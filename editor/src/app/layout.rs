@@ -186,6 +186,9 @@ fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     let context = MaterialContext {
         document: &state.document,
         selected: state.selection.material,
+        part: state.selection.part,
+        parts: &state.bounds.parts,
+        ground: state.ground_material(),
         lighting: shown.map(|s| &s.lighting),
         light_revision: shown.map_or(0, |s| s.light_revision),
     };

@@ -6,6 +6,7 @@ use crate::{
     document::{
         Document,
         autosave::Recovery,
+        parts::{OwnMaterials, Renumbering},
         proposed_bake,
         session::{self, LoadedSession, Unknown},
     },
@@ -411,9 +412,12 @@ impl Found {
         let preview = (!is_seen).then(|| source.unshadowed(document.bake.ground));
         // A ground has a material of its own.
         let rendered = preview.as_ref().or(baked.as_ref());
-        let lacks_some = |baked: &&&Baked| document.materials.len() < baked.dataset.scene.materials.len();
+        let own = document.own_materials();
+        let lacks_some = |baked: &&&Baked| own < baked.dataset.scene.materials.len();
         if let Some(rendered) = rendered.as_ref().filter(lacks_some) {
             fit_materials(&mut document, &rendered.dataset);
+            let [before, after] = [own, document.own_materials()].map(|count| OwnMaterials { count, ground: None });
+            document.renumber_materials(&Renumbering { before, after });
         }
         let (lacks_bake, is_draft, kept_output) = (self.whole.is_none(), self.draft.is_some(), Some(self.kept_output));
         Ready { preview, lacks_bake, is_draft, kept_output, ..Ready::new(document, baked, Some(source), warnings) }

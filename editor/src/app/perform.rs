@@ -17,6 +17,7 @@ use egui::{Context, ViewportCommand};
 use lapidary_core::{
     camera::Camera,
     dataset::{BakeParts, BakeSettings},
+    parts::Part,
     shot::Shot,
 };
 use std::path::{Path, PathBuf};
@@ -35,6 +36,10 @@ impl EditorState {
             Action::ResetCamera => self.reset_camera(),
             Action::SelectObject(object) => self.select_object(object),
             Action::SelectMaterial(material) => self.select_material(material),
+            Action::SelectPart(part) => self.selection.part = Some(part),
+            Action::Assign { part, material } => self.assign(part, material),
+            Action::MakeUnique { part, material } => self.make_unique(part, material.map(|material| *material)),
+            Action::ChooseVariant(variant) => self.choose_variant(variant),
             Action::SelectLight(light) => self.select_light(light),
             Action::AddLight(kind) => self.add_light(kind),
             Action::DuplicateLight(index) => self.duplicate_light(index),
@@ -201,14 +206,16 @@ impl EditorState {
         self.history.end_gesture();
     }
 
-    /// Selects an object, and with it the material of its first triangle.
+    /// Selects an object, and with it the part and the material of its first triangle.
     fn select_object(&mut self, object: Option<u32>) {
-        self.selection.object = object;
+        (self.selection.object, self.selection.part) = (object, None);
         self.selection.light = None;
         let Some((object, baked)) = object.zip(self.scene.rendered()) else { return };
         let mesh = &baked.dataset.scene.mesh;
-        if let Some(triangle) = mesh.triangle_object.iter().position(|&o| o == object) {
-            self.selection.material = Some(mesh.triangle_material[triangle] as usize);
+        let first = mesh.triangle_object.iter().position(|&o| o == object);
+        if let Some(part) = first.and_then(|triangle| Part::of_triangle(mesh, triangle)) {
+            self.selection.part = Some(part);
+            self.selection.material = Some(self.document.material_of(part));
             self.interface.inspector = Inspector::Material;
         }
     }

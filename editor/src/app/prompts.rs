@@ -26,6 +26,7 @@ enum Answer {
     Look,
     OpenWithout,
     ReadOutside,
+    Choose(usize),
 }
 
 /// Shows the question that waits, if any, and does what is answered.
@@ -42,6 +43,7 @@ pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
             Prompt::Recover(found) => recover(ui, found),
             Prompt::Missing { loaded, .. } => missing(ui, loaded),
             Prompt::Outside { file, names, then } => outside(ui, file, names, then),
+            Prompt::Several { file, names, .. } => several(ui, file, names),
             Prompt::About => about(ui),
         }
     });
@@ -119,6 +121,18 @@ fn outside(ui: &mut Ui, file: &Path, names: &[String], then: &Again) -> Option<A
     }
 }
 
+fn several(ui: &mut Ui, file: &Path, names: &[String]) -> Option<Answer> {
+    ui.heading("Which material?");
+    ui.add_space(4.0);
+    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+    ui.label(format!("{name} has {} materials.", names.len()));
+    let chosen = ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
+        let clicked = names.iter().map(|name| ui.selectable_label(false, name).clicked()).collect::<Vec<_>>();
+        clicked.into_iter().position(|is_clicked| is_clicked)
+    });
+    chosen.inner.map(Answer::Choose).or(buttons(ui, [("Cancel", Answer::Cancel)]))
+}
+
 fn about(ui: &mut Ui) -> Option<Answer> {
     ui.heading(concat!("Lapidary ", env!("CARGO_PKG_VERSION")));
     ui.add_space(4.0);
@@ -183,6 +197,11 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
                 Again::Open(target) => state.open(target),
                 Again::Load(material) => state.load_material(material, file),
             }
+        }
+        (Some(Prompt::Several { file, names, material }), Answer::Choose(chosen)) => {
+            let mut named = file.into_os_string();
+            named.push(format!("#{}", names[chosen]));
+            state.load_material(material, named.into());
         }
         (Some(Prompt::Outside { then: Again::Open(target), .. }), Answer::OpenWithout) => state.open_without(target),
         _ => {}

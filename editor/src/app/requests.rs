@@ -9,7 +9,7 @@ use crate::{
 };
 use egui::Context;
 use lapidary_core::environment::Environment;
-use lapidary_render::{Baked, Bounces, Components, Illumination, Look, View};
+use lapidary_render::{Appearance, Baked, Bounces, Components, Illumination, Look, View};
 use std::sync::Arc;
 
 impl EditorState {
@@ -40,8 +40,9 @@ impl EditorState {
         let document = &self.document;
         let baked = self.scene.rendered();
         let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
+        let assigned = baked.and_then(|baked| self.requests.assigned(document, baked));
         Some(Look {
-            appearance: document.appearance(),
+            appearance: Appearance { assigned, ..document.appearance() },
             light: illumination(document, environment),
             lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
             components: shown_components(document, baked),

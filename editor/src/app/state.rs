@@ -38,7 +38,11 @@ use explain::ExplainWindow;
 use exporting::Exporting;
 use interface::Interface;
 use ladder::LadderWindow;
-use lapidary_core::{bounds::Bounds, scene::Mesh};
+use lapidary_core::{
+    bounds::Bounds,
+    parts::{Part, parts_of},
+    scene::Mesh,
+};
 use lapidary_render::{BackendFactory, Baked};
 use lapidary_studies::jobs::Wake;
 use pictures::Pictures;
@@ -82,6 +86,8 @@ pub struct Bundled {
 pub struct Selection {
     /// An object of the mesh.
     pub object: Option<u32>,
+    /// A part of it, or of the object that was selected before the material.
+    pub part: Option<Part>,
     /// A material.
     pub material: Option<usize>,
     /// A local light; undo may have taken it away, see [`EditorState::selected_light`].
@@ -132,7 +138,7 @@ impl OpenScene {
     }
 }
 
-/// Bounds of the mesh, computed when it changes: a pass over the mesh takes longer than a frame should.
+/// Bounds and parts of the mesh, computed when it changes: a pass over the mesh takes longer than a frame should.
 #[derive(Default)]
 pub struct ShownBounds {
     of: Option<(usize, Option<u32>)>,
@@ -140,6 +146,8 @@ pub struct ShownBounds {
     pub scene: Option<Bounds>,
     /// The selection.
     pub selection: Option<Bounds>,
+    /// All parts.
+    pub parts: Vec<Part>,
 }
 
 impl ShownBounds {
@@ -147,6 +155,9 @@ impl ShownBounds {
         let of = shown.map(|baked| (Arc::as_ptr(&baked.dataset) as usize, selected));
         if of != self.of {
             let mesh = shown.map(|baked| &baked.dataset.scene.mesh);
+            if of.map(|(dataset, _)| dataset) != self.of.map(|(dataset, _)| dataset) {
+                self.parts = mesh.map(parts_of).unwrap_or_default();
+            }
             self.of = of;
             self.scene = mesh.map(Mesh::bounds);
             self.selection = mesh.zip(selected).and_then(|(mesh, object)| pick::object_bounds(mesh, object));

@@ -13,6 +13,7 @@ mod kept;
 mod lights;
 mod materials;
 mod panels;
+mod parts;
 
 use super::{
     opening::Target,

@@ -1,6 +1,9 @@
 //! Edits: a value to swap in. Swapping leaves the old value in the edit, which is then its inverse.
 
-use super::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
+use super::{
+    ComponentSettings, Document, EnvironmentSettings, ViewSettings,
+    parts::{Assignment, Renumbering, renumber},
+};
 use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material};
 use lapidary_render::Solution;
 use std::mem::{discriminant, swap};
@@ -14,6 +17,15 @@ pub enum Edit {
         index: usize,
         /// Its new value.
         material: Box<Material>,
+    },
+    /// Other materials of parts.
+    Assigned(Assignment),
+    /// A material more, or the last of those that were added less, and other materials of parts.
+    Added {
+        /// The new material; `None` to take one away.
+        material: Option<Box<Material>>,
+        /// The materials of parts with it, or without.
+        assigned: Assignment,
     },
     /// Another environment.
     Environment(EnvironmentSettings),
@@ -42,10 +54,15 @@ impl Edit {
     /// Puts the edit's value into the document, and the document's into the edit.
     ///
     /// # Panics
-    /// If it names a material or a light that the document does not have.
+    /// If it names a material or a light, or takes away a material, that the document does not have.
     pub fn swap(&mut self, document: &mut Document) {
         match self {
             Self::Material { index, material } => swap(&mut **material, &mut document.materials[*index]),
+            Self::Assigned(assigned) => swap(assigned, &mut document.assigned),
+            Self::Added { material, assigned } => {
+                swap(assigned, &mut document.assigned);
+                *material = swap_last(material.take(), document);
+            }
             Self::Environment(environment) => swap(environment, &mut document.environment),
             Self::Light { index, light } => swap(&mut **light, &mut document.lights[*index]),
             Self::Lights(lights) => swap(lights, &mut document.lights),
@@ -62,6 +79,7 @@ impl Edit {
         match self {
             Self::Material { index, .. } => *index < document.materials.len(),
             Self::Light { index, .. } => *index < document.lights.len(),
+            Self::Added { material, .. } => material.is_some() || document.added > 0,
             _ => true,
         }
     }
@@ -70,6 +88,8 @@ impl Edit {
     pub fn changes(&self, document: &Document) -> bool {
         match self {
             Self::Material { index, material } => document.materials.get(*index).is_some_and(|m| *m != **material),
+            Self::Assigned(assigned) => *assigned != document.assigned,
+            Self::Added { .. } => self.fits(document),
             Self::Environment(environment) => *environment != document.environment,
             Self::Light { index, light } => document.lights.get(*index).is_some_and(|l| *l != **light),
             Self::Lights(lights) => *lights != document.lights,
@@ -86,7 +106,33 @@ impl Edit {
         match (self, other) {
             (Self::Material { index: a, .. }, Self::Material { index: b, .. })
             | (Self::Light { index: a, .. }, Self::Light { index: b, .. }) => a == b,
+            (Self::Added { .. }, Self::Added { .. }) => false,
             _ => discriminant(self) == discriminant(other),
+        }
+    }
+
+    /// Gives the materials that it names other numbers.
+    pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
+        match self {
+            Self::Material { index, .. } => *index = renumbering.of(*index),
+            Self::Assigned(assigned) | Self::Added { assigned, .. } => renumber(assigned, renumbering),
+            Self::View(view) => view.renumber_materials(renumbering),
+            _ => {}
+        }
+    }
+}
+
+/// Adds a material to the document, or takes its last one away and returns it.
+fn swap_last(material: Option<Box<Material>>, document: &mut Document) -> Option<Box<Material>> {
+    match material {
+        Some(material) => {
+            document.materials.push(*material);
+            document.added += 1;
+            None
+        }
+        None => {
+            document.added -= 1;
+            document.materials.pop().map(Box::new)
         }
     }
 }
@@ -94,7 +140,7 @@ impl Edit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::test_scenes;
+    use lapidary_core::{parts::Part, test_scenes};
 
     #[test]
     fn swapping_twice_restores_both() {
@@ -131,5 +177,23 @@ mod tests {
         assert!(edit(0).fits(&document) && !edit(1).fits(&document));
         assert!(!edit(1).changes(&document));
         assert!(edit(0).same_target(&edit(0)) && !edit(0).same_target(&edit(1)));
+    }
+
+    #[test]
+    fn a_material_is_added_with_its_parts_and_taken_away_again() {
+        let named = |name: &str| Material { name: name.into(), ..Default::default() };
+        let mut document = Document { materials: vec![named("a")], ..Document::empty() };
+        let assigned: Assignment = [(Part { object: 0, material: 0 }, 1)].into();
+        let mut edit = Edit::Added { material: Some(Box::new(named("b"))), assigned: assigned.clone() };
+        assert!(edit.changes(&document) && !edit.same_target(&edit.clone()), "each is a step of its own");
+        edit.swap(&mut document);
+        assert_eq!((document.materials.len(), document.added, &document.assigned), (2, 1, &assigned));
+        edit.swap(&mut document);
+        assert_eq!((document.materials.len(), document.added), (1, 0));
+        assert!(document.assigned.is_empty());
+        edit.swap(&mut document);
+        assert_eq!(document.materials[1].name, "b");
+        document.added = 0;
+        assert!(!edit.fits(&document), "negative control: the scene's own is not taken away");
     }
 }

@@ -1,6 +1,6 @@
 //! Undo and redo: a list of edits, each of which holds the value that the document does not have at the moment.
 
-use super::{Document, Edit};
+use super::{Document, Edit, parts::Renumbering};
 use lapidary_core::material::Material;
 use std::collections::VecDeque;
 
@@ -88,10 +88,20 @@ impl History {
 
     /// The materials of all steps, for what is read again of files that they name.
     pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
-        self.done.iter_mut().chain(&mut self.undone).filter_map(|step| match &mut step.edit {
+        self.edits_mut().filter_map(|edit| match edit {
             Edit::Material { material, .. } => Some(&mut **material),
+            Edit::Added { material, .. } => material.as_deref_mut(),
             _ => None,
         })
+    }
+
+    /// Gives the materials that its steps name other numbers.
+    pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
+        self.edits_mut().for_each(|edit| edit.renumber_materials(renumbering));
+    }
+
+    fn edits_mut(&mut self) -> impl Iterator<Item = &mut Edit> {
+        self.done.iter_mut().chain(&mut self.undone).map(|step| &mut step.edit)
     }
 
     /// The next edit begins a new step.

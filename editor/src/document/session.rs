@@ -1,6 +1,6 @@
 //! Session files: a document as versioned JSON, without its pictures and its dataset, which it names by path.
 //!
-//! `{"lapidary_session": 2, "scene", "dataset", "materials", "environment", "lights", "components", "solution", "camera",
+//! `{"lapidary_session": 2, "scene", "dataset", "materials", "added", "assigned", "environment", "lights", "components", "solution", "camera",
 //! "bookmarks", "view", "bake"}`; the lights are those of a lights file.
 //! Paths are relative to the file, angles in degrees. A reader takes what it can: values that cannot be are replaced
 //! with a warning, keys that it does not know are kept and written back ([`Unknown`]), files that are not there are
@@ -25,7 +25,7 @@ pub use write::save;
 #[cfg(test)]
 use read::MissingFile;
 
-use file::{SessionCamera, SessionMaterial, SessionSlot, TextureSource};
+use file::{SessionAssignment, SessionCamera, SessionMaterial, SessionSlot, TextureSource};
 
 pub(super) use read::read_json;
 pub(super) use write::save_for_recovery;

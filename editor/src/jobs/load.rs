@@ -8,7 +8,7 @@ use super::Imported;
 use lapidary_core::{
     brdf::Content,
     environment::Environment,
-    import::{ImportError, ImportOptions, load_material},
+    import::{ImportError, ImportOptions, load_material, materials_in_file},
     material::Material,
     scene::Scene,
     texture::Texture,
@@ -102,6 +102,8 @@ pub enum Loaded {
         /// Repairs, in sentences.
         warnings: Vec<String>,
     },
+    /// The names of several materials of a file: the user chooses.
+    Several(Vec<String>),
     /// A material that needs pictures outside its folder: the user decides.
     Outside(Vec<String>),
 }
@@ -181,6 +183,10 @@ fn open(source: Source) -> anyhow::Result<Loaded> {
             Loaded::Brdf { content, remarks }
         }
         Source::Material { path, textures, allow_outside } => {
+            let names = materials_in_file(&path);
+            if names.len() > 1 {
+                return Ok(Loaded::Several(names));
+            }
             let given = textures.len();
             let mut scene = Scene { textures, ..Default::default() };
             match load_material(&path, &mut scene, &ImportOptions { allow_outside, ..Default::default() }) {

@@ -11,6 +11,7 @@ mod preset_balls;
 mod preview_ball;
 mod preview_worker;
 mod studio;
+mod surface;
 mod thumbnails;
 mod transfer;
 
@@ -22,6 +23,7 @@ use crate::{
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use lapidary_core::{
     material::{Material, map_color_space},
+    parts::Part,
     texture::TextureSlot,
 };
 use lapidary_render::{Post, SceneLighting};
@@ -46,6 +48,12 @@ pub struct MaterialContext<'a> {
     pub document: &'a Document,
     /// Which of its materials, if any.
     pub selected: Option<usize>,
+    /// The part of the scene that is selected, if any.
+    pub part: Option<Part>,
+    /// All parts that can have other materials.
+    pub parts: &'a [Part],
+    /// The material of a ground, which no other surface has.
+    pub ground: Option<usize>,
     /// The light of the environment, if it is in the picture.
     pub lighting: Option<&'a Arc<SceneLighting>>,
     /// Another number for each change of the light.
@@ -117,6 +125,7 @@ pub fn new_slot(kind: &'static str, texture: u32) -> TextureSlot {
 pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, actions: &mut Vec<Action>) {
     let materials = &context.document.materials;
     choose(ui, context, actions);
+    surface::show(ui, context, actions);
     let Some((index, original)) = context.selected.and_then(|i| Some((i, materials.get(i)?))) else {
         ui.weak("Select a material here, or click a surface in the viewport.");
         return;
@@ -139,10 +148,7 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
 /// Which material, of how many.
 fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
     let materials = &context.document.materials;
-    let title = |i: usize| match materials[i].name.as_str() {
-        "" => format!("Material {}", i + 1),
-        name => name.to_owned(),
-    };
+    let title = |i: usize| context.document.material_name(i);
     let current = context.selected.filter(|&i| i < materials.len());
     ui.horizontal(|ui| {
         let shown = current.map_or("No material".to_owned(), title);

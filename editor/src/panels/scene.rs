@@ -5,9 +5,16 @@ mod bookmarks;
 mod tests;
 
 use super::widgets::{outline, section};
-use crate::{actions::Action, document::Document};
-use egui::{Button, Color32, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2};
-use lapidary_core::{color::srgb_from_linear, dataset::Dataset, material::Material};
+use crate::{actions::Action, document::Document, dragged::Dragged};
+use egui::{
+    Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
+};
+use lapidary_core::{
+    color::srgb_from_linear,
+    dataset::Dataset,
+    material::Material,
+    parts::{Part, Variants},
+};
 use std::collections::BTreeSet;
 
 /// Rows of a list before it scrolls.
@@ -47,6 +54,7 @@ pub fn show(ui: &mut Ui, state: &mut ScenePanel, context: &SceneContext, actions
         objects(ui, context, dataset, &state.object_materials, &wanted, actions);
     }
     materials(ui, context, &wanted, actions);
+    context.dataset.into_iter().for_each(|dataset| variants(ui, context.document, &dataset.scene.variants, actions));
     section(ui, "Cameras", true, |ui| bookmarks::show(ui, &mut state.renaming, context, actions));
 }
 
@@ -85,8 +93,10 @@ fn objects(
         let right_to_left = Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right_to_left, |ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
-            for &material in materials.of_object[index].iter().take(SWATCHES) {
-                object_swatch(ui, context, names[index], material as usize, actions);
+            let shown = |&material| context.document.material_of(Part { object: index as u32, material });
+            let shown: BTreeSet<usize> = materials.of_object[index].iter().map(shown).collect();
+            for material in shown.into_iter().take(SWATCHES) {
+                object_swatch(ui, context, names[index], material, actions);
             }
             let selected = context.selected_object == Some(index as u32);
             let name = name_button(ui, selected, names[index]);
@@ -103,7 +113,7 @@ fn objects(
 /// The colour of one of an object's materials; a click selects the material.
 fn object_swatch(ui: &mut Ui, context: &SceneContext, object: &str, index: usize, actions: &mut Vec<Action>) {
     let Some(material) = context.document.materials.get(index) else { return };
-    let name = material_name(index, material);
+    let name = context.document.material_name(index);
     let swatch = swatch(ui, material, Sense::click());
     swatch.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{name} of {object}")));
     if swatch.on_hover_text(name).clicked() {
@@ -113,13 +123,38 @@ fn object_swatch(ui: &mut Ui, context: &SceneContext, object: &str, index: usize
 
 fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Vec<Action>) {
     let materials = &context.document.materials;
-    let names: Vec<String> = materials.iter().enumerate().map(|(i, m)| material_name(i, m)).collect();
+    let names: Vec<String> = (0..materials.len()).map(|i| context.document.material_name(i)).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     list(ui, "Materials", &names, wanted, |ui, index| {
         swatch(ui, &materials[index], Sense::hover());
-        if name_button(ui, context.selected_material == Some(index), names[index]).clicked() {
+        let name = name_button(ui, context.selected_material == Some(index), names[index]).interact(Sense::drag());
+        name.dnd_set_drag_payload(Dragged::Material(index));
+        if name.on_hover_text("Drag it onto a surface to give that its values").clicked() {
             actions.push(Action::SelectMaterial(Some(index)));
         }
+    });
+}
+
+/// A choice of the variants that a glTF file has.
+fn variants(ui: &mut Ui, document: &Document, variants: &Variants, actions: &mut Vec<Action>) {
+    if variants.is_empty() {
+        return;
+    }
+    const PLAIN: &str = "As in the file";
+    let name = |variant: Option<usize>| variant.map_or(PLAIN, |variant| variants.names[variant].as_str());
+    let shown = document.shown_variant(variants);
+    ui.horizontal(|ui| {
+        let label =
+            ui.label("Variant").on_hover_text("Materials that the glTF file offers together. No bake is needed.");
+        let combo = ComboBox::from_id_salt("variant").selected_text(shown.map_or("Mixed", name));
+        let opened = combo.width(ui.available_width()).truncate().show_ui(ui, |ui| {
+            for variant in [None].into_iter().chain((0..variants.names.len()).map(Some)) {
+                if ui.selectable_label(shown == Some(variant), name(variant)).clicked() {
+                    actions.push(Action::ChooseVariant(variant));
+                }
+            }
+        });
+        opened.response.labelled_by(label.id);
     });
 }
 
@@ -160,8 +195,4 @@ fn swatch(ui: &mut Ui, material: &Material, sense: Sense) -> Response {
     let color = Color32::from_rgb(color[0], color[1], color[2]);
     ui.painter().rect(rect, 2.0, color, outline(ui), StrokeKind::Inside);
     response
-}
-
-fn material_name(index: usize, material: &Material) -> String {
-    if material.name.is_empty() { format!("Material {}", index + 1) } else { material.name.clone() }
 }

@@ -4,10 +4,7 @@ mod keys;
 
 pub use keys::turn_environment;
 
-use super::{
-    ViewportContext, ViewportState, gizmo, navigation,
-    pick::{self, Picked},
-};
+use super::{ViewportContext, ViewportState, gizmo, navigation, pick::Picked, pixel};
 use crate::{
     actions::Action,
     document::{Edit, EnvironmentSettings},
@@ -232,8 +229,13 @@ impl Pass<'_> {
     fn dolly_toward_pointer(&mut self, factor: f32) {
         let Some(pointer) = self.input(|input| input.pointer.latest_pos()) else { return };
         let picked = self.picked(pointer).map(|picked| picked.position);
-        let toward = picked
-            .unwrap_or_else(|| navigation::point_on_target_plane(&self.camera, self.pixel(pointer), self.size_px));
+        let toward = picked.unwrap_or_else(|| {
+            navigation::point_on_target_plane(
+                &self.camera,
+                pixel(pointer, self.response.rect, self.size_px),
+                self.size_px,
+            )
+        });
         self.camera = navigation::dolly(&self.camera, factor, toward, self.scene_size());
         self.state.dollied_at = Some(self.input(|input| input.time));
     }
@@ -247,7 +249,9 @@ impl Pass<'_> {
         let picked = self.picked(pointer);
         if !self.response.double_clicked() {
             self.actions.push(Action::SelectObject(picked.map(|picked| picked.object)));
-            self.actions.push(Action::SelectMaterial(picked.map(|picked| picked.material)));
+            let part = picked.map(|picked| picked.part());
+            self.actions.push(Action::SelectMaterial(part.map(|part| self.context.document.material_of(part))));
+            self.actions.extend(part.map(Action::SelectPart));
         } else if let Some(picked) = picked {
             self.camera = navigation::centered_on(&self.camera, picked.position);
         }
@@ -259,15 +263,7 @@ impl Pass<'_> {
     }
 
     fn picked(&self, pointer: Pos2) -> Option<Picked> {
-        let (mesh, intersector) = (self.context.mesh?, self.context.intersector?);
-        let ground = self.context.document.bake.ground;
-        pick::pick((mesh, intersector), ground, &self.camera, self.pixel(pointer), self.size_px)
-    }
-
-    fn pixel(&self, pointer: Pos2) -> Vec2 {
-        let rect = self.response.rect;
-        let at = (pointer - rect.min) / rect.size();
-        Vec2::new(at.x * self.size_px[0] as f32, at.y * self.size_px[1] as f32)
+        self.context.picked(&self.camera, pointer, self.response.rect, self.size_px)
     }
 
     fn height(&self) -> f32 {

@@ -1,19 +1,26 @@
 //! What lies under a pixel, by one ray.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{bounds::Bounds, camera::Camera, ground::Ground, ray::Intersector, scene::Mesh};
+use lapidary_core::{bounds::Bounds, camera::Camera, ground::Ground, parts::Part, ray::Intersector, scene::Mesh};
 
 /// What lies under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Picked {
     /// Index of the object.
     pub object: u32,
-    /// Index of the material.
+    /// Index of the material that the mesh says.
     pub material: usize,
     /// Index of the triangle in the mesh.
     pub triangle: u32,
     /// Where the ray met it, in metres.
     pub position: Vec3,
+}
+
+impl Picked {
+    /// The part of the object.
+    pub fn part(&self) -> Part {
+        Part { object: self.object, material: self.material as u32 }
+    }
 }
 
 /// What `camera` sees at `pixel` of a picture of `size`. `intersector` is made of `mesh`. A ground can be picked if it is shown as a
@@ -38,14 +45,24 @@ pub fn pick(
     })
 }
 
+/// Bounds of a part, as [`object_bounds`].
+pub fn part_bounds(mesh: &Mesh, part: Part) -> Option<Bounds> {
+    bounds_of(mesh, part.object, |triangle| mesh.triangle_material[triangle] == part.material)
+}
+
 /// Bounds of an object's triangles; `None` if it has none. The ground, which is endless, has those of what stands on it. Goes
 /// through the whole mesh: keep the result.
 pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
+    bounds_of(mesh, object, |_| true)
+}
+
+fn bounds_of(mesh: &Mesh, object: u32, counts: impl Fn(usize) -> bool) -> Option<Bounds> {
     if mesh.ground_object() == Some(object) {
         return Some(mesh.bounds());
     }
-    let of_object = mesh.triangle_object.iter().enumerate().filter(|&(_, &owner)| owner == object);
-    let bounds = Bounds::around(of_object.flat_map(|(triangle, _)| mesh.corners(triangle)));
+    let owners = mesh.triangle_object.iter().enumerate();
+    let counted = owners.filter(|&(triangle, &owner)| owner == object && counts(triangle));
+    let bounds = Bounds::around(counted.flat_map(|(triangle, _)| mesh.corners(triangle)));
     (bounds.min.x <= bounds.max.x).then_some(bounds)
 }
 

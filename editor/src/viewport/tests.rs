@@ -1,6 +1,7 @@
 //! The viewport in a window without a screen: what mouse and keys do to a made-up scene.
 
 mod camera;
+mod dropping;
 
 use super::{test_window::*, *};
 use crate::{document::Edit, test_support::row_of_sources};

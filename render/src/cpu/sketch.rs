@@ -42,8 +42,10 @@ impl Sketch {
     /// Another appearance after `old`: what the pixels of changed materials look like is looked up again.
     pub fn set_appearance(&mut self, old: &Appearance, new: &Appearance) {
         self.changes += 1;
-        self.changed.resize(new.materials.len(), 0);
-        old.changed_materials(new).into_iter().for_each(|material| self.changed[material] = self.changes);
+        let count = old.materials.len().max(new.materials.len());
+        self.changed.resize(count, 0);
+        let changed = old.changed_materials(new).unwrap_or_else(|| (0..count).collect());
+        changed.into_iter().for_each(|material| self.changed[material] = self.changes);
     }
 
     /// Another picture; what its pixels see is kept if the camera is the same. `last` is the picture before it, if nothing

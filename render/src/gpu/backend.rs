@@ -25,7 +25,7 @@ use super::{
     targets::{Sums, Target, Targets},
 };
 use crate::{
-    appearance::Appearance,
+    appearance::{Appearance, Assigned, same_assignment},
     backend::{Backend, BackendError, PictureStats, ShadedSamples},
     baked::Baked,
     light::{
@@ -105,6 +105,8 @@ struct Loaded {
     /// The patch of each vertex, or a single one where nothing asks for them.
     patches: wgpu::Buffer,
     materials: GpuMaterials,
+    /// The materials of its triangles.
+    assigned: Assigned,
     dataset: Arc<Dataset>,
 }
 
@@ -334,7 +336,7 @@ impl Backend for GpuBackend {
         };
         let patches = storage(&self.gpu, "patches", bytemuck::cast_slice(&patches));
         self.compile_for(&appearance)?;
-        self.scene = Some(Loaded { scene, patches, materials, dataset: dataset.clone() });
+        self.scene = Some(Loaded { scene, patches, materials, assigned: None, dataset: dataset.clone() });
         // The lights go with their scene, and with them what was said of them.
         self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);
@@ -348,7 +350,10 @@ impl Backend for GpuBackend {
         let (fitted, mut messages) = appearance.fitted(&loaded.dataset.scene.materials);
         let (materials, scaled) = GpuMaterials::new(&self.gpu, &fitted, Some(loaded.materials));
         messages.extend(scaled);
-        self.scene = Some(Loaded { materials, ..loaded });
+        if !same_assignment(&loaded.assigned, &fitted.assigned) {
+            loaded.scene.assign(&self.gpu, &loaded.dataset, &fitted);
+        }
+        self.scene = Some(Loaded { materials, assigned: fitted.assigned.clone(), ..loaded });
         self.picture = None;
         self.compile_for(&fitted)?;
         self.gpu.check()?;

@@ -4,7 +4,7 @@ use super::{
     device::GpuDevice,
     layout::{Triangle, Vertex, constants::TWO_SIDED},
 };
-use crate::{backend::BackendError, remedy::Remedy, view::View, view_mode::visibility_cuts};
+use crate::{appearance::Appearance, backend::BackendError, remedy::Remedy, view::View, view_mode::visibility_cuts};
 use lapidary_core::{
     bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
@@ -70,7 +70,7 @@ impl GpuScene {
             cuts: upload_cuts(gpu, &dataset.cuts)?,
             sources: dataset.indirect.as_ref().map(|bake| source_cuts(gpu, bake)).transpose()?,
             vertices: storage(gpu, "vertices", bytemuck::cast_slice(&vertices(dataset))),
-            triangles: storage(gpu, "triangles", bytemuck::cast_slice(&triangles(dataset))),
+            triangles: storage(gpu, "triangles", bytemuck::cast_slice(&triangles(dataset, &Appearance::default()))),
             triangle_count: mesh.triangles.len() as u32,
             ground: mesh.ground.map(|start| GpuGround {
                 first_triangle: start.triangle,
@@ -85,6 +85,11 @@ impl GpuScene {
 }
 
 impl GpuScene {
+    /// Gives the triangles of `dataset` the materials that `appearance` assigns.
+    pub fn assign(&self, gpu: &GpuDevice, dataset: &Dataset, appearance: &Appearance) {
+        gpu.queue.write_buffer(&self.triangles, 0, bytemuck::cast_slice(&triangles(dataset, appearance)));
+    }
+
     /// Number of triangles, from the first, that a view shows. From below the ground is not seen.
     pub fn triangles_shown(&self, view: &View) -> u32 {
         let hidden = |ground: &&GpuGround| view.ground() == Ground::Off || view.camera.eye.y < ground.height;
@@ -113,14 +118,13 @@ fn vertices(dataset: &Dataset) -> Vec<Vertex> {
     (0..mesh.positions.len()).map(vertex).collect()
 }
 
-fn triangles(dataset: &Dataset) -> Vec<Triangle> {
+fn triangles(dataset: &Dataset, appearance: &Appearance) -> Vec<Triangle> {
     let mesh = &dataset.scene.mesh;
-    let materials = mesh.triangle_material.iter().zip(&dataset.two_sided);
-    let triangle = |(&vertices, (&material, &two_sided)): (&[u32; 3], (&u32, &bool))| Triangle {
+    let triangle = |(index, (&vertices, &two_sided)): (usize, (&[u32; 3], &bool))| Triangle {
         vertices,
-        material: material | if two_sided { TWO_SIDED } else { 0 },
+        material: appearance.material_of(mesh, index) | if two_sided { TWO_SIDED } else { 0 },
     };
-    mesh.triangles.iter().zip(materials).map(triangle).collect()
+    mesh.triangles.iter().zip(&dataset.two_sided).enumerate().map(triangle).collect()
 }
 
 /// A read-only storage buffer.

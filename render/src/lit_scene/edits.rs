@@ -2,7 +2,7 @@
 //! Both renderers are tested by this.
 
 use crate::{
-    Appearance, Backend, Baked, Components, LitScene, Look, Renderer, ShadedSamples, View,
+    Appearance, Assigned, Backend, Baked, Components, LitScene, Look, Renderer, ShadedSamples, View,
     shade::surface::FirstHit,
     test_looks::look,
     test_scenes::{floor_and_wall, illumination, light, point_light},
@@ -213,12 +213,59 @@ pub fn unseen_changes_do_not_creep<B: Backend>(make: impl Fn() -> B) {
     assert_eq!(shown.edit(brighter(1.1)).1.bounce, all, "negative control: a change to be seen");
 }
 
+/// Triangles that get another material, and with it an emission, look as if the mesh said so, and only what shows them is shaded
+/// again.
+pub fn assigned_materials_look_as_those_of_the_mesh<B: Backend>(make: impl Fn() -> B, slack: f64) {
+    let baked = baked();
+    let mut shown = Shown::new(make(), &baked, Components::UNBOUNCED);
+    let own: Assigned = Some(baked.dataset.scene.mesh.triangle_material.clone().into());
+    let before = shown.edit(|look| look.appearance.assigned = own.clone()).0;
+    let mut glow = baked.dataset.scene.materials[1].clone();
+    glow.parameters.set("base_color", Vec3::new(0.1, 0.7, 0.2));
+    glow.set_emission(Vec3::new(0.3, 0.1, 0.0));
+
+    let mut oracle = (*baked.dataset).clone();
+    oracle.scene.materials.push(glow.clone());
+    oracle.scene.mesh.triangle_material.iter_mut().filter(|m| **m == 2).for_each(|m| *m = 3);
+    let other: Assigned = Some(oracle.scene.mesh.triangle_material.clone().into());
+    let oracle = Baked::from(oracle);
+
+    let [all, half] = surfaces(&baked, &shown.look.view, 2);
+    let (image, shaded, _) = shown.edit(|look| {
+        look.appearance.materials.push(glow.clone());
+        look.appearance.assigned = other.clone();
+    });
+    let expected = Shown::new(make(), &oracle, Components::UNBOUNCED).edit(|_| ()).0;
+    assert!(image == expected, "{}", difference(&image, &expected));
+    assert!(difference(&image, &before) > 1e-2, "negative control: it is to be seen");
+    let near = |count: u64| count.abs_diff(half) as f64 <= slack * all as f64;
+    assert!(near(shaded.environment) && near(shaded.direct), "{shaded:?} for {half} of {all}");
+    let (back, ..) = shown.edit(|look| {
+        look.appearance.materials.pop();
+        look.appearance.assigned = own.clone();
+    });
+    assert!(back == before, "{}", difference(&back, &before));
+
+    shown.look.components = Components::ALL;
+    let mut expected = Shown::new(make(), &oracle, Components::ALL);
+    let image = shown.edit(|look| {
+        look.appearance.materials.push(glow.clone());
+        look.appearance.assigned = other.clone();
+    });
+    assert!(image.0 == expected.edit(|_| ()).0, "what it reflects and sends lights other surfaces");
+}
+
 mod on_the_cpu {
     use crate::CpuBackend;
 
     #[test]
     fn edits_shade_what_they_change() {
         super::edits_shade_what_they_change(CpuBackend::new, 0.0);
+    }
+
+    #[test]
+    fn assigned_materials_look_as_those_of_the_mesh() {
+        super::assigned_materials_look_as_those_of_the_mesh(CpuBackend::new, 0.0);
     }
 
     #[test]

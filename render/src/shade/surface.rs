@@ -319,7 +319,7 @@ impl<'a> Surfaces<'a> {
 
     /// Index of a triangle's material.
     pub fn material(&self, triangle: u32) -> u32 {
-        self.dataset.scene.mesh.triangle_material[triangle as usize]
+        self.appearance.material_of(&self.dataset.scene.mesh, triangle as usize)
     }
 
     /// Where the corners of a triangle are.
@@ -341,7 +341,7 @@ impl<'a> Surfaces<'a> {
         let uv = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.uvs[v as usize] * w).sum::<Vec2>();
         let tangent = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.tangents[v as usize].truncate() * w).sum();
         let handedness = mesh.tangents[vertices[0] as usize].w * side;
-        let material_index = mesh.triangle_material[triangle];
+        let material_index = self.material(hit.triangle);
         let material = &self.appearance.materials[material_index as usize];
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
         let offset = offset::of_shading(edge, self.largest_offset);

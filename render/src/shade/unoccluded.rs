@@ -81,7 +81,7 @@ mod tests {
         let tree = LightTree::geometric(4096).unwrap();
         let parameters = GgxParameters { base_color: Vec3::ONE, ..Default::default() };
         let white = Material { model: BrdfModel::Lambert, parameters: parameters.into(), ..Default::default() };
-        let appearance = Appearance { materials: vec![white], textures: Vec::new() };
+        let appearance = Appearance { materials: vec![white], ..Default::default() };
         let place = SurfacePlace {
             position: Vec3::ZERO,
             smooth_normal: Vec3::Y,

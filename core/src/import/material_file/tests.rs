@@ -1,6 +1,6 @@
 //! Materials whose BRDF is in a file.
 
-use super::load_material;
+use super::{load_material, materials_in_file};
 use crate::brdf::{BrdfModel, Content, example_file};
 use std::path::Path;
 
@@ -49,4 +49,28 @@ fn a_table_that_is_not_there_or_broken_is_named() {
     assert!(missing.contains("its BRDF example.binary: there is no such file beside it"), "{missing}");
     let broken = load(folder(Some(&[0; 40])).path()).unwrap_err().to_string();
     assert!(broken.contains("no MERL BRDF: its table is 0 x 0 x 0") && broken.contains("example.binary"), "{broken}");
+}
+
+#[test]
+fn a_document_of_several_materials_tells_their_names_unless_one_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let document = r#"<materialx version="1.39">
+        <open_pbr_surface name="S" type="surfaceshader"/><disney name="D" type="surfaceshader"/>
+        <surfacematerial name="gold" type="material"><input name="surfaceshader" nodename="S"/></surfacematerial>
+        <surfacematerial name="odd" type="material"><input name="surfaceshader" nodename="D"/></surfacematerial>
+        <surfacematerial name="steel" type="material"><input name="surfaceshader" nodename="S"/></surfacematerial>
+        </materialx>"#;
+    let path = write("all.mtlx", document);
+    assert_eq!(materials_in_file(&path), ["gold", "steel"], "one of another surface is not read");
+    let named = folder.path().join("all.mtlx#steel");
+    assert!(materials_in_file(&named).is_empty());
+    assert_eq!(load_material(&named, &mut Default::default(), &Default::default()).unwrap().0.name, "steel");
+    for other in [write("a.mtlx", "<materialx"), write("a.json", document), folder.path().join("gone.mtlx")] {
+        assert!(materials_in_file(&other).is_empty(), "{}", other.display());
+    }
 }

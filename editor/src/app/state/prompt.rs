@@ -33,6 +33,15 @@ pub enum Prompt {
         /// What is done once there is an answer.
         then: Again,
     },
+    /// A file has several materials.
+    Several {
+        /// The file.
+        file: PathBuf,
+        /// Their names.
+        names: Vec<String>,
+        /// The material that one of them replaces.
+        material: usize,
+    },
     /// The identity of this program.
     About,
 }

@@ -11,6 +11,7 @@ use std::fmt::Display;
 pub fn sanitize(session: &mut Session, warnings: &mut Vec<String>) {
     let mut checks = Checks { warnings };
     session.materials.iter_mut().for_each(|m| checks.material(m));
+    session.added = session.added.min(session.materials.len());
     checks.environment(&mut session.environment);
     checks.lights(session.lights.as_mut());
     checks.view(&mut session.view);

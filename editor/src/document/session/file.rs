@@ -7,6 +7,7 @@ use lapidary_core::{
     dataset::BakeSettings,
     lights::Light,
     material::{Material, MaterialOf},
+    parts::Part,
     texture::{Channel, ColorSpace, Procedural, TextureSlot},
 };
 use lapidary_render::Solution;
@@ -20,8 +21,12 @@ pub struct Session {
     pub scene: Option<PathBuf>,
     /// The dataset.
     pub dataset: Option<PathBuf>,
-    /// In the order of the dataset.
+    /// In the order of the dataset, and after them those that were added.
     pub materials: Vec<SessionMaterial>,
+    /// How many were added.
+    pub added: usize,
+    /// Parts that have another material than the mesh says.
+    pub assigned: Vec<SessionAssignment>,
     /// The light from all around.
     pub environment: EnvironmentSettings,
     /// Local lights; `None` for those of the scene, in files from before there were any.
@@ -42,6 +47,20 @@ pub struct Session {
 
 /// See [`Material`].
 pub type SessionMaterial = MaterialOf<SessionSlot>;
+
+/// A part that has another material than the mesh says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SessionAssignment {
+    /// The object's name, which decides if another has its index.
+    pub name: String,
+    /// Index of the object.
+    pub object: u32,
+    /// The material that the mesh says, among those of the session.
+    pub own: usize,
+    /// The material that it has.
+    pub material: usize,
+}
 
 /// See [`TextureSlot`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -97,16 +116,23 @@ pub struct SessionCamera {
 impl Session {
     /// The parts of `document`; no texels.
     pub fn of(document: &Document) -> Self {
+        // A ground's is the last of the scene.
+        let (own, added) = document.materials.split_at(document.own_materials());
+        let material = |material: &Material| session_material(material, document);
+        let hidden = usize::from(document.hidden_ground.is_some());
+        let index = |index: usize| if index < own.len() { index } else { index + hidden };
+        let assignment = |(part, material): (&Part, &usize)| SessionAssignment {
+            name: document.objects.get(part.object as usize).cloned().unwrap_or_default(),
+            object: part.object,
+            own: part.material as usize,
+            material: index(*material),
+        };
         Self {
             scene: document.scene.clone(),
             dataset: document.dataset.clone(),
-            // A ground's is the last one.
-            materials: document
-                .materials
-                .iter()
-                .chain(&document.hidden_ground)
-                .map(|m| session_material(m, document))
-                .collect(),
+            materials: own.iter().chain(&document.hidden_ground).chain(added).map(material).collect(),
+            added: added.len(),
+            assigned: document.assigned.iter().map(assignment).collect(),
             environment: document.environment.clone(),
             lights: Some(document.lights.clone()),
             components: document.components,

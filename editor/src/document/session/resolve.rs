@@ -1,8 +1,10 @@
 //! From a session and the scene that it names to a document.
 
-use super::{LoadedSession, Session, SessionMaterial, TextureSource, brdfs, file::document_material};
+use super::{
+    LoadedSession, Session, SessionAssignment, SessionMaterial, TextureSource, brdfs, file::document_material,
+};
 use crate::document::{Document, TextureEntry};
-use lapidary_core::{ground, material::Material, scene::Scene, texture::Texture};
+use lapidary_core::{ground, material::Material, parts::Part, scene::Scene, texture::Texture};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -23,16 +25,23 @@ impl LoadedSession {
             None => Document::empty(),
         };
         let mut textures = Textures::new(document.textures, &mut session, scene.is_some(), &mut warnings);
+        let own_count = session.materials.len().saturating_sub(session.added);
+        let added = session.materials.split_off(own_count);
         let hidden = scene.and_then(|scene| hidden_ground(scene, &mut session.materials));
-        document.hidden_ground = hidden.map(|m| document_material(&m, |source| textures.index_of(source)));
-        document.materials = match scene {
-            Some(_) => merged_materials(&document.materials, &session.materials, &mut textures),
-            None => {
-                session.materials.iter().map(|m| document_material(m, |source| textures.index_of(source))).collect()
-            }
+        document.hidden_ground = hidden.map(|m| textures.material(&m));
+        let places = match scene {
+            Some(scene) => match_materials(&scene.materials, &session.materials),
+            None => (0..session.materials.len()).map(Some).collect(),
         };
+        document.materials = match scene {
+            Some(_) => merged_materials(&document.materials, &session.materials, &places, &mut textures),
+            None => session.materials.iter().map(|m| textures.material(m)).collect(),
+        };
+        document.added = added.len();
+        document.materials.extend(added.iter().map(|m| textures.material(m)));
         document.textures = textures.entries;
         brdfs::read(&mut document.materials, scene.map_or(&[], |scene| &scene.materials), &mut warnings);
+        take_assignments(&mut document, &session.assigned, own_count, &places);
         document.scene = session.scene;
         document.dataset = session.dataset;
         document.environment = session.environment;
@@ -50,24 +59,54 @@ impl LoadedSession {
     }
 }
 
+/// Gives parts of the document the materials that a session assigns. The session has `own_count` materials beside those that were
+/// added, and material `i` of the scene is that at `places[i]`. Objects that the scene does not have any more, and materials, are left
+/// out.
+fn take_assignments(
+    document: &mut Document,
+    assigned: &[SessionAssignment],
+    own_count: usize,
+    places: &[Option<usize>],
+) {
+    if document.objects.is_empty() {
+        let named = assigned.iter().filter(|assignment| assignment.object < MAX_STAND_INS);
+        let count = named.clone().map(|assignment| assignment.object as usize + 1).max().unwrap_or(0);
+        document.objects.resize(count, String::new());
+        named.for_each(|assignment| document.objects[assignment.object as usize].clone_from(&assignment.name));
+    }
+    let own = document.own_materials();
+    let own_index = |index: usize| places.iter().position(|place| *place == Some(index)).filter(|&found| found < own);
+    let index = |index: usize| match index.checked_sub(own_count) {
+        Some(added) => Some(own + added).filter(|&found| found < document.materials.len()),
+        None => own_index(index),
+    };
+    let found = assigned.iter().filter_map(|assignment| {
+        let object = document.object_called(&assignment.name, assignment.object)?;
+        let part = Part { object, material: own_index(assignment.own)? as u32 };
+        Some((part, index(assignment.material)?))
+    });
+    document.assigned = document.assigning(found);
+}
+
 /// Takes the material of a ground from those of a session, if the scene has no ground.
 fn hidden_ground(scene: &Scene, session: &mut Vec<SessionMaterial>) -> Option<SessionMaterial> {
     let is_left = scene.mesh.ground.is_none() && session.len() == scene.materials.len() + 1;
     session.pop_if(|last| is_left && last.name == ground::NAME)
 }
 
-fn merged_materials(own: &[Material], session: &[SessionMaterial], textures: &mut Textures) -> Vec<Material> {
-    let places = match_materials(own, session);
-    warn_of_differences(own, session, &places, textures.warnings);
+fn merged_materials(
+    own: &[Material],
+    session: &[SessionMaterial],
+    places: &[Option<usize>],
+    textures: &mut Textures,
+) -> Vec<Material> {
+    warn_of_differences(own, session, places, textures.warnings);
     let merge = |(own, place): (&Material, &Option<usize>)| match place {
         // Which sides reflect was baked.
-        Some(i) => Material {
-            double_sided: own.double_sided,
-            ..document_material(&session[*i], |source| textures.index_of(source))
-        },
+        Some(i) => Material { double_sided: own.double_sided, ..textures.material(&session[*i]) },
         None => own.clone(),
     };
-    own.iter().zip(&places).map(merge).collect()
+    own.iter().zip(places).map(merge).collect()
 }
 
 /// For each material of the scene the session's material: of the same name, first at the same index. In lists of the
@@ -163,6 +202,10 @@ impl<'a> Textures<'a> {
         }
         let of_scene = entries.len();
         Self { entries, of_scene, by_file: HashMap::new(), stand_ins: HashMap::new(), scene_known, warnings }
+    }
+
+    fn material(&mut self, material: &SessionMaterial) -> Material {
+        document_material(material, |source| self.index_of(source))
     }
 
     fn index_of(&mut self, source: &TextureSource) -> u32 {

@@ -15,6 +15,8 @@ use lapidary_core::{
     dataset::{BakeSettings, Dataset},
     lights::Light,
     material::{BrdfModel, Material, MaterialMaps},
+    parts::Part,
+    scene::Object,
     test_scenes::{camera, dataset, light, write_picture},
     texture::{Channel, ColorSpace, Procedural, Texture, TextureSlot},
 };
@@ -123,6 +125,7 @@ fn slot(texture: u32) -> TextureSlot {
 fn assert_same(a: &Document, b: &Document) {
     assert_eq!((&a.scene, &a.dataset), (&b.scene, &b.dataset));
     assert_eq!(a.materials, b.materials);
+    assert_eq!((a.added, &a.assigned, &a.objects), (b.added, &b.assigned, &b.objects));
     assert_eq!((&a.environment, &a.view, &a.bake), (&b.environment, &b.view, &b.bake));
     assert_eq!((&a.lights, a.components, a.solution), (&b.lights, b.components, b.solution));
     assert_eq!((&a.camera, &a.bookmarks), (&b.camera, &b.bookmarks));
@@ -142,6 +145,56 @@ fn everything_survives_the_disk() {
     let mut other = document.clone();
     other.materials[1].parameters.set("roughness", 0.350_001);
     assert_ne!(read.materials, other.materials);
+}
+
+/// A document with a material that was added, which one of two objects has.
+fn with_a_part(project: &mut Project) -> Document {
+    project.dataset.scene.objects = ["lid", "pot"].map(|name| Object { name: name.into() }).to_vec();
+    let mut document = project.document();
+    document.materials.push(Material { name: "glaze 2".into(), ..Default::default() });
+    (document.added, document.assigned) = (1, [(Part { object: 1, material: 0 }, 3)].into());
+    document
+}
+
+#[test]
+fn materials_of_parts_survive_the_disk_with_and_without_a_scene_and_a_ground() {
+    let mut project = Project::new();
+    let mut document = with_a_part(&mut project);
+    for hidden in [None, Some(Material { name: "Ground".into(), ..Default::default() })] {
+        document.hidden_ground = hidden;
+        let loaded = project.reloaded(&document);
+        let written = project.json();
+        assert_eq!(written["assigned"][0]["name"], "pot");
+        let (read, warnings) = loaded.clone().into_document(Some(&project.dataset.scene));
+        assert_eq!(warnings, Vec::<String>::new());
+        assert_same(&read, &document);
+        assert_eq!(read.hidden_ground, document.hidden_ground);
+        let (alone, _) = loaded.into_document(None);
+        save(&alone, &Unknown::default(), &project.file()).unwrap();
+        assert_eq!((&project.json()["assigned"], &project.json()["added"]), (&written["assigned"], &written["added"]));
+    }
+}
+
+#[test]
+fn a_session_finds_parts_by_the_name_of_their_object_and_drops_what_is_not_there() {
+    let mut project = Project::new();
+    let document = with_a_part(&mut project);
+    let loaded = project.reloaded(&document);
+    let found = |objects: &[&str], change: &dyn Fn(&mut Session)| {
+        let mut scene = project.dataset.scene.clone();
+        scene.objects = objects.iter().map(|&name| Object { name: name.into() }).collect();
+        scene.materials.swap(0, 2);
+        let mut loaded = loaded.clone();
+        change(&mut loaded.session);
+        loaded.into_document(Some(&scene)).0.assigned
+    };
+    let moved = [(Part { object: 0, material: 2 }, 3)].into();
+    assert_eq!(found(&["pot", "lid"], &|_| ()), moved, "objects and materials in another order");
+    assert!(found(&["lid"], &|_| ()).is_empty());
+    assert!(found(&["pot"], &|session| session.assigned[0].material = 4).is_empty());
+    assert!(found(&["pot"], &|session| session.assigned[0].own = 3).is_empty(), "an added one is none of the mesh");
+    let none = project.changed(|json| json["added"] = json!(1_000));
+    assert_eq!(none.session.added, none.session.materials.len());
 }
 
 #[test]

@@ -7,9 +7,10 @@ use super::{
     preview_worker::displayed,
     studio,
 };
-use crate::panels::widgets::check_box;
+use crate::{dragged::Dragged, panels::widgets::check_box};
 use egui::{
-    Color32, ColorImage, Context, Rect, Role, Sense, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, Context, Rect, Response, Role, Sense, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2,
+    vec2,
 };
 use lapidary_core::material::{PRESETS, Preset};
 use lapidary_render::Post;
@@ -68,8 +69,12 @@ impl PresetBalls {
                 for line in group.chunks(COLUMNS) {
                     ui.horizontal(|ui| {
                         for preset in line {
-                            if self.entry(ui, index, preset) {
+                            let entry = self.entry(ui, index, preset);
+                            entry.dnd_set_drag_payload(Dragged::Preset { index, clear_maps: *clear_maps });
+                            if entry.clicked() {
                                 changes.replace("Preset", preset.applied_to(&changes.material, *clear_maps));
+                            }
+                            if entry.clicked() || entry.drag_stopped() {
                                 ui.close();
                             }
                             index += 1;
@@ -80,9 +85,9 @@ impl PresetBalls {
         });
     }
 
-    /// A ball with its name below; returns whether it is clicked.
-    fn entry(&self, ui: &mut Ui, index: usize, preset: &Preset) -> bool {
-        let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, SIDE + 32.0), Sense::click());
+    /// A ball with its name below, to be clicked or dragged.
+    fn entry(&self, ui: &mut Ui, index: usize, preset: &Preset) -> Response {
+        let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, SIDE + 32.0), Sense::click_and_drag());
         let response = response.on_hover_text(preset.source);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, preset.name));
         let visuals = ui.style().interact(&response);
@@ -103,7 +108,7 @@ impl PresetBalls {
         let text = ui.painter().layout(preset.name.to_owned(), font, visuals.text_color(), WIDTH - 4.0);
         let left = rect.center().x - 0.5 * text.size().x;
         ui.painter().galley(pos2(left, ball.bottom() + 2.0), text, visuals.text_color());
-        response.clicked()
+        response
     }
 }
 

@@ -37,7 +37,8 @@ impl Ball {
     pub fn render(&self, size: u32) -> Vec<BallPixel> {
         let material = std::slice::from_ref(&self.material);
         let (appearance, _) =
-            Appearance { materials: material.to_vec(), textures: self.textures.clone() }.fitted(material);
+            Appearance { materials: material.to_vec(), textures: self.textures.clone(), assigned: None }
+                .fitted(material);
         let mut shader = UnoccludedShader::new(&appearance, &self.lighting);
         let view = View::new();
         let pixels = (0..size * size).map(|i| {

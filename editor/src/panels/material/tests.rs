@@ -21,6 +21,9 @@ struct App {
     document: Document,
     panel: MaterialPanel,
     selected: Option<usize>,
+    part: Option<Part>,
+    parts: Vec<Part>,
+    ground: Option<usize>,
     lighting: Option<Arc<SceneLighting>>,
     actions: Vec<Action>,
 }
@@ -45,13 +48,24 @@ fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
     let texture = Texture::new("red.png", [1, 1], texels);
     let textures = vec![TextureEntry { texture: texture.into(), file: Some(PathBuf::from("/maps/red.png")) }];
     let document = Document { materials: vec![named("Knob"), named("Door")], textures, ..Document::empty() };
-    let mut app =
-        App { document, panel: MaterialPanel::default(), selected: Some(0), lighting: None, actions: Vec::new() };
+    let mut app = App {
+        document,
+        panel: MaterialPanel::default(),
+        selected: Some(0),
+        part: None,
+        parts: Vec::new(),
+        ground: None,
+        lighting: None,
+        actions: Vec::new(),
+    };
     edit(&mut app);
     let show = |ui: &mut Ui, app: &mut App| {
         let context = MaterialContext {
             document: &app.document,
             selected: app.selected,
+            part: app.part,
+            parts: &app.parts,
+            ground: app.ground,
             lighting: app.lighting.as_ref(),
             light_revision: 0,
         };
@@ -378,6 +392,42 @@ fn a_slot_whose_texture_is_missing_is_shown_and_can_be_swapped() {
     });
     click(&mut harness, "Swap Base color map");
     assert!(matches!(harness.state().actions[0], Action::LoadTexture { map: "base_color", .. }));
+}
+
+fn part(object: u32, material: u32) -> Part {
+    Part { object, material }
+}
+
+#[test]
+fn a_surface_is_given_another_material_or_one_of_its_own() {
+    let objects = ["Left", "Right"].map(String::from).to_vec();
+    let mut harness = harness(|app| {
+        app.document.objects = objects;
+        app.document.materials.push(Material { name: "Ground".into(), ..Default::default() });
+        (app.part, app.ground) = (Some(part(1, 0)), Some(2));
+        app.parts = vec![part(0, 0), part(1, 0), part(1, 1), part(2, 2)];
+    });
+    assert!(harness.query_by_label("Right, Knob").is_some(), "the surface is named");
+    click(&mut harness, "Make unique");
+    harness.get_by_role_and_label(Role::ComboBox, "Uses").click();
+    harness.run();
+    assert_eq!(harness.query_all_by_label("Ground").count(), 0, "a ground keeps its material to itself");
+    click(&mut harness, "Door");
+    let actions = &harness.state().actions;
+    assert!(matches!(actions[0], Action::MakeUnique { part, material: None } if part == self::part(1, 0)));
+    assert!(matches!(actions[1], Action::Assign { part, material: 1 } if part == self::part(1, 0)));
+    harness.state_mut().document.assigned = [(part(0, 0), 1)].into();
+    harness.run();
+    click(&mut harness, "Make unique");
+    assert_eq!(harness.state().actions.len(), 2, "no other surface has it any more");
+}
+
+#[test]
+fn a_ground_and_no_surface_have_no_row() {
+    for (selected, ground) in [(None, None), (Some(part(0, 1)), Some(1))] {
+        let harness = harness(|app| (app.part, app.ground) = (selected, ground));
+        assert!(harness.query_by_label("Make unique").is_none());
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{Changes, MaterialPanel};
 use crate::{
     actions::Action,
-    document::{Document, Edit, ShownMaterials, ViewSettings},
+    document::{Document, Edit, ShownMaterials, ViewSettings, in_place_of},
 };
 use egui::{
     Event, PopupCloseBehavior, Ui, ViewportCommand,
@@ -39,8 +39,7 @@ impl Copied {
             .material
             .maps
             .filter_map(|slot| (slot.procedural.is_some() || same(slot.texture)).then(|| slot.clone()));
-        let Material { name, double_sided, .. } = target.clone();
-        Material { name, double_sided, ..self.material.with_maps(maps) }
+        in_place_of(target, self.material.with_maps(maps))
     }
 }
 

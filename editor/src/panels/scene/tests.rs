@@ -6,7 +6,11 @@ use crate::{
 use egui::Key;
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, scene::Object};
+use lapidary_core::{
+    camera::Camera,
+    parts::{PartVariants, Variants},
+    scene::Object,
+};
 
 struct Probe {
     document: Document,
@@ -139,4 +143,44 @@ fn cameras_of_the_scene_are_there_but_not_to_be_deleted() {
     panel.get_by_label("Hero").click();
     panel.run();
     assert!(matches!(&panel.state().actions[..], [Action::Camera(c)] if c.name == "Hero"));
+}
+
+#[test]
+fn a_material_can_be_dragged_and_an_object_cannot() {
+    let mut panel = panel(named(&["Floor", "Teapot"]), &[]);
+    for (label, expected) in [("Gold", Some(Dragged::Material(0))), ("Teapot", None)] {
+        let from = panel.get_by_label(label).rect().center();
+        panel.drag_at(from);
+        panel.step();
+        panel.hover_at(from + vec2(30.0, 40.0));
+        panel.step();
+        let dragged = egui::DragAndDrop::payload::<Dragged>(&panel.ctx).map(|dragged| *dragged);
+        assert_eq!(dragged, expected, "{label}");
+        panel.drop_at(from + vec2(30.0, 40.0));
+        panel.run();
+    }
+    assert!(panel.state().actions.is_empty(), "a drag is no click: {:?}", panel.state().actions);
+}
+
+#[test]
+fn variants_are_chosen_where_there_are_any() {
+    let without = panel(named(&["Floor"]), &[]);
+    assert!(without.query_by_label("Variant").is_none());
+    let mut dataset = named(&["Floor"]);
+    let part = Part { object: 0, material: 0 };
+    let parts = vec![PartVariants { part, plain: 0, in_variants: vec![0, 1] }];
+    dataset.scene.variants = Variants { names: vec!["red".into(), "blue".into()], parts };
+    let mut panel = panel(dataset, &[]);
+    let shown = |panel: &Harness<Probe>| panel.get_by_role_and_label(Role::ComboBox, "Variant").value();
+    assert_eq!(shown(&panel).as_deref(), Some("red"), "what the file shows first is the red one");
+    panel.get_by_role_and_label(Role::ComboBox, "Variant").click();
+    panel.run();
+    panel.get_by_label("blue").click();
+    panel.run();
+    assert!(matches!(panel.state().actions[..], [Action::ChooseVariant(Some(1))]));
+    for (material, expected) in [(1, "blue"), (7, "red")] {
+        panel.state_mut().document.assigned = [(part, material)].into();
+        panel.run();
+        assert_eq!(shown(&panel).as_deref(), Some(expected));
+    }
 }

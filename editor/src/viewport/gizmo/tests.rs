@@ -98,7 +98,10 @@ fn a_click_on_a_lamp_selects_it_before_the_objects_behind() {
     assert!(!harness.state().log.iter().any(|a| matches!(a, Action::SelectObject(_))));
     let object = at(&harness, Vec3::new(1.3, 0.0, 0.0));
     click(&mut harness, object);
-    assert!(matches!(harness.state().log[..], [.., Action::SelectObject(Some(1)), Action::SelectMaterial(_)]));
+    assert!(matches!(
+        harness.state().log[..],
+        [.., Action::SelectObject(Some(1)), Action::SelectMaterial(_), Action::SelectPart(_)]
+    ));
 }
 
 #[test]

@@ -255,7 +255,7 @@ fn maps_of_anisotropy_and_ior_give_the_picture_of_the_values_that_they_make() {
         let mut material = Material { parameters, ..Default::default() };
         material.maps.set("anisotropy", anisotropy.then(TextureSlot::default));
         material.maps.set("ior", ior.then(TextureSlot::default));
-        let appearance = Appearance { materials: vec![material], textures: vec![half.clone()] };
+        let appearance = Appearance { materials: vec![material], textures: vec![half.clone()], assigned: None };
         assert!(backend.set_appearance(&appearance).unwrap().is_empty());
         picture(&mut backend, &view, 24)
     };
@@ -281,7 +281,7 @@ fn appearances_that_do_not_fit_are_made_to() {
     assert!(picture(&mut backend, &view, 8) == white_floor);
     let mut odd = Material { parameters: glossy(0.5).into(), ..Default::default() };
     odd.maps.set("base_color", Some(TextureSlot { texture: 7, scale: Vec2::ONE, ..Default::default() }));
-    let remarks = backend.set_appearance(&Appearance { materials: vec![odd], textures: Vec::new() }).unwrap();
+    let remarks = backend.set_appearance(&Appearance { materials: vec![odd], ..Default::default() }).unwrap();
     assert!(remarks.len() == 1 && remarks[0].contains("without maps"), "{remarks:?}");
     assert!(picture(&mut backend, &view, 8) != white_floor);
     let fitting = Appearance::of(&dataset.scene);

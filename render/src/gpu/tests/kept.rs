@@ -30,3 +30,9 @@ fn unseen_changes_do_not_creep() {
     let Some(_one) = backend() else { return };
     edits::unseen_changes_do_not_creep(another);
 }
+
+#[test]
+fn assigned_materials_look_as_those_of_the_mesh() {
+    let Some(_one) = backend() else { return };
+    edits::assigned_materials_look_as_those_of_the_mesh(another, EDGES);
+}

@@ -34,7 +34,8 @@ impl Emitters {
         let of = |parameters| luminance(SurfaceParameters::from(parameters).emission());
         let luminance: Vec<f32> = appearance.materials.iter().map(|m| of(&m.parameters)).collect();
         let (mut triangles, mut running, mut sum) = (Vec::new(), Vec::new(), 0.0);
-        for (triangle, &material) in mesh.triangle_material.iter().enumerate() {
+        for triangle in 0..mesh.triangles.len() {
+            let material = appearance.material_of(mesh, triangle);
             let area = 0.5 * mesh.area_vector(triangle).length();
             let power = f64::from(area * luminance[material as usize]);
             if power > 0.0 {
@@ -66,7 +67,7 @@ impl Emitters {
         let normal = mesh.area_vector(triangle as usize).normalize_or_zero();
         let hit = Hit { triangle, distance, barycentric, back_face: normal.dot(direction) > 0.0 };
         let FirstHit::Surface(point) = surfaces.seen_at(Some(hit), direction) else { return None };
-        let pdf = self.pdf(mesh.triangle_material[triangle as usize], distance, normal.dot(direction));
+        let pdf = self.pdf(point.material, distance, normal.dot(direction));
         (pdf > 0.0 && pdf.is_finite()).then_some(EmitterSample {
             direction,
             distance,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    Quiet,
+    Appearance, Quiet,
     test_scenes::{
         dataset, glossy, illumination, light, mean, plates, polygon_irradiance, rel_rmse, sphere, surface_at, white,
     },
@@ -118,6 +118,27 @@ fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
     let seen = |components| renderer.path_reference(&at_wall, &dark(), &[], only(components, 0, 4), &Quiet).pixels[5];
     assert!((seen("direct") - shines).abs().max_element() < 1e-5, "it is seen with the local lights");
     assert_eq!(seen("environment"), Vec3::ZERO);
+}
+
+#[test]
+fn a_wall_that_is_assigned_a_material_that_shines_lights_as_one_of_the_mesh() {
+    let mut own = dataset(plates(), grey(0.8));
+    let mut lamp = own.scene.materials[0].clone();
+    lamp.parameters.set("emission_luminance", 3.0);
+    own.scene.materials.push(lamp);
+    let mut assigned = own.scene.mesh.triangle_material.clone();
+    let half = assigned.len() / 2;
+    assigned[half..].fill(1);
+    let mut of_mesh = own.clone();
+    of_mesh.scene.mesh.triangle_material.clone_from(&assigned);
+    let mut renderer = Renderer::new(own);
+    let view = view(Vec3::new(1.0, 3.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 25.0, 12);
+    let shown = |renderer: &Renderer| renderer.path_reference(&view, &dark(), &[], only("indirect", 1, 16), &Quiet);
+    assert_eq!(mean(&shown(&renderer)), 0.0, "negative control: nothing shines");
+    let appearance = Appearance { assigned: Some(assigned.into()), ..Appearance::of(&renderer.dataset().scene) };
+    renderer.set_appearance(appearance);
+    let expected = shown(&Renderer::new(of_mesh));
+    assert!(mean(&expected) > 0.0 && shown(&renderer) == expected);
 }
 
 #[test]

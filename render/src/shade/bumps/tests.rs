@@ -64,7 +64,7 @@ fn look(model: BrdfModel, roughness: f32, map: &'static str, slot: TextureSlot) 
     let material =
         Material { model, parameters: parameters.into(), maps: Maps::from([(map, slot)]), ..Default::default() };
     let texture = if map == BUMP { heights() } else { normals() };
-    Appearance { materials: vec![material], textures: vec![Arc::new(texture)] }
+    Appearance { materials: vec![material], textures: vec![Arc::new(texture)], assigned: None }
 }
 
 /// BRDF times cosine of a place for light from a world direction.

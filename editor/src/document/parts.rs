@@ -1,0 +1,245 @@
+//! Materials of parts of the scene: which parts have others than the mesh says, and the materials that were added for that.
+
+use super::{Document, ShownMaterials, ViewSettings};
+use lapidary_core::{
+    material::Material,
+    parts::{Part, Variants},
+    scene::{Mesh, Scene},
+};
+use lapidary_render::Assigned;
+use std::collections::BTreeMap;
+
+/// Parts that have another material than the mesh says, by its index in the document.
+pub type Assignment = BTreeMap<Part, usize>;
+
+impl Document {
+    /// Number of materials that are the scene's; those that were added come after them.
+    pub fn own_materials(&self) -> usize {
+        self.materials.len().saturating_sub(self.added)
+    }
+
+    /// The material of a part, by index.
+    pub fn material_of(&self, part: Part) -> usize {
+        let assigned = self.assigned.get(&part).filter(|&&material| material < self.materials.len());
+        assigned.copied().unwrap_or(part.material as usize)
+    }
+
+    /// What a part is called: its object, or the material that the mesh says if that has no name.
+    pub fn part_name(&self, part: Part) -> String {
+        match self.objects.get(part.object as usize) {
+            Some(name) if !name.is_empty() => name.clone(),
+            _ => format!("Part of {}", self.material_name(part.material as usize)),
+        }
+    }
+
+    /// The parts' materials with another one for some of them.
+    pub fn assigning(&self, others: impl IntoIterator<Item = (Part, usize)>) -> Assignment {
+        let mut assigned = self.assigned.clone();
+        for (part, material) in others {
+            if material == part.material as usize {
+                assigned.remove(&part);
+            } else {
+                assigned.insert(part, material);
+            }
+        }
+        assigned
+    }
+
+    /// The material of each triangle, as renderers want it; `None` if the mesh says it all.
+    pub fn assigned_to(&self, mesh: &Mesh) -> Assigned {
+        let is_any = self.added > 0 || !self.assigned.is_empty();
+        let of = |triangle| Part::of_triangle(mesh, triangle).map_or(0, |part| self.material_of(part) as u32);
+        is_any.then(|| (0..mesh.triangles.len()).map(of).collect())
+    }
+
+    /// The variant that is shown: `Some(None)` for what the file shows first, `None` for a mixture.
+    pub fn shown_variant(&self, variants: &Variants) -> Option<Option<usize>> {
+        let is_shown = |variant: &Option<usize>| {
+            variants.shown(*variant).all(|(part, material)| self.material_of(part) == material as usize)
+        };
+        (0..variants.names.len()).map(Some).chain([None]).find(is_shown)
+    }
+
+    /// A name that no material has: this one, or with a number.
+    pub fn free_name(&self, name: &str) -> String {
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+        let stem = if stem.is_empty() { "Material" } else { stem };
+        let is_free = |name: &String| self.materials.iter().all(|material| material.name != *name);
+        let numbered = (2..).map(|number| format!("{stem} {number}"));
+        [name.to_owned()].into_iter().filter(|name| !name.is_empty()).chain(numbered).find(is_free).unwrap_or_default()
+    }
+
+    /// Takes the objects of another version of the scene. Parts are found again by the name of their object, first at the same
+    /// place.
+    pub fn take_objects(&mut self, scene: &Scene) {
+        let names: Vec<String> = scene.objects.iter().map(|object| object.name.clone()).collect();
+        if names == self.objects {
+            return;
+        }
+        let before = std::mem::replace(&mut self.objects, names);
+        let assigned = std::mem::take(&mut self.assigned);
+        let found = assigned.into_iter().filter_map(|(part, material)| {
+            let object = self.object_called(before.get(part.object as usize)?, part.object)?;
+            Some((Part { object, ..part }, material))
+        });
+        self.assigned = found.collect();
+    }
+
+    /// The object of a name, first that at `place`.
+    pub fn object_called(&self, name: &str, place: u32) -> Option<u32> {
+        let is_there = self.objects.get(place as usize).is_some_and(|known| known == name);
+        let found = || self.objects.iter().position(|known| known == name).map(|found| found as u32);
+        if is_there { Some(place) } else { found() }
+    }
+
+    /// Gives the indices of materials that the document holds other numbers.
+    pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
+        renumber(&mut self.assigned, renumbering);
+        self.view.renumber_materials(renumbering);
+    }
+}
+
+impl ViewSettings {
+    /// Gives the material that is shown alone another number.
+    pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
+        if let ShownMaterials::Solo(index) = &mut self.materials {
+            *index = renumbering.of(*index);
+        }
+    }
+}
+
+/// Gives the materials of an assignment other numbers.
+pub fn renumber(assigned: &mut Assignment, renumbering: &Renumbering) {
+    assigned.values_mut().for_each(|material| *material = renumbering.of(*material));
+}
+
+/// The scene's own materials in a document: how many, and which of them is that of a ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OwnMaterials {
+    /// With that of the ground.
+    pub count: usize,
+    /// The last one, if there is one.
+    pub ground: Option<usize>,
+}
+
+/// Another number of the scene's own materials, behind which those that were added move.
+#[derive(Clone, Copy, Debug)]
+pub struct Renumbering {
+    /// The scene's own so far.
+    pub before: OwnMaterials,
+    /// And now.
+    pub after: OwnMaterials,
+}
+
+impl Renumbering {
+    /// Stands for the material of a ground while that is hidden, and for a material that is gone.
+    const HIDDEN_GROUND: usize = usize::MAX;
+    const GONE: usize = usize::MAX - 1;
+
+    /// The new index of a material. One that is not there any more has an index that no material has.
+    pub fn of(&self, index: usize) -> usize {
+        let Self { before, after } = *self;
+        let is_ground = index == Self::HIDDEN_GROUND || before.ground == Some(index);
+        if is_ground {
+            after.ground.unwrap_or(Self::HIDDEN_GROUND)
+        } else if index == Self::GONE {
+            Self::GONE
+        } else if index >= before.count {
+            index - before.count + after.count
+        } else if index < after.count && after.ground != Some(index) {
+            index
+        } else {
+            Self::GONE
+        }
+    }
+}
+
+/// `material` as one that is added: with a name of its own.
+pub fn as_added(document: &Document, material: Material) -> Material {
+    Material { name: document.free_name(&material.name), ..material }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::{parts::PartVariants, scene::Object};
+
+    fn part(object: u32, material: u32) -> Part {
+        Part { object, material }
+    }
+
+    fn document() -> Document {
+        let named = |name: &str| Material { name: name.into(), ..Default::default() };
+        let materials = ["Brass", "Wood", "Brass 2"].map(named).to_vec();
+        Document { materials, added: 1, objects: vec!["Knob".into(), "Door".into()], ..Document::empty() }
+    }
+
+    #[test]
+    fn a_part_has_what_it_was_assigned_or_what_the_mesh_says() {
+        let mut document = document();
+        document.assigned = document.assigning([(part(0, 0), 2), (part(1, 1), 1)]);
+        assert_eq!(document.assigned, [(part(0, 0), 2)].into(), "its own material is no assignment");
+        assert_eq!([part(0, 0), part(1, 0), part(1, 1)].map(|part| document.material_of(part)), [2, 0, 1]);
+        let mesh = Mesh {
+            triangles: vec![[0, 1, 2]; 3],
+            triangle_material: vec![0, 0, 1],
+            triangle_object: vec![0, 1, 1],
+            ..Default::default()
+        };
+        assert_eq!(document.assigned_to(&mesh).as_deref(), Some(&[2, 0, 1][..]));
+        document.assigned = document.assigning([(part(0, 0), 0)]);
+        assert!(document.assigned.is_empty());
+        document.added = 0;
+        assert!(document.assigned_to(&mesh).is_none(), "the mesh says it all");
+        document.assigned.insert(part(0, 0), 9);
+        assert_eq!(document.material_of(part(0, 0)), 0, "one that is not there");
+    }
+
+    #[test]
+    fn names_are_numbered_until_one_is_free() {
+        let document = document();
+        let names = ["Brass", "Brass 2", "Wood", "Gold", ""].map(|name| document.free_name(name));
+        assert_eq!(names, ["Brass 3", "Brass 3", "Wood 2", "Gold", "Material 2"]);
+    }
+
+    #[test]
+    fn parts_are_found_again_by_the_name_of_their_object() {
+        let mut document = document();
+        document.assigned = [(part(0, 0), 2), (part(1, 1), 0)].into();
+        let objects = |names: &[&str]| names.iter().map(|&name| Object { name: name.into() }).collect();
+        document.take_objects(&Scene { objects: objects(&["Floor", "Knob"]), ..Default::default() });
+        assert_eq!(document.assigned, [(part(1, 0), 2)].into(), "the door is gone");
+    }
+
+    #[test]
+    fn what_was_added_moves_behind_a_ground_and_back() {
+        let [bare, grounded] =
+            [None, Some(2)].map(|ground| OwnMaterials { count: 2 + ground.map_or(0, |_| 1), ground });
+        let shown = Renumbering { before: bare, after: grounded };
+        let hidden = Renumbering { before: grounded, after: bare };
+        assert_eq!([0, 1, 2, 3].map(|index| shown.of(index)), [0, 1, 3, 4]);
+        for index in [0, 1, 2, 3, 4] {
+            assert_eq!(shown.of(hidden.of(index)), index, "the ground's too");
+        }
+        assert!(hidden.of(2) > 1000, "negative control: no other material is taken for that of the ground");
+        let fewer = Renumbering { before: bare, after: OwnMaterials { count: 1, ground: None } };
+        assert_eq!((fewer.of(0), fewer.of(2)), (0, 1));
+        assert!(fewer.of(1) > 1000 && shown.of(fewer.of(1)) > 1000, "what is gone stays so");
+    }
+
+    #[test]
+    fn a_variant_is_shown_while_all_its_parts_are() {
+        let mut document = document();
+        let looks = |of, in_variants: &[u32]| PartVariants { part: of, plain: 0, in_variants: in_variants.to_vec() };
+        let parts = vec![looks(part(0, 0), &[0, 1]), looks(part(1, 0), &[1, 1])];
+        let variants = Variants { names: vec!["red".into(), "blue".into()], parts };
+        assert_eq!(document.shown_variant(&variants), Some(None));
+        for variant in [Some(0), Some(1), None] {
+            let shown = variants.shown(variant).map(|(part, material)| (part, material as usize));
+            document.assigned = document.assigning(shown);
+            assert_eq!(document.shown_variant(&variants), Some(variant));
+        }
+        document.assigned = document.assigning([(part(0, 0), 2)]);
+        assert_eq!(document.shown_variant(&variants), None, "a mixture");
+    }
+}
