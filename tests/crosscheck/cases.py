@@ -173,14 +173,16 @@ def _thin():
         "a pane whose opacity rises from one edge to the other",
         scene="lamp",
         integrator="path",
-        # The lamps of the studio are not behind the pane: Mitsuba's paths find what is there by chance alone.
-        options=["--eye", "2.6,1.2,1.0", "--target", "0.2,0.6,0", "--fov", "30"] + _light("studio", 225),
+        # Light without lamps: what lies behind a pane Mitsuba's paths find by chance alone.
+        options=["--eye", "1.5,2.6,1.3", "--target", "0.1,0.4,-0.1", "--fov", "36", "--background", "black"]
+        + ["--env", "FOLDER/even.hdr", "--rotate", "45"],
+        files={"even.hdr": "write_even"},
         material=PANE,
         part="lamp",
         rest={"white": WHITE, "box": BLACK},
         bounces=0,
         samples=2,
-        controls={"opacity 0.7 in place of 0.8": Control(parameters={"geometry_opacity": 0.7})},
+        controls={"opacity 0.6 in place of 0.8": Control(parameters={"geometry_opacity": 0.6})},
     )
 
 

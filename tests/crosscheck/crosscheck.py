@@ -64,7 +64,8 @@ class Bench:
 
     def common(self, case, parameters=None):
         """Dataset, view, light and material as options."""
-        arguments = [self.dataset(case.scene), *case.options, "--size", self.size]
+        options = [str(option).replace("FOLDER", str(self.folder)) for option in case.options]
+        arguments = [self.dataset(case.scene), *options, "--size", self.size]
         if case.lights is not None:
             path = self.folder / "lights.json"
             path.write_text(json.dumps({"lights": case.lights}))

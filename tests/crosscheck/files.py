@@ -79,3 +79,14 @@ def write_merl(path):
         for scale, base, grazing in zip(MERL_SCALES, (0.05, 0.35, 0.1), (0.3, 0.1, 0.05)):
             plane = base / np.pi + (grazing + (1.0 - grazing) * schlick) * highlight
             (plane / scale).astype("<f8").tofile(file)
+
+
+def write_even(path):
+    """A sky without lamps, from 0.5 to 1.5 and coloured by its direction, as a Radiance file."""
+    y, x = np.mgrid[0:32, 0:64]
+    angle = 2.0 * np.pi * (x + 0.5) / 64
+    sky = np.stack([1.0 + 0.5 * np.cos(angle), np.full(x.shape, 0.9), 1.0 - 0.5 * (y + 0.5) / 32], -1)
+    exponent = np.ceil(np.log2(sky.max(-1, keepdims=True))).astype(int)
+    texels = np.concatenate([np.clip(sky / 2.0**exponent * 256, 0, 255), exponent + 128], -1)
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 32 +X 64\n"
+    path.write_bytes(head + texels.astype(np.uint8).tobytes())
