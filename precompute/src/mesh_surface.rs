@@ -51,9 +51,9 @@ impl<'a> MeshSurface<'a> {
     }
 
     /// Whether rays that arrive at a point of the mesh hit its own triangle, and no other one that lies in the same
-    /// plane or just above.
+    /// plane or just above. A hole in a surface is none of its points.
     pub fn is_outermost(&self, at: &Surfel) -> bool {
-        let hit = self.intersector.closest_hit(at.position + at.normal * self.offset(), -at.normal);
+        let hit = self.intersector.closest_above(at.position + at.normal * self.offset(), -at.normal, |_| 0.0);
         hit.is_some_and(|hit| hit.triangle == at.place.triangle)
     }
 
