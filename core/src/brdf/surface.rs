@@ -15,11 +15,11 @@ parameters! {
         geometry_opacity: f32 = Parameter::number(
             "Opacity", [0.0, 1.0], 1.0,
             "Share of light that the surface stops; the rest passes straight on. Shadows change with the next bake.",
-        ).in_section("Opacity"),
+        ).in_section("Transparency"),
         opacity_cutoff: f32 = Parameter::number(
             "Cutoff", [0.0, 1.0], 0.0,
             "Above zero: points below this opacity are holes, and all others stop all light.",
-        ).in_section("Opacity"),
+        ).in_section("Transparency"),
     }
 }
 
