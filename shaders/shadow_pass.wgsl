@@ -23,7 +23,9 @@ fn fragment(corner: Corner) {
     if HAS_VEILS {
         let material = triangles[corner.triangle].material & ~TWO_SIDED;
         let texel = vec2<u32>(corner.position.xy);
-        if material_opacity(material, corner.uv) <= threshold(texel, corner.layer, corner.triangle) {
+        let opacity = material_opacity(material, corner.uv);
+        // A threshold may be rounded to 1.
+        if opacity < 1.0 && opacity <= threshold(texel, corner.layer, corner.triangle) {
             discard;
         }
     }

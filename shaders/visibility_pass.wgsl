@@ -20,7 +20,9 @@ fn fragment(corner: Corner) -> @location(0) u32 {
     if HAS_VEILS {
         let material = triangles[corner.triangle].material & ~TWO_SIDED;
         let pixel = vec2<u32>(corner.position.xy);
-        if material_opacity(material, corner.uv) <= threshold(pixel, frame.sample, corner.triangle) {
+        let opacity = material_opacity(material, corner.uv);
+        // A threshold may be rounded to 1.
+        if opacity < 1.0 && opacity <= threshold(pixel, frame.sample, corner.triangle) {
             discard;
         }
     }

@@ -103,6 +103,9 @@ impl Opacity {
 
     /// Whether it stops all light everywhere.
     pub fn is_full(&self) -> bool {
+        if self.stopped.number < 1.0 && self.cutoff.number == 0.0 {
+            return false;
+        }
         let least = self.stopped.least();
         // A map may lower a cutoff anywhere.
         let cuts_nothing = self.cutoff.map.is_none() && self.cutoff.number > 0.0 && least >= self.cutoff.number;
@@ -146,6 +149,11 @@ impl Opacities {
         Self { assigned, ..self }
     }
 
+    /// Whether triangles have the same materials in both.
+    pub fn has_same_assignment(&self, other: &Self) -> bool {
+        self.assigned == other.assigned
+    }
+
     /// The material of a triangle.
     pub fn material(&self, mesh: &Mesh, triangle: u32) -> u32 {
         let materials = self.assigned.as_deref().unwrap_or(&mesh.triangle_material);
@@ -172,7 +180,10 @@ impl Material {
     /// Lets through what another material does; `placed` tells where a map of it is found.
     pub fn take_opacity(&mut self, from: &Self, mut placed: impl FnMut(&TextureSlot) -> Option<TextureSlot>) {
         for name in [OPACITY, CUTOFF] {
-            self.parameters.set(name, from.parameters.number(name));
+            let number = from.parameters.number(name);
+            if number != self.parameters.number(name) {
+                self.parameters.set(name, number);
+            }
             self.maps.set(name, from.maps.get(name).and_then(&mut placed));
         }
     }

@@ -144,7 +144,7 @@ impl Intersector {
 
     /// The first triangle along a ray, if any. The origin must lie off the surface that it starts from.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        self.closest_above(origin, direction, any_threshold(direction))
+        self.closest_above(origin, direction, any_threshold(origin, direction))
     }
 
     /// The first triangle along a ray whose opacity at the hit is above its threshold.
@@ -206,7 +206,18 @@ impl Intersector {
 
     /// The first surface along a ray before `distance` metres, with its normal on the side of the origin.
     pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
-        let (of, leaf, hit) = self.first(origin, direction, distance, any_threshold(direction))?;
+        self.surfel_above(origin, direction, distance, any_threshold(origin, direction))
+    }
+
+    /// The same of surfaces whose opacity is above a threshold.
+    pub fn surfel_above(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        threshold: impl Fn(u32) -> f32,
+    ) -> Option<Surfel> {
+        let (of, leaf, hit) = self.first(origin, direction, distance, threshold)?;
         Some(of.surfel(leaf, hit, origin, direction))
     }
 

@@ -388,7 +388,7 @@ impl Document {
 
     /// The materials that a scene has from its file, as a bake of it takes them.
     pub fn baked_appearance(&self, scene: &Scene) -> Appearance {
-        let materials = self.materials.iter().take(scene.materials.len()).cloned().collect();
+        let materials = self.materials.iter().take(scene.materials.len().min(self.own_materials())).cloned().collect();
         Appearance { materials, textures: self.textures.iter().map(|t| t.texture.clone()).collect(), assigned: None }
     }
 }

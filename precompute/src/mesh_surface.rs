@@ -34,9 +34,11 @@ impl<'a> MeshSurface<'a> {
 
     /// Whether a ray meets the mesh from either side.
     pub fn hits_anything(&self, origin: Vec3, direction: Vec3) -> bool {
-        match self.mesh.ground {
-            None => self.intersector.occluded(origin, direction),
-            Some(_) => self.intersector.closest_hit(origin, direction).is_some_and(|hit| !self.is_far(hit.triangle)),
+        let is_plain = self.mesh.ground.is_none() && !self.intersector.has_veils();
+        let hit = || self.intersector.closest_above(origin, direction, |_| 0.0);
+        match is_plain {
+            true => self.intersector.occluded(origin, direction),
+            false => hit().is_some_and(|hit| !self.is_far(hit.triangle)),
         }
     }
 

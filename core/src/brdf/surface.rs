@@ -14,7 +14,7 @@ parameters! {
             .in_section("Emission"),
         geometry_opacity: f32 = Parameter::number(
             "Opacity", [0.0, 1.0], 1.0,
-            "Share of light that the surface stops; the rest passes straight on. Shadows change with the next bake.",
+            "Share of light that the surface stops; the rest passes straight on. Baked shadows follow with the next bake.",
         ).in_section("Transparency"),
         opacity_cutoff: f32 = Parameter::number(
             "Cutoff", [0.0, 1.0], 0.0,

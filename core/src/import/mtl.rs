@@ -141,6 +141,7 @@ fn take_numbers(rest: &mut &str) -> Vec<f32> {
 /// Features of materials that are not supported, by material.
 #[derive(Default)]
 struct Ignored {
+    invisible: Vec<String>,
     shininess_maps: Vec<String>,
 }
 
@@ -167,6 +168,11 @@ pub(super) fn add_materials(
         source,
         &missing,
         "the materials {} are in no material library and show grey; put the .mtl file beside the scene",
+    );
+    warn(
+        source,
+        &ignored.invisible,
+        "the materials {} stop no light and are not seen; if their file means the opposite, raise their opacity",
     );
     warn(
         source,
@@ -198,6 +204,9 @@ fn material(
     let opacity = entry.number("d").unwrap_or_else(|| 1.0 - entry.number("tr").unwrap_or(0.0));
     if opacity < 1.0 {
         material.parameters.set("geometry_opacity", opacity.max(0.0));
+    }
+    if opacity <= 0.0 {
+        ignored.invisible.push(name.to_owned());
     }
     add_maps(&mut material, entry, library)?;
     add_layers(&mut material, entry);

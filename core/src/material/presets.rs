@@ -25,7 +25,8 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// `material` with this preset's model and values; name and sides stay, and the maps unless they are to be cleared.
+    /// `material` with this preset's model and values; name and sides stay, and maps and opacity unless
+    /// maps are to be cleared.
     pub fn applied_to(&self, material: &Material, clear_maps: bool) -> Material {
         let mut changed = material.clone();
         // Maps of quantities that have another name in this model go along.
@@ -33,6 +34,9 @@ impl Preset {
         changed.parameters = self.parameters.clone();
         if clear_maps {
             changed.maps = MaterialMaps::default();
+        } else {
+            // A leaf stays cut out, and its bake stays true.
+            changed.take_opacity(material, |slot| Some(slot.clone()));
         }
         changed
     }

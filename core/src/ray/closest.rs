@@ -23,7 +23,7 @@ impl Intersector {
     /// [`Self::closest_hit`] of many rays from one origin. The nearer the unit directions of eight are to each other, the
     /// faster it is.
     pub fn closest_hits(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
-        let by_chance = |ray: usize, triangle| any_threshold(directions[ray / 8][ray % 8])(triangle);
+        let by_chance = |ray: usize, triangle| any_threshold(origin, directions[ray / 8][ray % 8])(triangle);
         self.closest_hits_above(origin, directions, by_chance)
     }
 
@@ -65,7 +65,7 @@ impl Intersector {
             |(hit, direction): (&LeafHit, Vec3)| hit.map(|(leaf, hit)| self.surfel(leaf, hit, origin, direction));
         let nearest = |hit: &LeafHit, direction| {
             let distance = hit.map_or(distance, |(_, hit)| hit.distance);
-            let veil = self.nearer_veil(origin, direction, distance, any_threshold(direction));
+            let veil = self.nearer_veil(origin, direction, distance, any_threshold(origin, direction));
             veil.map(|(of, leaf, hit)| of.surfel(leaf, hit, origin, direction)).or_else(|| surfel((hit, direction)))
         };
         let eight = |(hits, directions): (&[LeafHit; 8], &[Vec3; 8])| {

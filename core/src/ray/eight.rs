@@ -44,6 +44,21 @@ impl Intersector {
         set.run(Open { scene: self, rays })
     }
 
+    /// The same of rays that thin surfaces let most of the light pass.
+    pub fn mostly_open(&self, rays: &[EightRays]) -> Vec<u8> {
+        let mut open = self.open(rays);
+        if self.has_veils() {
+            let passes = |rays: &EightRays, lane: usize| {
+                self.past_veils(rays.origins.lane(lane), rays.directions.lane(lane), f32::INFINITY) > 0.5
+            };
+            open.iter_mut().zip(rays).for_each(|(open, rays)| {
+                let stopped = (0..8).filter(|&lane| *open >> lane & 1 == 1 && !passes(rays, lane));
+                *open &= !stopped.fold(0, |stopped, lane| stopped | 1 << lane);
+            });
+        }
+        open
+    }
+
     /// For each eight rays the distances in metres of their closest hits, as [`Self::closest_hit`] has them; infinite for
     /// those that meet nothing or are not active.
     pub fn closest_distances(&self, rays: &[EightRays]) -> Vec<[f32; 8]> {

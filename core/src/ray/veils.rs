@@ -2,7 +2,7 @@
 
 use super::{DirectionSet, Hit, Intersector, OPEN, triangle::TriangleFrom};
 use crate::{
-    opacity::{Opacity, chance},
+    opacity::{Opacities, Opacity, chance},
     scene::Mesh,
     surfel::MeshPlace,
 };
@@ -39,9 +39,20 @@ impl Veils {
         Self { surfaces, leaf_of, corners, opacities: thin.to_vec() }
     }
 
+    /// Takes other opacities, if the same materials are thin as before. Returns whether it did.
+    pub fn take(&mut self, thin: Vec<Option<Opacity>>) -> bool {
+        let are_same = thin.iter().map(Option::is_some).eq(self.opacities.iter().map(Option::is_some));
+        if are_same {
+            self.opacities = thin;
+        }
+        are_same
+    }
+
     /// Whether a ray that has met a leaf triangle ends there: if its opacity is above `threshold`.
     pub fn stop(&self, leaf: usize, hit: &Hit, threshold: impl Fn(u32) -> f32) -> bool {
-        self.opacity(leaf, hit.barycentric) > threshold(self.surfaces.leaf_ids[leaf])
+        let opacity = self.opacity(leaf, hit.barycentric);
+        // A threshold may be rounded to 1.
+        opacity >= 1.0 || opacity > threshold(self.surfaces.leaf_ids[leaf])
     }
 
     /// Share of the light that a leaf triangle stops at a point.
@@ -68,14 +79,22 @@ impl Veils {
     }
 }
 
-/// A threshold of opacity that is another for each direction and each triangle: a ray stops at thin surfaces as often as they
-/// stop light.
-pub(super) fn any_threshold(direction: Vec3) -> impl Fn(u32) -> f32 {
-    let [x, y, z] = direction.to_array().map(f32::to_bits);
-    move |triangle| chance(&[x, y, z, triangle])
+/// A threshold of opacity that is another for each ray and each triangle: rays stop at thin surfaces as often as these stop light.
+pub(super) fn any_threshold(origin: Vec3, direction: Vec3) -> impl Fn(u32) -> f32 {
+    let [[x, y, z], [u, v, w]] = [origin, direction].map(|vector| vector.to_array().map(f32::to_bits));
+    move |triangle| chance(&[x, y, z, u, v, w, triangle])
 }
 
 impl Intersector {
+    /// Takes other opacities of the same materials of triangles, unless other surfaces are thin then. Returns whether it did.
+    pub fn take_opacities(&mut self, opacities: &Opacities) -> bool {
+        let thin = opacities.thin();
+        match &mut self.veils {
+            Some(veils) => veils.take(thin),
+            None => thin.iter().all(Option::is_none),
+        }
+    }
+
     /// Whether any surface lets light through.
     pub fn has_veils(&self) -> bool {
         self.veils.is_some()
@@ -110,7 +129,7 @@ impl Intersector {
         !self.occluded_between(from, to)
             && self.veils.as_ref().is_none_or(|veils| {
                 let segment = to - from;
-                veils.transmittance(from, segment, 1.0) > any_threshold(segment)(0)
+                veils.transmittance(from, segment, 1.0) > any_threshold(from, segment)(0)
             })
     }
 
@@ -150,7 +169,7 @@ impl Intersector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{material::Material, opacity::Opacities, sphere::fibonacci_directions, texture::TextureSlot};
+    use crate::{material::Material, sphere::fibonacci_directions, texture::TextureSlot};
 
     /// A triangle that faces up, around the y axis.
     fn triangle(y: f32, side: f32) -> [Vec3; 3] {

@@ -419,6 +419,9 @@ impl Found {
             let [before, after] = [own, document.own_materials()].map(|count| OwnMaterials { count, ground: None });
             document.renumber_materials(&Renumbering { before, after });
         }
+        if let Some(rendered) = rendered {
+            document.take_objects(&rendered.dataset.scene);
+        }
         let (lacks_bake, is_draft, kept_output) = (self.whole.is_none(), self.draft.is_some(), Some(self.kept_output));
         Ready { preview, lacks_bake, is_draft, kept_output, ..Ready::new(document, baked, Some(source), warnings) }
     }

@@ -2,9 +2,13 @@
 //! where it is let go.
 
 use super::{ViewportContext, outline, pick};
-use crate::{actions::Action, document::Edit, dragged::Dragged};
+use crate::{
+    actions::Action,
+    document::{Document, Edit},
+    dragged::Dragged,
+};
 use egui::{Align2, Color32, Context, DragAndDrop, Id, LayerId, Order, Rect, Response, TextStyle, Ui, Vec2, vec2};
-use lapidary_core::{bounds::Bounds, material::PRESETS, parts::Part};
+use lapidary_core::{bounds::Bounds, parts::Part};
 
 /// Where the words lie beside the pointer, and the room around them, in points.
 const BESIDE: Vec2 = vec2(16.0, 18.0);
@@ -72,7 +76,7 @@ fn surface(known: Option<Surface>, context: &ViewportContext, part: Part, alone:
 fn drop_on(context: &ViewportContext, dragged: Dragged, surface: Surface, actions: &mut Vec<Action>) {
     let Surface { part, alone, .. } = surface;
     if alone {
-        return actions.extend([Action::SelectObject(Some(part.object)), alone_on(part, dragged)]);
+        return actions.extend([Action::SelectObject(Some(part.object)), alone_on(part, dragged, context.document)]);
     }
     let index = context.document.material_of(part);
     let target = context.document.materials.get(index);
@@ -84,10 +88,12 @@ fn drop_on(context: &ViewportContext, dragged: Dragged, surface: Surface, action
 }
 
 /// Gives a part what is dragged as a material that other surfaces of its present one do not get.
-fn alone_on(part: Part, dragged: Dragged) -> Action {
+fn alone_on(part: Part, dragged: Dragged, document: &Document) -> Action {
     match dragged {
-        Dragged::Preset { index, .. } => {
-            Action::MakeUnique { part, material: PRESETS.get(index).map(|preset| preset.material().into()) }
+        Dragged::Preset { .. } => {
+            let present = document.materials.get(document.material_of(part));
+            let material = present.and_then(|present| dragged.applied_to(present, document));
+            Action::MakeUnique { part, material: material.map(Into::into) }
         }
         Dragged::Material(material) => Action::Assign { part, material },
     }

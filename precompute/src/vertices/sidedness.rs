@@ -6,7 +6,10 @@
 //! tell nothing.
 
 use glam::Vec3;
-use lapidary_core::scene::{Mesh, Scene};
+use lapidary_core::{
+    opacity::Opacities,
+    scene::{Mesh, Scene},
+};
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 /// Index of the first vertex at the same position, for every vertex.
@@ -48,11 +51,15 @@ pub fn classify(scene: &Scene) -> Sidedness {
     let pieces = Pieces::new(mesh);
     let ground: Vec<bool> = pieces.ground(mesh);
     let material_says = |t: usize| scene.materials[mesh.triangle_material[t] as usize].double_sided;
+    // What is behind a surface that lets light through is seen, its own back too.
+    let thin = Opacities::of(&scene.materials, &scene.textures).thin();
+    let is_thin = |t: usize| thin[mesh.triangle_material[t] as usize].is_some();
     let piece = |t: usize| pieces.of_triangle[t] as usize;
+    let is_open = |t: usize| pieces.open[piece(t)] || is_thin(t);
     let count = mesh.triangles.len();
     Sidedness {
-        two_sided: (0..count).map(|t| material_says(t) || (pieces.open[piece(t)] && !ground[piece(t)])).collect(),
-        closed: (0..count).map(|t| !pieces.open[piece(t)]).collect(),
+        two_sided: (0..count).map(|t| material_says(t) || (is_open(t) && !ground[piece(t)])).collect(),
+        closed: (0..count).map(|t| !is_open(t)).collect(),
     }
 }
 
@@ -160,6 +167,15 @@ mod tests {
         let sides = classify(&scene_of(&triangles));
         assert_eq!(sides.closed, [vec![true; 12], vec![false; 4]].concat());
         assert_eq!(sides.two_sided, [vec![false; 14], vec![true; 2]].concat());
+    }
+
+    #[test]
+    fn both_sides_of_what_lets_light_through_are_seen() {
+        let mut scene = scene_of(&cuboid(Vec3::ZERO, Vec3::ONE));
+        let sides = |scene: &Scene| (classify(scene).two_sided[0], classify(scene).closed[0]);
+        assert_eq!(sides(&scene), (false, true));
+        scene.materials[0].parameters.set("geometry_opacity", 0.5);
+        assert_eq!(sides(&scene), (true, false));
     }
 
     #[test]

@@ -175,7 +175,11 @@ impl Backend for CpuBackend {
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
         let Some(renderer) = &mut self.renderer else { return Ok(Vec::new()) };
         let (fitted, remarks) = appearance.fitted(&renderer.dataset.scene.materials);
-        self.sketch.set_appearance(&renderer.appearance, &fitted);
+        match renderer.appearance.opacities() == fitted.opacities() {
+            true => self.sketch.set_appearance(&renderer.appearance, &fitted),
+            // Pixels see other surfaces.
+            false => self.sketch.forget(),
+        }
         renderer.set_appearance(fitted);
         Ok(remarks)
     }

@@ -170,20 +170,23 @@ impl GpuBackend {
         })
     }
 
-    /// Builds the passes anew if the materials have other models than they are compiled for.
-    /// For materials. Where others let light through than before, they cast other shadows.
+    /// Builds the passes anew if materials have other models than they are compiled for, or the first lets light through. Where
+    /// others do so than before, shadows are rendered anew.
     fn compile_for(&mut self, appearance: &Appearance) -> Result<(), BackendError> {
         let (models, opacities) = (ModelSet::of(appearance), appearance.opacities());
         let mut has_veils = self.shaders.has_veils;
-        if opacities != self.opacities {
+        let lets_through_otherwise = opacities != self.opacities;
+        if lets_through_otherwise {
             has_veils = opacities.thin().iter().any(Option::is_some);
-            self.opacities = opacities;
-            self.local_lights.forget_shadows();
         }
         if (&models, has_veils) != (&self.shaders.models, self.shaders.has_veils) {
             let shaders = Shaders { models, has_veils, source: self.shaders.source.clone() };
             self.passes = Passes::new(&self.gpu, &shaders, &self.passes.variants())?;
             self.shaders = shaders;
+            self.local_lights.forget_shadows();
+        }
+        if lets_through_otherwise {
+            self.opacities = opacities;
             self.local_lights.forget_shadows();
         }
         Ok(())

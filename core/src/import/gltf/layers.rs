@@ -222,14 +222,19 @@ impl Transmission {
     /// Takes what glTF's material lets pass from its opacity. Returns what is to be told.
     fn thin_out(&self, material: &mut Material) -> Option<&'static str> {
         const OPACITY: &str = "geometry_opacity";
+        const REFLECTED: f32 = 0.08;
         if !(self.transmission_factor > 0.0) {
             return None;
         }
         if self.transmission_texture.is_some() {
             return Some("transmit light by a map, which is left out; they show opaque");
         }
-        let opacity = material.parameters.number(OPACITY) * (1.0 - self.transmission_factor);
-        material.parameters.set(OPACITY, opacity);
+        if material.parameters.number("opacity_cutoff") > 0.0 {
+            return Some("are cut out and transmit light, which is left out");
+        }
+        // What both faces of a sheet of glass reflect stays: it is seen and can be selected.
+        let stopped = (1.0 - self.transmission_factor).max(REFLECTED);
+        material.parameters.set(OPACITY, material.parameters.number(OPACITY) * stopped);
         Some("transmit light, which passes straight on as through a thin sheet, without refraction or tint")
     }
 }

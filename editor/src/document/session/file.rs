@@ -121,6 +121,8 @@ impl Session {
         let material = |material: &Material| session_material(material, document);
         let hidden = usize::from(document.hidden_ground.is_some());
         let index = |index: usize| if index < own.len() { index } else { index + hidden };
+        // Those of a hidden ground, or of a material that is gone, are no one's.
+        let is_there = |(_, material): &(&Part, &usize)| **material < document.materials.len();
         let assignment = |(part, material): (&Part, &usize)| SessionAssignment {
             name: document.objects.get(part.object as usize).cloned().unwrap_or_default(),
             object: part.object,
@@ -132,7 +134,7 @@ impl Session {
             dataset: document.dataset.clone(),
             materials: own.iter().chain(&document.hidden_ground).chain(added).map(material).collect(),
             added: added.len(),
-            assigned: document.assigned.iter().map(assignment).collect(),
+            assigned: document.assigned.iter().filter(is_there).map(assignment).collect(),
             environment: document.environment.clone(),
             lights: Some(document.lights.clone()),
             components: document.components,

@@ -121,10 +121,11 @@ impl<'a> Pilot<'a> {
         let nearness = self.stored.bounces.then(|| Box::new([0; DIRECTIONS]));
         let mut seen = vec![PilotSample { open: [0; DIRECTIONS / 64], nearness }; points.len()];
         if self.stored.bounces {
+            let open = self.scene.mostly_open(&rays);
             for (i, (rays, distances)) in rays.iter().zip(self.scene.closest_distances(&rays)).enumerate() {
                 for (lane, sample) in seen.iter_mut().enumerate().filter(|(lane, _)| rays.active() >> lane & 1 == 1) {
                     let distance = distances[lane];
-                    if distance == f32::INFINITY && self.stored.environment {
+                    if open[i] >> lane & 1 == 1 && self.stored.environment {
                         sample.see_open(i);
                     }
                     // Zero at an infinite distance.
@@ -133,7 +134,7 @@ impl<'a> Pilot<'a> {
                 }
             }
         } else {
-            for (i, open) in self.scene.open(&rays).into_iter().enumerate() {
+            for (i, open) in self.scene.mostly_open(&rays).into_iter().enumerate() {
                 let lanes = seen.iter_mut().enumerate().filter(|(lane, _)| open >> lane & 1 == 1);
                 lanes.for_each(|(_, sample)| sample.see_open(i));
             }

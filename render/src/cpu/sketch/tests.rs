@@ -164,6 +164,21 @@ fn edits_and_cameras_are_looked_up_again() {
     }
 }
 
+#[test]
+fn what_lets_light_through_is_looked_up_again() {
+    let (dataset, view) = (scene(|_| ()), view());
+    let mut backend = lit(&dataset);
+    let opaque = sketched(&mut backend, &view, 1);
+    for opacity in [0.5, 0.0, 1.0] {
+        let mut appearance = Appearance::of(&dataset.scene);
+        appearance.materials[1].parameters.set("geometry_opacity", opacity);
+        backend.set_appearance(&appearance).unwrap();
+        let sketched = sketched(&mut backend, &view, 1);
+        assert!(sketched == whole(&mut lit_with(&dataset, &appearance), &view), "{opacity}");
+        assert_eq!(sketched == opaque, opacity == 1.0, "negative control: {opacity}");
+    }
+}
+
 fn lit_with(dataset: &Arc<Dataset>, appearance: &Appearance) -> CpuBackend {
     let mut backend = lit(dataset);
     backend.set_appearance(appearance).unwrap();

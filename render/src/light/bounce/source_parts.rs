@@ -35,7 +35,7 @@ fn place_of_part(
     let lift = normal * (0.5 * radius + offset);
     let above = position + (u * cos + v * sin) * (radius * FRAC_1_SQRT_2) + lift;
     let is_open = !intersector.occluded_between(position + normal * offset, above);
-    let found = is_open.then(|| intersector.surfel_before(above, -normal, radius + 2.0 * offset)).flatten();
+    let found = is_open.then(|| intersector.surfel_above(above, -normal, radius + 2.0 * offset, |_| 0.0)).flatten();
     found.filter(|place| distance(place, &source.surfel) < 2.0 * radius).unwrap_or(source.surfel)
 }
 

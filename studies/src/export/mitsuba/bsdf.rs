@@ -285,6 +285,10 @@ pub fn remarks(material: &Material) -> Vec<String> {
         (lobe && maps.get("ior").is_some(), "the map of its index of refraction is left out"),
         (lobe && maps.get("specular").is_some(), "the map of its specular weight is left out"),
         (maps.get("opacity_cutoff").is_some(), "the map of its cutoff is left out"),
+        (
+            parameters.number("opacity_cutoff") > 0.0 && maps.get("geometry_opacity").is_some(),
+            "what is cut out has edges that are soft within a texel",
+        ),
     ]
     .into_iter()
     .chain(remarks_of_layers(material))
