@@ -116,6 +116,18 @@ impl<S> MaterialOf<S> {
         }
     }
 
+    /// What it keeps for other programs and nothing renders: in none of the other lists.
+    pub fn stored_parameters(&self) -> &'static [Parameter] {
+        self.model.stored_parameters()
+    }
+
+    /// Those of [`Self::stored_parameters`] that it says something of, by a value that is no default or by a map.
+    pub fn stored(&self) -> impl Iterator<Item = &'static Parameter> {
+        let is_said =
+            |p: &Parameter| self.maps.get(p.name).is_some() || p.sanitized(self.parameters.value(p)) != p.default;
+        self.stored_parameters().iter().filter(move |p| is_said(p))
+    }
+
     /// Those of its reflectance, which come first.
     pub fn own_parameters(&self) -> &'static [Parameter] {
         let declared = self.declared();
@@ -158,8 +170,9 @@ impl<S: Clone> MaterialOf<S> {
     #[must_use]
     pub fn own(&self) -> Self {
         let mut own = Self { parameters: Parameters::default(), ..self.clone() };
-        own.maps.retain(|name, _| [NORMAL, BUMP].contains(&name) || self.parameter(name).is_some());
-        for parameter in self.declared() {
+        let is_own = |name: &str| self.parameter(name).or_else(|| self.model.stored_parameter(name)).is_some();
+        own.maps.retain(|name, _| [NORMAL, BUMP].contains(&name) || is_own(name));
+        for parameter in self.declared().iter().chain(self.stored_parameters()) {
             if let Some(value) = self.parameters.get(parameter.name) {
                 own.parameters.set(parameter.name, value);
             }
@@ -241,7 +254,7 @@ impl Material {
 mod tests {
     use super::*;
     use crate::{
-        brdf::{GgxParameters, Lambert},
+        brdf::{GgxParameters, Lambert, Value},
         texture::Channel,
     };
 
@@ -277,6 +290,114 @@ mod tests {
                 assert!(p.help.ends_with('.') && !p.label.is_empty(), "{model:?} {}", p.name);
             }
         }
+    }
+
+    /// A material of OpenPBR that says something of all that is stored, with a map of each.
+    fn storing() -> Material {
+        let mut material = Material { model: BrdfModel::OpenPbr, ..Default::default() };
+        for p in material.stored_parameters() {
+            let value = if p.is_color() { Vec3::splat(0.375).into() } else { Value::Number(1.0) };
+            material.parameters.set(p.name, if value == p.default { Value::Number(0.5) } else { value });
+            material.maps.set(p.name, Some(TextureSlot::default()));
+        }
+        material
+    }
+
+    #[test]
+    fn stored_parameters_are_those_of_openpbr_1_1() {
+        // Name, default and range. What the specification does not bound has a large bound here, and the index that of others.
+        let expected = [
+            ("transmission_weight", Value::Number(0.0), [0.0, 1.0]),
+            ("transmission_color", Value::Color(Vec3::ONE), [0.0, 1.0]),
+            ("transmission_depth", Value::Number(0.0), [0.0, 1e6]),
+            ("transmission_scatter", Value::Color(Vec3::ZERO), [0.0, 1.0]),
+            ("transmission_scatter_anisotropy", Value::Number(0.0), [-1.0, 1.0]),
+            ("transmission_dispersion_scale", Value::Number(0.0), [0.0, 1.0]),
+            ("transmission_dispersion_abbe_number", Value::Number(20.0), [0.0, 1e6]),
+            ("subsurface_weight", Value::Number(0.0), [0.0, 1.0]),
+            ("subsurface_color", Value::Color(Vec3::splat(0.8)), [0.0, 1.0]),
+            ("subsurface_radius", Value::Number(1.0), [0.0, 1e6]),
+            ("subsurface_radius_scale", Value::Color(Vec3::new(1.0, 0.5, 0.25)), [0.0, 1.0]),
+            ("subsurface_scatter_anisotropy", Value::Number(0.0), [-1.0, 1.0]),
+            ("thin_film_weight", Value::Number(0.0), [0.0, 1.0]),
+            ("thin_film_thickness", Value::Number(0.5), [0.0, 1e6]),
+            ("thin_film_ior", Value::Number(1.4), [1.0, 10.0]),
+        ];
+        let stored = BrdfModel::OpenPbr.stored_parameters();
+        assert_eq!(stored.iter().map(|p| (p.name, p.default, p.range)).collect::<Vec<_>>(), expected);
+        for p in stored {
+            assert_eq!((p.default, BrdfModel::declared(p.name)), (p.sanitized(p.default), Some(p)));
+            assert!(p.range[0] <= p.slider[0] && p.slider[1] <= p.range[1], "{}", p.name);
+            assert!(p.help.ends_with('.') && p.label == p.short_label(), "{}", p.name);
+            let rendered = |model: &BrdfModel| model.parameter(p.name).or_else(|| model.parameter_for(p.quantity));
+            assert!(BrdfModel::ALL.iter().find_map(rendered).is_none(), "{} is rendered", p.name);
+            assert!(BrdfModel::all_declared().all(|swept| swept.name != p.name), "{} is swept", p.name);
+        }
+        let others = BrdfModel::ALL.iter().filter(|&&model| model != BrdfModel::OpenPbr);
+        assert!(others.clone().count() > 5 && others.clone().all(|model| model.stored_parameters().is_empty()));
+    }
+
+    #[test]
+    fn what_is_stored_changes_no_value_that_is_rendered() {
+        let material = storing();
+        let plain = Material { model: BrdfModel::OpenPbr, ..Default::default() };
+        let values = |material: &Material| material.values(|_| panic!("a map is read")).numbers().to_vec();
+        assert_eq!(values(&material), values(&plain));
+        assert_eq!(material.plain_values().numbers(), plain.plain_values().numbers());
+        assert_ne!(material, plain, "negative control");
+        let mut rougher = material;
+        rougher.parameters.set("specular_roughness", 0.75);
+        assert_ne!(values(&rougher), values(&plain), "negative control");
+    }
+
+    #[test]
+    fn a_file_keeps_what_is_stored() {
+        let material = storing();
+        assert_eq!(material.stored().count(), 15);
+        let json = serde_json::to_string(&material).unwrap();
+        let read: Material = serde_json::from_str(&json).unwrap();
+        assert_eq!((&read, read.own()), (&material, material.clone()));
+        for p in material.stored_parameters() {
+            assert!(json.matches(&format!("\"{}\":", p.name)).count() == 2, "a value and a map: {json}");
+            let mut other = material.clone();
+            other.parameters.set(p.name, p.default);
+            assert_ne!(read, other, "negative control: {}", p.name);
+        }
+        let mut ggx = material;
+        ggx.change_model(BrdfModel::Ggx);
+        assert_eq!((ggx.stored().count(), ggx.own().maps.slots().count()), (0, 0), "GGX has nothing of it");
+        ggx.change_model(BrdfModel::OpenPbr);
+        assert_eq!(ggx.stored().count(), 15, "it counts again");
+        let misspelt = r#"{"model": "openpbr", "parameters": {"transmision_weight": 1}}"#;
+        let error = serde_json::from_str::<Material>(misspelt).unwrap_err().to_string();
+        assert!(
+            error.contains("unknown parameter `transmision_weight`") && error.contains("`thin_film_ior`"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn what_is_stored_is_checked_and_sanitized() {
+        let mut material = storing();
+        for p in material.stored_parameters() {
+            material
+                .parameters
+                .set(p.name, if p.is_color() { Vec3::new(-1.0, 2.0, f32::NAN).into() } else { Value::Number(1e9) });
+            let problem = material.validate().unwrap_err();
+            assert_eq!(problem.what, p.name.replace('_', " "));
+            material = material.sanitized();
+            assert_eq!(material.validate(), Ok(()));
+            let expected = match p.default {
+                Value::Number(_) => Value::Number(p.range[1]),
+                Value::Color(c) => Value::Color(Vec3::new(0.0, 1.0, c.z)),
+            };
+            assert_eq!(material.parameters.get(p.name), Some(expected), "{}", p.name);
+            material.parameters.set(p.name, Value::Number(f32::NAN));
+            material = material.sanitized();
+            let default = if p.is_color() { p.default.color() } else { Vec3::splat(p.default.number()) };
+            assert_eq!(material.parameters.value(p).color(), default, "{}", p.name);
+        }
+        assert_eq!(Parameters::default().number("subsurface_radius"), 1.0, "a default is known by its name");
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub trait Model: Brdf + Sized {
     const SUMMARY: &'static str;
     /// Its parameters.
     const PARAMETERS: &'static [Parameter];
+    /// What its materials keep for other programs. Nothing is rendered of it, so that it is in no other list.
+    const STORED: &'static [Parameter] = &[];
 
     /// With values in the order of [`Self::PARAMETERS`] and in their ranges. Others may follow them.
     fn from_values(values: &Values) -> Self;
@@ -58,6 +60,11 @@ macro_rules! models {
             /// The parameters of its reflectance.
             pub const fn own_parameters(self) -> &'static [Parameter] {
                 match self { $(Self::$variant => <$ty as Model>::PARAMETERS,)* }
+            }
+
+            /// What its materials keep for other programs and nothing renders.
+            pub const fn stored_parameters(self) -> &'static [Parameter] {
+                match self { $(Self::$variant => <$ty as Model>::STORED,)* }
             }
 
             /// The parameters of its materials: its own, and then those of [`SurfaceParameters`].
@@ -160,14 +167,15 @@ pub trait BrdfVisitor {
 }
 
 impl BrdfModel {
-    /// What models, or else files of BRDFs that were read, declare under a name, if any does.
+    /// What models, or else files of BRDFs that were read, declare under a name, if any does, rendered or stored.
     pub fn declared(name: &str) -> Option<&'static Parameter> {
-        Self::all_declared().find(|p| p.name == name)
+        Self::declared_by_models(name).or_else(|| written::all_declared().into_iter().find(|p| p.name == name))
     }
 
-    /// What models declare under a name, whatever files were read.
+    /// What models declare under a name, whatever files were read, rendered or stored.
     pub fn declared_by_models(name: &str) -> Option<&'static Parameter> {
-        Self::ALL.iter().find_map(|model| model.parameter(name))
+        let of = |model: &Self| model.parameter(name).or_else(|| model.stored_parameter(name));
+        Self::ALL.iter().find_map(of)
     }
 
     /// Whether its materials have a file.
@@ -175,7 +183,8 @@ impl BrdfModel {
         matches!(self, Self::Merl | Self::Wgsl)
     }
 
-    /// All parameters that models and files of BRDFs that were read declare; a name may come more than once.
+    /// All parameters that models and files of BRDFs that were read declare and that are rendered; a name may come more than
+    /// once.
     pub fn all_declared() -> impl Iterator<Item = &'static Parameter> {
         Self::ALL
             .iter()
@@ -186,6 +195,11 @@ impl BrdfModel {
     /// Its parameter of a name.
     pub fn parameter(self, name: &str) -> Option<&'static Parameter> {
         self.parameters().iter().find(|p| p.name == name)
+    }
+
+    /// What it stores under a name and does not render.
+    pub fn stored_parameter(self, name: &str) -> Option<&'static Parameter> {
+        self.stored_parameters().iter().find(|p| p.name == name)
     }
 
     /// Its parameter for a quantity, such as `base_color` or `roughness`.

@@ -8,6 +8,8 @@
 //! * lobes are GGX ([`GgxLobe`]), with what metals lose between facets; fuzz is Estevez and Kulla's, not Zeltner's table;
 //! * a coat tints by its colour whatever the angle, roughens the base, lowers its contrast of indices and darkens it by
 //!   what is reflected inside, as the specification says (sections on coat roughening and darkening).
+//!
+//! Transmission, subsurface scattering and thin films are stored and not rendered.
 
 use super::{
     Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
@@ -85,6 +87,96 @@ parameters! {
         ).in_section("Fuzz"),
     }
 }
+
+/// Largest of what the specification does not bound.
+const UNBOUNDED: f32 = 1e6;
+
+/// What OpenPBR says of light inside a surface and of films on it, which materials keep for other programs.
+///
+/// Maps multiply all of it, the index of the film too: so plain pictures of other programs stay what they are.
+const STORED: &[Parameter] = &[
+    Parameter::number("Transmission weight", [0.0, 1.0], 0.0, "How much of the base is clear, as glass or water.")
+        .named("transmission_weight"),
+    Parameter::color(
+        "Transmission color",
+        [1.0; 3],
+        "Color of light after the transmission depth, or at once if that is 0.",
+    )
+    .named("transmission_color"),
+    Parameter::number(
+        "Transmission depth",
+        [0.0, UNBOUNDED],
+        0.0,
+        "Way inside after which light has the transmission color.",
+    )
+    .with_slider([0.0, 1.0])
+    .named("transmission_depth"),
+    Parameter::color(
+        "Transmission scatter",
+        [0.0; 3],
+        "Color of light that is scattered inside: milk, honey, murky water.",
+    )
+    .named("transmission_scatter"),
+    Parameter::number(
+        "Transmission scatter anisotropy",
+        [-1.0, 1.0],
+        0.0,
+        "Whether light inside is scattered backward or forward.",
+    )
+    .named("transmission_scatter_anisotropy"),
+    Parameter::number(
+        "Transmission dispersion scale",
+        [0.0, 1.0],
+        0.0,
+        "How much of the dispersion of the Abbe number there is.",
+    )
+    .named("transmission_dispersion_scale"),
+    Parameter::number(
+        "Transmission Abbe number",
+        [0.0, UNBOUNDED],
+        20.0,
+        "Dispersion at full scale: flint glass 30, crown glass 60.",
+    )
+    .with_slider([9.0, 91.0])
+    .named("transmission_dispersion_abbe_number"),
+    Parameter::number(
+        "Subsurface weight",
+        [0.0, 1.0],
+        0.0,
+        "How much of the opaque base is lit from below, as skin, wax or marble.",
+    )
+    .named("subsurface_weight"),
+    Parameter::color("Subsurface color", [0.8; 3], "Color of light that comes out again beside where it went in.")
+        .named("subsurface_color"),
+    Parameter::number("Subsurface radius", [0.0, UNBOUNDED], 1.0, "How far light goes below the surface.")
+        .with_slider([0.0, 1.0])
+        .named("subsurface_radius"),
+    Parameter::color("Subsurface radius scale", [1.0, 0.5, 0.25], "How far each color goes, in subsurface radii.")
+        .named("subsurface_radius_scale"),
+    Parameter::number(
+        "Subsurface scatter anisotropy",
+        [-1.0, 1.0],
+        0.0,
+        "Whether light below is scattered backward or forward.",
+    )
+    .named("subsurface_scatter_anisotropy"),
+    Parameter::number(
+        "Thin film weight",
+        [0.0, 1.0],
+        0.0,
+        "How much of the surface has a film: soap, oil, tempered steel.",
+    )
+    .named("thin_film_weight"),
+    Parameter {
+        unit: "µm",
+        ..Parameter::number("Thin film thickness", [0.0, UNBOUNDED], 0.5, "Thickness of the film.")
+    }
+    .with_slider([0.0, 1.0])
+    .named("thin_film_thickness"),
+    Parameter::number("Thin film IOR", [1.0, 10.0], 1.4, "Index of refraction of the film.")
+        .with_slider([1.0, 3.0])
+        .named("thin_film_ior"),
+];
 
 /// The layered surface.
 #[derive(Clone, Copy, Debug)]
@@ -245,6 +337,7 @@ impl Model for OpenPbr {
     const LABEL: &'static str = "OpenPBR";
     const SUMMARY: &'static str = "The layered surface of OpenPBR: base, metal, coat and fuzz, with its parameters.";
     const PARAMETERS: &'static [Parameter] = OpenPbrParameters::LIST;
+    const STORED: &'static [Parameter] = STORED;
 
     #[inline]
     fn from_values(values: &Values) -> Self {

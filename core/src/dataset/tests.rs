@@ -100,6 +100,24 @@ fn maps_of_every_parameter_survive_the_disk() {
 }
 
 /// Writes over the first `from` of the header, with spaces behind so that its length stays.
+#[test]
+fn what_is_stored_and_not_rendered_survives_the_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let mut dataset = dataset();
+    dataset.scene.textures = vec![Texture::missing("a.png").into()];
+    let material = &mut dataset.scene.materials[0];
+    material.model = crate::brdf::BrdfModel::OpenPbr;
+    material.parameters.set("transmission_weight", 0.625);
+    material.maps.set("thin_film_thickness", Some(TextureSlot { channel: Channel::G, ..Default::default() }));
+    dataset.write(&path).unwrap();
+    let mut read = Dataset::read(&path).unwrap().scene.materials;
+    assert_eq!(read, dataset.scene.materials);
+    assert_eq!(read[0].stored().count(), 2);
+    read[0].parameters.set("transmission_weight", 0.0);
+    assert_ne!(read, dataset.scene.materials, "negative control");
+}
+
 fn replace(bytes: &mut [u8], from: &str, to: &str) {
     let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
     bytes[at..at + from.len()].copy_from_slice(format!("{to:len$}", len = from.len()).as_bytes());

@@ -229,7 +229,7 @@ impl Entry<'_> {
     fn tell_lost(&mut self) {
         let material = self.material;
         let is_told = |name: &str| material.parameters.get(name).is_some();
-        let lost = material.model.parameters().iter().filter(|p| {
+        let lost = material.model.parameters().iter().chain(material.stored_parameters()).filter(|p| {
             let mapped =
                 material.maps.get(p.name).is_some() && !MAPS.iter().any(|(quantity, _)| *quantity == p.quantity);
             let told = is_told(p.name) && material.parameters.value(p) != p.default && !HELD.contains(&p.quantity);

@@ -395,3 +395,21 @@ fn pictures_that_were_missing_are_none_but_an_original_keeps_its_entry() {
     assert!(text.contains(r#""baseColorTexture":{"index":0}"#) && !text.contains("data:image"), "{text}");
     assert!(exported.remarks.iter().all(|remark| !remark.contains("missing")), "{:?}", exported.remarks);
 }
+
+#[test]
+fn what_is_stored_and_not_rendered_is_told_by_every_format_without_a_place_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut glass = Material { name: "glass".into(), model: BrdfModel::OpenPbr, ..Default::default() };
+    let told = |material: &Material, file: &str| {
+        export(&scene(vec![material.clone()], Vec::new()), &folder.path().join(file)).remarks.join("\n")
+    };
+    for file in ["a.mtl", "a.glb", "a.mtlx"] {
+        assert!(!told(&glass, file).contains("transmission"), "negative control");
+    }
+    glass.parameters.set("transmission_weight", 1.0);
+    assert!(told(&glass, "b.mtl").contains("MTL has no place for its transmission weight"));
+    assert!(told(&glass, "b.glb").contains("what it stores and does not render is left out: transmission weight"));
+    assert_eq!(told(&glass, "b.mtlx"), "");
+    let text = fs::read_to_string(folder.path().join("b.mtlx")).unwrap();
+    assert!(text.contains("name=\"transmission_weight\" type=\"float\" value=\"1\""), "{text}");
+}

@@ -45,7 +45,7 @@ pub(super) fn check_names<T>(
         return Ok(());
     }
     let is_declared = |name: &str| BrdfModel::declared(name).is_some();
-    let known = || model.parameters().iter().map(|p| p.name);
+    let known = || model.parameters().iter().chain(model.stored_parameters()).map(|p| p.name);
     let quoted = |names: &mut dyn Iterator<Item = &'static str>| names.map(|name| format!("`{name}`")).collect();
     if let Some((name, _)) = parameters.iter().find(|(name, _)| !is_declared(name)) {
         return Err(UnknownName { what: "parameter", name: name.into(), expected: quoted(&mut known()) });

@@ -15,9 +15,9 @@ pub const NORMAL: &str = "normal";
 /// The map of heights; `strength` is the height in metres of a texel of value one.
 pub const BUMP: &str = "bump";
 
-/// Names of the maps that materials of a model can have: one for each parameter, and two for the normal.
+/// Names of the maps that materials of a model can have: one for each parameter, rendered or stored, and two for the normal.
 pub fn map_names(model: BrdfModel) -> impl Iterator<Item = &'static str> {
-    model.parameters().iter().map(|p| p.name).chain([NORMAL, BUMP])
+    model.parameters().iter().chain(model.stored_parameters()).map(|p| p.name).chain([NORMAL, BUMP])
 }
 
 /// Name of a map for people.

@@ -229,9 +229,14 @@ impl<'a> Reader<'_, 'a> {
         for row in surface.rows() {
             self.take(&mut material, shader, row, surface)?;
         }
+        self.take_stored(&mut material, shader, surface)?;
         self.finish(&mut material, shader, surface)?;
         self.take_reliefs(&mut material, shader, surface)?;
         self.tell_of_lost(shader, surface);
+        let stored: Vec<String> = material.stored().map(|p| p.label.to_lowercase()).collect();
+        if !stored.is_empty() {
+            self.remarks.push(format!("what is stored and not rendered: {}", stored.join(", ")));
+        }
         Ok(material)
     }
 
@@ -246,6 +251,31 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
+    /// What is said of an input, if that is read.
+    fn said(&mut self, shader: Node<'a, 'a>, row: Row) -> Result<Option<Told>, MaterialXError> {
+        match self.graph.child(shader, row.input).map(|input| self.graph.input(input)) {
+            Some(Ok(found)) => Ok(self.told(found, row)),
+            Some(Err(unread)) => self.tell(row.input, unread).map(|()| None),
+            None => Ok(None),
+        }
+    }
+
+    /// Keeps what is said of inputs that are stored and not rendered.
+    fn take_stored(
+        &mut self,
+        material: &mut MaterialFile,
+        shader: Node<'a, 'a>,
+        surface: Surface,
+    ) -> Result<(), MaterialXError> {
+        for row in surface.stored_rows() {
+            let told = self.said(shader, row)?.filter(|told| told.slot.is_some() || told.value != row.default);
+            if let (Some(told), Some(parameter)) = (told, BrdfModel::OpenPbr.stored_parameter(row.parameter)) {
+                self.set(material, parameter, row, told);
+            }
+        }
+        Ok(())
+    }
+
     /// Gives an input to its parameter.
     fn take(
         &mut self,
@@ -254,14 +284,7 @@ impl<'a> Reader<'_, 'a> {
         row: Row,
         surface: Surface,
     ) -> Result<(), MaterialXError> {
-        let told = match self.graph.child(shader, row.input).map(|input| self.graph.input(input)) {
-            Some(Ok(found)) => self.told(found, row),
-            Some(Err(unread)) => {
-                self.tell(row.input, unread)?;
-                None
-            }
-            None => None,
-        };
+        let told = self.said(shader, row)?;
         let is_version_1 = surface == Surface::StandardSurface && shader.attribute("version") == Some("1.0.0");
         let default = match row.input {
             "base" if is_version_1 => Value::Number(0.8),

@@ -1,6 +1,6 @@
 //! The surfaces of MaterialX, and which of their inputs is which parameter of `openpbr`.
 
-use crate::brdf::{BrdfModel, Value};
+use crate::brdf::{BrdfModel, Parameter, Value};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +34,11 @@ pub(super) struct Row {
 const SHEEN_POWER: f32 = 0.4;
 
 impl Row {
+    /// The input of a parameter's own name.
+    const fn of(p: &Parameter) -> Self {
+        Self { input: p.name, parameter: p.name, default: p.default, power: 1.0 }
+    }
+
     const fn number(input: &'static str, parameter: &'static str, default: f32) -> Self {
         Self { input, parameter, default: Value::Number(default), power: 1.0 }
     }
@@ -91,10 +96,7 @@ const GLTF_PBR: [Row; 14] = [
 /// An input that shows nowhere here unless it is zero, and what is lost with it.
 type Lost = (&'static str, &'static str);
 
-const LOST_OF_OPEN_PBR: [Lost; 6] = [
-    ("transmission_weight", "transmission"),
-    ("subsurface_weight", "subsurface scattering"),
-    ("thin_film_weight", "the thin film"),
+const LOST_OF_OPEN_PBR: [Lost; 3] = [
     ("geometry_tangent", "the direction of the highlight"),
     ("geometry_coat_tangent", "the direction of the coat's highlight"),
     ("geometry_coat_normal", "the normal of the coat"),
@@ -159,15 +161,21 @@ impl Surface {
 
     /// Its inputs that are parameters.
     pub(super) fn rows(self) -> Vec<Row> {
-        let same =
-            |p: &crate::brdf::Parameter| Row { input: p.name, parameter: p.name, default: p.default, power: 1.0 };
         match self {
             Self::OpenPbr => {
                 let own = BrdfModel::OpenPbr.parameters().iter();
-                own.filter(|p| p.name != OPACITY_CUTOFF).map(same).collect()
+                own.filter(|p| p.name != OPACITY_CUTOFF).map(Row::of).collect()
             }
             Self::StandardSurface => STANDARD_SURFACE.into(),
             Self::GltfPbr => GLTF_PBR.into(),
+        }
+    }
+
+    /// Its inputs that materials store and nothing renders.
+    pub(super) fn stored_rows(self) -> Vec<Row> {
+        match self {
+            Self::OpenPbr => BrdfModel::OpenPbr.stored_parameters().iter().map(Row::of).collect(),
+            Self::StandardSurface | Self::GltfPbr => Vec::new(),
         }
     }
 
@@ -196,8 +204,10 @@ impl Surface {
 
     /// Whether it has an input of this name.
     pub(super) fn knows(self, input: &str) -> bool {
-        let is_meant = |other: &str| if other.ends_with('_') { input.starts_with(other) } else { input == other };
-        self.rows().iter().any(|row| row.input == input)
+        // Of OpenPBR all that begins so is stored or unknown.
+        let is_longer = |other: &str| self != Self::OpenPbr && input.starts_with(other);
+        let is_meant = |other: &str| if other.ends_with('_') { is_longer(other) } else { input == other };
+        self.rows().iter().chain(&self.stored_rows()).any(|row| row.input == input)
             || self.lost().iter().any(|(name, _)| *name == input)
             || OTHERS.into_iter().any(is_meant)
     }

@@ -126,10 +126,12 @@ impl DocumentWriter {
         leave_out_patterns(&mut nearest.maps, &mut remarks);
         let graph = format!("NG_{name}");
         let mut ends: Vec<(Row, End)> = Vec::new();
-        let rows =
-            self.surface.rows().into_iter().filter_map(|row| Some((row, BrdfModel::OpenPbr.parameter(row.parameter)?)));
+        let rendered = self.surface.rows().into_iter().filter_map(|row| Some((row, nearest.parameter(row.parameter)?)));
+        let is_stored = |row: Row| nearest.stored().find(|p| p.name == row.parameter).map(|p| (row, p));
+        let stored = self.surface.stored_rows().into_iter().filter_map(is_stored);
+        let rows: Vec<(Row, &Parameter)> = rendered.chain(stored).collect();
         let reliefs = [NORMAL, BUMP].map(|map| nearest.maps.get(map));
-        let has_graph = rows.clone().any(|(row, _)| nearest.maps.get(row.parameter).is_some())
+        let has_graph = rows.iter().any(|(row, _)| nearest.maps.get(row.parameter).is_some())
             || reliefs.iter().any(Option::is_some);
         if has_graph {
             self.open("nodegraph", &[("name", graph.clone())])?;
@@ -415,9 +417,14 @@ pub(crate) fn nearest<S: Clone>(
             say_to_gltf(&mut nearest, remarks);
         }
     }
-    let lost = nearest.maps.get("fuzz_roughness").is_some() && surface != Surface::OpenPbr;
-    if lost {
-        remarks.push("the map of its fuzz roughness is written as it is, without a change of its scale".into());
+    if surface != Surface::OpenPbr {
+        if nearest.maps.get("fuzz_roughness").is_some() {
+            remarks.push("the map of its fuzz roughness is written as it is, without a change of its scale".into());
+        }
+        let stored: Vec<String> = nearest.stored().map(|p| p.label.to_lowercase()).collect();
+        if !stored.is_empty() {
+            remarks.push(format!("what it stores and does not render is left out: {}", stored.join(", ")));
+        }
     }
     nearest
 }

@@ -260,3 +260,29 @@ fn read_{prefix}(material: u32, uv: UvFootprint) -> {parameters_name} {{
 "
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The text and what lays out its materials follow from the lists of what is rendered.
+    #[test]
+    fn shaders_know_nothing_of_what_is_only_stored() {
+        let text = ModelSet::all().text();
+        let has = |p: &Parameter| [&text, BrdfModel::OpenPbr.wgsl()].iter().any(|text| text.contains(p.name));
+        assert!(!BrdfModel::OpenPbr.stored_parameters().iter().any(has));
+        assert!(BrdfModel::OpenPbr.own_parameters().iter().all(has), "negative control");
+    }
+
+    #[test]
+    fn a_material_that_stores_more_has_the_same_shaders() {
+        let text = |material: Material| {
+            ModelSet::of(&Appearance { materials: vec![material], textures: Vec::new(), assigned: None }).text()
+        };
+        let plain = Material { model: BrdfModel::OpenPbr, ..Default::default() };
+        let mut glass = plain.clone();
+        glass.parameters.set("transmission_weight", 1.0);
+        assert_eq!(text(glass), text(plain.clone()));
+        assert_ne!(text(Material { model: BrdfModel::Ggx, ..plain.clone() }), text(plain), "negative control");
+    }
+}

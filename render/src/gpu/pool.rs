@@ -10,7 +10,7 @@ use super::{
 };
 use crate::appearance::Appearance;
 use lapidary_core::{
-    material::{BUMP, NORMAL},
+    material::{BUMP, Material, NORMAL},
     texture::{ColorSpace, SlopeSource, Texels, Texture, TextureSlot, level_sizes},
 };
 use std::sync::Arc;
@@ -108,7 +108,9 @@ impl TexturePool {
 /// The textures that some slot refers to, each once for each way to read it.
 fn in_use(appearance: &Appearance) -> Vec<Used> {
     let mut all: Vec<Used> = Vec::new();
-    let slots = appearance.materials.iter().flat_map(|m| m.maps.iter());
+    // What is stored and not rendered takes no memory from what is.
+    let is_read = |m: &Material, map: &str| m.model.stored_parameter(map).is_none();
+    let slots = appearance.materials.iter().flat_map(|m| m.maps.iter().filter(move |(map, _)| is_read(m, map)));
     for (map, slot) in slots.filter(|(_, slot)| slot.image().is_some()) {
         let texture = appearance.textures[slot.texture as usize].clone();
         let used = Used { index: slot.texture, detail: Detail::of(map, slot, &texture), texture };
@@ -234,6 +236,19 @@ mod tests {
         let (fitted, messages) = fit(&textures, needed - 1);
         assert_eq!([fitted[0].texture.size, fitted[1].texture.size], [[32, 32], [8, 8]]);
         assert!(messages.len() == 1 && messages[0].contains("64 x 64 to 32 x 32"), "{messages:?}");
+    }
+
+    #[test]
+    fn maps_that_are_stored_and_not_rendered_take_no_room() {
+        let mut material = Material { model: lapidary_core::material::BrdfModel::OpenPbr, ..Default::default() };
+        material.maps.set("transmission_weight", Some(TextureSlot::default()));
+        let used = |material: &Material| {
+            let textures = vec![grey([8, 8], 9)];
+            in_use(&Appearance { materials: vec![material.clone()], textures, assigned: None }).len()
+        };
+        assert_eq!(used(&material), 0);
+        material.maps.set("coat_weight", Some(TextureSlot::default()));
+        assert_eq!(used(&material), 1, "negative control");
     }
 
     #[test]

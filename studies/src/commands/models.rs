@@ -35,8 +35,14 @@ impl ModelsArgs {
     }
 }
 
+/// All parameters of a model, and whether they are rendered or only stored.
+fn listed(model: BrdfModel) -> impl Iterator<Item = (&'static Parameter, bool)> {
+    let rendered = model.parameters().iter().map(|p| (p, true));
+    rendered.chain(model.stored_parameters().iter().map(|p| (p, false)))
+}
+
 fn models_json() -> serde_json::Value {
-    let parameter = |p: &Parameter| {
+    let parameter = |(p, rendered): (&Parameter, bool)| {
         json!({
             "name": p.name,
             "label": p.label,
@@ -45,6 +51,7 @@ fn models_json() -> serde_json::Value {
             "range": p.range,
             "default": p.default,
             "help": p.help,
+            "rendered": rendered,
         })
     };
     let model = |&model: &BrdfModel| {
@@ -53,7 +60,7 @@ fn models_json() -> serde_json::Value {
             "label": model.label(),
             "summary": model.summary(),
             "file": model.has_file(),
-            "parameters": model.parameters().iter().map(parameter).collect::<Vec<_>>(),
+            "parameters": listed(model).map(parameter).collect::<Vec<_>>(),
         })
     };
     let preset = |p: &Preset| json!({ "name": p.name, "group": p.group, "source": p.source, "model": p.model.key() });
@@ -68,14 +75,15 @@ fn models_text() -> String {
     for model in BrdfModel::ALL {
         let file = if model.has_file() { " Its materials name a `file`." } else { "" };
         text += &format!("{}: {}{file}\n", model.key(), model.summary());
-        for p in model.parameters() {
+        for (p, rendered) in listed(*model) {
             let [low, high] = p.range;
             let default = match p.default {
                 Value::Number(x) => x.to_string(),
                 Value::Color(c) => format!("{},{},{}", c.x, c.y, c.z),
             };
             let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-            text += &format!("  {:30} {low} to {high}{unit}, default {default}\n", p.name);
+            let mark = if rendered { "" } else { ", stored and not rendered" };
+            text += &format!("  {:36} {low} to {high}{unit}, default {default}{mark}\n", p.name);
         }
     }
     text += "\npresets, for --material preset:NAME\n";
@@ -100,9 +108,17 @@ mod tests {
             for (j, p) in model.parameters().iter().enumerate() {
                 assert!(text.contains(&format!("  {} ", p.name)), "{}", p.name);
                 assert_eq!(listed["parameters"][j]["name"], p.name);
+                assert_eq!(listed["parameters"][j]["rendered"], true);
             }
+            let all = listed["parameters"].as_array().unwrap();
+            let stored: Vec<_> = all.iter().filter(|p| p["rendered"] == false).map(|p| p["name"].clone()).collect();
+            let expected: Vec<&str> = model.stored_parameters().iter().map(|p| p.name).collect();
+            assert_eq!(stored, expected);
+            assert_eq!(stored.is_empty(), *model != BrdfModel::OpenPbr);
         }
         assert!(!text.contains("no_such_parameter"));
+        let marked = text.lines().filter(|line| line.ends_with(", stored and not rendered")).count();
+        assert_eq!(marked, BrdfModel::OpenPbr.stored_parameters().len());
         assert!(text.contains("Gold, Silver") && json["presets"][0]["name"] == "Chalk");
     }
 }

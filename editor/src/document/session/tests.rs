@@ -147,6 +147,32 @@ fn everything_survives_the_disk() {
     assert_ne!(read.materials, other.materials);
 }
 
+#[test]
+fn what_is_stored_and_not_rendered_survives_the_disk() {
+    let project = Project::new();
+    let mut document = project.document();
+    let cloth = &mut document.materials[1];
+    cloth.model = BrdfModel::OpenPbr;
+    cloth.parameters.set("subsurface_radius_scale", Vec3::new(0.5, 0.25, 0.125));
+    cloth.parameters.set("transmission_weight", 0.625);
+    cloth.maps.set("thin_film_thickness", Some(TextureSlot { channel: Channel::G, ..slot(3) }));
+    let (read, warnings) = project.reloaded(&document).into_document(Some(&project.dataset.scene));
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_same(&read, &document);
+    document.materials[1].parameters.set("transmission_weight", 0.0);
+    assert_ne!(read.materials, document.materials, "negative control");
+
+    document.materials[1].parameters.set("transmission_weight", 0.625);
+    save(&document, &Unknown::default(), &project.file()).unwrap();
+    let mut json = project.json();
+    json["materials"][1]["parameters"]["transmission_weight"] = 7.into();
+    std::fs::write(project.file(), json.to_string()).unwrap();
+    let loaded = load(&project.file()).unwrap();
+    assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
+    let (read, _) = loaded.into_document(Some(&project.dataset.scene));
+    assert_eq!(read.materials[1].parameters.number("transmission_weight"), 1.0);
+}
+
 /// A document with a material that was added, which one of two objects has.
 fn with_a_part(project: &mut Project) -> Document {
     project.dataset.scene.objects = ["lid", "pot"].map(|name| Object { name: name.into() }).to_vec();

@@ -9,7 +9,7 @@ use crate::{
     document::Document,
     panels::{
         entries::combo_row,
-        widgets::{Number, color_row, group, section, slider_row},
+        widgets::{Number, color_row, group, note, section, slider_row},
     },
 };
 use egui::Ui;
@@ -49,6 +49,13 @@ pub fn show(
                 });
             }
         }
+    }
+    let stored = changes.material.stored_parameters();
+    if !stored.is_empty() {
+        section(ui, "Stored, not rendered", false, |ui| {
+            note(ui, "Kept for other programs; the picture does not show them.");
+            stored.iter().for_each(|parameter| shown(ui, changes, parameter));
+        });
     }
 }
 

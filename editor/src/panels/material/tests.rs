@@ -172,6 +172,34 @@ fn the_model_shows_what_it_reads_and_greys_what_has_no_effect() {
 }
 
 #[test]
+fn what_is_stored_and_not_rendered_has_a_folded_part_of_openpbr_alone() {
+    const TITLE: &str = "Stored, not rendered";
+    let mut harness = harness(|_| {});
+    assert!(harness.query_by_label(TITLE).is_none(), "GGX stores nothing");
+    choose_model(&mut harness, "OpenPBR");
+    let has_row = |h: &Harness<App>| h.query_by_role_and_label(Role::Slider, "Transmission weight").is_some();
+    assert!(!has_row(&harness), "it is folded");
+    click_hidden(&mut harness, TITLE);
+    harness.run();
+    assert!(has_row(&harness));
+    assert!(harness.query_by_label("Kept for other programs; the picture does not show them.").is_some());
+    for p in BrdfModel::OpenPbr.stored_parameters() {
+        assert!(harness.query_by_label(&format!("Load {} map", p.label)).is_some(), "{}", p.label);
+    }
+    let before = harness.state().material().plain_values().numbers().to_vec();
+    harness.get_by_label("Transmission weight value").click_accesskit();
+    harness.run();
+    harness.get_by_label("Transmission weight value").type_text("0.25");
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert_eq!(harness.state().material().parameters.number("transmission_weight"), 0.25);
+    assert_eq!(harness.state().material().plain_values().numbers(), before, "nothing that is rendered has changed");
+    assert_eq!(harness.state().log(), (vec!["BRDF model", "Transmission weight"], 2));
+    click_hidden(&mut harness, "Reset Transmission weight");
+    assert_eq!(harness.state().material().parameters.number("transmission_weight"), 0.0);
+}
+
+#[test]
 fn copy_and_paste_carry_values_and_maps_but_not_the_name() {
     let mut harness = harness(|app| {
         app.document.materials[0].parameters.set("roughness", 0.1);

@@ -326,6 +326,7 @@ fn remarks_of_layers(material: &Material) -> Vec<(bool, &'static str)> {
         (has(&["specular_ior"]), "the map of its index of refraction is left out"),
         (has(&["specular_weight"]), "the map of its specular weight is left out"),
         (is_coated && other_coat, "its coat is a clear one of index 1.5 that does not darken"),
+        (material.stored().next().is_some(), "what it stores and does not render is left out"),
         (is_fuzzy && other_fuzz, "its fuzz is Burley's sheen of the same brightness, without color and roughness"),
     ]
 }

@@ -191,6 +191,16 @@ fn what_a_layered_material_says_is_applied_or_told() {
 }
 
 #[test]
+fn what_is_stored_and_not_rendered_is_told() {
+    let mut material = Material { model: BrdfModel::OpenPbr, ..Default::default() };
+    const TOLD: &str = "what it stores and does not render is left out";
+    let is_told = |material: &Material| bsdf::remarks(material).iter().any(|remark| remark.ends_with(TOLD));
+    assert!(!is_told(&material), "negative control");
+    material.parameters.set("transmission_weight", 0.5);
+    assert!(is_told(&material));
+}
+
+#[test]
 fn values_that_a_model_does_not_have_are_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = TextureFolder::new(folder.path(), &[]);
