@@ -278,16 +278,20 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
     comparison::show(ui, &mut state.interface.comparison, &state.comparison.context(), actions);
 }
 
+/// What to say over the picture where surfaces let through other light than their bake knows.
+fn words_of_opacity(state: &EditorState, baked: &Baked) -> Option<&'static str> {
+    if state.document.lets_through_otherwise(&baked.dataset) {
+        return Some("Opacity was edited; bake again for its shadows");
+    }
+    let keeps = state.document.parts_let_through_otherwise();
+    keeps.then_some("Surfaces with a material of their own keep their baked shadows")
+}
+
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
     let baked = state.scene.rendered();
     let mesh = baked.map(|b| &b.dataset.scene.mesh);
     let selected_object = state.selection.object;
-    let is_otherwise = |baked: &Baked| state.document.lets_through_otherwise(&baked.dataset);
-    let words = |baked: &Baked| {
-        let busy = state.baking.words(state.seen());
-        busy.or_else(|| is_otherwise(baked).then_some("Opacity was edited; bake again for its shadows"))
-    };
-    let busy = baked.and_then(words);
+    let busy = baked.and_then(|baked| state.baking.words(state.seen()).or_else(|| words_of_opacity(state, baked)));
     let shown = state.pictures.shown().filter(|_| baked.is_some());
     let accent = ui.visuals().selection.bg_fill;
     let panel = &state.interface.comparison;

@@ -3,6 +3,7 @@
 use super::{Document, ShownMaterials, ViewSettings};
 use lapidary_core::{
     material::Material,
+    opacity::Opacity,
     parts::{Part, Variants},
     scene::{Mesh, Scene},
 };
@@ -50,6 +51,15 @@ impl Document {
         let is_any = self.added > 0 || !self.assigned.is_empty();
         let of = |triangle| Part::of_triangle(mesh, triangle).map_or(0, |part| self.material_of(part) as u32);
         is_any.then(|| (0..mesh.triangles.len()).map(of).collect())
+    }
+
+    /// Whether parts let through other light than the material that a bake takes them with: that of the file.
+    pub fn parts_let_through_otherwise(&self) -> bool {
+        let textures: Vec<_> = self.textures.iter().map(|entry| entry.texture.clone()).collect();
+        let opacity = |index: usize| self.materials.get(index).map(|material| Opacity::of(material, &textures));
+        self.assigned.iter().any(|(part, &material)| {
+            opacity(material).is_some_and(|shown| opacity(part.material as usize).is_some_and(|baked| baked != shown))
+        })
     }
 
     /// The variant that is shown: `Some(None)` for what the file shows first, `None` for a mixture.
@@ -193,6 +203,17 @@ mod tests {
         assert!(document.assigned_to(&mesh).is_none(), "the mesh says it all");
         document.assigned.insert(part(0, 0), 9);
         assert_eq!(document.material_of(part(0, 0)), 0, "one that is not there");
+    }
+
+    #[test]
+    fn parts_that_let_through_other_light_than_their_bake_are_noticed() {
+        let mut document = document();
+        document.assigned = [(part(1, 1), 0)].into();
+        assert!(!document.parts_let_through_otherwise(), "all stop all light");
+        document.materials[0].parameters.set("geometry_opacity", 0.5);
+        assert!(document.parts_let_through_otherwise());
+        document.assigned.clear();
+        assert!(!document.parts_let_through_otherwise(), "the material itself is edited, which a bake takes");
     }
 
     #[test]

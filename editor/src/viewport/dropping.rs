@@ -8,7 +8,7 @@ use crate::{
     dragged::Dragged,
 };
 use egui::{Align2, Color32, Context, DragAndDrop, Id, LayerId, Order, Rect, Response, TextStyle, Ui, Vec2, vec2};
-use lapidary_core::{bounds::Bounds, parts::Part};
+use lapidary_core::{bounds::Bounds, material::Material, parts::Part};
 
 /// Where the words lie beside the pointer, and the room around them, in points.
 const BESIDE: Vec2 = vec2(16.0, 18.0);
@@ -92,8 +92,9 @@ fn alone_on(part: Part, dragged: Dragged, document: &Document) -> Action {
     match dragged {
         Dragged::Preset { .. } => {
             let present = document.materials.get(document.material_of(part));
-            let material = present.and_then(|present| dragged.applied_to(present, document));
-            Action::MakeUnique { part, material: material.map(Into::into) }
+            let applied = present.and_then(|present| dragged.applied_to(present, document));
+            let named = |material| Material { name: dragged.name(document), ..material };
+            Action::MakeUnique { part, material: applied.map(|material| named(material).into()) }
         }
         Dragged::Material(material) => Action::Assign { part, material },
     }
