@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn known_functions_need_known_numbers_of_terms() {
         let forest = geometric();
-        let all = vec![1; FACES * SIDE * SIDE];
+        let all = vec![OPEN; FACES * SIDE * SIDE];
         let open = terms(&all, &forest, &wavelets(&all, SIDE), 0.5);
         assert_eq!(open, Terms { squared_error: 0.0, cut: 6, wavelets: 6 }, "a node and a coefficient a face");
         let half = upper_half();
