@@ -38,3 +38,13 @@ fn threshold(pixel: vec2<u32>, sample: u32, triangle: u32) -> f32 {
     let stratum = (((sample % STRATA) ^ (order & 15u)) * (2u * ((order >> 4u) & 15u) + 1u) + (order >> 8u)) % STRATA;
     return (f32(stratum) + chance(mixed(mixed(of_pixel, sample), triangle))) / f32(STRATA);
 }
+
+// Whether a sample of a pixel passes a point of a triangle.
+fn lets_through(triangle: u32, uv: vec2<f32>, pixel: vec2<u32>, sample: u32) -> bool {
+    if !HAS_VEILS {
+        return false;
+    }
+    let opacity = material_opacity(triangles[triangle].material & ~TWO_SIDED, uv);
+    // A threshold may be rounded to 1.
+    return opacity < 1.0 && opacity <= threshold(pixel, sample, triangle);
+}

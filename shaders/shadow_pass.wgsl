@@ -20,13 +20,7 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) layer: u32
 
 @fragment
 fn fragment(corner: Corner) {
-    if HAS_VEILS {
-        let material = triangles[corner.triangle].material & ~TWO_SIDED;
-        let texel = vec2<u32>(corner.position.xy);
-        let opacity = material_opacity(material, corner.uv);
-        // A threshold may be rounded to 1.
-        if opacity < 1.0 && opacity <= threshold(texel, corner.layer, corner.triangle) {
-            discard;
-        }
+    if lets_through(corner.triangle, corner.uv, vec2<u32>(corner.position.xy), corner.layer) {
+        discard;
     }
 }

@@ -17,14 +17,8 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
 
 @fragment
 fn fragment(corner: Corner) -> @location(0) u32 {
-    if HAS_VEILS {
-        let material = triangles[corner.triangle].material & ~TWO_SIDED;
-        let pixel = vec2<u32>(corner.position.xy);
-        let opacity = material_opacity(material, corner.uv);
-        // A threshold may be rounded to 1.
-        if opacity < 1.0 && opacity <= threshold(pixel, frame.sample, corner.triangle) {
-            discard;
-        }
+    if lets_through(corner.triangle, corner.uv, vec2<u32>(corner.position.xy), frame.sample) {
+        discard;
     }
     return corner.triangle + 1u;
 }

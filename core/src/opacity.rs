@@ -144,6 +144,11 @@ impl Opacities {
         Self { materials, assigned: None }
     }
 
+    /// Of the materials of a scene.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self::of(&scene.materials, &scene.textures)
+    }
+
     /// The same where triangles have other materials than those of the mesh.
     pub fn assigned(self, assigned: Option<Arc<[u32]>>) -> Self {
         Self { assigned, ..self }

@@ -86,7 +86,7 @@ impl Intersector {
 
     /// The same under the materials of a scene.
     pub fn of_scene(scene: &Scene) -> Self {
-        Self::with_opacities(&scene.mesh, &Opacities::of(&scene.materials, &scene.textures))
+        Self::with_opacities(&scene.mesh, &Opacities::of_scene(scene))
     }
 
     /// The same with other opacities, one for each material of the mesh.

@@ -383,7 +383,7 @@ impl Document {
     /// Whether materials let through other light than at the bake of a dataset.
     pub fn lets_through_otherwise(&self, dataset: &Dataset) -> bool {
         let scene = &dataset.scene;
-        self.baked_appearance(scene).opacities() != Opacities::of(&scene.materials, &scene.textures)
+        self.baked_appearance(scene).opacities() != Opacities::of_scene(scene)
     }
 
     /// The materials that a scene has from its file, as a bake of it takes them.

@@ -46,7 +46,7 @@ impl Baked {
 
     /// The opacities that the hierarchies have: those that were baked.
     pub fn opacities(&self) -> Opacities {
-        Opacities::of(&self.dataset.scene.materials, &self.dataset.scene.textures)
+        Opacities::of_scene(&self.dataset.scene)
     }
 
     /// Whether the scene stands on a ground.

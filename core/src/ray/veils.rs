@@ -126,11 +126,7 @@ impl Intersector {
 
     /// Whether light passes between two points; past thin surfaces as often as they let it.
     pub fn lets_through_by_chance(&self, from: Vec3, to: Vec3) -> bool {
-        !self.occluded_between(from, to)
-            && self.veils.as_ref().is_none_or(|veils| {
-                let segment = to - from;
-                veils.transmittance(from, segment, 1.0) > any_threshold(from, segment)(0)
-            })
+        self.transmittance_between(from, to) > any_threshold(from, to - from)(0)
     }
 
     /// Share of the light that a point of the mesh stops.

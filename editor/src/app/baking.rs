@@ -123,7 +123,7 @@ impl EditorState {
         }
         let Imported { mut scene, import_secs, report, .. } = source;
         let edited = self.document.baked_appearance(&scene);
-        if edited.opacities() != Opacities::of(&scene.materials, &scene.textures) {
+        if edited.opacities() != Opacities::of_scene(&scene) {
             Arc::make_mut(&mut scene).take_opacities(&edited.materials, &edited.textures);
         }
         let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
