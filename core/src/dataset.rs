@@ -61,7 +61,6 @@ use crate::{
     ground::Ground,
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
-    opacity::Opacities,
     scene::Scene,
     shot::Shot,
     sources::IndirectBake,
@@ -316,8 +315,9 @@ pub fn scene_hash(scene: &Scene) -> String {
 }
 
 /// Hash of a scene with what its surfaces let through: all that a bake depends on beside its settings.
-pub fn bake_hash(scene_hash: &str, opacities: &Opacities) -> String {
-    opacities.hash().map_or_else(|| scene_hash.into(), |opacities| format!("{scene_hash}-{opacities}"))
+/// `scene` needs no mesh.
+pub fn bake_hash(scene_hash: &str, scene: &Scene) -> String {
+    scene.opacity_hash().map_or_else(|| scene_hash.into(), |opacities| format!("{scene_hash}-{opacities}"))
 }
 
 #[cfg(test)]

@@ -274,6 +274,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         cameras: source.cameras,
         lights: source.lights,
         variants,
+        part_opacities: Vec::new(),
     };
     aim_at_the_center(&mut scene);
     ranges::keep_in_range(&mut scene, &mut report.warnings);

@@ -5,11 +5,13 @@
 
 use crate::{
     material::Material,
+    parts::Part,
     scene::{Mesh, Scene},
     texture::{Texture, TextureSlot},
 };
 use glam::Vec2;
-use std::sync::Arc;
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, sync::Arc};
 
 /// Names of the parameters, and of their maps.
 const OPACITY: &str = "geometry_opacity";
@@ -144,9 +146,10 @@ impl Opacities {
         Self { materials, assigned: None }
     }
 
-    /// Of the materials of a scene.
+    /// Of the materials of a scene, and of parts that let through other light.
     pub fn of_scene(scene: &Scene) -> Self {
-        Self::of(&scene.materials, &scene.textures)
+        let (materials, assigned) = scene.materials_with_parts();
+        Self::of(&materials, &scene.textures).assigned(assigned)
     }
 
     /// The same where triangles have other materials than those of the mesh.
@@ -165,14 +168,19 @@ impl Opacities {
         materials[triangle as usize]
     }
 
-    /// A hash of what lets light through, as hexadecimal; `None` if no number and no map says that anything does.
-    pub fn hash(&self) -> Option<String> {
-        let mut hasher = blake3::Hasher::new();
-        for (material, opacity) in self.materials.iter().enumerate().filter(|(_, opacity)| **opacity != Opacity::FULL) {
-            hasher.update(&material.to_le_bytes());
-            [&opacity.stopped, &opacity.cutoff].into_iter().for_each(|mapped| mapped.hash_into(&mut hasher));
+    /// Whether all triangles of a mesh let through the same light by both, whatever their materials' numbers are.
+    pub fn agree(&self, other: &Self, mesh: &Mesh) -> bool {
+        if self == other {
+            return true;
         }
-        (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
+        let numbers = |triangle| (self.material(mesh, triangle), other.material(mesh, triangle));
+        let mut pairs: Vec<_> = (0..mesh.triangles.len() as u32).map(numbers).collect();
+        // Triangles of a part mostly follow each other.
+        pairs.dedup();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let of = |of: &Self, material: u32| of.materials.get(material as usize).cloned().unwrap_or(Opacity::FULL);
+        pairs.into_iter().all(|(own, others)| of(self, own) == of(other, others))
     }
 
     /// Per material its opacity, if it lets light through anywhere.
@@ -194,22 +202,130 @@ impl Material {
     }
 }
 
-impl Scene {
-    /// Its materials let through what others do, one for each, whose maps are among `textures`.
-    pub fn take_opacities(&mut self, materials: &[Material], textures: &[Arc<Texture>]) {
-        let Self { materials: own, textures: known, .. } = self;
-        let mut placed = |slot: &TextureSlot| {
-            let Some(image) = slot.image() else { return Some(slot.clone()) };
-            let texture = textures.get(image)?;
-            let place = known.iter().position(|known| Arc::ptr_eq(known, texture));
-            let place = place.unwrap_or_else(|| {
-                known.push(texture.clone());
-                known.len() - 1
-            });
-            Some(TextureSlot { texture: place as u32, ..slot.clone() })
-        };
-        own.iter_mut().zip(materials).for_each(|(own, from)| own.take_opacity(from, &mut placed));
+/// Parts of one material that let through other light than that says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartOpacity {
+    /// Which parts.
+    pub parts: Vec<Part>,
+    /// A material of which the opacity alone counts.
+    pub material: Material,
+}
+
+impl PartOpacity {
+    /// Whether it fits a scene of so many objects and materials.
+    pub fn fits(&self, objects: usize, materials: usize) -> bool {
+        let is_there = |part: &Part| (part.object as usize) < objects && (part.material as usize) < materials;
+        let is_of_one = self.parts.windows(2).all(|pair| pair[0].material == pair[1].material);
+        !self.parts.is_empty() && is_of_one && self.parts.iter().all(is_there)
     }
+
+    /// The material of the parts: that of the mesh, among `own`, but for what it lets through.
+    pub fn shown(&self, own: &[Material]) -> Material {
+        let mut shown = own[self.parts[0].material as usize].clone();
+        shown.take_opacity(&self.material, |slot| Some(slot.clone()));
+        shown
+    }
+}
+
+impl Scene {
+    /// Its materials, and behind them those of parts that let through other light. If there are such parts, also the material
+    /// of each triangle.
+    pub fn materials_with_parts(&self) -> (Vec<Material>, Option<Arc<[u32]>>) {
+        let own = self.materials.len();
+        let mut materials = self.materials.clone();
+        materials.extend(self.part_opacities.iter().map(|other| other.shown(&self.materials)));
+        if self.part_opacities.is_empty() {
+            return (materials, None);
+        }
+        let others = (own as u32..).zip(&self.part_opacities);
+        let of_part: BTreeMap<Part, u32> =
+            others.flat_map(|(material, other)| other.parts.iter().map(move |&part| (part, material))).collect();
+        let of_triangle = |(triangle, &material): (usize, &u32)| {
+            Part::of_triangle(&self.mesh, triangle).and_then(|part| of_part.get(&part).copied()).unwrap_or(material)
+        };
+        (materials, Some(self.mesh.triangle_material.iter().enumerate().map(of_triangle).collect()))
+    }
+
+    /// Gives parts that let through other light materials of the mesh, for formats that know no parts.
+    pub fn settle_parts(&mut self) {
+        if let (materials, Some(assigned)) = self.materials_with_parts() {
+            let own = self.materials.len();
+            self.materials = materials;
+            for (material, PartOpacity { parts, .. }) in self.materials[own..].iter_mut().zip(&self.part_opacities) {
+                // Formats tell materials apart by their names.
+                material.name += &format!(" of {}", self.objects[parts[0].object as usize].name);
+            }
+            self.mesh.triangle_material = assigned.to_vec();
+            self.part_opacities.clear();
+        }
+    }
+
+    /// What a part of it lets through; nothing if it has no such material.
+    pub fn opacity_of(&self, part: Part) -> Opacity {
+        let other = self.part_opacities.iter().find(|other| other.parts.contains(&part));
+        let material = other.map(|other| &other.material).or_else(|| self.materials.get(part.material as usize));
+        material.map_or(Opacity::FULL, |material| Opacity::of(material, &self.textures))
+    }
+
+    /// Lets through what others do: `materials`, of which the first `count` stand for its own, and of them that of each part in
+    /// `assigned`, which is not that of the mesh. Their maps are among `textures`. Parts that are not there are left out.
+    pub fn take_opacities(
+        &mut self,
+        materials: &[Material],
+        count: usize,
+        assigned: impl IntoIterator<Item = (Part, usize)>,
+        textures: &[Arc<Texture>],
+    ) {
+        let Self { materials: own, textures: known, part_opacities, objects, .. } = self;
+        let mut placed = |slot: &TextureSlot| placed_among(known, textures, slot);
+        own.iter_mut().zip(&materials[..count]).for_each(|(own, from)| own.take_opacity(from, &mut placed));
+        let is_there = |part: &Part| (part.object as usize) < objects.len() && (part.material as usize) < own.len();
+        let opacity = |material: usize| materials.get(material).map(|material| Opacity::of(material, textures));
+        let mut others: BTreeMap<(u32, usize), Vec<Part>> = BTreeMap::new();
+        for (part, material) in assigned.into_iter().filter(|(part, _)| is_there(part)) {
+            if opacity(material).is_some() && opacity(material) != opacity(part.material as usize) {
+                others.entry((part.material, material)).or_default().push(part);
+            }
+        }
+        let of_parts = |((_, from), parts): ((u32, usize), Vec<Part>)| {
+            let mut material = Material::default();
+            material.take_opacity(&materials[from], &mut placed);
+            PartOpacity { parts, material }
+        };
+        *part_opacities = others.into_iter().map(of_parts).collect();
+    }
+
+    /// A hash of what lets light through, as hexadecimal; `None` if no number and no map says that anything does.
+    pub fn opacity_hash(&self) -> Option<String> {
+        let mut hasher = blake3::Hasher::new();
+        let mut add = |of: &[u8], material: &Material| {
+            let Opacity { stopped, cutoff } = Opacity::of(material, &self.textures);
+            hasher.update(of);
+            [&stopped, &cutoff].into_iter().for_each(|mapped| mapped.hash_into(&mut hasher));
+        };
+        for (index, material) in self.materials.iter().enumerate() {
+            if Opacity::of(material, &self.textures) != Opacity::FULL {
+                add(&index.to_le_bytes(), material);
+            }
+        }
+        for PartOpacity { parts, material } in &self.part_opacities {
+            let parts = parts.iter().flat_map(|part| [part.object, part.material]).flat_map(u32::to_le_bytes);
+            add(&parts.collect::<Vec<u8>>(), material);
+        }
+        (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
+    }
+}
+
+/// A slot of one of `textures` as one of `known`, to which that is added if it is not there. `None` if there is no such texture.
+fn placed_among(known: &mut Vec<Arc<Texture>>, textures: &[Arc<Texture>], slot: &TextureSlot) -> Option<TextureSlot> {
+    let Some(image) = slot.image() else { return Some(slot.clone()) };
+    let texture = textures.get(image)?;
+    let place = known.iter().position(|known| Arc::ptr_eq(known, texture));
+    let place = place.unwrap_or_else(|| {
+        known.push(texture.clone());
+        known.len() - 1
+    });
+    Some(TextureSlot { texture: place as u32, ..slot.clone() })
 }
 
 /// A number in [0, 1) that looks random, from words that seed it. Twin of `chance` in `shaders/opacity.wgsl`.
@@ -228,7 +344,10 @@ fn mix(number: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::{Channel, Texels};
+    use crate::{
+        scene::Object,
+        texture::{Channel, Texels},
+    };
 
     /// A map whose alpha is 0 on the left and 255 on the right.
     fn half(left: u8) -> Vec<Arc<Texture>> {
@@ -276,16 +395,72 @@ mod tests {
         let (own, other) = (half(255), half(0));
         let mut scene = Scene { materials: vec![material(1.0, 0.0, false); 2], textures: own, ..Scene::default() };
         scene.materials[0].name = "kept".into();
-        let before = Opacities::of(&scene.materials, &scene.textures);
-        assert_eq!(before.hash(), None);
+        assert_eq!(scene.opacity_hash(), None);
         let edited = [material(0.5, 0.0, true), material(1.0, 0.0, false)];
-        scene.take_opacities(&edited, &other);
-        let after = Opacities::of(&scene.materials, &scene.textures);
-        assert_eq!(after, Opacities::of(&edited, &other));
-        assert!(after.hash().is_some() && after.hash() != Opacities::of(&[material(0.4, 0.0, true)], &other).hash());
+        scene.take_opacities(&edited, 2, [], &other);
+        assert_eq!(Opacities::of_scene(&scene), Opacities::of(&edited, &other));
+        let less = Scene { materials: vec![material(0.4, 0.0, true)], textures: other.clone(), ..Scene::default() };
+        assert!(scene.opacity_hash().is_some() && scene.opacity_hash() != less.opacity_hash());
         assert_eq!((scene.textures.len(), scene.materials[0].name.as_str()), (2, "kept"));
-        scene.take_opacities(&edited, &other);
+        scene.take_opacities(&edited, 2, [], &other);
         assert_eq!(scene.textures.len(), 2, "it has them already");
+    }
+
+    /// Three objects of one triangle each, of which the last has another material.
+    fn three_objects() -> Scene {
+        let mesh = Mesh {
+            triangles: vec![[0, 1, 2]; 3],
+            triangle_material: vec![0, 0, 1],
+            triangle_object: vec![0, 1, 2],
+            ..Mesh::default()
+        };
+        let objects = vec![Object { name: "o".into() }; 3];
+        Scene { mesh, objects, materials: vec![material(1.0, 0.0, false); 2], ..Scene::default() }
+    }
+
+    #[test]
+    fn a_part_lets_through_what_its_own_material_does() {
+        let mut scene = three_objects();
+        let edited = [material(1.0, 0.0, false), material(1.0, 0.0, false), material(0.5, 0.0, true)];
+        let glass = Part { object: 1, material: 0 };
+        let opaque = Part { object: 2, material: 1 };
+        let gone = Part { object: 3, material: 0 };
+        scene.take_opacities(&edited, 2, [(glass, 2), (opaque, 0), (gone, 2)], &half(0));
+        assert_eq!(scene.part_opacities.len(), 1, "an assignment that stops all light as before is none");
+        let opacities = Opacities::of_scene(&scene);
+        assert_eq!([0, 1, 2].map(|triangle| opacities.material(&scene.mesh, triangle)), [0, 2, 1]);
+        let numbered = |numbers: [u32; 3]| Opacities::of(&edited, &scene.textures).assigned(Some(Arc::new(numbers)));
+        assert!(opacities.agree(&numbered([1, 2, 0]), &scene.mesh), "by other numbers");
+        assert!(!opacities.agree(&numbered([0, 0, 1]), &scene.mesh), "negative control: without the assignment");
+        assert!(!opacities.agree(&numbered([0, 2, 2]), &scene.mesh), "negative control: another part too");
+        let opacity = |part| scene.opacity_of(part).at(Vec2::new(0.75, 0.5));
+        assert_eq!([opacity(glass), opacity(opaque), opacity(Part { object: 0, material: 0 })], [0.5, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn the_hash_of_opacities_tells_parts_apart() {
+        let edited = [material(1.0, 0.0, false), material(1.0, 0.0, false), material(0.5, 0.0, false)];
+        let hash = |object| {
+            let mut scene = three_objects();
+            scene.take_opacities(&edited, 2, [(Part { object, material: 0 }, 2)], &[]);
+            scene.opacity_hash()
+        };
+        assert!(hash(0).is_some() && hash(0) == hash(0) && hash(0) != hash(1));
+        let mut scene = three_objects();
+        scene.take_opacities(&edited, 2, [], &[]);
+        assert_eq!(scene.opacity_hash(), None, "negative control: no part has the material that is thin");
+    }
+
+    #[test]
+    fn opacities_of_parts_that_are_not_there_do_not_fit() {
+        let of = |parts: &[[u32; 2]]| {
+            let part = |&[object, material]: &[u32; 2]| Part { object, material };
+            PartOpacity { parts: parts.iter().map(part).collect(), material: Material::default() }
+        };
+        assert!(of(&[[0, 1], [1, 1]]).fits(2, 2));
+        for damaged in [of(&[]), of(&[[2, 0]]), of(&[[0, 2]]), of(&[[0, 0], [0, 1]])] {
+            assert!(!damaged.fits(2, 2), "{damaged:?}");
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::{
     ground::GroundStart,
     lights::Light,
     material::Material,
+    opacity::PartOpacity,
     parts::Variants,
     surfel::{MeshPlace, Surfel},
     texture::Texture,
@@ -79,6 +80,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Variants of the materials.
     pub variants: Variants,
+    /// Parts that let through other light than their materials, as a bake of them takes it; a file has none.
+    pub part_opacities: Vec<PartOpacity>,
 }
 
 impl Scene {

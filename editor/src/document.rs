@@ -28,7 +28,6 @@ use lapidary_core::{
     ground::Ground,
     lights::Light,
     material::{BrdfModel, Material},
-    opacity::Opacities,
     scene::Scene,
     texture::Texture,
 };
@@ -337,7 +336,7 @@ impl Document {
     /// bookmarked. The view is that of its first camera, or of the whole scene.
     pub fn of_scene(scene: &Scene, path: Option<PathBuf>) -> Self {
         let entry = |texture: &Arc<Texture>| TextureEntry { texture: texture.clone(), file: None };
-        Self {
+        let document = Self {
             scene: path,
             materials: scene.materials.clone(),
             objects: scene.objects.iter().map(|object| object.name.clone()).collect(),
@@ -347,7 +346,8 @@ impl Document {
             camera: scene.first_view(),
             bookmarks: scene.cameras.clone(),
             ..Self::empty()
-        }
+        };
+        document.with_opacities_of_parts(scene)
     }
 
     /// A document for a dataset, with the settings of its bake. If that was for shots, the view is the first of them,
@@ -375,21 +375,14 @@ impl Document {
         };
         Appearance {
             materials: self.materials.iter().enumerate().map(shown).collect(),
-            textures: self.textures.iter().map(|t| t.texture.clone()).collect(),
+            textures: self.shared_textures(),
             assigned: None,
         }
     }
 
-    /// Whether materials let through other light than at the bake of a dataset.
-    pub fn lets_through_otherwise(&self, dataset: &Dataset) -> bool {
-        let scene = &dataset.scene;
-        self.baked_appearance(scene).opacities() != Opacities::of_scene(scene)
-    }
-
-    /// The materials that a scene has from its file, as a bake of it takes them.
-    pub fn baked_appearance(&self, scene: &Scene) -> Appearance {
-        let materials = self.materials.iter().take(scene.materials.len().min(self.own_materials())).cloned().collect();
-        Appearance { materials, textures: self.textures.iter().map(|t| t.texture.clone()).collect(), assigned: None }
+    /// Its textures, which materials refer to by index.
+    pub fn shared_textures(&self) -> Vec<Arc<Texture>> {
+        self.textures.iter().map(|entry| entry.texture.clone()).collect()
     }
 }
 

@@ -28,7 +28,8 @@ pub struct Appearance {
 impl Appearance {
     /// As the scene has them.
     pub fn of(scene: &Scene) -> Self {
-        Self { materials: scene.materials.clone(), textures: scene.textures.clone(), assigned: None }
+        let (materials, assigned) = scene.materials_with_parts();
+        Self { materials, textures: scene.textures.clone(), assigned }
     }
 
     /// Index of the material that a triangle of `mesh` has.

@@ -64,7 +64,7 @@ impl Renderer {
     /// Makes rays pass surfaces as they let light through now. Only where others are thin is there another hierarchy.
     fn take_opacities(&mut self, opacities: Opacities) {
         let has_same_triangles = opacities.has_same_assignment(&self.opacities);
-        if opacities == self.baked.opacities() {
+        if opacities.agree(&self.baked.opacities(), &self.dataset.scene.mesh) {
             self.own_rays = None;
         } else if !self.own_rays.as_mut().is_some_and(|rays| has_same_triangles && rays.take_opacities(&opacities)) {
             self.own_rays = Some(Intersector::quick(&self.dataset.scene.mesh, &opacities));

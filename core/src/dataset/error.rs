@@ -113,6 +113,9 @@ pub enum Damage {
         /// Error of the system.
         source: std::io::Error,
     },
+    /// Opacities of parts name objects or materials that are not there.
+    #[error("parts that let light through do not fit its objects and materials")]
+    PartOpacities,
     /// Variants name objects or materials that are not there.
     #[error("its variants do not fit its objects and materials")]
     Variants,

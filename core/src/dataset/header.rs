@@ -2,7 +2,8 @@
 
 use super::{BakeReport, BakeSettings};
 use crate::{
-    brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material, parts::Variants,
+    brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material, opacity::PartOpacity,
+    parts::Variants,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -24,6 +25,8 @@ pub(super) struct Header {
     pub lights: Vec<Light>,
     #[serde(default, skip_serializing_if = "Variants::is_empty")]
     pub variants: Variants,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub part_opacities: Vec<PartOpacity>,
     /// Where the ground begins in the mesh.
     #[serde(default)]
     pub ground: Option<GroundStart>,

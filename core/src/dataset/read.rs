@@ -98,6 +98,7 @@ impl Reader<'_> {
             cameras: header.cameras.clone(),
             lights: header.lights.clone(),
             variants: header.variants.clone(),
+            part_opacities: header.part_opacities.clone(),
         })
     }
 

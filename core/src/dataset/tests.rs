@@ -3,8 +3,9 @@
 use super::*;
 use crate::{
     cut::packed::pack_node,
-    material::MaterialMaps,
+    material::{Material, MaterialMaps},
     meshless::{Basis, Transport},
+    opacity::PartOpacity,
     parts::{Part, PartVariants, Variants},
     sources::Source,
     surfel::{MeshPlace, Surfel},
@@ -322,6 +323,24 @@ fn the_meshless_basis_and_its_links_survive_the_disk() {
     assert_eq!((a.basis.sender_levels(), &a.transport), (1, &b.transport));
     dataset().write(&path).unwrap();
     assert!(Dataset::read(&path).unwrap().meshless.is_none(), "a dataset without it");
+}
+
+#[test]
+fn opacities_of_parts_survive_the_disk_and_older_files_have_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let mut dataset = test_scenes::dataset(&["a", "b"], &[]);
+    dataset.write(&path).unwrap();
+    assert!(Dataset::read(&path).unwrap().scene.part_opacities.is_empty());
+    assert!(!String::from_utf8_lossy(&std::fs::read(&path).unwrap()).contains("part_opacities"), "as files of before");
+    let mut material = Material::default();
+    material.parameters.set("geometry_opacity", 0.5);
+    dataset.scene.part_opacities = vec![PartOpacity { parts: vec![Part { object: 0, material: 0 }], material }];
+    dataset.write(&path).unwrap();
+    assert_eq!(Dataset::read(&path).unwrap().scene.part_opacities, dataset.scene.part_opacities);
+    dataset.scene.part_opacities[0].parts[0].material = 2;
+    let refused = dataset.write(&path).unwrap_err().to_string();
+    assert!(refused.contains("parts that let light through do not fit"), "{refused}");
 }
 
 #[test]

@@ -37,7 +37,7 @@ impl Dataset {
     /// # Errors
     /// The first [`Damage`] found.
     pub fn validate(&self) -> Result<(), Damage> {
-        let Scene { mesh, materials, objects, variants, .. } = &self.scene;
+        let Scene { mesh, materials, objects, variants, part_opacities, .. } = &self.scene;
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
         mesh.validate(materials.len(), objects.len())?;
         check_count("flags of sides", self.two_sided.len(), triangles)?;
@@ -45,6 +45,9 @@ impl Dataset {
         check_scene(&self.scene)?;
         if !variants.fit(objects.len(), materials.len()) {
             return Err(Damage::Variants);
+        }
+        if !part_opacities.iter().all(|other| other.fits(objects.len(), materials.len())) {
+            return Err(Damage::PartOpacities);
         }
         self.check_settings()?;
         if !is_permutation(self.tree.order()) {
@@ -123,7 +126,8 @@ fn check_cuts(cuts: &'static str, packed: &PackedCuts, height: u32, count: usize
 }
 
 fn check_scene(scene: &Scene) -> Result<(), Damage> {
-    for (index, material) in scene.materials.iter().enumerate() {
+    let of_parts = scene.part_opacities.iter().map(|other| &other.material);
+    for (index, material) in scene.materials.iter().chain(of_parts).enumerate() {
         let name = || material.name.clone();
         material.validate().map_err(|source| Damage::Material { index, name: name(), source })?;
         let count = scene.textures.len();

@@ -63,6 +63,7 @@ impl Dataset {
             cameras: self.scene.cameras.clone(),
             lights: self.scene.lights.clone(),
             variants: self.scene.variants.clone(),
+            part_opacities: self.scene.part_opacities.clone(),
             ground: self.scene.mesh.ground,
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
             brdfs,

@@ -23,7 +23,6 @@ use crate::{
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset, bake_hash},
     ground::Ground,
-    opacity::Opacities,
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
@@ -122,9 +121,8 @@ impl EditorState {
             return;
         }
         let Imported { mut scene, import_secs, report, .. } = source;
-        let edited = self.document.baked_appearance(&scene);
-        if edited.opacities() != Opacities::of_scene(&scene) {
-            Arc::make_mut(&mut scene).take_opacities(&edited.materials, &edited.textures);
+        if self.document.lets_through_otherwise(&scene) {
+            self.document.give_opacities(Arc::make_mut(&mut scene));
         }
         let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
         let (inputs, warnings) = (report.files, report.warnings);
@@ -240,7 +238,7 @@ impl EditorState {
         };
         let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
         let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
-        let content = bake_hash(&source.hash, &self.document.baked_appearance(&source.scene).opacities());
+        let content = bake_hash(&source.hash, &self.document.opacities_for(&source.scene));
         let looked = Looked { output, scene_hash: content, settings, written };
         let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {

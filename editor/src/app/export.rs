@@ -131,8 +131,9 @@ impl EditorState {
 
     /// The scene with the materials and textures as they are edited.
     fn scene_of_document(&self, baked: &Baked) -> Scene {
-        let textures = self.document.textures.iter().map(|entry| entry.texture.clone()).collect();
-        let mut scene = Scene { materials: self.document.materials.clone(), textures, ..baked.dataset.scene.clone() };
+        let textures = self.document.shared_textures();
+        let materials = self.document.materials.clone();
+        let mut scene = Scene { materials, textures, part_opacities: Vec::new(), ..baked.dataset.scene.clone() };
         if let Some(assigned) = self.document.assigned_to(&scene.mesh) {
             scene.mesh.triangle_material = assigned.to_vec();
         }

@@ -280,11 +280,8 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
 
 /// What to say over the picture where surfaces let through other light than their bake knows.
 fn words_of_opacity(state: &EditorState, baked: &Baked) -> Option<&'static str> {
-    if state.document.lets_through_otherwise(&baked.dataset) {
-        return Some("Opacity was edited; bake again for its shadows");
-    }
-    let keeps = state.document.parts_let_through_otherwise();
-    keeps.then_some("Surfaces with a material of their own keep their baked shadows")
+    let is_other = state.document.lets_through_otherwise(&baked.dataset.scene);
+    is_other.then_some("Opacity was edited; bake again for its shadows")
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {

@@ -128,7 +128,7 @@ impl EditorState {
 
     pub(super) fn load_material(&mut self, material: usize, path: PathBuf) {
         let allow_outside = self.preferences.outside.allow(&path);
-        let textures = self.document.textures.iter().map(|t| t.texture.clone()).collect();
+        let textures = self.document.shared_textures();
         self.load(Topic::Material(material), Source::Material { path: path.clone(), textures, allow_outside }, path);
     }
 

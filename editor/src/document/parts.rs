@@ -53,13 +53,42 @@ impl Document {
         is_any.then(|| (0..mesh.triangles.len()).map(of).collect())
     }
 
-    /// Whether parts let through other light than the material that a bake takes them with: that of the file.
-    pub fn parts_let_through_otherwise(&self) -> bool {
-        let textures: Vec<_> = self.textures.iter().map(|entry| entry.texture.clone()).collect();
-        let opacity = |index: usize| self.materials.get(index).map(|material| Opacity::of(material, &textures));
-        self.assigned.iter().any(|(part, &material)| {
-            opacity(material).is_some_and(|shown| opacity(part.material as usize).is_some_and(|baked| baked != shown))
-        })
+    /// With a material for the parts that let through other light in a scene than theirs says.
+    pub fn with_opacities_of_parts(mut self, scene: &Scene) -> Self {
+        for other in &scene.part_opacities {
+            let material = as_added(&self, other.shown(&scene.materials));
+            self.assigned.extend(other.parts.iter().map(|&part| (part, self.materials.len())));
+            self.materials.push(material);
+            self.added += 1;
+        }
+        self
+    }
+
+    /// Makes a scene let through the light that the document says.
+    pub fn give_opacities(&self, scene: &mut Scene) {
+        let assigned = self.assigned.keys().map(|&part| (part, self.material_of(part)));
+        scene.take_opacities(&self.materials, self.own_materials(), assigned, &self.shared_textures());
+    }
+
+    /// A scene without a mesh that lets through the light that the document says, for [`bake_hash`].
+    pub fn opacities_for(&self, scene: &Scene) -> Scene {
+        let Scene { materials, textures, objects, .. } = scene;
+        let (materials, textures, objects) = (materials.clone(), textures.clone(), objects.clone());
+        let mut found = Scene { materials, textures, objects, ..Scene::default() };
+        self.give_opacities(&mut found);
+        found
+    }
+
+    /// Whether surfaces let through other light than in a scene, as it was baked.
+    pub fn lets_through_otherwise(&self, scene: &Scene) -> bool {
+        let textures = self.shared_textures();
+        let shown = |index: usize| self.materials.get(index).map(|material| Opacity::of(material, &textures));
+        let own = scene.materials.iter().take(self.own_materials()).enumerate();
+        let is_other = |(index, own): (usize, &Material)| shown(index) != Some(Opacity::of(own, &scene.textures));
+        let of_scene = scene.part_opacities.iter().flat_map(|other| &other.parts);
+        let is_other_part =
+            |part: &Part| shown(self.material_of(*part)).is_some_and(|now| now != scene.opacity_of(*part));
+        own.into_iter().any(is_other) || self.assigned.keys().chain(of_scene).any(is_other_part)
     }
 
     /// The variant that is shown: `Some(None)` for what the file shows first, `None` for a mixture.
@@ -205,15 +234,42 @@ mod tests {
         assert_eq!(document.material_of(part(0, 0)), 0, "one that is not there");
     }
 
+    /// The scene of `document`: knob of brass, door of brass and wood.
+    fn scene() -> Scene {
+        let objects = ["Knob", "Door"].map(|name| Object { name: name.into() }).to_vec();
+        Scene { materials: document().materials[..2].to_vec(), objects, ..Default::default() }
+    }
+
     #[test]
     fn parts_that_let_through_other_light_than_their_bake_are_noticed() {
-        let mut document = document();
+        let (mut document, mut baked) = (document(), scene());
         document.assigned = [(part(1, 1), 0)].into();
-        assert!(!document.parts_let_through_otherwise(), "all stop all light");
-        document.materials[0].parameters.set("geometry_opacity", 0.5);
-        assert!(document.parts_let_through_otherwise());
+        assert!(!document.lets_through_otherwise(&baked), "all stop all light");
+        document.materials[2].parameters.set("geometry_opacity", 0.5);
+        assert!(!document.lets_through_otherwise(&baked), "no part has it");
+        document.assigned = [(part(1, 1), 2)].into();
+        assert!(document.lets_through_otherwise(&baked));
+        document.give_opacities(&mut baked);
+        assert!(!document.lets_through_otherwise(&baked), "it was baked");
         document.assigned.clear();
-        assert!(!document.parts_let_through_otherwise(), "the material itself is edited, which a bake takes");
+        assert!(document.lets_through_otherwise(&baked), "and is undone");
+        document.assigned = [(part(1, 1), 2)].into();
+        document.materials[2].parameters.set("geometry_opacity", 0.25);
+        assert!(document.lets_through_otherwise(&baked), "another opacity");
+    }
+
+    #[test]
+    fn a_bake_opens_with_the_opacity_of_its_parts() {
+        let (mut edited, mut baked) = (document(), scene());
+        edited.materials[2].parameters.set("geometry_opacity", 0.5);
+        edited.assigned = [(part(0, 0), 2), (part(1, 0), 2), (part(1, 1), 2)].into();
+        edited.give_opacities(&mut baked);
+        let opened = Document::of_scene(&baked, None);
+        let names: Vec<_> = opened.materials.iter().map(|material| material.name.as_str()).collect();
+        assert_eq!((names, opened.added), (vec!["Brass", "Wood", "Brass 2", "Wood 2"], 2));
+        assert_eq!(opened.assigned, [(part(0, 0), 2), (part(1, 0), 2), (part(1, 1), 3)].into());
+        assert!(!opened.lets_through_otherwise(&baked));
+        assert!(Document::of_scene(&scene(), None).lets_through_otherwise(&baked), "negative control");
     }
 
     #[test]

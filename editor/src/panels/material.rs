@@ -186,7 +186,7 @@ fn ball(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, index
     };
     place.on_hover_text(where_);
     let Some(lighting) = lighting else { return };
-    let textures = context.document.textures.iter().map(|t| t.texture.clone()).collect();
+    let textures = context.document.shared_textures();
     let ball = Ball { material: context.document.materials[index].clone(), textures, lighting };
     let size = (PREVIEW_SIDE * ui.pixels_per_point()).round().clamp(64.0, 256.0) as u32;
     match state.preview.picture(ui.ctx(), index, ball, context.light_revision, post, size) {

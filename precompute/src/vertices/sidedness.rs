@@ -52,8 +52,9 @@ pub fn classify(scene: &Scene) -> Sidedness {
     let ground: Vec<bool> = pieces.ground(mesh);
     let material_says = |t: usize| scene.materials[mesh.triangle_material[t] as usize].double_sided;
     // What is behind a surface that lets light through is seen, its own back too.
-    let thin = Opacities::of_scene(scene).thin();
-    let is_thin = |t: usize| thin[mesh.triangle_material[t] as usize].is_some();
+    let opacities = Opacities::of_scene(scene);
+    let thin = opacities.thin();
+    let is_thin = |t: usize| thin[opacities.material(mesh, t as u32) as usize].is_some();
     let piece = |t: usize| pieces.of_triangle[t] as usize;
     let is_open = |t: usize| pieces.open[piece(t)] || is_thin(t);
     let count = mesh.triangles.len();

@@ -339,7 +339,11 @@ impl Backend for GpuBackend {
         };
         let patches = storage(&self.gpu, "patches", bytemuck::cast_slice(&patches));
         self.compile_for(&appearance)?;
-        self.scene = Some(Loaded { scene, patches, materials, assigned: None, dataset: dataset.clone() });
+        let assigned = appearance.assigned.clone();
+        if assigned.is_some() {
+            scene.assign(&self.gpu, dataset, &appearance);
+        }
+        self.scene = Some(Loaded { scene, patches, materials, assigned, dataset: dataset.clone() });
         // The lights go with their scene, and with them what was said of them.
         self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);

@@ -66,7 +66,7 @@ impl ExportArgs {
 /// Files that cannot be read or written, parts of the light that Mitsuba cannot show alone, or no light at all.
 pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
     let _taken = args.mitsuba.as_deref().map(take_folder).transpose()?;
-    let viewed = args.view.resolve(&args.local, console)?;
+    let viewed = with_settled_parts(args.view.resolve(&args.local, console)?);
     if let Some(folder) = &args.mitsuba {
         write_mitsuba(&viewed, args.bounces, folder, console)?;
     }
@@ -76,6 +76,16 @@ pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
         console.summary(materials::summary(&exported, &export.path))?;
     }
     Ok(Outcome::Done)
+}
+
+/// Other formats know no parts that let through other light than their material.
+fn with_settled_parts(viewed: ViewedScene) -> ViewedScene {
+    if viewed.baked.dataset.scene.part_opacities.is_empty() {
+        return viewed;
+    }
+    let mut dataset = (*viewed.baked.dataset).clone();
+    dataset.scene.settle_parts();
+    ViewedScene { baked: dataset.into(), ..viewed }
 }
 
 fn write_mitsuba(viewed: &ViewedScene, bounces: Option<u32>, folder: &Path, console: Console) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use super::{Place, Window};
 use crate::{actions::Action, app::state::EditorState, document::Edit};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lapidary_core::{dataset::BakeSettings, ground::Ground, material::Material, parts::Part};
 use std::sync::Arc;
 
@@ -78,6 +78,40 @@ fn a_part_gets_a_material_of_its_own_without_a_bake_and_sessions_keep_it() {
         window.perform(Action::Redo);
     }
     wait_for_red(&mut window, true);
+}
+
+#[test]
+fn a_bake_takes_the_opacity_of_a_part_with_a_material_of_its_own() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    let words = "Opacity was edited; bake again for its shadows";
+    window.perform(Action::MakeUnique { part: PYRAMID, material: None });
+    window.0.run_ok();
+    assert!(!window.shows(words), "negative control: nothing lets light through");
+    let mut glass = window.0.state().document.materials[1].clone();
+    glass.parameters.set("geometry_opacity", 0.25);
+    let edit = Edit::Material { index: 1, material: Box::new(glass) };
+    window.perform(Action::Edit { edit, label: "Opacity" });
+    window.perform(Action::EndGesture);
+    assert!(window.shows(words));
+    window.0.state_mut().document.bake.lights = 512;
+    window.perform(Action::Bake { resume: false });
+    window.wait("the bake", |s| s.baking.progress().is_none());
+    wait_for_picture(&mut window);
+    assert!(!window.shows(words));
+    let scene = &window.0.state().scene.shown().unwrap().dataset.scene;
+    let opacity = |part| scene.opacity_of(part).at(Vec2::ZERO);
+    assert_eq!([opacity(PYRAMID), opacity(Part { object: 0, material: 0 })], [0.25, 1.0]);
+
+    let mut again = place.window();
+    again.open(&place.path("scene.cuts"));
+    wait_for_picture(&mut again);
+    assert!(!again.shows(words));
+    let document = &again.0.state().document;
+    assert_eq!((document.added, document.material_of(PYRAMID)), (1, 1));
+    window.perform(Action::Assign { part: PYRAMID, material: 0 });
+    window.0.run_ok();
+    assert!(window.shows(words), "the bake still lets light through");
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
     if scene_hash_now.is_some_and(|hash| hash != dataset.scene_hash) {
         reasons.push("The scene file changed since the bake".into());
     }
-    if document.lets_through_otherwise(dataset) {
+    if document.lets_through_otherwise(&dataset.scene) {
         reasons.push("Opacity of materials was edited; shadows are of those in the bake".into());
     }
     let (now, baked) = (described(&document.bake), described(&dataset.settings));

@@ -5,6 +5,7 @@ use crate::{test_scenes::quad, verify};
 use lapidary_core::{
     cut::packed::{depth, value},
     material::Material,
+    parts::Part,
 };
 
 /// A floor with a pane over one of its corners, which stops this share of the light.
@@ -52,6 +53,33 @@ fn vertices_see_through_in_proportion_and_their_cuts_hold_it() {
             assert!(*hidden < 0.2 || (open - 0.4 * hidden - some).abs() > 0.01, "negative control: another opacity");
         }
     }
+}
+
+/// The pane with the opacity of a part of its own, whose material stops all light.
+fn pane_of_a_part(opacity: f32, object: u32) -> Scene {
+    let mut scene = pane(1.0);
+    scene.mesh.triangle_object[2..].fill(1);
+    scene.objects.push(scene.objects[0].clone());
+    let mut own = scene.materials.clone();
+    own.push(pane(opacity).materials[1].clone());
+    scene.take_opacities(&own, 2, [(Part { object, material: 1 }, 2)], &[]);
+    scene
+}
+
+#[test]
+fn a_part_with_a_material_of_its_own_is_baked_with_what_that_lets_through() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut names = 0..;
+    let mut baked = |scene: Scene| {
+        let job = as_it_is(folder.path(), &format!("{}.cuts", names.next().unwrap()), true);
+        bake(scene, &job, &Silent).unwrap()
+    };
+    let [material, part, of_another] = [pane(0.3), pane_of_a_part(0.3, 1), pane_of_a_part(0.3, 0)].map(&mut baked);
+    assert!(verify(&part, 100).passed);
+    assert_eq!(part.cuts, material.cuts);
+    assert_eq!(part.two_sided, material.two_sided);
+    assert_ne!(of_another.cuts, material.cuts, "negative control: no part of the pane");
+    assert_eq!(part.scene.mesh.triangle_material, baked(pane(0.3)).scene.mesh.triangle_material, "parts stay parts");
 }
 
 #[test]

@@ -6,13 +6,19 @@ use crate::{
     light::direct::direct_light,
     shade::{
         background::Backdrop,
-        pixel_sampler::{PixelSampler, tests::panes},
+        pixel_sampler::{
+            PixelSampler,
+            tests::{panes, panes_of_a_part},
+        },
         surface::FirstHit,
     },
     test_scenes::{from_above, point_light},
 };
 use glam::Vec3;
-use lapidary_core::texture::{Procedural, TextureSlot};
+use lapidary_core::{
+    dataset::Dataset,
+    texture::{Procedural, TextureSlot},
+};
 
 /// Panes that let half of the light through, and have holes.
 fn appearance(opacity: f32, cutoff: f32) -> Appearance {
@@ -60,6 +66,20 @@ fn pixels_see_the_same_triangles_in_each_sample() {
             "negative control: thresholds of another sample, {other}"
         );
     }
+}
+
+#[test]
+fn parts_let_light_through_as_they_were_baked() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    let mut seen = |dataset: Dataset| {
+        gpu.set_scene(&dataset.into()).unwrap();
+        gpu.begin(&from_above(64), BrdfSampling::Once).unwrap();
+        gpu.render_rows(0, 0..64).unwrap();
+        gpu.read_geometry()
+    };
+    let [material, part, opaque] = [panes(0.4), panes_of_a_part(0.4), panes_of_a_part(1.0)].map(&mut seen);
+    assert!(part == material);
+    assert!(part != opaque, "negative control");
 }
 
 /// Means over the floor around the middle, which the panes shade.

@@ -5,7 +5,7 @@ use crate::{
     Appearance,
     test_scenes::{dataset, from_above, mesh, white},
 };
-use lapidary_core::dataset::Dataset;
+use lapidary_core::{dataset::Dataset, parts::Part};
 
 /// A green floor below two red panes, one just above the other, that let light through.
 pub(crate) fn panes(opacity: f32) -> Dataset {
@@ -18,6 +18,17 @@ pub(crate) fn panes(opacity: f32) -> Dataset {
     scene.materials[0].set_emission(Vec3::Y);
     scene.materials[1].set_emission(Vec3::X);
     scene.materials[1].parameters.set("geometry_opacity", opacity);
+    dataset
+}
+
+/// The same where a part of the scene lets light through, whose material stops it.
+pub(crate) fn panes_of_a_part(opacity: f32) -> Dataset {
+    let mut dataset = panes(1.0);
+    let scene = &mut dataset.scene;
+    let mut own = scene.materials.clone();
+    own.push(panes(opacity).scene.materials[1].clone());
+    let pane = Part { object: 0, material: 1 };
+    scene.take_opacities(&own, 2, [(pane, 2)], &[]);
     dataset
 }
 
@@ -72,6 +83,13 @@ fn single_samples_and_eights_of_them_see_the_same() {
         }
     }
     assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
+}
+
+#[test]
+fn parts_let_light_through_as_they_were_baked() {
+    let [material, part, opaque] = [panes(0.4), panes_of_a_part(0.4), panes_of_a_part(1.0)].map(Renderer::new);
+    assert_eq!(middle(&part, 4), middle(&material, 4));
+    assert_eq!(mean(&middle(&opaque, 4)), Vec3::X, "negative control");
 }
 
 #[test]
