@@ -1,5 +1,7 @@
 //! A scene: one indexed mesh with per-triangle material and object, materials, textures and cameras.
 
+pub mod pose;
+
 use crate::{
     bounds::Bounds,
     camera::Camera,

@@ -19,7 +19,10 @@ use crate::{
     texture::Texture,
 };
 use glam::{Vec2, Vec3, Vec4};
-use std::{f32::consts::PI, path::Path};
+use std::{
+    f32::consts::{PI, TAU},
+    path::Path,
+};
 
 /// Triangles of many sizes around the origin.
 pub fn soup(seed: u64, count: usize) -> Mesh {
@@ -153,6 +156,16 @@ pub fn cuboid(center: Vec3, half: Vec3) -> Vec<[Vec3; 3]> {
         quad(p(1., -1., -1.), p(-1., -1., -1.), p(-1., 1., -1.), p(1., 1., -1.)),
     ]
     .concat()
+}
+
+/// Cubes of 0.6 m around the point 2.4 m above the origin, each an object.
+pub fn cubes(count: u32) -> Scene {
+    let center = |i: u32| Vec3::new(1.5, 2.2, 0.0).rotate_y(TAU * i as f32 / count as f32);
+    let cubes: Vec<_> = (0..count).map(|i| cuboid(center(i), Vec3::splat(0.3))).collect();
+    let mut scene = scene_of(&cubes.concat());
+    scene.mesh.triangle_object = (0..count).flat_map(|i| vec![i; cubes[i as usize].len()]).collect();
+    scene.objects = (0..count).map(|i| Object { name: format!("cube {i}") }).collect();
+    scene
 }
 
 /// A closed box that faces inward.

@@ -26,6 +26,20 @@ impl LeafBlocks {
         blocks
     }
 
+    /// Those of one hierarchy, and behind them those of another.
+    pub fn joined(&self, other: &Self) -> Self {
+        let first = self.corners.len() as u32;
+        Self {
+            corners: [&self.corners[..], &other.corners].concat(),
+            first_block: self
+                .first_block
+                .iter()
+                .copied()
+                .chain(other.first_block.iter().map(|&block| block + first))
+                .collect(),
+        }
+    }
+
     /// The blocks of a leaf.
     #[inline(always)]
     pub fn of_leaf(&self, first_index: u32, count: u32) -> &[[Vec3x8; 3]] {

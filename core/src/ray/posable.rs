@@ -1,0 +1,212 @@
+//! A scene whose objects move: the hierarchy of the bake without them, and one for each, whose boxes follow its triangles.
+//!
+//! They are joined to one hierarchy under each pose, so that all rays, batches too, meet it as they meet any other. A scene in which
+//! nothing moves keeps the hierarchy that it has.
+
+use super::{Intersector, LeafBlocks, Veils, hierarchy, widen_boxes};
+use crate::{bounds::Bounds, opacity::Opacities, scene::Mesh};
+use glam::Vec3;
+use obvhs::aabb::Aabb;
+use std::collections::BTreeSet;
+
+/// Casts rays on a scene under one pose after another.
+pub struct Posable {
+    solid: Layer,
+    /// Surfaces that let light through.
+    thin: Option<Layer>,
+    opacities: Opacities,
+}
+
+/// The hierarchies of the solid surfaces, or of the thin ones.
+struct Layer {
+    /// As baked; the triangles of what moves are points, which no ray meets.
+    still: Intersector,
+    /// One for each object that moves, as baked.
+    moving: Vec<Intersector>,
+}
+
+impl Posable {
+    /// For the objects of `moving`, by index, of a mesh as it was baked. `baked` is its hierarchy, with these opacities.
+    pub fn new(baked: &Intersector, mesh: &Mesh, opacities: &Opacities, moving: &BTreeSet<u32>) -> Self {
+        let thin = opacities.thin();
+        let is_thin = |t: u32| thin.get(opacities.material(mesh, t) as usize).is_some_and(Option::is_some);
+        let of_thin = |veils: &Veils| Layer::new(&veils.surfaces, mesh, moving, is_thin);
+        Self {
+            solid: Layer::new(baked, mesh, moving, |t| !is_thin(t)),
+            thin: baked.veils.as_ref().map(|veils| of_thin(veils)),
+            opacities: opacities.clone(),
+        }
+    }
+
+    /// The scene where its mesh is `posed`: the same triangles with other corners for those that move.
+    pub fn posed(&self, posed: &Mesh) -> Intersector {
+        let bounds = posed.bounds();
+        let veils = self.thin.as_ref().map(|layer| {
+            let material = |triangle| self.opacities.material(posed, triangle);
+            Box::new(Veils::new(posed, layer.posed(posed, bounds), material, &self.opacities.thin()))
+        });
+        Intersector { veils, ..self.solid.posed(posed, bounds) }
+    }
+}
+
+impl Layer {
+    /// Of the triangles that `is_part` tells.
+    fn new(baked: &Intersector, mesh: &Mesh, moving: &BTreeSet<u32>, is_part: impl Fn(u32) -> bool) -> Self {
+        let object = |t: u32| mesh.triangle_object[t as usize];
+        let made = |is_one: &dyn Fn(u32) -> bool| Intersector::made(mesh, hierarchy::build_quickly, is_one);
+        let still = baked.without(|t| moving.contains(&object(t)));
+        // A hierarchy leaves copies of triangles out: one that stays may be the copy of one that moves.
+        let mut is_known = vec![false; mesh.triangles.len()];
+        baked.leaf_ids.iter().for_each(|&t| is_known[t as usize] = true);
+        let copies = made(&|t| is_part(t) && !is_known[t as usize] && !moving.contains(&object(t)));
+        let of_object = |&moved: &u32| made(&|t| is_part(t) && object(t) == moved);
+        Self { still: still.joined(copies), moving: moving.iter().map(of_object).collect() }
+    }
+
+    fn posed(&self, posed: &Mesh, bounds: Bounds) -> Intersector {
+        let mut joined: Option<Intersector> = None;
+        for object in self.moving.iter().filter(|object| !object.leaf_ids.is_empty()) {
+            let object = object.refitted(posed, bounds);
+            joined = Some(joined.as_ref().unwrap_or(&self.still).joined(object));
+        }
+        joined.unwrap_or_else(|| self.still.without(|_| false))
+    }
+}
+
+impl Intersector {
+    /// The same where some triangles are points in place.
+    fn without(&self, is_left_out: impl Fn(u32) -> bool) -> Self {
+        let kept = |(&[a, b, c], &t): (&[Vec3; 3], &u32)| if is_left_out(t) { [a; 3] } else { [a, b, c] };
+        let leaf_triangles: Vec<_> = self.leaf_triangles.iter().zip(&self.leaf_ids).map(kept).collect();
+        let (bvh, leaf_ids) = (self.bvh.clone(), self.leaf_ids.clone());
+        Self { blocks: LeafBlocks::new(&bvh, &leaf_triangles), bvh, leaf_triangles, leaf_ids, veils: None }
+    }
+
+    /// Around the same triangles with other corners.
+    fn refitted(&self, mesh: &Mesh, bounds: Bounds) -> Self {
+        let (mut bvh, leaf_ids) = (self.bvh.clone(), self.leaf_ids.clone());
+        let leaf_triangles: Vec<_> = leaf_ids.iter().map(|&t| mesh.corners(t as usize)).collect();
+        for node in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
+            let first = node.first_index as usize;
+            let corners = leaf_triangles[first..first + node.prim_count as usize].as_flattened();
+            node.aabb = corners.iter().fold(Aabb::empty(), |mut aabb, &corner| *aabb.extend(corner.into()));
+        }
+        bvh.refit_all();
+        widen_boxes(&mut bvh, bounds);
+        Self { blocks: LeafBlocks::new(&bvh, &leaf_triangles), bvh, leaf_triangles, leaf_ids, veils: None }
+    }
+
+    /// This hierarchy and another one as one.
+    fn joined(&self, other: Self) -> Self {
+        if other.leaf_ids.is_empty() {
+            return self.without(|_| false);
+        }
+        let places = self.leaf_ids.len() as u32;
+        Self {
+            blocks: self.blocks.joined(&other.blocks),
+            bvh: hierarchy::joined(self.bvh.clone(), places, other.bvh),
+            leaf_triangles: [&self.leaf_triangles[..], &other.leaf_triangles].concat(),
+            leaf_ids: [&self.leaf_ids[..], &other.leaf_ids].concat(),
+            veils: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        material::Material,
+        ray::DirectionSet,
+        scene::{
+            Scene,
+            pose::{Objects, Pose, Poses},
+        },
+        sphere::fibonacci_directions,
+        test_scenes::cubes,
+    };
+
+    const ORIGIN: Vec3 = Vec3::new(0.3, 2.4, 0.1);
+
+    fn moved(of: &[(u32, Pose)]) -> Poses {
+        let mut poses = Poses::default();
+        of.iter().for_each(|&(object, pose)| poses.set(object, pose));
+        poses
+    }
+
+    fn pose(x: f32, degrees: f32, scale: f32) -> Pose {
+        Pose { translate: Vec3::new(x, 0.2, -0.3), rotate_degrees: Vec3::new(degrees, 2.0 * degrees, 0.0), scale }
+    }
+
+    /// What rays in all directions meet: triangles and distances.
+    fn met(rays: &Intersector) -> Vec<Option<(u32, u32)>> {
+        let met = |&d: &Vec3| rays.closest_hit(ORIGIN, d).map(|hit| (hit.triangle, hit.distance.to_bits()));
+        fibonacci_directions(20_000).iter().map(met).collect()
+    }
+
+    fn differ<T: PartialEq>(a: &[T], b: &[T]) -> usize {
+        a.iter().zip(b).filter(|(a, b)| a != b).count()
+    }
+
+    #[test]
+    fn rays_meet_the_posed_scene_as_if_it_had_been_built_so() {
+        let mut scene = cubes(4);
+        scene.materials.push(Material::default());
+        scene.materials[1].parameters.set("geometry_opacity", 0.5);
+        for (t, object) in scene.mesh.triangle_object.iter().enumerate() {
+            scene.mesh.triangle_material[t] = object % 2;
+        }
+        let (objects, opacities) = (Objects::of(&scene), Opacities::of_scene(&scene));
+        let baked = Intersector::of_scene(&scene);
+        let posable = Posable::new(&baked, &scene.mesh, &opacities, &[1, 2].into());
+        let directions = DirectionSet::new(&fibonacci_directions(512));
+        for poses in
+            [moved(&[(1, pose(0.4, 30.0, 1.3)), (2, pose(-0.5, 75.0, 0.5))]), moved(&[(2, pose(1.0, 0.0, 1.0))])]
+        {
+            let mesh = poses.pose(&scene.mesh, &objects).unwrap();
+            let (posed, built) = (posable.posed(&mesh), Intersector::with_opacities(&mesh, &opacities));
+            let expected = met(&built);
+            assert_eq!(differ(&met(&posed), &expected), 0);
+            assert!(differ(&met(&baked), &expected) > 500, "negative control: without the pose");
+            let seen = |rays: &Intersector| {
+                let mut seen = vec![0; 512];
+                rays.trace_batch(ORIGIN, &directions, |_| true, &mut seen);
+                seen
+            };
+            assert_eq!(seen(&posed), seen(&built), "in batches, through thin surfaces");
+        }
+    }
+
+    #[test]
+    fn an_object_that_is_where_it_was_is_met_as_before() {
+        let scene: Scene = cubes(3);
+        let baked = Intersector::of_scene(&scene);
+        let posable = Posable::new(&baked, &scene.mesh, &Opacities::of_scene(&scene), &[0, 2].into());
+        assert!(met(&posable.posed(&scene.mesh)) == met(&baked));
+    }
+
+    #[test]
+    fn what_stays_is_met_where_its_copy_has_moved_away() {
+        let mut scene = cubes(1);
+        let [triangles, vertices] = [scene.mesh.triangles.len(), scene.mesh.positions.len()];
+        let mesh = &mut scene.mesh;
+        mesh.triangles.extend_from_within(..);
+        mesh.triangles[triangles..].as_flattened_mut().iter_mut().for_each(|v| *v += vertices as u32);
+        mesh.triangle_material.extend_from_within(..);
+        mesh.triangle_object.extend(vec![1; triangles]);
+        mesh.positions.extend_from_within(..);
+        mesh.normals.extend_from_within(..);
+        mesh.tangents.extend_from_within(..);
+        mesh.uvs.extend_from_within(..);
+        scene.objects.extend_from_within(..);
+        let baked = Intersector::of_scene(&scene);
+        let posable = Posable::new(&baked, &scene.mesh, &Opacities::of_scene(&scene), &[0].into());
+        let posed = moved(&[(0, pose(50.0, 0.0, 1.0))]).pose(&scene.mesh, &Objects::of(&scene)).unwrap();
+        let distances = |rays: &Intersector| {
+            let distance = |&d: &Vec3| rays.closest_hit(ORIGIN, d).map(|hit| hit.distance.to_bits());
+            fibonacci_directions(2000).iter().map(distance).collect::<Vec<_>>()
+        };
+        assert!(distances(&baked).iter().any(Option::is_some));
+        assert_eq!(differ(&distances(&posable.posed(&posed)), &distances(&Intersector::new(&posed))), 0);
+    }
+}

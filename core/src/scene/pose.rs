@@ -1,0 +1,170 @@
+//! Where the objects of a scene are, beside where they were baked.
+//!
+//! A pose scales and turns an object about the centre of its box, and then moves it. All triangles stay the same, so that what a bake
+//! says of a vertex is found by its index under any pose.
+
+mod file;
+
+pub use file::{PoseError, PoseFileError};
+
+use super::{Mesh, MeshError, Scene};
+use crate::bounds::Bounds;
+use glam::{Affine3A, EulerRot, Quat, Vec3};
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, ops::Range};
+
+/// The largest scale, and the inverse of the least.
+pub const MOST_SCALE: f32 = 1e4;
+
+/// Where an object is, relative to where it was baked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pose {
+    /// In metres.
+    pub translate: Vec3,
+    /// Turns about the world's axes through the centre of the object as baked, in degrees: first about X, then Y, then Z.
+    pub rotate_degrees: Vec3,
+    /// Size, 1 as baked; above 0, at most [`MOST_SCALE`].
+    pub scale: f32,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::AS_BAKED
+    }
+}
+
+impl Pose {
+    /// Where it was baked.
+    pub const AS_BAKED: Self = Self { translate: Vec3::ZERO, rotate_degrees: Vec3::ZERO, scale: 1.0 };
+
+    /// The turn.
+    pub fn rotation(&self) -> Quat {
+        let Vec3 { x, y, z } = self.rotate_degrees.map(f32::to_radians);
+        Quat::from_euler(EulerRot::XYZEx, x, y, z)
+    }
+
+    /// The same with another turn.
+    pub fn with_rotation(self, rotation: Quat) -> Self {
+        let (x, y, z) = rotation.to_euler(EulerRot::XYZEx);
+        Self { rotate_degrees: Vec3::new(x, y, z).map(f32::to_degrees), ..self }
+    }
+
+    /// From the place where an object with this centre was baked to where it is, in metres.
+    pub fn world_from_baked(&self, center: Vec3) -> Affine3A {
+        let about_center =
+            Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), self.rotation(), Vec3::ZERO);
+        Affine3A::from_translation(center + self.translate) * about_center * Affine3A::from_translation(-center)
+    }
+}
+
+/// The poses of the objects that are not where they were baked, by index.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Poses {
+    of_object: BTreeMap<u32, Pose>,
+}
+
+impl Poses {
+    /// Whether all is as it was baked.
+    pub fn is_empty(&self) -> bool {
+        self.of_object.is_empty()
+    }
+
+    /// The pose of an object.
+    pub fn of(&self, object: u32) -> Pose {
+        self.of_object.get(&object).copied().unwrap_or_default()
+    }
+
+    /// Poses an object.
+    pub fn set(&mut self, object: u32, pose: Pose) {
+        if pose == Pose::AS_BAKED {
+            self.of_object.remove(&object);
+        } else {
+            self.of_object.insert(object, pose);
+        }
+    }
+
+    /// The objects that are elsewhere, by index.
+    pub fn moved(&self) -> impl Iterator<Item = u32> {
+        self.of_object.keys().copied()
+    }
+
+    /// The mesh with its objects posed.
+    ///
+    /// # Errors
+    /// Places beyond [`MOST_COORDINATE`](super::MOST_COORDINATE).
+    pub fn pose(&self, mesh: &Mesh, objects: &Objects) -> Result<Mesh, MeshError> {
+        let mut posed = mesh.clone();
+        for (&object, pose) in self.of_object.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
+            pose_vertices(&mut posed, objects.vertices(object), pose, objects.center(object));
+        }
+        super::check_extent(posed.positions[..posed.vertices_of_scene()].iter().copied())?;
+        Ok(posed)
+    }
+}
+
+fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {
+    let (world_from_baked, rotation) = (pose.world_from_baked(center), pose.rotation());
+    for vertex in vertices.iter().map(|&vertex| vertex as usize) {
+        mesh.positions[vertex] = world_from_baked.transform_point3(mesh.positions[vertex]);
+        mesh.normals[vertex] = rotation * mesh.normals[vertex];
+        let tangent = mesh.tangents[vertex];
+        mesh.tangents[vertex] = (rotation * tangent.truncate()).extend(tangent.w);
+    }
+}
+
+/// The vertices of each object of a mesh, and the centres that they turn about.
+#[derive(Clone, Debug, Default)]
+pub struct Objects {
+    vertices: Vec<u32>,
+    ranges: Vec<Range<usize>>,
+    centers: Vec<Vec3>,
+}
+
+impl Objects {
+    /// Those of a scene, as it was baked. A vertex of several objects goes to the first of them.
+    pub fn of(scene: &Scene) -> Self {
+        let Mesh { positions, triangles, triangle_object, .. } = &scene.mesh;
+        let mut owner = vec![u32::MAX; positions.len()];
+        for (corners, &object) in triangles.iter().zip(triangle_object) {
+            for &vertex in corners {
+                let owner = &mut owner[vertex as usize];
+                *owner = object.min(*owner);
+            }
+        }
+        let mut vertices: Vec<u32> = (0..positions.len() as u32).filter(|&v| owner[v as usize] != u32::MAX).collect();
+        vertices.sort_by_key(|&vertex| owner[vertex as usize]);
+        let start = |object: u32| vertices.partition_point(|&vertex| owner[vertex as usize] < object);
+        let ranges: Vec<_> = (0..scene.objects.len() as u32).map(|object| start(object)..start(object + 1)).collect();
+        let place = |&vertex: &u32| positions[vertex as usize];
+        let center = |range: &Range<usize>| match range.is_empty() {
+            true => Vec3::ZERO,
+            false => Bounds::around(vertices[range.clone()].iter().map(place)).center(),
+        };
+        let centers = ranges.iter().map(center).collect();
+        Self { centers, ranges, vertices }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.ranges.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ranges.is_empty()
+    }
+
+    /// The vertices of an object, by index.
+    pub fn vertices(&self, object: u32) -> &[u32] {
+        &self.vertices[self.ranges[object as usize].clone()]
+    }
+
+    /// The centre of the box around an object as baked, in metres.
+    pub fn center(&self, object: u32) -> Vec3 {
+        self.centers[object as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests;

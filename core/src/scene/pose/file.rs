@@ -1,0 +1,148 @@
+//! Poses in a file: `{"objects": {"NAME": {"translate": [x, y, z], "rotate_degrees": [x, y, z], "scale": s}}}`.
+
+use super::{MOST_SCALE, Pose, Poses};
+use crate::{
+    input,
+    scene::{MOST_COORDINATE, Scene, is_within_reach},
+};
+use serde::{Deserialize, Serialize};
+use std::{
+    collections::BTreeMap,
+    io,
+    path::{Path, PathBuf},
+};
+use thiserror::Error;
+
+/// Why an object cannot be posed as asked.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PoseError {
+    /// No object has this name.
+    #[error("the scene has no object \"{name}\"; it has {}", listed(known))]
+    NoSuchObject {
+        /// What was asked for.
+        name: String,
+        /// Those of the scene.
+        known: Vec<String>,
+    },
+    /// The ground lies under everything, and stays.
+    #[error("the ground cannot be posed; pose what stands on it")]
+    Ground,
+    /// A scale of zero or below, beyond the limit, or no number.
+    #[error("the scale of \"{name}\" is {scale}; it must be above 0, from {} to {MOST_SCALE}", 1.0 / MOST_SCALE)]
+    Scale {
+        /// Which object.
+        name: String,
+        /// The scale.
+        scale: f32,
+    },
+    /// A move or a turn that is no number, or out of reach.
+    #[error("the pose of \"{name}\" is out of reach; coordinates and degrees are numbers up to {MOST_COORDINATE:e}")]
+    OutOfReach {
+        /// Which object.
+        name: String,
+    },
+}
+
+/// Most names that a message lists.
+const LISTED: usize = 20;
+
+fn listed(known: &[String]) -> String {
+    let (some, more) = known.split_at(known.len().min(LISTED));
+    match (known.len(), more.len()) {
+        (0, _) => "none".into(),
+        (_, 0) => some.join(", "),
+        (_, more) => format!("{} and {more} more", some.join(", ")),
+    }
+}
+
+/// Why a file of poses cannot be used.
+#[derive(Debug, Error)]
+pub enum PoseFileError {
+    /// It cannot be read.
+    #[error("cannot read the poses: {source} ({})", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
+    /// It is no JSON of poses.
+    #[error(
+        "cannot read the poses: {source}; write them as {{\"objects\": {{\"NAME\": {{\"translate\": [0, 0, 0], \"rotate_degrees\": [0, 0, 0], \
+         \"scale\": 1}}}}}} ({})",
+        path.display()
+    )]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// The cause, with line and column.
+        source: serde_json::Error,
+    },
+    /// It poses what cannot be posed so.
+    #[error("{source} ({})", path.display())]
+    Pose {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: PoseError,
+    },
+}
+
+/// The contents of a file of poses.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PoseFile {
+    objects: BTreeMap<String, Pose>,
+}
+
+impl Poses {
+    /// Reads a file of poses for a scene. All objects of a name get its pose.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that poses what is not there; see [`PoseFileError`].
+    pub fn read(path: &Path, scene: &Scene) -> Result<Self, PoseFileError> {
+        let path = || path.to_owned();
+        let bytes = input::read(&path()).map_err(|source| PoseFileError::Read { path: path(), source })?;
+        let file: PoseFile =
+            serde_json::from_slice(&bytes).map_err(|source| PoseFileError::Json { path: path(), source })?;
+        Self::named(&file.objects, scene).map_err(|source| PoseFileError::Pose { path: path(), source })
+    }
+
+    /// Poses by the names of objects.
+    ///
+    /// # Errors
+    /// Names that are not there and poses that no object can have; see [`PoseError`].
+    pub fn named(poses: &BTreeMap<String, Pose>, scene: &Scene) -> Result<Self, PoseError> {
+        let mut found = Self::default();
+        for (name, pose) in poses {
+            pose.validate(name)?;
+            let objects = || (0..).zip(&scene.objects).filter(|(_, object)| object.name == *name);
+            if objects().next().is_none() {
+                let known = scene.objects.iter().map(|object| object.name.clone()).collect();
+                return Err(PoseError::NoSuchObject { name: name.clone(), known });
+            }
+            for (object, _) in objects() {
+                if scene.mesh.ground_object() == Some(object) {
+                    return Err(PoseError::Ground);
+                }
+                found.set(object, *pose);
+            }
+        }
+        Ok(found)
+    }
+}
+
+impl Pose {
+    /// Checks the pose of an object of this name.
+    ///
+    /// # Errors
+    /// [`PoseError::Scale`] or [`PoseError::OutOfReach`].
+    pub fn validate(&self, name: &str) -> Result<(), PoseError> {
+        let (name, scale) = (|| name.to_owned(), self.scale);
+        if !(1.0 / MOST_SCALE..=MOST_SCALE).contains(&scale) {
+            return Err(PoseError::Scale { name: name(), scale });
+        }
+        let is_in_reach = is_within_reach(self.translate) && is_within_reach(self.rotate_degrees);
+        if is_in_reach { Ok(()) } else { Err(PoseError::OutOfReach { name: name() }) }
+    }
+}
