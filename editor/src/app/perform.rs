@@ -186,14 +186,30 @@ impl EditorState {
     }
 
     fn undo(&mut self) {
+        let before = self.material_of_selected_part();
         if let Some(label) = self.history.undo(&mut self.document) {
             self.messages.remark(format!("Undone: {label}"));
+            self.follow_selected_part(before);
         }
     }
 
     fn redo(&mut self) {
+        let before = self.material_of_selected_part();
         if let Some(label) = self.history.redo(&mut self.document) {
             self.messages.remark(format!("Redone: {label}"));
+            self.follow_selected_part(before);
+        }
+    }
+
+    fn material_of_selected_part(&self) -> Option<usize> {
+        self.selection.part.map(|part| self.document.material_of(part))
+    }
+
+    /// Selects the material of the selected part if that was another one before.
+    fn follow_selected_part(&mut self, before: Option<usize>) {
+        let now = self.material_of_selected_part();
+        if now != before {
+            self.selection.material = now;
         }
     }
 

@@ -69,9 +69,12 @@ fn a_part_gets_a_material_of_its_own_without_a_bake_and_sessions_keep_it() {
 
     window.perform(Action::Assign { part: PYRAMID, material: 0 });
     wait_for_red(&mut window, false);
-    for _ in 0..3 {
+    window.perform(Action::Undo);
+    assert_eq!(window.0.state().selection.material, Some(1), "what the panel edits is the part's");
+    for _ in 0..2 {
         window.perform(Action::Undo);
     }
+    assert_eq!(window.0.state().selection.material, Some(0));
     let document = &window.0.state().document;
     assert_eq!((&document.materials, document.added, &document.assigned), (&before.materials, 0, &before.assigned));
     for _ in 0..2 {
