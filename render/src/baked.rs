@@ -1,7 +1,15 @@
 //! A dataset with its ray hierarchies: made once, shared by the CPU renderer, the references and picking.
 
 use glam::Vec3;
-use lapidary_core::{dataset::Dataset, opacity::Opacities, ray::Intersector};
+use lapidary_core::{
+    dataset::Dataset,
+    opacity::Opacities,
+    ray::{Intersector, Posable},
+    scene::{
+        MeshError, Scene,
+        pose::{Objects, Poses},
+    },
+};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
@@ -83,6 +91,29 @@ impl Baked {
         self.rays.thorough.get_or_init(|| Intersector::of_scene(&self.dataset.scene));
     }
 
+    /// The scene where its objects are posed: vertices and rays are elsewhere, all else is as it was baked. Without poses it is the
+    /// same one.
+    ///
+    /// # Errors
+    /// Objects out of reach.
+    pub fn posed(&self, poses: &Poses) -> Result<Self, MeshError> {
+        if poses.is_empty() {
+            return Ok(self.clone());
+        }
+        let scene = &self.dataset.scene;
+        let mesh = poses.pose(&scene.mesh, &Objects::of(scene))?;
+        let of_rays = |known: &Intersector| {
+            Posable::new(known, &scene.mesh, &self.opacities(), &poses.moved().collect()).posed(&mesh)
+        };
+        let rays = Rays::default();
+        match self.rays.thorough.get() {
+            Some(thorough) => rays.thorough.get_or_init(|| of_rays(thorough)),
+            None => rays.quick.get_or_init(|| of_rays(self.intersector())),
+        };
+        let dataset = Dataset { scene: Scene { mesh, ..scene.clone() }, ..(*self.dataset).clone() };
+        Ok(Self { dataset: dataset.into(), rays: rays.into(), patches: self.patches.clone() })
+    }
+
     /// The patch of each vertex, 0 to 63: vertices close to each other, as many in each. Found at the first call.
     pub fn patches(&self) -> Arc<[u8]> {
         self.patches.get_or_init(|| patches(&self.dataset.scene.mesh.positions).into()).clone()
@@ -122,6 +153,27 @@ fn patches(positions: &[Vec3]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::scene::pose::Pose;
+
+    #[test]
+    fn a_posed_scene_is_the_baked_one_with_vertices_and_rays_elsewhere() {
+        let baked = Baked::from(crate::test_scenes::linked_floor_and_wall());
+        let mut poses = Poses::default();
+        assert!(baked.posed(&poses).unwrap().is_same(&baked));
+        poses.set(0, Pose { translate: Vec3::new(0.0, 0.5, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 1.5 });
+        let posed = baked.posed(&poses).unwrap();
+        let mesh = &posed.dataset.scene.mesh;
+        let directions = lapidary_core::sphere::fibonacci_directions(500);
+        let met = |rays: &Intersector| {
+            let met = directions.iter().map(|&d| rays.closest_hit(Vec3::new(0.1, 0.9, 0.2), d));
+            met.collect::<Vec<_>>()
+        };
+        assert_eq!(met(posed.intersector()), met(&Intersector::new(mesh)));
+        assert_ne!(met(posed.intersector()), met(baked.intersector()), "negative control");
+        assert_eq!((&posed.dataset.cuts, &posed.dataset.two_sided), (&baked.dataset.cuts, &baked.dataset.two_sided));
+        poses.set(0, Pose { translate: Vec3::splat(1e30), ..Pose::AS_BAKED });
+        assert!(baked.posed(&poses).is_err());
+    }
 
     #[test]
     fn rays_meet_the_same_before_and_after_the_thorough_hierarchy_is_there() {

@@ -1,13 +1,13 @@
 //! `lapidary reference`: the picture by ray tracing.
 
 use crate::{
-    args::{LocalLightArgs, ViewArgs, ViewedScene, choices, warn_of_buried},
+    args::{LocalLightArgs, PoseArgs, ViewArgs, ViewedScene, choices, warn_of_buried},
     export::{check_pictures, write_pictures},
     ladder::every_sample,
     outputs::CommandFiles,
     terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
 use lapidary_precompute::Observer;
@@ -40,6 +40,8 @@ pub struct ReferenceArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    pose: PoseArgs,
 }
 
 impl ReferenceArgs {
@@ -49,7 +51,7 @@ impl ReferenceArgs {
     /// Pictures of no known format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(&self.out)?;
-        Ok(self.view.files(&self.local).writes(&self.out))
+        Ok(self.pose.files(self.view.files(&self.local)).writes(&self.out))
     }
 }
 
@@ -84,8 +86,13 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
         bail!("--places goes with --kind path; --kind samples uses those of `render`");
     }
     let interrupt = ProgressReporter::interruptible(console);
-    let viewed = args.view.resolve(&args.local, console)?;
+    let mut viewed = args.view.resolve(&args.local, console)?;
+    let poses = args.pose.read(&viewed.baked.dataset.scene)?;
+    viewed.baked = viewed.baked.posed(&poses).context("the objects cannot be posed so")?;
     if args.kind == Kind::Samples && viewed.local.components.is_some_and(|c| c.indirect) {
+        if !poses.is_empty() {
+            bail!("--kind samples knows bounced light as it was baked; use --kind path for that of posed objects");
+        }
         let (_, solution) = viewed.local.bounces_of(&viewed.baked.dataset)?;
         if solution == Solution::Meshless {
             bail!(
