@@ -17,7 +17,7 @@ use crate::{
     stale::{Part, Stale},
     view::View,
 };
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, scene::MeshError};
 use serde::Serialize;
 use std::{error::Error, fmt, ops::Range, sync::Arc};
 
@@ -51,6 +51,8 @@ pub enum BackendError {
     },
     /// The driver refused.
     Driver(String),
+    /// Objects are posed out of reach.
+    Pose(MeshError),
 }
 
 impl BackendError {
@@ -70,6 +72,7 @@ impl BackendError {
                 let remedy = wording(*remedy);
                 format!("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}{or_cpu}")
             }
+            Self::Pose(source) => format!("the objects cannot be posed so: {source}"),
             Self::Driver(reason) => format!("the graphics driver failed ({reason}); update it, or {cpu}"),
         }
     }

@@ -4,7 +4,7 @@ use crate::{
     Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks,
     Pixels, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, View, light::bounce::Drift,
 };
-use lapidary_core::{ground::Ground, image::Image};
+use lapidary_core::{ground::Ground, image::Image, scene::pose::Poses};
 use std::{ops::Range, sync::Arc, time::Instant};
 
 /// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
@@ -13,7 +13,11 @@ const BAND_ROWS: u32 = 64;
 
 /// A scene with what renders and lights it.
 pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
+    /// The scene as it was baked.
     baked: Baked,
+    /// The scene as it is posed, which the renderer has.
+    posed: Baked,
+    poses: Poses,
     environment_rig: LightRig,
     local_rig: LocalRig,
     /// The state of the renderer; `None` after a failure, so that everything is set again.
@@ -76,7 +80,9 @@ impl<B: Backend + ?Sized> LitScene<B> {
     pub fn new(mut backend: Box<B>, baked: Baked) -> Result<Self, BackendError> {
         let (environment_rig, local_rig) = rigs(&mut *backend, &baked)?;
         Ok(Self {
+            posed: baked.clone(),
             baked,
+            poses: Poses::default(),
             environment_rig,
             local_rig,
             lit: None,
@@ -106,11 +112,28 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if self.baked.is_same(baked) {
             return Ok(false);
         }
-        (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
-        self.baked = baked.clone();
+        self.give(baked)?;
+        (self.baked, self.poses) = (baked.clone(), Poses::default());
+        Ok(true)
+    }
+
+    /// Gives the renderer a scene, posed or not, without a look.
+    fn give(&mut self, posed: &Baked) -> Result<(), BackendError> {
+        (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, posed)?;
+        self.posed = posed.clone();
         (self.lit, self.finished, self.stale) = (None, false, Stale::ALL);
         self.drift.reset();
-        Ok(true)
+        Ok(())
+    }
+
+    /// Poses the objects of the scene. Where they cannot be posed so, they stay.
+    fn pose(&mut self, poses: &Poses) -> Result<(), BackendError> {
+        if self.poses != *poses {
+            let posed = self.baked.posed(poses).map_err(BackendError::Pose)?;
+            self.give(&posed)?;
+            self.poses = poses.clone();
+        }
+        Ok(())
     }
 
     /// Renders a look, unless it was the last one rendered. `go_on` is asked before each band of rows, and may wait.
@@ -160,6 +183,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
     pub fn light(&mut self, look: &Look) -> Result<(), BackendError> {
+        self.pose(&look.poses)?;
         let (known, relight) = (self.lit.take(), std::mem::take(&mut self.relight));
         let redo = match &known {
             Some(lit) if relight => Redo { appearance: Redo::between(&lit.look, look).appearance, ..Redo::ALL },
@@ -195,7 +219,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let mut stale = redo.pixels;
         if redo.appearance && stale.bounce != Pixels::All && now.shows_bounces() {
             let before = before.filter(|_| self.keeps_unseen && !redo.view);
-            let patches = before.and_then(|b| self.drift.add(&self.baked, b, now));
+            let patches = before.and_then(|b| self.drift.add(&self.posed, b, now));
             let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
             stale.bounce = stale.bounce.and(reached);
         }
@@ -330,7 +354,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         // A shadow over nothing is no surface.
         let is_shadow = look.catches_shadows() && look.view.background == Background::Transparent;
         let ground = if is_shadow { Ground::Off } else { look.view.ground };
-        Renderer::of(&self.baked, look).surface_layers(&View { ground, ..look.view.clone() })
+        Renderer::of(&self.posed, look).surface_layers(&View { ground, ..look.view.clone() })
     }
 
     /// The scene.

@@ -4,12 +4,20 @@ use crate::{
     Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View,
     shade::background::caught_per_radiance,
 };
-use lapidary_core::{cut::lit::DEFAULT_TAU, ground::Ground, lights::Light, material::Material, scene::Scene};
+use lapidary_core::{
+    cut::lit::DEFAULT_TAU,
+    ground::Ground,
+    lights::Light,
+    material::Material,
+    scene::{Scene, pose::Poses},
+};
 use std::sync::Arc;
 
 /// All that decides a picture of a baked scene. A copy shares texels and maps.
 #[derive(Clone, Debug)]
 pub struct Look {
+    /// Objects that are not where they were baked.
+    pub poses: Poses,
     /// Materials and textures.
     pub appearance: Appearance,
     /// The environment with rotation and intensity; its map is compared by address.
@@ -43,6 +51,7 @@ impl Look {
     /// A scene as it was baked, under an environment alone, with an illumination cut of 256 nodes.
     pub fn under_environment(scene: &Scene, view: View, light: Illumination) -> Self {
         Self {
+            poses: Poses::default(),
             appearance: Appearance::of(scene),
             light,
             lights: Arc::default(),
@@ -60,6 +69,8 @@ impl Look {
 /// What a renderer must redo for another look. Each step needs those before it, and only what is set is redone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Redo {
+    /// The renderer gets a scene whose vertices and rays are elsewhere, and with it everything.
+    pub pose: bool,
     /// Materials and textures go to the renderer, and the surfaces that bounce light get new albedos.
     pub appearance: bool,
     /// The environment's radiance, its means up the tree and its illumination cut.
@@ -76,10 +87,18 @@ pub struct Redo {
 
 impl Redo {
     /// Everything, as after a scene was opened.
-    pub const ALL: Self =
-        Self { appearance: true, environment: true, local: true, view: true, pixels: Stale::ALL, display: true };
+    pub const ALL: Self = Self {
+        pose: true,
+        appearance: true,
+        environment: true,
+        local: true,
+        view: true,
+        pixels: Stale::ALL,
+        display: true,
+    };
     /// Nothing.
     pub const NOTHING: Self = Self {
+        pose: false,
         appearance: false,
         environment: false,
         local: false,
@@ -91,7 +110,10 @@ impl Redo {
     /// What a renderer that has shown `old` must redo to show `new`.
     pub fn between(old: &Look, new: &Look) -> Self {
         // All fields by name, so that a new one is not forgotten.
-        let Look { appearance, light, lights, components, solution, illum_cut, tau, sampling, view, post } = old;
+        let Look { poses, appearance, light, lights, components, solution, illum_cut, tau, sampling, view, post } = old;
+        if *poses != new.poses {
+            return Self::ALL;
+        }
         let appearance = !appearance.is_same(&new.appearance);
         let environment = !light.is_same(&new.light) || (*illum_cut, *tau) != (new.illum_cut, new.tau);
         let local = appearance
@@ -101,7 +123,7 @@ impl Redo {
         let pixels = if *sampling != new.sampling { Stale::ALL } else { Self::stale(old, new) };
         let view = *view != new.view;
         let display = view || pixels.any() || *post != new.post;
-        Self { appearance, environment, local, view, pixels, display }
+        Self { pose: false, appearance, environment, local, view, pixels, display }
     }
 
     /// Whether anything is to be rendered.
@@ -157,6 +179,7 @@ mod tests {
     use lapidary_core::{
         environment::Environment,
         image::Image,
+        scene::pose::Pose,
         texture::{Texels, Texture},
     };
     use std::sync::Arc;
@@ -180,6 +203,7 @@ mod tests {
         };
         let sky = Redo { environment: true, ..local(all(true, true, false)) };
         assert_eq!(redone(|_| ()), Redo::NOTHING);
+        assert_eq!(redone(|look| look.poses.set(0, Pose { scale: 2.0, ..Pose::AS_BAKED })), Redo::ALL);
         assert_eq!(redone(|look| look.post.exposure = 1.0), DISPLAY);
         assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), VIEW);
         assert_eq!(redone(|look| look.view.aa = 4), VIEW);

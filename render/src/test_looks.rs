@@ -9,6 +9,7 @@ use lapidary_core::{
     image::Image,
     lights::{Emission, Light},
     material::{Material, MaterialMaps},
+    scene::pose::Poses,
     texture::TextureSlot,
 };
 
@@ -26,6 +27,7 @@ pub fn look() -> Look {
         ..Default::default()
     };
     Look {
+        poses: Poses::default(),
         appearance: Appearance { materials: vec![material("gold"), material("wood")], ..Default::default() },
         light: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0, sun: None },
         lights: [light].into(),
@@ -44,6 +46,7 @@ pub fn plain_look(aa: u32) -> Look {
     let environment = Environment::new("white".into(), Image::filled([8, 4], Vec3::ONE));
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 40.0);
     Look {
+        poses: Poses::default(),
         appearance: Appearance::default(),
         light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0, sun: None },
         lights: [].into(),

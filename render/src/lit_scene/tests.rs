@@ -5,7 +5,8 @@ use crate::{
     Appearance, Components, CpuBackend, Illumination, PictureStats, STRIDES, Tiles, test_looks::look,
     test_scenes::rel_rmse,
 };
-use lapidary_core::test_scenes::dataset;
+use glam::Vec3;
+use lapidary_core::{scene::pose::Pose, test_scenes::dataset};
 
 fn scene() -> LitScene {
     LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), dataset(&["a"], &[]).into()).unwrap()
@@ -22,7 +23,7 @@ fn base() -> Look {
 
 #[test]
 fn pictures_do_not_depend_on_those_before_them() {
-    let mut looks = vec![base(); 7];
+    let mut looks = vec![base(); 8];
     // Darker: the brightest pixels are clipped.
     looks[1].post.exposure = -3.0;
     looks[2].light.intensity = 3.0;
@@ -30,6 +31,7 @@ fn pictures_do_not_depend_on_those_before_them() {
     looks[4].components.environment = false;
     looks[5].appearance.materials[0].parameters.set("roughness", 0.1);
     looks[6].view.camera.eye.x += 0.3;
+    looks[7].poses.set(0, Pose { translate: Vec3::new(0.2, 0.0, 0.0), scale: 1.3, ..Pose::AS_BAKED });
     let mut one = scene();
     let pictures: Vec<_> = looks.iter().map(|look| shown(&mut one, look)).collect();
     for (look, (picture, display)) in looks.iter().zip(&pictures) {
@@ -39,7 +41,8 @@ fn pictures_do_not_depend_on_those_before_them() {
     }
     let image = |i: usize| &pictures[i].0.image;
     assert!(image(0) == image(1) && pictures[0].1 != pictures[1].1, "only exposed");
-    assert!((2..7).all(|i| image(i) != image(0)), "negative control");
+    assert!(shown(&mut one, &looks[0]).0.image == *image(0), "and back");
+    assert!((2..8).all(|i| image(i) != image(0)), "negative control");
 }
 
 #[test]

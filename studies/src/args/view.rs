@@ -17,7 +17,7 @@ use lapidary_core::{
     import::{load_material, material_in_file, pictures_of_material},
     material::{BrdfModel, Material, PRESETS, Preset},
     memory,
-    scene::{Scene, camera_named},
+    scene::{Scene, camera_named, pose::Poses},
 };
 use lapidary_render::{Background, Baked, Illumination, Look, View};
 use std::{
@@ -146,6 +146,8 @@ impl From<BackgroundOption> for Background {
 pub struct ViewedScene {
     /// The baked scene, with the materials asked for.
     pub baked: Baked,
+    /// Where its objects are.
+    pub poses: Poses,
     /// Camera and picture size.
     pub view: View,
     /// The environment as it is turned and scaled; black if there is none.
@@ -163,7 +165,7 @@ impl ViewedScene {
         let (components, solution) = self.local.bounces_of(&self.baked.dataset)?;
         let lights = self.local.lights.clone().into();
         let look = Look::under_environment(&self.baked.dataset.scene, self.view.clone(), self.light.clone());
-        Ok(Look { lights, components, solution, ..look })
+        Ok(Look { lights, components, solution, poses: self.poses.clone(), ..look })
     }
 }
 
@@ -197,7 +199,7 @@ impl ViewArgs {
             ground: self.camera.ground_of(&dataset, &self.file)?,
             ..View::new(camera, self.camera.size)
         };
-        Ok(ViewedScene { baked: dataset.into(), view, light, local })
+        Ok(ViewedScene { baked: dataset.into(), poses: Poses::default(), view, light, local })
     }
 
     /// Checks that as many pictures of the size asked for fit in memory at once. Layers of a file count as pictures.

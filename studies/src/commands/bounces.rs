@@ -138,7 +138,7 @@ impl<'a> Comparison<'a> {
         interrupt: &'a ProgressReporter,
         console: Console,
     ) -> Result<Self> {
-        let ViewedScene { baked, view, light, local } = viewed;
+        let ViewedScene { baked, view, light, local, .. } = viewed;
         let look = Look {
             lights: local.lights.clone().into(),
             ..Look::under_environment(&baked.dataset.scene, view.clone(), light.clone())

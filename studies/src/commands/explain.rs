@@ -148,7 +148,7 @@ struct Explainer<'a> {
 
 impl<'a> Explainer<'a> {
     fn new(args: &'a ExplainArgs, viewed: &'a ViewedScene) -> Result<Self> {
-        let ViewedScene { baked, view, light, local } = viewed;
+        let ViewedScene { baked, view, light, local, .. } = viewed;
         let has_environment = baked.dataset.settings.mode.environment();
         let default = if has_environment { TreeOption::Environment } else { TreeOption::Sources };
         let tree = args.tree.unwrap_or(default);

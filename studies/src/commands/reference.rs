@@ -9,7 +9,7 @@ use crate::{
 };
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, scene::pose::Poses};
 use lapidary_precompute::Observer;
 use lapidary_render::{Components, Look, PathSettings, Renderer, SamplePositions, Solution};
 use std::{path::PathBuf, time::Instant};
@@ -87,10 +87,10 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     }
     let interrupt = ProgressReporter::interruptible(console);
     let mut viewed = args.view.resolve(&args.local, console)?;
-    let poses = args.pose.read(&viewed.baked.dataset.scene)?;
-    viewed.baked = viewed.baked.posed(&poses).context("the objects cannot be posed so")?;
+    viewed.poses = args.pose.read(&viewed.baked.dataset.scene)?;
+    let posed = viewed.baked.posed(&viewed.poses).context("the objects cannot be posed so")?;
     if args.kind == Kind::Samples && viewed.local.components.is_some_and(|c| c.indirect) {
-        if !poses.is_empty() {
+        if !viewed.poses.is_empty() {
             bail!("--kind samples knows bounced light as it was baked; use --kind path for that of posed objects");
         }
         let (_, solution) = viewed.local.bounces_of(&viewed.baked.dataset)?;
@@ -101,7 +101,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
         }
     }
     let start = Instant::now();
-    let image = trace(args, &viewed, &interrupt, console)?;
+    let image = trace(args, &ViewedScene { baked: posed, poses: Poses::default(), ..viewed }, &interrupt, console)?;
     write_pictures(&image, None, &args.out)?;
     let names: Vec<String> = args.out.iter().map(|p| p.display().to_string()).collect();
     if interrupt.cancelled() {
