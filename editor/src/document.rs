@@ -28,7 +28,7 @@ use lapidary_core::{
     ground::Ground,
     lights::Light,
     material::{BrdfModel, Material},
-    scene::Scene,
+    scene::{Scene, pose::Poses},
     texture::Texture,
 };
 use lapidary_precompute::Preset;
@@ -56,6 +56,8 @@ pub struct Document {
     pub assigned: Assignment,
     /// Names of the scene's objects.
     pub objects: Vec<String>,
+    /// Objects that are not where they were baked.
+    pub poses: Poses,
     /// The material of the ground while none is shown.
     pub hidden_ground: Option<Material>,
     /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that
@@ -304,6 +306,7 @@ impl Document {
             added: 0,
             assigned: Assignment::new(),
             objects: Vec::new(),
+            poses: Poses::default(),
             hidden_ground: None,
             textures: Vec::new(),
             environment: EnvironmentSettings::default(),

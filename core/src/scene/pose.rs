@@ -77,11 +77,22 @@ impl Poses {
 
     /// Poses an object.
     pub fn set(&mut self, object: u32, pose: Pose) {
-        if pose == Pose::AS_BAKED {
-            self.of_object.remove(&object);
-        } else {
-            self.of_object.insert(object, pose);
-        }
+        self.replace(object, pose);
+    }
+
+    /// Poses an object, and returns the pose that it had.
+    pub fn replace(&mut self, object: u32, pose: Pose) -> Pose {
+        let before = match pose == Pose::AS_BAKED {
+            true => self.of_object.remove(&object),
+            false => self.of_object.insert(object, pose),
+        };
+        before.unwrap_or_default()
+    }
+
+    /// The same for objects that have other numbers, or are gone.
+    pub fn renumbered(&self, number: impl Fn(u32) -> Option<u32>) -> Self {
+        let of_object = self.of_object.iter().filter_map(|(&object, &pose)| Some((number(object)?, pose))).collect();
+        Self { of_object }
     }
 
     /// The objects that are elsewhere, by index.

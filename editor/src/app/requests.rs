@@ -8,7 +8,7 @@ use crate::{
     viewport::ViewportResponse,
 };
 use egui::Context;
-use lapidary_core::{environment::Environment, scene::pose::Poses};
+use lapidary_core::environment::Environment;
 use lapidary_render::{Appearance, Baked, Bounces, Components, Illumination, Look, View};
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ impl EditorState {
         let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
         let assigned = baked.and_then(|baked| self.requests.assigned(document, baked));
         Some(Look {
-            poses: Poses::default(),
+            poses: document.poses.clone(),
             appearance: Appearance { assigned, ..document.appearance() },
             light: illumination(document, environment),
             lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),

@@ -4,7 +4,7 @@ use super::{
     ComponentSettings, Document, EnvironmentSettings, ViewSettings,
     parts::{Assignment, Renumbering, renumber},
 };
-use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material};
+use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material, scene::pose::Pose};
 use lapidary_render::Solution;
 use std::mem::{discriminant, swap};
 
@@ -26,6 +26,13 @@ pub enum Edit {
         material: Option<Box<Material>>,
         /// The materials of parts with it, or without.
         assigned: Assignment,
+    },
+    /// Another pose of an object.
+    Pose {
+        /// Which.
+        object: u32,
+        /// Its new pose.
+        pose: Pose,
     },
     /// Another environment.
     Environment(EnvironmentSettings),
@@ -63,6 +70,7 @@ impl Edit {
                 swap(assigned, &mut document.assigned);
                 *material = swap_last(material.take(), document);
             }
+            Self::Pose { object, pose } => *pose = document.poses.replace(*object, *pose),
             Self::Environment(environment) => swap(environment, &mut document.environment),
             Self::Light { index, light } => swap(&mut **light, &mut document.lights[*index]),
             Self::Lights(lights) => swap(lights, &mut document.lights),
@@ -80,6 +88,7 @@ impl Edit {
             Self::Material { index, .. } => *index < document.materials.len(),
             Self::Light { index, .. } => *index < document.lights.len(),
             Self::Added { material, .. } => material.is_some() || document.added > 0,
+            Self::Pose { object, .. } => (*object as usize) < document.objects.len(),
             _ => true,
         }
     }
@@ -90,6 +99,7 @@ impl Edit {
             Self::Material { index, material } => document.materials.get(*index).is_some_and(|m| *m != **material),
             Self::Assigned(assigned) => *assigned != document.assigned,
             Self::Added { .. } => self.fits(document),
+            Self::Pose { object, pose } => *pose != document.poses.of(*object),
             Self::Environment(environment) => *environment != document.environment,
             Self::Light { index, light } => document.lights.get(*index).is_some_and(|l| *l != **light),
             Self::Lights(lights) => *lights != document.lights,
@@ -106,6 +116,7 @@ impl Edit {
         match (self, other) {
             (Self::Material { index: a, .. }, Self::Material { index: b, .. })
             | (Self::Light { index: a, .. }, Self::Light { index: b, .. }) => a == b,
+            (Self::Pose { object: a, .. }, Self::Pose { object: b, .. }) => a == b,
             (Self::Added { .. }, Self::Added { .. }) => false,
             _ => discriminant(self) == discriminant(other),
         }
@@ -141,6 +152,21 @@ fn swap_last(material: Option<Box<Material>>, document: &mut Document) -> Option
 mod tests {
     use super::*;
     use lapidary_core::{parts::Part, test_scenes};
+
+    #[test]
+    fn a_pose_is_swapped_with_that_of_its_object_alone() {
+        let mut document = Document { objects: vec!["lid".into(), "pot".into()], ..Document::empty() };
+        let raised = Pose { translate: glam::Vec3::Y, ..Pose::AS_BAKED };
+        let mut edit = Edit::Pose { object: 1, pose: raised };
+        assert!(edit.fits(&document) && edit.changes(&document));
+        assert!(!Edit::Pose { object: 2, pose: raised }.fits(&document));
+        assert!(!edit.same_target(&Edit::Pose { object: 0, pose: raised }));
+        edit.swap(&mut document);
+        assert_eq!([0, 1].map(|object| document.poses.of(object)), [Pose::AS_BAKED, raised]);
+        assert!(!Edit::Pose { object: 1, pose: raised }.changes(&document));
+        edit.swap(&mut document);
+        assert!(document.poses.is_empty());
+    }
 
     #[test]
     fn swapping_twice_restores_both() {

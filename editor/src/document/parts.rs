@@ -122,6 +122,8 @@ impl Document {
             Some((Part { object, ..part }, material))
         });
         self.assigned = found.collect();
+        let number = |object: u32| self.object_called(before.get(object as usize)?, object);
+        self.poses = self.poses.renumbered(number);
     }
 
     /// The object of a name, first that at `place`.

@@ -25,7 +25,7 @@ pub use write::save;
 #[cfg(test)]
 use read::MissingFile;
 
-use file::{SessionAssignment, SessionCamera, SessionMaterial, SessionSlot, TextureSource};
+use file::{SessionAssignment, SessionCamera, SessionMaterial, SessionPose, SessionSlot, TextureSource};
 
 pub(super) use read::read_json;
 pub(super) use write::save_for_recovery;

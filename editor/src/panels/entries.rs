@@ -125,16 +125,26 @@ pub fn combo_row<T: PartialEq + Copy>(
 
 /// One row with the coordinates of a point in metres.
 pub fn point_row(ui: &mut Ui, label: &str, help: &str, point: &mut Vec3) -> Edited {
+    axes_row(ui, label, help, point, "m", 0.01)
+}
+
+/// One row with turns about the axes in degrees.
+pub fn turns_row(ui: &mut Ui, label: &str, help: &str, degrees: &mut Vec3) -> Edited {
+    axes_row(ui, label, help, degrees, "degrees", 0.5)
+}
+
+/// One row with a number for each axis, which changes by `speed` for each point that it is dragged.
+fn axes_row(ui: &mut Ui, label: &str, help: &str, numbers: &mut Vec3, unit: &str, speed: f64) -> Edited {
     row(ui, label, help, false, |ui, name, _| {
         ui.style_mut().drag_value_text_style = TextStyle::Monospace;
         ui.spacing_mut().item_spacing.x = 2.0;
         let width = ((ui.available_width() - 4.0) / 3.0).max(36.0);
         let mut edited = Edited::default();
-        for (coordinate, axis) in point.as_mut().iter_mut().zip(["X", "Y", "Z"]) {
-            let entry = DragValue::new(coordinate).speed(0.01).max_decimals(3).update_while_editing(false);
+        for (number, axis) in numbers.as_mut().iter_mut().zip(["X", "Y", "Z"]) {
+            let entry = DragValue::new(number).speed(speed).max_decimals(3).update_while_editing(false);
             let entry = ui.add_sized([width, ui.spacing().interact_size.y], entry);
             edited |= Edited::by(ui, &entry);
-            entry.accessible_name(format!("{} {axis}", name.full)).on_hover_text(format!("{axis}, m"));
+            entry.accessible_name(format!("{} {axis}", name.full)).on_hover_text(format!("{axis}, {unit}"));
         }
         edited
     })

@@ -1,6 +1,7 @@
 //! The outliner: objects with their materials, materials, and cameras to go back to.
 
 mod bookmarks;
+mod pose;
 #[cfg(test)]
 mod tests;
 
@@ -53,6 +54,7 @@ pub fn show(ui: &mut Ui, state: &mut ScenePanel, context: &SceneContext, actions
         state.object_materials.update(dataset);
         objects(ui, context, dataset, &state.object_materials, &wanted, actions);
     }
+    pose::show(ui, context, actions);
     materials(ui, context, &wanted, actions);
     context.dataset.into_iter().for_each(|dataset| variants(ui, context.document, &dataset.scene.variants, actions));
     section(ui, "Cameras", true, |ui| bookmarks::show(ui, &mut state.renaming, context, actions));

@@ -8,6 +8,7 @@ use lapidary_core::{
     lights::Light,
     material::{Material, MaterialOf},
     parts::Part,
+    scene::pose::Pose,
     texture::{Channel, ColorSpace, Procedural, TextureSlot},
 };
 use lapidary_render::Solution;
@@ -27,6 +28,8 @@ pub struct Session {
     pub added: usize,
     /// Parts that have another material than the mesh says.
     pub assigned: Vec<SessionAssignment>,
+    /// Objects that are not where they were baked.
+    pub poses: Vec<SessionPose>,
     /// The light from all around.
     pub environment: EnvironmentSettings,
     /// Local lights; `None` for those of the scene, in files from before there were any.
@@ -47,6 +50,38 @@ pub struct Session {
 
 /// See [`Material`].
 pub type SessionMaterial = MaterialOf<SessionSlot>;
+
+/// Where an object is, see [`Pose`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SessionPose {
+    /// The object's name, which decides if another has its index.
+    pub name: String,
+    /// Index of the object.
+    pub object: u32,
+    pub translate: Vec3,
+    pub rotate_degrees: Vec3,
+    pub scale: f32,
+}
+
+impl Default for SessionPose {
+    fn default() -> Self {
+        Self::new(String::new(), 0, Pose::AS_BAKED)
+    }
+}
+
+impl SessionPose {
+    /// That of an object.
+    pub fn new(name: String, object: u32, pose: Pose) -> Self {
+        let Pose { translate, rotate_degrees, scale } = pose;
+        Self { name, object, translate, rotate_degrees, scale }
+    }
+
+    /// As a document has it.
+    pub fn pose(&self) -> Pose {
+        Pose { translate: self.translate, rotate_degrees: self.rotate_degrees, scale: self.scale }
+    }
+}
 
 /// A part that has another material than the mesh says.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -123,8 +158,10 @@ impl Session {
         let index = |index: usize| if index < own.len() { index } else { index + hidden };
         // Those of a hidden ground, or of a material that is gone, are no one's.
         let is_there = |(_, material): &(&Part, &usize)| **material < document.materials.len();
+        let name = |object: u32| document.objects.get(object as usize).cloned().unwrap_or_default();
+        let pose = |object: u32| SessionPose::new(name(object), object, document.poses.of(object));
         let assignment = |(part, material): (&Part, &usize)| SessionAssignment {
-            name: document.objects.get(part.object as usize).cloned().unwrap_or_default(),
+            name: name(part.object),
             object: part.object,
             own: part.material as usize,
             material: index(*material),
@@ -135,6 +172,7 @@ impl Session {
             materials: own.iter().chain(&document.hidden_ground).chain(added).map(material).collect(),
             added: added.len(),
             assigned: document.assigned.iter().filter(is_there).map(assignment).collect(),
+            poses: document.poses.moved().map(pose).collect(),
             environment: document.environment.clone(),
             lights: Some(document.lights.clone()),
             components: document.components,

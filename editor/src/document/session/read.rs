@@ -1,8 +1,8 @@
 //! Reading of a session file.
 
 use super::{
-    Session, SessionAssignment, SessionCamera, SessionError, SessionMaterial, SessionSlot, Unknown, VERSION,
-    VERSION_KEY, checks,
+    Session, SessionAssignment, SessionCamera, SessionError, SessionMaterial, SessionPose, SessionSlot, Unknown,
+    VERSION, VERSION_KEY, checks,
     lenient::{read_leniently, refusal},
 };
 use crate::document::{
@@ -118,6 +118,7 @@ impl Reader {
             materials: self.list(root, "materials", material_template),
             added: self.choice(root, "added"),
             assigned: self.list(root, "assigned", |_| SessionAssignment::default()),
+            poses: self.list(root, "poses", |_| SessionPose::default()),
             environment: self.part(root, "environment", Default::default()),
             lights: root.get("lights").map(|_| self.list(root, "lights", light_template)),
             components: self.part(root, "components", Default::default()),

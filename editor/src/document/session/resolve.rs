@@ -1,7 +1,8 @@
 //! From a session and the scene that it names to a document.
 
 use super::{
-    LoadedSession, Session, SessionAssignment, SessionMaterial, TextureSource, brdfs, file::document_material,
+    LoadedSession, Session, SessionAssignment, SessionMaterial, SessionPose, TextureSource, brdfs,
+    file::document_material,
 };
 use crate::document::{Document, TextureEntry};
 use lapidary_core::{ground, material::Material, parts::Part, scene::Scene, texture::Texture};
@@ -41,7 +42,10 @@ impl LoadedSession {
         document.materials.extend(added.iter().map(|m| textures.material(m)));
         document.textures = textures.entries;
         brdfs::read(&mut document.materials, scene.map_or(&[], |scene| &scene.materials), &mut warnings);
+        let assigned = session.assigned.iter().map(|assignment| (assignment.object, &assignment.name));
+        name_stand_ins(&mut document, assigned.chain(session.poses.iter().map(|pose| (pose.object, &pose.name))));
         take_assignments(&mut document, &session.assigned, own_count, &places);
+        take_poses(&mut document, &session.poses, &mut warnings);
         document.scene = session.scene;
         document.dataset = session.dataset;
         document.environment = session.environment;
@@ -59,6 +63,29 @@ impl LoadedSession {
     }
 }
 
+/// Names the objects of a document without a scene as a session does.
+fn name_stand_ins<'a>(document: &mut Document, named: impl Iterator<Item = (u32, &'a String)>) {
+    if !document.objects.is_empty() {
+        return;
+    }
+    for (object, name) in named.filter(|(object, _)| *object < MAX_STAND_INS) {
+        let count = document.objects.len().max(object as usize + 1);
+        document.objects.resize(count, String::new());
+        document.objects[object as usize].clone_from(name);
+    }
+}
+
+/// Poses the objects of the document as a session does. Objects that the scene does not have any more are left out.
+fn take_poses(document: &mut Document, poses: &[SessionPose], warnings: &mut Vec<String>) {
+    for session in poses {
+        let (pose, object) = (session.pose(), document.object_called(&session.name, session.object));
+        match pose.validate(&session.name) {
+            Ok(()) => object.into_iter().for_each(|object| document.poses.set(object, pose)),
+            Err(error) => warnings.push(format!("{error}; it is where it was baked")),
+        }
+    }
+}
+
 /// Gives parts of the document the materials that a session assigns. The session has `own_count` materials beside those that were
 /// added, and material `i` of the scene is that at `places[i]`. Objects that the scene does not have any more, and materials, are left
 /// out.
@@ -68,12 +95,6 @@ fn take_assignments(
     own_count: usize,
     places: &[Option<usize>],
 ) {
-    if document.objects.is_empty() {
-        let named = assigned.iter().filter(|assignment| assignment.object < MAX_STAND_INS);
-        let count = named.clone().map(|assignment| assignment.object as usize + 1).max().unwrap_or(0);
-        document.objects.resize(count, String::new());
-        named.for_each(|assignment| document.objects[assignment.object as usize].clone_from(&assignment.name));
-    }
     let own = document.own_materials();
     let own_index = |index: usize| places.iter().position(|place| *place == Some(index)).filter(|&found| found < own);
     let index = |index: usize| match index.checked_sub(own_count) {

@@ -16,7 +16,7 @@ use lapidary_core::{
     lights::Light,
     material::{BrdfModel, Material, MaterialMaps},
     parts::Part,
-    scene::Object,
+    scene::{Object, pose::Pose},
     test_scenes::{camera, dataset, light, write_picture},
     texture::{Channel, ColorSpace, Procedural, Texture, TextureSlot},
 };
@@ -126,6 +126,7 @@ fn assert_same(a: &Document, b: &Document) {
     assert_eq!((&a.scene, &a.dataset), (&b.scene, &b.dataset));
     assert_eq!(a.materials, b.materials);
     assert_eq!((a.added, &a.assigned, &a.objects), (b.added, &b.assigned, &b.objects));
+    assert_eq!(a.poses, b.poses);
     assert_eq!((&a.environment, &a.view, &a.bake), (&b.environment, &b.view, &b.bake));
     assert_eq!((&a.lights, a.components, a.solution), (&b.lights, b.components, b.solution));
     assert_eq!((&a.camera, &a.bookmarks), (&b.camera, &b.bookmarks));
@@ -221,6 +222,26 @@ fn a_session_finds_parts_by_the_name_of_their_object_and_drops_what_is_not_there
     assert!(found(&["pot"], &|session| session.assigned[0].own = 3).is_empty(), "an added one is none of the mesh");
     let none = project.changed(|json| json["added"] = json!(1_000));
     assert_eq!(none.session.added, none.session.materials.len());
+}
+
+#[test]
+fn poses_survive_the_disk_and_follow_their_objects() {
+    let mut project = Project::new();
+    let mut document = with_a_part(&mut project);
+    let pose = Pose { translate: Vec3::X, rotate_degrees: Vec3::Y * 30.0, scale: 1.5 };
+    document.poses.set(1, pose);
+    let loaded = project.reloaded(&document);
+    let (read, warnings) = loaded.clone().into_document(Some(&project.dataset.scene));
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_same(&read, &document);
+    let (alone, _) = loaded.clone().into_document(None);
+    assert_eq!((alone.poses.of(1), alone.objects[1].as_str()), (pose, "pot"));
+    project.dataset.scene.objects.swap(0, 1);
+    let (read, _) = loaded.into_document(Some(&project.dataset.scene));
+    assert_eq!([0, 1].map(|object| read.poses.of(object)), [pose, Pose::AS_BAKED]);
+    let refused = project.changed(|json| json["poses"][0]["scale"] = json!(0));
+    let (read, warnings) = refused.into_document(Some(&project.dataset.scene));
+    assert!(read.poses.is_empty() && warnings[0].contains("must be above 0"), "{warnings:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     parts::{PartVariants, Variants},
-    scene::Object,
+    scene::{Object, pose::Pose},
 };
 
 struct Probe {
@@ -51,6 +51,40 @@ fn bookmarks_asked(panel: &Harness<Probe>) -> Option<Vec<String>> {
         Action::Edit { edit: Edit::Bookmarks(cameras), .. } => Some(cameras.iter().map(|c| c.name.clone()).collect()),
         _ => None,
     })
+}
+
+#[test]
+fn the_pose_of_the_selected_object_is_typed_and_reset() {
+    let mut panel = panel(named(&["Floor", "Teapot"]), &[]);
+    assert!(panel.query_by_label("Reset pose").is_none(), "negative control: the document has no objects");
+    panel.state_mut().document.objects = vec!["Floor".into(), "Teapot".into()];
+    panel.run();
+    let typed = |panel: &mut Harness<Probe>, entry: &str, text: &str| {
+        panel.state_mut().actions.clear();
+        panel.get_by_label(entry).click();
+        panel.run();
+        panel.get_by_label(entry).type_text(text);
+        panel.key_press(Key::Enter);
+        panel.run();
+        panel.state().actions.iter().find_map(|action| match action {
+            Action::Edit { edit: Edit::Pose { object: 0, pose }, .. } => Some(*pose),
+            _ => None,
+        })
+    };
+    let moved = typed(&mut panel, "Move Y", "1.5").unwrap();
+    assert_eq!(moved, Pose { translate: Vec3::Y * 1.5, ..Pose::AS_BAKED });
+    assert_eq!(typed(&mut panel, "Turn Z", "90").unwrap().rotate_degrees, Vec3::Z * 90.0);
+    assert_eq!(typed(&mut panel, "Scale value", "2").unwrap().scale, 2.0);
+    panel.state_mut().document.poses.set(0, moved);
+    panel.state_mut().actions.clear();
+    panel.run();
+    panel.get_by_label("Reset pose").click();
+    panel.run();
+    let reset = matches!(
+        &panel.state().actions[..],
+        [Action::Edit { edit: Edit::Pose { object: 0, pose }, .. }, Action::EndGesture] if *pose == Pose::AS_BAKED
+    );
+    assert!(reset, "{:?}", panel.state().actions);
 }
 
 #[test]
