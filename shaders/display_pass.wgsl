@@ -29,6 +29,8 @@ struct Display {
 const MODE_SHADED: u32 = 0u;
 const MODE_ALBEDO: u32 = 2u;
 const MODE_VISIBILITY_CUT: u32 = 4u;
+const MODE_BRDF_EVALUATIONS: u32 = 6u;
+const MODE_BASIS_LEVEL: u32 = 7u;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
@@ -66,13 +68,13 @@ fn display_value(value: vec3<f32>) -> vec3<f32> {
     if any((bitcast<vec3<u32>>(value) & vec3(0x7fffffffu)) > vec3(0x7f800000u)) {
         return vec3(1.0, 0.0, 1.0);
     }
-    if display.view_mode == MODE_SHADED {
+    if display.view_mode == MODE_SHADED || display.view_mode == MODE_BASIS_LEVEL {
         return srgb_from_linear(tone_map(display.tone_map, value * display.exposure));
     }
     if display.view_mode == MODE_ALBEDO {
         return srgb_from_linear(value);
     }
-    if display.view_mode >= MODE_VISIBILITY_CUT {
+    if display.view_mode >= MODE_VISIBILITY_CUT && display.view_mode <= MODE_BRDF_EVALUATIONS {
         return magma(value.x / display.count_top);
     }
     return saturate(value);

@@ -52,6 +52,9 @@ const VIEW_ROUGHNESS: u32 = 3u;
 const VIEW_VISIBILITY_CUT: u32 = 4u;
 const VIEW_MERGED_CUT: u32 = 5u;
 const VIEW_BRDF_EVALUATIONS: u32 = 6u;
+const VIEW_BASIS_LEVEL: u32 = 7u;
+const VIEW_BASIS_FUNCTION: u32 = 8u;
+const VIEW_BASIS_COEFFICIENTS: u32 = 9u;
 
 // Whether the view shows colours and roughnesses of surfaces.
 fn shows_color() -> bool {

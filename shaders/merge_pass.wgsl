@@ -42,10 +42,14 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
 override IS_FIRST: bool = true;
 
 fn needs_merge() -> bool {
-    return frame.view_mode == VIEW_SHADED || frame.view_mode >= VIEW_MERGED_CUT;
+    return frame.view_mode == VIEW_SHADED || is_work(frame.view_mode);
 }
 
-// Value of a surface in the view mode.
+fn is_work(mode: u32) -> bool {
+    return mode == VIEW_MERGED_CUT || mode == VIEW_BRDF_EVALUATIONS;
+}
+
+// Value of a surface in the view mode. Those of the meshless basis are part of the bounced light.
 fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32> {
     switch frame.view_mode {
         case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
@@ -54,6 +58,7 @@ fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32
         case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(point)); }
         case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
         case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
+        case VIEW_BASIS_LEVEL, VIEW_BASIS_FUNCTION, VIEW_BASIS_COEFFICIENTS: { return vec3(0.0); }
         default: { return shaded.radiance + select(vec3(0.0), point.emission, IS_FIRST && frame.shows_emission != 0u); }
     }
 }

@@ -5,24 +5,26 @@
 //! cited here as "the meshless paper". It knows only points with normals, and nothing of the kind of surface.
 //!
 //! * [`Basis`]: the functions, range queries, normalised values (meshless paper, 2.1 and 2.2)
+//! * [`FunctionGrid`]: which functions reach a point, in arrays that a graphics adapter can read
 //! * [`Projection`]: coefficients of a function that was sampled at the points (2.1)
 //! * [`SenderSamples`]: direct light on the senders, from the points of the next level
 //! * [`Transport`]: the single-bounce operator (3.1) as `precompute` refined it
 //! * [`Solver`]: direct light to indirect light at run time, bounce by bounce (3.3)
-//! * [`Flattening`]: the solution at vertices, or at any other points
+//! * [`Flattening`]: the solution at fixed points
 
 mod basis;
 pub mod distance;
 mod flatten;
+mod grid;
 mod projection;
 mod sampling;
 mod solve;
 mod sparse;
 mod transport;
-mod tree;
 
-pub use basis::{Basis, BasisError};
+pub use basis::{Basis, BasisError, MOST_LEVELS};
 pub use flatten::Flattening;
+pub use grid::{Cell, FunctionGrid};
 pub use projection::Projection;
 pub use sampling::SenderSamples;
 pub use solve::{BounceEnergy, Solution, SolveSettings, Solver};

@@ -32,7 +32,7 @@ use lapidary_core::{
     texture::Texture,
 };
 use lapidary_precompute::Preset;
-use lapidary_render::{Appearance, Background, BrdfSampling, Post, Solution, ViewMode};
+use lapidary_render::{Appearance, Background, BasisView, BrdfSampling, Post, Solution, ViewMode};
 use lapidary_studies::ladder::Cuts;
 use parts::Assignment;
 use serde::{Deserialize, Serialize};
@@ -214,6 +214,8 @@ pub struct ViewSettings {
     pub aa: u32,
     /// The quantity that the pixels show.
     pub mode: ViewMode,
+    /// What the views of the meshless basis show of it.
+    pub basis: BasisView,
     /// Whose materials are shown.
     pub materials: ShownMaterials,
     /// Draws the triangles' edges over the picture.
@@ -234,6 +236,7 @@ impl Default for ViewSettings {
             sampling: BrdfSampling::default(),
             aa: 16,
             mode: ViewMode::default(),
+            basis: BasisView::default(),
             materials: ShownMaterials::default(),
             wireframe: false,
             frame_budget_ms: 100.0,

@@ -3,7 +3,6 @@
 
 mod addition;
 mod backend;
-mod bounce;
 mod device;
 mod direct;
 mod frame;
@@ -12,6 +11,7 @@ mod light;
 mod lit;
 mod materials;
 mod measured;
+mod meshless;
 mod models;
 mod passes;
 mod pipeline;

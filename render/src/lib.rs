@@ -47,7 +47,7 @@ pub use cpu::{
 };
 pub use lapidary_core::image::{Region, RegionError};
 pub use light::{
-    bounce::{SourceLighting, SourceRig},
+    bounce::{MeshlessLight, SourceLighting, SourceRig},
     buried::is_buried,
     components::{Bounces, Components, Solution},
     environment::{Illumination, LightRig, SceneLighting},
@@ -77,4 +77,4 @@ pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::Unocclud
 pub use sketch::{STRIDES, Tiles, share_of_lattice};
 pub use stale::{Marks, Pixels, Stale};
 pub use view::{Background, Preview, Progress, Quiet, View};
-pub use view_mode::{ViewMode, shows_source_cuts};
+pub use view_mode::{BasisView, ViewMode, shows_source_cuts};

@@ -122,7 +122,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, posed)?;
         self.posed = posed.clone();
         (self.lit, self.finished, self.stale) = (None, false, Stale::ALL);
-        self.drift.reset();
+        self.drift = Drift::default();
         Ok(())
     }
 
@@ -253,7 +253,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.local_rig.set_lights(&look.lights);
         self.local_rig.set_suns(suns);
         self.local_rig.set_tau(look.tau);
-        let local = self.local_rig.lighting(look.components, look.solution, look.illum_cut);
+        let local = self.local_rig.lighting(look.components, look.shown_solution(), look.illum_cut);
         if !known.is_some_and(|known| known.is_same(&local)) {
             let remarks = self.backend.set_local_lighting(&local)?;
             self.remarks.replace(2, remarks);

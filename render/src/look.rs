@@ -48,6 +48,11 @@ impl Look {
         caught_per_radiance(&self.view, environment, *intensity, self.components.environment).is_some()
     }
 
+    /// How the bounced light of its picture is computed: views of the meshless basis show its solution.
+    pub fn shown_solution(&self) -> Solution {
+        if self.view.mode.is_of_basis() { Solution::Meshless } else { self.solution }
+    }
+
     /// A scene as it was baked, under an environment alone, with an illumination cut of 256 nodes.
     pub fn under_environment(scene: &Scene, view: View, light: Illumination) -> Self {
         Self {
@@ -119,7 +124,9 @@ impl Redo {
         let local = appearance
             || environment
             || *lights != new.lights
-            || (*components, *solution) != (new.components, new.solution);
+            || *components != new.components
+            || *solution != new.solution
+            || old.shown_solution() != new.shown_solution();
         let pixels = if *sampling != new.sampling { Stale::ALL } else { Self::stale(old, new) };
         let view = *view != new.view;
         let display = view || pixels.any() || *post != new.post;

@@ -9,6 +9,8 @@ pub enum Remedy {
     FewerVertices,
     /// A bake of smaller visibility cuts.
     SmallerCuts,
+    /// A bake of a meshless basis with fewer levels.
+    FewerFunctions,
     /// A picture of fewer pixels.
     SmallerPicture,
     /// A bake of the environment's visibility.
@@ -27,6 +29,7 @@ impl Remedy {
             Self::Cpu => "render on the CPU",
             Self::FewerVertices => "bake fewer vertices",
             Self::SmallerCuts => "bake with larger sigmas or fewer vertices",
+            Self::FewerFunctions => "bake with fewer levels of the meshless basis",
             Self::SmallerPicture => "render a smaller picture",
             Self::EnvironmentBake => "bake it with the environment",
             Self::SourceBake => "bake it with surface sources",

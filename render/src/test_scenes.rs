@@ -376,7 +376,7 @@ impl Renderer {
         let backdrop = Backdrop::new(view, Some(light), true, &mut BlurCache::default());
         let sampler = PixelSampler::new(self, view, &backdrop);
         let light = PictureLight { environment: Some(lighting), ..Default::default() };
-        let painter = || Painter::new(view.mode, &self.dataset, light, sampling);
+        let painter = || Painter::new(view, &self.dataset, light, sampling);
         let mut picture = Picture::new(view.size, light.parts(view.mode), None);
         for sample in 0..view.aa.max(1) {
             picture.add_rows(&sampler, painter, None, sample, 0..view.size[1]);

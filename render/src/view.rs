@@ -1,6 +1,6 @@
 //! The contents of a picture, and the sampling of its pixels.
 
-use crate::view_mode::ViewMode;
+use crate::view_mode::{BasisView, ViewMode};
 use glam::{DVec2, Vec2, Vec3};
 use lapidary_core::{
     camera::Camera,
@@ -39,6 +39,8 @@ pub struct View {
     pub ground: Ground,
     /// The quantity that the pixels show.
     pub mode: ViewMode,
+    /// What the modes of the meshless basis show of it.
+    pub basis: BasisView,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
     /// The only pixels that references trace; the others stay black. Renderers with cuts ignore it.
@@ -56,6 +58,7 @@ impl View {
             hides_background: false,
             ground: Ground::On,
             mode: ViewMode::Shaded,
+            basis: BasisView::default(),
             wireframe: false,
             region: None,
         }

@@ -30,11 +30,27 @@ pub enum ViewMode {
     MergedCut,
     /// BRDF evaluations.
     BrdfEvaluations,
+    /// What one level of the meshless basis adds to bounced light, and takes from it: red and blue.
+    BasisLevel,
+    /// One function of the meshless basis, over the grey scene.
+    BasisFunction,
+    /// The centres of the functions with coefficients that are not zero, in a colour of their level.
+    BasisCoefficients,
+}
+
+/// Which of the meshless basis the views of it show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BasisView {
+    /// The level of [`ViewMode::BasisLevel`], from 0, the coarsest.
+    pub level: u32,
+    /// The function of [`ViewMode::BasisFunction`], from 0, coarsest first.
+    pub function: u32,
 }
 
 impl ViewMode {
     /// All of them, in the order of menus.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Shaded,
         Self::Normals,
         Self::Albedo,
@@ -42,6 +58,9 @@ impl ViewMode {
         Self::VisibilityCut,
         Self::MergedCut,
         Self::BrdfEvaluations,
+        Self::BasisLevel,
+        Self::BasisFunction,
+        Self::BasisCoefficients,
     ];
 
     /// Name for people.
@@ -54,7 +73,20 @@ impl ViewMode {
             Self::VisibilityCut => "Visibility cut size",
             Self::MergedCut => "Merged cut size",
             Self::BrdfEvaluations => "BRDF evaluations",
+            Self::BasisLevel => "Basis level",
+            Self::BasisFunction => "Basis function",
+            Self::BasisCoefficients => "Basis coefficients",
         }
+    }
+
+    /// Whether pixels show the meshless basis, black for a dataset without one.
+    pub fn is_of_basis(self) -> bool {
+        matches!(self, Self::BasisLevel | Self::BasisFunction | Self::BasisCoefficients)
+    }
+
+    /// Whether pixels are light, to which exposure belongs.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Shaded | Self::BasisLevel)
     }
 
     /// Whether pixels are counts, shown in false colours with a legend.

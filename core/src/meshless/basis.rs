@@ -1,15 +1,14 @@
 //! Hierarchical basis functions around scattered surface points (meshless paper, 2.1 and 2.2).
 
 use super::{
+    grid::{FunctionGrid, weight},
     sparse::{Coefficient, SparseRows},
-    tree::LevelTree,
 };
 use crate::{
     scene::{is_unit, is_within_reach},
     surfel::Surfel,
 };
 use glam::Vec3;
-use rayon::prelude::*;
 use std::{
     fmt,
     ops::{Range, RangeInclusive},
@@ -17,7 +16,7 @@ use std::{
 use thiserror::Error;
 
 /// Most levels of a basis: the finest would have points closer than numbers of 32 bits can tell.
-const MOST_LEVELS: usize = 16;
+pub const MOST_LEVELS: usize = 16;
 /// Smallest and largest radius of support in metres: their squares are numbers of 32 bits, and so are those of distances.
 const RADII: RangeInclusive<f32> = 1e-15..=4e9;
 
@@ -64,7 +63,7 @@ pub struct Basis {
     /// Radius of support in metres, one per level.
     radii: Vec<f32>,
     sender_levels: usize,
-    trees: Vec<LevelTree>,
+    grid: FunctionGrid,
 }
 
 impl fmt::Debug for Basis {
@@ -120,9 +119,9 @@ impl Basis {
         if let Some(level) = radii.iter().position(|r| !RADII.contains(r)) {
             return Err(BasisError::Radius { level, radius: radii[level] });
         }
-        let level = |l: usize| LevelTree::new(&points[range(&offsets, l)], offsets[l], radii[l]);
-        let trees = (0..radii.len()).into_par_iter().map(level).collect();
-        Ok(Self { points, offsets, radii, sender_levels, trees })
+        let levels: Vec<Range<usize>> = (0..radii.len()).map(|level| range(&offsets, level)).collect();
+        let grid = FunctionGrid::new(&points, &levels, &radii);
+        Ok(Self { points, offsets, radii, sender_levels, grid })
     }
 
     /// Number of functions of all levels.
@@ -185,12 +184,37 @@ impl Basis {
         (size_of::<Surfel>() * self.points.len()) as u64
     }
 
+    /// Where the functions are found.
+    pub fn grid(&self) -> &FunctionGrid {
+        &self.grid
+    }
+
+    /// Calls `visit` with all functions of a level whose weight at a surface point is not zero, and that weight, before
+    /// normalisation.
+    #[inline]
+    pub fn for_each_weight(&self, level: usize, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) {
+        let radius = self.radii[level];
+        for &function in self.grid.around(level, position) {
+            let weight = weight(&self.points[function as usize], radius, position, normal);
+            if weight > 0.0 {
+                visit(function, weight);
+            }
+        }
+    }
+
+    /// Whether any function of a level reaches a surface point.
+    pub fn reaches(&self, level: usize, position: Vec3, normal: Vec3) -> bool {
+        let radius = self.radii[level];
+        let reaches = |&function: &u32| weight(&self.points[function as usize], radius, position, normal) > 0.0;
+        self.grid.around(level, position).iter().any(reaches)
+    }
+
     /// Appends all functions of a level that are not zero at a surface point, with their values there (meshless paper,
     /// Eq. 2). The values sum to one, unless no function reaches the point.
     #[inline]
     pub fn values(&self, level: usize, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
         let first = out.len();
-        self.trees[level].weights(position, normal, out);
+        self.for_each_weight(level, position, normal, |function, weight| out.push((function, weight)));
         let sum: f32 = out[first..].iter().map(|w| w.1).sum();
         let scale = 1.0 / sum.max(f32::MIN_POSITIVE);
         out[first..].iter_mut().for_each(|w| w.1 *= scale);
@@ -198,10 +222,20 @@ impl Basis {
 
     /// The function with these coefficients at a surface point, summed over the first `levels` levels (meshless paper,
     /// Eq. 6).
+    #[inline]
     pub fn evaluate<T: Coefficient>(&self, levels: usize, position: Vec3, normal: Vec3, coefficients: &[T]) -> T {
-        let mut values = Vec::new();
-        (0..levels).for_each(|level| self.values(level, position, normal, &mut values));
-        values.iter().fold(T::ZERO, |sum, &(j, value)| sum + coefficients[j as usize] * value)
+        (0..levels).fold(T::ZERO, |sum, level| sum + self.evaluate_level(level, position, normal, coefficients))
+    }
+
+    /// The part of one level in [`Self::evaluate`].
+    #[inline]
+    pub fn evaluate_level<T: Coefficient>(&self, level: usize, position: Vec3, normal: Vec3, coefficients: &[T]) -> T {
+        let (mut sum, mut weights) = (T::ZERO, 0.0);
+        self.for_each_weight(level, position, normal, |function, weight| {
+            sum = sum + coefficients[function as usize] * weight;
+            weights += weight;
+        });
+        sum * (1.0 / weights.max(f32::MIN_POSITIVE))
     }
 
     /// Values of the functions of some levels at the points of `functions`, one row per point. A point's parents are

@@ -7,9 +7,9 @@ use glam::Vec3;
 pub const SQUASH: f32 = 2.0;
 /// A function has little weight where the surface steps to another layer by more than the radius divided by this.
 /// Otherwise functions of one of two layers, such as a wall and the one behind it, take the light of both.
-const LAYERS: f32 = 8.0;
+pub const LAYERS: f32 = 8.0;
 /// Least factor for another layer. It decides only where no function of that layer is close.
-const LEAST_WEIGHT: f32 = 0.02;
+pub const LEAST_WEIGHT: f32 = 0.02;
 
 /// Distance in metres of `x` from a point with a unit normal (Eq. 10). Offsets from its tangent plane count more.
 #[inline(always)]

@@ -98,7 +98,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 33] = [
+pub const BINDINGS: [Binding; 36] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -131,6 +131,9 @@ pub const BINDINGS: [Binding; 33] = [
     mode(ViewMode::VisibilityCut, "Visibility cut size", &[(NONE, Key::Num5)]),
     mode(ViewMode::MergedCut, "Merged cut size", &[(NONE, Key::Num6)]),
     mode(ViewMode::BrdfEvaluations, "BRDF evaluations", &[(NONE, Key::Num7)]),
+    mode(ViewMode::BasisLevel, "Basis level", &[(NONE, Key::Num8)]),
+    mode(ViewMode::BasisFunction, "Basis function", &[(NONE, Key::Num9)]),
+    mode(ViewMode::BasisCoefficients, "Basis coefficients", &[(NONE, Key::Num0)]),
     binds("File", Command::Quit, "Quit", &[(Modifiers::ALT, Key::F4)]),
 ];
 

@@ -89,6 +89,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
         background: view.background(),
         ground: document.bake.ground,
         mode: view.mode,
+        basis: view.basis,
         wireframe: view.wireframe,
         ..View::new(document.camera.clone(), size)
     }

@@ -90,6 +90,7 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     edit_row(actions, "View mode", view, Edit::View, |v| {
         combo_row(ui, "Show", "What the pixels show.", &mut v.mode, &modes)
     });
+    basis(ui, view, actions);
     let materials = [
         (ShownMaterials::Own, "Their own", "Each surface as it is."),
         (ShownMaterials::Clay, "Clay", "Grey clay on all, to judge light and shape."),
@@ -138,6 +139,21 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     edit_row(actions, "Frame budget", view, Edit::View, |v| decades_row(ui, &budget, &mut v.frame_budget_ms));
 }
 
+/// What of the meshless basis is shown.
+fn basis(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let level = Decades::count("Level", "Level of the meshless basis; 0 is the coarsest.", 0.0..=7.0, 0.0);
+    let function = Decades::count("Function", "Number of the function, coarsest first.", 0.0..=1e6, 0.0);
+    match view.mode {
+        ViewMode::BasisLevel => {
+            edit_row(actions, "Level", view, Edit::View, |v| decades_row(ui, &level, &mut v.basis.level));
+        }
+        ViewMode::BasisFunction => {
+            edit_row(actions, "Function", view, Edit::View, |v| decades_row(ui, &function, &mut v.basis.function));
+        }
+        _ => {}
+    }
+}
+
 fn view_mode_meaning(mode: ViewMode) -> &'static str {
     match mode {
         ViewMode::Shaded => "The lit picture.",
@@ -151,6 +167,9 @@ fn view_mode_meaning(mode: ViewMode) -> &'static str {
             "Nodes after merging visibility and light, of environment and bounce light: where time goes."
         }
         ViewMode::BrdfEvaluations => "How often the BRDF is evaluated.",
+        ViewMode::BasisLevel => "What one level of the meshless basis adds to bounce light, and takes from it.",
+        ViewMode::BasisFunction => "One function of the meshless basis.",
+        ViewMode::BasisCoefficients => "The functions of the meshless basis that carry light, by level.",
     }
 }
 

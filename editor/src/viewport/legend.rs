@@ -9,7 +9,7 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Ve
 use glam::{Mat3, Vec3};
 use lapidary_core::{camera::Camera, color::srgb_from_linear, dataset::BakeParts};
 use lapidary_render::{
-    BrdfSampling, ViewMode,
+    BasisView, BrdfSampling, ViewMode,
     compare::map::{ErrorField, ErrorMap, magma},
     shows_source_cuts,
 };
@@ -34,18 +34,31 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
         (ViewMode::Shaded, None) => {}
         (ViewMode::Shaded, Some(sources)) => {
             let (points, clusters) = (grouped(sources.tree.len() as u64), grouped(sources.cut.len() as u64));
-            words(
-                painter,
-                rect,
-                &["Bounce light: one color per cluster", &format!("{points} points in {clusters} clusters")],
-            );
+            let colors = "Bounce light: one color per cluster".to_owned();
+            words(painter, rect, &[colors, format!("{points} points in {clusters} clusters")]);
         }
         (ViewMode::Normals, _) => ball(painter, rect, &context.document.camera),
+        (mode, _) if mode.is_of_basis() => words(painter, rect, &of_basis(mode, view.basis)),
         (mode, _) => {
             let gathered = Gathered::of(mode, context);
             bar(painter, rect, &ColorScale::of(mode, view.sampling, view.illum_cut, gathered));
         }
     }
+}
+
+/// What a view of the meshless basis shows, in two lines.
+fn of_basis(mode: ViewMode, basis: BasisView) -> [String; 2] {
+    let second = match mode {
+        ViewMode::BasisLevel => "Red adds light, blue takes it away",
+        ViewMode::BasisFunction => "Red where it is 1, grey where it is 0",
+        _ => "One color a level: red is the coarsest",
+    };
+    let number = match mode {
+        ViewMode::BasisLevel => format!(" {}", basis.level),
+        ViewMode::BasisFunction => format!(" {}", grouped(basis.function.into())),
+        _ => String::new(),
+    };
+    [format!("{}{number}", mode.label()), second.into()]
 }
 
 /// The colours of a map of errors.
@@ -141,7 +154,7 @@ fn bar(painter: &Painter, rect: Rect, scale: &ColorScale) {
 }
 
 /// Lines of text.
-fn words(painter: &Painter, rect: Rect, lines: &[&str]) {
+fn words(painter: &Painter, rect: Rect, lines: &[String]) {
     let area = panel(painter, rect, vec2(BAR.x, LINE * lines.len() as f32));
     for (i, line) in lines.iter().enumerate() {
         text(painter, area.left_top() + vec2(0.0, LINE * i as f32), Align2::LEFT_TOP, line);
@@ -247,6 +260,14 @@ mod tests {
         assert_eq!(ticks(ViewMode::MergedCut, 250), ["0", "250", "500", "750", "1000+"]);
         assert_eq!(ticks(ViewMode::MergedCut, 1)[4], "512+", "no finer than the least range");
         assert_eq!(ticks(ViewMode::Roughness, 250)[4], "1");
+    }
+
+    #[test]
+    fn views_of_the_basis_say_what_of_it_they_show() {
+        let of = |mode| of_basis(mode, BasisView { level: 2, function: 12_345 })[0].clone();
+        assert_eq!(of(ViewMode::BasisLevel), "Basis level 2");
+        assert_eq!(of(ViewMode::BasisFunction), "Basis function 12,345");
+        assert_eq!(of(ViewMode::BasisCoefficients), "Basis coefficients");
     }
 
     #[test]

@@ -107,7 +107,7 @@ fn light_of<'a>(
         environment: environment.map(|(_, lighting)| &**lighting),
         emission: local.components.direct,
         sources: local.shown_indirect().map(|lighting| &**lighting),
-        vertex_irradiance: local.shown_vertex_irradiance().map(|vertices| &**vertices),
+        meshless: local.shown_meshless().map(|light| &**light),
         local: shown(&lights.direct),
         added: shown(&lights.added),
     }
@@ -129,8 +129,8 @@ struct AtWork<'a> {
 impl<'a> AtWork<'a> {
     /// Makes a painter for a thread.
     fn painter(&self) -> impl Fn() -> Painter<'a> + Sync + Send + use<'a> {
-        let (mode, dataset, light, sampling) = (self.sampler.view.mode, self.dataset, self.light, self.sampling);
-        move || Painter::new(mode, dataset, light, sampling)
+        let (view, dataset, light, sampling) = (self.sampler.view, self.dataset, self.light, self.sampling);
+        move || Painter::new(view, dataset, light, sampling)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Display colour of a pixel in each view mode.
 //!
-//! Twin of `shaders/display_pass.wgsl`. Only radiance goes through exposure and tone curve; the quantities of the other modes
+//! Twin of `shaders/display_pass.wgsl`. Only light goes through exposure and tone curve; the quantities of the other modes
 //! are shown the same at any exposure, so that they can be read off.
 
 use crate::{measure::compare::map::magma, post::Post, view_mode::ViewMode};
@@ -14,9 +14,11 @@ pub fn display_pixel(mode: ViewMode, post: &Post, count_top: f32, value: Vec3) -
         return Vec3::new(1.0, 0.0, 1.0);
     }
     match mode {
-        ViewMode::Shaded => post.display(value),
+        ViewMode::Shaded | ViewMode::BasisLevel => post.display(value),
         ViewMode::Albedo => value.map(srgb_from_linear),
-        ViewMode::Normals | ViewMode::Roughness => value.clamp(Vec3::ZERO, Vec3::ONE),
+        ViewMode::Normals | ViewMode::Roughness | ViewMode::BasisFunction | ViewMode::BasisCoefficients => {
+            value.clamp(Vec3::ZERO, Vec3::ONE)
+        }
         ViewMode::VisibilityCut | ViewMode::MergedCut | ViewMode::BrdfEvaluations => magma(value.x / count_top),
     }
 }
@@ -26,12 +28,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_radiance_is_exposed() {
+    fn only_light_is_exposed() {
         let (dark, bright) = (Post::default(), Post { exposure: 2.0, ..Post::default() });
         let value = Vec3::new(0.2, 0.1, 0.05);
         for mode in ViewMode::ALL {
             let [a, b] = [&dark, &bright].map(|post| display_pixel(mode, post, 512.0, value));
-            assert_eq!(a == b, mode != ViewMode::Shaded, "{mode:?}");
+            assert_eq!(a == b, !mode.is_light(), "{mode:?}");
         }
     }
 

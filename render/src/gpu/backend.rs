@@ -9,12 +9,12 @@ mod timing;
 pub use timing::PassTimes;
 
 use super::{
-    bounce::VertexBounce,
     device::{GpuDevice, Room, is_emulated},
     direct::DirectLights,
     layout,
     light::{GpuLight, GpuMap, GpuSources, scaled_map},
     materials::GpuMaterials,
+    meshless::GpuMeshless,
     models::ModelSet,
     passes::Passes,
     pipeline::Shaders,
@@ -66,7 +66,7 @@ pub struct GpuBackend {
     local: LocalLighting,
     /// Bounced light as it was last shown.
     sources: Option<GpuSources>,
-    bounce: VertexBounce,
+    meshless: GpuMeshless,
     /// Stands in where no environment is shown; made for the scene.
     dark: Option<(GpuLight, Arc<Environment>)>,
     map: Option<GpuMap>,
@@ -159,7 +159,7 @@ impl GpuBackend {
             light: None,
             local: LocalLighting::default(),
             sources: None,
-            bounce: VertexBounce::default(),
+            meshless: GpuMeshless::default(),
             dark: None,
             map: None,
             opacities: Opacities::default(),
@@ -295,10 +295,10 @@ impl GpuBackend {
         self.local_lights = DirectLights::within(room);
     }
 
-    /// Bounced light at the vertices, to see whether it was uploaded again.
+    /// Coefficients of the meshless basis, to see whether they were uploaded again.
     #[cfg(test)]
-    pub(super) fn vertex_irradiance(&self) -> Option<&wgpu::Buffer> {
-        self.bounce.buffer()
+    pub(super) fn coefficients(&self) -> Option<&wgpu::Buffer> {
+        self.meshless.coefficients()
     }
 
     /// Whether local lights take up textures.
@@ -348,7 +348,7 @@ impl Backend for GpuBackend {
         self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);
         self.history = None;
-        (self.local, self.bounce) = (LocalLighting::default(), VertexBounce::default());
+        (self.local, self.meshless) = (LocalLighting::default(), GpuMeshless::default());
         Ok(())
     }
 
@@ -383,8 +383,8 @@ impl Backend for GpuBackend {
         self.local = lighting.clone();
         self.picture = None;
         let radius = self.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
-        if lighting.shown_vertex_irradiance().is_none() {
-            self.bounce = VertexBounce::default();
+        if lighting.shown_meshless().is_none() {
+            self.meshless.forget_light();
         }
         let remark = self.local_lights.set(&lighting.shown_lights(), radius);
         self.gpu.check()?;

@@ -237,10 +237,40 @@ pub struct LocalLight {
     pub padding: [u32; 2],
 }
 
-/// `VertexIrradiance` of `bounce_pass.wgsl`.
+/// `BasisLevel` of `meshless_pass.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct VertexIrradiance {
+pub struct BasisLevel {
+    pub cells_per_metre: f32,
+    pub radius: f32,
+    pub end: u32,
+    pub padding: u32,
+}
+
+/// `BasisUniforms` of `meshless_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct BasisUniforms {
+    pub levels: [BasisLevel; constants::MOST_BASIS_LEVELS],
+    pub level_count: u32,
+    pub last_slot: u32,
+    pub shown_level: u32,
+    pub shown_function: u32,
+}
+
+/// `BasisFunction` of `meshless_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct BasisFunction {
+    /// Padded to 16 bytes, as the normal.
+    pub position: [f32; 4],
+    pub normal: [f32; 4],
+}
+
+/// `Coefficient` of `meshless_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Coefficient {
     /// One column per colour channel, each padded to 16 bytes.
     pub vector: [[f32; 4]; 3],
 }
@@ -248,6 +278,8 @@ pub struct VertexIrradiance {
 /// Values that the shaders share with this side by name.
 pub mod constants {
     pub const MOST_PARAMETERS: usize = 32;
+    /// Levels that a meshless basis may have.
+    pub const MOST_BASIS_LEVELS: usize = lapidary_core::meshless::MOST_LEVELS;
     /// In place of a measured BRDF that is not there.
     pub const NO_TABLE: u32 = u32::MAX;
     pub const BACKGROUND_MAP: u32 = 0;

@@ -1,10 +1,10 @@
 //! The pipelines: built once from the shaders, with variants of the merge for the needs of scene and view mode.
 
 use super::{
-    bounce::BouncePass,
     device::GpuDevice,
     direct::DirectPasses,
     lit::LitPass,
+    meshless::MeshlessPass,
     pipeline::{Layouts, Pipeline, Shaders, layouts, module},
     shaders::{DISPLAY, HISTORY, KEEP, MARKS, MERGE, PARAMETERS, PREDICT, SKETCH, SURFACE, VISIBILITY},
     targets::format,
@@ -38,7 +38,7 @@ pub struct Passes {
     pub history: wgpu::RenderPipeline,
     pub predict: wgpu::RenderPipeline,
     pub direct: DirectPasses,
-    pub bounce: BouncePass,
+    pub meshless: MeshlessPass,
     pub lit: LitPass,
     merge_module: wgpu::ShaderModule,
     merge: HashMap<MergeVariant, wgpu::RenderPipeline>,
@@ -121,7 +121,7 @@ impl Passes {
             history: history.build(gpu),
             predict: predict.build(gpu),
             direct: DirectPasses::new(gpu, shaders, &layouts)?,
-            bounce: BouncePass::new(gpu, shaders, &layouts)?,
+            meshless: MeshlessPass::new(gpu, shaders, &layouts)?,
             lit: LitPass::new(gpu, shaders)?,
             merge_module: load(&MERGE)?,
             merge: HashMap::new(),

@@ -17,7 +17,6 @@ macro_rules! parts {
 }
 
 parts!(
-    "bounce_pass",
     "brdf",
     "bumps",
     "cut",
@@ -36,6 +35,7 @@ parts!(
     "lit_pass",
     "materials",
     "merge_pass",
+    "meshless_pass",
     "mirror",
     "opacity",
     "parameters_pass",
@@ -142,8 +142,8 @@ pub const SHADOW: Program = Program {
 /// Local lights.
 pub const DIRECT: Program =
     Program { name: "direct_pass", parts: [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]] };
-/// Bounced light at the vertices.
-pub const BOUNCE: Program = Program { name: "bounce_pass", parts: [SHADING, &["bounce_pass"]] };
+/// Bounced light of the meshless basis.
+pub const MESHLESS: Program = Program { name: "meshless_pass", parts: [SHADING, &["meshless_pass"]] };
 /// The post pass.
 pub const DISPLAY: Program =
     Program { name: "display_pass", parts: [&[], &["fullscreen", "tonemap", "sums", "display_pass"]] };
@@ -163,7 +163,7 @@ pub const PREDICT: Program = Program { name: "predict_pass", parts: [SHADING, &[
 /// All of them.
 #[cfg(test)]
 pub const PROGRAMS: [Program; 15] = [
-    RAYS, VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, BOUNCE, KEEP, SKETCH, HISTORY,
+    RAYS, VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, MESHLESS, KEEP, SKETCH, HISTORY,
     PREDICT, LIT,
 ];
 

@@ -4,12 +4,12 @@
 //! Each step keeps its result, so that a moved light casts rays for that light only and an edited material none.
 
 mod drift;
+pub(crate) mod functions;
 mod irradiance;
 mod light_groups;
 mod lit_points;
 mod meshless;
 mod source_parts;
-mod vertices;
 
 use crate::{
     appearance::Appearance,
@@ -36,8 +36,8 @@ use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 pub(crate) use drift::Drift;
 pub(crate) use light_groups::{LightKey, light_key};
+pub use functions::MeshlessLight;
 pub use meshless::MeshlessRig;
-pub use vertices::VertexIrradiance;
 
 /// Samples of an area light along each of its sides, at each of a source's parts.
 const AREA_SAMPLES: u32 = 2;

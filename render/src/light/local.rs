@@ -4,7 +4,7 @@ use crate::{
     appearance::Appearance,
     baked::Baked,
     light::{
-        bounce::{MeshlessRig, SourceLighting, SourceRig, VertexIrradiance},
+        bounce::{MeshlessLight, MeshlessRig, SourceLighting, SourceRig},
         components::{Components, Solution},
         environment::{SceneLighting, is_same},
     },
@@ -28,7 +28,7 @@ pub struct LocalLighting {
     /// Bounced light, of these lights and of the environment.
     pub indirect: Option<Arc<SourceLighting>>,
     /// Bounced light of the meshless basis, in place of [`Self::indirect`].
-    pub vertex_irradiance: Option<Arc<VertexIrradiance>>,
+    pub meshless: Option<Arc<MeshlessLight>>,
     /// The parts that are shown.
     pub components: Components,
     /// Energy of each bounce of the meshless basis, if the picture contains them.
@@ -39,7 +39,7 @@ impl LocalLighting {
     /// Whether both are the same light, not only equal.
     pub fn is_same(&self, other: &Self) -> bool {
         is_same(self.indirect.as_ref(), other.indirect.as_ref())
-            && is_same(self.vertex_irradiance.as_ref(), other.vertex_irradiance.as_ref())
+            && is_same(self.meshless.as_ref(), other.meshless.as_ref())
             && Arc::ptr_eq(&self.lights, &other.lights)
             && self.suns == other.suns
             && self.components == other.components
@@ -53,12 +53,12 @@ impl LocalLighting {
 
     /// Whether any bounced light is shown.
     pub(crate) fn shows_bounces(&self) -> bool {
-        self.shown_indirect().is_some() || self.shown_vertex_irradiance().is_some()
+        self.shown_indirect().is_some() || self.shown_meshless().is_some()
     }
 
-    /// Bounced light at the vertices if it is shown.
-    pub(crate) fn shown_vertex_irradiance(&self) -> Option<&Arc<VertexIrradiance>> {
-        self.vertex_irradiance.as_ref().filter(|_| self.components.indirect)
+    /// Bounced light of the meshless basis if it is shown.
+    pub(crate) fn shown_meshless(&self) -> Option<&Arc<MeshlessLight>> {
+        self.meshless.as_ref().filter(|_| self.components.indirect)
     }
 
     /// Bounced light if it is shown.
@@ -86,8 +86,8 @@ pub struct LocalRig {
     tau: f32,
     /// The last gathered light, with its solution and size of the illumination cut; `None` after any change.
     gathered: Option<(Solution, u32, Arc<SourceLighting>)>,
-    /// The last irradiance at the vertices; `None` after any change.
-    interpolated: Option<Arc<VertexIrradiance>>,
+    /// The last solution in the basis; `None` after any change.
+    solved: Option<Arc<MeshlessLight>>,
     /// The last irradiance of the sources from further bounces; `None` after any change.
     further: Option<Vec<Vec3>>,
 }
@@ -109,7 +109,7 @@ impl LocalRig {
             on_senders: None,
             tau: DEFAULT_TAU,
             gathered: None,
-            interpolated: None,
+            solved: None,
             further: None,
         }
     }
@@ -159,21 +159,21 @@ impl LocalRig {
     }
 
     fn forget(&mut self) {
-        (self.gathered, self.interpolated, self.further) = (None, None, None);
+        (self.gathered, self.solved, self.further) = (None, None, None);
     }
 
     /// The light of a picture that shows `components`, with bounced light by `solution` as far as the dataset has it.
     /// The illumination cut of the sources has at most `illum_cut` nodes.
     pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
         let (lights, suns) = (self.lights.clone(), self.suns.clone());
-        let (indirect, vertex_irradiance) = match solution {
+        let (indirect, meshless) = match solution {
             _ if !components.indirect => (None, None),
-            Solution::Meshless => (None, self.interpolate()),
+            Solution::Meshless => (None, self.solve()),
             Solution::Cuts | Solution::CutsMeshless => (self.gather(solution, illum_cut), None),
         };
         let solved = self.meshless.as_ref().filter(|_| components.indirect && solution != Solution::Cuts);
         let energy = solved.and_then(MeshlessRig::energy);
-        LocalLighting { lights, suns, indirect, vertex_irradiance, components, energy }
+        LocalLighting { lights, suns, indirect, meshless, components, energy }
     }
 
     fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {
@@ -195,11 +195,11 @@ impl LocalRig {
         Some(lighting)
     }
 
-    fn interpolate(&mut self) -> Option<Arc<VertexIrradiance>> {
-        if self.interpolated.is_none() {
-            self.interpolated = self.lit_meshless()?.at_vertices().map(Arc::new);
+    fn solve(&mut self) -> Option<Arc<MeshlessLight>> {
+        if self.solved.is_none() {
+            self.solved = self.lit_meshless()?.light().map(Arc::new);
         }
-        self.interpolated.clone()
+        self.solved.clone()
     }
 
     /// Bounces on the sources beyond the direct light.

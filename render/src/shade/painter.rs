@@ -2,7 +2,7 @@
 
 use crate::{
     light::{
-        bounce::{SourceLighting, VertexIrradiance},
+        bounce::{MeshlessLight, SourceLighting, functions::level_color},
         direct::direct_light,
         environment::SceneLighting,
     },
@@ -12,11 +12,15 @@ use crate::{
         surface::SurfacePoint,
     },
     stale::Part,
-    view_mode::{ViewMode, visibility_cuts},
+    view::View,
+    view_mode::{BasisView, ViewMode, visibility_cuts},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{dataset::Dataset, lights::Light, meshless::irradiance, ray::Intersector};
 use std::f32::consts::FRAC_1_PI;
+
+/// What the views of the meshless basis show of a surface that faces the eye, for its shape.
+pub(crate) const BASIS_GREY: f32 = 0.4;
 
 /// The light of a picture.
 #[derive(Clone, Copy, Default)]
@@ -27,8 +31,8 @@ pub(crate) struct PictureLight<'a> {
     pub emission: bool,
     /// Bounced light, for a dataset that has sources.
     pub sources: Option<&'a SourceLighting>,
-    /// Bounced light at the vertices, as vector irradiance.
-    pub vertex_irradiance: Option<&'a VertexIrradiance>,
+    /// Bounced light of the meshless basis.
+    pub meshless: Option<&'a MeshlessLight>,
     /// Local lights whose direct light is shown, and the intersector for their shadow rays.
     pub local: Option<(&'a [Light], &'a Intersector)>,
     /// Those among the local lights whose light is summed by itself; [`Self::local`] has the others.
@@ -41,7 +45,7 @@ impl PictureLight<'_> {
         let shaded = mode == ViewMode::Shaded;
         Part::ALL.map(|part| match part {
             Part::Environment => true,
-            Part::Bounce => shaded && (self.sources.is_some() || self.vertex_irradiance.is_some()),
+            Part::Bounce => shaded && self.sources.is_some() || (shaded || mode.is_of_basis()) && self.meshless.is_some(),
             Part::Direct => shaded && self.local.is_some(),
             Part::Added => shaded && self.added.is_some(),
         })
@@ -51,12 +55,13 @@ impl PictureLight<'_> {
 /// Computes values of surface points; keeps its buffers between them.
 pub(crate) struct Painter<'a> {
     mode: ViewMode,
+    basis: BasisView,
     dataset: &'a Dataset,
     /// `None` without a light: values that depend on it are black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
     emission: bool,
     sources: Option<Shader<'a, SourceField<'a>>>,
-    vertex_irradiance: Option<&'a VertexIrradiance>,
+    meshless: Option<&'a MeshlessLight>,
     local: Option<(&'a [Light], &'a Intersector)>,
     added: Option<(&'a [Light], &'a Intersector)>,
     /// Work that was shown and has not been taken.
@@ -64,17 +69,18 @@ pub(crate) struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    pub fn new(mode: ViewMode, dataset: &'a Dataset, light: PictureLight<'a>, sampling: BrdfSampling) -> Self {
+    pub fn new(view: &View, dataset: &'a Dataset, light: PictureLight<'a>, sampling: BrdfSampling) -> Self {
         let environment = light.environment.map(|lighting| Shader::new(lighting, &dataset.cuts, sampling));
         let sources = light.sources.zip(dataset.indirect.as_ref());
         let sources = sources.map(|(lighting, bake)| Shader::new(SourceField::new(lighting), &bake.cuts, sampling));
         Self {
-            mode,
+            mode: view.mode,
+            basis: view.basis,
             dataset,
             environment,
             emission: light.emission,
             sources,
-            vertex_irradiance: light.vertex_irradiance,
+            meshless: light.meshless,
             local: light.local,
             added: light.added,
             shown: Work::default(),
@@ -87,6 +93,7 @@ impl<'a> Painter<'a> {
     pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2) -> Vec3 {
         match part {
             Part::Environment => self.mode_value(point),
+            Part::Bounce if self.mode.is_of_basis() => self.basis_value(point),
             Part::Bounce => self.bounced(point),
             Part::Direct => direct(self.local, point, shift),
             Part::Added => direct(self.added, point, shift),
@@ -102,6 +109,8 @@ impl<'a> Painter<'a> {
             ViewMode::VisibilityCut => Vec3::splat(self.visibility_nodes(point)),
             ViewMode::MergedCut => Vec3::splat(self.work_at(point).merged_nodes as f32),
             ViewMode::BrdfEvaluations => Vec3::splat(self.work_at(point).brdf_evaluations as f32),
+            // They are part of the bounced light.
+            ViewMode::BasisLevel | ViewMode::BasisFunction | ViewMode::BasisCoefficients => Vec3::ZERO,
         }
     }
 
@@ -125,18 +134,35 @@ impl<'a> Painter<'a> {
         environment.unwrap_or_default() + sources.unwrap_or_default()
     }
 
-    /// Bounced light, gathered from the sources or interpolated between the vertices.
+    /// Bounced light, gathered from the sources or of the meshless basis.
     fn bounced(&mut self, point: &SurfacePoint) -> Vec3 {
         let gathered = self.sources.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
-        gathered + self.interpolated(point)
+        gathered + self.of_functions(point)
     }
 
-    /// Light that a diffuse surface of the same albedo reflects of the vertices' irradiance.
-    fn interpolated(&self, point: &SurfacePoint) -> Vec3 {
-        let Some(vertices) = self.vertex_irradiance else { return Vec3::ZERO };
-        let at = |i: usize| vertices.at(point.vertices[i], point.from_behind) * point.weights[i];
-        let received = irradiance(&(at(0) + at(1) + at(2)), point.world_from_local.z_axis).max(Vec3::ZERO);
+    /// Light that a diffuse surface of the same albedo reflects of the functions' irradiance.
+    fn of_functions(&self, point: &SurfacePoint) -> Vec3 {
+        let Some(light) = self.meshless else { return Vec3::ZERO };
+        let vector = light.at(point.position, point.smooth_normal, point.from_behind);
+        let received = irradiance(&vector, point.world_from_local.z_axis);
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
+    }
+
+    /// What the views of the meshless basis show. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
+    fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
+        let Some(light) = self.meshless else { return Vec3::ZERO };
+        let (position, normal) = (point.position, point.smooth_normal);
+        let grey = Vec3::splat(BASIS_GREY * point.wo.z);
+        match self.mode {
+            ViewMode::BasisLevel => {
+                light.level_part(self.basis.level, position, [normal, point.world_from_local.z_axis])
+            }
+            ViewMode::BasisFunction => grey.lerp(Vec3::X, light.function_value(self.basis.function, position, normal)),
+            _ => match light.marked_level(position, normal) {
+                Some(level) => level_color(level, light.basis().levels()),
+                None => grey,
+            },
+        }
     }
 
     fn work_at(&mut self, point: &SurfacePoint) -> Work {

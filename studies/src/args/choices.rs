@@ -4,7 +4,7 @@ use super::values::choice;
 use clap::builder::TypedValueParser;
 use lapidary_core::{ground::Ground, light_tree::TreeKind, materialx::Surface};
 use lapidary_precompute::Preset;
-use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, compare::map::ErrorMap};
+use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, ViewMode, compare::map::ErrorMap};
 use serde::Deserialize;
 
 /// Clustering metric of the light tree.
@@ -57,6 +57,22 @@ pub fn brdf_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
 /// How the BRDF is sampled where an illumination cut is merged.
 pub fn stored_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
     choice(&STORED_SAMPLINGS)
+}
+
+/// What pixels show.
+pub fn view_mode() -> impl TypedValueParser<Value = ViewMode> {
+    choice(&[
+        ("shaded", "The lit picture"),
+        ("normals", "Shading normals, -1 to 1 as 0 to 1"),
+        ("albedo", "Base colour after its map"),
+        ("roughness", "Roughness after its map"),
+        ("visibility-cut", "Nodes of the visibility cuts"),
+        ("merged-cut", "Nodes of the merged cut"),
+        ("brdf-evaluations", "BRDF evaluations"),
+        ("basis-level", "What one level of the meshless basis adds to bounced light, red, and takes from it, blue"),
+        ("basis-function", "One function of the meshless basis, red where it is 1"),
+        ("basis-coefficients", "Functions of the meshless basis with a coefficient that is not zero, by level"),
+    ])
 }
 
 /// Tone curve of png files.

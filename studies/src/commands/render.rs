@@ -1,14 +1,15 @@
 //! `lapidary render`: a picture by merged cuts.
 
 use crate::{
-    args::{LocalLightArgs, PictureArgs, ViewArgs, warn_of_buried},
+    args::{LocalLightArgs, PictureArgs, ViewArgs, choices, warn_of_buried},
     export::{Finished, LayerList, Studio, check_pictures, is_exr, wanted_layers},
     outputs::CommandFiles,
     terminal::{Console, Outcome, write_json},
 };
 use anyhow::{Result, bail};
 use clap::Args;
-use lapidary_render::{RenderStats, Renderer};
+use lapidary_core::dataset::Dataset;
+use lapidary_render::{BasisView, Look, RenderStats, Renderer, ViewMode};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -24,6 +25,15 @@ pub struct RenderArgs {
     /// merged-nodes and brdf-evaluations (work), or all
     #[arg(long, value_name = "LIST")]
     layers: Option<LayerList>,
+    /// What the pixels show
+    #[arg(long, value_name = "QUANTITY", default_value = "shaded", value_parser = choices::view_mode())]
+    show: ViewMode,
+    /// Level that --show basis-level shows, from 0, the coarsest
+    #[arg(long, value_name = "L", default_value_t = 0)]
+    level: u32,
+    /// Function that --show basis-function shows, from 0, coarsest first
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    function: u32,
     /// Write times and counts as JSON
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -34,6 +44,17 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
+    /// The look of a picture that shows what is wanted.
+    fn shown(&self, mut look: Look, dataset: &Dataset) -> Result<Look> {
+        if self.show.is_of_basis() && dataset.meshless.is_none() {
+            bail!("the dataset has no meshless basis to show; bake it with --mode meshless");
+        }
+        look.view.mode = self.show;
+        look.view.basis = BasisView { level: self.level, function: self.function };
+        look.components.indirect |= self.show.is_of_basis();
+        Ok(look)
+    }
+
     /// What it reads and writes.
     ///
     /// # Errors
@@ -54,7 +75,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     }
     args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
     let viewed = args.view.resolve(&args.local, console)?;
-    let look = args.picture.look(&viewed)?;
+    let look = args.shown(args.picture.look(&viewed)?, &viewed.baked.dataset)?;
     let layers = wanted_layers(args.layers.as_ref(), &look)?;
     let baked = viewed.baked.clone();
     let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;

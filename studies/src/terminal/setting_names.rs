@@ -37,6 +37,7 @@ pub fn remedy_option(remedy: Remedy) -> &'static str {
         Remedy::Cpu => "use --backend cpu",
         Remedy::FewerVertices => "bake with a smaller --max-vertices",
         Remedy::SmallerCuts => "bake with a larger --sigma and --source-sigma, or a smaller --max-vertices",
+        Remedy::FewerFunctions => "bake with fewer --levels",
         Remedy::SmallerPicture => "lower --size",
         Remedy::EnvironmentBake => "bake it with --mode environment, cuts or all",
         Remedy::SourceBake => "bake it with --mode indirect, cuts or all",

@@ -37,6 +37,7 @@ pub fn remedy_control(remedy: Remedy) -> &'static str {
         Remedy::Cpu => "start the window with --backend cpu",
         Remedy::FewerVertices => "bake with smaller Max vertices",
         Remedy::SmallerCuts => "bake with a larger Sigma and Source sigma, or smaller Max vertices",
+        Remedy::FewerFunctions => "bake with fewer Levels",
         Remedy::SmallerPicture => remedy.words(),
         Remedy::EnvironmentBake => "choose Environment in Bake of, and bake again",
         Remedy::SourceBake => "choose Bounce light in Bake of, and bake again",

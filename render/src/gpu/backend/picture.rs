@@ -118,7 +118,7 @@ impl GpuBackend {
         if let Some(history) = &mut self.history {
             history.prepare(&self.gpu, view.size);
         }
-        let additions = if view.mode == ViewMode::Shaded { self.additions() } else { Vec::new() };
+        let additions = self.additions(view)?;
         let groups = self.groups(self.loaded(), &light, &map, self.targets());
         // As on the CPU and in the legend, whether the environment is shown or not.
         let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.max_nodes);
@@ -143,7 +143,10 @@ impl GpuBackend {
         let lights = |part| shaded && self.local_lights.has(part);
         Part::ALL.map(|part| match part {
             Part::Environment => true,
-            Part::Bounce => self.sources.is_some() || shaded && self.local.shown_vertex_irradiance().is_some(),
+            Part::Bounce => {
+                let shows_basis = (shaded || mode.is_of_basis()) && self.local.shown_meshless().is_some();
+                self.sources.is_some() || shows_basis
+            }
             Part::Direct | Part::Added => lights(part),
         })
     }
@@ -166,16 +169,21 @@ impl GpuBackend {
         self.dark.get_or_insert_with(make).clone()
     }
 
-    /// Local lights and bounced light at the vertices, as far as they are shown.
-    fn additions(&mut self) -> Vec<Addition> {
+    /// Local lights and bounced light of the meshless basis, as far as they are shown.
+    fn additions(&mut self, view: &View) -> Result<Vec<Addition>, BackendError> {
+        let shaded = view.mode == ViewMode::Shaded;
         let (Some(Loaded { scene, materials, .. }), Some(targets)) = (&self.scene, &self.targets) else {
-            return Vec::new();
+            return Ok(Vec::new());
         };
         let layouts = &self.passes.layouts;
         let picture = PictureInputs { gpu: &self.gpu, layouts, scene, materials, frame: &self.frame, targets };
-        let direct = self.local_lights.prepare(&picture, &self.passes.direct);
-        let vertices = self.local.shown_vertex_irradiance();
-        let bounce = vertices.and_then(|vertices| self.bounce.prepare(&picture, &self.passes.bounce, vertices));
-        direct.into_iter().chain(bounce).collect()
+        let mut additions = Vec::new();
+        if shaded {
+            additions = self.local_lights.prepare(&picture, &self.passes.direct);
+        }
+        if let Some(light) = self.local.shown_meshless().filter(|_| shaded || view.mode.is_of_basis()) {
+            additions.extend(self.meshless.prepare(&picture, &self.passes.meshless, light, view.basis)?);
+        }
+        Ok(additions)
     }
 }

@@ -189,7 +189,14 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 padding
             ),
         ),
-        ("VertexIrradiance", shape!(layout::VertexIrradiance, vector)),
+        ("BasisLevel", shape!(layout::BasisLevel, cells_per_metre, radius, end, padding)),
+        (
+            "BasisUniforms",
+            shape!(layout::BasisUniforms, levels, level_count, last_slot, shown_level, shown_function),
+        ),
+        ("Cell", shape!(lapidary_core::meshless::Cell, place, level, first, count, padding)),
+        ("BasisFunction", shape!(layout::BasisFunction, position, normal)),
+        ("Coefficient", shape!(layout::Coefficient, vector)),
         ("StaleMarks", shape!(layout::StaleMarks, materials, patches)),
         ("Display", shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent, lets_light_through)),
     ]
@@ -321,6 +328,7 @@ fn shared_constants_have_the_same_values() {
         ("NOISE_CELLS", lapidary_core::texture::NOISE_CELLS),
         ("POOL_WIDTH_LOG2", constants::POOL_WIDTH_LOG2),
         ("MOST_PARAMETERS", constants::MOST_PARAMETERS as u32),
+        ("MOST_BASIS_LEVELS", constants::MOST_BASIS_LEVELS as u32),
         ("CUT_WIDTH_LOG2", lapidary_core::cut::packed::TEXTURE_WIDTH.ilog2()),
     ] {
         expected.push((name.into(), value.into()));
@@ -339,16 +347,21 @@ fn shared_constants_have_the_same_values() {
         ("LEAST_ALBEDO", crate::sketch::LEAST_ALBEDO),
         ("LEAST_SHARE", crate::sketch::LEAST_SHARE),
         ("OTHER", crate::sketch::OTHER),
+        ("SQUASH", lapidary_core::meshless::distance::SQUASH),
+        ("LAYERS", lapidary_core::meshless::distance::LAYERS),
+        ("LEAST_WEIGHT", lapidary_core::meshless::distance::LEAST_WEIGHT),
+        ("POINT_RADIUS", crate::light::bounce::functions::POINT_RADIUS),
+        ("BASIS_GREY", crate::shade::painter::BASIS_GREY),
     ] {
         expected.push((name.into(), value.into()));
     }
     for (i, mode) in crate::ViewMode::ALL.into_iter().enumerate() {
         assert_eq!(mode as usize, i);
     }
-    let modes = ["SHADED", "NORMALS", "ALBEDO", "ROUGHNESS", "VISIBILITY_CUT", "MERGED_CUT", "BRDF_EVALUATIONS"];
+    let modes = ["SHADED", "NORMALS", "ALBEDO", "ROUGHNESS", "VISIBILITY_CUT", "MERGED_CUT", "BRDF_EVALUATIONS", "BASIS_LEVEL", "BASIS_FUNCTION", "BASIS_COEFFICIENTS"];
     expected.extend(modes.iter().enumerate().map(|(i, name)| (format!("VIEW_{name}"), i as f64)));
     expected
-        .extend([("MODE_SHADED", 0.0), ("MODE_ALBEDO", 2.0), ("MODE_VISIBILITY_CUT", 4.0)].map(|(n, x)| (n.into(), x)));
+        .extend([("MODE_SHADED", 0.0), ("MODE_ALBEDO", 2.0), ("MODE_VISIBILITY_CUT", 4.0), ("MODE_BRDF_EVALUATIONS", 6.0), ("MODE_BASIS_LEVEL", 7.0)].map(|(n, x)| (n.into(), x)));
     let model = |&m: &BrdfModel| (format!("MODEL_{}", m.key().replace('-', "_").to_uppercase()), f64::from(m as u32));
     expected.extend(BrdfModel::ALL.iter().map(model));
     let tones = ["STANDARD", "REINHARD", "ACES", "AGX", "PBR_NEUTRAL"];

@@ -128,7 +128,7 @@ pub(super) fn on_the_cpu(
 ) -> Image {
     let dataset = renderer.dataset();
     let surfaces = renderer.surfaces().filtered(Differentials::of(view));
-    let mut painter = Painter::new(view.mode, dataset, light, sampling);
+    let mut painter = Painter::new(view, dataset, light, sampling);
     let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
     let geometry = gpu.read_geometry();
     Image::from_fn(view.size, |x, y| {
@@ -308,10 +308,12 @@ fn every_view_mode_agrees_and_is_told_from_the_next() {
     let Some(mut rig) = Rig::new(64) else { return };
     let dataset = rig.renderer.dataset().clone();
     rig.look(appearance(&dataset, BrdfModel::Ggx, parameters(0.7, 0.2), maps()));
-    for (i, mode) in ViewMode::ALL.into_iter().enumerate() {
+    // Those of the meshless basis need one: see there.
+    let modes: Vec<ViewMode> = ViewMode::ALL.into_iter().filter(|mode| !mode.is_of_basis()).collect();
+    for (i, &mode) in modes.iter().enumerate() {
         let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Refine);
         assert!(agrees(&gpu, &cpu), "{mode:?}: {:?}", difference(&gpu, &cpu));
-        let next = view(ViewMode::ALL[(i + 1) % ViewMode::ALL.len()]);
+        let next = view(modes[(i + 1) % modes.len()]);
         let other = on_the_cpu(&rig.gpu, &rig.renderer, &next, rig.lit(), BrdfSampling::Refine);
         assert!(!agrees(&gpu, &other), "{mode:?}");
     }

@@ -1,68 +1,122 @@
-//! How far the bounced light that vertices gather has moved since their pixels were shaded. An edited material changes
+//! How far the bounced light has moved since the pixels that it shows in were shaded. An edited material changes
 //! the light of all that it shines on, most of it by less than a display can show.
 
+use super::functions::is_back_lit;
 use crate::{
     baked::Baked,
     light::{bounce::SourceLighting, local::LocalLighting},
 };
 use glam::{Mat3A, Vec3};
-use lapidary_core::cut::{
-    merge::merge,
-    packed::{PackedCursor, VALUE_MAX},
-    solid_angle,
+use lapidary_core::{
+    cut::{
+        merge::merge,
+        packed::{PackedCursor, VALUE_MAX},
+        solid_angle,
+    },
+    dataset::Dataset,
+    meshless::{Basis, Flattening, MeshlessBake},
 };
 use rayon::prelude::*;
 
-/// Largest change of a vertex's gathered light, as a share of it, that is left in the picture: half a step of 8 bits. The
+/// Largest change of the light at a point, as a share of it, that is left in the picture: half a step of 8 bits. The
 /// pixel's other light only makes it less.
 const NOT_SEEN: f32 = 1.0 / 512.0;
 
-/// The change of each vertex's gathered light since its pixels were shaded, as a share of it. Changes of many edits are
-/// added, so that small ones cannot creep.
+/// The change of the bounced light at points of the surfaces since their pixels were shaded, as a share of it. Changes of
+/// many edits are added, so that small ones cannot creep.
 #[derive(Default)]
-pub(crate) struct Drift(Vec<f32>);
+pub(crate) struct Drift {
+    changes: Vec<f32>,
+    /// Where the light of the meshless basis is compared; found at the first use.
+    points: Option<BasisPoints>,
+}
 
 impl Drift {
     /// All pixels are shaded again.
     pub fn reset(&mut self) {
-        self.0.clear();
+        self.changes.clear();
     }
 
     /// Adds the change from one light to another. Returns the patches that are to be shaded again, one bit each; `None` for
-    /// all.
+    /// all. It is always called for one scene.
     pub fn add(&mut self, baked: &Baked, old: &LocalLighting, new: &LocalLighting) -> Option<u64> {
-        let changes = changes(baked, old, new)?;
-        let patches = baked.patches();
-        self.0.resize(changes.len(), 0.0);
+        let (changes, patches) = match (old.shown_indirect(), new.shown_indirect()) {
+            (Some(old), Some(new)) => {
+                let of_vertices = baked.patches().iter().map(|patch| 1 << patch).collect();
+                (gathered_changes(baked, old, new)?, of_vertices)
+            }
+            (None, None) => self.changes_of_functions(baked, old, new)?,
+            _ => return None,
+        };
+        Some(self.add_changes(changes, &patches))
+    }
+
+    fn changes_of_functions(
+        &mut self,
+        baked: &Baked,
+        old: &LocalLighting,
+        new: &LocalLighting,
+    ) -> Option<(Vec<f32>, Vec<u64>)> {
+        let (old, new) = old.shown_meshless().zip(new.shown_meshless())?;
+        if self.points.is_none() {
+            self.points = Some(BasisPoints::new(baked)?);
+        }
+        let points = self.points.as_ref()?;
+        let [old, new] = [old, new].map(|light| points.light.apply(light.coefficients()));
+        let change = |(old, new): (&Mat3A, &Mat3A)| share(lengths(*new - *old), lengths(*new));
+        Some((old.par_iter().zip(&new).map(change).collect(), points.patches.clone()))
+    }
+
+    /// Adds changes at points, each of which is in some patches.
+    fn add_changes(&mut self, changes: Vec<f32>, patches: &[u64]) -> u64 {
+        self.changes.resize(changes.len(), 0.0);
         let mut stale = 0;
-        for ((drift, change), &patch) in self.0.iter_mut().zip(changes).zip(&*patches) {
+        for ((drift, change), &patches) in self.changes.iter_mut().zip(changes).zip(patches) {
             *drift += change;
             // NaN is a change.
-            stale |= u64::from(!(*drift <= NOT_SEEN)) << patch;
+            stale |= if *drift <= NOT_SEEN { 0 } else { patches };
         }
-        let shaded = self.0.iter_mut().zip(&*patches).filter(|(_, patch)| stale >> **patch & 1 != 0);
+        let shaded = self.changes.iter_mut().zip(patches).filter(|(_, patches)| stale & **patches != 0);
         shaded.for_each(|(drift, _)| *drift = 0.0);
-        Some(stale)
+        stale
     }
 }
 
-/// Change of each vertex's light as a share of it; `None` if both are not of one kind.
-fn changes(baked: &Baked, old: &LocalLighting, new: &LocalLighting) -> Option<Vec<f32>> {
-    match (old.shown_indirect(), new.shown_indirect()) {
-        (Some(old), Some(new)) => return gathered_changes(baked, old, new),
-        (None, None) => {}
-        _ => return None,
+/// Points that tell how the light of the meshless basis changes: the vertices, on both sides where both are lit, and the
+/// points of the senders, which also lie within large triangles.
+struct BasisPoints {
+    light: Flattening,
+    /// Patches of vertices that the pixels around each show, one bit each.
+    patches: Vec<u64>,
+}
+
+impl BasisPoints {
+    fn new(baked: &Baked) -> Option<Self> {
+        let dataset = &baked.dataset;
+        let MeshlessBake { basis, transport } = dataset.meshless.as_ref()?;
+        let (mesh, patches) = (&dataset.scene.mesh, baked.patches());
+        let of_vertices = |vertices: &[u32]| vertices.iter().fold(0, |bits, &v| bits | 1 << patches[v as usize]);
+        let fronts = (0..).zip(mesh.positions.iter().copied().zip(mesh.normals.iter().copied()));
+        let backs = lit_backs(dataset, basis);
+        let vertices = fronts.chain(backs).map(|(vertex, point)| (point, of_vertices(&[vertex])));
+        let senders = basis.sender_points().iter().map(|sender| {
+            let triangle = mesh.triangles[sender.place.triangle as usize];
+            ((sender.position, sender.normal), of_vertices(&triangle))
+        });
+        let (points, patches): (Vec<_>, Vec<_>) = vertices.chain(senders).unzip();
+        Some(Self { light: Flattening::new(basis, transport, &points), patches })
     }
-    let (old, new) = old.shown_vertex_irradiance().zip(new.shown_vertex_irradiance())?;
-    if old.back.len() != new.back.len() {
-        return None;
-    }
-    let side = |old: &[Mat3A], new: &[Mat3A]| -> Vec<f32> {
-        old.par_iter().zip(new).map(|(old, new)| share(lengths(*new - *old), lengths(*new))).collect()
-    };
-    let (front, back) = (side(&old.front, &new.front), side(&old.back, &new.back));
-    let of_both = |(vertex, front): (usize, f32)| back.get(vertex).map_or(front, |&back| front + back);
-    Some(front.into_iter().enumerate().map(of_both).collect())
+}
+
+/// Vertices of two-sided triangles whose back is lit, with place and normal.
+fn lit_backs(dataset: &Dataset, basis: &Basis) -> Vec<(u32, (Vec3, Vec3))> {
+    let mesh = &dataset.scene.mesh;
+    let mut seen_from_both = vec![false; mesh.positions.len()];
+    let two_sided = mesh.triangles.iter().zip(&dataset.two_sided).filter(|(_, two_sided)| **two_sided);
+    two_sided.flat_map(|(triangle, _)| triangle).for_each(|&vertex| seen_from_both[vertex as usize] = true);
+    let back = |vertex: u32| (vertex, (mesh.positions[vertex as usize], -mesh.normals[vertex as usize]));
+    let vertices = (0..seen_from_both.len() as u32).into_par_iter().filter(|&v| seen_from_both[v as usize]);
+    vertices.map(back).filter(|(_, (position, normal))| is_back_lit(basis, *position, *normal)).collect()
 }
 
 fn lengths(vector: Mat3A) -> Vec3 {

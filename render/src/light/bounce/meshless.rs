@@ -1,12 +1,8 @@
 //! Bounced light through the meshless basis. Direct light on the senders is sampled at points under them and sent
-//! through the operator for some bounces. The result is evaluated at the vertices, for display, or at the surface
+//! through the operator for some bounces. The result is evaluated at the points of pixels, for display, or at the surface
 //! sources, for the bounce that cuts gather.
 
-use super::{
-    irradiance::environment_irradiance_of,
-    lit_points::LitPoints,
-    vertices::{VertexFlattening, VertexIrradiance},
-};
+use super::{functions::MeshlessLight, irradiance::environment_irradiance_of, lit_points::LitPoints};
 use crate::{appearance::Appearance, baked::Baked, light::environment::SceneLighting};
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
@@ -31,8 +27,7 @@ pub struct MeshlessRig {
     lit: LitPoints,
     /// Irradiance of the senders from the environment.
     environment: Option<Vec<Vec3>>,
-    /// Weights of the vertices, and of the sources if there are any; computed at the first use.
-    at_vertices: Option<VertexFlattening>,
+    /// Weights of the sources, if there are any; computed at the first use.
     at_sources: Option<Flattening>,
     solved: Option<Solution>,
 }
@@ -51,8 +46,8 @@ impl MeshlessRig {
         };
         let samples = SenderSamples::new(&bake.basis, &solver).by_openness(&bake.basis, is_free);
         let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES);
-        let (at_vertices, at_sources, solved, environment) = (None, None, None, None);
-        Some(Self { dataset, solver, samples, lit, environment, at_vertices, at_sources, solved })
+        let (at_sources, solved, environment) = (None, None, None);
+        Some(Self { dataset, solver, samples, lit, environment, at_sources, solved })
     }
 
     /// Gives the senders the reflectance of other materials.
@@ -76,14 +71,10 @@ impl MeshlessRig {
         self.solved = None;
     }
 
-    /// Vector irradiance at the vertices after all bounces.
-    pub fn at_vertices(&mut self) -> Option<VertexIrradiance> {
+    /// The light of all bounces, for any point.
+    pub fn light(&mut self) -> Option<MeshlessLight> {
         let dataset = self.solve()?;
-        let solved = self.solved.as_ref()?;
-        if self.at_vertices.is_none() {
-            self.at_vertices = Some(VertexFlattening::new(&dataset, dataset.meshless.as_ref()?));
-        }
-        Some(self.at_vertices.as_ref()?.apply(&solved.coefficients))
+        MeshlessLight::new(&dataset, self.solved.as_ref()?.coefficients.clone())
     }
 
     /// Irradiance of all bounces at the surface sources.
@@ -142,8 +133,16 @@ mod tests {
         [Light { position, intensity: Vec3::splat(intensity), ..Default::default() }].into()
     }
 
+    /// Vector irradiance on the front of a vertex that faces up.
+    fn on_floor(rig: &mut MeshlessRig) -> Mat3A {
+        let light = rig.light().unwrap();
+        let mesh = &light.dataset().scene.mesh;
+        let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
+        light.at(mesh.positions[up], Vec3::Y, false)
+    }
+
     #[test]
-    fn a_linked_wall_gives_the_floor_s_vertices_its_radiosity() {
+    fn a_linked_wall_gives_the_floor_its_radiosity() {
         let baked = Baked::from(linked_floor_and_wall());
         let mut rig = MeshlessRig::new(&baked).unwrap();
         rig.set_lights(&lamp(3.0));
@@ -152,36 +151,33 @@ mod tests {
         let irradiance = 3.0 * to_light.x / to_light.length().powi(3);
         let albedo = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.lit.points[0].place);
         let sent = albedo * irradiance * FRAC_1_PI;
-        let found = rig.at_vertices().unwrap();
-        for (vector, normal) in
-            found.front.iter().zip(&baked.dataset.scene.mesh.normals).filter(|(_, n)| **n == Vec3::Y)
-        {
-            let expected = LINK.dot(*normal) * sent;
-            let received = super::irradiance(vector, *normal);
+        let found = rig.light().unwrap();
+        let mesh = &baked.dataset.scene.mesh;
+        for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals).filter(|(_, n)| **n == Vec3::Y) {
+            let expected = LINK.dot(normal) * sent;
+            let received = super::irradiance(&found.at(position, normal, false), normal);
             assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
         }
         rig.set_lights(&lamp(3.0));
         assert!(rig.energy().is_some(), "the same light needs no other solution");
         rig.set_lights(&[]);
         assert!(rig.energy().is_none());
-        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: no light");
+        assert!(on_floor(&mut rig) == Mat3A::ZERO, "negative control: no light");
     }
 
     #[test]
-    fn a_linked_wall_that_shines_gives_the_floor_s_vertices_its_radiance() {
+    fn a_linked_wall_that_shines_gives_the_floor_its_radiance() {
         let baked = Baked::from(linked_floor_and_wall());
         let mut rig = MeshlessRig::new(&baked).unwrap();
         let mut appearance = Appearance::of(&baked.dataset.scene);
         let wall = baked.dataset.scene.mesh.triangle_material[rig.lit.points[0].place.triangle as usize] as usize;
         appearance.materials[wall].parameters.set("emission_luminance", 2.5);
         rig.set_appearance(&appearance);
-        let found = rig.at_vertices().unwrap();
-        let up = baked.dataset.scene.mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
-        let received = super::irradiance(&found.front[up], Vec3::Y);
+        let received = super::irradiance(&on_floor(&mut rig), Vec3::Y);
         let expected = Vec3::splat(2.5 * LINK.y);
         assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
         rig.set_appearance(&Appearance::of(&baked.dataset.scene));
-        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: no lamp");
+        assert!(on_floor(&mut rig) == Mat3A::ZERO, "negative control: no lamp");
     }
 
     #[test]
@@ -202,8 +198,7 @@ mod tests {
         };
         let mesh = &baked.dataset.scene.mesh;
         let reflected = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place) * FRAC_1_PI * LINK.dot(Vec3::Y);
-        let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
-        let found = super::irradiance(&rig.at_vertices().unwrap().front[up], Vec3::Y).x;
+        let found = super::irradiance(&on_floor(&mut rig), Vec3::Y).x;
         // They count by what they see beyond a quarter of the functions' radius.
         let reach = 0.25 * baked.dataset.meshless.as_ref().unwrap().basis.radii()[0];
         let open = finer.map(|p| {
@@ -227,10 +222,9 @@ mod tests {
         let radiance = Vec3::new(1.0, 2.0, 0.5);
         let mesh = &baked.dataset.scene.mesh;
         let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0];
-        let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
-        let mut on_floor = |light: &Illumination| {
+        let mut under = |light: &Illumination| {
             rig.set_environment(Some(&Renderer::new(baked.clone()).lighting(light, 256)));
-            super::irradiance(&rig.at_vertices().unwrap().front[up], Vec3::Y)
+            super::irradiance(&on_floor(&mut rig), Vec3::Y)
         };
         // What the floor does not hide of it from the vertices around, by cosine.
         let free = |vertex: u32, i: u32| {
@@ -242,13 +236,13 @@ mod tests {
         let open = mesh.triangles[wall.place.triangle as usize].map(share).iter().sum::<f32>() / 3.0;
         let albedo = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place);
         let expected = open * albedo * radiance * LINK.dot(Vec3::Y);
-        let found = on_floor(&illumination([64, 32], |_, _| radiance));
+        let found = under(&illumination([64, 32], |_, _| radiance));
         assert!((found / expected - 1.0).abs().max_element() < 0.05, "{found} for {expected}, {open}");
         // The wall faces +X, whose directions are on the left of the map.
-        let behind = on_floor(&illumination([64, 32], |x, _| radiance * f32::from(u8::from(x >= 32))));
+        let behind = under(&illumination([64, 32], |x, _| radiance * f32::from(u8::from(x >= 32))));
         assert!(behind.max_element() < 0.02 * expected.max_element(), "negative control, from behind: {behind}");
         rig.set_environment(None);
-        assert!(rig.at_vertices().unwrap().front.iter().all(|v| *v == Mat3A::ZERO), "negative control: none");
+        assert!(on_floor(&mut rig) == Mat3A::ZERO, "negative control: none");
     }
 
     #[test]
@@ -311,17 +305,18 @@ mod tests {
         let picture = |rig: &mut LocalRig| {
             let indirect = Components { indirect: true, ..Components::NONE };
             let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
-            (bounce_at_center(&baked, &lighting, &from_above(8)), lighting.vertex_irradiance.unwrap())
+            (bounce_at_center(&baked, &lighting, &from_above(8)), lighting.meshless.unwrap())
         };
         rig.set_lights(&lamp(3.0));
-        let (once, vertices) = picture(&mut rig);
+        let (once, light) = picture(&mut rig);
         let (again, same) = picture(&mut rig);
-        assert!(Arc::ptr_eq(&vertices, &same) && once == again);
+        assert!(Arc::ptr_eq(&light, &same) && once == again);
         let floor = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, MeshPlace::default());
-        let expected = floor * super::irradiance(&vertices.front[0], Vec3::Y) * FRAC_1_PI;
+        let received = super::irradiance(&light.at(Vec3::ZERO, Vec3::Y, false), Vec3::Y);
+        let expected = floor * received * FRAC_1_PI;
         assert!((once - expected).length() < 1e-4 * expected.length() && once.x > 0.0, "{once} for {expected}");
         rig.set_lights(&lamp(6.0));
         let (twice, other) = picture(&mut rig);
-        assert!(!Arc::ptr_eq(&vertices, &other) && (twice - 2.0 * once).length() < 1e-4 * once.length());
+        assert!(!Arc::ptr_eq(&light, &other) && (twice - 2.0 * once).length() < 1e-4 * once.length());
     }
 }

@@ -167,7 +167,7 @@ fn picture(renderer: &Renderer, light: &Illumination, view: &View, filter: Filte
     if filter == Filter::None {
         sampler = sampler.unfiltered(renderer);
     }
-    let mut painter = Painter::new(view.mode, renderer.dataset(), lit, BrdfSampling::Lit);
+    let mut painter = Painter::new(view, renderer.dataset(), lit, BrdfSampling::Lit);
     Image::from_fn(view.size, |x, y| {
         sampler.pixel(x, y, |point| match filter {
             Filter::Means => {

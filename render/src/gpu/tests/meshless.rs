@@ -1,25 +1,28 @@
 //! Bounced light of the meshless basis on the GPU and by the CPU renderer, at what the deferred pass saw: every BRDF, with
-//! textures, normal and bump maps, beside other light, and what is uploaded again. Each comparison has a negative control.
+//! textures, normal and bump maps, beside other light, the views of the basis, and what is uploaded again. Each comparison
+//! has a negative control.
 
 use super::{
     bounce::{BOUNCE, light},
     twin::{agrees, appearance, backend, difference, in_bands, maps, on_the_cpu, parameters, scene, view},
 };
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, Post, Renderer,
-    SceneLighting, Solution, View, ViewMode,
+    Appearance, Backend, Background, BasisView, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, Post,
+    Renderer, SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
-    light::bounce::VertexIrradiance,
+    light::bounce::MeshlessLight,
     shade::painter::PictureLight,
     test_scenes::{floor_and_wall, linked_floor_and_wall, point_light},
 };
 use glam::{Mat3A, Vec3, Vec3A};
 use lapidary_core::{
     camera::Camera,
+    dataset::Dataset,
     image::Image,
     lights::Light,
     material::{BrdfModel, MaterialMaps},
-    meshless::Transport,
+    meshless::{Basis, MeshlessBake, Transport},
+    surfel::Surfel,
 };
 use std::sync::{Arc, MutexGuard};
 
@@ -27,7 +30,7 @@ struct Rig {
     renderer: Renderer,
     gpu: GpuBackend,
     environment: Arc<SceneLighting>,
-    vertices: Arc<VertexIrradiance>,
+    meshless: Arc<MeshlessLight>,
     _one: MutexGuard<'static, ()>,
 }
 
@@ -36,15 +39,34 @@ fn dark_view() -> View {
     View { background: Background::Flat(Vec3::ZERO), ..view(ViewMode::Shaded) }
 }
 
-/// Light mostly from above, or from below on backs; other at each vertex and in each channel, and at some of them from the
-/// other side.
-fn vectors(count: usize) -> VertexIrradiance {
-    let mut random = fastrand::Rng::with_seed(7);
-    let mut vector = || Vec3A::from_array(std::array::from_fn(|_| random.f32() - 0.5)) + Vec3A::new(0.0, 0.3, 0.0);
-    let mut side = |sign: f32| {
-        (0..count).map(|_| Mat3A::from_cols(vector(), vector() * 2.0, vector() * 0.5) * sign).collect::<Vec<_>>()
+/// A scene whose vertices have functions on both sides, of three levels; backs only on one half.
+fn scene_with_basis() -> Dataset {
+    let mut dataset = (*scene()).clone();
+    let mesh = &dataset.scene.mesh;
+    let side = |sign: f32| {
+        let points = mesh.positions.iter().zip(&mesh.normals);
+        points.map(move |(&position, &normal)| Surfel { position, normal: normal * sign, ..Default::default() })
     };
-    VertexIrradiance { front: side(1.0), back: side(-0.7) }
+    let points: Vec<Surfel> = side(1.0).chain(side(-1.0).filter(|p| p.position.x > 0.0)).collect();
+    let every = |n: usize| points.iter().step_by(n).copied().collect::<Vec<_>>();
+    let basis = Basis::new(&[every(37), every(7), every(1)], 1.0, 1).unwrap();
+    let transport = Transport::from_rows(&vec![Vec::new(); basis.len()], basis.senders().len());
+    dataset.meshless = Some(MeshlessBake { basis, transport });
+    dataset
+}
+
+/// Light mostly from the side of each function, other in each and in each channel; of every fifth function none.
+fn meshless_light(dataset: &Arc<Dataset>) -> Arc<MeshlessLight> {
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut vector = || Vec3A::from_array(std::array::from_fn(|_| random.f32() - 0.5));
+    let points = dataset.meshless.as_ref().unwrap().basis.points();
+    let mut coefficient = |(i, point): (usize, &Surfel)| {
+        let up = Vec3A::from(point.normal) * 0.3;
+        let columns = Mat3A::from_cols(vector() + up, (vector() + up) * 2.0, (vector() + up) * 0.5);
+        if i % 5 == 0 { Mat3A::ZERO } else { columns }
+    };
+    let coefficients = points.iter().enumerate().map(&mut coefficient).collect();
+    Arc::new(MeshlessLight::new(dataset, coefficients).unwrap())
 }
 
 fn picture(gpu: &mut dyn Backend, view: &View) -> Image {
@@ -56,20 +78,20 @@ fn picture(gpu: &mut dyn Backend, view: &View) -> Image {
 impl Rig {
     fn new() -> Option<Self> {
         let (one, mut gpu) = backend()?;
-        let renderer = Renderer::new(scene());
+        let renderer = Renderer::new(scene_with_basis());
         let environment = Arc::new(renderer.lighting(&light(), 64));
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
         gpu.set_light(&light(), &environment).unwrap();
-        let vertices = Arc::new(vectors(renderer.dataset().scene.mesh.positions.len()));
-        let mut rig = Self { renderer, gpu, environment, vertices, _one: one };
+        let meshless = meshless_light(renderer.dataset());
+        let mut rig = Self { renderer, gpu, environment, meshless, _one: one };
         rig.show(BOUNCE);
         Some(rig)
     }
 
     fn show(&mut self, components: Components) {
         let lights: Arc<[Light]> = [point_light(Vec3::new(0.9, 1.4, 0.5), 4.0)].into();
-        let local =
-            LocalLighting { lights, vertex_irradiance: Some(self.vertices.clone()), components, ..Default::default() };
+        let meshless = Some(self.meshless.clone());
+        let local = LocalLighting { lights, meshless, components, ..Default::default() };
         assert!(self.gpu.set_local_lighting(&local).unwrap().is_empty(), "nothing to remark");
     }
 
@@ -79,36 +101,89 @@ impl Rig {
     }
 
     /// The bounce alone, by the CPU renderer.
-    fn on_cpu(&self, vertices: &VertexIrradiance) -> Image {
-        self.seen_on_cpu(&dark_view(), vertices)
+    fn on_cpu(&self, meshless: &MeshlessLight) -> Image {
+        self.seen_on_cpu(&dark_view(), meshless)
     }
 
-    fn seen_on_cpu(&self, view: &View, vertices: &VertexIrradiance) -> Image {
-        let light = PictureLight { vertex_irradiance: Some(vertices), ..Default::default() };
+    fn seen_on_cpu(&self, view: &View, meshless: &MeshlessLight) -> Image {
+        let light = PictureLight { meshless: Some(meshless), ..Default::default() };
         on_the_cpu(&self.gpu, &self.renderer, view, light, BrdfSampling::Refine)
     }
 }
 
-/// Others in the place of all vectors.
-fn changed(vertices: &VertexIrradiance, change: impl Fn(&Mat3A) -> Mat3A) -> VertexIrradiance {
-    let [front, back] = [&vertices.front, &vertices.back].map(|side| side.iter().map(&change).collect());
-    VertexIrradiance { front, back }
+/// Others in the place of all coefficients.
+fn changed(light: &MeshlessLight, change: impl Fn(&Mat3A) -> Mat3A) -> MeshlessLight {
+    MeshlessLight::new(light.dataset(), light.coefficients().iter().map(change).collect()).unwrap()
 }
 
 #[test]
-fn backs_have_light_of_their_own_and_none_where_none_is_given() {
+fn pixels_agree_to_a_hundred_thousandth_of_the_light() {
+    let Some(mut rig) = Rig::new() else { return };
+    let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.meshless));
+    let (relative, _) = difference(&gpu, &cpu);
+    assert!(relative < 1e-5, "{relative}");
+    let (levels, coefficients) = (rig.meshless.basis(), rig.meshless.coefficients());
+    let mut fewer = coefficients.to_vec();
+    fewer[levels.level(2)].fill(Mat3A::ZERO);
+    let without_finest = MeshlessLight::new(rig.meshless.dataset(), fewer).unwrap();
+    assert!(difference(&gpu, &rig.on_cpu(&without_finest)).0 > 0.05, "negative control: a level less");
+    let mut swapped = coefficients.to_vec();
+    let half = swapped.len() / 2;
+    swapped[half..].rotate_left(1);
+    let swapped = MeshlessLight::new(rig.meshless.dataset(), swapped).unwrap();
+    assert!(difference(&gpu, &rig.on_cpu(&swapped)).0 > 0.05, "negative control: the neighbours' light");
+}
+
+#[test]
+fn views_of_the_basis_agree_and_are_told_from_each_other() {
+    let Some(mut rig) = Rig::new() else { return };
+    let basis = rig.meshless.basis();
+    // Of the middle level, and seen.
+    let middle = |i: &usize| {
+        let point = basis.points()[*i];
+        point.normal.y > 0.0 && point.position.distance(Vec3::new(0.8, 0.0, 0.8)) < 0.5
+    };
+    let function = basis.level(1).find(middle).unwrap() as u32;
+    let of = |mode, level, function| View { mode, basis: BasisView { level, function }, ..dark_view() };
+    let views = [
+        of(ViewMode::BasisLevel, 0, 0),
+        of(ViewMode::BasisLevel, 2, 0),
+        of(ViewMode::BasisFunction, 0, function),
+        of(ViewMode::BasisFunction, 0, u32::MAX),
+        of(ViewMode::BasisCoefficients, 0, 0),
+    ];
+    let on_gpu = views.each_ref().map(|view| picture(&mut rig.gpu, view));
+    for (i, (view, gpu)) in views.iter().zip(&on_gpu).enumerate() {
+        let cpu = rig.seen_on_cpu(view, &rig.meshless);
+        assert!(agrees_but_at_edges(gpu, &cpu), "{i}: {:?}", difference(gpu, &cpu));
+        let next = &on_gpu[(i + 1) % on_gpu.len()];
+        assert!(!agrees_but_at_edges(next, &cpu), "negative control: {i}");
+    }
+    let unlit = rig.seen_on_cpu(&views[4], &changed(&rig.meshless, |_| Mat3A::ZERO));
+    assert!(!agrees_but_at_edges(&on_gpu[4], &unlit) && agrees(&on_gpu[3], &unlit), "no coefficient, no mark");
+}
+
+/// Marks have sharp edges, which rounding moves.
+fn agrees_but_at_edges(a: &Image, b: &Image) -> bool {
+    let differing = a.pixels.iter().zip(&b.pixels).filter(|(a, b)| (**a - **b).abs().max_element() > 1e-4).count();
+    (differing as f32) < 1e-3 * a.pixels.len() as f32
+}
+
+#[test]
+fn backs_have_light_where_a_fine_function_is_on_their_side_and_none_elsewhere() {
     let Some(mut rig) = Rig::new() else { return };
     let camera = Camera::look_at(Vec3::new(1.5, -1.9, 2.2), Vec3::ZERO, 50.0);
     let from_below = View { camera, ..dark_view() };
-    let (gpu, both) = (picture(&mut rig.gpu, &from_below), rig.vertices.clone());
-    let cpu = rig.seen_on_cpu(&from_below, &both);
+    let (gpu, cpu) = (picture(&mut rig.gpu, &from_below), rig.seen_on_cpu(&from_below, &rig.meshless));
     assert!(agrees(&gpu, &cpu) && cpu.pixels.iter().any(|p| p.x > 0.0), "{:?}", difference(&gpu, &cpu));
-    let swapped = VertexIrradiance { front: both.back.clone(), back: both.front.clone() };
-    assert!(!agrees(&gpu, &rig.seen_on_cpu(&from_below, &swapped)), "negative control: the fronts' light");
-    rig.vertices = VertexIrradiance { back: Vec::new(), ..(*both).clone() }.into();
+    let is_front = |i: usize| rig.meshless.basis().points()[i].normal.y > 0.0;
+    let fronts = (0..).zip(rig.meshless.coefficients()).map(|(i, &v)| if is_front(i) { v } else { Mat3A::ZERO });
+    let fronts = MeshlessLight::new(rig.meshless.dataset(), fronts.collect()).unwrap();
+    assert!(!agrees(&gpu, &rig.seen_on_cpu(&from_below, &fronts)), "negative control: the light of fronts alone");
+    rig.meshless = Arc::new(fronts);
     rig.show(BOUNCE);
-    let (gpu, cpu) = (picture(&mut rig.gpu, &from_below), rig.seen_on_cpu(&from_below, &rig.vertices));
-    assert!(gpu == cpu && cpu.pixels.iter().all(|&p| p == Vec3::ZERO), "no light on backs");
+    let dark = picture(&mut rig.gpu, &from_below);
+    assert!(dark.pixels.iter().all(|&p| p == Vec3::ZERO), "no light on backs");
     assert!(picture(&mut rig.gpu, &dark_view()).pixels.iter().any(|p| p.x > 0.0), "fronts as before");
 }
 
@@ -119,18 +194,18 @@ fn every_model_agrees_and_what_is_scaled_or_turned_does_not() {
     for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
         for (roughness, anisotropy) in [(1.0, 0.0), (0.6, 0.0), (0.35, 0.8), (0.02, -0.6)] {
             rig.look(appearance(&dataset, model, parameters(roughness, anisotropy), MaterialMaps::default()));
-            let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.vertices));
+            let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.meshless));
             assert!(agrees(&gpu, &cpu), "{model:?} {roughness} {anisotropy}: {:?}", difference(&gpu, &cpu));
-            let scaled = changed(&rig.vertices, |&v| v * 1.001);
+            let scaled = changed(&rig.meshless, |&v| v * 1.001);
             assert!(!agrees(&gpu, &rig.on_cpu(&scaled)), "{model:?}: one part in a thousand more");
-            let turned = changed(&rig.vertices, Mat3A::transpose);
+            let turned = changed(&rig.meshless, Mat3A::transpose);
             assert!(!agrees(&gpu, &rig.on_cpu(&turned)), "{model:?}: channels for axes");
         }
         let other = |roughness| appearance(&dataset, model, parameters(roughness, 0.0), MaterialMaps::default());
         rig.look(other(0.7));
         let gpu = picture(&mut rig.gpu, &dark_view());
         rig.renderer.set_appearance(other(0.75));
-        let matters = !agrees(&gpu, &rig.on_cpu(&rig.vertices));
+        let matters = !agrees(&gpu, &rig.on_cpu(&rig.meshless));
         assert_eq!(matters, model != BrdfModel::Lambert, "{model:?}: its lobe is part of the albedo");
     }
 }
@@ -142,13 +217,13 @@ fn textures_normal_and_bump_maps_agree_and_each_of_them_matters() {
     for model in [BrdfModel::Lambert, BrdfModel::Ggx, BrdfModel::Ward] {
         let look = |maps| appearance(&dataset, model, parameters(0.8, 0.3), maps);
         rig.look(look(maps()));
-        let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.vertices));
+        let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.meshless));
         assert!(agrees(&gpu, &cpu), "{model:?}: {:?}", difference(&gpu, &cpu));
         for kind in ["base_color", "normal", "bump"] {
             let mut fewer = maps();
             fewer.set(kind, None);
             rig.renderer.set_appearance(look(fewer));
-            assert!(!agrees(&gpu, &rig.on_cpu(&rig.vertices)), "{model:?}: a map makes no difference");
+            assert!(!agrees(&gpu, &rig.on_cpu(&rig.meshless)), "{model:?}: a map makes no difference");
         }
     }
 }
@@ -214,25 +289,25 @@ fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
         rig.set_lights(lights);
         let local = rig.lighting(BOUNCE, Solution::Meshless, 64);
         gpu.set_local_lighting(&local).unwrap();
-        (picture(gpu, view), local.vertex_irradiance.unwrap())
+        (picture(gpu, view), local.meshless.unwrap())
     };
     let (view, light) = (wall_view(), lamp(-1.0));
-    let (before, vertices) = shine(&mut gpu, &light, &view);
-    let uploaded = gpu.vertex_irradiance().cloned().unwrap();
-    let on_cpu = |gpu: &GpuBackend, vertices: &VertexIrradiance| {
-        let light = PictureLight { vertex_irradiance: Some(vertices), ..Default::default() };
+    let (before, solved) = shine(&mut gpu, &light, &view);
+    let uploaded = gpu.coefficients().cloned().unwrap();
+    let on_cpu = |gpu: &GpuBackend, solved: &MeshlessLight| {
+        let light = PictureLight { meshless: Some(solved), ..Default::default() };
         on_the_cpu(gpu, &renderer, &view, light, BrdfSampling::Refine)
     };
-    let cpu = on_cpu(&gpu, &vertices);
+    let cpu = on_cpu(&gpu, &solved);
     assert!(agrees(&before, &cpu) && cpu.pixels.iter().any(|p| p.x > 0.0), "{:?}", difference(&before, &cpu));
     let nearer = View { camera: Camera::look_at(Vec3::new(1.2, 1.0, 0.4), Vec3::ZERO, 50.0), ..view.clone() };
     let (elsewhere, _) = shine(&mut gpu, &light, &nearer);
-    assert!(elsewhere != before && gpu.vertex_irradiance() == Some(&uploaded), "the camera moved");
+    assert!(elsewhere != before && gpu.coefficients() == Some(&uploaded), "the camera moved");
     let (after, moved) = shine(&mut gpu, &lamp(-1.6), &view);
-    assert!(gpu.vertex_irradiance() != Some(&uploaded), "the light moved");
+    assert!(gpu.coefficients() != Some(&uploaded), "the light moved");
     assert!(agrees(&after, &on_cpu(&gpu, &moved)) && difference(&after, &before).0 > 0.01);
     gpu.set_local_lighting(&rig.lighting(BOUNCE, Solution::Cuts, 64)).unwrap();
-    assert!(gpu.vertex_irradiance().is_none(), "another solution needs none of it");
+    assert!(gpu.coefficients().is_none(), "another solution needs none of it");
 }
 
 #[test]

@@ -1,0 +1,146 @@
+//! Bounced light of the meshless basis. Buffers hold the functions of a dataset, with the grid that finds them, and the
+//! coefficients of a solution. They are uploaded when they change and not when the camera moves. A pass evaluates them at
+//! every pixel.
+
+use super::{
+    addition::{Addition, PictureInputs},
+    device::GpuDevice,
+    layout,
+    pipeline::{Binding, Layouts, Pipeline, Shaders, bind, layout as bind_layout, module},
+    scene::{storage, uniform},
+    shaders::MESHLESS,
+    targets::format,
+};
+use crate::{backend::BackendError, light::bounce::MeshlessLight, remedy::Remedy, stale::Part, view_mode::BasisView};
+use bytemuck::{NoUninit, Zeroable};
+use glam::Mat3A;
+use lapidary_core::{dataset::Dataset, meshless::Basis};
+use std::sync::Arc;
+
+/// The pipeline, with what it reads.
+pub struct MeshlessPass {
+    pipeline: wgpu::RenderPipeline,
+    light: wgpu::BindGroupLayout,
+}
+
+impl MeshlessPass {
+    /// Builds the pipeline.
+    ///
+    /// # Errors
+    /// A shader that cannot be read.
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, layouts: &Layouts) -> Result<Self, BackendError> {
+        use Binding::{Storage, Uniform};
+        let light = bind_layout(gpu, "meshless light", &[Uniform, Storage, Storage, Storage, Storage]);
+        let pipeline = Pipeline {
+            layouts: &[&layouts.frame, &layouts.scene, &light, &layouts.addition],
+            targets: &format::SUMS,
+            ..Pipeline::new(module(gpu, shaders, &MESHLESS)?, "meshless")
+        };
+        Ok(Self { pipeline: pipeline.build(gpu), light })
+    }
+}
+
+/// Bounced light of the basis as it was last shown.
+#[derive(Default)]
+pub struct GpuMeshless {
+    functions: Option<(Arc<Dataset>, Functions)>,
+    coefficients: Option<(Arc<MeshlessLight>, wgpu::Buffer)>,
+}
+
+/// The functions of a dataset.
+struct Functions {
+    slots: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    functions: wgpu::Buffer,
+}
+
+impl GpuMeshless {
+    /// Forgets the coefficients, for light that is not shown.
+    pub fn forget_light(&mut self) {
+        self.coefficients = None;
+    }
+
+    /// Uploads missing data, and binds the resources of a picture.
+    ///
+    /// # Errors
+    /// A basis beyond the adapter's limits.
+    pub fn prepare(
+        &mut self,
+        picture: &PictureInputs,
+        pass: &MeshlessPass,
+        light: &Arc<MeshlessLight>,
+        shown: BasisView,
+    ) -> Result<Option<Addition>, BackendError> {
+        let (gpu, basis) = (picture.gpu, light.basis());
+        let known = self.functions.take().filter(|(dataset, _)| Arc::ptr_eq(dataset, light.dataset()));
+        let make = || Ok((light.dataset().clone(), Functions::new(gpu, basis)?));
+        let (_, functions) = self.functions.insert(known.map_or_else(make, Ok)?);
+        let known = self.coefficients.take().filter(|(known, _)| Arc::ptr_eq(known, light));
+        let make = || Ok((light.clone(), coefficients(gpu, light.coefficients())?));
+        let (_, coefficients) = self.coefficients.insert(known.map_or_else(make, Ok)?);
+        let uniforms = uniform(gpu, "meshless light", bytemuck::bytes_of(&uniforms(basis, shown)));
+        let Functions { slots, entries, functions } = functions;
+        let buffers = [&uniforms, slots, entries, functions, coefficients].map(|buffer| buffer.as_entire_binding());
+        let bound = bind(gpu, "meshless light", &pass.light, &buffers);
+        Ok(Addition::new(picture, ("meshless", &pass.pipeline), bound, Part::Bounce))
+    }
+
+    /// The coefficients, to detect a new upload.
+    #[cfg(test)]
+    pub fn coefficients(&self) -> Option<&wgpu::Buffer> {
+        self.coefficients.as_ref().map(|(_, buffer)| buffer)
+    }
+}
+
+impl Functions {
+    fn new(gpu: &GpuDevice, basis: &Basis) -> Result<Self, BackendError> {
+        let function = |p: &lapidary_core::surfel::Surfel| layout::BasisFunction {
+            position: p.position.extend(0.0).to_array(),
+            normal: p.normal.extend(0.0).to_array(),
+        };
+        let functions: Vec<_> = basis.points().iter().map(function).collect();
+        Ok(Self {
+            slots: within_limits(gpu, "cells of the meshless basis", basis.grid().slots())?,
+            entries: within_limits(gpu, "entries of the meshless basis", basis.grid().entries())?,
+            functions: within_limits(gpu, "functions of the meshless basis", &functions)?,
+        })
+    }
+}
+
+fn coefficients(gpu: &GpuDevice, coefficients: &[Mat3A]) -> Result<wgpu::Buffer, BackendError> {
+    let padded = |v: &Mat3A| layout::Coefficient { vector: v.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0]) };
+    let contents: Vec<_> = coefficients.iter().map(padded).collect();
+    within_limits(gpu, "coefficients of the meshless basis", &contents)
+}
+
+/// A buffer that holds at least one element, because it cannot be empty.
+fn within_limits<T: NoUninit + Zeroable>(
+    gpu: &GpuDevice,
+    what: &'static str,
+    contents: &[T],
+) -> Result<wgpu::Buffer, BackendError> {
+    let one = [T::zeroed()];
+    let bytes: &[u8] = bytemuck::cast_slice(if contents.is_empty() { &one } else { contents });
+    gpu.within(what, "bytes", bytes.len() as u64, gpu.max_storage_bytes(), Remedy::FewerFunctions)?;
+    Ok(storage(gpu, what, bytes))
+}
+
+fn uniforms(basis: &Basis, shown: BasisView) -> layout::BasisUniforms {
+    let grid = basis.grid();
+    let mut levels = [layout::BasisLevel::zeroed(); layout::constants::MOST_BASIS_LEVELS];
+    for (level, place) in levels.iter_mut().take(basis.levels()).enumerate() {
+        *place = layout::BasisLevel {
+            cells_per_metre: grid.cells_per_metre()[level],
+            radius: basis.radii()[level],
+            end: basis.level(level).end as u32,
+            padding: 0,
+        };
+    }
+    layout::BasisUniforms {
+        levels,
+        level_count: basis.levels() as u32,
+        last_slot: grid.slots().len() as u32 - 1,
+        shown_level: shown.level,
+        shown_function: shown.function,
+    }
+}

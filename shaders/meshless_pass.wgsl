@@ -1,0 +1,234 @@
+// Bounced light of the meshless basis: each pixel looks up the functions that reach it in a hash grid, and normalises
+// their sum a level at a time. That is the splatting of the meshless paper (4.1) turned round, without blending. Twin of
+// `Basis::evaluate` and core/src/meshless/grid.rs; the views are twins of `Painter::basis_value` in
+// render/src/shade/painter.rs.
+
+struct BasisLevel {
+    cells_per_metre: f32,
+    // Of the support of its functions, in metres.
+    radius: f32,
+    // Behind its last function.
+    end: u32,
+    padding: u32,
+}
+
+struct BasisUniforms {
+    levels: array<BasisLevel, MOST_BASIS_LEVELS>,
+    level_count: u32,
+    // The number of slots less one. It is a mask, for their number is a power of two.
+    last_slot: u32,
+    // What the views show.
+    shown_level: u32,
+    shown_function: u32,
+}
+
+// A cell of a level.
+struct Cell {
+    place: vec3<i32>,
+    level: u32,
+    // Its first entry.
+    first: u32,
+    // Number of its entries; 0 in a slot without a cell.
+    count: u32,
+    padding: vec2<u32>,
+}
+
+struct BasisFunction {
+    position: vec3<f32>,
+    normal: vec3<f32>,
+}
+
+struct Coefficient {
+    // Vector irradiance in W/m2, one column per colour channel.
+    vector: mat3x3<f32>,
+}
+
+const MOST_BASIS_LEVELS: u32 = 16u;
+// See core/src/meshless/distance.rs.
+const SQUASH: f32 = 2.0;
+const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
+const LAYERS: f32 = 8.0;
+const LEAST_WEIGHT: f32 = 0.02;
+// See render/src/light/bounce/functions.rs and render/src/shade/painter.rs.
+const POINT_RADIUS: f32 = 0.08;
+const BASIS_GREY: f32 = 0.4;
+const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
+
+@group(2) @binding(0) var<uniform> basis: BasisUniforms;
+@group(2) @binding(1) var<storage, read> slots: array<Cell>;
+// Functions, cell by cell.
+@group(2) @binding(2) var<storage, read> entries: array<u32>;
+@group(2) @binding(3) var<storage, read> functions: array<BasisFunction>;
+@group(2) @binding(4) var<storage, read> coefficients: array<Coefficient>;
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
+    let pixel = vec2<u32>(position.xy) * frame.stride;
+    let sums = previous_sums(pixel);
+    if !lacks_sample(sums) {
+        return sums;
+    }
+    let g = textureLoad(geometry, pixel, 0);
+    if !is_surface(g) {
+        return with_sample(sums, g, vec4(0.0), 0u, 0u);
+    }
+    let point = surface_point(g, pixel, ray_direction(pixel));
+    return with_sample(sums, g, vec4(value_at(point, (g.w & FLAG_BACK) != 0u), 0.0), 0u, 0u);
+}
+
+fn value_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
+    if frame.view_mode == VIEW_SHADED {
+        return albedo_of(point.brdf) * irradiance_at(point, from_behind) * FRAC_1_PI;
+    }
+    return basis_value(point);
+}
+
+// Irradiance on the surface as bump and normal map have it. Twin of `MeshlessLight::at`.
+fn irradiance_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
+    if from_behind && !reaches(basis.level_count - 1u, point) {
+        return vec3(0.0);
+    }
+    var vector = mat3x3<f32>();
+    for (var level = 0u; level < basis.level_count; level++) {
+        vector += level_vector(level, point);
+    }
+    return max(point.world_from_local[2] * vector, vec3(0.0));
+}
+
+// Twin of `Basis::evaluate_level`.
+fn level_vector(level: u32, point: SurfacePoint) -> mat3x3<f32> {
+    let range = entries_around(level, point.position);
+    var sum = mat3x3<f32>();
+    var weights = 0.0;
+    for (var i = range.x; i < range.y; i++) {
+        let weight = weight_at(entries[i], level, point);
+        if weight > 0.0 {
+            sum += coefficients[entries[i]].vector * weight;
+            weights += weight;
+        }
+    }
+    return sum * normalisation(weights);
+}
+
+// Of no weights, for sums that are zero then.
+fn normalisation(weights: f32) -> f32 {
+    return select(0.0, 1.0 / weights, weights > 0.0);
+}
+
+fn reaches(level: u32, point: SurfacePoint) -> bool {
+    let range = entries_around(level, point.position);
+    for (var i = range.x; i < range.y; i++) {
+        if weight_at(entries[i], level, point) > 0.0 {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Entries of the cell of a position, the first and the one behind the last.
+fn entries_around(level: u32, position: vec3<f32>) -> vec2<u32> {
+    let place = vec3<i32>(floor(position * basis.levels[level].cells_per_metre));
+    var slot = cell_hash(place, level) & basis.last_slot;
+    var cell = slots[slot];
+    while cell.count != 0u && (any(cell.place != place) || cell.level != level) {
+        slot = (slot + 1u) & basis.last_slot;
+        cell = slots[slot];
+    }
+    return vec2(cell.first, cell.first + cell.count);
+}
+
+fn cell_hash(place: vec3<i32>, level: u32) -> u32 {
+    let p = bitcast<vec3<u32>>(place) * vec3(73856093u, 19349663u, 83492791u);
+    let mixed = p.x ^ p.y ^ p.z ^ (level * 2654435761u);
+    return mixed ^ (mixed >> 15u);
+}
+
+// Weight of a function of a level before smooth normals are bent by maps.
+fn weight_at(function: u32, level: u32, point: SurfacePoint) -> f32 {
+    let normal = point.smooth_normal;
+    let radius = basis.levels[level].radius;
+    let center = functions[function];
+    let facing = dot(normal, center.normal);
+    let offset = point.position - center.position;
+    let height = dot(offset, center.normal);
+    let distance_sq = dot(offset, offset) + STRETCH * height * height;
+    if !(facing > 0.0 && distance_sq < radius * radius) {
+        return 0.0;
+    }
+    let step = 0.5 * abs(dot(offset, normal + center.normal)) / radius;
+    let layer = LEAST_WEIGHT + (1.0 - LEAST_WEIGHT) * kernel(LAYERS * step);
+    return kernel(sqrt(distance_sq) / radius) * layer * facing * facing;
+}
+
+fn kernel(distance: f32) -> f32 {
+    let t = min(distance, 1.0);
+    return (2.0 * t - 3.0) * t * t + 1.0;
+}
+
+fn basis_value(point: SurfacePoint) -> vec3<f32> {
+    let grey = vec3(BASIS_GREY * point.wo.z);
+    switch frame.view_mode {
+        case VIEW_BASIS_LEVEL: { return level_part(point); }
+        case VIEW_BASIS_FUNCTION: { return mix(grey, vec3(1.0, 0.0, 0.0), function_value(point)); }
+        default: { return marked(point, grey); }
+    }
+}
+
+// Twin of `MeshlessLight::level_part`.
+fn level_part(point: SurfacePoint) -> vec3<f32> {
+    if basis.shown_level >= basis.level_count {
+        return vec3(0.0);
+    }
+    let received = point.world_from_local[2] * level_vector(basis.shown_level, point);
+    let reflected = dot(received, LUMINANCE) * FRAC_1_PI;
+    return max(vec3(reflected, 0.0, -reflected), vec3(0.0));
+}
+
+// Twin of `MeshlessLight::function_value`.
+fn function_value(point: SurfacePoint) -> f32 {
+    var level = 0u;
+    while level < basis.level_count && basis.levels[level].end <= basis.shown_function {
+        level++;
+    }
+    if level == basis.level_count {
+        return 0.0;
+    }
+    let range = entries_around(level, point.position);
+    var value = 0.0;
+    var weights = 0.0;
+    for (var i = range.x; i < range.y; i++) {
+        let weight = weight_at(entries[i], level, point);
+        value += select(0.0, weight, entries[i] == basis.shown_function);
+        weights += weight;
+    }
+    return value * normalisation(weights);
+}
+
+// Twin of `MeshlessLight::marked_level` and `level_color`.
+fn marked(point: SurfacePoint, otherwise: vec3<f32>) -> vec3<f32> {
+    for (var level = basis.level_count; level > 0u; level--) {
+        if has_mark(level - 1u, point) {
+            let hue = f32(level - 1u) / f32(basis.level_count);
+            return saturate(abs(fract(hue + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0);
+        }
+    }
+    return otherwise;
+}
+
+fn has_mark(level: u32, point: SurfacePoint) -> bool {
+    let reach = POINT_RADIUS * basis.levels[level].radius;
+    let range = entries_around(level, point.position);
+    for (var i = range.x; i < range.y; i++) {
+        let function = entries[i];
+        let offset = functions[function].position - point.position;
+        let is_near = dot(offset, offset) < reach * reach && weight_at(function, level, point) > 0.0;
+        if is_near && is_lit(coefficients[function].vector) {
+            return true;
+        }
+    }
+    return false;
+}
+
+fn is_lit(vector: mat3x3<f32>) -> bool {
+    return any(vector[0] != vec3(0.0)) || any(vector[1] != vec3(0.0)) || any(vector[2] != vec3(0.0));
+}
