@@ -162,8 +162,12 @@ impl Mesh {
         if !self.is_ground(triangle) {
             return 0;
         }
-        let radii = self.distance_of(triangle, bounds) / (0.5 * bounds.diagonal());
-        1 + (radii.clamp(1.0, 1e9).log2() / 2.0) as u32
+        1 + (self.radii_of_ground(triangle, bounds).clamp(1.0, 1e9).log2() / 2.0) as u32
+    }
+
+    /// Distance of the middle of a triangle of the ground from the centre of bounds, along the ground, in their radii.
+    pub(crate) fn radii_of_ground(&self, triangle: u32, bounds: Bounds) -> f32 {
+        self.distance_of(triangle, bounds) / (0.5 * bounds.diagonal())
     }
 
     /// Distance in metres of the middle of a triangle from the centre of bounds, along the ground.

@@ -10,7 +10,7 @@ mod lighting;
 mod nearest;
 mod radiance;
 
-pub use build::cluster_order;
+pub use build::{cluster_order, cluster_order_of_groups};
 pub use features::{Features, PilotVisibility};
 pub use lighting::Lighting;
 pub use nearest::NearestLeaf;

@@ -1,6 +1,8 @@
 //! Points of surfaces that gather and send light, whatever the kind of surface.
 
 mod ball_grid;
+pub mod disc_forest;
+pub mod forest;
 mod graded_grid;
 
 pub use graded_grid::GradedGrid;

@@ -15,49 +15,56 @@ const SEQUENTIAL: usize = 512;
 
 /// Sample indices in the order of the leaves of a balanced binary clustering; neighbours in order are close in features.
 pub fn cluster_order(features: &Features) -> Vec<u32> {
+    cluster_order_of_groups(features, 1)
+}
+
+/// The same in groups of so many samples each, which are not split further; the number of samples is a multiple of it.
+/// A balanced tree over the groups halves as the clustering did.
+pub fn cluster_order_of_groups(features: &Features, group: usize) -> Vec<u32> {
     let mut order: Vec<u32> = (0..features.len() as u32).collect();
-    split(&mut order, features);
+    split(&mut order, features, group);
     order
 }
 
-fn split(order: &mut [u32], features: &Features) {
-    if order.len() < 2 {
+fn split(order: &mut [u32], features: &Features, group: usize) {
+    if order.len() <= group {
         return;
     }
-    halve(order, features);
+    let middle = order.len() / group / 2 * group;
+    halve(order, middle, features);
     let sequential = order.len() <= SEQUENTIAL;
-    let (left, right) = order.split_at_mut(order.len() / 2);
+    let (left, right) = order.split_at_mut(middle);
     if sequential {
-        split(left, features);
-        split(right, features);
+        split(left, features, group);
+        split(right, features, group);
     } else {
-        join(|| split(left, features), || split(right, features));
+        join(|| split(left, features, group), || split(right, features, group));
     }
 }
 
-/// Balanced two-means: afterwards the first half of `order` is one cluster, the second the other.
-fn halve(order: &mut [u32], features: &Features) {
+/// Balanced two-means: afterwards `order` up to `middle` is one cluster, the rest the other.
+fn halve(order: &mut [u32], middle: usize, features: &Features) {
     let mut axis = principal_axis(order, features);
     for _ in 0..ITERATIONS {
-        partition_along(order, features, &axis);
-        axis = difference_of_means(order, features);
+        partition_along(order, middle, features, &axis);
+        axis = difference_of_means(order, middle, features);
     }
-    partition_along(order, features, &axis);
+    partition_along(order, middle, features, &axis);
 }
 
-/// Puts the half with the smaller projection on `axis` first; ties go by sample index.
-fn partition_along(order: &mut [u32], features: &Features, axis: &[f32]) {
+/// Puts the `middle` samples with the smaller projection on `axis` first; ties go by sample index.
+fn partition_along(order: &mut [u32], middle: usize, features: &Features, axis: &[f32]) {
     let mut keyed: Vec<(f32, u32)> = order.iter().map(|&s| (dot(features.row(s), axis), s)).collect();
-    keyed.select_nth_unstable_by(order.len() / 2, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    keyed.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     for (slot, (_, sample)) in order.iter_mut().zip(keyed) {
         *slot = sample;
     }
 }
 
-/// `c2 - c1`, where the clusters are the two halves of `order`.
-fn difference_of_means(order: &[u32], features: &Features) -> Vec<f32> {
-    let half = order.len() / 2;
-    let (first, second) = (mean(&order[..half], features), mean(&order[half..], features));
+/// `c2 - c1`, where the clusters are the two parts of `order`.
+fn difference_of_means(order: &[u32], middle: usize, features: &Features) -> Vec<f32> {
+    let (first, second) = order.split_at(middle);
+    let (first, second) = (mean(first, features), mean(second, features));
     second.iter().zip(&first).map(|(b, a)| b - a).collect()
 }
 

@@ -1,0 +1,123 @@
+//! Surfels spread over the surface of an object.
+//!
+//! Points are drawn uniformly by area, [`GROUP`] for each surfel, and clustered by place and normal into a balanced tree. A
+//! surfel is the point in the middle of its group. So surfels lie far more evenly than if they were drawn alone, which keeps
+//! discs of their areas from leaving holes.
+
+use crate::{
+    bounds::Bounds,
+    light_tree::{Features, cluster_order_of_groups},
+    scene::Mesh,
+    surfel::{MeshPlace, Surfel},
+};
+use glam::{Vec2, Vec3};
+
+/// Points for each surfel.
+const GROUP: usize = 16;
+/// Weight of place against normal in the clustering, for an object of unit diagonal.
+const PLACE_WEIGHT: f32 = 12.0;
+
+/// A surfel that rides on a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried {
+    /// Where, and its normal, as the mesh lay when it was placed.
+    pub surfel: Surfel,
+    /// The area that it stands for in areas of its triangle.
+    pub share: f32,
+}
+
+/// The sides of some triangles of a mesh, to be drawn from.
+pub struct Sides<'a> {
+    mesh: &'a Mesh,
+    two_sided: &'a [bool],
+    bounds: Bounds,
+}
+
+impl<'a> Sides<'a> {
+    /// Of a mesh; `two_sided` has an entry for each triangle.
+    pub fn new(mesh: &'a Mesh, two_sided: &'a [bool]) -> Self {
+        Self { mesh, two_sided, bounds: mesh.bounds() }
+    }
+
+    /// The area of a triangle in m², of both sides if it is seen from both, weighted by [`Self::density`].
+    pub fn weight(&self, triangle: u32) -> f64 {
+        let sides = if self.two_sided[triangle as usize] { 2.0 } else { 1.0 };
+        0.5 * f64::from(self.mesh.area_vector(triangle as usize).length()) * sides * f64::from(self.density(triangle))
+    }
+
+    /// Relative number of surfels per area: 1 but on the ground, where it falls with the square of the distance in radii of
+    /// the scene. A ground is much larger than what stands on it. Where its light reaches nothing it has none.
+    fn density(&self, triangle: u32) -> f32 {
+        if !self.mesh.is_ground(triangle) {
+            return 1.0;
+        }
+        match self.mesh.is_far_ground(triangle, self.bounds) {
+            true => 0.0,
+            false => self.mesh.radii_of_ground(triangle, self.bounds).max(1.0).powi(-2),
+        }
+    }
+
+    /// So many points of some triangles, one for each stretch of equal weight, and the weight of a stretch.
+    fn points(&self, triangles: &[u32], count: usize, seed: u64) -> (Vec<Surfel>, f64) {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let total: f64 = triangles.iter().map(|&t| self.weight(t)).sum();
+        let step = total / count as f64;
+        let mut points = Vec::with_capacity(count);
+        let (mut end, mut next) = (0.0, step * rng.f64());
+        for &triangle in triangles {
+            end += self.weight(triangle);
+            while next < end && points.len() < count {
+                points.push(self.random_point(triangle, &mut rng));
+                next = (points.len() as f64 + rng.f64()) * step;
+            }
+        }
+        // Rounding may leave the last out.
+        points.resize_with(count, || self.random_point(triangles[triangles.len() - 1], &mut rng));
+        (points, step)
+    }
+
+    fn random_point(&self, triangle: u32, rng: &mut fastrand::Rng) -> Surfel {
+        let (u, v) = (rng.f32(), rng.f32());
+        let barycentric = if u + v > 1.0 { Vec2::new(1.0 - u, 1.0 - v) } else { Vec2::new(u, v) };
+        let back = self.two_sided[triangle as usize] && rng.bool();
+        let [a, b, c] = self.mesh.corners(triangle as usize);
+        let front = self.mesh.area_vector(triangle as usize).normalize_or(Vec3::Y);
+        Surfel {
+            position: a + (b - a) * barycentric.x + (c - a) * barycentric.y,
+            normal: if back { -front } else { front },
+            place: MeshPlace { triangle, barycentric },
+        }
+    }
+
+    /// So many surfels of some triangles, in the order of the leaves of a balanced tree. They share the weight evenly.
+    pub fn surfels(&self, triangles: &[u32], count: u32, seed: u64) -> Vec<Carried> {
+        let (points, step) = self.points(triangles, count as usize * GROUP, seed);
+        let order = cluster_order_of_groups(&features(&points), GROUP);
+        order.chunks_exact(GROUP).map(|group| self.middle(group, &points, step)).collect()
+    }
+
+    /// The point of a group that is nearest to its mean.
+    fn middle(&self, group: &[u32], points: &[Surfel], step: f64) -> Carried {
+        let all = || group.iter().map(|&i| &points[i as usize]);
+        let mean = all().map(|p| p.position).sum::<Vec3>() / GROUP as f32;
+        let normal = all().map(|p| p.normal).sum::<Vec3>();
+        // Those that face against the rest come last.
+        let away = |p: &Surfel| (p.normal.dot(normal) <= 0.0, p.position.distance_squared(mean));
+        let nearest = all().min_by(|a, b| {
+            let (a, b) = (away(a), away(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        let surfel = *nearest.expect("groups have points");
+        let area_of = |p: &Surfel| step as f32 / self.density(p.place.triangle);
+        let triangle = 0.5 * self.mesh.area_vector(surfel.place.triangle as usize).length();
+        Carried { surfel, share: all().map(area_of).sum::<f32>() / triangle }
+    }
+}
+
+/// Place in units of the diagonal over [`PLACE_WEIGHT`], and normal.
+fn features(points: &[Surfel]) -> Features {
+    let diagonal = Bounds::around(points.iter().map(|p| p.position)).diagonal();
+    let scale = PLACE_WEIGHT / diagonal.max(f32::MIN_POSITIVE);
+    let row = |p: &Surfel| [(p.position * scale).to_array(), p.normal.to_array()].concat();
+    Features::new(6, points.iter().flat_map(row).collect())
+}
