@@ -9,12 +9,16 @@
 //! * [`Drag`]: bins while one object moves
 //! * [`LeafLight`]: light of the sky and of what emits, bounce by bounce
 //! * [`VertexWeights`]: values of leaves at the vertices of a mesh
+//! * [`bins`], [`links`] and [`refine`]: the link structure as the paper has it, the oracle of the walk
 //!
 //! The trees are [`crate::surfel::disc_forest::DiscForest`], over surfels by [`crate::surfel::forest::SurfelForest`].
 
+pub mod bins;
 mod direct;
 mod drag;
 mod gather;
+pub mod links;
+pub mod refine;
 mod vertices;
 mod views;
 
@@ -24,5 +28,7 @@ pub use gather::{LeafLight, Lighting, Sky};
 pub use vertices::{Receiver, VertexWeights};
 pub use views::Views;
 
+#[cfg(test)]
+mod measure;
 #[cfg(test)]
 mod tests;

@@ -51,6 +51,35 @@ pub fn furnished(surfels: u32) -> Furnished {
     with_surfels(mesh_of(&objects), surfels)
 }
 
+/// An empty closed room of 2 m whose walls are grids of `side` x `side` squares that share vertices.
+pub fn tessellated(side: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    for wall in room(Vec3::ZERO, Vec3::ONE).chunks(2) {
+        // The two triangles of a wall share their first corner and the one across.
+        let ([corner, _, right], [_, up, _]) = (wall[0], wall[1]);
+        add_grid(&mut mesh, [corner, right, up], side);
+    }
+    mesh
+}
+
+/// A grid over the parallelogram of a corner and its two neighbours.
+fn add_grid(mesh: &mut Mesh, [corner, right, up]: [Vec3; 3], side: u32) {
+    let (u, v) = (right - corner, up - corner);
+    let normal = -corner.dot(u.cross(v)).signum() * u.cross(v).normalize();
+    let first = mesh.positions.len() as u32;
+    for i in 0..=side {
+        for j in 0..=side {
+            mesh.positions.push(corner + (u * i as f32 + v * j as f32) / side as f32);
+            mesh.normals.push(normal);
+        }
+    }
+    let vertex = |i: u32, j: u32| first + i * (side + 1) + j;
+    for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
+        mesh.triangles.push([vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)]);
+        mesh.triangles.push([vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)]);
+    }
+}
+
 fn views_of(forest: &DiscForest) -> Views {
     Bins::walk(forest, 0.0, &|_| true).views()
 }
