@@ -32,6 +32,7 @@
 //! * [`cut`]: merging (3.2), selection for visibility and for solid angles (Eq. 5), illumination cuts, 16-bit packing
 //! * [`sources`]: surface samples as lights (4.1), their tree, its radiance, and what is near a receiver
 //! * [`meshless`]: the meshless hierarchical basis and its light transport
+//! * [`implicit`]: light of moving scenes by implicit visibility
 //! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
@@ -49,6 +50,7 @@ pub mod environment;
 pub mod export;
 pub mod ground;
 pub mod image;
+pub mod implicit;
 pub mod import;
 pub mod input;
 pub mod light_tree;

@@ -20,7 +20,7 @@ pub fn squashed_distance(center: Vec3, normal: Vec3, x: Vec3) -> f32 {
 
 /// Falls from 1 at the centre to 0 at distance 1 and beyond, with zero slope at both (meshless paper, Eq. 9).
 #[inline(always)]
-pub(super) fn kernel(t: f32) -> f32 {
+pub(crate) fn kernel(t: f32) -> f32 {
     let t = t.min(1.0);
     (2.0 * t - 3.0) * t * t + 1.0
 }
@@ -29,7 +29,7 @@ pub(super) fn kernel(t: f32) -> f32 {
 /// `normals` is the sum of their unit normals. Within a plane the offset is at right angles to that sum. So it is on a
 /// sphere or cylinder, however much it leaves the plane.
 #[inline(always)]
-pub(super) fn same_layer(offset: Vec3, normals: Vec3, radius: f32) -> f32 {
+pub(crate) fn same_layer(offset: Vec3, normals: Vec3, radius: f32) -> f32 {
     let step = 0.5 * offset.dot(normals).abs() / radius;
     LEAST_WEIGHT + (1.0 - LEAST_WEIGHT) * kernel(LAYERS * step)
 }

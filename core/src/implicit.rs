@@ -1,0 +1,34 @@
+//! Global illumination of moving scenes by implicit visibility.
+//!
+//! The method is that of Dong, Kautz, Theobalt and Seidel, *Interactive Global Illumination Using Implicit Visibility* (Pacific
+//! Graphics 2007), cited here as "implicit visibility". Surface elements in quadtrees see each other in bins of directions. Each bin
+//! keeps the nearest: no ray is cast. All is found anew in each frame, so that anything may move or deform.
+//!
+//! * [`Bins`]: what leaves see, by a walk of each leaf; layers of objects are merged by taking the nearer
+//! * [`Views`]: the nodes in the bins, with holes closed
+//! * [`Drag`]: bins while one object moves
+//! * [`LeafLight`]: light of the sky and of what emits, bounce by bounce
+//! * [`VertexWeights`]: values of leaves at the vertices of a mesh
+//! * [`bins`], [`links`] and [`refine`]: the link structure as the paper has it, the oracle of the walk
+//!
+//! The trees are [`crate::surfel::disc_forest::DiscForest`], over surfels by [`crate::surfel::forest::SurfelForest`].
+
+pub mod bins;
+mod direct;
+mod drag;
+mod gather;
+pub mod links;
+pub mod refine;
+mod vertices;
+mod views;
+
+pub use direct::{Bins, CELLS, DistanceCodes, EMPTY, frame_of, node_of};
+pub use drag::Drag;
+pub use gather::{LeafLight, Lighting, Sky};
+pub use vertices::{Receiver, VertexWeights};
+pub use views::Views;
+
+#[cfg(test)]
+mod measure;
+#[cfg(test)]
+mod tests;

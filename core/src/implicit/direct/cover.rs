@@ -1,0 +1,238 @@
+//! Which cells of a receiver a node covers.
+//!
+//! A node is a disc at its centre. Its axis turns toward the receiver by as much as its normals disagree, and its radius is
+//! [`OVERLAP`] times what its visible area asks: discs that tile a surface must overlap to leave no holes. A cell is covered if
+//! the ray at its middle meets the disc. The cell of the centre is no exception: if it always counted as covered, outlines would
+//! grow by half a cell, and parallel squares exchange 2 % more.
+
+use super::{
+    CELLS, SIDE,
+    key::{DistanceCodes, EMPTY},
+    visit::{GRAZING, Receiver, visible_share},
+};
+use crate::{
+    simd::{Lanes, Vec3x8},
+    surfel::forest::{nodes::Block, quadtrees::CHILDREN},
+};
+use glam::Vec3;
+use std::f32::consts::{FRAC_2_PI, PI};
+
+/// Radius of a disc in radii of a circle of its area. Discs reach over outlines and leave holes between them, and this is where both
+/// are small: at 1.26 parallel squares exchange 0.209 in place of 0.200 and a closed room of 4,096 surfels sees 0.4 % of the sky, at 1.1
+/// it is 0.198 and 2.2 %.
+pub const OVERLAP: f32 = 1.175;
+/// Cells tested at once.
+const LANES: usize = 8;
+/// Cells with a margin, so that eight can be read from any.
+pub const PADDED: usize = CELLS.len() + LANES;
+
+/// Most cells that a step of one in the unit disc crosses along an edge of the square: half of the side times
+/// `√(1 + (4/π)²)`, the largest slope of the concentric map.
+const STEEPEST: f32 = 0.5 * SIDE as f32 * 1.62;
+/// Sine of the angle between centre and edge of a disc up to which [`CHORD`] holds; larger ones are looked for everywhere.
+const WIDE: f32 = 0.7;
+/// Most that the distance between the directions of centre and edge exceeds that sine.
+const CHORD: f32 = 1.09;
+
+/// Directions at the middles of the cells in the frame of a receiver. Those of the margin are zero, which meets no disc.
+pub struct CellDirections([[f32; PADDED]; 3]);
+
+impl CellDirections {
+    /// Of all cells.
+    pub fn new() -> Self {
+        let of_cell = |cell: usize| if cell < CELLS.len() { CELLS.direction_of(cell) } else { Vec3::ZERO };
+        Self(std::array::from_fn(|axis| std::array::from_fn(|cell| of_cell(cell)[axis])))
+    }
+
+    #[inline(always)]
+    fn eight<L: Lanes>(&self, first: usize) -> Vec3x8<L> {
+        let part = |axis: usize| {
+            let mut eight = [0.0; LANES];
+            eight.copy_from_slice(&self.0[axis][first..first + LANES]);
+            L::new(eight)
+        };
+        Vec3x8 { x: part(0), y: part(1), z: part(2) }
+    }
+}
+
+/// The bins of a receiver, with a margin.
+pub type Filled = [u32; PADDED];
+
+/// Bins without anything.
+pub const NOTHING: Filled = [EMPTY; PADDED];
+
+/// Enters nodes into the bins that they cover.
+#[inline(always)]
+pub fn fill<L: Lanes>(
+    bins: &mut Filled,
+    nodes: &[u32],
+    blocks: &[Block],
+    receiver: &Receiver,
+    (directions, codes): (&CellDirections, DistanceCodes),
+) {
+    for eight in nodes.chunks(LANES) {
+        let discs = Discs::<L>::new(eight, blocks).seen_from(receiver);
+        for (lane, &node) in eight.iter().enumerate() {
+            let key = codes.key(discs.distance_sq[lane], node);
+            discs.enter::<L>(lane, key, bins, directions);
+        }
+    }
+}
+
+/// Eight nodes side by side.
+struct Discs<L> {
+    center: Vec3x8<L>,
+    axis: Vec3x8<L>,
+    coherence: L,
+    area: L,
+}
+
+impl<L: Lanes> Discs<L> {
+    /// Of up to eight nodes.
+    #[inline(always)]
+    fn new(nodes: &[u32], blocks: &[Block]) -> Self {
+        let mut rows = [[0.0; LANES]; 8];
+        for (lane, &node) in nodes.iter().enumerate() {
+            let (block, slot) = (&blocks[node as usize / CHILDREN], node as usize % CHILDREN);
+            for axis in 0..3 {
+                rows[axis][lane] = block.center[axis][slot];
+                rows[3 + axis][lane] = block.axis[axis][slot];
+            }
+            rows[6][lane] = block.coherence[slot];
+            rows[7][lane] = block.area[slot];
+        }
+        let vector =
+            |first: usize| Vec3x8 { x: L::new(rows[first]), y: L::new(rows[first + 1]), z: L::new(rows[first + 2]) };
+        Self { center: vector(0), axis: vector(3), coherence: L::new(rows[6]), area: L::new(rows[7]) }
+    }
+
+    /// In the frame of a receiver.
+    #[inline(always)]
+    fn seen_from(self, receiver: &Receiver) -> Seen {
+        let offset = local(self.center - Vec3x8::splat(receiver.position), receiver);
+        let axis = local(self.axis, receiver);
+        let distance_sq = offset.dot(offset);
+        let inverse = L::splat(1.0) / distance_sq.sqrt();
+        let direction = offset * inverse;
+        let toward = -axis.dot(direction);
+        let share = visible_share(self.coherence, toward, L::splat(1.0));
+
+        let tilted = axis * self.coherence - direction * (L::splat(1.0) - self.coherence);
+        let normal = tilted * (L::splat(1.0) / tilted.dot(tilted).sqrt());
+        let cosine = -normal.dot(direction);
+        let is_seen = cosine.simd_gt(L::splat(GRAZING));
+        // A plane that faces away meets no ray.
+        let scale = is_seen.select(-inverse / cosine, L::splat(0.0));
+        // At most all of its area: of what faces partly away the axis may be nearly at right angles.
+        let area = self.area * (share / cosine.at_least(GRAZING)).fast_min(L::splat(1.0));
+        let radius_sq = L::splat(OVERLAP * OVERLAP / PI) * area;
+
+        let sine = radius_sq.sqrt() * inverse;
+        let wide = L::splat(2.0 * SIDE as f32);
+        let reach = sine.simd_lt(L::splat(WIDE)).select(sine * L::splat(CHORD * STEEPEST), wide);
+        let [x, y] = cell_coordinates(direction.x, direction.y);
+        Seen {
+            offset: to_arrays(offset),
+            plane: to_arrays(normal * scale),
+            excess: (distance_sq - radius_sq).to_array(),
+            distance_sq: distance_sq.to_array(),
+            place: [x.to_array(), y.to_array()],
+            reach: reach.to_array(),
+        }
+    }
+}
+
+/// Eight discs as a receiver sees them, in its frame.
+struct Seen {
+    /// Centre in metres.
+    offset: [[f32; LANES]; 3],
+    /// Normal over its product with the offset: times a unit direction it gives the inverse of the distance to the plane.
+    plane: [[f32; LANES]; 3],
+    /// Squared distance less the squared radius.
+    excess: [f32; LANES],
+    distance_sq: [f32; LANES],
+    /// Of the centre in the square, in cells.
+    place: [[f32; LANES]; 2],
+    /// How far from there cells may be covered.
+    reach: [f32; LANES],
+}
+
+impl Seen {
+    /// Enters a disc.
+    #[inline(always)]
+    fn enter<L: Lanes>(&self, lane: usize, key: u32, bins: &mut Filled, directions: &CellDirections) {
+        let one = |of: &[[f32; LANES]; 3]| Vec3x8 {
+            x: L::splat(of[0][lane]),
+            y: L::splat(of[1][lane]),
+            z: L::splat(of[2][lane]),
+        };
+        let (offset, plane, excess) = (one(&self.offset), one(&self.plane), L::splat(self.excess[lane]));
+        let [columns, rows] = self.place.map(|place| Span::around(place[lane], self.reach[lane]));
+        for row in rows.first..rows.end {
+            for column in (columns.first..columns.end).step_by(LANES) {
+                let first = row * SIDE + column;
+                let direction = directions.eight::<L>(first);
+                let nearness = direction.dot(plane);
+                let gap = L::splat(1.0) + nearness * (nearness * excess - L::splat(2.0) * direction.dot(offset));
+                let meets = nearness.simd_gt(L::splat(0.0)) & gap.simd_le(L::splat(0.0));
+                enter_eight(&mut bins[first..first + LANES], key, meets.to_array());
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn enter_eight(bins: &mut [u32], key: u32, meets: [f32; LANES]) {
+    for (bin, meets) in bins.iter_mut().zip(meets) {
+        *bin = (*bin).min(key | !meets.to_bits());
+    }
+}
+
+/// Cells along an edge whose middles are within reach of a place.
+struct Span {
+    first: usize,
+    end: usize,
+}
+
+impl Span {
+    #[inline(always)]
+    fn around(place: f32, reach: f32) -> Self {
+        // As conversions clamp, neither end is negative.
+        let first = (place - reach + 0.5) as usize;
+        let end = (place + reach + 0.5) as usize;
+        Self { first: first.min(SIDE), end: end.min(SIDE) }
+    }
+}
+
+/// Components along the tangents and the normal of a receiver.
+#[inline(always)]
+fn local<L: Lanes>(v: Vec3x8<L>, receiver: &Receiver) -> Vec3x8<L> {
+    let along = |axis| v.dot(Vec3x8::splat(axis));
+    let frame = receiver.frame;
+    Vec3x8 { x: along(frame.x_axis), y: along(frame.y_axis), z: along(frame.z_axis) }
+}
+
+#[inline(always)]
+fn to_arrays<L: Lanes>(v: Vec3x8<L>) -> [[f32; LANES]; 3] {
+    [v.x.to_array(), v.y.to_array(), v.z.to_array()]
+}
+
+/// [`crate::sphere::concentric::square_from_disc`] in cells, for eight at a time. The arctangent is good to 2e-3 of a cell, which
+/// is enough to find the cell of a centre.
+#[inline(always)]
+fn cell_coordinates<L: Lanes>(x: L, y: L) -> [L; 2] {
+    let (long, short) = (x.abs().fast_max(y.abs()), x.abs().fast_min(y.abs()));
+    let t = short / long.at_least(f32::MIN_POSITIVE);
+    let t_sq = t * t;
+    // Abramowitz and Stegun, 4.4.47.
+    let series = L::splat(0.0208351) * t_sq + L::splat(-0.0851330);
+    let series = series * t_sq + L::splat(0.1801410);
+    let series = series * t_sq + L::splat(-0.3302995);
+    let angle = (series * t_sq + L::splat(0.9998660)) * t;
+    let radius = (x * x + y * y).sqrt();
+    let turn = radius * L::splat(2.0 * FRAC_2_PI) * angle;
+    let is_steep = y.abs().simd_gt(x.abs());
+    let half = L::splat(0.5 * SIDE as f32);
+    let place = |size: L, of: L| half + half * of.simd_lt(L::splat(0.0)).select(-size, size);
+    [place(is_steep.select(turn, radius), x), place(is_steep.select(radius, turn), y)]
+}
