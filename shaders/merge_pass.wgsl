@@ -30,11 +30,11 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
         shaded = merge_cuts(point);
     }
     if !IS_FIRST {
-        let value = select(vec3(0.0), view_value(point, pixel, shaded), needs_merge());
+        let value = select(vec3(0.0), view_value(g, point, pixel, shaded), needs_merge());
         return with_sample(sums, g, vec4(value, 0.0), shaded.merged_nodes, shaded.brdf_evaluations);
     }
     let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
-    let value = vec4(view_value(point, pixel, shaded), wire);
+    let value = vec4(view_value(g, point, pixel, shaded), wire);
     return with_sample(sums, g, value, shaded.merged_nodes, shaded.brdf_evaluations);
 }
 
@@ -50,7 +50,7 @@ fn is_work(mode: u32) -> bool {
 }
 
 // Value of a surface in the view mode. Those of the meshless basis are part of the bounced light.
-fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32> {
+fn view_value(g: vec4<u32>, point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32> {
     switch frame.view_mode {
         case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
         case VIEW_ALBEDO: { return textureLoad(color_roughness, pixel, 0).xyz; }
@@ -59,8 +59,17 @@ fn view_value(point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32
         case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
         case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
         case VIEW_BASIS_LEVEL, VIEW_BASIS_FUNCTION, VIEW_BASIS_COEFFICIENTS: { return vec3(0.0); }
-        default: { return shaded.radiance + select(vec3(0.0), point.emission, IS_FIRST && frame.shows_emission != 0u); }
+        default: { return light_value(point, (g.w & FLAG_BACK) != 0u, shaded.radiance); }
     }
+}
+
+// The light of this part, as objects are posed, from that as baked.
+fn light_value(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>) -> vec3<f32> {
+    if !IS_FIRST {
+        return with_posed_bounce(point, from_behind, as_baked);
+    }
+    let emitted = select(vec3(0.0), point.emission, frame.shows_emission != 0u);
+    return as_baked * posed_ratio(point, from_behind) + emitted;
 }
 
 fn interpolated_cut_len(point: SurfacePoint) -> f32 {

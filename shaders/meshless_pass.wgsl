@@ -78,7 +78,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
 
 fn value_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
     if frame.view_mode == VIEW_SHADED {
-        return albedo_of(point.brdf) * irradiance_at(point, from_behind) * FRAC_1_PI;
+        return with_posed_bounce(point, from_behind, albedo_of(point.brdf) * irradiance_at(point, from_behind) * FRAC_1_PI);
     }
     return basis_value(point);
 }

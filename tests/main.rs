@@ -17,4 +17,5 @@ mod mitsuba;
 mod outputs;
 mod outside;
 mod pictures;
+mod poses;
 mod reproducers;

@@ -25,7 +25,7 @@ fn a_picture_is_close_to_both_references_and_a_turned_one_is_not() {
     let stats = folder.json("stats.json");
     assert_eq!(
         keys(&stats),
-        ["adapter", "backend", "mean_brdf_evaluations", "mean_merged_nodes", "pixels_shaded", "seconds"]
+        ["adapter", "backend", "mean_brdf_evaluations", "mean_merged_nodes", "pixels_shaded", "seconds", "tier"]
     );
     assert_eq!(stats["backend"].as_str(), Some("cpu"));
     folder.succeed(&format!("reference a.cuts {VIEW} --kind samples --out samples.exr"));

@@ -119,6 +119,17 @@ impl ShadedSamples {
     }
 }
 
+/// By what the light of a picture was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tier {
+    /// By the cuts and the bounces of the bake.
+    #[default]
+    Cuts,
+    /// By the bake, and by implicit visibility what posed objects change of it.
+    Implicit,
+}
+
 /// How a picture was made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RenderStats {
@@ -126,6 +137,8 @@ pub struct RenderStats {
     pub backend: String,
     /// Name of the graphics adapter.
     pub adapter: Option<String>,
+    /// By what its light was found.
+    pub tier: Tier,
     /// Wall-clock seconds for light, illumination cut and pixels.
     pub seconds: f64,
     /// Samples of pixels that show a surface.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use lapidary_core::{
+    cut::packed::PackedCuts,
     dataset::Dataset,
     opacity::Opacities,
     ray::{Intersector, Posable},
@@ -112,6 +113,11 @@ impl Baked {
         };
         let dataset = Dataset { scene: Scene { mesh, ..scene.clone() }, ..(*self.dataset).clone() };
         Ok(Self { dataset: dataset.into(), rays: rays.into(), patches: self.patches.clone() })
+    }
+
+    /// The same scene with other visibility cuts.
+    pub(crate) fn with_cuts(self, cuts: PackedCuts) -> Self {
+        Self { dataset: Dataset { cuts, ..Arc::unwrap_or_clone(self.dataset) }.into(), ..self }
     }
 
     /// The patch of each vertex, 0 to 63: vertices close to each other, as many in each. Found at the first call.

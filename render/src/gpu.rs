@@ -16,6 +16,7 @@ mod models;
 mod passes;
 mod pipeline;
 mod pool;
+mod posed;
 mod rays;
 mod readback;
 mod scene;

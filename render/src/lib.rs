@@ -38,7 +38,7 @@ mod view;
 mod view_mode;
 
 pub use appearance::{Appearance, Assigned};
-pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats, ShadedSamples};
+pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats, ShadedSamples, Tier};
 pub use baked::Baked;
 pub use cpu::{
     backend::{CPU, CpuBackend},

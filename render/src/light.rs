@@ -5,6 +5,7 @@ pub(crate) mod buried;
 pub(crate) mod components;
 pub(crate) mod direct;
 pub(crate) mod environment;
+pub(crate) mod implicit;
 pub(crate) mod local;
 
 /// How bright each node of a tree is somewhere, over the mean of the whole tree: the root of the mean square of the

@@ -2,9 +2,13 @@
 
 use crate::{
     Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks,
-    Pixels, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, View, light::bounce::Drift,
+    Pixels, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
+    light::{
+        bounce::Drift,
+        implicit::{PoseRig, PosedLight},
+    },
 };
-use lapidary_core::{ground::Ground, image::Image, scene::pose::Poses};
+use lapidary_core::{ground::Ground, image::Image, lights::Light, scene::pose::Poses};
 use std::{ops::Range, sync::Arc, time::Instant};
 
 /// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
@@ -18,6 +22,8 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     /// The scene as it is posed, which the renderer has.
     posed: Baked,
     poses: Poses,
+    /// Lights it while it is posed.
+    pose_rig: Option<PoseRig>,
     environment_rig: LightRig,
     local_rig: LocalRig,
     /// The state of the renderer; `None` after a failure, so that everything is set again.
@@ -83,6 +89,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             posed: baked.clone(),
             baked,
             poses: Poses::default(),
+            pose_rig: None,
             environment_rig,
             local_rig,
             lit: None,
@@ -112,26 +119,29 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if self.baked.is_same(baked) {
             return Ok(false);
         }
-        self.give(baked)?;
-        (self.baked, self.poses) = (baked.clone(), Poses::default());
+        (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
+        (self.baked, self.pose_rig) = (baked.clone(), None);
+        self.has_given(baked.clone(), Poses::default());
         Ok(true)
     }
 
-    /// Gives the renderer a scene, posed or not, without a look.
-    fn give(&mut self, posed: &Baked) -> Result<(), BackendError> {
-        (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, posed)?;
-        self.posed = posed.clone();
+    /// Notes that the renderer has a scene, and that nothing is lit.
+    fn has_given(&mut self, posed: Baked, poses: Poses) {
+        (self.posed, self.poses) = (posed, poses);
         (self.lit, self.finished, self.stale) = (None, false, Stale::ALL);
         self.drift = Drift::default();
-        Ok(())
     }
 
     /// Poses the objects of the scene. Where they cannot be posed so, they stay.
     fn pose(&mut self, poses: &Poses) -> Result<(), BackendError> {
         if self.poses != *poses {
             let posed = self.baked.posed(poses).map_err(BackendError::Pose)?;
-            self.give(&posed)?;
-            self.poses = poses.clone();
+            let rig = (!poses.is_empty()).then(|| PoseRig::new(&self.baked, &posed, poses));
+            let posed = rig.iter().fold(posed, |posed, rig| rig.with_cuts(posed));
+            // The rigs light the scene as it was baked, which the pose rig's light is added to.
+            self.backend.set_scene(&posed)?;
+            self.pose_rig = rig;
+            self.has_given(posed, poses.clone());
         }
         Ok(())
     }
@@ -218,7 +228,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
         let mut stale = redo.pixels;
         if redo.appearance && stale.bounce != Pixels::All && now.shows_bounces() {
-            let before = before.filter(|_| self.keeps_unseen && !redo.view);
+            let before = before.filter(|_| self.keeps_unseen && !redo.view && self.pose_rig.is_none());
             let patches = before.and_then(|b| self.drift.add(&self.posed, b, now));
             let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
             stale.bounce = stale.bounce.and(reached);
@@ -253,12 +263,26 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.local_rig.set_lights(&look.lights);
         self.local_rig.set_suns(suns);
         self.local_rig.set_tau(look.tau);
-        let local = self.local_rig.lighting(look.components, look.shown_solution(), look.illum_cut);
+        let mut local = self.local_rig.lighting(look.components, look.shown_solution(), look.illum_cut);
+        local.posed = self.posed_light(look, environment, &local);
         if !known.is_some_and(|known| known.is_same(&local)) {
             let remarks = self.backend.set_local_lighting(&local)?;
             self.remarks.replace(2, remarks);
         }
         Ok(local)
+    }
+
+    /// What posed objects change of the light.
+    fn posed_light(
+        &mut self,
+        look: &Look,
+        environment: &SceneLighting,
+        local: &LocalLighting,
+    ) -> Option<Arc<PosedLight>> {
+        let rig = self.pose_rig.as_mut()?;
+        let environment = Some(environment).filter(|_| self.baked.dataset.settings.mode.environment());
+        let lights: Vec<Light> = local.lights.iter().chain(&local.suns).cloned().collect();
+        Some(rig.light(environment, &lights, &look.appearance).into())
     }
 
     /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials
@@ -339,7 +363,9 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn stats(&mut self, seconds: f64) -> Result<RenderStats, BackendError> {
         let (work, name) = (self.backend.stats()?, self.backend.name());
         let adapter = (name != CPU).then_some(name);
+        let tier = if self.pose_rig.is_some() { Tier::Implicit } else { Tier::Cuts };
         Ok(RenderStats {
+            tier,
             backend: if adapter.is_some() { "gpu" } else { CPU }.into(),
             adapter,
             seconds,

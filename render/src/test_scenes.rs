@@ -1,7 +1,7 @@
 //! Scenes, lights and views that tests share, small enough for known answers.
 
 use crate::{
-    Background, BrdfSampling, Illumination, PictureStats, RenderStats, Renderer, SceneLighting, View,
+    Background, BrdfSampling, Illumination, PictureStats, RenderStats, Renderer, SceneLighting, Tier, View,
     cpu::picture::Picture,
     measure::compare::compare,
     shade::{
@@ -384,6 +384,7 @@ impl Renderer {
         let PictureStats { pixels_shaded, mean_merged_nodes, mean_brdf_evaluations, .. } = picture.stats();
         let seconds = start.elapsed().as_secs_f64();
         let stats = RenderStats {
+            tier: Tier::Cuts,
             backend: "cpu".into(),
             adapter: None,
             seconds,

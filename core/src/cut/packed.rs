@@ -185,6 +185,16 @@ impl PackedCuts {
         self.offsets.push(offset);
     }
 
+    /// The same with other cuts for some vertices.
+    #[must_use]
+    pub fn with(&self, others: impl IntoIterator<Item = (u32, Vec<u16>)>) -> Self {
+        let mut cuts = self.clone();
+        for (vertex, cut) in others {
+            cuts.offsets[vertex as usize] = cuts.push_cut(&cut);
+        }
+        cuts
+    }
+
     /// Number of vertices.
     pub fn len(&self) -> usize {
         self.offsets.len()

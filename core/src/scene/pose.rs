@@ -75,6 +75,11 @@ impl Poses {
         self.of_object.get(&object).copied().unwrap_or_default()
     }
 
+    /// Whether an object is where it was baked.
+    pub fn is_as_baked(&self, object: u32) -> bool {
+        !self.of_object.contains_key(&object)
+    }
+
     /// Poses an object.
     pub fn set(&mut self, object: u32, pose: Pose) {
         self.replace(object, pose);

@@ -108,6 +108,8 @@ fn light_of<'a>(
         emission: local.components.direct,
         sources: local.shown_indirect().map(|lighting| &**lighting),
         meshless: local.shown_meshless().map(|light| &**light),
+        posed: local.posed.as_deref(),
+        posed_bounce: local.posed.as_deref().filter(|_| local.components.indirect),
         local: shown(&lights.direct),
         added: shown(&lights.added),
     }

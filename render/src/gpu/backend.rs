@@ -18,7 +18,7 @@ use super::{
     models::ModelSet,
     passes::Passes,
     pipeline::Shaders,
-    readback,
+    posed, readback,
     scene::{GpuScene, storage},
     shaders::ShaderSource,
     shadows::Plan,
@@ -387,6 +387,9 @@ impl Backend for GpuBackend {
             self.meshless.forget_light();
         }
         let remark = self.local_lights.set(&lighting.shown_lights(), radius);
+        if let Some(loaded) = &mut self.scene {
+            loaded.scene.posed = posed::texture(&self.gpu, lighting.posed.as_deref());
+        }
         self.gpu.check()?;
         Ok(remark.into_iter().collect())
     }

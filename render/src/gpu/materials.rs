@@ -62,6 +62,7 @@ impl GpuMaterials {
             wgpu::BindingResource::TextureView(&self.pool.view),
             self.tables.as_entire_binding(),
             self.measured.buffer.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&scene.posed),
         ];
         bind(gpu, "scene", layout, &resources)
     }

@@ -137,7 +137,7 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
     let layout = |label, bindings: &[Binding]| layout(gpu, label, bindings);
     Layouts {
         frame: layout("frame", &[Uniform]),
-        scene: layout("scene", &[Storage, Storage, Storage, Uint, Uniform, Storage]),
+        scene: layout("scene", &[Storage, Storage, Storage, Uint, Uniform, Storage, Float]),
         light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
         ids: layout("ids", &[Uint]),
         parameters: layout("parameters", &[Uint, Float]),

@@ -3,6 +3,7 @@
 use super::{
     device::GpuDevice,
     layout::{Triangle, Vertex, constants::TWO_SIDED},
+    posed,
 };
 use crate::{appearance::Appearance, backend::BackendError, remedy::Remedy, view::View, view_mode::visibility_cuts};
 use lapidary_core::{
@@ -22,6 +23,8 @@ pub struct GpuScene {
     pub cuts: GpuCuts,
     /// Vertices' cuts over surface sources, if they were baked.
     pub sources: Option<SourceCuts>,
+    /// What posed objects change of the light.
+    pub posed: wgpu::TextureView,
     pub tree_height: u32,
     pub leaf_solid_angle: f32,
     /// Distance in metres nearer than which nothing is drawn.
@@ -71,6 +74,7 @@ impl GpuScene {
             sources: dataset.indirect.as_ref().map(|bake| source_cuts(gpu, bake)).transpose()?,
             vertices: storage(gpu, "vertices", bytemuck::cast_slice(&vertices(dataset))),
             triangles: storage(gpu, "triangles", bytemuck::cast_slice(&triangles(dataset, &Appearance::default()))),
+            posed: posed::texture(gpu, None),
             triangle_count: mesh.triangles.len() as u32,
             ground: mesh.ground.map(|start| GpuGround {
                 first_triangle: start.triangle,

@@ -40,6 +40,7 @@ parts!(
     "opacity",
     "parameters_pass",
     "past",
+    "posed",
     "predict_pass",
     "procedural",
     "rays_pass",
@@ -129,7 +130,7 @@ pub const MERGE: Program = Program {
     name: "merge_pass",
     parts: [
         SHADING,
-        &["receiver", "tree", "cut", "lit_cut", "refine", "environment", "mirror", "wireframe", "merge_pass"],
+        &["receiver", "tree", "cut", "lit_cut", "refine", "environment", "mirror", "wireframe", "posed", "merge_pass"],
     ],
 };
 /// Lit cuts.
@@ -143,7 +144,7 @@ pub const SHADOW: Program = Program {
 pub const DIRECT: Program =
     Program { name: "direct_pass", parts: [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]] };
 /// Bounced light of the meshless basis.
-pub const MESHLESS: Program = Program { name: "meshless_pass", parts: [SHADING, &["meshless_pass"]] };
+pub const MESHLESS: Program = Program { name: "meshless_pass", parts: [SHADING, &["posed", "meshless_pass"]] };
 /// The post pass.
 pub const DISPLAY: Program =
     Program { name: "display_pass", parts: [&[], &["fullscreen", "tonemap", "sums", "display_pass"]] };

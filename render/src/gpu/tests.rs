@@ -7,6 +7,7 @@ mod ground;
 mod kept;
 mod meshless;
 mod opacity;
+mod posed;
 mod reflection;
 mod sketch;
 mod textures;

@@ -7,6 +7,7 @@ use crate::{
         bounce::{MeshlessLight, MeshlessRig, SourceLighting, SourceRig},
         components::{Components, Solution},
         environment::{SceneLighting, is_same},
+        implicit::PosedLight,
     },
 };
 use glam::Vec3;
@@ -29,6 +30,8 @@ pub struct LocalLighting {
     pub indirect: Option<Arc<SourceLighting>>,
     /// Bounced light of the meshless basis, in place of [`Self::indirect`].
     pub meshless: Option<Arc<MeshlessLight>>,
+    /// What posed objects change of all that.
+    pub posed: Option<Arc<PosedLight>>,
     /// The parts that are shown.
     pub components: Components,
     /// Energy of each bounce of the meshless basis, if the picture contains them.
@@ -40,6 +43,7 @@ impl LocalLighting {
     pub fn is_same(&self, other: &Self) -> bool {
         is_same(self.indirect.as_ref(), other.indirect.as_ref())
             && is_same(self.meshless.as_ref(), other.meshless.as_ref())
+            && is_same(self.posed.as_ref(), other.posed.as_ref())
             && Arc::ptr_eq(&self.lights, &other.lights)
             && self.suns == other.suns
             && self.components == other.components
@@ -173,7 +177,7 @@ impl LocalRig {
         };
         let solved = self.meshless.as_ref().filter(|_| components.indirect && solution != Solution::Cuts);
         let energy = solved.and_then(MeshlessRig::energy);
-        LocalLighting { lights, suns, indirect, meshless, components, energy }
+        LocalLighting { lights, suns, indirect, meshless, posed: None, components, energy }
     }
 
     fn gather(&mut self, solution: Solution, illum_cut: u32) -> Option<Arc<SourceLighting>> {

@@ -5,6 +5,7 @@ use crate::{
         bounce::{MeshlessLight, SourceLighting, functions::level_color},
         direct::direct_light,
         environment::SceneLighting,
+        implicit::PosedLight,
     },
     shade::{
         merge::{BrdfSampling, Shader, Work},
@@ -33,6 +34,10 @@ pub(crate) struct PictureLight<'a> {
     pub sources: Option<&'a SourceLighting>,
     /// Bounced light of the meshless basis.
     pub meshless: Option<&'a MeshlessLight>,
+    /// What posed objects change of the environment's light.
+    pub posed: Option<&'a PosedLight>,
+    /// What they change of bounced light, if that is shown.
+    pub posed_bounce: Option<&'a PosedLight>,
     /// Local lights whose direct light is shown, and the intersector for their shadow rays.
     pub local: Option<(&'a [Light], &'a Intersector)>,
     /// Those among the local lights whose light is summed by itself; [`Self::local`] has the others.
@@ -45,7 +50,10 @@ impl PictureLight<'_> {
         let shaded = mode == ViewMode::Shaded;
         Part::ALL.map(|part| match part {
             Part::Environment => true,
-            Part::Bounce => shaded && self.sources.is_some() || (shaded || mode.is_of_basis()) && self.meshless.is_some(),
+            Part::Bounce => {
+                shaded && (self.sources.is_some() || self.posed_bounce.is_some())
+                    || (shaded || mode.is_of_basis()) && self.meshless.is_some()
+            }
             Part::Direct => shaded && self.local.is_some(),
             Part::Added => shaded && self.added.is_some(),
         })
@@ -62,6 +70,8 @@ pub(crate) struct Painter<'a> {
     emission: bool,
     sources: Option<Shader<'a, SourceField<'a>>>,
     meshless: Option<&'a MeshlessLight>,
+    posed: Option<&'a PosedLight>,
+    posed_bounce: Option<&'a PosedLight>,
     local: Option<(&'a [Light], &'a Intersector)>,
     added: Option<(&'a [Light], &'a Intersector)>,
     /// Work that was shown and has not been taken.
@@ -81,6 +91,8 @@ impl<'a> Painter<'a> {
             emission: light.emission,
             sources,
             meshless: light.meshless,
+            posed: light.posed,
+            posed_bounce: light.posed_bounce,
             local: light.local,
             added: light.added,
             shown: Work::default(),
@@ -116,7 +128,9 @@ impl<'a> Painter<'a> {
 
     /// Direct light of the environment.
     fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
-        self.environment.as_mut().map(|shader| shader.shade(point)).unwrap_or_default()
+        let as_baked = self.environment.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
+        let change = |posed: &PosedLight| posed.ratio.at(point.vertices, point.weights, point.from_behind);
+        as_baked * self.posed.map_or(Vec3::ONE, change)
     }
 
     fn emitted(&self, point: &SurfacePoint) -> Vec3 {
@@ -134,8 +148,17 @@ impl<'a> Painter<'a> {
         environment.unwrap_or_default() + sources.unwrap_or_default()
     }
 
-    /// Bounced light, gathered from the sources or of the meshless basis.
+    /// Bounced light: as baked, and what posed objects change of it.
     fn bounced(&mut self, point: &SurfacePoint) -> Vec3 {
+        let Some(posed) = self.posed_bounce else { return self.bounced_as_baked(point) };
+        let has_moved = posed.is_moved[point.vertices[0] as usize];
+        let as_baked = if has_moved { Vec3::ZERO } else { self.bounced_as_baked(point) };
+        let more = posed.bounce.at(point.vertices, point.weights, point.from_behind);
+        (as_baked + point.brdf.as_brdf().albedo() * more * FRAC_1_PI).max(Vec3::ZERO)
+    }
+
+    /// Gathered from the sources or of the meshless basis.
+    fn bounced_as_baked(&mut self, point: &SurfacePoint) -> Vec3 {
         let gathered = self.sources.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
         gathered + self.of_functions(point)
     }

@@ -1,7 +1,7 @@
 //! `lapidary render`: a picture by merged cuts.
 
 use crate::{
-    args::{LocalLightArgs, PictureArgs, ViewArgs, choices, warn_of_buried},
+    args::{LocalLightArgs, PictureArgs, PoseArgs, ViewArgs, choices, warn_of_buried},
     export::{Finished, LayerList, Studio, check_pictures, is_exr, wanted_layers},
     outputs::CommandFiles,
     terminal::{Console, Outcome, write_json},
@@ -41,6 +41,8 @@ pub struct RenderArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    pose: PoseArgs,
 }
 
 impl RenderArgs {
@@ -61,7 +63,7 @@ impl RenderArgs {
     /// Pictures of no known format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(&self.out)?;
-        Ok(self.view.files(&self.local).writes(&self.out).writes(&self.stats))
+        Ok(self.pose.files(self.view.files(&self.local)).writes(&self.out).writes(&self.stats))
     }
 }
 
@@ -74,7 +76,8 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
         bail!("only exr files hold layers; add --out FILE.exr, or leave --layers out");
     }
     args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
-    let viewed = args.view.resolve(&args.local, console)?;
+    let mut viewed = args.view.resolve(&args.local, console)?;
+    viewed.poses = args.pose.read(&viewed.baked.dataset.scene)?;
     let look = args.shown(args.picture.look(&viewed)?, &viewed.baked.dataset)?;
     let layers = wanted_layers(args.layers.as_ref(), &look)?;
     let baked = viewed.baked.clone();

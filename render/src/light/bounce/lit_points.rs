@@ -10,7 +10,7 @@ use lapidary_core::{lights::Light, ray::offset, surfel::Surfel};
 use rayon::prelude::*;
 
 /// Points with their direct light and reflectance.
-pub(super) struct LitPoints {
+pub(crate) struct LitPoints {
     baked: Baked,
     pub(super) points: Vec<Surfel>,
     /// Shading normals, one per point, so that the bounce is as bright as the visible surface.

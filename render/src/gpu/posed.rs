@@ -1,0 +1,44 @@
+//! What posed objects change of the light, for the passes that shade.
+
+use super::{
+    device::GpuDevice,
+    scene::{extent, write_rows},
+};
+use crate::light::implicit::{PosedLight, Sides};
+
+/// Texels in a row. Four belong to a vertex.
+const WIDTH: usize = 8192;
+
+/// The texture that `posed.wgsl` reads: four texels for each vertex, or one in all where nothing is posed.
+pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>) -> wgpu::TextureView {
+    let (size, texels) = match light {
+        Some(light) => {
+            let mut texels = texels(light);
+            texels.resize(texels.len().next_multiple_of(WIDTH).max(WIDTH), [0.0; 4]);
+            ([WIDTH as u32, (texels.len() / WIDTH) as u32], texels)
+        }
+        None => ([1, 1], vec![[0.0; 4]]),
+    };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("posed light"),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    write_rows(gpu, &texture, size[0] as usize * size_of::<[f32; 4]>(), bytemuck::cast_slice(&texels));
+    texture.create_view(&Default::default())
+}
+
+fn texels(light: &PosedLight) -> Vec<[f32; 4]> {
+    let PosedLight { is_moved, ratio, bounce } = light;
+    let of_vertex = |(vertex, &moved): (usize, &bool)| {
+        let [ratio, bounce] = [ratio, bounce].map(|Sides { front, back }| [front[vertex], back[vertex]]);
+        let alpha = f32::from(u8::from(moved));
+        [ratio[0].extend(alpha), ratio[1].extend(0.0), bounce[0].extend(0.0), bounce[1].extend(0.0)]
+    };
+    is_moved.iter().enumerate().flat_map(of_vertex).map(|texel| texel.to_array()).collect()
+}

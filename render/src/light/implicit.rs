@@ -1,0 +1,179 @@
+//! What the poses of objects change of a picture, by implicit visibility (Dong et al. 2007): shadows and bounces follow at once, before
+//! anything is baked anew.
+//!
+//! What stays shows its baked light times `E(posed) / E(as baked)` of the environment, plus the difference of the bounces. Both come
+//! from the same bins, so that where nothing changed the picture is the baked one to the bit. What moved has visibility cuts made of
+//! its bins, and bounced light of its own.
+
+mod cuts;
+mod sky;
+mod vertices;
+
+use crate::{
+    appearance::Appearance,
+    baked::Baked,
+    light::{bounce::LitPoints, environment::SceneLighting},
+};
+use glam::Vec3;
+use lapidary_core::{
+    dataset::Dataset,
+    implicit::{Bins, LeafLight, Lighting, Views},
+    lights::Light,
+    scene::{Mesh, pose::Poses},
+    surfel::forest::SurfelForest,
+};
+use sky::SkyGrid;
+use std::sync::Arc;
+use vertices::VertexLeaves;
+
+/// Leaves of the surfel forest.
+pub const SURFELS: u32 = 8192;
+
+/// Samples of an area light along each of its sides, at each leaf.
+const AREA_SAMPLES: u32 = 2;
+
+/// Bounces that are followed.
+const BOUNCES: usize = 3;
+
+/// The most that the light of a vertex may grow.
+const MOST_GROWTH: f32 = 2.0;
+
+/// A value for each side of the vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sides {
+    /// On the side of the normals.
+    pub front: Vec<Vec3>,
+    /// On the other.
+    pub back: Vec<Vec3>,
+}
+
+impl Sides {
+    /// At a point of a triangle, by the weights of its vertices.
+    #[inline]
+    pub fn at(&self, vertices: [u32; 3], weights: [f32; 3], from_behind: bool) -> Vec3 {
+        let side = if from_behind { &self.back } else { &self.front };
+        vertices.iter().zip(weights).map(|(&vertex, weight)| side[vertex as usize] * weight).sum()
+    }
+}
+
+/// The light of posed objects, for pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PosedLight {
+    /// Per vertex: whether it is elsewhere than it was baked.
+    pub is_moved: Arc<[bool]>,
+    /// What the environment's light of vertices is multiplied by, 0 to 2; 1 for those that moved, whose cuts are new.
+    pub ratio: Sides,
+    /// Irradiance in W/m²: what bounces more than as baked, or less; all of it for what moved.
+    pub bounce: Sides,
+}
+
+/// Lights a posed scene, again and again.
+pub struct PoseRig {
+    as_baked: Seen,
+    posed: Seen,
+    is_moved: Arc<[bool]>,
+    vertices: VertexLeaves,
+}
+
+/// A scene under one pose, and what its leaves see.
+struct Seen {
+    forest: SurfelForest,
+    views: Views,
+    points: LitPoints,
+}
+
+impl Seen {
+    fn new(baked: &Baked, forest: SurfelForest) -> Self {
+        let views = Bins::walk(forest.discs(), 0.0, &|_| true).views();
+        let points = LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES);
+        Self { forest, views, points }
+    }
+
+    /// Irradiance of the leaves from the sky, and that of all bounces.
+    fn lit(&mut self, sky: &SkyGrid, lights: &[Light], appearance: &Appearance) -> [Vec<Vec3>; 2] {
+        self.points.set_appearance(appearance);
+        self.points.set_lights(lights);
+        let sky = |direction| sky.radiance(direction);
+        let of_sky = self.views.irradiance_of_sky(self.forest.discs(), &sky);
+        let lighting = Lighting {
+            reflectance: self.points.albedo(),
+            emitted: self.points.emission(),
+            received: &self.points.irradiance(),
+            sky: &sky,
+        };
+        let LeafLight { direct, bounced } = LeafLight::new(self.forest.discs(), &self.views, &lighting, BOUNCES);
+        // Surfaces that shine are lamps to the bins, and bounces to the picture.
+        let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
+        let others = others.collect();
+        [of_sky, others]
+    }
+}
+
+impl PoseRig {
+    /// For a scene as it was baked, and as it is posed.
+    pub fn new(baked: &Baked, posed: &Baked, poses: &Poses) -> Self {
+        let Dataset { scene, two_sided, .. } = &*baked.dataset;
+        let forest = SurfelForest::new(&scene.mesh, two_sided, SURFELS);
+        let vertices = VertexLeaves::new(forest.discs(), &baked.dataset);
+        let is_moved = moved_vertices(&scene.mesh, poses);
+        let mut moved = forest.clone();
+        moved.update(&posed.dataset.scene.mesh.positions, &|object| !poses.is_as_baked(object));
+        Self { as_baked: Seen::new(baked, forest), posed: Seen::new(posed, moved), is_moved, vertices }
+    }
+
+    /// The posed scene with visibility cuts for the vertices that moved.
+    pub fn with_cuts(&self, posed: Baked) -> Baked {
+        let (forest, views) = (self.posed.forest.discs(), &self.posed.views);
+        let cuts = cuts::of_moved(&posed.dataset, forest, views, &self.vertices, &self.is_moved);
+        posed.with_cuts(cuts)
+    }
+
+    /// The light of the posed scene under an environment, if it is shown, and local lights.
+    pub fn light(
+        &mut self,
+        environment: Option<&SceneLighting>,
+        lights: &[Light],
+        appearance: &Appearance,
+    ) -> PosedLight {
+        let sky = SkyGrid::new(environment);
+        let [baked_sky, baked_bounce] = self.as_baked.lit(&sky, lights, appearance);
+        let [posed_sky, posed_bounce] = self.posed.lit(&sky, lights, appearance);
+        let [baked_sky, baked_bounce, posed_sky, posed_bounce] =
+            [baked_sky, baked_bounce, posed_sky, posed_bounce].map(|leaves| self.vertices.apply(&leaves));
+        let is_moved = &self.is_moved;
+        let growth =
+            |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { Vec3::ONE } else { ratio(now, before) };
+        let more = |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { now } else { now - before };
+        PosedLight {
+            is_moved: is_moved.clone(),
+            ratio: combined(&posed_sky, &baked_sky, growth),
+            bounce: combined(&posed_bounce, &baked_bounce, more),
+        }
+    }
+}
+
+/// `now / before` per channel, within bounds; 1 where there was no light.
+fn ratio(now: Vec3, before: Vec3) -> Vec3 {
+    let of = |now: f32, before: f32| if before > 0.0 { (now / before).clamp(0.0, MOST_GROWTH) } else { 1.0 };
+    Vec3::new(of(now.x, before.x), of(now.y, before.y), of(now.z, before.z))
+}
+
+fn combined(now: &Sides, before: &Sides, combine: impl Fn(usize, Vec3, Vec3) -> Vec3) -> Sides {
+    let side = |now: &[Vec3], before: &[Vec3]| {
+        now.iter().zip(before).enumerate().map(|(vertex, (&now, &before))| combine(vertex, now, before)).collect()
+    };
+    Sides { front: side(&now.front, &before.front), back: side(&now.back, &before.back) }
+}
+
+fn moved_vertices(mesh: &Mesh, poses: &Poses) -> Arc<[bool]> {
+    let mut is_moved = vec![false; mesh.positions.len()];
+    for (corners, &object) in mesh.triangles.iter().zip(&mesh.triangle_object) {
+        if !poses.is_as_baked(object) {
+            corners.iter().for_each(|&vertex| is_moved[vertex as usize] = true);
+        }
+    }
+    is_moved.into()
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

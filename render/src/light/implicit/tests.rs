@@ -1,0 +1,117 @@
+//! Pictures of posed objects, against scenes that were baked so.
+
+use super::*;
+use crate::{
+    Backend, Components, CpuBackend, LitScene, Look, Renderer,
+    light::components::Solution,
+    test_scenes::{dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, rel_rmse, white},
+};
+use lapidary_core::{
+    brdf::Parameters,
+    image::Image,
+    material::BrdfModel,
+    scene::{
+        Object, Scene,
+        pose::{Objects, Pose},
+    },
+};
+
+const BLOCKER: u32 = 1;
+
+/// A floor with a blocker above it, an object of its own.
+pub(crate) fn blocked(parameters: impl Into<Parameters>, cells: u32) -> Dataset {
+    let mut mesh = mesh(cells, true);
+    let blocker = mesh.triangles.len() - 4..;
+    mesh.triangle_object[blocker].fill(BLOCKER);
+    let mut dataset = dataset(mesh, parameters);
+    dataset.scene.objects.push(Object { name: "blocker".into() });
+    dataset
+}
+
+pub(crate) fn posed(pose: Pose) -> Poses {
+    let mut poses = Poses::default();
+    poses.set(BLOCKER, pose);
+    poses
+}
+
+/// As a bake of the posed scene.
+fn baked_so(as_baked: &Dataset, poses: &Poses, parameters: impl Into<Parameters>) -> Dataset {
+    let mesh = poses.pose(&as_baked.scene.mesh, &Objects::of(&as_baked.scene)).unwrap();
+    Dataset { scene: Scene { mesh: mesh.clone(), ..as_baked.scene.clone() }, ..dataset(mesh, parameters) }
+}
+
+/// A sky that is brighter on one side.
+pub(crate) fn sky() -> crate::Illumination {
+    illumination([16, 8], |x, y| Vec3::splat(if y < 5 && (4..8).contains(&x) { 6.0 } else { 1.0 }))
+}
+
+fn picture(dataset: &Dataset, look: impl FnOnce(&mut Look)) -> Image {
+    let mut seen = Look::under_environment(&dataset.scene, from_above(48), sky());
+    look(&mut seen);
+    let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), dataset.clone().into()).unwrap();
+    scene.show_whole(&seen).unwrap().image
+}
+
+#[test]
+fn a_preview_is_close_to_a_bake_of_the_posed_scene_and_the_bake_as_it_was_is_not() {
+    let as_baked = blocked(white(), 24);
+    let turned = Pose { translate: Vec3::new(0.7, -0.2, 0.4), rotate_degrees: Vec3::Y * 30.0, scale: 1.2 };
+    let away = Pose { translate: Vec3::Y * 1000.0, ..Pose::AS_BAKED };
+    for pose in [turned, away] {
+        let poses = posed(pose);
+        let truth = picture(&baked_so(&as_baked, &poses, white()), |_| ());
+        let preview = picture(&as_baked, |look| look.poses = poses.clone());
+        let (near, before) = (rel_rmse(&preview, &truth), rel_rmse(&picture(&as_baked, |_| ()), &truth));
+        assert!(near < 0.08 && before > 2.5 * near, "{near}, negative control {before}");
+    }
+}
+
+#[test]
+fn what_moved_is_lit_by_its_own_bins_glossy_too() {
+    for parameters in [Parameters::from(white()), glossy(0.4).into()] {
+        let mut as_baked = blocked(parameters.clone(), 8);
+        as_baked.scene.materials[0].model = BrdfModel::Ggx;
+        let poses = posed(Pose { translate: Vec3::new(0.2, 0.3, 0.0), rotate_degrees: Vec3::Z * 70.0, scale: 1.5 });
+        let view = |look: &mut Look| look.view = from_the_side(48);
+        let truth = picture(&baked_so(&as_baked, &poses, parameters), view);
+        let preview = picture(&as_baked, |look| {
+            view(look);
+            look.poses = poses.clone();
+        });
+        let (near, dark) = (rel_rmse(&preview, &truth), rel_rmse(&Image::filled([48, 48], Vec3::ZERO), &truth));
+        assert!(near < 0.12 && dark > 0.9, "{near}, {dark}");
+    }
+}
+
+#[test]
+fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
+    let baked = Baked::from(blocked(white(), 8));
+    let renderer = Renderer::new(baked.clone());
+    let lighting = renderer.lighting(&sky(), 64);
+    let lamp = [point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)];
+    let appearance = Appearance::of(&baked.dataset.scene);
+    let as_it_is = PoseRig::new(&baked, &baked, &Poses::default()).light(Some(&lighting), &lamp, &appearance);
+    let all = |sides: &Sides, value| sides.front.iter().chain(&sides.back).all(|found| *found == value);
+    assert!(all(&as_it_is.ratio, Vec3::ONE) && all(&as_it_is.bounce, Vec3::ZERO));
+    let poses = posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED });
+    let moved = baked.posed(&poses).unwrap();
+    let changed = PoseRig::new(&baked, &moved, &poses).light(Some(&lighting), &lamp, &appearance);
+    assert!(!all(&changed.ratio, Vec3::ONE) && !all(&changed.bounce, Vec3::ZERO), "negative control");
+    assert!(changed.ratio.front.iter().all(|ratio| ratio.min_element() >= 0.0 && ratio.max_element() <= MOST_GROWTH));
+}
+
+#[test]
+fn a_floor_bounces_its_light_to_what_moved() {
+    let as_baked = blocked(white(), 8);
+    let poses = posed(Pose { translate: Vec3::Y * -0.4, ..Pose::AS_BAKED });
+    let below = |indirect: bool| {
+        picture(&as_baked, |look| {
+            look.view.camera.eye = Vec3::new(0.0, 0.05, 1.4);
+            look.view.camera.target = Vec3::new(0.0, 0.6, 0.0);
+            look.poses = poses.clone();
+            (look.components, look.solution) = (Components { indirect, ..Components::ALL }, Solution::Cuts);
+        })
+    };
+    let (with, without) = (crate::test_scenes::mean(&below(true)), crate::test_scenes::mean(&below(false)));
+    assert!(with > 1.05 * without, "{with} {without}");
+}
