@@ -22,7 +22,7 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     /// The scene as it is posed, which the renderer has.
     posed: Baked,
     poses: Poses,
-    /// Lights it while it is posed.
+    /// Lights the scene while it is posed; `None` before it ever was.
     pose_rig: Option<PoseRig>,
     environment_rig: LightRig,
     local_rig: LocalRig,
@@ -136,11 +136,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn pose(&mut self, poses: &Poses) -> Result<(), BackendError> {
         if self.poses != *poses {
             let posed = self.baked.posed(poses).map_err(BackendError::Pose)?;
-            let rig = (!poses.is_empty()).then(|| PoseRig::new(&self.baked, &posed, poses));
-            let posed = rig.iter().fold(posed, |posed, rig| rig.with_cuts(posed));
+            let posed = match poses.is_empty() {
+                true => posed,
+                false => self.pose_rig.get_or_insert_with(|| PoseRig::new(&self.baked)).pose(posed, poses),
+            };
             // The rigs light the scene as it was baked, which the pose rig's light is added to.
             self.backend.set_scene(&posed)?;
-            self.pose_rig = rig;
             self.has_given(posed, poses.clone());
         }
         Ok(())
@@ -228,7 +229,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
         let mut stale = redo.pixels;
         if redo.appearance && stale.bounce != Pixels::All && now.shows_bounces() {
-            let before = before.filter(|_| self.keeps_unseen && !redo.view && self.pose_rig.is_none());
+            let before = before.filter(|_| self.keeps_unseen && !redo.view && self.poses.is_empty());
             let patches = before.and_then(|b| self.drift.add(&self.posed, b, now));
             let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
             stale.bounce = stale.bounce.and(reached);
@@ -279,7 +280,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         environment: &SceneLighting,
         local: &LocalLighting,
     ) -> Option<Arc<PosedLight>> {
-        let rig = self.pose_rig.as_mut()?;
+        let rig = self.pose_rig.as_mut().filter(|_| !self.poses.is_empty())?;
         let environment = Some(environment).filter(|_| self.baked.dataset.settings.mode.environment());
         let lights: Vec<Light> = local.lights.iter().chain(&local.suns).cloned().collect();
         Some(rig.light(environment, &lights, &look.appearance).into())
@@ -363,7 +364,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn stats(&mut self, seconds: f64) -> Result<RenderStats, BackendError> {
         let (work, name) = (self.backend.stats()?, self.backend.name());
         let adapter = (name != CPU).then_some(name);
-        let tier = if self.pose_rig.is_some() { Tier::Implicit } else { Tier::Cuts };
+        let tier = if !self.poses.is_empty() { Tier::Implicit } else { Tier::Cuts };
         Ok(RenderStats {
             tier,
             backend: if adapter.is_some() { "gpu" } else { CPU }.into(),
@@ -380,7 +381,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         // A shadow over nothing is no surface.
         let is_shadow = look.catches_shadows() && look.view.background == Background::Transparent;
         let ground = if is_shadow { Ground::Off } else { look.view.ground };
-        Renderer::of(&self.posed, look).surface_layers(&View { ground, ..look.view.clone() })
+        Renderer::of(&self.baked, look).surface_layers(&View { ground, ..look.view.clone() })
     }
 
     /// The scene.

@@ -40,9 +40,10 @@ impl Renderer {
         Self { dataset, appearance, baked, opacities, own_rays: None, largest_offset, rig: OnceLock::new() }
     }
 
-    /// For a scene with the materials of a look; missing materials and maps are replaced.
+    /// For a scene with the materials of a look and objects where it poses them, or where they were baked if they cannot be posed
+    /// so; missing materials and maps are replaced.
     pub fn of(baked: &Baked, look: &Look) -> Self {
-        let mut renderer = Self::new(baked.clone());
+        let mut renderer = Self::new(baked.posed(&look.poses).unwrap_or_else(|_| baked.clone()));
         renderer.set_appearance(look.appearance.fitted(&renderer.dataset.scene.materials).0);
         renderer
     }

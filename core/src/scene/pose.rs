@@ -11,7 +11,10 @@ use super::{Mesh, MeshError, Scene};
 use crate::bounds::Bounds;
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, ops::Range};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::Range,
+};
 
 /// The largest scale, and the inverse of the least.
 pub const MOST_SCALE: f32 = 1e4;
@@ -78,6 +81,12 @@ impl Poses {
     /// Whether an object is where it was baked.
     pub fn is_as_baked(&self, object: u32) -> bool {
         !self.of_object.contains_key(&object)
+    }
+
+    /// The objects that are not in the same place by both, by index.
+    pub fn differing<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = u32> + 'a {
+        let all: BTreeSet<u32> = self.moved().chain(other.moved()).collect();
+        all.into_iter().filter(|&object| self.of(object) != other.of(object))
     }
 
     /// Poses an object.

@@ -11,8 +11,9 @@ impl EditorState {
             self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
             return;
         }
-        let bounds = self.scene.rendered().zip(self.selection.object);
-        match bounds.and_then(|(baked, object)| pick::object_bounds(&baked.dataset.scene.mesh, object)) {
+        let posed = self.scene.rendered().map(|baked| self.requests.posed(&self.document, baked, false));
+        let bounds = posed.zip(self.selection.object);
+        match bounds.and_then(|(posed, object)| pick::object_bounds(&posed.dataset.scene.mesh, object)) {
             Some(bounds) => self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect()),
             None => self.frame_all(),
         }

@@ -19,7 +19,9 @@ impl EditorState {
         }
         self.note_window_size(&ctx);
         self.collect(&ctx);
-        self.bounds.update(self.scene.rendered(), self.selection.object);
+        let is_held = ctx.input(|input| input.pointer.any_down());
+        let posed = self.scene.rendered().map(|baked| self.requests.posed(&self.document, baked, is_held));
+        self.bounds.update(posed.as_ref(), self.selection.object);
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
         let laid = layout::show(ui, self, &mut actions);

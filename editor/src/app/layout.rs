@@ -278,17 +278,22 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
     comparison::show(ui, &mut state.interface.comparison, &state.comparison.context(), actions);
 }
 
-/// What to say over the picture where surfaces let through other light than their bake knows.
-fn words_of_opacity(state: &EditorState, baked: &Baked) -> Option<&'static str> {
+/// What to say over the picture where it shows other light than that of its bake.
+fn words_of_preview(state: &EditorState, baked: &Baked) -> Option<&'static str> {
+    if !state.document.poses.is_empty() {
+        return Some("Preview: implicit visibility. Soft shadows of what moved are coarse");
+    }
     let is_other = state.document.lets_through_otherwise(&baked.dataset.scene);
     is_other.then_some("Opacity was edited; bake again for its shadows")
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
     let baked = state.scene.rendered();
-    let mesh = baked.map(|b| &b.dataset.scene.mesh);
+    let is_held = ui.input(|input| input.pointer.any_down());
+    let posed = baked.map(|baked| state.requests.posed(&state.document, baked, is_held));
+    let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
     let selected_object = state.selection.object;
-    let busy = baked.and_then(|baked| state.baking.words(state.seen()).or_else(|| words_of_opacity(state, baked)));
+    let busy = baked.and_then(|baked| state.baking.words(state.seen()).or_else(|| words_of_preview(state, baked)));
     let shown = state.pictures.shown().filter(|_| baked.is_some());
     let accent = ui.visuals().selection.bg_fill;
     let panel = &state.interface.comparison;
@@ -305,7 +310,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         picture_size: shown.map_or([1, 1], |s| s.size),
         checker: state.document.view.background == BackgroundKind::Transparent,
         mesh,
-        intersector: baked.and_then(Baked::intersector_if_ready),
+        intersector: posed.as_ref().and_then(Baked::intersector_if_ready),
         scene_bounds: state.bounds.scene,
         selected_object,
         selection_bounds: state.bounds.selection,

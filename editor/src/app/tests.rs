@@ -14,6 +14,7 @@ mod lights;
 mod materials;
 mod panels;
 mod parts;
+mod poses;
 
 use super::{
     opening::Target,

@@ -16,8 +16,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::Dataset,
-    implicit::{Bins, LeafLight, Lighting, Views},
+    implicit::{Bins, Drag, LeafLight, Lighting, Views},
     lights::Light,
     scene::{Mesh, pose::Poses},
     surfel::forest::SurfelForest,
@@ -34,6 +33,9 @@ const AREA_SAMPLES: u32 = 2;
 
 /// Bounces that are followed.
 const BOUNCES: usize = 3;
+
+/// Of the bins about the normals of the leaves. It stays, so that what has not changed is the same to the bit.
+const TURN: f32 = 0.0;
 
 /// The most that the light of a vertex may grow.
 const MOST_GROWTH: f32 = 2.0;
@@ -67,12 +69,15 @@ pub struct PosedLight {
     pub bounce: Sides,
 }
 
-/// Lights a posed scene, again and again.
+/// Lights a scene under one pose after another.
 pub struct PoseRig {
     as_baked: Seen,
-    posed: Seen,
-    is_moved: Arc<[bool]>,
     vertices: VertexLeaves,
+    posed: Seen,
+    poses: Poses,
+    /// While one object moves: what is seen of the others.
+    drag: Option<Drag>,
+    is_moved: Arc<[bool]>,
 }
 
 /// A scene under one pose, and what its leaves see.
@@ -83,8 +88,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn new(baked: &Baked, forest: SurfelForest) -> Self {
-        let views = Bins::walk(forest.discs(), 0.0, &|_| true).views();
+    fn new(baked: &Baked, forest: SurfelForest, views: Views) -> Self {
         let points = LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES);
         Self { forest, views, points }
     }
@@ -110,22 +114,43 @@ impl Seen {
 }
 
 impl PoseRig {
-    /// For a scene as it was baked, and as it is posed.
-    pub fn new(baked: &Baked, posed: &Baked, poses: &Poses) -> Self {
-        let Dataset { scene, two_sided, .. } = &*baked.dataset;
-        let forest = SurfelForest::new(&scene.mesh, two_sided, SURFELS);
-        let vertices = VertexLeaves::new(forest.discs(), &baked.dataset);
-        let is_moved = moved_vertices(&scene.mesh, poses);
-        let mut moved = forest.clone();
-        moved.update(&posed.dataset.scene.mesh.positions, &|object| !poses.is_as_baked(object));
-        Self { as_baked: Seen::new(baked, forest), posed: Seen::new(posed, moved), is_moved, vertices }
+    /// For a scene as it was baked; takes some tenths of a second.
+    pub fn new(baked: &Baked) -> Self {
+        let dataset = &baked.dataset;
+        let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, SURFELS);
+        let views = Bins::walk(forest.discs(), TURN, &|_| true).views();
+        Self {
+            vertices: VertexLeaves::new(forest.discs(), dataset),
+            posed: Seen::new(baked, forest.clone(), views.clone()),
+            as_baked: Seen::new(baked, forest, views),
+            poses: Poses::default(),
+            drag: None,
+            is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
+        }
     }
 
-    /// The posed scene with visibility cuts for the vertices that moved.
-    pub fn with_cuts(&self, posed: Baked) -> Baked {
+    /// Takes the scene as it is posed. Returns it with visibility cuts for the vertices that are not where they were baked.
+    pub fn pose(&mut self, posed: Baked, poses: &Poses) -> Baked {
+        let mesh = &posed.dataset.scene.mesh;
+        let changed: Vec<u32> = self.poses.differing(poses).collect();
+        let mut forest = self.posed.forest.clone();
+        forest.update(&mesh.positions, &|object| changed.contains(&object));
+        let views = self.bins(&forest, &changed).views();
+        self.posed = Seen::new(&posed, forest, views);
+        (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
         let (forest, views) = (self.posed.forest.discs(), &self.posed.views);
         let cuts = cuts::of_moved(&posed.dataset, forest, views, &self.vertices, &self.is_moved);
         posed.with_cuts(cuts)
+    }
+
+    /// What the leaves see after some objects have moved. While it is always the same one, only that is walked.
+    fn bins(&mut self, forest: &SurfelForest, changed: &[u32]) -> Bins {
+        let &[object] = changed else {
+            self.drag = None;
+            return Bins::walk(forest.discs(), TURN, &|_| true);
+        };
+        let drag = self.drag.take().filter(|drag| drag.object() == object);
+        self.drag.insert(drag.unwrap_or_else(|| Drag::begin(forest.discs(), TURN, object))).frame(forest.discs())
     }
 
     /// The light of the posed scene under an environment, if it is shown, and local lights.

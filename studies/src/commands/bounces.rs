@@ -1,7 +1,7 @@
 //! `lapidary bounces`: how far each solution of bounced light is from light paths, side by side.
 
 use crate::{
-    args::{LocalLightArgs, ViewArgs, ViewedScene, warn_of_buried},
+    args::{LocalLightArgs, PoseArgs, ViewArgs, ViewedScene, warn_of_buried},
     bounces::{
         BouncedLight,
         light_paths::{Figures, LightPaths},
@@ -38,6 +38,8 @@ pub struct BouncesArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    pose: PoseArgs,
 }
 
 impl BouncesArgs {
@@ -46,7 +48,7 @@ impl BouncesArgs {
         let solutions = [Solution::Cuts, Solution::Meshless, Solution::CutsMeshless];
         let of = |solution: Solution| PICTURES.map(|picture| format!("{solution}{picture}"));
         let names = solutions.into_iter().flat_map(of).chain([REPORT.into()]);
-        self.view.files(&self.local).fills(&self.out, names)
+        self.pose.files(self.view.files(&self.local)).fills(&self.out, names)
     }
 }
 
@@ -93,7 +95,8 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     }
     let interrupt = ProgressReporter::interruptible(console);
     args.view.check_memory(PICTURES_AT_ONCE)?;
-    let viewed = args.view.resolve(&args.local, console)?;
+    let mut viewed = args.view.resolve(&args.local, console)?;
+    viewed.poses = args.pose.read(&viewed.baked.dataset.scene)?;
     let solutions = solutions(&viewed)?;
     if !args.spp.is_multiple_of(2 * viewed.view.aa) {
         bail!("--spp must be a multiple of {}, so that both halves cover the whole pixel", 2 * viewed.view.aa);
@@ -127,6 +130,7 @@ struct Comparison<'a> {
     args: &'a BouncesArgs,
     cuts: Cuts,
     bounced: BouncedLight,
+    no_samples: bool,
     interrupt: &'a ProgressReporter,
     console: Console,
 }
@@ -138,15 +142,18 @@ impl<'a> Comparison<'a> {
         interrupt: &'a ProgressReporter,
         console: Console,
     ) -> Result<Self> {
-        let ViewedScene { baked, view, light, local, .. } = viewed;
+        let ViewedScene { baked, poses, view, light, local } = viewed;
         let look = Look {
+            poses: poses.clone(),
             lights: local.lights.clone().into(),
             ..Look::under_environment(&baked.dataset.scene, view.clone(), light.clone())
         };
         let cuts = args.illum_cut.map_or(Cuts::Lit(look.tau), Cuts::Refine);
         let bounced = BouncedLight::new(baked.clone(), cuts.shown(&look))?;
         warn_of_buried(&bounced.renderer, &local.lights, console);
-        Ok(Self { args, cuts, bounced, interrupt, console })
+        // The sources know where they were baked.
+        let no_samples = args.no_samples || !poses.is_empty();
+        Ok(Self { args, cuts, bounced, no_samples, interrupt, console })
     }
 
     /// `None` if interrupted.
@@ -154,7 +161,7 @@ impl<'a> Comparison<'a> {
         let bounces = solution.bounces();
         let FinishedPicture { image, stats, .. } = self.bounced.picture(solution)?;
         let truth = self.light_paths(bounces);
-        let samples = if self.args.no_samples { None } else { self.every_source() };
+        let samples = if self.no_samples { None } else { self.every_source() };
         if self.interrupt.cancelled() {
             return Ok(None);
         }

@@ -4,6 +4,7 @@ use crate::{
     document::{Document, parts::Assignment},
     jobs::render_thread::RenderRequest,
 };
+use lapidary_core::scene::pose::Poses;
 use lapidary_render::{Assigned, Baked};
 use std::cell::RefCell;
 
@@ -17,6 +18,15 @@ pub struct Requests {
     pub(in crate::app) at_rest: u64,
     /// The materials of triangles that were found last.
     assigned: RefCell<Option<Found>>,
+    /// The scene as it was posed last.
+    posed: RefCell<Option<Posed>>,
+}
+
+/// A scene and where its objects are.
+struct Posed {
+    baked: Baked,
+    poses: Poses,
+    posed: Baked,
 }
 
 /// The materials of all triangles, and what they were found of: that takes a pass over the mesh.
@@ -41,6 +51,25 @@ impl Requests {
             *found = Some(Found { baked: baked.clone(), assignment, materials, assigned });
         }
         found.as_ref().and_then(|found| found.assigned.clone())
+    }
+
+    /// The scene as the document poses it, to be pointed at. While a button is held it is that of before: posing takes longer than
+    /// a frame should. Objects that cannot be posed so stay where they were.
+    pub fn posed(&self, document: &Document, baked: &Baked, is_held: bool) -> Baked {
+        if document.poses.is_empty() {
+            return baked.clone();
+        }
+        let mut known = self.posed.borrow_mut();
+        let of_scene = known.as_ref().filter(|known| known.baked.is_same(baked));
+        match of_scene {
+            Some(known) if is_held || known.poses == document.poses => return known.posed.clone(),
+            None if is_held || baked.intersector_if_ready().is_none() => return baked.clone(),
+            _ => {}
+        }
+        let before = of_scene.map_or(baked, |known| &known.posed);
+        let posed = baked.posed(&document.poses).unwrap_or_else(|_| before.clone());
+        *known = Some(Posed { baked: baked.clone(), poses: document.poses.clone(), posed: posed.clone() });
+        posed
     }
 
     /// The last request to the render thread.

@@ -8,6 +8,7 @@ use crate::{
 };
 use lapidary_core::{
     brdf::Parameters,
+    dataset::Dataset,
     image::Image,
     material::BrdfModel,
     scene::{
@@ -90,14 +91,39 @@ fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
     let lighting = renderer.lighting(&sky(), 64);
     let lamp = [point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)];
     let appearance = Appearance::of(&baked.dataset.scene);
-    let as_it_is = PoseRig::new(&baked, &baked, &Poses::default()).light(Some(&lighting), &lamp, &appearance);
+    let mut rig = PoseRig::new(&baked);
+    let as_it_is = rig.light(Some(&lighting), &lamp, &appearance);
     let all = |sides: &Sides, value| sides.front.iter().chain(&sides.back).all(|found| *found == value);
     assert!(all(&as_it_is.ratio, Vec3::ONE) && all(&as_it_is.bounce, Vec3::ZERO));
     let poses = posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED });
-    let moved = baked.posed(&poses).unwrap();
-    let changed = PoseRig::new(&baked, &moved, &poses).light(Some(&lighting), &lamp, &appearance);
+    rig.pose(baked.posed(&poses).unwrap(), &poses);
+    let changed = rig.light(Some(&lighting), &lamp, &appearance);
     assert!(!all(&changed.ratio, Vec3::ONE) && !all(&changed.bounce, Vec3::ZERO), "negative control");
     assert!(changed.ratio.front.iter().all(|ratio| ratio.min_element() >= 0.0 && ratio.max_element() <= MOST_GROWTH));
+}
+
+#[test]
+fn a_drag_gives_the_bits_of_its_last_pose() {
+    let baked = Baked::from(blocked(white(), 8));
+    let lighting = Renderer::new(baked.clone()).lighting(&sky(), 64);
+    let appearance = Appearance::of(&baked.dataset.scene);
+    let shown = |rig: &mut PoseRig, poses: &Poses| {
+        let cuts = rig.pose(baked.posed(poses).unwrap(), poses).dataset.cuts.clone();
+        let height = baked.dataset.tree.height();
+        let cuts: Vec<_> = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec()).collect();
+        (cuts, rig.light(Some(&lighting), &[], &appearance))
+    };
+    let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
+    let mut both = at(0.4);
+    both.set(0, Pose { translate: Vec3::Y * -0.1, ..Pose::AS_BAKED });
+    let mut dragged = PoseRig::new(&baked);
+    let mut last = None;
+    for poses in [at(0.1), at(0.9), both.clone(), at(0.4), at(0.3)] {
+        let now = shown(&mut dragged, &poses);
+        assert!(now == shown(&mut PoseRig::new(&baked), &poses));
+        assert!(last.as_ref() != Some(&now), "negative control: another pose");
+        last = Some(now);
+    }
 }
 
 #[test]

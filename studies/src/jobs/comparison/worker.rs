@@ -6,7 +6,7 @@ use crate::{
     ladder::every_sample,
 };
 use anyhow::{Result, bail};
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, scene::pose::Poses};
 use lapidary_render::{
     BackendError, BackendFactory, Baked, LitScene, Look, PathPicture, PathSettings, PictureStats, Preview, Progress,
     Renderer, View, ViewMode, predicted_error,
@@ -42,7 +42,7 @@ pub struct Worker {
     /// The picture with cuts, on a renderer of its own.
     scene: Option<LitScene>,
     /// Traces the scene of before again.
-    renderer: Option<(Baked, Renderer)>,
+    renderer: Option<Casting>,
 }
 
 impl Worker {
@@ -191,16 +191,23 @@ fn paths(renderer: &Renderer, look: &Look, view: &View, spp: u32, progress: &dyn
     renderer.path_picture(view, &look.light, &look.lights, settings, progress)
 }
 
-/// What casts rays on the scene as it looks; made anew for a scene that is new.
-fn renderer_of<'a>(known: &'a mut Option<(Baked, Renderer)>, baked: &Baked, look: &Look) -> &'a mut Renderer {
+/// What casts rays on a scene, and what that is.
+struct Casting {
+    of: Baked,
+    poses: Poses,
+    renderer: Renderer,
+}
+
+/// What casts rays on the scene as it looks; made anew for a scene that is new or posed otherwise.
+fn renderer_of<'a>(known: &'a mut Option<Casting>, baked: &Baked, look: &Look) -> &'a mut Renderer {
     let renderer = match known.take() {
-        Some((of, mut renderer)) if of.is_same(baked) => {
+        Some(Casting { of, poses, mut renderer }) if of.is_same(baked) && poses == look.poses => {
             renderer.set_appearance(look.appearance.fitted(&baked.dataset.scene.materials).0);
             renderer
         }
         _ => Renderer::of(baked, look),
     };
-    &mut known.insert((baked.clone(), renderer)).1
+    &mut known.insert(Casting { of: baked.clone(), poses: look.poses.clone(), renderer }).renderer
 }
 
 /// A lit picture in the size of the comparison. Traced references look at the centre of each pixel, as the picture with cuts then

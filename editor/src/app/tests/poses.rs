@@ -1,0 +1,72 @@
+//! Objects are posed in the window: the picture follows at once, and undo and sessions know it.
+
+use super::{Place, Window};
+use crate::{actions::Action, app::state::EditorState, document::Edit};
+use glam::Vec3;
+use lapidary_core::scene::pose::Pose;
+
+const PYRAMID: u32 = 1;
+
+fn wait_for_picture(window: &mut Window) {
+    window.wait("the whole picture", |s| s.pictures.shown().is_some_and(|p| p.samples == p.of_samples));
+}
+
+fn pixels(state: &EditorState) -> Vec<[u8; 4]> {
+    state.pictures.shown().map(|shown| shown.pixels.to_vec()).unwrap_or_default()
+}
+
+fn pose(window: &mut Window, pose: Pose) {
+    window.perform(Action::Edit { edit: Edit::Pose { object: PYRAMID, pose }, label: "Move object" });
+    window.perform(Action::EndGesture);
+}
+
+#[test]
+fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_picture() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    wait_for_picture(&mut window);
+    let as_baked = pixels(window.0.state());
+    let words = "Preview: implicit visibility";
+    assert!(!window.shows(words));
+    let moved = Pose { translate: Vec3::new(0.4, 0.3, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 0.7 };
+    pose(&mut window, moved);
+    assert!(window.shows(words));
+    window.wait("another picture", |s| pixels(s) != as_baked);
+    wait_for_picture(&mut window);
+    let posed = pixels(window.0.state());
+
+    let session = place.path("posed.lapidary");
+    window.perform(Action::SaveAs(Some(session.clone())));
+    let mut again = place.window();
+    again.open(&session);
+    wait_for_picture(&mut again);
+    assert_eq!(again.0.state().document.poses.of(PYRAMID), moved);
+    assert!(again.shows(words));
+    again.wait("the posed picture", |s| pixels(s) == posed);
+
+    window.perform(Action::Undo);
+    window.wait("the picture as baked", |s| pixels(s) == as_baked);
+    assert!(!window.shows(words));
+    window.perform(Action::Redo);
+    window.wait("the posed picture", |s| pixels(s) == posed);
+}
+
+#[test]
+fn an_object_is_selected_and_framed_where_it_is() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    wait_for_picture(&mut window);
+    window.perform(Action::SelectObject(Some(PYRAMID)));
+    let target = |window: &mut Window| {
+        window.perform(Action::FrameSelection);
+        window.0.state().document.camera.target
+    };
+    let before = target(&mut window);
+    pose(&mut window, Pose { translate: Vec3::new(3.0, 0.0, 0.0), ..Pose::AS_BAKED });
+    let after = target(&mut window);
+    assert!((after - before - Vec3::X * 3.0).length() < 1e-3, "{before} {after}");
+}
