@@ -35,8 +35,8 @@ use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 pub(crate) use drift::Drift;
-pub(crate) use light_groups::{LightKey, light_key};
 pub use functions::MeshlessLight;
+pub(crate) use light_groups::{LightKey, light_key};
 pub use meshless::MeshlessRig;
 
 /// Samples of an area light along each of its sides, at each of a source's parts.

@@ -45,7 +45,9 @@ impl PictureLight<'_> {
         let shaded = mode == ViewMode::Shaded;
         Part::ALL.map(|part| match part {
             Part::Environment => true,
-            Part::Bounce => shaded && self.sources.is_some() || (shaded || mode.is_of_basis()) && self.meshless.is_some(),
+            Part::Bounce => {
+                shaded && self.sources.is_some() || (shaded || mode.is_of_basis()) && self.meshless.is_some()
+            }
             Part::Direct => shaded && self.local.is_some(),
             Part::Added => shaded && self.added.is_some(),
         })
@@ -143,7 +145,7 @@ impl<'a> Painter<'a> {
     /// Light that a diffuse surface of the same albedo reflects of the functions' irradiance.
     fn of_functions(&self, point: &SurfacePoint) -> Vec3 {
         let Some(light) = self.meshless else { return Vec3::ZERO };
-        let vector = light.at(point.position, point.smooth_normal, point.from_behind);
+        let vector = light.at(point.position, point.face_normal, point.from_behind);
         let received = irradiance(&vector, point.world_from_local.z_axis);
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }
@@ -151,7 +153,7 @@ impl<'a> Painter<'a> {
     /// What the views of the meshless basis show. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
     fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
         let Some(light) = self.meshless else { return Vec3::ZERO };
-        let (position, normal) = (point.position, point.smooth_normal);
+        let (position, normal) = (point.position, point.face_normal);
         let grey = Vec3::splat(BASIS_GREY * point.wo.z);
         match self.mode {
             ViewMode::BasisLevel => {

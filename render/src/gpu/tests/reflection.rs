@@ -190,10 +190,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             ),
         ),
         ("BasisLevel", shape!(layout::BasisLevel, cells_per_metre, radius, end, padding)),
-        (
-            "BasisUniforms",
-            shape!(layout::BasisUniforms, levels, level_count, last_slot, shown_level, shown_function),
-        ),
+        ("BasisUniforms", shape!(layout::BasisUniforms, levels, level_count, last_slot, shown_level, shown_function)),
         ("Cell", shape!(lapidary_core::meshless::Cell, place, level, first, count, padding)),
         ("BasisFunction", shape!(layout::BasisFunction, position, normal)),
         ("Coefficient", shape!(layout::Coefficient, vector)),
@@ -358,10 +355,29 @@ fn shared_constants_have_the_same_values() {
     for (i, mode) in crate::ViewMode::ALL.into_iter().enumerate() {
         assert_eq!(mode as usize, i);
     }
-    let modes = ["SHADED", "NORMALS", "ALBEDO", "ROUGHNESS", "VISIBILITY_CUT", "MERGED_CUT", "BRDF_EVALUATIONS", "BASIS_LEVEL", "BASIS_FUNCTION", "BASIS_COEFFICIENTS"];
+    let modes = [
+        "SHADED",
+        "NORMALS",
+        "ALBEDO",
+        "ROUGHNESS",
+        "VISIBILITY_CUT",
+        "MERGED_CUT",
+        "BRDF_EVALUATIONS",
+        "BASIS_LEVEL",
+        "BASIS_FUNCTION",
+        "BASIS_COEFFICIENTS",
+    ];
     expected.extend(modes.iter().enumerate().map(|(i, name)| (format!("VIEW_{name}"), i as f64)));
-    expected
-        .extend([("MODE_SHADED", 0.0), ("MODE_ALBEDO", 2.0), ("MODE_VISIBILITY_CUT", 4.0), ("MODE_BRDF_EVALUATIONS", 6.0), ("MODE_BASIS_LEVEL", 7.0)].map(|(n, x)| (n.into(), x)));
+    expected.extend(
+        [
+            ("MODE_SHADED", 0.0),
+            ("MODE_ALBEDO", 2.0),
+            ("MODE_VISIBILITY_CUT", 4.0),
+            ("MODE_BRDF_EVALUATIONS", 6.0),
+            ("MODE_BASIS_LEVEL", 7.0),
+        ]
+        .map(|(n, x)| (n.into(), x)),
+    );
     let model = |&m: &BrdfModel| (format!("MODEL_{}", m.key().replace('-', "_").to_uppercase()), f64::from(m as u32));
     expected.extend(BrdfModel::ALL.iter().map(model));
     let tones = ["STANDARD", "REINHARD", "ACES", "AGX", "PBR_NEUTRAL"];
