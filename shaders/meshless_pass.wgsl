@@ -143,9 +143,9 @@ fn cell_hash(place: vec3<i32>, level: u32) -> u32 {
     return mixed ^ (mixed >> 15u);
 }
 
-// Weight of a function of a level before smooth normals are bent by maps.
+// Weight of a function of a level. Functions stand on faces, so the normal is that of the face.
 fn weight_at(function: u32, level: u32, point: SurfacePoint) -> f32 {
-    let normal = point.smooth_normal;
+    let normal = point.face_normal;
     let radius = basis.levels[level].radius;
     let center = functions[function];
     let facing = dot(normal, center.normal);

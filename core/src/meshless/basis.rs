@@ -192,9 +192,20 @@ impl Basis {
     /// Calls `visit` with all functions of a level whose weight at a surface point is not zero, and that weight, before
     /// normalisation.
     #[inline]
-    pub fn for_each_weight(&self, level: usize, position: Vec3, normal: Vec3, mut visit: impl FnMut(u32, f32)) {
-        let radius = self.radii[level];
-        for &function in self.grid.around(level, position) {
+    pub fn for_each_weight(&self, level: usize, position: Vec3, normal: Vec3, visit: impl FnMut(u32, f32)) {
+        let slot = self.grid.slot_at(level, position);
+        self.for_each_weight_in(slot, self.radii[level], (position, normal), visit);
+    }
+
+    #[inline(always)]
+    fn for_each_weight_in(
+        &self,
+        slot: usize,
+        radius: f32,
+        (position, normal): (Vec3, Vec3),
+        mut visit: impl FnMut(u32, f32),
+    ) {
+        for &function in self.grid.functions_in(slot) {
             let weight = weight(&self.points[function as usize], radius, position, normal);
             if weight > 0.0 {
                 visit(function, weight);
@@ -204,9 +215,9 @@ impl Basis {
 
     /// Whether any function of a level reaches a surface point.
     pub fn reaches(&self, level: usize, position: Vec3, normal: Vec3) -> bool {
-        let radius = self.radii[level];
-        let reaches = |&function: &u32| weight(&self.points[function as usize], radius, position, normal) > 0.0;
-        self.grid.around(level, position).iter().any(reaches)
+        let reaches =
+            |&function: &u32| weight(&self.points[function as usize], self.radii[level], position, normal) > 0.0;
+        self.grid.functions_in(self.grid.slot_at(level, position)).iter().any(reaches)
     }
 
     /// Appends all functions of a level that are not zero at a surface point, with their values there (meshless paper,
@@ -230,8 +241,14 @@ impl Basis {
     /// The part of one level in [`Self::evaluate`].
     #[inline]
     pub fn evaluate_level<T: Coefficient>(&self, level: usize, position: Vec3, normal: Vec3, coefficients: &[T]) -> T {
+        self.evaluate_in(self.grid.slot_at(level, position), level, (position, normal), coefficients)
+    }
+
+    /// [`Self::evaluate_level`] at a position whose slot of the grid is known, with a unit normal.
+    #[inline]
+    pub fn evaluate_in<T: Coefficient>(&self, slot: usize, level: usize, point: (Vec3, Vec3), coefficients: &[T]) -> T {
         let (mut sum, mut weights) = (T::ZERO, 0.0);
-        self.for_each_weight(level, position, normal, |function, weight| {
+        self.for_each_weight_in(slot, self.radii[level], point, |function, weight| {
             sum = sum + coefficients[function as usize] * weight;
             weights += weight;
         });

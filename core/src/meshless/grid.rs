@@ -79,11 +79,17 @@ impl FunctionGrid {
         slot
     }
 
-    /// The functions of a level that may reach a position; all others have no weight there.
+    /// The slot of the cell of a level that a position is in.
     #[inline(always)]
-    pub(super) fn around(&self, level: usize, position: Vec3) -> &[u32] {
-        let place = place(position, self.cells_per_metre[level]);
-        let cell = &self.slots[self.slot(place, level as u32)];
+    pub fn slot_at(&self, level: usize, position: Vec3) -> usize {
+        self.slot(place(position, self.cells_per_metre[level]), level as u32)
+    }
+
+    /// The functions of the cell in a slot: those of its level that may reach positions in it. All others have no weight
+    /// there.
+    #[inline(always)]
+    pub fn functions_in(&self, slot: usize) -> &[u32] {
+        let cell = &self.slots[slot];
         &self.entries[cell.first as usize..(cell.first + cell.count) as usize]
     }
 
@@ -212,13 +218,13 @@ mod tests {
         for cell in &cells {
             let edge = 1.0 / grid.cells_per_metre()[cell.level as usize];
             let middle = (IVec3::from(cell.place).as_vec3() + 0.5) * edge;
-            let functions = grid.around(cell.level as usize, middle);
+            let functions = grid.functions_in(grid.slot_at(cell.level as usize, middle));
             assert!(functions.len() == cell.count as usize && functions.is_sorted_by(|a, b| a < b));
             let of_level = basis.level(cell.level as usize);
             assert!(functions.iter().all(|&f| of_level.contains(&(f as usize))), "{functions:?}");
         }
         assert_eq!(cells.iter().map(|cell| cell.count as usize).sum::<usize>(), grid.entries().len());
-        assert!(grid.around(0, Vec3::splat(50.0)).is_empty(), "negative control: far from all");
+        assert!(grid.functions_in(grid.slot_at(0, Vec3::splat(50.0))).is_empty(), "negative control: far from all");
     }
 
     #[test]

@@ -166,7 +166,7 @@ impl<'a> Painter<'a> {
     /// Light that a diffuse surface of the same albedo reflects of the functions' irradiance.
     fn of_functions(&self, point: &SurfacePoint) -> Vec3 {
         let Some(light) = self.meshless else { return Vec3::ZERO };
-        let vector = light.at(point.position, point.smooth_normal, point.from_behind);
+        let vector = light.at(point.position, point.face_normal, point.from_behind);
         let received = irradiance(&vector, point.world_from_local.z_axis);
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }
@@ -174,7 +174,7 @@ impl<'a> Painter<'a> {
     /// What the views of the meshless basis show. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
     fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
         let Some(light) = self.meshless else { return Vec3::ZERO };
-        let (position, normal) = (point.position, point.smooth_normal);
+        let (position, normal) = (point.position, point.face_normal);
         let grey = Vec3::splat(BASIS_GREY * point.wo.z);
         match self.mode {
             ViewMode::BasisLevel => {

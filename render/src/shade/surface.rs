@@ -31,6 +31,8 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Origin of shadow rays: just off the face, on the visible side.
     pub ray_origin: Vec3,
+    /// Unit normal of its triangle, on the visible side.
+    pub face_normal: Vec3,
     /// Interpolated normal before bump and normal map, on the visible side. Light from below it is not received.
     pub smooth_normal: Vec3,
     /// Tangent, bitangent and shading normal as columns.
@@ -362,6 +364,7 @@ impl<'a> Surfaces<'a> {
             from_behind: hit.back_face,
             position,
             ray_origin: position + face_normal * offset,
+            face_normal,
             smooth_normal,
             world_from_local: looks.world_from_local,
             wo: looks.wo,

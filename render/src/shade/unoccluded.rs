@@ -52,6 +52,7 @@ impl<'a> UnoccludedShader<'a> {
             from_behind: false,
             position: place.position,
             ray_origin: place.position,
+            face_normal: place.smooth_normal,
             smooth_normal: place.smooth_normal,
             world_from_local: looks.world_from_local,
             wo: looks.wo,

@@ -4,6 +4,7 @@
 
 use glam::{Mat3A, Vec3};
 use lapidary_core::{color::luminance, dataset::Dataset, meshless::Basis};
+use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, fmt, sync::Arc};
 
 /// Radius of the point of a function in [`MeshlessLight::marked_level`], in radii of its support. Points of the finest
@@ -15,6 +16,8 @@ pub(crate) const POINT_RADIUS: f32 = 0.08;
 pub struct MeshlessLight {
     dataset: Arc<Dataset>,
     coefficients: Vec<Mat3A>,
+    /// Whether any function of the cell in each slot of the grid carries light. Most of the finest levels do not.
+    is_lit: Vec<bool>,
 }
 
 impl fmt::Debug for MeshlessLight {
@@ -32,7 +35,10 @@ impl MeshlessLight {
     pub fn new(dataset: &Arc<Dataset>, coefficients: Vec<Mat3A>) -> Option<Self> {
         let bake = dataset.meshless.as_ref()?;
         assert_eq!(bake.basis.len(), coefficients.len(), "one coefficient per function");
-        Some(Self { dataset: dataset.clone(), coefficients })
+        let grid = bake.basis.grid();
+        let is_lit = |slot: usize| grid.functions_in(slot).iter().any(|&f| coefficients[f as usize] != Mat3A::ZERO);
+        let is_lit = (0..grid.slots().len()).into_par_iter().with_min_len(1024).map(is_lit).collect();
+        Some(Self { dataset: dataset.clone(), coefficients, is_lit })
     }
 
     /// The dataset whose functions these are.
@@ -50,7 +56,8 @@ impl MeshlessLight {
         &self.coefficients
     }
 
-    /// Vector irradiance at a point with a unit normal on the visible side, before bump and normal map.
+    /// Vector irradiance at a point of a surface. Functions stand on faces, so `normal` is that of the face, of unit length
+    /// on the visible side. Interpolated normals have a larger error: 0.095 in place of 0.087 in the bathroom.
     ///
     /// A back is lit where a function of the finest level reaches it. Normals of open shells often point away from
     /// their visible side, and functions stand on the side that light reaches (meshless paper, 2.2, Eq. 8). A visible
@@ -61,7 +68,13 @@ impl MeshlessLight {
             return Mat3A::ZERO;
         }
         let basis = self.basis();
-        basis.evaluate(basis.levels(), position, normal, &self.coefficients)
+        (0..basis.levels()).fold(Mat3A::ZERO, |sum, level| {
+            let slot = basis.grid().slot_at(level, position);
+            match self.is_lit[slot] {
+                true => sum + basis.evaluate_in(slot, level, (position, normal), &self.coefficients),
+                false => sum,
+            }
+        })
     }
 
     /// What one level adds to the light that a white surface reflects, as red where it adds, and as blue where it takes
