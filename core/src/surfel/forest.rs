@@ -2,7 +2,7 @@
 //!
 //! The paper (implicit visibility, 4.1) takes the vertices as leaves. Here leaves are spread evenly by area, so that neither
 //! their number nor their size depends on how a model is triangulated; 5.1 names that as a limit. Shares of objects are in
-//! [`shares`], places in [`placement`], the shape of the trees in [`quadtrees`].
+//! `shares.rs`, places in `placement.rs`, the shape of the trees in [`quadtrees`].
 //!
 //! A triangle that is seen from both sides has surfels on each side, which stand for twice its area and face one way each. So a
 //! disc always has one side: the walk skips what faces away, and light of one side never shows on the other.
