@@ -69,7 +69,7 @@ fn light_value(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>) -> v
         return with_posed_bounce(point, from_behind, as_baked);
     }
     let emitted = select(vec3(0.0), point.emission, frame.shows_emission != 0u);
-    return as_baked * posed_ratio(point, from_behind) + emitted;
+    return with_posed_ratio(point, from_behind, as_baked) + emitted;
 }
 
 fn interpolated_cut_len(point: SurfacePoint) -> f32 {

@@ -1,18 +1,20 @@
 // What posed objects change of the light: twin of `PosedLight` in render/src/light/implicit.rs.
 
-// Four texels a vertex, row by row: the ratio on the front, with 1 in its alpha for a vertex that moved, that on the back, and the
-// irradiance of bounces on both sides. A single texel where nothing is posed.
+// Texels of a vertex, row by row: ratio on the front and on the back, irradiance of bounces, and that of what was covered; alpha is 1
+// for a vertex that moved. A single texel where nothing is posed.
 @group(1) @binding(6) var posed: texture_2d<f32>;
 
 const RATIO: u32 = 0u;
 const BOUNCE: u32 = 2u;
+const UNCOVERED: u32 = 4u;
+const POSED_TEXELS: u32 = 6u;
 
 fn is_any_posed() -> bool {
     return textureDimensions(posed).x > 1u;
 }
 
 fn posed_texel(vertex: u32, value: u32) -> vec4<f32> {
-    let texel = vertex * 4u + value;
+    let texel = vertex * POSED_TEXELS + value;
     let width = textureDimensions(posed).x;
     return textureLoad(posed, vec2(texel % width, texel / width), 0);
 }
@@ -25,12 +27,13 @@ fn posed_at(point: SurfacePoint, value: u32, from_behind: bool) -> vec3<f32> {
     return posed_texel(v.x, of_side).xyz * w.x + posed_texel(v.y, of_side).xyz * w.y + posed_texel(v.z, of_side).xyz * w.z;
 }
 
-// Factor of the environment's light.
-fn posed_ratio(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
+// Light of the environment from that as baked. Twin of `Painter::reflected`.
+fn with_posed_ratio(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>) -> vec3<f32> {
     if !is_any_posed() {
-        return vec3(1.0);
+        return as_baked;
     }
-    return posed_at(point, RATIO, from_behind);
+    let uncovered = albedo_of(point.brdf) * posed_at(point, UNCOVERED, from_behind) * FRAC_1_PI;
+    return as_baked * posed_at(point, RATIO, from_behind) + uncovered;
 }
 
 // Bounced light from that as baked. Twin of `Painter::bounced`.

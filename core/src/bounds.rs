@@ -23,6 +23,16 @@ impl Bounds {
         (self.max - self.min).max(Vec3::ZERO).length()
     }
 
+    /// The box with this much more on each side, in metres.
+    pub fn grown(&self, by: f32) -> Self {
+        Self { min: self.min - by, max: self.max + by }
+    }
+
+    /// Whether a point lies in the box or on it.
+    pub fn contains(&self, point: Vec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
     /// Centre of the box.
     pub fn center(&self) -> Vec3 {
         0.5 * (self.min + self.max)

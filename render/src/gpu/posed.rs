@@ -5,11 +5,12 @@ use super::{
     scene::{extent, write_rows},
 };
 use crate::light::implicit::{PosedLight, Sides};
+use glam::Vec3;
 
-/// Texels in a row. Four belong to a vertex.
+/// Texels in a row, of which six belong to a vertex.
 const WIDTH: usize = 8192;
 
-/// The texture that `posed.wgsl` reads: four texels for each vertex, or one in all where nothing is posed.
+/// The texture that `posed.wgsl` reads: some texels for each vertex, or one in all where nothing is posed.
 pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>) -> wgpu::TextureView {
     let (size, texels) = match light {
         Some(light) => {
@@ -34,11 +35,12 @@ pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>) -> wgpu::TextureView
 }
 
 fn texels(light: &PosedLight) -> Vec<[f32; 4]> {
-    let PosedLight { is_moved, ratio, bounce } = light;
+    let PosedLight { is_moved, ratio, uncovered, bounce } = light;
     let of_vertex = |(vertex, &moved): (usize, &bool)| {
-        let [ratio, bounce] = [ratio, bounce].map(|Sides { front, back }| [front[vertex], back[vertex]]);
+        let sides = [ratio, bounce, uncovered].map(|Sides { front, back }| [front[vertex], back[vertex]]);
         let alpha = f32::from(u8::from(moved));
-        [ratio[0].extend(alpha), ratio[1].extend(0.0), bounce[0].extend(0.0), bounce[1].extend(0.0)]
+        let texels: [Vec3; 6] = std::array::from_fn(|i| sides[i / 2][i % 2]);
+        texels.map(|texel| texel.extend(alpha))
     };
     is_moved.iter().enumerate().flat_map(of_vertex).map(|texel| texel.to_array()).collect()
 }

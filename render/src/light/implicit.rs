@@ -16,10 +16,15 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    bounds::Bounds,
+    dataset::Dataset,
     implicit::{Bins, Drag, LeafLight, Lighting, Views},
     lights::Light,
-    scene::{Mesh, pose::Poses},
-    surfel::forest::SurfelForest,
+    scene::{
+        Mesh,
+        pose::{Objects, Poses},
+    },
+    surfel::{MeshPlace, Surfel, forest::SurfelForest},
 };
 use sky::SkyGrid;
 use std::sync::Arc;
@@ -65,6 +70,8 @@ pub struct PosedLight {
     pub is_moved: Arc<[bool]>,
     /// What the environment's light of vertices is multiplied by, 0 to 2; 1 for those that moved, whose cuts are new.
     pub ratio: Sides,
+    /// Irradiance of the environment in W/m² beyond that: of what something lay on, which no ratio makes bright.
+    pub uncovered: Sides,
     /// Irradiance in W/m²: what bounces more than as baked, or less; all of it for what moved.
     pub bounce: Sides,
 }
@@ -75,6 +82,7 @@ pub struct PoseRig {
     vertices: VertexLeaves,
     posed: Seen,
     poses: Poses,
+    covered: Covered,
     /// While one object moves: what is seen of the others.
     drag: Option<Drag>,
     is_moved: Arc<[bool]>,
@@ -121,6 +129,7 @@ impl PoseRig {
         let views = Bins::walk(forest.discs(), TURN, &|_| true).views();
         Self {
             vertices: VertexLeaves::new(forest.discs(), dataset),
+            covered: Covered::new(dataset, &forest),
             posed: Seen::new(baked, forest.clone(), views.clone()),
             as_baked: Seen::new(baked, forest, views),
             poses: Poses::default(),
@@ -138,8 +147,8 @@ impl PoseRig {
         let views = self.bins(&forest, &changed).views();
         self.posed = Seen::new(&posed, forest, views);
         (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
-        let (forest, views) = (self.posed.forest.discs(), &self.posed.views);
-        let cuts = cuts::of_moved(&posed.dataset, forest, views, &self.vertices, &self.is_moved);
+        let bins = (self.posed.forest.discs(), &self.posed.views, TURN);
+        let cuts = cuts::of_moved(&posed.dataset, bins, &self.vertices, &self.is_moved);
         posed.with_cuts(cuts)
     }
 
@@ -163,15 +172,25 @@ impl PoseRig {
         let sky = SkyGrid::new(environment);
         let [baked_sky, baked_bounce] = self.as_baked.lit(&sky, lights, appearance);
         let [posed_sky, posed_bounce] = self.posed.lit(&sky, lights, appearance);
-        let [baked_sky, baked_bounce, posed_sky, posed_bounce] =
-            [baked_sky, baked_bounce, posed_sky, posed_bounce].map(|leaves| self.vertices.apply(&leaves));
+        let (open_as_baked, open_now) = (self.covered.as_baked(), self.covered.posed(&self.poses));
+        let at_vertices = |leaves: Vec<Vec3>, open: &[f32]| {
+            let open: Vec<Vec3> = leaves.iter().zip(open).map(|(&leaf, &open)| leaf * open).collect();
+            self.vertices.apply(&open)
+        };
+        let [baked_sky, baked_bounce] = [baked_sky, baked_bounce].map(|leaves| at_vertices(leaves, open_as_baked));
+        let [posed_sky, posed_bounce] = [posed_sky, posed_bounce].map(|leaves| at_vertices(leaves, &open_now));
         let is_moved = &self.is_moved;
         let growth =
             |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { Vec3::ONE } else { ratio(now, before) };
         let more = |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { now } else { now - before };
+        let rest = |vertex: usize, now: Vec3, before: Vec3| match is_moved[vertex] {
+            true => Vec3::ZERO,
+            false => (now - before * ratio(now, before)).max(Vec3::ZERO),
+        };
         PosedLight {
             is_moved: is_moved.clone(),
             ratio: combined(&posed_sky, &baked_sky, growth),
+            uncovered: combined(&posed_sky, &baked_sky, rest),
             bounce: combined(&posed_bounce, &baked_bounce, more),
         }
     }
@@ -181,6 +200,49 @@ impl PoseRig {
 fn ratio(now: Vec3, before: Vec3) -> Vec3 {
     let of = |now: f32, before: f32| if before > 0.0 { (now / before).clamp(0.0, MOST_GROWTH) } else { 1.0 };
     Vec3::new(of(now.x, before.x), of(now.y, before.y), of(now.z, before.z))
+}
+
+/// How much of each leaf nothing lies on. Bins do not tell: they skip the backs of what a leaf is inside.
+struct Covered {
+    open: Vec<f32>,
+    positions: Vec<Vec3>,
+    /// Around each object as baked.
+    boxes: Vec<Bounds>,
+}
+
+impl Covered {
+    fn new(dataset: &Dataset, forest: &SurfelForest) -> Self {
+        let mesh = &dataset.scene.mesh;
+        let open = |at: &Surfel| {
+            let MeshPlace { triangle, barycentric: b } = at.place;
+            let corners = mesh.triangles[triangle as usize].iter().zip([1.0 - b.x - b.y, b.x, b.y]);
+            corners.map(|(&vertex, weight)| f32::from(u8::from(dataset.vertex_valid[vertex as usize])) * weight).sum()
+        };
+        let objects = Objects::of(&dataset.scene);
+        let around = |object| {
+            let vertices = objects.vertices(object).iter().map(|&vertex| mesh.positions[vertex as usize]);
+            Bounds::around(vertices).grown(1e-3 * mesh.bounds().diagonal())
+        };
+        Self {
+            open: forest.surfels().map(|surfel| open(&surfel)).collect(),
+            positions: forest.surfels().map(|surfel| surfel.position).collect(),
+            boxes: (0..objects.len() as u32).map(around).collect(),
+        }
+    }
+
+    fn as_baked(&self) -> &[f32] {
+        &self.open
+    }
+
+    /// Nothing lies any more on what is in the box of an object that moved away.
+    fn posed(&self, poses: &Poses) -> Vec<f32> {
+        let left: Vec<&Bounds> = poses.moved().filter_map(|object| self.boxes.get(object as usize)).collect();
+        let open = |(&open, position): (&f32, &Vec3)| {
+            let is_left = || left.iter().any(|bounds| bounds.contains(*position));
+            if open < 1.0 && is_left() { 1.0 } else { open }
+        };
+        self.open.iter().zip(&self.positions).map(open).collect()
+    }
 }
 
 fn combined(now: &Sides, before: &Sides, combine: impl Fn(usize, Vec3, Vec3) -> Vec3) -> Sides {

@@ -5,7 +5,7 @@ use crate::{
         bounce::{MeshlessLight, SourceLighting, functions::level_color},
         direct::direct_light,
         environment::SceneLighting,
-        implicit::PosedLight,
+        implicit::{PosedLight, Sides},
     },
     shade::{
         merge::{BrdfSampling, Shader, Work},
@@ -129,8 +129,9 @@ impl<'a> Painter<'a> {
     /// Direct light of the environment.
     fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
         let as_baked = self.environment.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
-        let change = |posed: &PosedLight| posed.ratio.at(point.vertices, point.weights, point.from_behind);
-        as_baked * self.posed.map_or(Vec3::ONE, change)
+        let Some(posed) = self.posed.filter(|_| self.environment.is_some()) else { return as_baked };
+        let at = |sides: &Sides| sides.at(point.vertices, point.weights, point.from_behind);
+        as_baked * at(&posed.ratio) + point.brdf.as_brdf().albedo() * at(&posed.uncovered) * FRAC_1_PI
     }
 
     fn emitted(&self, point: &SurfacePoint) -> Vec3 {

@@ -68,6 +68,28 @@ fn a_preview_is_close_to_a_bake_of_the_posed_scene_and_the_bake_as_it_was_is_not
 }
 
 #[test]
+fn what_an_object_lay_on_is_lit_when_it_is_lifted_and_stays_dark_while_it_lies() {
+    let mut lying = blocked(white(), 24);
+    let floor = lying.scene.mesh.positions.len() - 8;
+    lying.scene.mesh.positions[floor..].iter_mut().for_each(|position| position.y -= 0.997);
+    let mut as_baked = Dataset { scene: lying.scene.clone(), ..dataset(lying.scene.mesh.clone(), white()) };
+    let is_under = |p: &Vec3| p.x.abs() <= 0.51 && p.z.abs() <= 0.51;
+    for (valid, position) in as_baked.vertex_valid.iter_mut().zip(&lying.scene.mesh.positions[..floor]) {
+        *valid = !is_under(position);
+    }
+    let lifted = posed(Pose { translate: Vec3::new(0.0, 1.5, 0.3), ..Pose::AS_BAKED });
+    let truth = picture(&baked_so(&as_baked, &lifted, white()), |_| ());
+    let preview = picture(&as_baked, |look| look.poses = lifted);
+    let (near, dark) = (rel_rmse(&preview, &truth), rel_rmse(&picture(&as_baked, |_| ()), &truth));
+    assert!(near < 0.08 && dark > 0.2, "{near}, negative control {dark}");
+    let baked = Baked::from(as_baked.clone());
+    let lighting = Renderer::new(baked.clone()).lighting(&sky(), 64);
+    let mut rig = PoseRig::new(&baked);
+    let light = rig.light(Some(&lighting), &[], &Appearance::of(&as_baked.scene));
+    assert!(light.uncovered.front.iter().all(|rest| *rest == Vec3::ZERO), "it lies where it lay");
+}
+
+#[test]
 fn what_moved_is_lit_by_its_own_bins_glossy_too() {
     for parameters in [Parameters::from(white()), glossy(0.4).into()] {
         let mut as_baked = blocked(parameters.clone(), 8);
