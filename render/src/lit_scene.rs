@@ -283,7 +283,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let rig = self.pose_rig.as_mut().filter(|_| !self.poses.is_empty())?;
         let environment = Some(environment).filter(|_| self.baked.dataset.settings.mode.environment());
         let lights: Vec<Light> = local.lights.iter().chain(&local.suns).cloned().collect();
-        Some(rig.light(environment, &lights, &look.appearance).into())
+        Some(rig.light(environment, &lights, &look.appearance, look.shown_solution().bounces()).into())
     }
 
     /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials

@@ -5,6 +5,7 @@
 //! from the same bins, so that where nothing changed the picture is the baked one to the bit. What moved has visibility cuts made of
 //! its bins, and bounced light of its own.
 
+mod covered;
 mod cuts;
 mod sky;
 mod vertices;
@@ -14,17 +15,13 @@ use crate::{
     baked::Baked,
     light::{bounce::LitPoints, environment::SceneLighting},
 };
+use covered::Covered;
 use glam::Vec3;
 use lapidary_core::{
-    bounds::Bounds,
-    dataset::Dataset,
     implicit::{Bins, Drag, LeafLight, Lighting, Views},
     lights::Light,
-    scene::{
-        Mesh,
-        pose::{Objects, Poses},
-    },
-    surfel::{MeshPlace, Surfel, forest::SurfelForest},
+    scene::{Mesh, pose::Poses},
+    surfel::forest::SurfelForest,
 };
 use sky::SkyGrid;
 use std::sync::Arc;
@@ -36,8 +33,8 @@ pub const SURFELS: u32 = 8192;
 /// Samples of an area light along each of its sides, at each leaf.
 const AREA_SAMPLES: u32 = 2;
 
-/// Bounces that are followed.
-const BOUNCES: usize = 3;
+/// Most bounces that are followed.
+const MOST_BOUNCES: u32 = 3;
 
 /// Of the bins about the normals of the leaves. It stays, so that what has not changed is the same to the bit.
 const TURN: f32 = 0.0;
@@ -102,7 +99,7 @@ impl Seen {
     }
 
     /// Irradiance of the leaves from the sky, and that of all bounces.
-    fn lit(&mut self, sky: &SkyGrid, lights: &[Light], appearance: &Appearance) -> [Vec<Vec3>; 2] {
+    fn lit(&mut self, sky: &SkyGrid, lights: &[Light], appearance: &Appearance, bounces: u32) -> [Vec<Vec3>; 2] {
         self.points.set_appearance(appearance);
         self.points.set_lights(lights);
         let sky = |direction| sky.radiance(direction);
@@ -113,7 +110,8 @@ impl Seen {
             received: &self.points.irradiance(),
             sky: &sky,
         };
-        let LeafLight { direct, bounced } = LeafLight::new(self.forest.discs(), &self.views, &lighting, BOUNCES);
+        let LeafLight { direct, bounced } =
+            LeafLight::new(self.forest.discs(), &self.views, &lighting, bounces as usize);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
         let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
         let others = others.collect();
@@ -162,23 +160,20 @@ impl PoseRig {
         self.drag.insert(drag.unwrap_or_else(|| Drag::begin(forest.discs(), TURN, object))).frame(forest.discs())
     }
 
-    /// The light of the posed scene under an environment, if it is shown, and local lights.
+    /// The light of the posed scene under an environment, if it is shown, and local lights, with as many bounces as the picture has.
     pub fn light(
         &mut self,
         environment: Option<&SceneLighting>,
         lights: &[Light],
         appearance: &Appearance,
+        bounces: u32,
     ) -> PosedLight {
-        let sky = SkyGrid::new(environment);
-        let [baked_sky, baked_bounce] = self.as_baked.lit(&sky, lights, appearance);
-        let [posed_sky, posed_bounce] = self.posed.lit(&sky, lights, appearance);
-        let (open_as_baked, open_now) = (self.covered.as_baked(), self.covered.posed(&self.poses));
-        let at_vertices = |leaves: Vec<Vec3>, open: &[f32]| {
-            let open: Vec<Vec3> = leaves.iter().zip(open).map(|(&leaf, &open)| leaf * open).collect();
-            self.vertices.apply(&open)
-        };
-        let [baked_sky, baked_bounce] = [baked_sky, baked_bounce].map(|leaves| at_vertices(leaves, open_as_baked));
-        let [posed_sky, posed_bounce] = [posed_sky, posed_bounce].map(|leaves| at_vertices(leaves, &open_now));
+        let (sky, bounces) = (SkyGrid::new(environment), bounces.min(MOST_BOUNCES));
+        let as_baked = self.as_baked.lit(&sky, lights, appearance, bounces);
+        let posed = self.posed.lit(&sky, lights, appearance, bounces);
+        let [baked_sky, baked_bounce] = as_baked.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, None));
+        let [posed_sky, posed_bounce] =
+            posed.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, Some(&self.poses)));
         let is_moved = &self.is_moved;
         let growth =
             |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { Vec3::ONE } else { ratio(now, before) };
@@ -200,49 +195,6 @@ impl PoseRig {
 fn ratio(now: Vec3, before: Vec3) -> Vec3 {
     let of = |now: f32, before: f32| if before > 0.0 { (now / before).clamp(0.0, MOST_GROWTH) } else { 1.0 };
     Vec3::new(of(now.x, before.x), of(now.y, before.y), of(now.z, before.z))
-}
-
-/// How much of each leaf nothing lies on. Bins do not tell: they skip the backs of what a leaf is inside.
-struct Covered {
-    open: Vec<f32>,
-    positions: Vec<Vec3>,
-    /// Around each object as baked.
-    boxes: Vec<Bounds>,
-}
-
-impl Covered {
-    fn new(dataset: &Dataset, forest: &SurfelForest) -> Self {
-        let mesh = &dataset.scene.mesh;
-        let open = |at: &Surfel| {
-            let MeshPlace { triangle, barycentric: b } = at.place;
-            let corners = mesh.triangles[triangle as usize].iter().zip([1.0 - b.x - b.y, b.x, b.y]);
-            corners.map(|(&vertex, weight)| f32::from(u8::from(dataset.vertex_valid[vertex as usize])) * weight).sum()
-        };
-        let objects = Objects::of(&dataset.scene);
-        let around = |object| {
-            let vertices = objects.vertices(object).iter().map(|&vertex| mesh.positions[vertex as usize]);
-            Bounds::around(vertices).grown(1e-3 * mesh.bounds().diagonal())
-        };
-        Self {
-            open: forest.surfels().map(|surfel| open(&surfel)).collect(),
-            positions: forest.surfels().map(|surfel| surfel.position).collect(),
-            boxes: (0..objects.len() as u32).map(around).collect(),
-        }
-    }
-
-    fn as_baked(&self) -> &[f32] {
-        &self.open
-    }
-
-    /// Nothing lies any more on what is in the box of an object that moved away.
-    fn posed(&self, poses: &Poses) -> Vec<f32> {
-        let left: Vec<&Bounds> = poses.moved().filter_map(|object| self.boxes.get(object as usize)).collect();
-        let open = |(&open, position): (&f32, &Vec3)| {
-            let is_left = || left.iter().any(|bounds| bounds.contains(*position));
-            if open < 1.0 && is_left() { 1.0 } else { open }
-        };
-        self.open.iter().zip(&self.positions).map(open).collect()
-    }
 }
 
 fn combined(now: &Sides, before: &Sides, combine: impl Fn(usize, Vec3, Vec3) -> Vec3) -> Sides {
