@@ -8,7 +8,7 @@ use crate::{
         implicit::{PoseRig, PosedLight},
     },
 };
-use lapidary_core::{ground::Ground, image::Image, lights::Light, scene::pose::Poses};
+use lapidary_core::{ground::Ground, image::Image, scene::pose::Poses};
 use std::{ops::Range, sync::Arc, time::Instant};
 
 /// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
@@ -277,13 +277,13 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn posed_light(
         &mut self,
         look: &Look,
-        environment: &SceneLighting,
+        environment: &Arc<SceneLighting>,
         local: &LocalLighting,
     ) -> Option<Arc<PosedLight>> {
         let rig = self.pose_rig.as_mut().filter(|_| !self.poses.is_empty())?;
         let environment = Some(environment).filter(|_| self.baked.dataset.settings.mode.environment());
-        let lights: Vec<Light> = local.lights.iter().chain(&local.suns).cloned().collect();
-        Some(rig.light(environment, &lights, &look.appearance, look.shown_solution().bounces()).into())
+        let lights = local.lights.iter().chain(&local.suns).cloned().collect();
+        Some(rig.light(environment, lights, &look.appearance, look.shown_solution().bounces()).into())
     }
 
     /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials

@@ -13,7 +13,10 @@ mod vertices;
 use crate::{
     appearance::Appearance,
     baked::Baked,
-    light::{bounce::LitPoints, environment::SceneLighting},
+    light::{
+        bounce::LitPoints,
+        environment::{SceneLighting, is_same},
+    },
 };
 use covered::Covered;
 use glam::Vec3;
@@ -76,6 +79,8 @@ pub struct PosedLight {
 /// Lights a scene under one pose after another.
 pub struct PoseRig {
     as_baked: Seen,
+    /// Light of the leaves as baked, and what it was found of: a drag does not change it.
+    lit_as_baked: Option<(Lit, [Vec<Vec3>; 2])>,
     vertices: VertexLeaves,
     posed: Seen,
     poses: Poses,
@@ -83,6 +88,22 @@ pub struct PoseRig {
     /// While one object moves: what is seen of the others.
     drag: Option<Drag>,
     is_moved: Arc<[bool]>,
+}
+
+/// What lights a scene.
+struct Lit {
+    environment: Option<Arc<SceneLighting>>,
+    lights: Vec<Light>,
+    appearance: Appearance,
+    bounces: u32,
+}
+
+impl Lit {
+    fn is_same(&self, other: &Self) -> bool {
+        is_same(self.environment.as_ref(), other.environment.as_ref())
+            && (&self.lights, self.bounces) == (&other.lights, other.bounces)
+            && self.appearance.is_same(&other.appearance)
+    }
 }
 
 /// A scene under one pose, and what its leaves see.
@@ -99,9 +120,9 @@ impl Seen {
     }
 
     /// Irradiance of the leaves from the sky, and that of all bounces.
-    fn lit(&mut self, sky: &SkyGrid, lights: &[Light], appearance: &Appearance, bounces: u32) -> [Vec<Vec3>; 2] {
-        self.points.set_appearance(appearance);
-        self.points.set_lights(lights);
+    fn lit(&mut self, sky: &SkyGrid, by: &Lit) -> [Vec<Vec3>; 2] {
+        self.points.set_appearance(&by.appearance);
+        self.points.set_lights(&by.lights);
         let sky = |direction| sky.radiance(direction);
         let of_sky = self.views.irradiance_of_sky(self.forest.discs(), &sky);
         let lighting = Lighting {
@@ -111,7 +132,7 @@ impl Seen {
             sky: &sky,
         };
         let LeafLight { direct, bounced } =
-            LeafLight::new(self.forest.discs(), &self.views, &lighting, bounces as usize);
+            LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces as usize);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
         let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
         let others = others.collect();
@@ -129,6 +150,7 @@ impl PoseRig {
             vertices: VertexLeaves::new(forest.discs(), dataset),
             covered: Covered::new(dataset, &forest),
             posed: Seen::new(baked, forest.clone(), views.clone()),
+            lit_as_baked: None,
             as_baked: Seen::new(baked, forest, views),
             poses: Poses::default(),
             drag: None,
@@ -163,15 +185,21 @@ impl PoseRig {
     /// The light of the posed scene under an environment, if it is shown, and local lights, with as many bounces as the picture has.
     pub fn light(
         &mut self,
-        environment: Option<&SceneLighting>,
-        lights: &[Light],
+        environment: Option<&Arc<SceneLighting>>,
+        lights: Vec<Light>,
         appearance: &Appearance,
         bounces: u32,
     ) -> PosedLight {
-        let (sky, bounces) = (SkyGrid::new(environment), bounces.min(MOST_BOUNCES));
-        let as_baked = self.as_baked.lit(&sky, lights, appearance, bounces);
-        let posed = self.posed.lit(&sky, lights, appearance, bounces);
-        let [baked_sky, baked_bounce] = as_baked.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, None));
+        let (sky, bounces) = (SkyGrid::new(environment.map(|lighting| &**lighting)), bounces.min(MOST_BOUNCES));
+        let by = Lit { environment: environment.cloned(), lights, appearance: appearance.clone(), bounces };
+        let posed = self.posed.lit(&sky, &by);
+        let known = self.lit_as_baked.take().filter(|(known, _)| known.is_same(&by));
+        let (_, as_baked) = self.lit_as_baked.insert(known.unwrap_or_else(|| {
+            let as_baked = self.as_baked.lit(&sky, &by);
+            (by, as_baked)
+        }));
+        let [baked_sky, baked_bounce] =
+            as_baked.clone().map(|leaves| self.covered.at_vertices(&self.vertices, leaves, None));
         let [posed_sky, posed_bounce] =
             posed.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, Some(&self.poses)));
         let is_moved = &self.is_moved;

@@ -85,9 +85,9 @@ fn what_an_object_lay_on_is_lit_when_it_is_lifted_and_stays_dark_while_it_lies()
     let (near, dark) = (rel_rmse(&preview, &truth), rel_rmse(&dark, &truth));
     assert!(near < 0.06 && dark > 0.2, "{near}, negative control {dark}: the cuts of the bake");
     let baked = Baked::from(as_baked.clone());
-    let lighting = Renderer::new(baked.clone()).lighting(&sky(), 64);
+    let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
     let mut rig = PoseRig::new(&baked);
-    let light = rig.light(Some(&lighting), &[], &Appearance::of(&as_baked.scene), 1);
+    let light = rig.light(Some(&lighting), Vec::new(), &Appearance::of(&as_baked.scene), 1);
     assert!(light.uncovered.front.iter().all(|rest| *rest == Vec3::ZERO), "it lies where it lay");
 }
 
@@ -112,16 +112,16 @@ fn what_moved_is_lit_by_its_own_bins_glossy_too() {
 fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
     let baked = Baked::from(blocked(white(), 8));
     let renderer = Renderer::new(baked.clone());
-    let lighting = renderer.lighting(&sky(), 64);
+    let lighting = Arc::new(renderer.lighting(&sky(), 64));
     let lamp = [point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)];
     let appearance = Appearance::of(&baked.dataset.scene);
     let mut rig = PoseRig::new(&baked);
-    let as_it_is = rig.light(Some(&lighting), &lamp, &appearance, 2);
+    let as_it_is = rig.light(Some(&lighting), lamp.to_vec(), &appearance, 2);
     let all = |sides: &Sides, value| sides.front.iter().chain(&sides.back).all(|found| *found == value);
     assert!(all(&as_it_is.ratio, Vec3::ONE) && all(&as_it_is.bounce, Vec3::ZERO));
     let poses = posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED });
     rig.pose(baked.posed(&poses).unwrap(), &poses);
-    let changed = rig.light(Some(&lighting), &lamp, &appearance, 2);
+    let changed = rig.light(Some(&lighting), lamp.to_vec(), &appearance, 2);
     assert!(!all(&changed.ratio, Vec3::ONE) && !all(&changed.bounce, Vec3::ZERO), "negative control");
     assert!(changed.ratio.front.iter().all(|ratio| ratio.min_element() >= 0.0 && ratio.max_element() <= MOST_GROWTH));
 }
@@ -129,13 +129,13 @@ fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
 #[test]
 fn a_drag_gives_the_bits_of_its_last_pose() {
     let baked = Baked::from(blocked(white(), 8));
-    let lighting = Renderer::new(baked.clone()).lighting(&sky(), 64);
+    let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
     let appearance = Appearance::of(&baked.dataset.scene);
     let shown = |rig: &mut PoseRig, poses: &Poses| {
         let cuts = rig.pose(baked.posed(poses).unwrap(), poses).dataset.cuts.clone();
         let height = baked.dataset.tree.height();
         let cuts: Vec<_> = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec()).collect();
-        (cuts, rig.light(Some(&lighting), &[], &appearance, 2))
+        (cuts, rig.light(Some(&lighting), Vec::new(), &appearance, 2))
     };
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let mut both = at(0.4);
