@@ -8,7 +8,7 @@
 //! | right drag, with W A S D Q E (Shift: faster, wheel: speed) | fly |
 //! | Shift + right drag, `[` and `]` (Shift: finer) | turn the environment |
 //! | click, double click | select, orbit about what is clicked |
-//! | drag of a handle of the selected light | move it (Escape: put it back) |
+//! | drag of a handle of the selected light or object | move, turn or scale it (Ctrl: steps, Escape: put it back) |
 //! | drop of a preset or a material on a surface | give its material these values |
 //!
 //! Keys that are pressed once are commands of the window: see `app/keys.rs`.
@@ -79,6 +79,8 @@ pub struct ViewportContext<'a> {
     pub selected_object: Option<u32>,
     /// Bounds of it, outlined for a moment when the selection changes.
     pub selection_bounds: Option<Bounds>,
+    /// The selected object, if it has handles.
+    pub movable: Option<gizmo::Movable>,
     /// The local light that is selected.
     pub selected_light: Option<usize>,
     /// Whether local lights are drawn over the picture, and can be selected there.
@@ -107,6 +109,11 @@ impl ViewportContext<'_> {
     /// The sources whose clusters are drawn: over the lit picture, for other views say something else.
     fn clusters(&self) -> Option<&Arc<SourceLighting>> {
         self.sources.filter(|_| self.shows_clusters && self.document.view.mode == ViewMode::Shaded)
+    }
+
+    /// Whether things can be drawn over the picture: where two stand side by side they would lie beside it.
+    fn can_be_drawn_over(&self) -> bool {
+        self.compared.as_ref().is_none_or(|compared| compared.view != CompareView::SideBySide)
     }
 
     /// What `camera` sees at a place of the window, in a viewport at `rect` of `size_px` pixels.
@@ -191,8 +198,7 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
     }
     if let Some(text) = context.placeholder {
         paint::placeholder(ui, rect, text);
-    } else if view == Some(CompareView::SideBySide) {
-        // What is drawn over the picture would lie beside it.
+    } else if !context.can_be_drawn_over() {
         paint::badges(ui, rect, context);
     } else {
         let clusters = context.clusters().zip(context.intersector);

@@ -78,12 +78,15 @@ impl EditorState {
         has_dialog || self.interface.keys_open || !self.prompts.is_empty()
     }
 
-    /// Shows the reference as long as R is held, if its press was for that.
+    /// Shows the reference as long as R is held, if its press was for that. The press is no command then.
     fn flicker(&mut self, ctx: &egui::Context, are_commands: bool) {
         let is_press = |event: &Event| matches!(event, Event::Key { key: Key::R, pressed: true, modifiers, .. } if modifiers.is_none());
         let (is_held, is_pressed) = ctx.input(|i| (i.key_down(Key::R), i.events.iter().any(is_press)));
         let panel = &mut self.interface.comparison;
         let flickers = panel.open && is_held && (panel.flicker || is_pressed && are_commands);
+        if panel.open && are_commands {
+            ctx.input_mut(|i| i.events.retain(|event| !is_press(event)));
+        }
         if flickers != panel.flicker {
             panel.flicker = flickers;
             ctx.request_repaint();

@@ -1,6 +1,6 @@
 //! The keyboard: one table of commands with their keys, from which menus, the keyboard map and the handling are made.
 
-use crate::viewport::navigation::AxisView;
+use crate::viewport::{gizmo::Tool, navigation::AxisView};
 use egui::{Context, Event, Grid, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
 use lapidary_render::ViewMode;
 
@@ -37,6 +37,8 @@ pub enum Command {
     Mode(ViewMode),
     /// Edges over the picture.
     Wireframe,
+    /// What handles do to the selected object, or no handles.
+    Tool(Option<Tool>),
     /// Only the picture.
     TogglePanels,
     /// Larger text and controls.
@@ -82,6 +84,7 @@ pub struct Binding {
 
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+const SHIFT: Modifiers = Modifiers::SHIFT;
 const NONE: Modifiers = Modifiers::NONE;
 
 const fn binds(
@@ -93,12 +96,16 @@ const fn binds(
     Binding { command, label, group, keys }
 }
 
+const fn tool(tool: Tool, keys: &'static [(Modifiers, Key)]) -> Binding {
+    binds("Edit", Command::Tool(Some(tool)), tool.label(), keys)
+}
+
 const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
     binds("What the pixels show", Command::Mode(mode), label, keys)
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 36] = [
+pub const BINDINGS: [Binding; 40] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -108,6 +115,10 @@ pub const BINDINGS: [Binding; 36] = [
     binds("Edit", Command::Undo, "Undo", &[(CTRL, Key::Z)]),
     binds("Edit", Command::DuplicateLight, "Duplicate light", &[(CTRL, Key::D)]),
     binds("Edit", Command::DeleteLight, "Delete light", &[(NONE, Key::Delete), (NONE, Key::Backspace)]),
+    tool(Tool::Move, &[(NONE, Key::W)]),
+    tool(Tool::Turn, &[(NONE, Key::E)]),
+    tool(Tool::Scale, &[(NONE, Key::R)]),
+    binds("Edit", Command::Tool(None), "Select only", &[(NONE, Key::Q)]),
     binds("View", Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
     binds("View", Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
     binds("View", Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),
@@ -116,7 +127,7 @@ pub const BINDINGS: [Binding; 36] = [
     binds("View", Command::Along(AxisView::Top), "View from the top", &[(CTRL, Key::Num7)]),
     binds("View", Command::CopyCamera, "Copy camera", &[(CTRL_SHIFT, Key::C)]),
     binds("View", Command::PasteCamera, "Paste camera", &[(CTRL_SHIFT, Key::V)]),
-    binds("View", Command::Wireframe, "Wireframe", &[(NONE, Key::W)]),
+    binds("View", Command::Wireframe, "Wireframe", &[(SHIFT, Key::W)]),
     binds("View", Command::TogglePanels, "Hide panels", &[(NONE, Key::Tab)]),
     binds("Window", Command::LargerInterface, "Larger interface", &[(NONE, Key::Plus), (NONE, Key::Equals)]),
     binds("Window", Command::SmallerInterface, "Smaller interface", &[(NONE, Key::Minus)]),
@@ -141,7 +152,7 @@ pub const BINDINGS: [Binding; 36] = [
 const WIDTH: f32 = 960.0;
 
 /// Pointer gestures, for the keyboard map.
-const POINTER: [(&str, &str); 14] = [
+const POINTER: [(&str, &str); 15] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
     ("Wheel", "Move closer or away (also: Alt + right drag)"),
@@ -151,7 +162,8 @@ const POINTER: [(&str, &str); 14] = [
     ("Click", "Select"),
     ("Double click", "Orbit about this point"),
     ("Drop a material", "Give its values to what is there (Shift: to it alone)"),
-    ("Drag a handle", "Move the selected light (Esc: put it back)"),
+    ("Drag a handle", "Move a light, or pose an object (Esc: put it back)"),
+    ("Ctrl + handle", "Whole steps of an object's pose"),
     ("Shift + slider", "Fine steps"),
     ("Hold R", "See the reference, while comparing"),
     ("Double click label", "Default value"),
@@ -416,7 +428,7 @@ mod tests {
         let mut harness = harness();
         harness.input_mut().events.extend([press(NONE, Key::W), press(CTRL, Key::O), press(NONE, Key::B)]);
         harness.step();
-        assert_eq!(harness.state().pressed, [Command::Wireframe, Command::Open]);
+        assert_eq!(harness.state().pressed, [Command::Tool(Some(Tool::Move)), Command::Open]);
     }
 
     #[test]

@@ -29,7 +29,7 @@ use crate::{
         view::{self, ViewContext},
     },
     preferences::Preferences,
-    viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
+    viewport::{self, ViewportContext, ViewportResponse, compare::Compared, gizmo::Movable},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{lights::Light, material::Material};
@@ -287,6 +287,16 @@ fn words_of_preview(state: &EditorState, baked: &Baked) -> Option<&'static str> 
     is_other.then_some("Opacity was edited; bake again for its shadows")
 }
 
+/// The selected object, if it has handles: a ground has none, nor has anything beside a selected light.
+pub(super) fn movable(state: &EditorState) -> Option<Movable> {
+    let (object, tool) = state.selection.object.zip(state.interface.tool)?;
+    let baked = state.scene.rendered().filter(|_| state.selected_light().is_none())?;
+    let is_object = (object as usize) < state.document.objects.len();
+    let can_be_posed = is_object && baked.dataset.scene.mesh.ground_object() != Some(object);
+    let center = state.requests.center(baked, object).filter(|_| can_be_posed)?;
+    Some(Movable { object, center, tool })
+}
+
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
     let baked = state.scene.rendered();
     let is_held = ui.input(|input| input.pointer.any_down());
@@ -314,6 +324,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         scene_bounds: state.bounds.scene,
         selected_object,
         selection_bounds: state.bounds.selection,
+        movable: movable(state),
         selected_light: state.selected_light(),
         shows_lights: state.interface.lights.in_viewport,
         aiming: state.interface.lights.aiming && state.selected_light().is_some(),

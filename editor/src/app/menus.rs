@@ -8,6 +8,7 @@ use crate::{
     actions::Action,
     panels::lights,
     preferences::{Preferences, Theme},
+    viewport::gizmo::Tool,
 };
 use egui::{Button, MenuBar, Ui};
 use lapidary_render::ViewMode;
@@ -148,8 +149,22 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::DeleteLight, has_light);
     ui.menu_button("Add light", |ui| lights::add_menu(ui, actions));
     ui.separator();
+    tools(ui, state, actions);
+    ui.separator();
     entry(ui, state, actions, Command::CopyCamera, true);
     entry(ui, state, actions, Command::PasteCamera, true);
+}
+
+/// What handles do to the selected object.
+fn tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    for tool in Tool::ALL.map(Some).into_iter().chain([None]) {
+        let command = Command::Tool(tool);
+        let button = Button::selectable(state.interface.tool == tool, keys::binding(command).label);
+        if ui.add(button.shortcut_text(keys::text(ui.ctx(), command))).clicked() {
+            state.command(command, actions);
+            ui.close();
+        }
+    }
 }
 
 fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {

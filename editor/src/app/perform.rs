@@ -167,6 +167,10 @@ impl EditorState {
             Command::LargerInterface => Action::Preferences(self.scaled(1)),
             Command::SmallerInterface => Action::Preferences(self.scaled(-1)),
             Command::DefaultInterface => Action::Preferences(Preferences { ui_scale: 1.0, ..self.preferences.clone() }),
+            Command::Tool(tool) => {
+                self.interface.tool = tool;
+                return;
+            }
             Command::TogglePanels => {
                 self.interface.panels_hidden = !self.interface.panels_hidden;
                 return;

@@ -8,6 +8,7 @@ mod documents;
 mod export;
 mod first_look;
 mod ground;
+mod handles;
 mod hands;
 mod kept;
 mod lights;
@@ -220,10 +221,10 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.wait("a picture", |s| s.pictures.shown().is_some());
-    window.0.key_press(Key::W);
+    window.0.key_press_modifiers(Modifiers::SHIFT, Key::W);
     window.0.run_steps(2);
     let with = exported(&mut window, &place.path("with.png"));
-    window.0.key_press(Key::W);
+    window.0.key_press_modifiers(Modifiers::SHIFT, Key::W);
     window.0.run_steps(2);
     let without = exported(&mut window, &place.path("without.png"));
     // The lines' colour is more blue than red by far.

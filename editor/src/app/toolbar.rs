@@ -7,6 +7,7 @@ use super::{
 use crate::{
     actions::Action,
     document::{Edit, ViewSettings},
+    viewport::gizmo::Tool,
 };
 use egui::{Button, ComboBox, DragValue, TextStyle, Ui};
 use lapidary_render::{ToneMap, ViewMode};
@@ -22,6 +23,8 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         let shown = state.scene.rendered().is_some();
         tool(ui, state, actions, Command::FrameSelection, "Frame", shown);
         ui.separator();
+        pose_tools(ui, state, actions);
+        ui.separator();
         let can_compare = state.interface.comparison.open || state.can_compare();
         tool(ui, state, actions, Command::Compare, "Compare", can_compare);
         ui.separator();
@@ -34,6 +37,20 @@ fn tool(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>, command
     let help = format!("{} ({})", keys::binding(command).label, keys::text(ui.ctx(), command));
     if ui.add_enabled(enabled, Button::new(label)).on_hover_text(help).clicked() {
         state.command(command, actions);
+    }
+}
+
+/// What handles do to the selected object.
+fn pose_tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let tools =
+        [(None, "Select"), (Some(Tool::Move), "Move"), (Some(Tool::Turn), "Turn"), (Some(Tool::Scale), "Scale")];
+    for (tool, label) in tools {
+        let command = Command::Tool(tool);
+        let help = format!("{} ({})", keys::binding(command).label, keys::text(ui.ctx(), command));
+        let response = ui.selectable_label(state.interface.tool == tool, label).on_hover_text(help);
+        if response.accessible_name(format!("{label} tool")).clicked() {
+            state.command(command, actions);
+        }
     }
 }
 

@@ -98,9 +98,10 @@ pub(super) fn handle(
     actions: &mut Vec<Action>,
 ) {
     let camera = context.document.camera.clone();
-    let on_lights = state.gesture.is_none() && gizmo::handle(ui, response, &mut state.gizmo, context, actions);
+    let can_grab = state.gesture.is_none() && (context.can_be_drawn_over() || state.gizmo.is_dragging());
+    let on_handles = can_grab && gizmo::handle(ui, response, &mut state.gizmo, context, actions);
     let mut pass = Pass { ui, response, size_px, state, context, actions, camera };
-    if !on_lights {
+    if !on_handles {
         pass.drags();
         pass.clicks();
     }

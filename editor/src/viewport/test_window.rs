@@ -14,6 +14,7 @@ pub struct App {
     pub mesh: Mesh,
     pub intersector: Intersector,
     pub selected: Option<u32>,
+    pub tool: Option<gizmo::Tool>,
     pub selected_light: Option<usize>,
     pub aiming: bool,
     pub sources: Option<Arc<SourceLighting>>,
@@ -34,6 +35,7 @@ impl App {
             intersector: Intersector::new(&mesh),
             mesh,
             selected: None,
+            tool: None,
             selected_light: None,
             aiming: false,
             sources: None,
@@ -57,6 +59,7 @@ impl App {
             scene_bounds: Some(bounds),
             selected_object: self.selected,
             selection_bounds: self.selected.and_then(|object| pick::object_bounds(&self.mesh, object)),
+            movable: self.movable(),
             selected_light: self.selected_light,
             shows_lights: true,
             aiming: self.aiming,
@@ -69,6 +72,12 @@ impl App {
             stale: true,
             compared: None,
         }
+    }
+
+    fn movable(&self) -> Option<gizmo::Movable> {
+        let (object, tool) = self.selected.zip(self.tool)?;
+        let center = pick::object_bounds(&self.mesh, object)?.center();
+        Some(gizmo::Movable { object, center, tool })
     }
 
     fn ui(&mut self, ui: &mut Ui) {

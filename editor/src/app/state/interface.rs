@@ -9,7 +9,7 @@ use crate::{
         comparison::ComparisonPanel, environment::EnvironmentPanel, lights::LightsPanel, material::MaterialPanel,
         scene::ScenePanel,
     },
-    viewport::ViewportState,
+    viewport::{ViewportState, gizmo::Tool},
 };
 use egui::{Context, Rect, Vec2};
 use std::time::Duration;
@@ -105,6 +105,8 @@ pub struct Interface {
     pub sides: SidePanels,
     /// Size of the window in points, and when it changed last, in seconds.
     pub(in crate::app) window: (Vec2, f64),
+    /// What handles do to the selected object; `None` shows no handles.
+    pub tool: Option<Tool>,
     /// The panel of local lights.
     pub lights: LightsPanel,
     /// The panel of materials.
@@ -129,6 +131,7 @@ impl Interface {
             pasting_camera: 0,
             sides: SidePanels::new(widths),
             window: (Vec2::ZERO, f64::NEG_INFINITY),
+            tool: None,
             lights: LightsPanel::default(),
             material: MaterialPanel::default(),
             comparison: ComparisonPanel::default(),

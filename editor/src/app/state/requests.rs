@@ -4,7 +4,8 @@ use crate::{
     document::{Document, parts::Assignment},
     jobs::render_thread::RenderRequest,
 };
-use lapidary_core::scene::pose::Poses;
+use glam::Vec3;
+use lapidary_core::scene::pose::{Objects, Poses};
 use lapidary_render::{Assigned, Baked};
 use std::cell::RefCell;
 
@@ -20,6 +21,8 @@ pub struct Requests {
     assigned: RefCell<Option<Found>>,
     /// The scene as it was posed last.
     posed: RefCell<Option<Posed>>,
+    /// The objects of the scene as it was baked.
+    objects: RefCell<Option<(Baked, Objects)>>,
 }
 
 /// A scene and where its objects are.
@@ -70,6 +73,17 @@ impl Requests {
         let posed = baked.posed(&document.poses).unwrap_or_else(|_| before.clone());
         *known = Some(Posed { baked: baked.clone(), poses: document.poses.clone(), posed: posed.clone() });
         posed
+    }
+
+    /// The centre of an object where it was baked, in metres; `None` if it has no vertices.
+    pub fn center(&self, baked: &Baked, object: u32) -> Option<Vec3> {
+        let mut known = self.objects.borrow_mut();
+        if !known.as_ref().is_some_and(|(of, _)| of.is_same(baked)) {
+            *known = Some((baked.clone(), Objects::of(&baked.dataset.scene)));
+        }
+        let objects = &known.as_ref()?.1;
+        let has_any = (object as usize) < objects.len() && !objects.vertices(object).is_empty();
+        has_any.then(|| objects.center(object))
     }
 
     /// The last request to the render thread.

@@ -88,9 +88,9 @@ fn ten_presses_in_one_frame_undo_ten_times() {
     window.frame_of(vec![press(Modifiers::COMMAND, Key::Y); 7].concat());
     assert_eq!(revised(&window), 9.0);
     let wireframe = |window: &Window| window.0.state().document.view.wireframe;
-    window.frame_of([press(NONE, Key::W), press(NONE, Key::W)].concat());
+    window.frame_of([press(Modifiers::SHIFT, Key::W), press(Modifiers::SHIFT, Key::W)].concat());
     assert!(!wireframe(&window), "two presses of a switch");
-    window.frame_of(press(NONE, Key::W));
+    window.frame_of(press(Modifiers::SHIFT, Key::W));
     assert!(wireframe(&window));
 }
 

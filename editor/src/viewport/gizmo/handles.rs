@@ -1,13 +1,12 @@
-//! What the selected light is moved by: three axes, the planes between them, a disc for the plane of the view, and the
-//! target of a light that has one.
+//! What the selected light or object is moved by: three axes, the planes between them, a disc for the plane of the view, and
+//! the target of a light that has one.
 
 use super::projection::Projection;
 use egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2, vec2};
 use glam::Vec3;
-use lapidary_core::lights::Light;
 
 /// Length of an axis in points, and where on it the part begins that can be grabbed.
-const AXIS: f32 = 84.0;
+pub const AXIS: f32 = 84.0;
 const AXIS_FROM: f32 = 0.22;
 /// Where the square of a plane begins and ends, in lengths of an axis.
 const PLANE: [f32; 2] = [0.28, 0.46];
@@ -15,12 +14,13 @@ const PLANE: [f32; 2] = [0.28, 0.46];
 const FREE_RADIUS: f32 = 9.0;
 const TARGET_RADIUS: f32 = 8.0;
 /// How far from a line the pointer may be, in points.
-const REACH: f32 = 7.0;
+pub const REACH: f32 = 7.0;
 /// An axis that is seen shorter than this share of its length, and a plane that is seen so thin, cannot be dragged.
-const LEAST_SEEN: f32 = 0.16;
+pub const LEAST_SEEN: f32 = 0.16;
 
-const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
-const COLORS: [Color32; 3] =
+/// The axes of the world and their colours.
+pub const AXES: [Vec3; 3] = Vec3::AXES;
+pub const COLORS: [Color32; 3] =
     [Color32::from_rgb(235, 87, 87), Color32::from_rgb(111, 191, 78), Color32::from_rgb(86, 146, 245)];
 
 /// What is dragged.
@@ -34,16 +34,26 @@ pub enum Handle {
     Free,
     /// What the light is aimed at.
     Target,
+    /// About X, Y or Z.
+    Ring(usize),
+    /// Larger or smaller.
+    Size,
 }
 
 impl Handle {
-    /// Where a drag may lead.
-    pub fn constraint(self, forward: Vec3) -> Constraint {
+    /// Where a drag may lead, if it moves something.
+    pub fn constraint(self, forward: Vec3) -> Option<Constraint> {
         match self {
-            Self::Axis(axis) => Constraint::Line(AXES[axis]),
-            Self::Plane(axis) => Constraint::Plane(AXES[axis]),
-            Self::Free | Self::Target => Constraint::Plane(forward),
+            Self::Axis(axis) => Some(Constraint::Line(AXES[axis])),
+            Self::Plane(axis) => Some(Constraint::Plane(AXES[axis])),
+            Self::Free | Self::Target => Some(Constraint::Plane(forward)),
+            Self::Ring(_) | Self::Size => None,
         }
+    }
+
+    /// Whether it lies on the middle of an object, so that clicks are for what is there.
+    pub fn is_for_clicks(self) -> bool {
+        self == Self::Free
     }
 }
 
@@ -84,7 +94,7 @@ impl Constraint {
     }
 }
 
-/// The handles of a light as they are seen.
+/// The handles of a place as they are seen.
 pub struct Handles {
     center: Pos2,
     axes: [Option<[Pos2; 2]>; 3],
@@ -93,12 +103,12 @@ pub struct Handles {
 }
 
 impl Handles {
-    /// Those of `light`; `None` behind the eye.
-    pub fn of(light: &Light, projection: &Projection) -> Option<Self> {
-        let center = projection.point(light.position)?;
-        let length = AXIS * projection.metres_per_point(light.position)?;
-        let at = |offset: Vec3| projection.point(light.position + length * offset);
-        let toward_eye = (projection.eye() - light.position).normalize_or(Vec3::Z);
+    /// Those of a place, and of what it is aimed at; `None` behind the eye.
+    pub fn of(place: Vec3, target: Option<Vec3>, projection: &Projection) -> Option<Self> {
+        let center = projection.point(place)?;
+        let length = AXIS * projection.metres_per_point(place)?;
+        let at = |offset: Vec3| projection.point(place + length * offset);
+        let toward_eye = (projection.eye() - place).normalize_or(Vec3::Z);
         let axis = |i: usize| {
             let tips = [at(AXIS_FROM * AXES[i])?, at(AXES[i])?];
             (AXES[i].cross(toward_eye).length() > LEAST_SEEN).then_some(tips)
@@ -110,7 +120,7 @@ impl Handles {
             let corners = [corner(near, near)?, corner(far, near)?, corner(far, far)?, corner(near, far)?];
             (AXES[i].dot(toward_eye).abs() > LEAST_SEEN).then_some(corners)
         };
-        let target = light.emission.is_aimed().then(|| projection.point(light.target)).flatten();
+        let target = target.and_then(|target| projection.point(target));
         Some(Self { center, axes: [0, 1, 2].map(axis), planes: [0, 1, 2].map(plane), target })
     }
 
@@ -181,7 +191,8 @@ fn contains(corners: &[Pos2; 4], p: Pos2) -> bool {
     sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)
 }
 
-fn distance_to_segment(p: Pos2, a: Pos2, b: Pos2) -> f32 {
+/// Points from `p` to the nearest point of a line.
+pub fn distance_to_segment(p: Pos2, a: Pos2, b: Pos2) -> f32 {
     let along: Vec2 = b - a;
     let share = ((p - a).dot(along) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
     (a + share * along).distance(p)
@@ -191,13 +202,12 @@ fn distance_to_segment(p: Pos2, a: Pos2, b: Pos2) -> f32 {
 mod tests {
     use super::*;
     use egui::{Rect, pos2};
-    use lapidary_core::{camera::Camera, test_scenes};
+    use lapidary_core::camera::Camera;
 
     fn seen(eye: Vec3) -> (Projection, Handles) {
-        let light = Light { position: Vec3::ZERO, target: Vec3::new(0.0, -1.0, 0.5), ..test_scenes::light() };
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 600.0));
         let projection = Projection::new(&Camera::look_at(eye, Vec3::ZERO, 40.0), rect);
-        let handles = Handles::of(&light, &projection).unwrap();
+        let handles = Handles::of(Vec3::ZERO, Some(Vec3::new(0.0, -1.0, 0.5)), &projection).unwrap();
         (projection, handles)
     }
 

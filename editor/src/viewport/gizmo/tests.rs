@@ -1,4 +1,6 @@
-//! Lights in a viewport without a window: what is selected, and where drags of the handles lead.
+//! Handles in a viewport without a window. Here are those of lights: what is selected, and where drags lead.
+
+mod objects;
 
 use super::projection::Projection;
 use crate::{

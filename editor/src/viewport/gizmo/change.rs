@@ -1,0 +1,122 @@
+//! What a drag does to the pose of an object: from amounts that handles give to poses. Knows no screen.
+
+use glam::{Quat, Vec3};
+use lapidary_core::scene::pose::{MOST_SCALE, Pose};
+
+/// Steps while Ctrl is held: of turns in degrees, and of factors.
+pub const TURN_STEP_DEGREES: f32 = 15.0;
+pub const SCALE_STEP: f32 = 0.1;
+/// A drag makes nothing smaller than this share of what it was.
+const LEAST_FACTOR: f32 = 0.01;
+/// Steps of moves fit this often into the diagonal of a scene, at least.
+const STEPS_ACROSS: f32 = 20.0;
+
+/// By how much a pose is changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// An offset in metres.
+    Move(Vec3),
+    /// About an axis of the world through the centre of the object, counter-clockwise seen against it.
+    Turn {
+        /// 0 is X, 1 is Y, 2 is Z.
+        axis: usize,
+        /// The angle.
+        degrees: f32,
+    },
+    /// A factor of its size.
+    Scale(f32),
+}
+
+impl Change {
+    /// The nearest whole number of steps, those of moves in metres.
+    pub fn snapped(self, move_step: f32) -> Self {
+        let snap = |value: f32, step: f32| (value / step).round() * step;
+        match self {
+            Self::Move(offset) => Self::Move(offset.map(|length| snap(length, move_step))),
+            Self::Turn { axis, degrees } => Self::Turn { axis, degrees: snap(degrees, TURN_STEP_DEGREES) },
+            Self::Scale(factor) => Self::Scale(snap(factor, SCALE_STEP).max(SCALE_STEP)),
+        }
+    }
+
+    /// A pose after it.
+    pub fn applied(self, before: &Pose) -> Pose {
+        match self {
+            Self::Move(offset) => Pose { translate: before.translate + offset, ..*before },
+            Self::Turn { degrees: 0.0, .. } => *before,
+            Self::Turn { axis, degrees } => {
+                let turn = Quat::from_axis_angle(Vec3::AXES[axis], degrees.to_radians());
+                before.with_rotation(turn * before.rotation())
+            }
+            Self::Scale(factor) => {
+                let scale = before.scale * factor.max(LEAST_FACTOR);
+                Pose { scale: scale.clamp(1.0 / MOST_SCALE, MOST_SCALE), ..*before }
+            }
+        }
+    }
+
+    /// As it is read over the picture.
+    pub fn words(self) -> String {
+        match self {
+            Self::Move(Vec3 { x, y, z }) => format!("Move by {x:.3}, {y:.3}, {z:.3} m"),
+            Self::Turn { axis, degrees } => format!("Turn about {} by {degrees:.1}°", ["X", "Y", "Z"][axis]),
+            Self::Scale(factor) => format!("Scale to {:.0} %", 100.0 * factor.max(LEAST_FACTOR)),
+        }
+    }
+}
+
+/// The step of moves in a scene of this diagonal, both in metres: a power of ten, 0.1 m in a room.
+pub fn move_step(diagonal: f32) -> f32 {
+    if diagonal > 0.0 { 10f32.powi((diagonal / STEPS_ACROSS).log10().floor() as i32) } else { 0.1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TILTED: Pose = Pose { translate: Vec3::X, rotate_degrees: Vec3::new(90.0, 0.0, 0.0), scale: 2.0 };
+
+    #[test]
+    fn moves_add_up_and_scales_multiply_within_what_is_valid() {
+        let moved = Change::Move(Vec3::new(0.5, -1.0, 0.0)).applied(&TILTED);
+        assert_eq!(moved, Pose { translate: Vec3::new(1.5, -1.0, 0.0), ..TILTED });
+        assert_eq!(Change::Scale(1.5).applied(&TILTED), Pose { scale: 3.0, ..TILTED });
+        for (factor, scale) in [(1e9, MOST_SCALE), (-3.0, 2.0 * LEAST_FACTOR)] {
+            let scaled = Change::Scale(factor).applied(&TILTED);
+            assert!(scaled.scale == scale && scaled.validate("").is_ok(), "{factor}");
+        }
+        let least = Pose { scale: 1.0 / MOST_SCALE, ..TILTED };
+        assert_eq!(Change::Scale(0.5).applied(&least), least);
+    }
+
+    #[test]
+    fn turns_are_about_the_axes_of_the_world_after_the_turns_that_were() {
+        let turned = Change::Turn { axis: 1, degrees: 90.0 }.applied(&TILTED);
+        // The tilt takes Z to -Y, which the turn about Y leaves; it leaves X, which the turn takes to -Z.
+        assert!((turned.rotation() * Vec3::Z).distance(Vec3::NEG_Y) < 1e-5);
+        assert!((turned.rotation() * Vec3::X).distance(Vec3::NEG_Z) < 1e-5);
+        let own = TILTED.rotation() * Quat::from_rotation_y(90f32.to_radians());
+        assert!((own * Vec3::X).distance(Vec3::NEG_Z) > 0.5, "negative control: about an axis of the object");
+        assert_eq!(Change::Turn { axis: 2, degrees: 0.0 }.applied(&TILTED), TILTED);
+    }
+
+    #[test]
+    fn snapped_changes_are_whole_steps() {
+        let offset = Change::Move(Vec3::new(0.26, -0.04, 0.0));
+        let Change::Move(snapped) = offset.snapped(0.1) else { panic!("{offset:?}") };
+        assert!(snapped.distance(Vec3::new(0.3, 0.0, 0.0)) < 1e-6, "{snapped}");
+        let turn = |degrees| Change::Turn { axis: 0, degrees };
+        assert_eq!([turn(22.4), turn(22.6), turn(-8.0)].map(|t| t.snapped(0.1)), [turn(15.0), turn(30.0), turn(-15.0)]);
+        for (factor, expected) in [(1.26, 1.3), (0.98, 1.0), (0.01, 0.1)] {
+            let Change::Scale(snapped) = Change::Scale(factor).snapped(0.1) else { panic!("{factor}") };
+            assert!((snapped - expected).abs() < 1e-6, "{factor}: {snapped}");
+        }
+        assert_ne!(turn(22.4).snapped(0.1), turn(22.4), "negative control");
+    }
+
+    #[test]
+    fn steps_fit_the_scene() {
+        for (diagonal, step) in [(3.5, 0.1), (19.0, 0.1), (0.3, 0.01), (500.0, 10.0), (0.0, 0.1), (f32::NAN, 0.1)] {
+            assert!((move_step(diagonal) / step - 1.0).abs() < 1e-5, "{diagonal}: {}", move_step(diagonal));
+        }
+    }
+}

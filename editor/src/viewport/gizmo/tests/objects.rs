@@ -1,0 +1,143 @@
+//! The selected object in a viewport without a window: where drags of its handles lead.
+
+use super::{super::Tool, *};
+use lapidary_core::scene::pose::Pose;
+
+/// The right square of the scene, and its centre.
+const OBJECT: u32 = 1;
+const CENTER: Vec3 = Vec3::X;
+
+/// The right square selected, with the handles of a tool, seen at an angle.
+fn posing(tool: Option<Tool>) -> Harness<'static, App> {
+    let mut harness = harness();
+    let app = harness.state_mut();
+    app.document.camera.eye = Vec3::new(2.0, 1.5, 4.0);
+    (app.selected, app.tool) = (Some(OBJECT), tool);
+    harness.run();
+    harness
+}
+
+fn pose(harness: &Harness<App>) -> Pose {
+    harness.state().document.poses.of(OBJECT)
+}
+
+/// Where a point so many points of the screen from the centre is seen.
+fn beside_center(harness: &Harness<App>, direction: Vec3, points: f32) -> Pos2 {
+    let rect = harness.get_by_label("Viewport").rect();
+    let projection = Projection::new(&harness.state().document.camera, rect);
+    at(harness, CENTER + points * projection.metres_per_point(CENTER).unwrap() * direction)
+}
+
+/// The labels of the edits of poses.
+fn labels(harness: &Harness<App>) -> Vec<&'static str> {
+    let label = |action: &Action| match action {
+        Action::Edit { edit: Edit::Pose { object: OBJECT, .. }, label } => Some(*label),
+        _ => None,
+    };
+    harness.state().log.iter().filter_map(label).collect()
+}
+
+fn drag_with(harness: &mut Harness<App>, modifiers: Modifiers, from: Pos2, to: Pos2) {
+    harness.event(egui::Event::ModifiersChanged(modifiers));
+    drag(harness, from, to - from);
+    harness.event(egui::Event::ModifiersChanged(Modifiers::NONE));
+    harness.step();
+}
+
+#[test]
+fn a_drag_of_an_arrow_moves_the_object_by_as_much_as_the_pointer_in_one_gesture() {
+    for (index, axis) in Vec3::AXES.into_iter().enumerate() {
+        let mut harness = posing(Some(Tool::Move));
+        let grabbed = beside_center(&harness, axis, 60.0);
+        let rect = harness.get_by_label("Viewport").rect();
+        let scale = Projection::new(&harness.state().document.camera, rect).metres_per_point(CENTER).unwrap();
+        // The same place of the arrow after a move by one metre.
+        let to = at(&harness, CENTER + (60.0 * scale + 1.0) * axis);
+        drag(&mut harness, grabbed, to - grabbed);
+        let moved = pose(&harness).translate;
+        assert!((moved[index] - 1.0).abs() < 1e-2 && (moved - moved[index] * axis).length() < 1e-5, "{axis}: {moved}");
+        let labels = labels(&harness);
+        assert!(labels.len() > 1 && labels.iter().all(|label| *label == "Move object"), "{labels:?}");
+        assert_eq!(gestures(&harness), 1);
+        assert!(!harness.state().log.iter().any(|a| matches!(a, Action::Camera(_) | Action::SelectObject(_))));
+    }
+}
+
+#[test]
+fn ctrl_snaps_moves_to_steps() {
+    let mut harness = posing(Some(Tool::Move));
+    let (from, to) = (beside_center(&harness, Vec3::Y, 60.0), beside_center(&harness, Vec3::Y, 123.0));
+    drag_with(&mut harness, Modifiers::COMMAND, from, to);
+    let steps = 10.0 * pose(&harness).translate.y;
+    assert!(steps > 0.5 && (steps - steps.round()).abs() < 1e-4, "{steps}");
+    let mut harness = posing(Some(Tool::Move));
+    drag(&mut harness, from, to - from);
+    let steps = 10.0 * pose(&harness).translate.y;
+    assert!((steps - steps.round()).abs() > 1e-2, "negative control: {steps}");
+}
+
+#[test]
+fn a_quarter_of_a_ring_turns_the_object_by_ninety_degrees() {
+    let mut harness = posing(Some(Tool::Turn));
+    // Both lie on the ring about Y alone.
+    let [from, to] = [Vec3::X + Vec3::Z, Vec3::X - Vec3::Z].map(|d| beside_center(&harness, d.normalize(), 84.0));
+    drag_with(&mut harness, Modifiers::COMMAND, from, to);
+    let turned = pose(&harness).rotation();
+    assert!((turned * Vec3::Z).distance(Vec3::X) < 1e-3, "{:?}", pose(&harness));
+    assert_eq!((labels(&harness)[0], gestures(&harness)), ("Turn object", 1));
+    // Another turn adds to the one that was.
+    drag_with(&mut harness, Modifiers::COMMAND, from, to);
+    assert!((pose(&harness).rotation() * Vec3::Z).distance(Vec3::NEG_Z) < 1e-3, "{:?}", pose(&harness));
+}
+
+#[test]
+fn the_square_scales_the_object() {
+    let mut harness = posing(Some(Tool::Scale));
+    let center = at(&harness, CENTER);
+    let out = vec2(59.0, -59.0);
+    drag(&mut harness, center + out, 0.5 * out);
+    assert!((pose(&harness).scale - 1.5).abs() < 1e-2, "{:?}", pose(&harness));
+    assert_eq!((labels(&harness)[0], gestures(&harness)), ("Scale object", 1));
+    drag(&mut harness, center + out, -3.0 * out);
+    assert!(pose(&harness).validate("").is_ok(), "{:?}", pose(&harness));
+}
+
+#[test]
+fn escape_puts_the_object_back() {
+    let mut harness = posing(Some(Tool::Move));
+    let from = beside_center(&harness, Vec3::Y, 60.0);
+    press(&mut harness, from);
+    harness.hover_at(from + vec2(0.0, -40.0));
+    harness.step();
+    assert!(pose(&harness) != Pose::AS_BAKED && harness.state().last.unwrap().moving, "negative control");
+    harness.key_press(Key::Escape);
+    harness.step();
+    release(&mut harness, from + vec2(0.0, -60.0));
+    assert_eq!((pose(&harness), gestures(&harness)), (Pose::AS_BAKED, 1));
+}
+
+#[test]
+fn clicks_on_the_middle_select_and_drags_beside_handles_orbit() {
+    let mut harness = posing(Some(Tool::Move));
+    let camera = harness.state().document.camera.clone();
+    let middle = at(&harness, CENTER);
+    click(&mut harness, middle);
+    assert!(matches!(harness.state().log[0], Action::SelectObject(Some(OBJECT))), "{:?}", harness.state().log);
+    let arrow = beside_center(&harness, Vec3::Y, 60.0);
+    harness.state_mut().log.clear();
+    click(&mut harness, arrow);
+    assert!(harness.state().log.is_empty(), "an arrow that is clicked does nothing");
+    assert_eq!((pose(&harness), &harness.state().document.camera), (Pose::AS_BAKED, &camera));
+    let beside = at(&harness, Vec3::new(-1.0, 0.0, 0.0));
+    drag(&mut harness, beside, vec2(40.0, 0.0));
+    assert!(pose(&harness) == Pose::AS_BAKED && harness.state().document.camera != camera);
+}
+
+#[test]
+fn without_a_tool_drags_orbit_from_everywhere() {
+    let mut harness = posing(None);
+    let from = beside_center(&harness, Vec3::Y, 60.0);
+    drag(&mut harness, from, vec2(0.0, -40.0));
+    assert_eq!(pose(&harness), Pose::AS_BAKED);
+    assert!(harness.state().log.iter().any(|action| matches!(action, Action::Camera(_))));
+}
