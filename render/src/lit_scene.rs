@@ -141,7 +141,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
                 false => self.pose_rig.get_or_insert_with(|| PoseRig::new(&self.baked)).pose(posed, poses),
             };
             // The rigs light the scene as it was baked, which the pose rig's light is added to.
-            self.backend.set_scene(&posed)?;
+            self.backend.set_scene(&posed).inspect_err(|_| (self.pose_rig, self.lit) = (None, None))?;
             self.has_given(posed, poses.clone());
         }
         Ok(())

@@ -14,7 +14,7 @@ pub use climb::{Found, Ladder, Rung, Settings, Step, climb, time_frames};
 pub use cuts::Cuts;
 pub use files::{Summary, sheet, write_picture};
 pub use page::{charts, page, pictures};
-pub use truth::{Truth, every_sample};
+pub use truth::{BOUNCES_AS_BAKED, Truth, every_sample};
 
 /// Sizes of the illumination cut, from the light as one lump to what the paper found to be enough for glossy surfaces.
 pub const SIZES: [u32; 6] = [1, 32, 64, 128, 256, 512];

@@ -77,9 +77,9 @@ impl DiscForest {
         self.blocks[number as usize / CHILDREN].get(number as usize % CHILDREN)
     }
 
-    /// The leaves of an object.
+    /// The leaves of an object; none for one without discs.
     pub fn leaves_of(&self, object: u32) -> Range<u32> {
-        self.shape.trees()[object as usize].leaves.clone()
+        self.shape.trees().get(object as usize).map_or(0..0, |tree| tree.leaves.clone())
     }
 
     /// Values of all nodes from those of the leaves: means by area ("pull" of implicit visibility, 4.3), by node number.

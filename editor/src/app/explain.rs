@@ -31,7 +31,8 @@ impl EditorState {
     /// The picture on the screen, with its light.
     fn picture_to_explain(&self) -> Option<ExplainedPicture> {
         let (picture, shown) = (self.requests.last_sent()?, self.pictures.shown()?);
-        let baked = picture.baked.clone()?;
+        // The cuts of what moved are not those of the bake.
+        let baked = picture.baked.clone().filter(|_| picture.look.poses.is_empty())?;
         let mode = baked.dataset.settings.mode;
         let environment = mode.environment().then(|| GatheredLight::Environment(shown.lighting.clone()));
         let sources = shown.local.indirect.clone().map(GatheredLight::Sources);

@@ -388,7 +388,7 @@ impl Backend for GpuBackend {
         }
         let remark = self.local_lights.set(&lighting.shown_lights(), radius);
         if let Some(loaded) = &mut self.scene {
-            loaded.scene.posed = posed::texture(&self.gpu, lighting.posed.as_deref());
+            loaded.scene.posed = posed::texture(&self.gpu, lighting.posed.as_deref(), lighting.components.environment);
         }
         self.gpu.check()?;
         Ok(remark.into_iter().collect())

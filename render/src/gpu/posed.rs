@@ -10,11 +10,12 @@ use glam::Vec3;
 /// Texels in a row, of which six belong to a vertex.
 const WIDTH: usize = 8192;
 
-/// The texture that `posed.wgsl` reads: some texels for each vertex, or one in all where nothing is posed.
-pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>) -> wgpu::TextureView {
+/// The texture that `posed.wgsl` reads: some texels for each vertex, or one in all where nothing is posed. Without
+/// the environment nothing is uncovered to it.
+pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>, shows_environment: bool) -> wgpu::TextureView {
     let (size, texels) = match light {
         Some(light) => {
-            let mut texels = texels(light);
+            let mut texels = texels(light, shows_environment);
             texels.resize(texels.len().next_multiple_of(WIDTH).max(WIDTH), [0.0; 4]);
             ([WIDTH as u32, (texels.len() / WIDTH) as u32], texels)
         }
@@ -34,12 +35,15 @@ pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>) -> wgpu::TextureView
     texture.create_view(&Default::default())
 }
 
-fn texels(light: &PosedLight) -> Vec<[f32; 4]> {
+fn texels(light: &PosedLight, shows_environment: bool) -> Vec<[f32; 4]> {
     let PosedLight { is_moved, ratio, uncovered, bounce } = light;
     let of_vertex = |(vertex, &moved): (usize, &bool)| {
         let sides = [ratio, bounce, uncovered].map(|Sides { front, back }| [front[vertex], back[vertex]]);
         let alpha = f32::from(u8::from(moved));
-        let texels: [Vec3; 6] = std::array::from_fn(|i| sides[i / 2][i % 2]);
+        let mut texels: [Vec3; 6] = std::array::from_fn(|i| sides[i / 2][i % 2]);
+        if !shows_environment {
+            texels[4..].fill(Vec3::ZERO);
+        }
         texels.map(|texel| texel.extend(alpha))
     };
     is_moved.iter().enumerate().flat_map(of_vertex).map(|texel| texel.to_array()).collect()

@@ -74,7 +74,7 @@ impl GpuScene {
             sources: dataset.indirect.as_ref().map(|bake| source_cuts(gpu, bake)).transpose()?,
             vertices: storage(gpu, "vertices", bytemuck::cast_slice(&vertices(dataset))),
             triangles: storage(gpu, "triangles", bytemuck::cast_slice(&triangles(dataset, &Appearance::default()))),
-            posed: posed::texture(gpu, None),
+            posed: posed::texture(gpu, None, false),
             triangle_count: mesh.triangles.len() as u32,
             ground: mesh.ground.map(|start| GpuGround {
                 first_triangle: start.triangle,

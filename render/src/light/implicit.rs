@@ -18,7 +18,7 @@ use crate::{
         environment::{SceneLighting, is_same},
     },
 };
-use covered::Covered;
+use covered::{Covered, Left};
 use glam::Vec3;
 use lapidary_core::{
     implicit::{Bins, Drag, LeafLight, Lighting, Views},
@@ -85,6 +85,8 @@ pub struct PoseRig {
     posed: Seen,
     poses: Poses,
     covered: Covered,
+    /// The boxes of what moved.
+    left: Vec<Left>,
     /// While one object moves: what is seen of the others.
     drag: Option<Drag>,
     is_moved: Arc<[bool]>,
@@ -153,6 +155,7 @@ impl PoseRig {
             lit_as_baked: None,
             as_baked: Seen::new(baked, forest, views),
             poses: Poses::default(),
+            left: Vec::new(),
             drag: None,
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
         }
@@ -167,9 +170,10 @@ impl PoseRig {
         let views = self.bins(&forest, &changed).views();
         self.posed = Seen::new(&posed, forest, views);
         (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
+        self.left = self.covered.left(poses, mesh);
         let bins = (self.posed.forest.discs(), &self.posed.views, TURN);
         let cuts = cuts::of_moved(&posed.dataset, bins, &self.vertices, &self.is_moved);
-        posed.with_cuts(cuts)
+        posed.with_cuts(cuts, self.covered.valid(&self.left))
     }
 
     /// What the leaves see after some objects have moved. While it is always the same one, only that is walked.
@@ -199,9 +203,9 @@ impl PoseRig {
             (by, as_baked)
         }));
         let [baked_sky, baked_bounce] =
-            as_baked.clone().map(|leaves| self.covered.at_vertices(&self.vertices, leaves, None));
+            as_baked.clone().map(|leaves| self.covered.at_vertices(&self.vertices, leaves, &[]));
         let [posed_sky, posed_bounce] =
-            posed.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, Some(&self.poses)));
+            posed.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, &self.left));
         let is_moved = &self.is_moved;
         let growth =
             |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { Vec3::ONE } else { ratio(now, before) };

@@ -3,7 +3,7 @@
 use crate::{
     args::{LocalLightArgs, PoseArgs, ViewArgs, ViewedScene, choices, warn_of_buried},
     export::{check_pictures, write_pictures},
-    ladder::every_sample,
+    ladder::{BOUNCES_AS_BAKED, every_sample},
     outputs::CommandFiles,
     terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
@@ -91,7 +91,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     let posed = viewed.baked.posed(&viewed.poses).context("the objects cannot be posed so")?;
     if args.kind == Kind::Samples && viewed.local.components.is_some_and(|c| c.indirect) {
         if !viewed.poses.is_empty() {
-            bail!("--kind samples knows bounced light as it was baked; use --kind path for that of posed objects");
+            bail!("{BOUNCES_AS_BAKED}; use --kind path");
         }
         let (_, solution) = viewed.local.bounces_of(&viewed.baked.dataset)?;
         if solution == Solution::Meshless {

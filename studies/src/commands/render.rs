@@ -82,7 +82,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     let layers = wanted_layers(args.layers.as_ref(), &look)?;
     let baked = viewed.baked.clone();
     let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
-    warn_of_buried(&Renderer::new(baked), &viewed.local.lights, console);
+    warn_of_buried(&Renderer::of(&baked, &look), &viewed.local.lights, console);
     let finished = Finished::take(&mut studio, &look, &layers, &|| false)?;
     studio.remarks().iter().for_each(|remark| console.warning(remark));
     let stats = finished.taken.stats.clone();

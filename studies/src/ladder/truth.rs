@@ -1,7 +1,7 @@
 //! What the pictures are held against: the same lights without cuts.
 
 use crate::report::text::grouped;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_render::{
     BackendError, Baked, Components, CpuBackend, LitScene, Look, Progress, Renderer, SampledLight, Solution,
@@ -31,6 +31,9 @@ impl Truth {
     }
 }
 
+/// Why there is no picture by all samples.
+pub const BOUNCES_AS_BAKED: &str = "the sources of bounced light are where they were baked; compare posed objects with light paths, or without bounced light";
+
 /// All light samples of the environment, shadow rays to local lights, and a ray from every pixel to every surface source. The
 /// bounces of the meshless basis, which has no such samples, are as in any picture. `renderer` has the scene as the look has it.
 ///
@@ -38,8 +41,11 @@ impl Truth {
 /// As [`Truth::trace`].
 pub fn every_sample(baked: &Baked, look: &Look, renderer: &Renderer, progress: &dyn Progress) -> Result<Image> {
     let components = look.components;
+    if components.indirect && !look.poses.is_empty() {
+        bail!(BOUNCES_AS_BAKED);
+    }
     let mut bounced = components.indirect.then(|| Bounced::new(baked, look)).transpose()?;
-    let base = bounced.as_mut().map(Bounced::interpolated).transpose()?.flatten();
+    let base = bounced.as_mut().map(Bounced::of_basis).transpose()?.flatten();
     let light = SampledLight {
         environment: components.environment.then_some(&look.light),
         lights: if components.direct { &look.lights } else { &[] },
@@ -70,8 +76,8 @@ impl Bounced {
         Ok(Self { scene, look })
     }
 
-    /// Its picture, where vertices hold the light: `None` where sources send it.
-    fn interpolated(&mut self) -> Result<Option<Image>, BackendError> {
+    /// Its picture, where the basis holds the light: `None` where sources send it.
+    fn of_basis(&mut self) -> Result<Option<Image>, BackendError> {
         if self.scene.local().is_some_and(|local| local.indirect.is_some()) {
             return Ok(None);
         }

@@ -116,19 +116,23 @@ impl Poses {
         let mut found = Self::default();
         for (name, pose) in poses {
             pose.validate(name)?;
-            let objects = || (0..).zip(&scene.objects).filter(|(_, object)| object.name == *name);
-            if objects().next().is_none() {
-                let known = scene.objects.iter().map(|object| object.name.clone()).collect();
-                return Err(PoseError::NoSuchObject { name: name.clone(), known });
-            }
-            for (object, _) in objects() {
-                if scene.mesh.ground_object() == Some(object) {
-                    return Err(PoseError::Ground);
-                }
-                found.set(object, *pose);
-            }
+            objects_called(name, scene)?.into_iter().for_each(|object| found.set(object, *pose));
         }
         Ok(found)
+    }
+}
+
+/// The objects of a name, which may also be that of the ground.
+fn objects_called(name: &str, scene: &Scene) -> Result<Vec<u32>, PoseError> {
+    let called = (0..).zip(&scene.objects).filter(|(_, object)| object.name == name).map(|(object, _)| object);
+    let (ground, found): (Vec<u32>, Vec<u32>) = called.partition(|&object| scene.mesh.ground_object() == Some(object));
+    match (found.is_empty(), ground.is_empty()) {
+        (false, _) => Ok(found),
+        (true, false) => Err(PoseError::Ground),
+        (true, true) => {
+            let known = scene.objects.iter().map(|object| object.name.clone()).collect();
+            Err(PoseError::NoSuchObject { name: name.to_owned(), known })
+        }
     }
 }
 

@@ -42,10 +42,13 @@ impl LoadedSession {
         document.materials.extend(added.iter().map(|m| textures.material(m)));
         document.textures = textures.entries;
         brdfs::read(&mut document.materials, scene.map_or(&[], |scene| &scene.materials), &mut warnings);
+        // Not as the scene was baked: the session says it all.
+        document.assigned.clear();
         let assigned = session.assigned.iter().map(|assignment| (assignment.object, &assignment.name));
         name_stand_ins(&mut document, assigned.chain(session.poses.iter().map(|pose| (pose.object, &pose.name))));
         take_assignments(&mut document, &session.assigned, own_count, &places);
-        take_poses(&mut document, &session.poses, &mut warnings);
+        let ground = scene.and_then(|scene| scene.mesh.ground_object());
+        take_poses(&mut document, &session.poses, ground, &mut warnings);
         document.scene = session.scene;
         document.dataset = session.dataset;
         document.environment = session.environment;
@@ -75,10 +78,11 @@ fn name_stand_ins<'a>(document: &mut Document, named: impl Iterator<Item = (u32,
     }
 }
 
-/// Poses the objects of the document as a session does. Objects that the scene does not have any more are left out.
-fn take_poses(document: &mut Document, poses: &[SessionPose], warnings: &mut Vec<String>) {
+/// Poses the objects of the document as a session does. Objects that the scene does not have any more are left out, and its ground.
+fn take_poses(document: &mut Document, poses: &[SessionPose], ground: Option<u32>, warnings: &mut Vec<String>) {
     for session in poses {
         let (pose, object) = (session.pose(), document.object_called(&session.name, session.object));
+        let object = object.filter(|&object| Some(object) != ground);
         match pose.validate(&session.name) {
             Ok(()) => object.into_iter().for_each(|object| document.poses.set(object, pose)),
             Err(error) => warnings.push(format!("{error}; it is where it was baked")),

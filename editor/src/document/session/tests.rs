@@ -15,6 +15,7 @@ use lapidary_core::{
     dataset::{BakeSettings, Dataset},
     lights::Light,
     material::{BrdfModel, Material, MaterialMaps},
+    opacity::PartOpacity,
     parts::Part,
     scene::{Object, pose::Pose},
     test_scenes::{camera, dataset, light, write_picture},
@@ -222,6 +223,20 @@ fn a_session_finds_parts_by_the_name_of_their_object_and_drops_what_is_not_there
     assert!(found(&["pot"], &|session| session.assigned[0].own = 3).is_empty(), "an added one is none of the mesh");
     let none = project.changed(|json| json["added"] = json!(1_000));
     assert_eq!(none.session.added, none.session.materials.len());
+}
+
+#[test]
+fn a_session_says_which_parts_have_other_materials_whatever_was_baked() {
+    let mut project = Project::new();
+    let document = project.document();
+    project.dataset.scene.objects = vec![Object { name: "pot".into() }];
+    let mut glass = Material::default();
+    glass.parameters.set("geometry_opacity", 0.5);
+    let part = Part { object: 0, material: 0 };
+    project.dataset.scene.part_opacities = vec![PartOpacity { parts: vec![part], material: glass }];
+    assert_eq!(Document::of_scene(&project.dataset.scene, None).material_of(part), 3, "without a session");
+    let (read, _) = project.reloaded(&document).into_document(Some(&project.dataset.scene));
+    assert_eq!((read.material_of(part), read.added, read.materials.len()), (0, 0, 3));
 }
 
 #[test]

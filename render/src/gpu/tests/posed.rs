@@ -25,11 +25,15 @@ fn posed_objects_look_the_same_on_both_renderers_and_as_baked_when_they_are_back
         ..Look::under_environment(&blocked(white(), 12).scene, from_above(48), sky())
     };
     let pose = Pose { translate: Vec3::new(0.6, -0.3, 0.3), rotate_degrees: Vec3::new(0.0, 40.0, 15.0), scale: 1.1 };
-    let looks = [as_baked.clone(), Look { poses: posed(pose), ..as_baked.clone() }, as_baked];
+    let is_posed = Look { poses: posed(pose), ..as_baked.clone() };
+    let unlit = Look { components: Components { environment: false, ..as_baked.components }, ..is_posed.clone() };
+    let looks = [as_baked.clone(), is_posed, unlit, as_baked];
     let [cpu, gpu] =
         [Box::new(CpuBackend::new()) as Box<dyn Backend>, Box::new(gpu)].map(|backend| shown(backend, &looks));
-    assert!(gpu[0] == gpu[2] && cpu[0] == cpu[2], "and back");
+    assert!(gpu[0] == gpu[3] && cpu[0] == cpu[3], "and back");
     // Shadow maps of the lamp have edges of their own.
     let (same, other) = (rel_rmse(&gpu[1], &cpu[1]), rel_rmse(&gpu[0], &cpu[1]));
     assert!(same < 0.05 && other > 5.0 * same, "{same}, negative control {other}");
+    let (same, other) = (rel_rmse(&gpu[2], &cpu[2]), rel_rmse(&gpu[1], &cpu[2]));
+    assert!(same < 0.05 && other > 5.0 * same, "without the environment: {same}, negative control {other}");
 }

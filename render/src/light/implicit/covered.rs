@@ -5,7 +5,10 @@ use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
     dataset::Dataset,
-    scene::pose::{Objects, Poses},
+    scene::{
+        Mesh,
+        pose::{Objects, Poses},
+    },
     surfel::{MeshPlace, Surfel, forest::SurfelForest},
 };
 
@@ -20,8 +23,20 @@ pub struct Covered {
     /// By vertex, 0 or 1.
     vertices: Vec<f32>,
     vertex_positions: Vec<Vec3>,
-    /// Around each object.
-    boxes: Vec<Bounds>,
+    objects: Objects,
+}
+
+/// The box of an object that moved.
+pub struct Left {
+    as_baked: Bounds,
+    now: Bounds,
+}
+
+impl Left {
+    /// Whether it was at a place that it has left.
+    fn uncovers(&self, place: Vec3) -> bool {
+        self.as_baked.contains(place) && !self.now.contains(place)
+    }
 }
 
 impl Covered {
@@ -33,27 +48,35 @@ impl Covered {
             let corners = mesh.triangles[triangle as usize].iter().zip([1.0 - b.x - b.y, b.x, b.y]);
             corners.map(|(&vertex, weight)| vertices[vertex as usize] * weight).sum()
         };
-        let objects = Objects::of(&dataset.scene);
-        let around = |object| {
-            let places = objects.vertices(object).iter().map(|&vertex| mesh.positions[vertex as usize]);
-            Bounds::around(places).grown(1e-3 * mesh.bounds().diagonal())
-        };
         Self {
             leaves: forest.surfels().map(|surfel| open(&surfel)).collect(),
             leaf_positions: forest.surfels().map(|surfel| surfel.position).collect(),
             vertex_positions: mesh.positions.clone(),
-            boxes: (0..objects.len() as u32).map(around).collect(),
+            objects: Objects::of(&dataset.scene),
             vertices,
         }
     }
 
-    /// Values of vertices from those of leaves: of what lies open as baked, or under poses. Covered vertices are dark.
-    pub fn at_vertices(&self, beside: &VertexLeaves, leaves: Vec<Vec3>, poses: Option<&Poses>) -> Sides {
-        let open = self.uncovered(&self.leaves, &self.leaf_positions, poses);
+    /// What the objects of `poses` have left in the mesh that is `posed` so.
+    pub fn left(&self, poses: &Poses, posed: &Mesh) -> Vec<Left> {
+        let margin = 1e-3 * Bounds::around(self.vertex_positions.iter().copied()).diagonal();
+        let of_object = |object: u32| {
+            let around = |positions: &[Vec3]| {
+                let places = self.objects.vertices(object).iter().map(|&vertex| positions[vertex as usize]);
+                Bounds::around(places).grown(margin)
+            };
+            Left { as_baked: around(&self.vertex_positions), now: around(&posed.positions) }
+        };
+        poses.moved().filter(|&object| (object as usize) < self.objects.len()).map(of_object).collect()
+    }
+
+    /// Values of vertices from those of leaves: of what lies open as baked, and where objects have left. Covered vertices are dark.
+    pub fn at_vertices(&self, beside: &VertexLeaves, leaves: Vec<Vec3>, left: &[Left]) -> Sides {
+        let open = uncovered(&self.leaves, &self.leaf_positions, left);
         let values: Vec<Vec3> = leaves.iter().zip(&open).map(|(&leaf, &open)| leaf * open).collect();
         let [values, shares] =
             [values, open.into_iter().map(Vec3::splat).collect()].map(|leaves| beside.apply(&leaves));
-        let vertices = self.uncovered(&self.vertices, &self.vertex_positions, poses);
+        let vertices = uncovered(&self.vertices, &self.vertex_positions, left);
         let mean = |((&value, share), &open): ((&Vec3, &Vec3), &f32)| match share.x >= LEAST_OPEN {
             true => value / share.x * open,
             false => Vec3::ZERO,
@@ -62,14 +85,16 @@ impl Covered {
         Sides { front: side(&values.front, &shares.front), back: side(&values.back, &shares.back) }
     }
 
-    /// Nothing lies any more on what is in the box of an object that moved away.
-    fn uncovered(&self, as_baked: &[f32], positions: &[Vec3], poses: Option<&Poses>) -> Vec<f32> {
-        let moved = poses.iter().flat_map(|poses| poses.moved());
-        let left: Vec<&Bounds> = moved.filter_map(|object| self.boxes.get(object as usize)).collect();
-        let open = |(&open, position): (&f32, &Vec3)| {
-            let is_left = || left.iter().any(|bounds| bounds.contains(*position));
-            if open < 1.0 && is_left() { 1.0 } else { open }
-        };
-        as_baked.iter().zip(positions).map(open).collect()
+    /// Which vertices may be used for interpolation where objects have left.
+    pub fn valid(&self, left: &[Left]) -> Vec<bool> {
+        uncovered(&self.vertices, &self.vertex_positions, left).into_iter().map(|open| open > 0.0).collect()
     }
+}
+
+/// How much of places nothing lies on.
+fn uncovered(as_baked: &[f32], positions: &[Vec3], left: &[Left]) -> Vec<f32> {
+    let open = |(&open, &position): (&f32, &Vec3)| {
+        if open < 1.0 && left.iter().any(|object| object.uncovers(position)) { 1.0 } else { open }
+    };
+    as_baked.iter().zip(positions).map(open).collect()
 }

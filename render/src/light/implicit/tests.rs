@@ -89,6 +89,13 @@ fn what_an_object_lay_on_is_lit_when_it_is_lifted_and_stays_dark_while_it_lies()
     let mut rig = PoseRig::new(&baked);
     let light = rig.light(Some(&lighting), Vec::new(), &Appearance::of(&as_baked.scene), 1);
     assert!(light.uncovered.front.iter().all(|rest| *rest == Vec3::ZERO), "it lies where it lay");
+    let mut at_the_middle = |x: f32| {
+        let slid = posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
+        rig.pose(baked.posed(&slid).unwrap(), &slid);
+        rig.light(Some(&lighting), Vec::new(), &Appearance::of(&as_baked.scene), 1).uncovered.front[25 * 12 + 12]
+    };
+    assert_eq!(at_the_middle(0.05), Vec3::ZERO, "it still lies there");
+    assert!(at_the_middle(1.5).min_element() > 1.0, "negative control");
 }
 
 #[test]
@@ -148,6 +155,16 @@ fn a_drag_gives_the_bits_of_its_last_pose() {
         assert!(last.as_ref() != Some(&now), "negative control: another pose");
         last = Some(now);
     }
+}
+
+#[test]
+fn an_object_without_triangles_is_posed_as_nothing() {
+    let mut as_baked = blocked(white(), 8);
+    as_baked.scene.objects.push(Object { name: "empty".into() });
+    let mut poses = Poses::default();
+    poses.set(BLOCKER + 1, Pose { translate: Vec3::X, ..Pose::AS_BAKED });
+    let preview = picture(&as_baked, |look| look.poses = poses);
+    assert!(preview == picture(&as_baked, |_| ()));
 }
 
 #[test]

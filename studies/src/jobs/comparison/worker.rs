@@ -152,7 +152,9 @@ impl Worker {
     ) -> Result<Option<Image>> {
         let look = &request.look;
         let Some(lighting) = self.scene.as_ref().and_then(LitScene::environment).cloned() else { return Ok(None) };
-        if !look.components.environment || !baked.dataset.settings.mode.environment() {
+        // Clusters of what moved are not those of the bake.
+        let is_posed = !look.poses.is_empty();
+        if is_posed || !look.components.environment || !baked.dataset.settings.mode.environment() {
             return Ok(None);
         }
         let renderer = renderer_of(&mut self.renderer, baked, look);
