@@ -10,6 +10,7 @@ mod handles;
 mod icons;
 mod light;
 mod object;
+mod paint;
 mod projection;
 mod rings;
 mod size;
@@ -19,19 +20,14 @@ mod tests;
 use super::{ViewportContext, pick};
 use crate::actions::Action;
 use drag::Drag;
-use egui::{
-    Align2, Color32, CursorIcon, FontId, Key, Modifiers, Painter, PointerButton, Pos2, Rect, Response, Ui, vec2,
-};
+use egui::{CursorIcon, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec3;
 use handles::{Constraint, Handle};
-use icons::Icon;
 use lapidary_core::{ground::Ground, lights::Light};
 use object::ObjectHandles;
 pub use object::{Movable, Tool};
+pub use paint::paint;
 pub use projection::Projection;
-
-/// More lights than this are drawn as lamps only.
-const MOST_SHAPES: usize = 100;
 
 /// What goes on with handles in the viewport.
 #[derive(Default)]
@@ -254,50 +250,4 @@ impl Pass<'_> {
         };
         self.ui.set_cursor_icon(icon);
     }
-}
-
-/// Draws all lights, and the handles of what is selected.
-pub fn paint(ui: &Ui, rect: Rect, gizmo: &Gizmo, context: &ViewportContext) {
-    let (painter, view) = (ui.painter_at(rect), View::new(ui, rect, context));
-    // On a dark picture the accent of the panels is hardly seen.
-    let accent = context.accent.lerp_to_gamma(Color32::WHITE, 0.45);
-    if context.shows_lights {
-        paint_lights(&painter, &view, gizmo, accent);
-    }
-    let hot = gizmo.hot.and_then(|hot| if let Hot::Handle(handle) = hot { Some(handle) } else { None });
-    if let Some(handles) = view.handles() {
-        handles.paint(&painter, hot, accent);
-    }
-    if let Some(text) = words(&view, gizmo, hot.is_some()) {
-        banner(&painter, rect, text);
-    }
-}
-
-fn paint_lights(painter: &Painter, view: &View, gizmo: &Gizmo, accent: Color32) {
-    let lights = &view.context.document.lights;
-    for (index, light) in lights.iter().enumerate() {
-        let (selected, hot) = (view.context.selected_light == Some(index), gizmo.hot == Some(Hot::Light(index)));
-        let plain = lights.len() > MOST_SHAPES;
-        Icon { painter, projection: &view.projection, accent, selected, hot, plain }.paint(light);
-    }
-}
-
-/// What to say of what the pointer does, or can do on a handle.
-fn words(view: &View, gizmo: &Gizmo, is_hot: bool) -> Option<String> {
-    if view.context.aiming {
-        return Some("Click the point to aim at (Esc: cancel)".into());
-    }
-    let hint = view.context.movable.filter(|_| is_hot && view.light().is_none())?.hint(view);
-    match gizmo.drag.as_ref().and_then(Drag::words) {
-        Some(done) => Some(format!("{done} ({hint}, Esc: put it back)")),
-        None => Some(hint),
-    }
-}
-
-fn banner(painter: &Painter, rect: Rect, text: String) {
-    let at = rect.center_top() + vec2(0.0, 16.0);
-    let text = painter.layout_no_wrap(text, FontId::proportional(13.0), Color32::WHITE);
-    let outer = Align2::CENTER_TOP.anchor_size(at, text.size() + vec2(16.0, 8.0));
-    painter.rect_filled(outer, 4.0, Color32::from_black_alpha(170));
-    painter.galley(outer.min + vec2(8.0, 4.0), text, Color32::WHITE);
 }

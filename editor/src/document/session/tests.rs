@@ -254,7 +254,7 @@ fn poses_survive_the_disk_and_follow_their_objects() {
     project.dataset.scene.objects.swap(0, 1);
     let (read, _) = loaded.into_document(Some(&project.dataset.scene));
     assert_eq!([0, 1].map(|object| read.poses.of(object)), [pose, Pose::AS_BAKED]);
-    let refused = project.changed(|json| json["poses"][0]["scale"] = json!(0));
+    let refused = project.changed(|json| json["poses"] = json!([{ "name": "pot", "scale": 0 }]));
     let (read, warnings) = refused.into_document(Some(&project.dataset.scene));
     assert!(read.poses.is_empty() && warnings[0].contains("must be above 0"), "{warnings:?}");
 }

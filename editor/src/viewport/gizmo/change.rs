@@ -59,7 +59,7 @@ impl Change {
         match self {
             Self::Move(Vec3 { x, y, z }) => format!("Move by {x:.3}, {y:.3}, {z:.3} m"),
             Self::Turn { axis, degrees } => format!("Turn about {} by {degrees:.1}°", ["X", "Y", "Z"][axis]),
-            Self::Scale(factor) => format!("Scale to {:.0} %", 100.0 * factor.max(LEAST_FACTOR)),
+            Self::Scale(factor) => format!("Scale by {:.2}", factor.max(LEAST_FACTOR)),
         }
     }
 }
