@@ -138,6 +138,7 @@ fn axes_row(ui: &mut Ui, label: &str, help: &str, numbers: &mut Vec3, unit: &str
     row(ui, label, help, false, |ui, name, _| {
         ui.style_mut().drag_value_text_style = TextStyle::Monospace;
         ui.spacing_mut().item_spacing.x = 2.0;
+        ui.spacing_mut().button_padding.x = 2.0;
         let width = ((ui.available_width() - 4.0) / 3.0).max(36.0);
         let mut edited = Edited::default();
         for (number, axis) in numbers.as_mut().iter_mut().zip(["X", "Y", "Z"]) {
