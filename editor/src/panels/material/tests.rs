@@ -78,7 +78,9 @@ fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
         }
         app.actions.extend(actions);
     };
-    let mut harness = Harness::builder().with_size(vec2(340.0, 1400.0)).build_ui_state(show, app);
+    // The ball is rendered by a thread, which asks for a frame whenever it is done.
+    let builder = Harness::builder().with_size(vec2(340.0, 1400.0)).with_max_steps(60);
+    let mut harness = builder.build_ui_state(show, app);
     harness.run();
     harness
 }
