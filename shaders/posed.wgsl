@@ -1,10 +1,10 @@
 // What posed objects change of the light: twin of `PosedLight` in render/src/light/implicit.rs.
 
-// Texels of a vertex, row by row: ratio on the front and on the back, irradiance of bounces, and that of what was covered; alpha is 1
+// Texels of a vertex, row by row: growth on the front and on the back, irradiance of bounces, and that of what was covered; alpha is 1
 // for a vertex that moved. A single texel where nothing is posed.
 @group(1) @binding(6) var posed: texture_2d<f32>;
 
-const RATIO: u32 = 0u;
+const GROWTH: u32 = 0u;
 const BOUNCE: u32 = 2u;
 const UNCOVERED: u32 = 4u;
 const POSED_TEXELS: u32 = 6u;
@@ -33,7 +33,7 @@ fn with_posed_ratio(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>)
         return as_baked;
     }
     let uncovered = albedo_of(point.brdf) * posed_at(point, UNCOVERED, from_behind) * FRAC_1_PI;
-    return as_baked * posed_at(point, RATIO, from_behind) + uncovered;
+    return as_baked * (1.0 + posed_at(point, GROWTH, from_behind)) + uncovered;
 }
 
 // Bounced light from that as baked. Twin of `Painter::bounced`.
@@ -41,7 +41,7 @@ fn with_posed_bounce(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>
     if !is_any_posed() {
         return as_baked;
     }
-    let has_moved = posed_texel(point.vertices.x, RATIO).w > 0.0;
+    let has_moved = posed_texel(point.vertices.x, GROWTH).w > 0.0;
     let more = albedo_of(point.brdf) * posed_at(point, BOUNCE, from_behind) * FRAC_1_PI;
     return max(select(as_baked, vec3(0.0), has_moved) + more, vec3(0.0));
 }

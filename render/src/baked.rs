@@ -115,9 +115,9 @@ impl Baked {
         Ok(Self { dataset: dataset.into(), rays: rays.into(), patches: self.patches.clone() })
     }
 
-    /// The same scene with other visibility cuts, and vertices that may be used for interpolation.
-    pub(crate) fn with_cuts(self, cuts: PackedCuts, vertex_valid: Vec<bool>) -> Self {
-        Self { dataset: Dataset { cuts, vertex_valid, ..Arc::unwrap_or_clone(self.dataset) }.into(), ..self }
+    /// The same scene with other visibility cuts.
+    pub(crate) fn with_cuts(self, cuts: PackedCuts) -> Self {
+        Self { dataset: Dataset { cuts, ..Arc::unwrap_or_clone(self.dataset) }.into(), ..self }
     }
 
     /// The patch of each vertex, 0 to 63: vertices close to each other, as many in each. Found at the first call.

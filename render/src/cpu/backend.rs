@@ -109,7 +109,7 @@ fn light_of<'a>(
         sources: local.shown_indirect().map(|lighting| &**lighting),
         meshless: local.shown_meshless().map(|light| &**light),
         posed: local.posed.as_deref(),
-        posed_bounce: local.posed.as_deref().filter(|_| local.shows_bounces()),
+        posed_bounce: local.posed.as_deref().filter(|_| local.components.indirect),
         local: shown(&lights.direct),
         added: shown(&lights.added),
     }

@@ -36,9 +36,9 @@ pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>, shows_environment: b
 }
 
 fn texels(light: &PosedLight, shows_environment: bool) -> Vec<[f32; 4]> {
-    let PosedLight { is_moved, ratio, uncovered, bounce } = light;
+    let PosedLight { is_moved, growth, uncovered, bounce } = light;
     let of_vertex = |(vertex, &moved): (usize, &bool)| {
-        let sides = [ratio, bounce, uncovered].map(|Sides { front, back }| [front[vertex], back[vertex]]);
+        let sides = [growth, bounce, uncovered].map(|Sides { front, back }| [front[vertex], back[vertex]]);
         let alpha = f32::from(u8::from(moved));
         let mut texels: [Vec3; 6] = std::array::from_fn(|i| sides[i / 2][i % 2]);
         if !shows_environment {

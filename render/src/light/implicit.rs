@@ -68,8 +68,9 @@ impl Sides {
 pub struct PosedLight {
     /// Per vertex: whether it is elsewhere than it was baked.
     pub is_moved: Arc<[bool]>,
-    /// What the environment's light of vertices is multiplied by, 0 to 2; 1 for those that moved, whose cuts are new.
-    pub ratio: Sides,
+    /// What the environment's light of vertices grows by, `E(posed) / E(as baked) - 1`, -1 to 1. It is 0 for those that moved, whose
+    /// cuts are new; and between vertices that keep their light 0 to the bit.
+    pub growth: Sides,
     /// Irradiance of the environment in W/m² beyond that: of what something lay on, which no ratio makes bright.
     pub uncovered: Sides,
     /// Irradiance in W/m²: what bounces more than as baked, or less; all of it for what moved.
@@ -173,7 +174,7 @@ impl PoseRig {
         self.left = self.covered.left(poses, mesh);
         let bins = (self.posed.forest.discs(), &self.posed.views, TURN);
         let cuts = cuts::of_moved(&posed.dataset, bins, &self.vertices, &self.is_moved);
-        posed.with_cuts(cuts, self.covered.valid(&self.left))
+        posed.with_cuts(cuts)
     }
 
     /// What the leaves see after some objects have moved. While it is always the same one, only that is walked.
@@ -207,8 +208,9 @@ impl PoseRig {
         let [posed_sky, posed_bounce] =
             posed.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, &self.left));
         let is_moved = &self.is_moved;
-        let growth =
-            |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { Vec3::ONE } else { ratio(now, before) };
+        let growth = |vertex: usize, now: Vec3, before: Vec3| {
+            if is_moved[vertex] { Vec3::ZERO } else { ratio(now, before) - 1.0 }
+        };
         let more = |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { now } else { now - before };
         let rest = |vertex: usize, now: Vec3, before: Vec3| match is_moved[vertex] {
             true => Vec3::ZERO,
@@ -216,7 +218,7 @@ impl PoseRig {
         };
         PosedLight {
             is_moved: is_moved.clone(),
-            ratio: combined(&posed_sky, &baked_sky, growth),
+            growth: combined(&posed_sky, &baked_sky, growth),
             uncovered: combined(&posed_sky, &baked_sky, rest),
             bounce: combined(&posed_bounce, &baked_bounce, more),
         }

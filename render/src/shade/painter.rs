@@ -131,7 +131,7 @@ impl<'a> Painter<'a> {
         let as_baked = self.environment.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
         let Some(posed) = self.posed.filter(|_| self.environment.is_some()) else { return as_baked };
         let at = |sides: &Sides| sides.at(point.vertices, point.weights, point.from_behind);
-        as_baked * at(&posed.ratio) + point.brdf.as_brdf().albedo() * at(&posed.uncovered) * FRAC_1_PI
+        as_baked * (1.0 + at(&posed.growth)) + point.brdf.as_brdf().albedo() * at(&posed.uncovered) * FRAC_1_PI
     }
 
     fn emitted(&self, point: &SurfacePoint) -> Vec3 {

@@ -84,11 +84,6 @@ impl Covered {
         let side = |values: &[Vec3], shares: &[Vec3]| values.iter().zip(shares).zip(&vertices).map(mean).collect();
         Sides { front: side(&values.front, &shares.front), back: side(&values.back, &shares.back) }
     }
-
-    /// Which vertices may be used for interpolation where objects have left.
-    pub fn valid(&self, left: &[Left]) -> Vec<bool> {
-        uncovered(&self.vertices, &self.vertex_positions, left).into_iter().map(|open| open > 0.0).collect()
-    }
 }
 
 /// How much of places nothing lies on.
