@@ -238,6 +238,17 @@ impl Mesh {
         (b - a).cross(c - a)
     }
 
+    /// A point of a triangle by the weights of its second and third corner, seen from the front or the back.
+    pub fn surfel(&self, triangle: u32, barycentric: Vec2, from_behind: bool) -> Surfel {
+        let [a, b, c] = self.corners(triangle as usize);
+        let front = self.area_vector(triangle as usize).normalize_or(Vec3::Y);
+        Surfel {
+            position: a + (b - a) * barycentric.x + (c - a) * barycentric.y,
+            normal: if from_behind { -front } else { front },
+            place: MeshPlace { triangle, barycentric },
+        }
+    }
+
     /// The unit normal by which a surface point receives light: that of the vertices, interpolated, on the point's
     /// side.
     pub fn shading_normal(&self, at: &Surfel) -> Vec3 {

@@ -5,7 +5,7 @@ use lapidary_core::{
     bounds::Bounds,
     ray::{Hit, Intersector},
     scene::Mesh,
-    surfel::{MeshPlace, Surface, Surfel},
+    surfel::{Surface, Surfel},
 };
 
 /// Diffuse reflectance of a point of the mesh.
@@ -106,17 +106,7 @@ impl<'a> MeshSurface<'a> {
         let (u, v) = (rng.f32(), rng.f32());
         let barycentric = if u + v > 1.0 { Vec2::new(1.0 - u, 1.0 - v) } else { Vec2::new(u, v) };
         let back = self.two_sided[triangle] && rng.bool();
-        self.surfel(triangle as u32, barycentric, back)
-    }
-
-    fn surfel(&self, triangle: u32, barycentric: Vec2, back: bool) -> Surfel {
-        let [a, b, c] = self.mesh.corners(triangle as usize);
-        let front = self.mesh.area_vector(triangle as usize).normalize_or(Vec3::Y);
-        Surfel {
-            position: a + (b - a) * barycentric.x + (c - a) * barycentric.y,
-            normal: if back { -front } else { front },
-            place: MeshPlace { triangle, barycentric },
-        }
+        self.mesh.surfel(triangle as u32, barycentric, back)
     }
 }
 
@@ -124,7 +114,7 @@ impl MeshSurface<'_> {
     /// Where a ray has met the mesh, if light sees that side of it.
     fn seen(&self, hit: Hit) -> Option<Surfel> {
         let seen = !hit.back_face || self.two_sided[hit.triangle as usize];
-        (seen && !self.is_far(hit.triangle)).then(|| self.surfel(hit.triangle, hit.barycentric, hit.back_face))
+        (seen && !self.is_far(hit.triangle)).then(|| self.mesh.surfel(hit.triangle, hit.barycentric, hit.back_face))
     }
 }
 

@@ -51,13 +51,6 @@ impl LeafLight {
         }
         light
     }
-
-    /// Radiance that leaves send, by node: to be seen in bins, as by [`Views::incoming`].
-    pub fn radiance(&self, forest: &DiscForest, lighting: &Lighting) -> Vec<Vec3A> {
-        let irradiance = add(&add(&self.direct, &self.bounced), lighting.received);
-        let reflected = irradiance.iter().zip(lighting.reflectance).map(|(e, r)| *e * *r * FRAC_1_PI);
-        forest.pull(&reflected.zip(lighting.emitted).map(|(r, e)| (r + *e).into()).collect::<Vec<_>>())
-    }
 }
 
 impl Views {
@@ -75,22 +68,6 @@ impl Views {
             cells.filter(|(_, node)| **node == EMPTY).map(|(direction, _)| sky(direction)).sum::<Vec3>()
         };
         self.of_leaves(|leaf| gather(leaf) * CELLS.weight())
-    }
-
-    /// Unit direction and radiance of each cell of a leaf, for BRDFs that are not diffuse. Each cell stands for [`CELLS`]`.weight()`
-    /// of the integral of the cosine. `radiance` is that of nodes.
-    pub fn incoming<'a>(
-        &'a self,
-        forest: &DiscForest,
-        leaf: u32,
-        radiance: &'a [Vec3A],
-        sky: Sky<'a>,
-    ) -> impl Iterator<Item = (Vec3, Vec3)> + 'a {
-        let cells = self.directions(forest, leaf).zip(self.of_leaf(leaf));
-        cells.map(move |(direction, &node)| match node {
-            EMPTY => (direction, sky(direction)),
-            node => (direction, radiance[node as usize].into()),
-        })
     }
 
     fn of_leaves(&self, value: impl Fn(u32) -> Vec3 + Sync) -> Vec<Vec3> {

@@ -248,19 +248,3 @@ fn the_sky_lights_what_is_open_to_it() {
     let sky = |direction: Vec3| gradient(-direction);
     assert!(views.irradiance_of_sky(forest, &sky)[0].y < 0.0, "negative control: from below");
 }
-
-#[test]
-fn cells_give_the_light_that_irradiance_sums() {
-    let Furnished { forest, .. } = furnished(1024);
-    let (forest, views) = (forest.discs(), views_of(forest.discs()));
-    let radiance: Vec<Vec3> = forest.discs().iter().map(|disc| disc.position.abs()).collect();
-    let nodes = forest.pull(&radiance.iter().map(|&r| r.into()).collect::<Vec<glam::Vec3A>>());
-    let irradiance = views.irradiance(&nodes);
-    for leaf in (0..1024).step_by(50) {
-        let cells: Vec<(Vec3, Vec3)> = views.incoming(forest, leaf, &nodes, &|_| Vec3::ZERO).collect();
-        let sum: Vec3 = cells.iter().map(|c| c.1).sum();
-        assert!((sum * CELLS.weight() - irradiance[leaf as usize]).length() < 1e-3);
-        let normal = forest.discs()[leaf as usize].normal;
-        assert!(cells.iter().all(|(direction, _)| direction.dot(normal) > 0.0));
-    }
-}

@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     layout::Node,
     lit::{GpuLitCuts, LitField, LitPass},
-    scene::{GpuScene, SourceCuts, cut_texture, extent, storage, write_rows},
+    scene::{GpuScene, SourceCuts, cut_texture, float_texture, storage},
 };
 use crate::{
     backend::BackendError,
@@ -204,17 +204,6 @@ fn fitted(map: &Image, limit: u32) -> Cow<'_, Image> {
 }
 
 fn upload(gpu: &GpuDevice, label: &str, map: &Image) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: extent(map.size),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
     let texels: Vec<[f32; 4]> = map.pixels.iter().map(|p: &Vec3| p.extend(1.0).to_array()).collect();
-    write_rows(gpu, &texture, 16 * map.width(), bytemuck::cast_slice(&texels));
-    texture.create_view(&Default::default())
+    float_texture(gpu, label, map.size, &texels)
 }

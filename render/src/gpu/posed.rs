@@ -1,9 +1,6 @@
 //! What posed objects change of the light, for the passes that shade.
 
-use super::{
-    device::GpuDevice,
-    scene::{extent, write_rows},
-};
+use super::{device::GpuDevice, scene::float_texture};
 use crate::light::implicit::{PosedLight, Sides};
 use glam::Vec3;
 
@@ -21,18 +18,7 @@ pub fn texture(gpu: &GpuDevice, light: Option<&PosedLight>, shows_environment: b
         }
         None => ([1, 1], vec![[0.0; 4]]),
     };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("posed light"),
-        size: extent(size),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    write_rows(gpu, &texture, size[0] as usize * size_of::<[f32; 4]>(), bytemuck::cast_slice(&texels));
-    texture.create_view(&Default::default())
+    float_texture(gpu, "posed light", size, &texels)
 }
 
 fn texels(light: &PosedLight, shows_environment: bool) -> Vec<[f32; 4]> {

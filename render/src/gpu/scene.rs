@@ -173,6 +173,22 @@ fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<GpuCuts, BackendErr
     })
 }
 
+/// A texture of four floats a texel, row by row.
+pub fn float_texture(gpu: &GpuDevice, label: &str, size: [u32; 2], texels: &[[f32; 4]]) -> wgpu::TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    write_rows(gpu, &texture, size[0] as usize * size_of::<[f32; 4]>(), bytemuck::cast_slice(texels));
+    texture.create_view(&Default::default())
+}
+
 /// Packed nodes as rows of texels.
 pub fn cut_texture(gpu: &GpuDevice, label: &str, nodes: &[u16]) -> wgpu::TextureView {
     let row_nodes = TEXTURE_WIDTH * NODES_PER_TEXEL;

@@ -8,7 +8,7 @@ use crate::{
     bounds::Bounds,
     light_tree::{Features, cluster_order_of_groups},
     scene::Mesh,
-    surfel::{MeshPlace, Surfel},
+    surfel::Surfel,
 };
 use glam::{Vec2, Vec3};
 
@@ -80,13 +80,7 @@ impl<'a> Sides<'a> {
         let (u, v) = (rng.f32(), rng.f32());
         let barycentric = if u + v > 1.0 { Vec2::new(1.0 - u, 1.0 - v) } else { Vec2::new(u, v) };
         let back = self.two_sided[triangle as usize] && rng.bool();
-        let [a, b, c] = self.mesh.corners(triangle as usize);
-        let front = self.mesh.area_vector(triangle as usize).normalize_or(Vec3::Y);
-        Surfel {
-            position: a + (b - a) * barycentric.x + (c - a) * barycentric.y,
-            normal: if back { -front } else { front },
-            place: MeshPlace { triangle, barycentric },
-        }
+        self.mesh.surfel(triangle, barycentric, back)
     }
 
     /// So many surfels of some triangles, in the order of the leaves of a balanced tree. They share the weight evenly.
