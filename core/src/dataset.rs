@@ -61,7 +61,7 @@ use crate::{
     ground::Ground,
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
-    scene::Scene,
+    scene::{Scene, placed, pose::Poses},
     shot::Shot,
     sources::IndirectBake,
 };
@@ -314,10 +314,12 @@ pub fn scene_hash(scene: &Scene) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Hash of a scene with what its surfaces let through: all that a bake depends on beside its settings.
-/// `scene` needs no mesh.
-pub fn bake_hash(scene_hash: &str, scene: &Scene) -> String {
-    scene.opacity_hash().map_or_else(|| scene_hash.into(), |opacities| format!("{scene_hash}-{opacities}"))
+/// Hash of a scene as its file has it, with what its surfaces let through and where its objects are placed: all that a bake
+/// depends on beside its settings. `scene` needs no mesh.
+pub fn bake_hash(scene_hash: &str, scene: &Scene, poses: &Poses) -> String {
+    let parts =
+        [Some(scene_hash.into()), scene.opacity_hash(), placed::hash(poses).map(|hash| format!("posed-{hash}"))];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("-")
 }
 
 #[cfg(test)]

@@ -275,6 +275,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         lights: source.lights,
         variants,
         part_opacities: Vec::new(),
+        placed: Vec::new(),
     };
     aim_at_the_center(&mut scene);
     ranges::keep_in_range(&mut scene, &mut report.warnings);

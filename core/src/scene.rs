@@ -1,5 +1,6 @@
 //! A scene: one indexed mesh with per-triangle material and object, materials, textures and cameras.
 
+pub mod placed;
 pub mod pose;
 
 use crate::{
@@ -14,6 +15,7 @@ use crate::{
     texture::Texture,
 };
 use glam::{Vec2, Vec3, Vec4};
+use placed::Placed;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -84,6 +86,8 @@ pub struct Scene {
     pub variants: Variants,
     /// Parts that let through other light than their materials, as a bake of them takes it; a file has none.
     pub part_opacities: Vec<PartOpacity>,
+    /// Objects that a bake has elsewhere than its file; a file has none.
+    pub placed: Vec<Placed>,
 }
 
 impl Scene {

@@ -363,7 +363,8 @@ impl Document {
         let views = dataset.shot_views();
         document.camera = views.first().cloned().unwrap_or(document.camera);
         document.bookmarks.extend(views.into_iter().filter(|view| !dataset.scene.cameras.contains(view)));
-        Self { dataset: Some(dataset_path), bake: dataset.settings.clone(), ..document }
+        let poses = dataset.scene.placed_poses();
+        Self { dataset: Some(dataset_path), bake: dataset.settings.clone(), poses, ..document }
     }
 
     /// Materials and textures for the renderers, as the view shows them.

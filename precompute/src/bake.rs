@@ -130,7 +130,7 @@ pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeErro
     let scene = checkpoint.scene()?;
     let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
     let settings = resolve(scene.settings.clone())?;
-    let content = bake_hash(&hash, &scene.scene);
+    let content = bake_hash(&hash, &scene.scene, &scene.scene.placed_poses());
     let geometry = Geometry::of_dataset(scene);
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
     let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&content, &settings, points));
@@ -191,7 +191,8 @@ impl<'a> Begun<'a> {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
         let hash = scene_hash(&scene);
-        let content = bake_hash(&hash, &scene);
+        let content = bake_hash(&hash, &scene, &job.poses);
+        scene.place(&job.poses).map_err(BakeError::Pose)?;
         let vertices = most_vertices(scene.mesh.positions.len(), &settings);
         if settings.ground != Ground::Off {
             add_ground(&mut scene);

@@ -116,6 +116,9 @@ pub enum Damage {
     /// Opacities of parts name objects or materials that are not there.
     #[error("parts that let light through do not fit its objects and materials")]
     PartOpacities,
+    /// Placed objects are not there, or have no place.
+    #[error("objects that are not where their file has them do not fit its objects")]
+    Placed,
     /// Variants name objects or materials that are not there.
     #[error("its variants do not fit its objects and materials")]
     Variants,

@@ -3,7 +3,7 @@
 use super::{BakeReport, BakeSettings};
 use crate::{
     brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material, opacity::PartOpacity,
-    parts::Variants,
+    parts::Variants, scene::placed::Placed,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -27,6 +27,8 @@ pub(super) struct Header {
     pub variants: Variants,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub part_opacities: Vec<PartOpacity>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub placed: Vec<Placed>,
     /// Where the ground begins in the mesh.
     #[serde(default)]
     pub ground: Option<GroundStart>,

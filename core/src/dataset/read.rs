@@ -99,6 +99,7 @@ impl Reader<'_> {
             lights: header.lights.clone(),
             variants: header.variants.clone(),
             part_opacities: header.part_opacities.clone(),
+            placed: header.placed.clone(),
         })
     }
 

@@ -32,11 +32,13 @@ pub(super) fn owned(tensor: Tensor<'_>) -> Tensor<'static> {
 
 /// The texels and the offsets of cuts.
 pub(super) fn cut_tensors<'a>([texels, offsets]: [&str; 2], cuts: &'a PackedCuts) -> [Tensor<'a>; 2] {
-    let nodes: &[u8] = bytemuck::cast_slice(cuts.nodes());
-    [
-        tensor(texels, Dtype::U32, [nodes.len() / 16, 4], nodes),
-        tensor(offsets, Dtype::U32, [cuts.offsets().len()], cuts.offsets()),
-    ]
+    let nodes = cuts.nodes();
+    let shape = [2 * nodes.len() / 16, 4];
+    let nodes = match nodes {
+        Cow::Borrowed(nodes) => tensor(texels, Dtype::U32, shape, nodes),
+        Cow::Owned(nodes) => owned(tensor(texels, Dtype::U32, shape, &nodes)),
+    };
+    [nodes, tensor(offsets, Dtype::U32, [cuts.offsets().len()], cuts.offsets())]
 }
 
 /// Checksum of a tensor's bytes, hexadecimal.

@@ -49,6 +49,9 @@ impl Dataset {
         if !part_opacities.iter().all(|other| other.fits(objects.len(), materials.len())) {
             return Err(Damage::PartOpacities);
         }
+        if !self.scene.placed_fits() {
+            return Err(Damage::Placed);
+        }
         self.check_settings()?;
         if !is_permutation(self.tree.order()) {
             return Err(Damage::Tree);

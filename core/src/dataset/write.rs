@@ -64,6 +64,7 @@ impl Dataset {
             lights: self.scene.lights.clone(),
             variants: self.scene.variants.clone(),
             part_opacities: self.scene.part_opacities.clone(),
+            placed: self.scene.placed.clone(),
             ground: self.scene.mesh.ground,
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
             brdfs,

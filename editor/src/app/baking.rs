@@ -124,9 +124,11 @@ impl EditorState {
         if self.document.lets_through_otherwise(&scene) {
             self.document.give_opacities(Arc::make_mut(&mut scene));
         }
+        let poses = self.document.poses.clone();
         let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
         let (inputs, warnings) = (report.files, report.warnings);
-        let job = BakeJob { settings, output: output.clone(), inputs, chunks: None, resume, import_secs, warnings };
+        let job =
+            BakeJob { settings, poses, output: output.clone(), inputs, chunks: None, resume, import_secs, warnings };
         let task = BakeTask {
             scene,
             job,
@@ -238,7 +240,7 @@ impl EditorState {
         };
         let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
         let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
-        let content = bake_hash(&source.hash, &self.document.opacities_for(&source.scene));
+        let content = bake_hash(&source.hash, &self.document.opacities_for(&source.scene), &self.document.poses);
         let looked = Looked { output, scene_hash: content, settings, written };
         let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {

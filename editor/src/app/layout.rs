@@ -280,8 +280,8 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
 
 /// What to say over the picture where it shows other light than that of its bake.
 fn words_of_preview(state: &EditorState, baked: &Baked) -> Option<&'static str> {
-    if !state.document.poses.is_empty() {
-        return Some("Preview: implicit visibility. Soft shadows of what moved are coarse");
+    if !state.poses_since(baked).is_empty() {
+        return Some("Preview: implicit visibility. Shadows of what moved are coarse; bake again for exact ones");
     }
     let is_other = state.document.lets_through_otherwise(&baked.dataset.scene);
     is_other.then_some("Opacity was edited; bake again for its shadows")

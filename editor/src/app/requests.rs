@@ -8,7 +8,7 @@ use crate::{
     viewport::ViewportResponse,
 };
 use egui::Context;
-use lapidary_core::environment::Environment;
+use lapidary_core::{environment::Environment, scene::pose::Poses};
 use lapidary_render::{Appearance, Baked, Bounces, Components, Illumination, Look, View};
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ impl EditorState {
         let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
         let assigned = baked.and_then(|baked| self.requests.assigned(document, baked));
         Some(Look {
-            poses: document.poses.clone(),
+            poses: baked.map(|baked| self.poses_since(baked)).unwrap_or_default(),
             appearance: Appearance { assigned, ..document.appearance() },
             light: illumination(document, environment),
             lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
@@ -54,6 +54,11 @@ impl EditorState {
             view: view_of(document, size),
             post: document.view.post,
         })
+    }
+
+    /// Where the document has objects, relative to a bake.
+    pub(super) fn poses_since(&self, baked: &Baked) -> Poses {
+        baked.dataset.scene.poses_since_baked(&self.document.poses)
     }
 
     /// Whether a button is held and has changed the document, as in a drag of a slider.

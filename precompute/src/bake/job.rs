@@ -1,6 +1,7 @@
 //! The job of a bake: settings, output and options of the run.
 
 use super::settings::ResolvedBake;
+use lapidary_core::scene::pose::Poses;
 use std::path::PathBuf;
 
 /// The job of a bake: settings, output and options of the run.
@@ -8,6 +9,8 @@ use std::path::PathBuf;
 pub struct BakeJob {
     /// Settings that decide the result; see [`crate::resolve`].
     pub settings: ResolvedBake,
+    /// Where objects are, relative to their file.
+    pub poses: Poses,
     /// Where the dataset goes; checkpoints lie beside it.
     pub output: PathBuf,
     /// Files that the scene was imported from, which the output must not be.
@@ -27,6 +30,7 @@ impl BakeJob {
     pub fn new(settings: ResolvedBake, output: PathBuf) -> Self {
         Self {
             settings,
+            poses: Poses::default(),
             output,
             inputs: Vec::new(),
             chunks: None,

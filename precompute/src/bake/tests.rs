@@ -31,6 +31,7 @@ use std::{
 
 mod ground;
 mod opacity;
+mod posed;
 mod progress;
 mod resumed;
 mod shards;

@@ -10,6 +10,7 @@ use lapidary_core::{
     lock::LockError,
     meshless::BasisError,
     output::OutputError,
+    scene::MeshError,
 };
 use std::fmt;
 use thiserror::Error;
@@ -23,6 +24,8 @@ pub enum BakeError {
     Points(#[source] PointsError),
     /// The points that were placed make no meshless basis.
     Basis(#[from] BasisError),
+    /// Objects are out of reach.
+    Pose(#[source] MeshError),
     /// Settings out of range.
     Settings(#[from] SettingsError),
     /// Another bake writes the same output, or it cannot be written.
@@ -78,6 +81,7 @@ impl BakeError {
             ),
             Self::Points(error) => error.text(name),
             Self::Basis(error) => format!("the points on the surfaces make no meshless basis: {error}"),
+            Self::Pose(error) => format!("the objects cannot be posed so: {error}"),
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),

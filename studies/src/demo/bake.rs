@@ -23,14 +23,13 @@ pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<D
     steps.begin("baking the still life: visibility of every light sample from every vertex");
     let start = Instant::now();
     let Imported { scene, report } = import(&data.still_life())?;
+    let settings = resolve(BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() })?;
     let job = BakeJob {
-        settings: resolve(BakeSettings { max_vertices: Some(MAX_VERTICES), ..Preset::Draft.settings() })?,
-        output: out.join(DATASET),
         inputs: report.files,
-        chunks: None,
         resume: true,
         import_secs: start.elapsed().as_secs_f64(),
         warnings: report.warnings,
+        ..BakeJob::new(settings, out.join(DATASET))
     };
     let dataset = match bake(scene.clone(), &job, &steps.reporter) {
         // A checkpoint of an older version or other data.

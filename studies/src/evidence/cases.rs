@@ -155,6 +155,7 @@ impl Measurement<'_> {
                 pilot_clusters: self.scale.pilot_clusters,
                 ..normal
             })?,
+            poses: Default::default(),
             output: self.out.join(format!("{}-bounces.cuts", plan.name)),
             inputs: Vec::new(),
             chunks: None,

@@ -59,31 +59,33 @@ impl Requests {
     /// The scene as the document poses it, to be pointed at. While a button is held it is that of before: posing takes longer than
     /// a frame should. Objects that cannot be posed so stay where they were.
     pub fn posed(&self, document: &Document, baked: &Baked, is_held: bool) -> Baked {
-        if document.poses.is_empty() {
+        let poses = baked.dataset.scene.poses_since_baked(&document.poses);
+        if poses.is_empty() {
             return baked.clone();
         }
         let mut known = self.posed.borrow_mut();
         let of_scene = known.as_ref().filter(|known| known.baked.is_same(baked));
         match of_scene {
-            Some(known) if is_held || known.poses == document.poses => return known.posed.clone(),
+            Some(known) if is_held || known.poses == poses => return known.posed.clone(),
             None if is_held || baked.intersector_if_ready().is_none() => return baked.clone(),
             _ => {}
         }
         let before = of_scene.map_or(baked, |known| &known.posed);
-        let posed = baked.posed(&document.poses).unwrap_or_else(|_| before.clone());
-        *known = Some(Posed { baked: baked.clone(), poses: document.poses.clone(), posed: posed.clone() });
+        let posed = baked.posed(&poses).unwrap_or_else(|_| before.clone());
+        *known = Some(Posed { baked: baked.clone(), poses, posed: posed.clone() });
         posed
     }
 
-    /// The centre of an object where it was baked, in metres; `None` if it has no vertices.
+    /// The centre of an object where its file has it, in metres; `None` if it has no vertices.
     pub fn center(&self, baked: &Baked, object: u32) -> Option<Vec3> {
         let mut known = self.objects.borrow_mut();
         if !known.as_ref().is_some_and(|(of, _)| of.is_same(baked)) {
             *known = Some((baked.clone(), Objects::of(&baked.dataset.scene)));
         }
         let objects = &known.as_ref()?.1;
+        let in_file = baked.dataset.scene.center_in_file(object);
         let has_any = (object as usize) < objects.len() && !objects.vertices(object).is_empty();
-        has_any.then(|| objects.center(object))
+        has_any.then(|| in_file.unwrap_or_else(|| objects.center(object)))
     }
 
     /// The last request to the render thread.

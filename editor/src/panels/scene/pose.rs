@@ -1,4 +1,4 @@
-//! Where the selected object is, relative to where it was baked.
+//! Where the selected object is, relative to where its file has it.
 
 use super::SceneContext;
 use crate::{
@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
     section(ui, "Pose", true, |ui| {
         rows(ui, object, &pose, actions);
         let reset = ui.add_enabled(pose != Pose::AS_BAKED, egui::Button::new("Reset pose"));
-        if reset.on_hover_text("Puts the object back to where it was baked").clicked() {
+        if reset.on_hover_text("Puts the object back to where its file has it").clicked() {
             let edit = Edit::Pose { object, pose: Pose::AS_BAKED };
             actions.extend([Action::Edit { edit, label: "Reset pose" }, Action::EndGesture]);
         }
@@ -43,11 +43,11 @@ fn rows(ui: &mut Ui, object: u32, pose: &Pose, actions: &mut Vec<Action>) {
             },
         );
     };
-    let help = "How far the object is from where it was baked, in meters.";
+    let help = "How far the object is from where its file has it, in meters.";
     row("Move object", &mut |ui, pose| point_row(ui, "Move", help, &mut pose.translate));
     let help = "Turns about the object's center, in degrees: first about X, then Y, then Z.";
     row("Turn object", &mut |ui, pose| turns_row(ui, "Turn", help, &mut pose.rotate_degrees));
     let range = f64::from(1.0 / MOST_SCALE)..=f64::from(MOST_SCALE);
-    let scale = Decades::count("Scale", "Size about the object's center; 1 is as baked.", range, 1.0);
+    let scale = Decades::count("Scale", "Size about the object's center; 1 is as in the file.", range, 1.0);
     row("Scale object", &mut |ui, pose| decades_row(ui, &Decades { decimals: 3, ..scale.clone() }, &mut pose.scale));
 }

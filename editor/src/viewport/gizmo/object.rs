@@ -51,7 +51,7 @@ impl Tool {
 pub struct Movable {
     /// Its index.
     pub object: u32,
-    /// Its centre as baked, in metres.
+    /// Its centre where its file has it, in metres.
     pub center: Vec3,
     /// What its handles do.
     pub tool: Tool,

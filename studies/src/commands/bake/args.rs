@@ -14,6 +14,7 @@ use lapidary_core::{
     import::{ImportOptions, import_with},
     light_tree::TreeKind,
     ray::RayDevices,
+    scene::pose::Poses,
 };
 use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve};
 use lapidary_render::{
@@ -63,6 +64,10 @@ pub struct BakeArgs {
     /// shows first]
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
+    /// Objects that are not where the scene file has them: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees":
+    /// [X,Y,Z], "scale": S}}}, each turned about its centre in the order X, Y, Z
+    #[arg(long, value_name = "FILE.json")]
+    pose: Option<PathBuf>,
     /// Dataset to write
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
@@ -244,10 +249,12 @@ impl BakeArgs {
             let ground = if settings.mode.meshless() { Ground::Off } else { Ground::suiting(&imported.scene.mesh) };
             settings = settings.with_ground(ground);
         }
+        let poses = self.pose.as_deref().map(|path| Poses::read(path, &imported.scene)).transpose()?;
         let shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
         let settings = settings.for_shots(shots)?;
         let job = BakeJob {
             settings,
+            poses: poses.unwrap_or_default(),
             output: self.output.clone(),
             inputs: imported.report.files,
             chunks: self.chunks,

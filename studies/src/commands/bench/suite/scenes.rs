@@ -55,6 +55,7 @@ impl Plan {
         let Imported { scene, report } = import(&path)?;
         let job = BakeJob {
             settings: resolve(self.settings(scene.mesh.positions.len(), scale.lights))?,
+            poses: Default::default(),
             output: folder.join(self.name).with_extension("cuts"),
             inputs: report.files,
             chunks: None,

@@ -1,0 +1,160 @@
+//! Objects that a bake has elsewhere than the file of its scene.
+//!
+//! Poses of a document are relative to the file, those of a picture to the bake that it is made from.
+
+use super::{
+    MeshError, Scene,
+    pose::{Objects, Pose, Poses},
+};
+use glam::{Affine3A, Vec3};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// An object of a bake that is not where its file has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Placed {
+    /// Its index.
+    pub object: u32,
+    /// Relative to the file.
+    pub pose: Pose,
+    /// The centre of its box as its file has it, in metres.
+    pub center: Vec3,
+    /// The centre of its box as baked, in metres.
+    pub baked_center: Vec3,
+}
+
+impl Placed {
+    fn world_from_file(&self, pose: &Pose) -> Affine3A {
+        pose.world_from_baked(self.center)
+    }
+
+    /// A pose relative to the bake, from one relative to the file.
+    fn since_baked(&self, of_file: Pose) -> Pose {
+        if of_file == self.pose {
+            return Pose::AS_BAKED;
+        }
+        let from_baked = self.world_from_file(&of_file) * self.world_from_file(&self.pose).inverse();
+        Pose {
+            translate: from_baked.transform_point3(self.baked_center) - self.baked_center,
+            scale: of_file.scale / self.pose.scale,
+            ..Pose::AS_BAKED.with_rotation(of_file.rotation() * self.pose.rotation().inverse())
+        }
+    }
+
+    /// Whether it can be of a scene with so many objects.
+    pub(crate) fn fits(&self, objects: usize) -> bool {
+        let are_finite = self.center.is_finite() && self.baked_center.is_finite();
+        (self.object as usize) < objects && are_finite && self.pose.validate("").is_ok()
+    }
+}
+
+impl Scene {
+    /// Places the objects of a scene that is as its file has it.
+    ///
+    /// # Errors
+    /// Places beyond [`MOST_COORDINATE`](super::MOST_COORDINATE); the scene stays as it is then.
+    pub fn place(&mut self, poses: &Poses) -> Result<(), MeshError> {
+        let before = Objects::of(self);
+        self.mesh = poses.pose(&self.mesh, &before)?;
+        let after = Objects::of(self);
+        let moved = poses.moved().filter(|&object| (object as usize) < before.len());
+        let placed = |object| Placed {
+            object,
+            pose: poses.of(object),
+            center: before.center(object),
+            baked_center: after.center(object),
+        };
+        self.placed = moved.map(placed).collect();
+        Ok(())
+    }
+
+    /// Where its objects are, relative to the file.
+    pub fn placed_poses(&self) -> Poses {
+        let mut poses = Poses::default();
+        self.placed.iter().for_each(|placed| poses.set(placed.object, placed.pose));
+        poses
+    }
+
+    /// Poses relative to where the objects are, from poses relative to the file.
+    pub fn poses_since_baked(&self, of_file: &Poses) -> Poses {
+        let mut poses = of_file.clone();
+        self.placed.iter().for_each(|placed| poses.set(placed.object, placed.since_baked(of_file.of(placed.object))));
+        poses
+    }
+
+    /// The centre of an object as its file has it, if it is elsewhere.
+    pub fn center_in_file(&self, object: u32) -> Option<Vec3> {
+        self.placed.iter().find(|placed| placed.object == object).map(|placed| placed.center)
+    }
+
+    /// Whether all of what it says of placed objects fits its objects.
+    pub(crate) fn placed_fits(&self) -> bool {
+        let different: BTreeSet<u32> = self.placed.iter().map(|placed| placed.object).collect();
+        different.len() == self.placed.len() && self.placed.iter().all(|placed| placed.fits(self.objects.len()))
+    }
+}
+
+/// A hash of poses, as hexadecimal; `None` if all is as its file has it.
+pub fn hash(poses: &Poses) -> Option<String> {
+    let mut hasher = blake3::Hasher::new();
+    for object in poses.moved() {
+        let Pose { translate, rotate_degrees, scale } = poses.of(object);
+        hasher.update(&object.to_le_bytes());
+        let numbers = [translate.to_array(), rotate_degrees.to_array(), [scale, 0.0, 0.0]];
+        hasher.update(bytemuck::cast_slice(numbers.as_flattened()));
+    }
+    (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::cubes;
+
+    fn pose(x: f32, degrees: f32, scale: f32) -> Pose {
+        let rotate_degrees = Vec3::new(degrees, -0.5 * degrees, 2.0 * degrees);
+        Pose { translate: Vec3::new(x, 0.3, -x), rotate_degrees, scale }
+    }
+
+    fn poses(of: [(u32, Pose); 2]) -> Poses {
+        let mut poses = Poses::default();
+        of.into_iter().for_each(|(object, pose)| poses.set(object, pose));
+        poses
+    }
+
+    #[test]
+    fn poses_since_a_bake_lead_to_where_those_of_the_file_do() {
+        let file = cubes(3);
+        let baked_so = poses([(0, pose(0.4, 25.0, 1.5)), (2, pose(-0.7, -70.0, 0.6))]);
+        let now = poses([(0, pose(-0.2, 10.0, 0.9)), (1, pose(0.1, 5.0, 1.1))]);
+        let mut baked = file.clone();
+        baked.place(&baked_so).unwrap();
+        let since = baked.poses_since_baked(&now);
+        let found = since.pose(&baked.mesh, &Objects::of(&baked)).unwrap();
+        let expected = now.pose(&file.mesh, &Objects::of(&file)).unwrap();
+        let apart = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(apart(&found.positions, &expected.positions) < 1e-5 && apart(&found.normals, &expected.normals) < 1e-5);
+        let as_in_the_file = now.pose(&baked.mesh, &Objects::of(&baked)).unwrap();
+        assert!(apart(&as_in_the_file.positions, &expected.positions) > 0.3, "negative control");
+        assert!(baked.poses_since_baked(&baked_so).is_empty(), "to the bit");
+        assert_eq!((baked.placed_poses(), baked.center_in_file(1)), (baked_so, None));
+    }
+
+    #[test]
+    fn a_scene_is_told_apart_by_its_poses() {
+        let (one, other) = (
+            poses([(0, pose(1.0, 0.0, 1.0)), (1, Pose::AS_BAKED)]),
+            poses([(1, pose(1.0, 0.0, 1.0)), (0, Pose::AS_BAKED)]),
+        );
+        assert!(hash(&one).is_some() && hash(&one) != hash(&other));
+        assert_eq!(hash(&Poses::default()), None);
+    }
+
+    #[test]
+    fn objects_out_of_reach_leave_the_scene_as_it_is() {
+        let mut scene = cubes(1);
+        let far = poses([(0, Pose { translate: Vec3::splat(1e30), ..Pose::AS_BAKED }), (1, Pose::AS_BAKED)]);
+        assert!(scene.place(&far).is_err());
+        assert_eq!((scene.mesh, scene.placed), (cubes(1).mesh, Vec::new()));
+    }
+}
