@@ -178,6 +178,13 @@ pub trait Backend: Send {
     /// A dataset larger than the adapter's limits; the previous scene is kept then.
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError>;
 
+    /// Takes the scene that it has as it is posed now: the same one, with vertices elsewhere and other visibility cuts for these.
+    /// Materials stay; the light is to be set again, and until then pictures are black.
+    ///
+    /// # Errors
+    /// Cuts beyond the adapter's limits, or a lost device; no picture is made then before a scene is set.
+    fn pose(&mut self, posed: &Baked) -> Result<(), BackendError>;
+
     /// Sets other materials. Returns what was changed to make them fit, in sentences.
     ///
     /// # Errors

@@ -12,7 +12,10 @@ use lapidary_core::{
     },
 };
 use rayon::prelude::*;
-use std::sync::{Arc, OnceLock};
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, OnceLock},
+};
 
 /// A dataset that is ready to be shown. Copying it is cheap.
 #[derive(Clone)]
@@ -92,27 +95,15 @@ impl Baked {
         self.rays.thorough.get_or_init(|| Intersector::of_scene(&self.dataset.scene));
     }
 
-    /// The scene where its objects are posed: vertices and rays are elsewhere, all else is as it was baked. Without poses it is the
-    /// same one.
+    /// The scene where its objects are posed, see [`Posing`].
     ///
     /// # Errors
     /// Objects out of reach.
     pub fn posed(&self, poses: &Poses) -> Result<Self, MeshError> {
-        if poses.is_empty() {
-            return Ok(self.clone());
+        match poses.is_empty() {
+            true => Ok(self.clone()),
+            false => Posing::new(self).posed(poses),
         }
-        let scene = &self.dataset.scene;
-        let mesh = poses.pose(&scene.mesh, &Objects::of(scene))?;
-        let of_rays = |known: &Intersector| {
-            Posable::new(known, &scene.mesh, &self.opacities(), &poses.moved().collect()).posed(&mesh)
-        };
-        let rays = Rays::default();
-        match self.rays.thorough.get() {
-            Some(thorough) => rays.thorough.get_or_init(|| of_rays(thorough)),
-            None => rays.quick.get_or_init(|| of_rays(self.intersector())),
-        };
-        let dataset = Dataset { scene: Scene { mesh, ..scene.clone() }, ..(*self.dataset).clone() };
-        Ok(Self { dataset: dataset.into(), rays: rays.into(), patches: self.patches.clone() })
     }
 
     /// The same scene with other visibility cuts.
@@ -136,6 +127,56 @@ impl Baked {
     /// Whether both are the same dataset, not only equal ones.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.dataset, &other.dataset)
+    }
+}
+
+/// Poses the objects of a scene again and again.
+pub struct Posing {
+    baked: Baked,
+    objects: Objects,
+    /// Of the objects that moved last.
+    rays: Option<PosableRays>,
+}
+
+/// Rays on a scene of which some objects move.
+struct PosableRays {
+    moving: BTreeSet<u32>,
+    /// Whether they are those of the thorough hierarchy.
+    is_thorough: bool,
+    posable: Posable,
+}
+
+impl Posing {
+    /// Of a scene as it was baked.
+    pub fn new(baked: &Baked) -> Self {
+        Self { objects: Objects::of(&baked.dataset.scene), baked: baked.clone(), rays: None }
+    }
+
+    /// The scene under some poses: vertices and rays are elsewhere, all else is as it was baked.
+    ///
+    /// # Errors
+    /// Objects out of reach.
+    pub fn posed(&mut self, poses: &Poses) -> Result<Baked, MeshError> {
+        let baked = self.baked.dataset.clone();
+        let mesh = poses.pose(&baked.scene.mesh, &self.objects)?;
+        let rays = self.rays(poses.moved().collect());
+        let (posed, hierarchies) = (rays.posable.posed(&mesh), Rays::default());
+        let place = if rays.is_thorough { &hierarchies.thorough } else { &hierarchies.quick };
+        place.get_or_init(|| posed);
+        let dataset = Dataset { scene: Scene { mesh, ..baked.scene.clone() }, ..(*baked).clone() };
+        Ok(Baked { dataset: dataset.into(), rays: hierarchies.into(), patches: self.baked.patches.clone() })
+    }
+
+    fn rays(&mut self, moving: BTreeSet<u32>) -> &PosableRays {
+        let (baked, thorough) = (&self.baked, self.baked.rays.thorough.get());
+        let is_thorough = thorough.is_some();
+        let known = self.rays.take().filter(|rays| (&rays.moving, rays.is_thorough) == (&moving, is_thorough));
+        let new = || {
+            let (hierarchy, mesh) = (thorough.unwrap_or_else(|| baked.intersector()), &baked.dataset.scene.mesh);
+            let posable = Posable::new(hierarchy, mesh, &baked.opacities(), &moving);
+            PosableRays { moving, is_thorough, posable }
+        };
+        self.rays.insert(known.unwrap_or_else(new))
     }
 }
 

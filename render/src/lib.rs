@@ -39,7 +39,7 @@ mod view_mode;
 
 pub use appearance::{Appearance, Assigned};
 pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats, ShadedSamples, Tier};
-pub use baked::Baked;
+pub use baked::{Baked, Posing};
 pub use cpu::{
     backend::{CPU, CpuBackend},
     display::display_pixel,

@@ -2,13 +2,17 @@
 
 use crate::{
     Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks,
-    Pixels, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
+    Pixels, Posing, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
     light::{
         bounce::Drift,
         implicit::{PoseRig, PosedLight},
     },
 };
-use lapidary_core::{ground::Ground, image::Image, scene::pose::Poses};
+use lapidary_core::{
+    ground::Ground,
+    image::Image,
+    scene::{MeshError, pose::Poses},
+};
 use std::{ops::Range, sync::Arc, time::Instant};
 
 /// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
@@ -22,8 +26,8 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     /// The scene as it is posed, which the renderer has.
     posed: Baked,
     poses: Poses,
-    /// Lights the scene while it is posed; `None` before it ever was.
-    pose_rig: Option<PoseRig>,
+    /// Poses the scene and lights it so; `None` before it ever was.
+    posing: Option<(Posing, PoseRig)>,
     environment_rig: LightRig,
     local_rig: LocalRig,
     /// The state of the renderer; `None` after a failure, so that everything is set again.
@@ -89,7 +93,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             posed: baked.clone(),
             baked,
             poses: Poses::default(),
-            pose_rig: None,
+            posing: None,
             environment_rig,
             local_rig,
             lit: None,
@@ -120,31 +124,41 @@ impl<B: Backend + ?Sized> LitScene<B> {
             return Ok(false);
         }
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
-        (self.baked, self.pose_rig) = (baked.clone(), None);
+        (self.baked, self.posing, self.lit) = (baked.clone(), None, None);
         self.has_given(baked.clone(), Poses::default());
         Ok(true)
     }
 
-    /// Notes that the renderer has a scene, and that nothing is lit.
+    /// Notes that the renderer has a scene, of which there is no picture.
     fn has_given(&mut self, posed: Baked, poses: Poses) {
         (self.posed, self.poses) = (posed, poses);
-        (self.lit, self.finished, self.stale) = (None, false, Stale::ALL);
+        (self.finished, self.stale) = (false, Stale::ALL);
         self.drift = Drift::default();
     }
 
     /// Poses the objects of the scene. Where they cannot be posed so, they stay.
     fn pose(&mut self, poses: &Poses) -> Result<(), BackendError> {
-        if self.poses != *poses {
-            let posed = self.baked.posed(poses).map_err(BackendError::Pose)?;
-            let posed = match poses.is_empty() {
-                true => posed,
-                false => self.pose_rig.get_or_insert_with(|| PoseRig::new(&self.baked)).pose(posed, poses),
-            };
-            // The rigs light the scene as it was baked, which the pose rig's light is added to.
-            self.backend.set_scene(&posed).inspect_err(|_| (self.pose_rig, self.lit) = (None, None))?;
-            self.has_given(posed, poses.clone());
+        if self.poses == *poses {
+            return Ok(());
+        }
+        let posed = self.posed(poses).map_err(BackendError::Pose)?;
+        let lit = self.lit.take();
+        self.backend.pose(&posed).inspect_err(|_| self.posing = None)?;
+        self.has_given(posed, poses.clone());
+        if let Some(lit) = lit {
+            self.give_environment(&lit.look, &lit.environment)?;
+            self.lit = Some(lit);
         }
         Ok(())
+    }
+
+    /// The scene as objects are posed. Its rigs light it as it was baked, which the light of the pose rig is added to.
+    fn posed(&mut self, poses: &Poses) -> Result<Baked, MeshError> {
+        if poses.is_empty() {
+            return Ok(self.baked.clone());
+        }
+        let (posing, rig) = self.posing.get_or_insert_with(|| (Posing::new(&self.baked), PoseRig::new(&self.baked)));
+        Ok(rig.pose(posing.posed(poses)?, poses))
     }
 
     /// Renders a look, unless it was the last one rendered. `go_on` is asked before each band of rows, and may wait.
@@ -218,7 +232,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         };
         let local = match local {
             Some(local) if !redo.local => local,
-            known => self.light_locally(&look, &environment, known)?,
+            // A renderer that was given another pose has no light.
+            known => self.light_locally(&look, &environment, known.filter(|_| !redo.pose))?,
         };
         self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
         self.lit = Some(Lit { look, environment, local });
@@ -244,10 +259,20 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// Lights the environment's tree.
     fn light_environment(&mut self, look: &Look) -> Result<Arc<SceneLighting>, BackendError> {
         let lighting = Arc::new(self.environment_rig.lighting(&look.light, look.illum_cut).with_tau(look.tau));
-        let remarks = self.backend.set_light(&look.light, &lighting)?;
-        self.remarks.replace(1, remarks);
+        self.give_environment(look, &lighting)?;
         self.light_revision += 1;
         Ok(lighting)
+    }
+
+    /// Gives the renderer the light of the environment, for the visibility cuts that it has.
+    fn give_environment(&mut self, look: &Look, lighting: &Arc<SceneLighting>) -> Result<(), BackendError> {
+        let lighting = match self.posing.as_ref().filter(|_| !self.poses.is_empty()) {
+            Some((_, rig)) => lighting.with_replaced_cuts(rig.moved_vertices()).into(),
+            None => lighting.clone(),
+        };
+        let remarks = self.backend.set_light(&look.light, &lighting)?;
+        self.remarks.replace(1, remarks);
+        Ok(())
     }
 
     /// Prepares local lights, bounced light, and the shown components. Bounced light that is not shown is not computed.
@@ -280,7 +305,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         environment: &Arc<SceneLighting>,
         local: &LocalLighting,
     ) -> Option<Arc<PosedLight>> {
-        let rig = self.pose_rig.as_mut().filter(|_| !self.poses.is_empty())?;
+        let (_, rig) = self.posing.as_mut().filter(|_| !self.poses.is_empty())?;
         let environment = Some(environment).filter(|_| self.baked.dataset.settings.mode.environment());
         let lights = local.lights.iter().chain(&local.suns).cloned().collect();
         Some(rig.light(environment, lights, &look.appearance, look.shown_solution().bounces()).into())

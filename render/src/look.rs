@@ -116,21 +116,20 @@ impl Redo {
     pub fn between(old: &Look, new: &Look) -> Self {
         // All fields by name, so that a new one is not forgotten.
         let Look { poses, appearance, light, lights, components, solution, illum_cut, tau, sampling, view, post } = old;
-        if *poses != new.poses {
-            return Self::ALL;
-        }
+        let pose = *poses != new.poses;
         let appearance = !appearance.is_same(&new.appearance);
         let environment = !light.is_same(&new.light) || (*illum_cut, *tau) != (new.illum_cut, new.tau);
-        let local = appearance
+        let local = pose
+            || appearance
             || environment
             || *lights != new.lights
             || *components != new.components
             || *solution != new.solution
             || old.shown_solution() != new.shown_solution();
-        let pixels = if *sampling != new.sampling { Stale::ALL } else { Self::stale(old, new) };
+        let pixels = if pose || *sampling != new.sampling { Stale::ALL } else { Self::stale(old, new) };
         let view = *view != new.view;
         let display = view || pixels.any() || *post != new.post;
-        Self { pose: false, appearance, environment, local, view, pixels, display }
+        Self { pose, appearance, environment, local, view, pixels, display }
     }
 
     /// Whether anything is to be rendered.
@@ -210,7 +209,10 @@ mod tests {
         };
         let sky = Redo { environment: true, ..local(all(true, true, false)) };
         assert_eq!(redone(|_| ()), Redo::NOTHING);
-        assert_eq!(redone(|look| look.poses.set(0, Pose { scale: 2.0, ..Pose::AS_BAKED })), Redo::ALL);
+        assert_eq!(
+            redone(|look| look.poses.set(0, Pose { scale: 2.0, ..Pose::AS_BAKED })),
+            Redo { appearance: false, environment: false, view: false, ..Redo::ALL }
+        );
         assert_eq!(redone(|look| look.post.exposure = 1.0), DISPLAY);
         assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), VIEW);
         assert_eq!(redone(|look| look.view.aa = 4), VIEW);

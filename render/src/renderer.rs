@@ -48,6 +48,13 @@ impl Renderer {
         renderer
     }
 
+    /// The same surfaces where the scene is posed.
+    pub fn posed(self, posed: Baked) -> Self {
+        let mut renderer = Self { rig: self.rig, ..Self::new(posed) };
+        renderer.set_appearance(self.appearance);
+        renderer
+    }
+
     /// Gives the scene other materials; there must be as many, or more that are assigned.
     pub fn set_appearance(&mut self, appearance: Appearance) {
         let (given, needed) = (appearance.materials.len(), self.dataset.scene.materials.len());

@@ -12,7 +12,7 @@ use super::{
     solid_angles::{solid_angle_code, solid_angles},
 };
 use rayon::prelude::*;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Largest share of a vertex's light that a node of its lit cut may move, unless another is asked for.
 pub const DEFAULT_TAU: f32 = 0.003;
@@ -99,7 +99,7 @@ pub struct LitCuts {
     light: Vec<f32>,
     tau: f32,
     /// One a vertex, once their number is known.
-    cuts: OnceLock<Vec<OnceLock<Box<[LitNode]>>>>,
+    cuts: OnceLock<Vec<OnceLock<Arc<[LitNode]>>>>,
 }
 
 impl LitCuts {
@@ -121,11 +121,23 @@ impl LitCuts {
         if tau == self.tau { self } else { Self { tau, cuts: OnceLock::new(), ..self } }
     }
 
+    /// The same light for other stored cuts of the vertices that `is_replaced` tells. Lit cuts of the rest are kept.
+    #[must_use]
+    pub fn with_replaced(&self, is_replaced: &[bool]) -> Self {
+        let cuts = OnceLock::new();
+        if let Some(made) = self.cuts.get() {
+            let kept = made.iter().zip(is_replaced);
+            let kept = kept.map(|(cut, &is_replaced)| if is_replaced { OnceLock::new() } else { cut.clone() });
+            cuts.get_or_init(|| kept.collect());
+        }
+        Self { cuts, light: self.light.clone(), ..*self }
+    }
+
     /// The lit cut, left to right, of one of the vertices of `stored`, which must always be the same cuts.
     #[inline(always)]
     pub fn of(&self, stored: &PackedCuts, vertex: u32) -> &[LitNode] {
         let cuts = self.cuts.get_or_init(|| std::iter::repeat_with(OnceLock::new).take(stored.len()).collect());
-        cuts[vertex as usize].get_or_init(|| self.cut(stored.nodes_from(vertex)))
+        cuts[vertex as usize].get_or_init(|| self.cut(stored.nodes_from(vertex)).into())
     }
 
     /// Makes the lit cuts of all vertices.

@@ -7,6 +7,7 @@
 
 use super::{CutError, merge::Cursor, validate_depths};
 use rayon::prelude::*;
+use std::{borrow::Cow, sync::Arc};
 
 /// Greatest stored value.
 pub const VALUE_MAX: u16 = 4095;
@@ -135,13 +136,21 @@ impl<N: PackedNode> Cursor for PackedCursor<'_, N> {
     }
 }
 
-/// The visibility cuts of all vertices, packed.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// The visibility cuts of all vertices, packed. Copying them is cheap.
+#[derive(Clone, Debug, Default)]
 pub struct PackedCuts {
-    /// Nodes of all cuts; a multiple of eight. Read as `[u32; 4]` these are the texels.
-    nodes: Vec<u16>,
+    /// Nodes of all cuts as stored; a multiple of eight. Read as `[u32; 4]` these are the texels.
+    stored: Arc<Vec<u16>>,
+    /// Nodes of cuts that replace some of them, after those; see [`Self::with`].
+    others: Arc<Vec<u16>>,
     /// First texel of each vertex's cut. Vertices may share a cut.
-    offsets: Vec<u32>,
+    offsets: Arc<Vec<u32>>,
+}
+
+impl PartialEq for PackedCuts {
+    fn eq(&self, other: &Self) -> bool {
+        (self.nodes(), &self.offsets) == (other.nodes(), &other.offsets)
+    }
 }
 
 impl PackedCuts {
@@ -157,7 +166,7 @@ impl PackedCuts {
 
     /// From stored arrays that [`Self::validate`] has yet to check.
     pub(crate) fn unchecked(nodes: Vec<u16>, offsets: Vec<u32>) -> Self {
-        Self { nodes, offsets }
+        Self { stored: nodes.into(), others: Arc::default(), offsets: offsets.into() }
     }
 
     /// Checks all cuts.
@@ -166,33 +175,30 @@ impl PackedCuts {
     /// The vertex whose cut is invalid for a tree of `height`, or starts outside the texels.
     pub fn validate(&self, height: u32) -> Result<(), (usize, CutError)> {
         let check = |(vertex, &offset): (usize, &u32)| {
-            let rest = self.nodes.get(offset as usize * NODES_PER_TEXEL..).unwrap_or(&[]);
-            cut_len(height, rest).err().map(|error| (vertex, error))
+            cut_len(height, self.nodes_at(offset).unwrap_or(&[])).err().map(|error| (vertex, error))
         };
         self.offsets.par_iter().enumerate().find_map_first(check).map_or(Ok(()), Err)
     }
 
     /// Appends a cut and returns its first texel.
     pub fn push_cut(&mut self, cut: &[u16]) -> u32 {
-        let offset = (self.nodes.len() / NODES_PER_TEXEL) as u32;
-        self.nodes.extend_from_slice(cut);
-        self.nodes.resize(self.nodes.len().next_multiple_of(NODES_PER_TEXEL), 0);
-        offset
+        append(Arc::make_mut(&mut self.stored), cut)
     }
 
     /// Appends a vertex whose cut starts at texel `offset`.
     pub fn push_vertex(&mut self, offset: u32) {
-        self.offsets.push(offset);
+        Arc::make_mut(&mut self.offsets).push(offset);
     }
 
-    /// The same with other cuts for some vertices.
+    /// The same stored cuts with others for some vertices.
     #[must_use]
     pub fn with(&self, others: impl IntoIterator<Item = (u32, Vec<u16>)>) -> Self {
-        let mut cuts = self.clone();
+        let (mut nodes, mut offsets) = ((*self.others).clone(), (*self.offsets).clone());
+        let stored = (self.stored.len() / NODES_PER_TEXEL) as u32;
         for (vertex, cut) in others {
-            cuts.offsets[vertex as usize] = cuts.push_cut(&cut);
+            offsets[vertex as usize] = stored + append(&mut nodes, &cut);
         }
-        cuts
+        Self { stored: self.stored.clone(), others: nodes.into(), offsets: offsets.into() }
     }
 
     /// Number of vertices.
@@ -208,7 +214,16 @@ impl PackedCuts {
     /// All nodes from the first of a vertex's cut on; the cut ends at the last leaf.
     #[inline(always)]
     pub fn nodes_from(&self, vertex: u32) -> &[u16] {
-        &self.nodes[self.offsets[vertex as usize] as usize * NODES_PER_TEXEL..]
+        self.nodes_at(self.offsets[vertex as usize]).expect("cuts begin within the texels")
+    }
+
+    #[inline(always)]
+    fn nodes_at(&self, texel: u32) -> Option<&[u16]> {
+        let node = texel as usize * NODES_PER_TEXEL;
+        match node.checked_sub(self.stored.len()) {
+            Some(node) if !self.others.is_empty() => self.others.get(node..),
+            _ => self.stored.get(node..),
+        }
     }
 
     /// The nodes of a vertex's cut alone.
@@ -222,9 +237,22 @@ impl PackedCuts {
         &nodes[..count.map_or(nodes.len(), |c| c + 1)]
     }
 
-    /// All nodes, padding included.
-    pub fn nodes(&self) -> &[u16] {
-        &self.nodes
+    /// All nodes, padding included; put together where cuts were replaced.
+    pub fn nodes(&self) -> Cow<'_, [u16]> {
+        match self.parts() {
+            [stored, []] => stored.into(),
+            parts => parts.concat().into(),
+        }
+    }
+
+    /// All nodes, padding included: those that are stored, and after them those of cuts that replace some.
+    pub fn parts(&self) -> [&[u16]; 2] {
+        [&self.stored, &self.others]
+    }
+
+    /// Whether both have the same stored cuts, not only equal ones.
+    pub fn has_same_stored(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.stored, &other.stored)
     }
 
     /// First texel of each vertex.
@@ -233,9 +261,34 @@ impl PackedCuts {
     }
 }
 
+/// Appends a cut, padded to whole texels, and returns its first texel.
+fn append(nodes: &mut Vec<u16>, cut: &[u16]) -> u32 {
+    let texel = (nodes.len() / NODES_PER_TEXEL) as u32;
+    nodes.extend_from_slice(cut);
+    nodes.resize(nodes.len().next_multiple_of(NODES_PER_TEXEL), 0);
+    texel
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cuts_are_replaced_beside_the_stored_ones() {
+        let (two, one) = ([pack_node(1, 0.0), pack_node(1, 1.0)], vec![pack_node(0, 0.5)]);
+        let mut cuts = PackedCuts::default();
+        for _ in 0..3 {
+            let offset = cuts.push_cut(&two);
+            cuts.push_vertex(offset);
+        }
+        let others = cuts.with([(1, one.clone()), (2, one.clone())]);
+        assert!(others.has_same_stored(&cuts) && others != cuts && others.validate(4).is_ok());
+        assert_eq!([0, 1, 2].map(|vertex| others.cut(4, vertex)), [&two[..], &one, &one]);
+        let whole = PackedCuts::from_parts(4, others.nodes().into_owned(), others.offsets().to_vec()).unwrap();
+        assert!(whole == others && !whole.has_same_stored(&others));
+        let again = others.with([(0, one.clone())]);
+        assert_eq!([0, 1].map(|vertex| again.cut(4, vertex)), [&one[..], &one]);
+    }
 
     #[test]
     fn nodes_round_trip_within_half_a_step() {

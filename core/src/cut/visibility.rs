@@ -25,6 +25,15 @@ impl Default for CutCriterion {
     }
 }
 
+impl CutCriterion {
+    /// For leaves that each stand for `leaves` equal ones: it selects the same cuts.
+    #[must_use]
+    pub fn of_means(self, leaves: usize) -> Self {
+        let scale = (leaves as f32).sqrt().recip();
+        Self { sigma: self.sigma * scale, total_error: self.total_error.map(|error| error * scale), ..self }
+    }
+}
+
 /// Selects cuts of functions on `2^height` leaves, which are nearly all 0 or 1; keeps its buffers between vertices.
 pub struct CutSelector {
     height: u32,
@@ -310,6 +319,21 @@ mod tests {
         }
         // Light that passes evenly has no edge to follow.
         assert_eq!(select(height, CutCriterion { sigma, ..Default::default() }, &[100; 1024]).0.len(), 1);
+    }
+
+    #[test]
+    fn leaves_that_stand_for_equal_ones_give_the_same_cuts() {
+        let coarse = leaves(8, 5);
+        let fine: Vec<u8> = coarse.iter().flat_map(|&leaf| [leaf; 16]).collect();
+        for criterion in [
+            CutCriterion { sigma: 2.5, ..Default::default() },
+            CutCriterion { sigma: 2.5, max_nodes: 20, total_error: None },
+            CutCriterion { sigma: 0.0, max_nodes: u32::MAX, total_error: Some(6.0) },
+        ] {
+            let expected = select(12, criterion, &fine).0;
+            assert_eq!(select(8, criterion.of_means(16), &coarse).0, expected);
+            assert_ne!(select(8, criterion, &coarse).0, expected, "negative control");
+        }
     }
 
     #[test]

@@ -108,13 +108,6 @@ impl Bins {
         Self { keys: both.map(|(a, b)| *a.min(b)).collect(), leaves: self.leaves(), turn: self.turn }
     }
 
-    /// Takes the bins of the leaves that another has, which are some of these.
-    pub fn replace(&mut self, other: &Self) {
-        assert_eq!(self.turn, other.turn, "the same turn");
-        let first = (other.leaves.start - self.leaves.start) as usize * CELLS.len();
-        self.keys[first..first + other.keys.len()].copy_from_slice(&other.keys);
-    }
-
     /// The node that each bin sees, with holes closed.
     pub fn views(self) -> Views {
         Views::new(self.turn(), self.keys)

@@ -1,32 +1,38 @@
-//! Bins while one object moves: what is seen of the others is kept.
+//! What leaves see while some objects move: what they see of the others is kept.
 
-use super::direct::Bins;
+use super::{direct::Bins, views::Views};
 use crate::surfel::disc_forest::DiscForest;
+use std::collections::BTreeSet;
 
-/// Bins of all that does not move, and which object does.
+/// What is seen of all that does not move, and which objects do.
 #[derive(Clone, Debug)]
 pub struct Drag {
-    object: u32,
+    objects: BTreeSet<u32>,
     still: Bins,
+    still_views: Views,
 }
 
 impl Drag {
-    /// Before an object is moved.
-    pub fn begin(forest: &DiscForest, turn: f32, object: u32) -> Self {
-        Self { object, still: Bins::walk(forest, turn, &|other| other != object) }
+    /// Before some objects are moved.
+    pub fn begin(forest: &DiscForest, turn: f32, objects: BTreeSet<u32>) -> Self {
+        let still = Bins::walk(forest, turn, &|other| !objects.contains(&other));
+        Self { objects, still_views: still.clone().views(), still }
     }
 
-    /// The object that moves.
-    pub fn object(&self) -> u32 {
-        self.object
+    /// The objects that move.
+    pub fn objects(&self) -> &BTreeSet<u32> {
+        &self.objects
     }
 
-    /// The bins of all leaves where the object is now: the same, bit for bit, as those of a whole walk. Leaves of other objects
-    /// look for the moved one alone, its own look for everything.
-    pub fn frame(&self, forest: &DiscForest) -> Bins {
+    /// What all leaves see where the objects are now: the same, bit for bit, as by a whole walk. Leaves of other objects look for
+    /// the moved ones alone, their own look for everything.
+    pub fn frame(&self, forest: &DiscForest) -> Views {
         let turn = self.still.turn();
-        let mut bins = self.still.nearer(&Bins::walk(forest, turn, &|object| object == self.object));
-        bins.replace(&Bins::of_leaves(forest, turn, forest.leaves_of(self.object), &|_| true));
-        bins
+        let moved = Bins::walk(forest, turn, &|object| self.objects.contains(&object));
+        let mut views = self.still_views.with_nearer(&self.still, &moved);
+        for leaves in self.objects.iter().map(|&object| forest.leaves_of(object)) {
+            views.replace(leaves.start, &Bins::of_leaves(forest, turn, leaves, &|_| true).views());
+        }
+        views
     }
 }

@@ -37,7 +37,7 @@ fn times_of_four_sizes() {
         let grey = vec![Vec3::splat(0.5); surfels as usize];
         let lighting = Lighting { reflectance: &grey, emitted: &grey, received: &grey, sky: &|_| Vec3::ONE };
         let bounce = least_ms(|| drop(LeafLight::new(discs, &views, &lighting, 1)));
-        let drag = Drag::begin(discs, 0.0, 2);
+        let drag = Drag::begin(discs, 0.0, [2].into());
         let frame = least_ms(|| drop(drag.frame(discs)));
         let together = update + walk + closing + bounce;
         println!("{surfels} {build:.0} {update:.2} {walk:.1} {closing:.1} {bounce:.1} {together:.1} {frame:.1}");

@@ -9,7 +9,7 @@ use crate::{
     test_scenes::{cuboid, quad, room, scene_of},
 };
 use glam::Vec3;
-use std::f32::consts::PI;
+use std::{collections::BTreeSet, f32::consts::PI};
 
 /// A mesh with its surfels.
 pub struct Furnished {
@@ -220,18 +220,24 @@ fn an_object_carried_away_leaves_the_scene_without_it() {
 #[test]
 fn a_dragged_object_gives_the_bins_of_a_whole_walk() {
     let mut scene = furnished(2048);
-    let drag = Drag::begin(scene.forest.discs(), 0.0, 2);
-    for step in 0..3 {
-        let offset = Vec3::new(-0.1 * step as f32, 0.05 * step as f32, 0.0);
-        let posed: Vec<Vec3> = scene.mesh.positions.iter().map(|&p| p + offset).collect();
-        scene.forest.update(&posed, &|object| object == drag.object());
-        let forest = scene.forest.discs();
-        assert_eq!(drag.frame(forest), Bins::walk(forest, 0.0, &|_| true), "step {step}");
+    for objects in [BTreeSet::from([2]), [1, 2].into()] {
+        let drag = Drag::begin(scene.forest.discs(), 0.0, objects);
+        for step in 0..3 {
+            let offset = Vec3::new(-0.1 * step as f32, 0.05 * step as f32, 0.0);
+            let posed: Vec<Vec3> = scene.mesh.positions.iter().map(|&p| p + offset).collect();
+            scene.forest.update(&posed, &|object| drag.objects().contains(&object));
+            let forest = scene.forest.discs();
+            assert_eq!(drag.frame(forest), Bins::walk(forest, 0.0, &|_| true).views(), "step {step}");
+        }
     }
-    let wrong = Drag::begin(scene.forest.discs(), 0.0, 1);
+    let wrong = Drag::begin(scene.forest.discs(), 0.0, [1].into());
     scene.forest.update(&scene.mesh.positions, &|object| object == 2);
     let forest = scene.forest.discs();
-    assert_ne!(wrong.frame(forest), Bins::walk(forest, 0.0, &|_| true), "negative control: another object has moved");
+    assert_ne!(
+        wrong.frame(forest),
+        Bins::walk(forest, 0.0, &|_| true).views(),
+        "negative control: another object has moved"
+    );
 }
 
 #[test]

@@ -14,6 +14,7 @@ use crate::{
     },
 };
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Leaves of a vertex.
 const NEAREST: usize = 4;
@@ -40,19 +41,20 @@ pub struct VertexWeights {
 }
 
 impl VertexWeights {
-    /// For receivers on a forest as baked. One whose object has no leaves takes nothing.
-    pub fn new(forest: &DiscForest, receivers: &[Receiver]) -> Self {
+    /// For receivers on a forest as baked. `None`, and one whose object has no leaves, takes nothing.
+    pub fn new(forest: &DiscForest, receivers: &[Option<Receiver>]) -> Self {
         let rows = SparseRows::build(receivers.len(), |row, out| {
-            let receiver = &receivers[row];
-            let nearest = Nearest::of(forest, receiver);
-            out.extend(weights(forest, receiver, &nearest));
+            if let Some(receiver) = &receivers[row] {
+                let nearest = Nearest::of(forest, receiver);
+                out.extend(weights(forest, receiver, &nearest));
+            }
         });
         Self { rows }
     }
 
     /// Values at all receivers from those of the leaves.
     pub fn apply<T: Coefficient>(&self, leaves: &[T]) -> Vec<T> {
-        (0..self.rows.len()).map(|row| self.rows.product(row, leaves)).collect()
+        (0..self.rows.len()).into_par_iter().with_min_len(1024).map(|row| self.rows.product(row, leaves)).collect()
     }
 
     /// The leaves of a receiver with weights that sum to one.
@@ -134,11 +136,11 @@ mod tests {
     use super::*;
     use crate::implicit::tests::{Furnished, furnished};
 
-    fn receivers(of: &Furnished) -> Vec<Receiver> {
+    fn receivers(of: &Furnished) -> Vec<Option<Receiver>> {
         let mesh = &of.mesh;
         let corner = |(triangle, &object): (usize, &u32)| {
             let vertex = mesh.triangles[triangle][triangle % 3] as usize;
-            Receiver { object, position: mesh.positions[vertex], normal: mesh.normals[vertex] }
+            Some(Receiver { object, position: mesh.positions[vertex], normal: mesh.normals[vertex] })
         };
         mesh.triangle_object.iter().enumerate().map(corner).collect()
     }
@@ -149,7 +151,7 @@ mod tests {
         let forest = furnished.forest.discs();
         let receivers = receivers(&furnished);
         let weights = VertexWeights::new(forest, &receivers);
-        for (row, receiver) in receivers.iter().enumerate() {
+        for (row, receiver) in receivers.iter().flatten().enumerate() {
             let leaves = forest.leaves_of(receiver.object);
             let mut all: Vec<(f32, u32)> =
                 leaves.map(|i| (distance(receiver, &forest.discs()[i as usize]), i)).collect();
@@ -168,7 +170,7 @@ mod tests {
         let receivers = receivers(&furnished);
         let on_floor: Vec<f32> = forest.discs().iter().map(|d| d.normal.y.max(0.0)).collect();
         let at_vertices = VertexWeights::new(forest, &receivers).apply(&on_floor);
-        let of_room = || receivers.iter().zip(&at_vertices).filter(|(receiver, _)| receiver.object == 0);
+        let of_room = || receivers.iter().flatten().zip(&at_vertices).filter(|(receiver, _)| receiver.object == 0);
         assert!(of_room().all(|(receiver, value)| (value - receiver.normal.y.max(0.0)).abs() < 0.02));
         assert!(of_room().any(|(_, value)| *value > 0.9), "and the floor has them");
     }
@@ -176,8 +178,8 @@ mod tests {
     #[test]
     fn an_object_without_leaves_takes_nothing() {
         let forest = DiscForest::new(&[0, 1], vec![Disc { position: Vec3::ZERO, normal: Vec3::Y, area: 1.0 }]);
-        let at = |object| Receiver { object, position: Vec3::X, normal: Vec3::Y };
-        let weights = VertexWeights::new(&forest, &[at(0), at(1)]);
-        assert_eq!((weights.row(0), weights.row(1)), (&[][..], &[(0, 1.0)][..]));
+        let at = |object| Some(Receiver { object, position: Vec3::X, normal: Vec3::Y });
+        let weights = VertexWeights::new(&forest, &[at(0), at(1), None]);
+        assert_eq!([0, 1, 2].map(|row| weights.row(row)), [&[][..], &[(0, 1.0)], &[]]);
     }
 }

@@ -1,6 +1,6 @@
 //! What leaves see: a node in each cell, or the sky.
 
-use super::direct::{CELLS, EMPTY, frame_of, node_of};
+use super::direct::{Bins, CELLS, EMPTY, frame_of, node_of};
 use crate::surfel::disc_forest::DiscForest;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -31,6 +31,26 @@ impl Views {
             keys.copy_from_slice(&closed);
         });
         Self { turn: turn.to_bits(), nodes: keys }
+    }
+
+    /// These views of the bins of `still`, where the nearer of `moved` come before them. Leaves that see nothing new keep what they
+    /// have.
+    pub(super) fn with_nearer(&self, still: &Bins, moved: &Bins) -> Self {
+        let mut views = self.clone();
+        views.nodes.par_chunks_exact_mut(CELLS.len()).enumerate().with_min_len(64).for_each(|(leaf, nodes)| {
+            let (still, moved) = (still.of_leaf(leaf as u32), moved.of_leaf(leaf as u32));
+            if still.iter().zip(moved).any(|(still, moved)| moved < still) {
+                let nearer: [u32; CELLS.len()] = std::array::from_fn(|cell| still[cell].min(moved[cell]));
+                nodes.copy_from_slice(&closed(&nearer));
+            }
+        });
+        views
+    }
+
+    /// Takes the views of others for the leaves from `first` on.
+    pub(super) fn replace(&mut self, first: u32, others: &Self) {
+        let first = first as usize * CELLS.len();
+        self.nodes[first..first + others.nodes.len()].copy_from_slice(&others.nodes);
     }
 
     /// The nodes that a leaf sees, cell by cell; [`EMPTY`] where it sees the sky.

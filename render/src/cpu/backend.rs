@@ -142,6 +142,13 @@ impl CpuBackend {
         Self::default()
     }
 
+    /// Forgets all but the scene.
+    fn forget(&mut self) {
+        (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
+        self.remark = None;
+        self.sketch.forget();
+    }
+
     /// The picture that was begun, with what samples and paints its pixels.
     fn at_work(&mut self) -> Option<AtWork<'_>> {
         let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
@@ -168,9 +175,13 @@ impl Backend for CpuBackend {
 
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
         self.renderer = Some(Renderer::new(baked.clone()));
-        (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
-        self.remark = None;
-        self.sketch.forget();
+        self.forget();
+        Ok(())
+    }
+
+    fn pose(&mut self, posed: &Baked) -> Result<(), BackendError> {
+        self.renderer = self.renderer.take().map(|renderer| renderer.posed(posed.clone()));
+        self.forget();
         Ok(())
     }
 

@@ -199,6 +199,13 @@ impl GpuBackend {
         self.gpu.wait()
     }
 
+    /// The lights go with where their scene is, and with them what was said of them.
+    fn forget_light(&mut self) {
+        self.local_lights.set(&[], 1.0);
+        self.local = LocalLighting::default();
+        (self.picture, self.state, self.history) = (None, None, None);
+    }
+
     fn picture(&self) -> &Picture {
         self.picture.as_ref().expect("a picture is begun before it is rendered")
     }
@@ -344,12 +351,19 @@ impl Backend for GpuBackend {
             scene.assign(&self.gpu, dataset, &appearance);
         }
         self.scene = Some(Loaded { scene, patches, materials, assigned, dataset: dataset.clone() });
-        // The lights go with their scene, and with them what was said of them.
-        self.local_lights.set(&[], 1.0);
-        (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);
-        self.history = None;
-        (self.local, self.meshless) = (LocalLighting::default(), GpuMeshless::default());
+        self.forget_light();
+        (self.light, self.dark, self.sources) = (None, None, None);
+        self.meshless = GpuMeshless::default();
         Ok(())
+    }
+
+    fn pose(&mut self, posed: &Baked) -> Result<(), BackendError> {
+        let Some(mut loaded) = self.scene.take() else { return Ok(()) };
+        loaded.scene.pose(&self.gpu, &posed.dataset)?;
+        loaded.dataset = posed.dataset.clone();
+        self.scene = Some(loaded);
+        self.forget_light();
+        self.gpu.check()
     }
 
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {

@@ -5,7 +5,7 @@ use super::{
     device::GpuDevice,
     layout::Node,
     lit::{GpuLitCuts, LitField, LitPass},
-    scene::{GpuScene, SourceCuts, cut_texture, float_texture, storage},
+    scene::{GpuScene, SourceCuts, cut_view, float_texture, storage},
 };
 use crate::{
     backend::BackendError,
@@ -79,7 +79,7 @@ impl GpuLight {
             lit: pass.make(gpu, LitField::Environment, stored, &nodes, &lighting.lit)?,
             nodes,
             brightness: storage(gpu, "brightness", bytemuck::cast_slice(&lighting.brightness)),
-            cut: cut_texture(gpu, "illumination cut", &lighting.cut),
+            cut: cut_view(gpu, "illumination cut", &lighting.cut),
             max_nodes: lighting.max_nodes,
             rotation: light.rotation,
             intensity: light.intensity,
@@ -94,7 +94,7 @@ impl GpuLight {
             nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
             brightness: storage(gpu, "no brightness", &vec![0; nodes * size_of::<f32>()]),
             lit: GpuLitCuts::none(gpu),
-            cut: cut_texture(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
+            cut: cut_view(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
             max_nodes: 0,
             rotation: 0.0,
             intensity: 0.0,
@@ -152,7 +152,7 @@ impl GpuSources {
             lit: pass.make(gpu, LitField::Sources, stored, &nodes, &lighting.lit)?,
             nodes,
             brightness: storage(gpu, "brightness of sources", bytemuck::cast_slice(&lighting.brightness)),
-            cut: cut_texture(gpu, "illumination cut of sources", &lighting.cut),
+            cut: cut_view(gpu, "illumination cut of sources", &lighting.cut),
             lighting: lighting.clone(),
         })
     }

@@ -212,7 +212,7 @@ fn upload(gpu: &GpuDevice, mut words: Vec<u32>) -> wgpu::TextureView {
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    super::scene::write_rows(gpu, &texture, 4 * width, bytemuck::cast_slice(&words));
+    super::scene::write_rows(gpu, &texture, 0, 4 * width, bytemuck::cast_slice(&words));
     texture.create_view(&Default::default())
 }
 

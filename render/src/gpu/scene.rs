@@ -1,4 +1,4 @@
-//! The mesh and its visibility cuts on the GPU, which only another bake changes.
+//! The mesh and its visibility cuts on the GPU. Poses move its vertices and replace their cuts; only another bake changes the rest.
 
 use super::{
     device::GpuDevice,
@@ -13,6 +13,9 @@ use lapidary_core::{
     ground::Ground,
     sources::IndirectBake,
 };
+
+/// Of the diagonal of the scene: nearer than that nothing is drawn.
+const NEAR: f32 = 1e-5;
 
 /// Buffers and textures of one dataset.
 pub struct GpuScene {
@@ -43,6 +46,7 @@ pub struct GpuGround {
 /// Stored cuts.
 pub struct GpuCuts {
     pub view: wgpu::TextureView,
+    texture: wgpu::Texture,
     /// First texel of each cut; vertices may share one.
     pub starts: wgpu::Buffer,
     /// Number of cuts.
@@ -82,13 +86,25 @@ impl GpuScene {
             }),
             tree_height: dataset.tree.height(),
             leaf_solid_angle: dataset.tree.leaf_solid_angle(),
-            near: 1e-5 * mesh.bounds().diagonal(),
+            near: NEAR * mesh.bounds().diagonal(),
             bounds: mesh.bounds(),
         })
     }
 }
 
 impl GpuScene {
+    /// Moves the vertices to where `posed` has them, with its visibility cuts. All else of it is what was uploaded.
+    ///
+    /// # Errors
+    /// Cuts beyond the adapter's limits.
+    pub fn pose(&mut self, gpu: &GpuDevice, posed: &Dataset) -> Result<(), BackendError> {
+        gpu.queue.write_buffer(&self.vertices, 0, bytemuck::cast_slice(&vertices(posed)));
+        self.cuts = replaced_cuts(gpu, &posed.cuts, &self.cuts)?;
+        let bounds = posed.scene.mesh.bounds();
+        (self.bounds, self.near) = (bounds, NEAR * bounds.diagonal());
+        Ok(())
+    }
+
     /// Gives the triangles of `dataset` the materials that `appearance` assigns.
     pub fn assign(&self, gpu: &GpuDevice, dataset: &Dataset, appearance: &Appearance) {
         gpu.queue.write_buffer(&self.triangles, 0, bytemuck::cast_slice(&triangles(dataset, appearance)));
@@ -154,23 +170,51 @@ fn filled(gpu: &GpuDevice, label: &str, usage: wgpu::BufferUsages, contents: &[u
 }
 
 fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<GpuCuts, BackendError> {
-    let texels = cuts.nodes().len() / NODES_PER_TEXEL;
-    let rows = texels.div_ceil(TEXTURE_WIDTH).max(1);
+    let [stored, others] = cuts.parts();
+    let rows = rows_within_limits(gpu, stored.len() + others.len())?;
+    // The next pose may have longer cuts.
+    let spare = others.len().div_ceil(ROW_NODES) as u32;
+    let texture = cut_texture(gpu, "visibility cuts", (rows + spare).min(gpu.limits.max_texture_dimension_2d));
+    write_cut_rows(gpu, &texture, 0, [stored, others]);
+    Ok(GpuCuts::of(gpu, texture, cuts))
+}
+
+/// Cuts of which those stored are in the texture of `before`. Where it has too few rows for the others, all are uploaded.
+fn replaced_cuts(gpu: &GpuDevice, cuts: &PackedCuts, before: &GpuCuts) -> Result<GpuCuts, BackendError> {
+    let [stored, others] = cuts.parts();
+    if rows_within_limits(gpu, stored.len() + others.len())? > before.texture.height() {
+        return upload_cuts(gpu, cuts);
+    }
+    let first = stored.len() / ROW_NODES;
+    write_cut_rows(gpu, &before.texture, first as u32, [&stored[first * ROW_NODES..], others]);
+    Ok(GpuCuts::of(gpu, before.texture.clone(), cuts))
+}
+
+/// Rows of a texture for so many nodes.
+fn rows_within_limits(gpu: &GpuDevice, nodes: usize) -> Result<u32, BackendError> {
+    let rows = nodes.div_ceil(ROW_NODES).max(1);
     let limit = gpu.limits.max_texture_dimension_2d as u64;
-    let remedy = Remedy::SmallerCuts;
-    gpu.within("the visibility cuts", "rows of a texture", rows as u64, limit, remedy)?;
-    let mut starts = cuts.offsets().to_vec();
-    starts.sort_unstable();
-    starts.dedup();
-    let count = starts.len() as u32;
-    // Buffers cannot be empty.
-    starts.resize(starts.len().max(1), 0);
-    Ok(GpuCuts {
-        view: cut_texture(gpu, "visibility cuts", cuts.nodes()),
-        starts: storage(gpu, "first texels of cuts", bytemuck::cast_slice(&starts)),
-        count,
-        texels: texels as u32,
-    })
+    gpu.within("the visibility cuts", "rows of a texture", rows as u64, limit, Remedy::SmallerCuts)?;
+    Ok(rows as u32)
+}
+
+impl GpuCuts {
+    fn of(gpu: &GpuDevice, texture: wgpu::Texture, cuts: &PackedCuts) -> Self {
+        let mut starts = cuts.offsets().to_vec();
+        starts.sort_unstable();
+        starts.dedup();
+        let count = starts.len() as u32;
+        // Buffers cannot be empty.
+        starts.resize(starts.len().max(1), 0);
+        let nodes: usize = cuts.parts().map(<[u16]>::len).iter().sum();
+        Self {
+            view: texture.create_view(&Default::default()),
+            texture,
+            starts: storage(gpu, "first texels of cuts", bytemuck::cast_slice(&starts)),
+            count,
+            texels: (nodes / NODES_PER_TEXEL) as u32,
+        }
+    }
 }
 
 /// A texture of four floats a texel, row by row.
@@ -185,15 +229,22 @@ pub fn float_texture(gpu: &GpuDevice, label: &str, size: [u32; 2], texels: &[[f3
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    write_rows(gpu, &texture, size[0] as usize * size_of::<[f32; 4]>(), bytemuck::cast_slice(texels));
+    write_rows(gpu, &texture, 0, size[0] as usize * size_of::<[f32; 4]>(), bytemuck::cast_slice(texels));
     texture.create_view(&Default::default())
 }
 
 /// Packed nodes as rows of texels.
-pub fn cut_texture(gpu: &GpuDevice, label: &str, nodes: &[u16]) -> wgpu::TextureView {
-    let row_nodes = TEXTURE_WIDTH * NODES_PER_TEXEL;
-    let rows = nodes.len().div_ceil(row_nodes).max(1) as u32;
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+pub fn cut_view(gpu: &GpuDevice, label: &str, nodes: &[u16]) -> wgpu::TextureView {
+    let texture = cut_texture(gpu, label, nodes.len().div_ceil(ROW_NODES).max(1) as u32);
+    write_cut_rows(gpu, &texture, 0, [nodes, &[]]);
+    texture.create_view(&Default::default())
+}
+
+/// Nodes in a row of texels.
+const ROW_NODES: usize = TEXTURE_WIDTH * NODES_PER_TEXEL;
+
+fn cut_texture(gpu: &GpuDevice, label: &str, rows: u32) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: extent([TEXTURE_WIDTH as u32, rows]),
         mip_level_count: 1,
@@ -202,30 +253,28 @@ pub fn cut_texture(gpu: &GpuDevice, label: &str, nodes: &[u16]) -> wgpu::Texture
         format: wgpu::TextureFormat::Rgba32Uint,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
-    });
-    write_cut_rows(gpu, &texture, nodes);
-    texture.create_view(&Default::default())
+    })
 }
 
-fn write_cut_rows(gpu: &GpuDevice, texture: &wgpu::Texture, nodes: &[u16]) {
-    let row_nodes = TEXTURE_WIDTH * NODES_PER_TEXEL;
-    let mut padded = nodes.to_vec();
-    padded.resize(nodes.len().next_multiple_of(row_nodes), 0);
-    write_rows(gpu, texture, TEXTURE_WIDTH * TEXEL_BYTES, bytemuck::cast_slice(&padded));
+/// Writes nodes, one part after the other, from the start of a row on.
+fn write_cut_rows(gpu: &GpuDevice, texture: &wgpu::Texture, first_row: u32, parts: [&[u16]; 2]) {
+    let mut padded = parts.concat();
+    padded.resize(padded.len().next_multiple_of(ROW_NODES), 0);
+    write_rows(gpu, texture, first_row, TEXTURE_WIDTH * TEXEL_BYTES, bytemuck::cast_slice(&padded));
 }
 
 /// Most bytes written to a texture at once: the driver keeps a copy of each until it is done.
 const BYTES_PER_WRITE: usize = 32 << 20;
 
-/// Writes whole rows of `row_bytes` from the first on.
-pub fn write_rows(gpu: &GpuDevice, texture: &wgpu::Texture, row_bytes: usize, bytes: &[u8]) {
+/// Writes whole rows of `row_bytes` from `first_row` on.
+pub fn write_rows(gpu: &GpuDevice, texture: &wgpu::Texture, first_row: u32, row_bytes: usize, bytes: &[u8]) {
     let rows_per_write = (BYTES_PER_WRITE / row_bytes).max(1);
     for (i, part) in bytes.chunks(rows_per_write * row_bytes).enumerate() {
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
                 mip_level: 0,
-                origin: wgpu::Origin3d { x: 0, y: (i * rows_per_write) as u32, z: 0 },
+                origin: wgpu::Origin3d { x: 0, y: first_row + (i * rows_per_write) as u32, z: 0 },
                 aspect: wgpu::TextureAspect::All,
             },
             part,

@@ -84,6 +84,11 @@ pub struct SceneLighting {
 }
 
 impl SceneLighting {
+    /// The same light for a scene of which some vertices have other visibility cuts.
+    pub fn with_replaced_cuts(&self, is_replaced: &[bool]) -> Self {
+        Self { lit: self.lit.with_replaced(is_replaced), ..self.clone() }
+    }
+
     /// Computes means up the tree from `leaf_radiance` (one value per leaf in tree order) and an illumination cut of at
     /// most `illum_cut` nodes.
     pub fn new(tree: &LightTree, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {

@@ -18,7 +18,7 @@ use crate::{
         environment::{SceneLighting, is_same},
     },
 };
-use covered::{Covered, Left};
+use covered::{Covered, Open};
 use glam::Vec3;
 use lapidary_core::{
     implicit::{Bins, Drag, LeafLight, Lighting, Views},
@@ -27,7 +27,7 @@ use lapidary_core::{
     surfel::forest::SurfelForest,
 };
 use sky::SkyGrid;
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 use vertices::VertexLeaves;
 
 /// Leaves of the surfel forest.
@@ -80,17 +80,16 @@ pub struct PosedLight {
 /// Lights a scene under one pose after another.
 pub struct PoseRig {
     as_baked: Seen,
-    /// Light of the leaves as baked, and what it was found of: a drag does not change it.
-    lit_as_baked: Option<(Lit, [Vec<Vec3>; 2])>,
+    /// Light of the vertices as baked, and what it was found of: a drag does not change it.
+    lit_as_baked: Option<(Lit, [Sides; 2])>,
     vertices: VertexLeaves,
     posed: Seen,
     poses: Poses,
     covered: Covered,
-    /// The boxes of what moved.
-    left: Vec<Left>,
-    /// While one object moves: what is seen of the others.
+    /// While the same objects move: what is seen of the others.
     drag: Option<Drag>,
     is_moved: Arc<[bool]>,
+    sky: (Option<Arc<SceneLighting>>, SkyGrid),
 }
 
 /// What lights a scene.
@@ -114,32 +113,33 @@ struct Seen {
     forest: SurfelForest,
     views: Views,
     points: LitPoints,
+    appearance: Option<Appearance>,
+    /// What nothing lies on.
+    open: Open,
 }
 
 impl Seen {
-    fn new(baked: &Baked, forest: SurfelForest, views: Views) -> Self {
-        let points = LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES);
-        Self { forest, views, points }
-    }
-
-    /// Irradiance of the leaves from the sky, and that of all bounces.
-    fn lit(&mut self, sky: &SkyGrid, by: &Lit) -> [Vec<Vec3>; 2] {
-        self.points.set_appearance(&by.appearance);
+    /// Irradiance of the vertices from the sky, and that of all bounces.
+    fn lit(&mut self, sky: &SkyGrid, by: &Lit, vertices: &VertexLeaves) -> [Sides; 2] {
+        if !self.appearance.as_ref().is_some_and(|known| known.is_same(&by.appearance)) {
+            self.points.set_appearance(&by.appearance);
+            self.appearance = Some(by.appearance.clone());
+        }
         self.points.set_lights(&by.lights);
-        let sky = |direction| sky.radiance(direction);
-        let of_sky = self.views.irradiance_of_sky(self.forest.discs(), &sky);
+        let of_sky = self.views.irradiance_of_sky(self.forest.discs(), &|direction| sky.radiance(direction));
+        let received: Vec<Vec3> =
+            self.points.irradiance().iter().zip(&of_sky).map(|(light, sky)| *light + *sky).collect();
         let lighting = Lighting {
             reflectance: self.points.albedo(),
             emitted: self.points.emission(),
-            received: &self.points.irradiance(),
-            sky: &sky,
+            received: &received,
+            sky: &|_| Vec3::ZERO,
         };
         let LeafLight { direct, bounced } =
             LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces as usize);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
-        let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
-        let others = others.collect();
-        [of_sky, others]
+        let others: Vec<Vec3> = direct.iter().zip(bounced).map(|(direct, bounced)| *direct + bounced).collect();
+        [of_sky, others].map(|leaves| self.open.at_vertices(vertices, &leaves))
     }
 }
 
@@ -149,42 +149,48 @@ impl PoseRig {
         let dataset = &baked.dataset;
         let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, SURFELS);
         let views = Bins::walk(forest.discs(), TURN, &|_| true).views();
+        let vertices = VertexLeaves::new(forest.discs(), dataset);
+        let covered = Covered::new(dataset, &forest);
+        let seen = || Seen {
+            points: LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES),
+            open: covered.open(&vertices, &[]),
+            forest: forest.clone(),
+            views: views.clone(),
+            appearance: None,
+        };
         Self {
-            vertices: VertexLeaves::new(forest.discs(), dataset),
-            covered: Covered::new(dataset, &forest),
-            posed: Seen::new(baked, forest.clone(), views.clone()),
+            posed: seen(),
+            as_baked: seen(),
             lit_as_baked: None,
-            as_baked: Seen::new(baked, forest, views),
             poses: Poses::default(),
-            left: Vec::new(),
             drag: None,
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
+            sky: (None, SkyGrid::new(None)),
+            vertices,
+            covered,
         }
     }
 
     /// Takes the scene as it is posed. Returns it with visibility cuts for the vertices that are not where they were baked.
     pub fn pose(&mut self, posed: Baked, poses: &Poses) -> Baked {
         let mesh = &posed.dataset.scene.mesh;
-        let changed: Vec<u32> = self.poses.differing(poses).collect();
-        let mut forest = self.posed.forest.clone();
-        forest.update(&mesh.positions, &|object| changed.contains(&object));
-        let views = self.bins(&forest, &changed).views();
-        self.posed = Seen::new(&posed, forest, views);
+        let changed: BTreeSet<u32> = self.poses.differing(poses).collect();
+        let seen = &mut self.posed;
+        seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
+        let known = self.drag.take().filter(|drag| *drag.objects() == changed);
+        let drag = self.drag.insert(known.unwrap_or_else(|| Drag::begin(seen.forest.discs(), TURN, changed)));
+        seen.views = drag.frame(seen.forest.discs());
+        seen.points.pose(&posed, seen.forest.surfels().collect());
+        seen.open = self.covered.open(&self.vertices, &self.covered.left(poses, mesh));
         (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
-        self.left = self.covered.left(poses, mesh);
         let bins = (self.posed.forest.discs(), &self.posed.views, TURN);
         let cuts = cuts::of_moved(&posed.dataset, bins, &self.vertices, &self.is_moved);
         posed.with_cuts(cuts)
     }
 
-    /// What the leaves see after some objects have moved. While it is always the same one, only that is walked.
-    fn bins(&mut self, forest: &SurfelForest, changed: &[u32]) -> Bins {
-        let &[object] = changed else {
-            self.drag = None;
-            return Bins::walk(forest.discs(), TURN, &|_| true);
-        };
-        let drag = self.drag.take().filter(|drag| drag.object() == object);
-        self.drag.insert(drag.unwrap_or_else(|| Drag::begin(forest.discs(), TURN, object))).frame(forest.discs())
+    /// By vertex, whether it is elsewhere than it was baked.
+    pub fn moved_vertices(&self) -> &[bool] {
+        &self.is_moved
     }
 
     /// The light of the posed scene under an environment, if it is shown, and local lights, with as many bounces as the picture has.
@@ -195,18 +201,17 @@ impl PoseRig {
         appearance: &Appearance,
         bounces: u32,
     ) -> PosedLight {
-        let (sky, bounces) = (SkyGrid::new(environment.map(|lighting| &**lighting)), bounces.min(MOST_BOUNCES));
+        if !is_same(self.sky.0.as_ref(), environment) {
+            self.sky = (environment.cloned(), SkyGrid::new(environment.map(|lighting| &**lighting)));
+        }
+        let (sky, bounces) = (&self.sky.1, bounces.min(MOST_BOUNCES));
         let by = Lit { environment: environment.cloned(), lights, appearance: appearance.clone(), bounces };
-        let posed = self.posed.lit(&sky, &by);
+        let [posed_sky, posed_bounce] = self.posed.lit(sky, &by, &self.vertices);
         let known = self.lit_as_baked.take().filter(|(known, _)| known.is_same(&by));
-        let (_, as_baked) = self.lit_as_baked.insert(known.unwrap_or_else(|| {
-            let as_baked = self.as_baked.lit(&sky, &by);
+        let (_, [baked_sky, baked_bounce]) = self.lit_as_baked.insert(known.unwrap_or_else(|| {
+            let as_baked = self.as_baked.lit(sky, &by, &self.vertices);
             (by, as_baked)
         }));
-        let [baked_sky, baked_bounce] =
-            as_baked.clone().map(|leaves| self.covered.at_vertices(&self.vertices, leaves, &[]));
-        let [posed_sky, posed_bounce] =
-            posed.map(|leaves| self.covered.at_vertices(&self.vertices, leaves, &self.left));
         let is_moved = &self.is_moved;
         let growth = |vertex: usize, now: Vec3, before: Vec3| {
             if is_moved[vertex] { Vec3::ZERO } else { ratio(now, before) - 1.0 }
@@ -218,9 +223,9 @@ impl PoseRig {
         };
         PosedLight {
             is_moved: is_moved.clone(),
-            growth: combined(&posed_sky, &baked_sky, growth),
-            uncovered: combined(&posed_sky, &baked_sky, rest),
-            bounce: combined(&posed_bounce, &baked_bounce, more),
+            growth: combined(&posed_sky, baked_sky, growth),
+            uncovered: combined(&posed_sky, baked_sky, rest),
+            bounce: combined(&posed_bounce, baked_bounce, more),
         }
     }
 }

@@ -126,6 +126,10 @@ impl Backend for Counting {
         Ok(())
     }
 
+    fn pose(&mut self, _: &Baked) -> Result<(), BackendError> {
+        Ok(())
+    }
+
     fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
         self.appearances += 1;
         Ok(Vec::new())

@@ -1,5 +1,6 @@
 //! `lapidary bench`: how long each pass of a frame takes, or a suite of figures on the bundled scenes.
 
+mod drag;
 mod passes;
 mod suite;
 

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{jobs::budget::Pace, panels::bake::remedy_control};
 use glam::Vec2;
-use lapidary_core::camera::Camera;
+use lapidary_core::{camera::Camera, scene::pose::Poses};
 use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, Remedy, View};
 use lapidary_studies::jobs::panic_text;
 use std::{
@@ -27,6 +27,9 @@ const HELD_WAIT: Duration = Duration::from_millis(100);
 /// Share of the frame time for what a picture needs at least: the coarsest lattice and its display. The rest is for finer
 /// ones.
 const FIRST_SHARE: f32 = 0.9;
+
+/// Share of the frame time that the picture has at least, however long its light takes.
+const PICTURE_SHARE: f32 = 0.4;
 
 /// Share of the frame time for pixels that nothing on the lattice resembles.
 const HOLES_SHARE: f32 = 0.1;
@@ -79,10 +82,12 @@ pub struct Worker {
     wanted: Option<Arc<RenderRequest>>,
     stage: PictureStage,
     begun: Option<Begun>,
-    /// Camera and full size of the last picture that was begun: what pixels see is known then.
-    seen_from: Option<(Camera, [u32; 2])>,
+    /// Camera, full size and poses of the last picture that was begun: what pixels see is known then.
+    seen_from: Option<(Camera, [u32; 2], Poses)>,
     /// Whether the picture replaces that of another bake of the scene, which stays on the screen until it has a whole sample.
     replaces: bool,
+    /// What its light left of the frame time, in milliseconds.
+    budget_ms: f32,
     /// Distance of the lattice that was shown of the wanted look, in pixels of the full picture.
     shown_apart: Option<f32>,
     /// Speed of first samples.
@@ -117,6 +122,7 @@ impl Worker {
             begun: None,
             seen_from: None,
             replaces: false,
+            budget_ms: 0.0,
             shown_apart: None,
             sketch_pace: SketchPace::default(),
             band_pace: Pace::default(),
@@ -266,19 +272,21 @@ impl Worker {
     fn begin_any(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         self.begun = None;
         self.replaces = false;
+        let start = Instant::now();
         if let Some(baked) = &request.baked {
             self.light(baked, &request.look)?;
         }
+        let budget = request.frame_budget_ms;
+        self.budget_ms = (budget - millis_since(start) as f32).max(PICTURE_SHARE * budget);
         let full = request.look.view.size;
         if request.baked.is_none() || full.contains(&0) {
             self.stage = PictureStage::Rest;
             return Ok(());
         }
-        let from = (request.look.view.camera.clone(), full);
+        let from = (request.look.view.camera.clone(), full, request.look.poses.clone());
         let stays = self.seen_from.replace(from.clone()) == Some(from);
         self.replaces &= stays;
-        let size =
-            if stays { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * request.frame_budget_ms) };
+        let size = if stays { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * self.budget_ms) };
         self.begin(request, size)
     }
 
@@ -286,7 +294,7 @@ impl Worker {
     fn sketch(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
         let sketching = &mut begun.sketching;
-        let (stride, tiles) = sketching.next(&self.sketch_pace, request.frame_budget_ms);
+        let (stride, tiles) = sketching.next(&self.sketch_pace, self.budget_ms);
         let (count, start) = (tiles.len(), Instant::now());
         scene.sketch(stride, tiles)?;
         let millis = millis_since(start);
@@ -295,7 +303,7 @@ impl Worker {
         if sketching.is_complete() {
             return self.sketch_complete(request);
         }
-        let is_due = sketching.is_due(&self.sketch_pace, request.frame_budget_ms);
+        let is_due = sketching.is_due(&self.sketch_pace, self.budget_ms);
         // Nothing worse is shown than what was shown of the same look.
         let apart = begun.sketching.stride().map(|stride| begun.apart(stride, request.look.view.size));
         if is_due && !self.replaces && apart.is_some_and(|apart| self.shown_apart.is_none_or(|shown| apart <= shown)) {
@@ -416,7 +424,7 @@ impl Worker {
         let (dataset, light_revision) = (scene.baked().dataset.clone(), self.lights_before + scene.light_revision());
         let is_sketch = begun.complete == 0;
         if is_sketch {
-            let shaded = self.sketch_pace.pixels_within(f64::from(HOLES_SHARE * request.frame_budget_ms));
+            let shaded = self.sketch_pace.pixels_within(f64::from(HOLES_SHARE * self.budget_ms));
             begun.holes = scene.fill(shaded)?;
         }
         let backend = scene.backend();

@@ -37,6 +37,13 @@ impl LitPoints {
         lit
     }
 
+    /// Takes the same points to where the scene is posed; no light shines on them then.
+    pub fn pose(&mut self, posed: &Baked, points: Vec<Surfel>) {
+        self.normals = points.par_iter().map(|point| posed.dataset.scene.mesh.shading_normal(point)).collect();
+        (self.baked, self.points) = (posed.clone(), points);
+        (self.lights, self.environment) = (LightGroups::default(), None);
+    }
+
     /// Diffuse reflectance of the points.
     pub fn albedo(&self) -> &[Vec3] {
         &self.albedo

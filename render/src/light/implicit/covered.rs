@@ -70,19 +70,36 @@ impl Covered {
         poses.moved().filter(|&object| (object as usize) < self.objects.len()).map(of_object).collect()
     }
 
-    /// Values of vertices from those of leaves: of what lies open as baked, and where objects have left. Covered vertices are dark.
-    pub fn at_vertices(&self, beside: &VertexLeaves, leaves: Vec<Vec3>, left: &[Left]) -> Sides {
-        let open = uncovered(&self.leaves, &self.leaf_positions, left);
-        let values: Vec<Vec3> = leaves.iter().zip(&open).map(|(&leaf, &open)| leaf * open).collect();
-        let [values, shares] =
-            [values, open.into_iter().map(Vec3::splat).collect()].map(|leaves| beside.apply(&leaves));
+    /// What lies open where objects have left.
+    pub fn open(&self, beside: &VertexLeaves, left: &[Left]) -> Open {
+        let leaves = uncovered(&self.leaves, &self.leaf_positions, left);
         let vertices = uncovered(&self.vertices, &self.vertex_positions, left);
-        let mean = |((&value, share), &open): ((&Vec3, &Vec3), &f32)| match share.x >= LEAST_OPEN {
-            true => value / share.x * open,
+        Open { shares: beside.apply(&leaves), leaves, vertices }
+    }
+}
+
+/// How much of leaves and vertices nothing lies on.
+pub struct Open {
+    /// By leaf, 0 to 1.
+    leaves: Vec<f32>,
+    /// By vertex, 0 or 1.
+    vertices: Vec<f32>,
+    /// Means of the leaves beside the vertices, on both sides.
+    shares: [Vec<f32>; 2],
+}
+
+impl Open {
+    /// Values of vertices from those of leaves: of what lies open. Covered vertices are dark.
+    pub fn at_vertices(&self, beside: &VertexLeaves, leaves: &[Vec3]) -> Sides {
+        let values: Vec<Vec3> = leaves.iter().zip(&self.leaves).map(|(&leaf, &open)| leaf * open).collect();
+        let [front, back] = beside.apply(&values);
+        let mean = |((value, &share), &open): ((Vec3, &f32), &f32)| match share >= LEAST_OPEN {
+            true => value / share * open,
             false => Vec3::ZERO,
         };
-        let side = |values: &[Vec3], shares: &[Vec3]| values.iter().zip(shares).zip(&vertices).map(mean).collect();
-        Sides { front: side(&values.front, &shares.front), back: side(&values.back, &shares.back) }
+        let side =
+            |values: Vec<Vec3>, shares: &[f32]| values.into_iter().zip(shares).zip(&self.vertices).map(mean).collect();
+        Sides { front: side(front, &self.shares[0]), back: side(back, &self.shares[1]) }
     }
 }
 

@@ -15,14 +15,12 @@ use std::collections::HashMap;
 /// Depth of the nodes whose visibility is looked up: 2,048 directions, some for each cell.
 const DEPTH: u32 = 11;
 
-/// What a leaf sees along each direction: nothing below its horizon, something that blocks it, or the sky.
-type Sight = Box<[Seen]>;
-
-#[derive(Clone, Copy, PartialEq)]
-enum Seen {
-    BelowHorizon,
-    Blocked,
-    Sky,
+/// What a leaf sees along each direction.
+struct Sight {
+    /// 1 where it sees the sky, else 0.
+    sky: Vec<f32>,
+    /// 1 above its horizon, else 0.
+    above: Vec<f32>,
 }
 
 /// The cuts of a dataset, with new ones for the vertices of `is_moved`. Bins are turned by `turn`.
@@ -42,17 +40,20 @@ pub fn of_moved(
     leaves.dedup();
     let sight = |&leaf: &u32| (leaf, sight(forest, views, turn, leaf, &directions));
     let sights: HashMap<u32, Sight> = leaves.par_iter().map(sight).collect();
-    let selector = || (CutSelector::new(height, dataset.settings.criterion), vec![0; tree.len()]);
-    let select = |(selector, seen): &mut (CutSelector, Vec<u8>), &vertex: &u32| {
-        let around: Vec<_> = vertices.of(vertex).map(|(leaf, weight)| (&sights[&leaf], weight)).collect();
-        for (node, leaves) in seen.chunks_exact_mut(tree.len() / nodes).enumerate() {
-            leaves.fill(share_of_sky(&around, node));
+    let criterion = dataset.settings.criterion.of_means(tree.len() / nodes);
+    let buffers = || (CutSelector::new(nodes.ilog2(), criterion), [vec![0.0; nodes], vec![0.0; nodes]]);
+    let select = |(selector, sums): &mut (CutSelector, [Vec<f32>; 2]), &vertex: &u32| {
+        sums.iter_mut().for_each(|sum| sum.fill(0.0));
+        for (leaf, weight) in vertices.of(vertex) {
+            sights[&leaf].add_to(sums, weight);
         }
+        let [sky, above] = &*sums;
+        let shares: Vec<u8> = sky.iter().zip(above).map(|(sky, above)| share_of_sky(*sky, *above)).collect();
         let mut cut = Vec::new();
-        selector.select(seen, &mut cut);
+        selector.select(&shares, &mut cut);
         cut
     };
-    let cuts: Vec<Vec<u16>> = moved.par_iter().map_init(selector, select).collect();
+    let cuts: Vec<Vec<u16>> = moved.par_iter().map_init(buffers, select).collect();
     dataset.cuts.with(moved.into_iter().zip(cuts))
 }
 
@@ -61,22 +62,23 @@ fn sight(forest: &DiscForest, views: &Views, turn: f32, leaf: u32, directions: &
     let nodes = views.of_leaf(leaf);
     let seen = |direction: &Vec3| {
         let local = local_from_world * *direction;
-        match local.z > 0.0 {
-            false => Seen::BelowHorizon,
-            true if nodes[CELLS.cell_of(local)] == EMPTY => Seen::Sky,
-            true => Seen::Blocked,
-        }
+        let is_above = local.z > 0.0;
+        let is_sky = is_above && nodes[CELLS.cell_of(local)] == EMPTY;
+        [is_sky, is_above].map(|is| f32::from(u8::from(is)))
     };
-    directions.iter().map(seen).collect()
+    let (sky, above) = directions.iter().map(seen).map(|[sky, above]| (sky, above)).unzip();
+    Sight { sky, above }
 }
 
-/// Share of the sky that leaves see in a direction, by their weights, in units of [`OPEN`]. Those count that face it.
-fn share_of_sky(around: &[(&Sight, f32)], direction: usize) -> u8 {
-    let (mut open, mut all) = (0.0, 0.0);
-    for (sight, weight) in around {
-        let seen = sight[direction];
-        open += if seen == Seen::Sky { *weight } else { 0.0 };
-        all += if seen == Seen::BelowHorizon { 0.0 } else { *weight };
+impl Sight {
+    fn add_to(&self, sums: &mut [Vec<f32>; 2], weight: f32) {
+        for (sum, own) in sums.iter_mut().zip([&self.sky, &self.above]) {
+            sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own * weight);
+        }
     }
-    if all > 0.0 { (open / all * f32::from(OPEN) + 0.5) as u8 } else { 0 }
+}
+
+/// Share of the sky that leaves see in a direction, in units of [`OPEN`], from the sums of their weights. Those count that face it.
+fn share_of_sky(sky: f32, above: f32) -> u8 {
+    if above > 0.0 { (sky / above * f32::from(OPEN) + 0.5) as u8 } else { 0 }
 }

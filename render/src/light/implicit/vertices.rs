@@ -1,19 +1,17 @@
 //! The leaves beside each vertex, on both of its sides.
 
-use super::Sides;
-use glam::Vec3;
 use lapidary_core::{
     dataset::Dataset,
     implicit::{Receiver, VertexWeights},
+    meshless::Coefficient,
     surfel::disc_forest::DiscForest,
 };
 
 /// Weights of leaves at vertices.
 pub struct VertexLeaves {
     front: VertexWeights,
+    /// Nothing for vertices of one-sided surfaces.
     back: VertexWeights,
-    /// Whether light is received on both sides.
-    is_two_sided: Vec<bool>,
 }
 
 impl VertexLeaves {
@@ -28,25 +26,25 @@ impl VertexLeaves {
                 is_two_sided[vertex as usize] |= dataset.two_sided[t];
             }
         }
-        let weights = |side: f32| {
-            let receiver = |(v, &object): (usize, &u32)| Receiver {
-                object,
-                position: mesh.positions[v],
-                normal: mesh.normals[v] * side,
-            };
-            VertexWeights::new(forest, &object_of.iter().enumerate().map(receiver).collect::<Vec<_>>())
+        let receiver = |(v, &object): (usize, &u32), side: f32| Receiver {
+            object,
+            position: mesh.positions[v],
+            normal: mesh.normals[v] * side,
         };
-        Self { front: weights(1.0), back: weights(-1.0), is_two_sided }
+        let all = || object_of.iter().enumerate();
+        let front: Vec<_> = all().map(|at| Some(receiver(at, 1.0))).collect();
+        let back: Vec<_> = all().map(|at| is_two_sided[at.0].then(|| receiver(at, -1.0))).collect();
+        let [front, back] = [front, back].map(|receivers| VertexWeights::new(forest, &receivers));
+        Self { front, back }
     }
 
     /// The leaves beside a vertex, of all sides that receive light, and their weights.
     pub fn of(&self, vertex: u32) -> impl Iterator<Item = (u32, f32)> + Clone {
-        let back = if self.is_two_sided[vertex as usize] { self.back.row(vertex as usize) } else { &[] };
-        self.front.row(vertex as usize).iter().chain(back).copied()
+        [&self.front, &self.back].into_iter().flat_map(move |side| side.row(vertex as usize)).copied()
     }
 
-    /// Values of the vertices from those of the leaves.
-    pub fn apply(&self, leaves: &[Vec3]) -> Sides {
-        Sides { front: self.front.apply(leaves), back: self.back.apply(leaves) }
+    /// Values of the vertices from those of the leaves, on both sides.
+    pub fn apply<T: Coefficient>(&self, leaves: &[T]) -> [Vec<T>; 2] {
+        [self.front.apply(leaves), self.back.apply(leaves)]
     }
 }

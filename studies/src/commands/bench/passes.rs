@@ -1,6 +1,6 @@
 //! `lapidary bench FILE.cuts`: how long each pass of a frame takes.
 
-use super::median;
+use super::{drag, median};
 use crate::{
     args::{BackendOption, ViewedScene},
     ladder::Cuts,
@@ -28,6 +28,9 @@ pub struct PassesArgs {
     /// Frames whose median is taken, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
+    /// Drag this object by half its width in so many frames, and measure how long pictures take meanwhile
+    #[arg(long, value_name = "OBJECT", conflicts_with = "illum_cuts")]
+    drag: Option<String>,
     /// What renders
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
@@ -71,6 +74,9 @@ struct Run {
 /// # Errors
 /// Bounced light that the dataset does not have, or no adapter where one is asked for.
 pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: bool) -> Result<()> {
+    if let Some(object) = &args.drag {
+        return drag::run(viewed, object, args.frames, args.backend, json);
+    }
     let measurement = Measurement::new(args, viewed)?;
     let gpu = args.backend.gpu()?;
     let adapter = gpu.as_ref().map_or("cpu".to_owned(), Backend::name);

@@ -71,6 +71,10 @@ impl Backend for Fake {
         if log.refuse_scenes { Err(BackendError::Driver("too large".into())) } else { Ok(()) }
     }
 
+    fn pose(&mut self, _: &Baked) -> Result<(), BackendError> {
+        Ok(())
+    }
+
     fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
         self.log.lock().unwrap().appearances += 1;
         Ok(Vec::new())
