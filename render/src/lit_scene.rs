@@ -13,7 +13,7 @@ use lapidary_core::{
     image::Image,
     scene::{MeshError, pose::Poses},
 };
-use std::{ops::Range, sync::Arc, time::Instant};
+use std::{ops::Range, sync::Arc, thread::JoinHandle, time::Instant};
 
 /// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
 /// large picture with thousands of lights may.
@@ -27,7 +27,9 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     posed: Baked,
     poses: Poses,
     /// Poses the scene and lights it so; `None` before it ever was.
-    posing: Option<(Posing, PoseRig)>,
+    posing: Option<PosingRigs>,
+    /// Makes that before it is needed.
+    posing_ahead: Option<JoinHandle<PosingRigs>>,
     environment_rig: LightRig,
     local_rig: LocalRig,
     /// The state of the renderer; `None` after a failure, so that everything is set again.
@@ -94,6 +96,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             baked,
             poses: Poses::default(),
             posing: None,
+            posing_ahead: None,
             environment_rig,
             local_rig,
             lit: None,
@@ -124,7 +127,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             return Ok(false);
         }
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
-        (self.baked, self.posing, self.lit) = (baked.clone(), None, None);
+        (self.baked, self.posing, self.posing_ahead, self.lit) = (baked.clone(), None, None, None);
         self.has_given(baked.clone(), Poses::default());
         Ok(true)
     }
@@ -157,8 +160,19 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if poses.is_empty() {
             return Ok(self.baked.clone());
         }
-        let (posing, rig) = self.posing.get_or_insert_with(|| (Posing::new(&self.baked), PoseRig::new(&self.baked)));
+        let (posing, rig) = self.posing.get_or_insert_with(|| match self.posing_ahead.take() {
+            Some(ahead) => ahead.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
+            None => posing_rigs(&self.baked),
+        });
         Ok(rig.pose(posing.posed(poses)?, poses))
+    }
+
+    /// Begins to prepare, on a thread, what the first pose needs, so that it does not wait.
+    pub fn prepare_to_pose(&mut self) {
+        if self.posing.is_none() && self.posing_ahead.is_none() {
+            let baked = self.baked.clone();
+            self.posing_ahead = Some(std::thread::spawn(move || posing_rigs(&baked)));
+        }
     }
 
     /// Renders a look, unless it was the last one rendered. `go_on` is asked before each band of rows, and may wait.
@@ -439,6 +453,13 @@ impl<B: Backend + ?Sized> LitScene<B> {
     pub fn remarks(&mut self) -> Vec<String> {
         std::mem::take(&mut self.remarks.untold)
     }
+}
+
+/// Poses a scene, and lights it so.
+type PosingRigs = (Posing, PoseRig);
+
+fn posing_rigs(baked: &Baked) -> PosingRigs {
+    (Posing::new(baked), PoseRig::new(baked))
 }
 
 /// Gives a scene to a renderer, and makes its rigs. The light rig is made at the same time as the scene, because each

@@ -1,7 +1,10 @@
 //! From the document to requests for the render thread. A request is sent when it differs from the last one, so that
 //! nothing is rendered, and nothing compared there, while nothing changes.
 
-use super::state::{EditorState, baking::Seen};
+use super::{
+    layout::movable,
+    state::{EditorState, baking::Seen},
+};
 use crate::{
     document::{Document, lights::shines},
     jobs::render_thread::RenderRequest,
@@ -23,6 +26,7 @@ impl EditorState {
             baked: self.scene.rendered().cloned(),
             look,
             moving,
+            may_pose: movable(self).is_some(),
             frame_budget_ms: self.document.view.frame_budget_ms,
             pointer: ctx.input(|i| i.pointer.latest_pos()).and_then(|at| viewport.place(at)),
         };

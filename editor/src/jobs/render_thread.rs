@@ -29,6 +29,8 @@ pub struct RenderRequest {
     pub look: Look,
     /// Whether the user is at it, as during a drag: what costs time and is not seen is left out.
     pub moving: bool,
+    /// Whether an object is at hand that may be posed next.
+    pub may_pose: bool,
     /// Milliseconds until something is to be seen of a change.
     pub frame_budget_ms: f32,
     /// Where the pointer is, 0 to 1 from the upper left corner of the picture: what lies there is refined first.
@@ -48,7 +50,8 @@ impl RenderRequest {
     /// Whether both ask for the same, made in the same way.
     pub fn is_same(&self, other: &Self) -> bool {
         self.redo(other) == Redo::NOTHING
-            && (self.moving, self.frame_budget_ms) == (other.moving, other.frame_budget_ms)
+            && (self.moving, self.may_pose) == (other.moving, other.may_pose)
+            && self.frame_budget_ms == other.frame_budget_ms
     }
 }
 

@@ -23,6 +23,7 @@ fn request(aa: u32) -> RenderRequest {
         baked: Some(dataset().into()),
         look: plain_look(aa),
         moving: false,
+        may_pose: false,
         frame_budget_ms: 10.0,
         pointer: None,
     }

@@ -255,7 +255,10 @@ impl Worker {
             self.publish(&request)?;
         }
         match self.stage {
-            PictureStage::Rest => self.answer_reads(),
+            PictureStage::Rest => {
+                self.scene.iter_mut().filter(|_| request.may_pose).for_each(LitScene::prepare_to_pose);
+                self.answer_reads()
+            }
             PictureStage::Begin => self.begin_any(&request),
             _ if self.waits() => Ok(()),
             PictureStage::Settle { .. } if self.stage.settled(Instant::now()) => {
