@@ -40,6 +40,7 @@ mod theme;
 mod toolbar;
 
 pub use start::{Launch, run};
+pub use state::pictures::Faded;
 
 use egui::{Ui, ViewportCommand};
 use pacing::Pacing;

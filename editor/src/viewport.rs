@@ -27,7 +27,7 @@ pub mod pick;
 
 pub use input::turn_environment;
 
-use crate::{actions::Action, document::Document, panels::comparison::CompareView};
+use crate::{actions::Action, app::Faded, document::Document, panels::comparison::CompareView};
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
 use glam::Vec2;
 use lapidary_core::{bounds::Bounds, camera::Camera, dataset::BakeParts, ray::Intersector, scene::Mesh};
@@ -67,6 +67,8 @@ pub struct ViewportContext<'a> {
     pub picture: Option<TextureId>,
     /// Width and height of the picture in pixels.
     pub picture_size: [u32; 2],
+    /// The picture that goes over into it.
+    pub faded: Option<Faded>,
     /// Whether a chequerboard lies behind the picture.
     pub checker: bool,
     /// The mesh that is shown, to select from.

@@ -403,9 +403,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn stats(&mut self, seconds: f64) -> Result<RenderStats, BackendError> {
         let (work, name) = (self.backend.stats()?, self.backend.name());
         let adapter = (name != CPU).then_some(name);
-        let tier = if !self.poses.is_empty() { Tier::Implicit } else { Tier::Cuts };
         Ok(RenderStats {
-            tier,
+            tier: self.tier(),
             backend: if adapter.is_some() { "gpu" } else { CPU }.into(),
             adapter,
             seconds,
@@ -426,6 +425,11 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// The scene.
     pub fn baked(&self) -> &Baked {
         &self.baked
+    }
+
+    /// By what its light is found.
+    pub fn tier(&self) -> Tier {
+        if self.poses.is_empty() { Tier::Cuts } else { Tier::Implicit }
     }
 
     /// The renderer.

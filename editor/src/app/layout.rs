@@ -318,6 +318,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         document: &state.document,
         picture: shown.and_then(|_| state.pictures.texture()).map(|texture| texture.id()),
         picture_size: shown.map_or([1, 1], |s| s.size),
+        faded: state.pictures.faded(ui.ctx()),
         checker: state.document.view.background == BackgroundKind::Transparent,
         mesh,
         intersector: posed.as_ref().and_then(Baked::intersector_if_ready),

@@ -8,7 +8,7 @@ mod worker;
 
 use glam::Vec2;
 use lapidary_core::{dataset::Dataset, image::Image};
-use lapidary_render::{BackendFactory, Baked, LocalLighting, Look, PictureStats, Redo, SceneLighting};
+use lapidary_render::{BackendFactory, Baked, LocalLighting, Look, PictureStats, Redo, SceneLighting, Tier};
 use lapidary_studies::jobs::{Wake, spawn};
 use std::{
     sync::{
@@ -64,6 +64,8 @@ pub struct RenderedFrame {
     pub pixels: Vec<[u8; 4]>,
     /// Width and height of the picture.
     pub size: [u32; 2],
+    /// By what its light was found.
+    pub tier: Tier,
     /// Whether that is the size asked for, and not a reduced one.
     pub full_size: bool,
     /// Samples per pixel so far; 0 while the first one is filled in between the pixels that have it.

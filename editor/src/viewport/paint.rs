@@ -1,6 +1,7 @@
 //! The picture and the few words over it.
 
 use super::{ViewportContext, ViewportState};
+use crate::app::Faded;
 use egui::{
     Align2, Color32, ColorImage, FontId, Label, Rect, Stroke, StrokeKind, TextStyle, TextureHandle, TextureOptions, Ui,
     Vec2, pos2, vec2,
@@ -29,6 +30,10 @@ pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &Viewpor
         painter.image(checker.id(), rect, uv, Color32::WHITE);
     }
     painter.image(picture, place, part, Color32::WHITE);
+    if let Some(Faded { texture, size, opacity }) = context.faded {
+        let (place, part) = placed(size, rect);
+        painter.image(texture, place, part, Color32::WHITE.gamma_multiply(opacity));
+    }
 }
 
 /// Where a picture lies in a viewport that may have got another shape since, and the part of it that is seen, in texture

@@ -53,6 +53,7 @@ impl App {
             document: &self.document,
             picture: Some(TextureId::default()),
             picture_size: [800, 600],
+            faded: None,
             checker: true,
             mesh: Some(&self.mesh),
             intersector: Some(&self.intersector),

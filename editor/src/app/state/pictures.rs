@@ -1,7 +1,7 @@
 //! The picture on the screen, and pictures on their way to files.
 
 use crate::jobs::render_thread::RenderedFrame;
-use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use std::{
     path::PathBuf,
     sync::mpsc::{Receiver, Sender, channel},
@@ -26,9 +26,31 @@ impl Export {
 /// The file that a picture was written to, or why it was not.
 type Written = Result<PathBuf, String>;
 
+/// How long a picture of other means takes to appear, in seconds.
+const FADE_SECONDS: f64 = 0.15;
+
+/// The last picture whose light was found by other means than that of the present one: a tier goes over into the next.
+struct Fading {
+    texture: TextureHandle,
+    size: [u32; 2],
+    since: f64,
+}
+
+/// A picture that is fading.
+#[derive(Clone, Copy, Debug)]
+pub struct Faded {
+    /// Its texture.
+    pub texture: TextureId,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// How much of it is left, 0 to 1.
+    pub opacity: f32,
+}
+
 /// Pictures, on the screen and on their way to files.
 pub struct Pictures {
     pub(in crate::app) texture: Option<TextureHandle>,
+    fading: Option<Fading>,
     /// The picture on the screen.
     pub(in crate::app) shown: Option<RenderedFrame>,
     pub(in crate::app) exports: Vec<Export>,
@@ -38,7 +60,7 @@ pub struct Pictures {
 
 impl Default for Pictures {
     fn default() -> Self {
-        Self { texture: None, shown: None, exports: Vec::new(), exports_asked: 0, written: channel() }
+        Self { texture: None, fading: None, shown: None, exports: Vec::new(), exports_asked: 0, written: channel() }
     }
 }
 
@@ -55,12 +77,26 @@ impl Pictures {
 
     /// The scene was closed.
     pub fn clear(&mut self) {
-        (self.texture, self.shown) = (None, None);
+        (self.texture, self.fading, self.shown) = (None, None, None);
+    }
+
+    /// What is left of the picture before, as long as anything is; it wants another frame then.
+    pub fn faded(&self, ctx: &Context) -> Option<Faded> {
+        let Fading { texture, size, since } = self.fading.as_ref()?;
+        let opacity = 1.0 - (ctx.input(|input| input.time) - since) / FADE_SECONDS;
+        (opacity > 0.0).then(|| {
+            ctx.request_repaint();
+            Faded { texture: texture.id(), size: *size, opacity: opacity as f32 }
+        })
     }
 
     pub(in crate::app) fn show(&mut self, ctx: &Context, frame: RenderedFrame) {
         let pixels: &[u8] = frame.pixels.as_flattened();
         let image = ColorImage::from_rgba_unmultiplied(frame.size.map(|s| s as usize), pixels);
+        let before = self.shown.as_ref().filter(|shown| shown.tier != frame.tier).map(|shown| shown.size);
+        if let Some((texture, size)) = self.texture.take_if(|_| before.is_some()).zip(before) {
+            self.fading = Some(Fading { texture, size, since: ctx.input(|input| input.time) });
+        }
         match &mut self.texture {
             Some(texture) => texture.set(image, TextureOptions::LINEAR),
             None => self.texture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),

@@ -254,11 +254,11 @@ impl Worker {
         if std::mem::take(&mut self.redisplay) {
             self.publish(&request)?;
         }
+        if request.may_pose && self.begun.as_ref().is_some_and(|begun| begun.complete > 0) {
+            self.scene.iter_mut().for_each(LitScene::prepare_to_pose);
+        }
         match self.stage {
-            PictureStage::Rest => {
-                self.scene.iter_mut().filter(|_| request.may_pose).for_each(LitScene::prepare_to_pose);
-                self.answer_reads()
-            }
+            PictureStage::Rest => self.answer_reads(),
             PictureStage::Begin => self.begin_any(&request),
             _ if self.waits() => Ok(()),
             PictureStage::Settle { .. } if self.stage.settled(Instant::now()) => {
@@ -425,7 +425,7 @@ impl Worker {
         let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
         let Some((lighting, local)) = scene.environment().cloned().zip(scene.local().cloned()) else { return Ok(()) };
         let (dataset, light_revision) = (scene.baked().dataset.clone(), self.lights_before + scene.light_revision());
-        let is_sketch = begun.complete == 0;
+        let (is_sketch, tier) = (begun.complete == 0, scene.tier());
         if is_sketch {
             let shaded = self.sketch_pace.pixels_within(f64::from(HOLES_SHARE * self.budget_ms));
             begun.holes = scene.fill(shaded)?;
@@ -435,6 +435,7 @@ impl Worker {
             dataset,
             pixels: backend.display(&request.look.post, begun.complete)?,
             size: begun.size,
+            tier,
             full_size: begun.full_size,
             samples: begun.complete,
             of_samples: request.look.view.aa.max(1),
