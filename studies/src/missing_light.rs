@@ -1,6 +1,6 @@
 //! Light that is missing because bounces end too early, in sentences for the window and the command line.
 
-use lapidary_core::meshless::BounceEnergy;
+use lapidary_core::transport::BounceEnergy;
 use lapidary_render::Solution;
 
 /// Share of the light above which it is said that bounces are missing: a few percent are not seen.

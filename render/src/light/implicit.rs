@@ -134,8 +134,7 @@ impl Seen {
             received: &self.points.irradiance(),
             sky: &sky,
         };
-        let LeafLight { direct, bounced } =
-            LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces as usize);
+        let LeafLight { direct, bounced, .. } = LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
         let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
         let others = others.collect();

@@ -14,8 +14,8 @@ use glam::Vec3;
 use lapidary_core::{
     cut::lit::DEFAULT_TAU,
     lights::{Emission, Light},
-    meshless::BounceEnergy,
     surfel::Surfel,
+    transport::BounceEnergy,
 };
 use std::sync::Arc;
 

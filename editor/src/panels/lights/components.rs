@@ -11,7 +11,7 @@ use crate::{
     },
 };
 use egui::{Button, RichText, Ui};
-use lapidary_core::{dataset::BakeParts, meshless::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, transport::BounceEnergy};
 use lapidary_render::{Bounces, Solution, ViewMode};
 use lapidary_studies::missing_light;
 

@@ -12,7 +12,7 @@ use glam::Vec3;
 use lapidary_core::{
     dataset::BakeParts,
     lights::{Emission, Light},
-    meshless::BounceEnergy,
+    transport::BounceEnergy,
     test_scenes,
 };
 use lapidary_render::{Baked, Bounces, Solution, ViewMode};

@@ -8,9 +8,10 @@ use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
     lights::Light,
-    meshless::{BounceEnergy, Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
+    meshless::{Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
     ray::offset,
     surfel::Surfel,
+    transport::BounceEnergy,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
