@@ -1,5 +1,6 @@
 //! [`Backend`] on the GPU: resources grouped by what changes them, and pictures made of passes.
 
+mod bounce;
 mod encode;
 mod groups;
 mod history;
@@ -29,9 +30,9 @@ use crate::{
     backend::{Backend, BackendError, PictureStats, ShadedSamples},
     baked::Baked,
     light::{
-        components::Bounces,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
+        solver::solutions::Bounces,
     },
     measure::compare::map::magma_stops,
     post::Post,
@@ -41,6 +42,7 @@ use crate::{
     view::View,
     view_mode::ViewMode,
 };
+use bounce::ShownBounce;
 use glam::Vec4;
 use history::History;
 use lapidary_core::{
@@ -64,6 +66,7 @@ pub struct GpuBackend {
     scene: Option<Loaded>,
     light: Option<(GpuLight, Arc<Environment>)>,
     local: LocalLighting,
+    bounce: ShownBounce,
     /// Bounced light as it was last shown.
     sources: Option<GpuSources>,
     meshless: GpuMeshless,
@@ -158,6 +161,7 @@ impl GpuBackend {
             scene: None,
             light: None,
             local: LocalLighting::default(),
+            bounce: ShownBounce::default(),
             sources: None,
             meshless: GpuMeshless::default(),
             dark: None,
@@ -348,7 +352,8 @@ impl Backend for GpuBackend {
         self.local_lights.set(&[], 1.0);
         (self.light, self.dark, self.picture, self.sources, self.state) = (None, None, None, None, None);
         self.history = None;
-        (self.local, self.meshless) = (LocalLighting::default(), GpuMeshless::default());
+        (self.local, self.bounce) = (LocalLighting::default(), ShownBounce::default());
+        self.meshless = GpuMeshless::default();
         Ok(())
     }
 
@@ -383,7 +388,9 @@ impl Backend for GpuBackend {
         self.local = lighting.clone();
         self.picture = None;
         let radius = self.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
-        if lighting.shown_meshless().is_none() {
+        let (bounce, not_shown) = ShownBounce::of(lighting);
+        self.bounce = bounce;
+        if self.bounce.functions.is_none() {
             self.meshless.forget_light();
         }
         let remark = self.local_lights.set(&lighting.shown_lights(), radius);
@@ -391,7 +398,7 @@ impl Backend for GpuBackend {
             loaded.scene.posed = posed::texture(&self.gpu, lighting.posed.as_deref(), lighting.components.environment);
         }
         self.gpu.check()?;
-        Ok(remark.into_iter().collect())
+        Ok(remark.into_iter().chain(not_shown).collect())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

@@ -95,7 +95,7 @@ impl GpuBackend {
             self.targets = Some(Targets::new(&self.gpu, view.size));
         }
         let (before, baked) = (self.sources.take(), self.loaded().scene.sources.as_ref());
-        let shown = self.local.shown_indirect().zip(baked);
+        let shown = self.bounce.sources.as_ref().zip(baked);
         let make = |(lighting, baked)| GpuSources::new(&self.gpu, &self.passes.lit, baked, lighting, before);
         self.sources = shown.map(make).transpose()?;
         let (light, dark) = self.light_or_dark();
@@ -144,7 +144,7 @@ impl GpuBackend {
         Part::ALL.map(|part| match part {
             Part::Environment => true,
             Part::Bounce => {
-                let shows_basis = (shaded || mode.is_of_basis()) && self.local.shown_meshless().is_some();
+                let shows_basis = (shaded || mode.is_of_basis()) && self.bounce.functions.is_some();
                 self.sources.is_some() || shows_basis
             }
             Part::Direct | Part::Added => lights(part),
@@ -181,7 +181,7 @@ impl GpuBackend {
         if shaded {
             additions = self.local_lights.prepare(&picture, &self.passes.direct);
         }
-        if let Some(light) = self.local.shown_meshless().filter(|_| shaded || view.mode.is_of_basis()) {
+        if let Some(light) = self.bounce.functions.as_ref().filter(|_| shaded || view.mode.is_of_basis()) {
             additions.extend(self.meshless.prepare(&picture, &self.passes.meshless, light, view.basis)?);
         }
         Ok(additions)
