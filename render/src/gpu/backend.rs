@@ -388,17 +388,17 @@ impl Backend for GpuBackend {
         self.local = lighting.clone();
         self.picture = None;
         let radius = self.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
-        let (bounce, not_shown) = ShownBounce::of(lighting);
-        self.bounce = bounce;
+        self.bounce = ShownBounce::of(lighting);
         if self.bounce.functions.is_none() {
             self.meshless.forget_light();
         }
         let remark = self.local_lights.set(&lighting.shown_lights(), radius);
         if let Some(loaded) = &mut self.scene {
-            loaded.scene.posed = posed::texture(&self.gpu, lighting.posed.as_deref(), lighting.components.environment);
+            loaded.scene.posed =
+                posed::texture(&self.gpu, self.bounce.posed.as_deref(), lighting.components.environment);
         }
         self.gpu.check()?;
-        Ok(remark.into_iter().chain(not_shown).collect())
+        Ok(remark.into_iter().collect())
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

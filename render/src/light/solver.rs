@@ -1,4 +1,4 @@
-//! How bounced light is computed: by one solver for each [`Solution`]. A new one is a file beside these and its line in
+//! How bounced light is computed: by one solver for each [`solutions::Solution`]. A new one is a file beside these and its line in
 //! [`solutions`].
 //!
 //! A solver is told what lights the scene ([`Lit`]), each part only when it has changed, and keeps its light until then. What

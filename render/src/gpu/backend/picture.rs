@@ -6,6 +6,7 @@ use crate::{
     gpu::{
         addition::{Addition, PictureInputs},
         light::{GpuLight, GpuMap, GpuSources},
+        meshless::GpuMeshless,
         targets::Targets,
     },
     remedy::Remedy,
@@ -145,7 +146,7 @@ impl GpuBackend {
             Part::Environment => true,
             Part::Bounce => {
                 let shows_basis = (shaded || mode.is_of_basis()) && self.bounce.functions.is_some();
-                self.sources.is_some() || shows_basis
+                self.sources.is_some() || shows_basis || shaded && self.bounce.is_of_vertices
             }
             Part::Direct | Part::Added => lights(part),
         })
@@ -169,7 +170,7 @@ impl GpuBackend {
         self.dark.get_or_insert_with(make).clone()
     }
 
-    /// Local lights and bounced light of the meshless basis, as far as they are shown.
+    /// Local lights, and bounced light that no merge gathers, as far as they are shown.
     fn additions(&mut self, view: &View) -> Result<Vec<Addition>, BackendError> {
         let shaded = view.mode == ViewMode::Shaded;
         let (Some(Loaded { scene, materials, .. }), Some(targets)) = (&self.scene, &self.targets) else {
@@ -183,6 +184,9 @@ impl GpuBackend {
         }
         if let Some(light) = self.bounce.functions.as_ref().filter(|_| shaded || view.mode.is_of_basis()) {
             additions.extend(self.meshless.prepare(&picture, &self.passes.meshless, light, view.basis)?);
+        }
+        if shaded && self.bounce.is_of_vertices {
+            additions.extend(GpuMeshless::without_functions(&picture, &self.passes.meshless));
         }
         Ok(additions)
     }
