@@ -85,7 +85,8 @@ fn value_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
 
 // Irradiance on the surface as bump and normal map have it. Twin of `MeshlessLight::at`.
 fn irradiance_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
-    if from_behind && !reaches(basis.level_count - 1u, point) {
+    // Without functions there is only light of vertices.
+    if basis.level_count == 0u || (from_behind && !reaches(basis.level_count - 1u, point)) {
         return vec3(0.0);
     }
     var vector = mat3x3<f32>();

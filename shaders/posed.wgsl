@@ -1,4 +1,4 @@
-// What posed objects change of the light: twin of `PosedLight` in render/src/light/implicit.rs.
+// What posed objects change of the light, and bounced light of vertices: twin of `PosedLight` in render/src/light/implicit.rs.
 
 // Texels of a vertex, row by row: growth on the front and on the back, irradiance of bounces, and that of what was covered; alpha is 1
 // for a vertex that moved. A single texel where nothing is posed.

@@ -31,6 +31,7 @@
 //! * [`light_tree`]: the tree over the samples of distant light (Eq. 10 to 12), and the radiance of its nodes
 //! * [`cut`]: merging (3.2), selection for visibility and for solid angles (Eq. 5), illumination cuts, 16-bit packing
 //! * [`sources`]: surface samples as lights (4.1), their tree, its radiance, and what is near a receiver
+//! * [`transport`]: one bounce of light, and the series over bounces
 //! * [`meshless`]: the meshless hierarchical basis and its light transport
 //! * [`implicit`]: light of moving scenes by implicit visibility
 //! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
@@ -76,3 +77,4 @@ pub mod test_files;
 pub mod test_scenes;
 pub mod texture;
 pub mod threads;
+pub mod transport;

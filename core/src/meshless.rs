@@ -27,8 +27,8 @@ pub use flatten::Flattening;
 pub use grid::{Cell, FunctionGrid};
 pub use projection::Projection;
 pub use sampling::SenderSamples;
-pub use solve::{BounceEnergy, Solution, SolveSettings, Solver};
-pub use sparse::{Coefficient, SparseRows};
+pub use solve::{Solution, SolveSettings, Solver};
+pub use sparse::SparseRows;
 pub use transport::{PackedLink, Transport, TransportError, irradiance};
 
 /// A baked basis and its operator. Neither depends on reflectance.

@@ -49,9 +49,14 @@ pub use lapidary_core::image::{Region, RegionError};
 pub use light::{
     bounce::{MeshlessLight, SourceLighting, SourceRig},
     buried::is_buried,
-    components::{Bounces, Components, Solution},
+    components::Components,
     environment::{Illumination, LightRig, SceneLighting},
+    implicit::Sides,
     local::{LocalLighting, LocalRig},
+    solver::{
+        BounceLight,
+        solutions::{Bounces, Solution},
+    },
 };
 pub use lit_scene::{FinishedPicture, LitScene};
 pub use look::{Look, Redo};

@@ -147,6 +147,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let posed = self.posed(poses).map_err(BackendError::Pose)?;
         let lit = self.lit.take();
         self.backend.pose(&posed).inspect_err(|_| self.posing = None)?;
+        self.local_rig.set_poses(poses);
         self.has_given(posed, poses.clone());
         if let Some(lit) = lit {
             self.give_environment(&lit.look, &lit.environment)?;
@@ -257,7 +258,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// The pixels to redo, with those that the bounced light of changed materials reaches.
     fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
         let mut stale = redo.pixels;
-        if redo.appearance && stale.bounce != Pixels::All && now.shows_bounces() {
+        if redo.appearance && stale.bounce != Pixels::All && now.shown_bounce().is_some() {
             let before = before.filter(|_| self.keeps_unseen && !redo.view && self.poses.is_empty());
             let patches = before.and_then(|b| self.drift.add(&self.posed, b, now));
             let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));

@@ -44,7 +44,7 @@ impl BouncedLight {
 
     /// The same light as in the last picture with a ray from every pixel to every source in place of the cuts, if it has sources.
     pub fn every_source(&self, progress: &dyn Progress) -> Option<Image> {
-        let sources = self.scene.local().and_then(|local| local.indirect.as_ref())?;
+        let sources = self.scene.local().and_then(|local| local.sources())?;
         Some(self.renderer.sources_reference(&self.look.view, sources, progress))
     }
 

@@ -4,10 +4,13 @@ use super::{
     direct::{CELLS, EMPTY},
     views::Views,
 };
-use crate::surfel::disc_forest::DiscForest;
+use crate::{
+    surfel::disc_forest::DiscForest,
+    transport::{BounceEnergy, LightTransport, Series, Surfaces},
+};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
-use std::f32::consts::FRAC_1_PI;
+use std::{f32::consts::FRAC_1_PI, ops::Range};
 
 /// Radiance of the sky by unit direction.
 pub type Sky<'a> = &'a (dyn Fn(Vec3) -> Vec3 + Sync);
@@ -32,53 +35,86 @@ pub struct LeafLight {
     pub direct: Vec<Vec3>,
     /// By all bounces.
     pub bounced: Vec<Vec3>,
+    /// How the bounces decrease.
+    pub energy: BounceEnergy,
 }
 
 impl LeafLight {
     /// The Neumann series up to so many bounces.
-    pub fn new(forest: &DiscForest, views: &Views, lighting: &Lighting, bounces: usize) -> Self {
-        let direct = add(
-            &views.irradiance(&forest.pull(&wide(lighting.emitted))),
-            &views.irradiance_of_sky(forest, lighting.sky),
-        );
-        let mut light = Self { bounced: vec![Vec3::ZERO; direct.len()], direct };
-        let mut last = add(&light.direct, lighting.received);
-        for _ in 0..bounces {
-            let sent: Vec<Vec3A> =
-                last.iter().zip(lighting.reflectance).map(|(e, r)| (*e * *r * FRAC_1_PI).into()).collect();
-            last = views.irradiance(&forest.pull(&sent));
-            light.bounced = add(&light.bounced, &last);
-        }
-        light
+    pub fn new(forest: &DiscForest, views: &Views, lighting: &Lighting, bounces: u32) -> Self {
+        let transport = LeafTransport { forest, views };
+        let emitted: Vec<Vec3A> = lighting.emitted.iter().map(|&radiance| radiance.into()).collect();
+        let direct =
+            add(&transport.bounce(&emitted, 0..transport.senders()), &views.irradiance_of_sky(forest, lighting.sky));
+        let surfaces = LeafSurfaces { forest, reflectance: lighting.reflectance };
+        // What is emitted has arrived with the direct light.
+        let series = Series::new(&transport, &surfaces, add(&direct, lighting.received), None).with_bounces(bounces);
+        Self { energy: series.energy(), bounced: series.received, direct }
+    }
+}
+
+/// One bounce between leaves, by what they see: radiance to irradiance, `E = π/400 Σ L`.
+struct LeafTransport<'a> {
+    forest: &'a DiscForest,
+    views: &'a Views,
+}
+
+impl LightTransport for LeafTransport<'_> {
+    type Sent = Vec3A;
+    type Received = Vec3;
+
+    fn senders(&self) -> usize {
+        self.views.leaves()
+    }
+
+    fn bounce(&self, sent: &[Vec3A], receivers: Range<usize>) -> Vec<Vec3> {
+        let radiance = self.forest.pull(sent);
+        let seen = |&node: &u32| if node == EMPTY { Vec3A::ZERO } else { radiance[node as usize] };
+        let gather = |leaf: u32| self.views.of_leaf(leaf).iter().map(seen).sum::<Vec3A>();
+        of_leaves(receivers, |leaf| Vec3::from(gather(leaf)) * CELLS.weight())
+    }
+}
+
+/// Diffuse surfaces of the leaves.
+struct LeafSurfaces<'a> {
+    forest: &'a DiscForest,
+    reflectance: &'a [Vec3],
+}
+
+impl Surfaces<LeafTransport<'_>> for LeafSurfaces<'_> {
+    /// Irradiance of the leaves.
+    type Arriving = Vec<Vec3>;
+
+    fn arriving(&self, received: Vec<Vec3>) -> Vec<Vec3> {
+        received
+    }
+
+    fn reflected(&self, irradiance: &Vec<Vec3>) -> Vec<Vec3A> {
+        irradiance.iter().zip(self.reflectance).map(|(e, rho)| (*e * *rho * FRAC_1_PI).into()).collect()
+    }
+
+    fn mean_irradiance(&self, irradiance: &Vec<Vec3>) -> Vec3 {
+        let discs = self.forest.discs();
+        let energy: Vec3 = irradiance.iter().zip(discs).map(|(e, disc)| *e * disc.area).sum();
+        energy / discs.iter().map(|disc| disc.area).sum::<f32>().max(f32::MIN_POSITIVE)
     }
 }
 
 impl Views {
-    /// Irradiance of each leaf from the radiance of nodes, without the sky: `E = π/400 Σ L`.
-    pub fn irradiance(&self, radiance: &[Vec3A]) -> Vec<Vec3> {
-        let seen = |&node: &u32| if node == EMPTY { Vec3A::ZERO } else { radiance[node as usize] };
-        let gather = |leaf: u32| self.of_leaf(leaf).iter().map(seen).sum::<Vec3A>();
-        self.of_leaves(|leaf| Vec3::from(gather(leaf)) * CELLS.weight())
-    }
-
     /// Irradiance of each leaf from the sky in its empty bins.
     pub fn irradiance_of_sky(&self, forest: &DiscForest, sky: Sky) -> Vec<Vec3> {
         let gather = |leaf: u32| {
             let cells = self.directions(forest, leaf).zip(self.of_leaf(leaf));
             cells.filter(|(_, node)| **node == EMPTY).map(|(direction, _)| sky(direction)).sum::<Vec3>()
         };
-        self.of_leaves(|leaf| gather(leaf) * CELLS.weight())
+        of_leaves(0..self.leaves(), |leaf| gather(leaf) * CELLS.weight())
     }
+}
 
-    fn of_leaves(&self, value: impl Fn(u32) -> Vec3 + Sync) -> Vec<Vec3> {
-        (0..self.leaves() as u32).into_par_iter().with_min_len(64).map(&value).collect()
-    }
+fn of_leaves(leaves: Range<usize>, value: impl Fn(u32) -> Vec3 + Sync) -> Vec<Vec3> {
+    leaves.into_par_iter().with_min_len(64).map(|leaf| value(leaf as u32)).collect()
 }
 
 fn add(a: &[Vec3], b: &[Vec3]) -> Vec<Vec3> {
     a.iter().zip(b).map(|(a, b)| *a + *b).collect()
-}
-
-fn wide(values: &[Vec3]) -> Vec<Vec3A> {
-    values.iter().map(|&value| value.into()).collect()
 }

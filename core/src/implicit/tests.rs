@@ -7,6 +7,7 @@ use crate::{
     sphere::{concentric::HemisphereCells, frame_around},
     surfel::{disc_forest::DiscForest, forest::SurfelForest},
     test_scenes::{cuboid, quad, room, scene_of},
+    transport::BounceEnergy,
 };
 use glam::Vec3;
 use std::{collections::BTreeSet, f32::consts::PI};
@@ -85,7 +86,7 @@ fn views_of(forest: &DiscForest) -> Views {
 }
 
 /// The light of a forest whose leaves emit and reflect one value each.
-fn light(forest: &DiscForest, emitted: &dyn Fn(usize) -> f32, reflectance: f32, bounces: usize) -> LeafLight {
+fn light(forest: &DiscForest, emitted: &dyn Fn(usize) -> f32, reflectance: f32, bounces: u32) -> LeafLight {
     let leaves = forest.discs().len();
     let emitted: Vec<Vec3> = (0..leaves).map(|leaf| Vec3::splat(emitted(leaf))).collect();
     let lighting = Lighting {
@@ -141,6 +142,8 @@ fn a_furnace_is_everywhere_the_same() {
     let grey = light(forest, &|_| 1.0, 0.5, 12);
     let sum = direct(&grey) + mean(grey.bounced.iter().map(|e| e.x / PI));
     assert!((sum - 2.0).abs() < 0.04, "half grey: {sum}");
+    let BounceEnergy { bounces, missing_share, .. } = light(forest, &|_| 1.0, 0.5, 3).energy;
+    assert!(bounces == 3 && (missing_share - 0.0625).abs() < 0.003, "of 1 + 1/2 + 1/4 + 1/8: {missing_share}");
     let open = &room(Vec3::ZERO, Vec3::ONE)[2..];
     let Furnished { forest, .. } = with_surfels(mesh_of(&[open.to_vec()]), 4096);
     let open = direct(&light(forest.discs(), &|_| 1.0, 0.0, 0));

@@ -5,13 +5,14 @@
 
 use crate::{
     meshless::{
-        Coefficient, SparseRows,
+        SparseRows,
         distance::{alignment, kernel, same_layer, squashed_distance},
     },
     surfel::{
         disc_forest::DiscForest,
         forest::{nodes::Disc, quadtrees::Slot},
     },
+    transport::Coefficient,
 };
 use glam::Vec3;
 use rayon::prelude::*;

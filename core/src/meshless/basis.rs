@@ -2,11 +2,12 @@
 
 use super::{
     grid::{FunctionGrid, weight},
-    sparse::{Coefficient, SparseRows},
+    sparse::SparseRows,
 };
 use crate::{
     scene::{is_unit, is_within_reach},
     surfel::Surfel,
+    transport::Coefficient,
 };
 use glam::Vec3;
 use std::{

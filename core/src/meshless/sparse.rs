@@ -1,27 +1,8 @@
-//! Sparse matrices of weights, and the coefficients that they multiply.
+//! Sparse matrices of weights.
 
-use glam::{Mat3A, Vec3};
+use crate::transport::Coefficient;
 use rayon::prelude::*;
-use std::ops::{Add, Mul, Range, Sub};
-
-/// Type of a coefficient: a number, a colour, vector irradiance per channel, or the coefficients of a directional
-/// basis.
-pub trait Coefficient: Copy + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self> {
-    /// The zero of the type.
-    const ZERO: Self;
-}
-
-impl Coefficient for f32 {
-    const ZERO: Self = 0.0;
-}
-
-impl Coefficient for Vec3 {
-    const ZERO: Self = Self::ZERO;
-}
-
-impl Coefficient for Mat3A {
-    const ZERO: Self = Self::ZERO;
-}
+use std::ops::Range;
 
 /// A sparse matrix by rows.
 #[derive(Clone, Debug, PartialEq)]

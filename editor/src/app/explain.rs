@@ -35,7 +35,7 @@ impl EditorState {
         let baked = picture.baked.clone().filter(|_| picture.look.poses.is_empty())?;
         let mode = baked.dataset.settings.mode;
         let environment = mode.environment().then(|| GatheredLight::Environment(shown.lighting.clone()));
-        let sources = shown.local.indirect.clone().map(GatheredLight::Sources);
+        let sources = shown.local.sources().cloned().map(GatheredLight::Sources);
         let gathered = match self.explain.tree {
             Some(TreeOf::Sources) => sources.or(environment),
             _ => environment.or(sources),
@@ -69,7 +69,7 @@ impl EditorState {
             }
             return;
         }
-        let has_both = self.pictures.shown().is_some_and(|shown| shown.local.indirect.is_some())
+        let has_both = self.pictures.shown().is_some_and(|shown| shown.local.sources().is_some())
             && self.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
         let outdated = self.explanation_is_outdated();
         let window = &mut self.explain;

@@ -330,7 +330,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         shows_lights: state.interface.lights.in_viewport,
         aiming: state.interface.lights.aiming && state.selected_light().is_some(),
         baked: baked.map(|b| b.dataset.settings.mode),
-        sources: shown.and_then(|s| s.local.indirect.as_ref()),
+        sources: shown.and_then(|s| s.local.sources()),
         shows_clusters: state.interface.lights.shows_clusters,
         accent,
         busy,

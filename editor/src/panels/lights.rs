@@ -13,7 +13,7 @@ pub use list::{add_menu, display_color};
 use super::widgets::section;
 use crate::{actions::Action, document::Document};
 use egui::{RichText, Ui};
-use lapidary_core::{dataset::BakeParts, lights::Light, meshless::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, lights::Light, transport::BounceEnergy};
 use lapidary_render::{Baked, Bounces};
 
 /// What the panel shows.

@@ -6,9 +6,9 @@ use crate::{
     baked::Baked,
     cpu::{picture::Picture, sketch::Sketch},
     light::{
-        components::Bounces,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
+        solver::solutions::Bounces,
     },
     post::Post,
     renderer::Renderer,
@@ -106,8 +106,7 @@ fn light_of<'a>(
     PictureLight {
         environment: environment.map(|(_, lighting)| &**lighting),
         emission: local.components.direct,
-        sources: local.shown_indirect().map(|lighting| &**lighting),
-        meshless: local.shown_meshless().map(|light| &**light),
+        bounce: local.shown_bounce(),
         posed: local.posed.as_deref(),
         posed_bounce: local.posed.as_deref().filter(|_| local.components.indirect),
         local: shown(&lights.direct),

@@ -1,5 +1,6 @@
 //! [`Backend`] on the GPU: resources grouped by what changes them, and pictures made of passes.
 
+mod bounce;
 mod encode;
 mod groups;
 mod history;
@@ -29,9 +30,9 @@ use crate::{
     backend::{Backend, BackendError, PictureStats, ShadedSamples},
     baked::Baked,
     light::{
-        components::Bounces,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
+        solver::solutions::Bounces,
     },
     measure::compare::map::magma_stops,
     post::Post,
@@ -41,6 +42,7 @@ use crate::{
     view::View,
     view_mode::ViewMode,
 };
+use bounce::ShownBounce;
 use glam::Vec4;
 use history::History;
 use lapidary_core::{
@@ -64,6 +66,7 @@ pub struct GpuBackend {
     scene: Option<Loaded>,
     light: Option<(GpuLight, Arc<Environment>)>,
     local: LocalLighting,
+    bounce: ShownBounce,
     /// Bounced light as it was last shown.
     sources: Option<GpuSources>,
     meshless: GpuMeshless,
@@ -158,6 +161,7 @@ impl GpuBackend {
             scene: None,
             light: None,
             local: LocalLighting::default(),
+            bounce: ShownBounce::default(),
             sources: None,
             meshless: GpuMeshless::default(),
             dark: None,
@@ -202,7 +206,7 @@ impl GpuBackend {
     /// The lights go with where their scene is, and with them what was said of them.
     fn forget_light(&mut self) {
         self.local_lights.set(&[], 1.0);
-        self.local = LocalLighting::default();
+        (self.local, self.bounce) = (LocalLighting::default(), ShownBounce::default());
         (self.picture, self.state, self.history) = (None, None, None);
     }
 
@@ -397,12 +401,14 @@ impl Backend for GpuBackend {
         self.local = lighting.clone();
         self.picture = None;
         let radius = self.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
-        if lighting.shown_meshless().is_none() {
+        self.bounce = ShownBounce::of(lighting);
+        if self.bounce.functions.is_none() {
             self.meshless.forget_light();
         }
         let remark = self.local_lights.set(&lighting.shown_lights(), radius);
         if let Some(loaded) = &mut self.scene {
-            loaded.scene.posed = posed::texture(&self.gpu, lighting.posed.as_deref(), lighting.components.environment);
+            loaded.scene.posed =
+                posed::texture(&self.gpu, self.bounce.posed.as_deref(), lighting.components.environment);
         }
         self.gpu.check()?;
         Ok(remark.into_iter().collect())

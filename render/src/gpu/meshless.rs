@@ -78,11 +78,15 @@ impl GpuMeshless {
         let known = self.coefficients.take().filter(|(known, _)| Arc::ptr_eq(known, light));
         let make = || Ok((light.clone(), coefficients(gpu, light.coefficients())?));
         let (_, coefficients) = self.coefficients.insert(known.map_or_else(make, Ok)?);
-        let uniforms = uniform(gpu, "meshless light", bytemuck::bytes_of(&uniforms(basis, shown)));
         let Functions { slots, entries, functions } = functions;
-        let buffers = [&uniforms, slots, entries, functions, coefficients].map(|buffer| buffer.as_entire_binding());
-        let bound = bind(gpu, "meshless light", &pass.light, &buffers);
-        Ok(Addition::new(picture, ("meshless", &pass.pipeline), bound, Part::Bounce))
+        Ok(addition(picture, pass, &uniforms(basis, shown), [slots, entries, functions, coefficients]))
+    }
+
+    /// The pass for a picture whose bounced light is of vertices alone.
+    pub fn without_functions(picture: &PictureInputs, pass: &MeshlessPass) -> Option<Addition> {
+        // As large as the largest element of the arrays.
+        let nothing = storage(picture.gpu, "no function", bytemuck::bytes_of(&layout::Coefficient::zeroed()));
+        addition(picture, pass, &layout::BasisUniforms::zeroed(), [&nothing; 4])
     }
 
     /// The coefficients, to detect a new upload.
@@ -90,6 +94,19 @@ impl GpuMeshless {
     pub fn coefficients(&self) -> Option<&wgpu::Buffer> {
         self.coefficients.as_ref().map(|(_, buffer)| buffer)
     }
+}
+
+/// Binds what the pass reads.
+fn addition(
+    picture: &PictureInputs,
+    pass: &MeshlessPass,
+    uniforms: &layout::BasisUniforms,
+    [slots, entries, functions, coefficients]: [&wgpu::Buffer; 4],
+) -> Option<Addition> {
+    let uniforms = uniform(picture.gpu, "meshless light", bytemuck::bytes_of(uniforms));
+    let buffers = [&uniforms, slots, entries, functions, coefficients].map(|buffer| buffer.as_entire_binding());
+    let bound = bind(picture.gpu, "meshless light", &pass.light, &buffers);
+    Addition::new(picture, ("meshless", &pass.pipeline), bound, Part::Bounce)
 }
 
 impl Functions {

@@ -87,7 +87,6 @@ pub struct SourceRig {
     tree: Arc<SourceTree>,
     /// Points of the sources' surfaces, [`PARTS`] each.
     lit: LitPoints,
-    further: Option<Vec<Vec3>>,
 }
 
 impl SourceRig {
@@ -97,7 +96,7 @@ impl SourceRig {
         let sources = &dataset.indirect.as_ref()?.sources;
         let offset = offset::TRANSPORT * dataset.scene.mesh.bounds().diagonal();
         let lit = LitPoints::new(baked, source_parts(sources, baked.intersector(), offset), AREA_SAMPLES);
-        Some(Self { tree: SourceTree::new(sources).into(), lit, further: None, dataset })
+        Some(Self { tree: SourceTree::new(sources).into(), lit, dataset })
     }
 
     /// The sources.
@@ -121,32 +120,27 @@ impl SourceRig {
         self.lit.set_environment(irradiance.map(|sources| sources.into_iter().flat_map(|e| [e; PARTS]).collect()));
     }
 
-    /// Adds irradiance of further bounces, one value per source, or none.
-    ///
-    /// # Panics
-    /// If there is not one value per source.
-    pub fn set_further(&mut self, irradiance: Option<Vec<Vec3>>) {
-        assert!(irradiance.as_ref().is_none_or(|i| i.len() == self.tree.len()), "one irradiance a source");
-        self.further = irradiance;
-    }
-
     /// Irradiance of the sources in W/m².
     pub fn irradiance(&self) -> Vec<Vec3> {
-        means(self.irradiance_of_parts().into_iter())
-    }
-
-    fn irradiance_of_parts(&self) -> Vec<Vec3> {
-        let mut sum = self.lit.irradiance();
-        for (parts, further) in sum.chunks_mut(PARTS).zip(self.further.iter().flatten()) {
-            parts.iter_mut().for_each(|sum| *sum += further);
-        }
-        sum
+        means(self.lit.irradiance().into_iter())
     }
 
     /// Radiosity of the sources under the current lights and materials, with an illumination cut of at most `illum_cut`
     /// nodes.
     pub fn lighting(&self, illum_cut: u32) -> SourceLighting {
-        let irradiance = self.irradiance_of_parts();
+        self.lighting_with(&[], illum_cut)
+    }
+
+    /// [`Self::lighting`] with irradiance of further bounces, one value per source or none.
+    ///
+    /// # Panics
+    /// If there are values, and not one per source.
+    pub fn lighting_with(&self, further: &[Vec3], illum_cut: u32) -> SourceLighting {
+        assert!(further.is_empty() || further.len() == self.tree.len(), "one irradiance a source");
+        let mut irradiance = self.lit.irradiance();
+        for (parts, further) in irradiance.chunks_mut(PARTS).zip(further) {
+            parts.iter_mut().for_each(|sum| *sum += further);
+        }
         let reflected = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
         let sent = reflected.zip(self.lit.emission()).map(|(reflected, emitted)| reflected + emitted);
         SourceLighting::new(self.tree.clone(), &means(sent), illum_cut)

@@ -1,6 +1,5 @@
-//! The components of a picture's light, and how bounced light is computed.
+//! The components of a picture's light.
 
-use lapidary_core::{dataset::Dataset, meshless::SolveSettings};
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
@@ -57,80 +56,6 @@ impl fmt::Display for Components {
     }
 }
 
-/// How bounced light is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Solution {
-    /// One bounce, gathered per pixel by cuts over surface sources.
-    #[default]
-    #[serde(rename = "cuts")]
-    Cuts,
-    /// Four diffuse bounces in the meshless basis.
-    #[serde(rename = "meshless")]
-    Meshless,
-    /// Meshless bounces added to the sources, whose light the cuts gather.
-    #[serde(rename = "cuts+meshless")]
-    CutsMeshless,
-}
-
-impl Solution {
-    /// Bounces between surfaces that a picture by this solution contains.
-    pub fn bounces(self) -> u32 {
-        let solved = SolveSettings::default().bounces;
-        match self {
-            Self::Cuts => 1,
-            Self::Meshless => solved,
-            Self::CutsMeshless => solved + 1,
-        }
-    }
-}
-
-impl fmt::Display for Solution {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Self::Cuts => "cuts",
-            Self::Meshless => "meshless",
-            Self::CutsMeshless => "cuts+meshless",
-        })
-    }
-}
-
-/// The means of bounced light that a dataset has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Bounces {
-    /// Surface samples and their visibility cuts.
-    pub cuts: bool,
-    /// A meshless basis and its transport.
-    pub meshless: bool,
-}
-
-impl Bounces {
-    /// Those of a dataset.
-    pub fn of(dataset: &Dataset) -> Self {
-        Self { cuts: dataset.indirect.is_some(), meshless: dataset.meshless.is_some() }
-    }
-
-    /// Whether there are any.
-    pub fn any(self) -> bool {
-        self.cuts || self.meshless
-    }
-
-    /// The solutions that can be chosen.
-    pub fn solutions(self) -> Vec<Solution> {
-        let all = [
-            (Solution::Cuts, self.cuts),
-            (Solution::Meshless, self.meshless),
-            (Solution::CutsMeshless, self.cuts && self.meshless),
-        ];
-        all.into_iter().filter(|(_, has)| *has).map(|(solution, _)| solution).collect()
-    }
-
-    /// The wanted solution, or else one that there is.
-    pub fn closest_to(self, wanted: Solution) -> Option<Solution> {
-        let solutions = self.solutions();
-        solutions.iter().find(|&&s| s == wanted).or(solutions.first()).copied()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,15 +69,5 @@ mod tests {
         for bad in ["", "sun", "direct,,indirect", "Direct"] {
             assert!(bad.parse::<Components>().is_err(), "{bad}");
         }
-    }
-
-    #[test]
-    fn only_what_is_baked_can_be_chosen() {
-        let bounces = |cuts, meshless| Bounces { cuts, meshless };
-        assert!(bounces(false, false).solutions().is_empty());
-        assert_eq!(bounces(false, false).closest_to(Solution::Cuts), None);
-        assert_eq!(bounces(true, false).closest_to(Solution::CutsMeshless), Some(Solution::Cuts));
-        assert_eq!(bounces(false, true).solutions(), [Solution::Meshless]);
-        assert_eq!(bounces(true, true).closest_to(Solution::CutsMeshless), Some(Solution::CutsMeshless));
     }
 }

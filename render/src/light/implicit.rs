@@ -135,8 +135,7 @@ impl Seen {
             received: &received,
             sky: &|_| Vec3::ZERO,
         };
-        let LeafLight { direct, bounced } =
-            LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces as usize);
+        let LeafLight { direct, bounced, .. } = LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
         let others: Vec<Vec3> = direct.iter().zip(bounced).map(|(direct, bounced)| *direct + bounced).collect();
         [of_sky, others].map(|leaves| self.open.at_vertices(vertices, &leaves))

@@ -2,10 +2,11 @@
 
 use crate::{
     light::{
-        bounce::{MeshlessLight, SourceLighting, functions::level_color},
+        bounce::{MeshlessLight, functions::level_color},
         direct::direct_light,
         environment::SceneLighting,
         implicit::{PosedLight, Sides},
+        solver::BounceLight,
     },
     shade::{
         merge::{BrdfSampling, Shader, Work},
@@ -30,10 +31,8 @@ pub(crate) struct PictureLight<'a> {
     pub environment: Option<&'a SceneLighting>,
     /// Whether the light is shown that surfaces send by themselves.
     pub emission: bool,
-    /// Bounced light, for a dataset that has sources.
-    pub sources: Option<&'a SourceLighting>,
-    /// Bounced light of the meshless basis.
-    pub meshless: Option<&'a MeshlessLight>,
+    /// Bounced light as baked.
+    pub bounce: Option<&'a BounceLight>,
     /// What posed objects change of the environment's light.
     pub posed: Option<&'a PosedLight>,
     /// What they change of bounced light, if that is shown.
@@ -50,13 +49,48 @@ impl PictureLight<'_> {
         let shaded = mode == ViewMode::Shaded;
         Part::ALL.map(|part| match part {
             Part::Environment => true,
-            Part::Bounce => {
-                shaded && (self.sources.is_some() || self.posed_bounce.is_some())
-                    || (shaded || mode.is_of_basis()) && self.meshless.is_some()
-            }
+            Part::Bounce => match self.bounce {
+                Some(BounceLight::Functions(_)) => shaded || mode.is_of_basis(),
+                Some(_) => shaded,
+                None => shaded && self.posed_bounce.is_some(),
+            },
             Part::Direct => shaded && self.local.is_some(),
             Part::Added => shaded && self.added.is_some(),
         })
+    }
+}
+
+/// Bounced light at surface points.
+enum Bounce<'a> {
+    Vertices(&'a Sides),
+    Sources(Shader<'a, SourceField<'a>>),
+    Functions(&'a MeshlessLight),
+}
+
+impl<'a> Bounce<'a> {
+    /// `None` if the light is gathered by cuts that a dataset does not have.
+    fn new(light: &'a BounceLight, dataset: &'a Dataset, sampling: BrdfSampling) -> Option<Self> {
+        Some(match light {
+            BounceLight::Vertices(sides) => Self::Vertices(sides),
+            BounceLight::Sources(lighting) => {
+                let cuts = &dataset.indirect.as_ref()?.cuts;
+                Self::Sources(Shader::new(SourceField::new(lighting), cuts, sampling))
+            }
+            BounceLight::Functions(light) => Self::Functions(light),
+        })
+    }
+
+    /// Radiance toward the eye. All but cuts take the surface for a diffuse one of the same albedo.
+    fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
+        let received = match self {
+            Self::Sources(shader) => return shader.shade(point),
+            Self::Vertices(sides) => sides.at(point.vertices, point.weights, point.from_behind),
+            Self::Functions(light) => {
+                let vector = light.at(point.position, point.face_normal, point.from_behind);
+                irradiance(&vector, point.world_from_local.z_axis)
+            }
+        };
+        point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }
 }
 
@@ -68,8 +102,7 @@ pub(crate) struct Painter<'a> {
     /// `None` without a light: values that depend on it are black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
     emission: bool,
-    sources: Option<Shader<'a, SourceField<'a>>>,
-    meshless: Option<&'a MeshlessLight>,
+    bounce: Option<Bounce<'a>>,
     posed: Option<&'a PosedLight>,
     posed_bounce: Option<&'a PosedLight>,
     local: Option<(&'a [Light], &'a Intersector)>,
@@ -81,16 +114,14 @@ pub(crate) struct Painter<'a> {
 impl<'a> Painter<'a> {
     pub fn new(view: &View, dataset: &'a Dataset, light: PictureLight<'a>, sampling: BrdfSampling) -> Self {
         let environment = light.environment.map(|lighting| Shader::new(lighting, &dataset.cuts, sampling));
-        let sources = light.sources.zip(dataset.indirect.as_ref());
-        let sources = sources.map(|(lighting, bake)| Shader::new(SourceField::new(lighting), &bake.cuts, sampling));
+        let bounce = light.bounce.and_then(|bounce| Bounce::new(bounce, dataset, sampling));
         Self {
             mode: view.mode,
             basis: view.basis,
             dataset,
             environment,
             emission: light.emission,
-            sources,
-            meshless: light.meshless,
+            bounce,
             posed: light.posed,
             posed_bounce: light.posed_bounce,
             local: light.local,
@@ -145,8 +176,11 @@ impl<'a> Painter<'a> {
 
     fn take_shading(&mut self) -> Work {
         let environment = self.environment.as_mut().map(|shader| std::mem::take(&mut shader.work));
-        let sources = self.sources.as_mut().map(|shader| std::mem::take(&mut shader.work));
-        environment.unwrap_or_default() + sources.unwrap_or_default()
+        let sources = match &mut self.bounce {
+            Some(Bounce::Sources(shader)) => std::mem::take(&mut shader.work),
+            _ => Work::default(),
+        };
+        environment.unwrap_or_default() + sources
     }
 
     /// Bounced light: as baked, and what posed objects change of it.
@@ -158,23 +192,13 @@ impl<'a> Painter<'a> {
         (as_baked + point.brdf.as_brdf().albedo() * more * FRAC_1_PI).max(Vec3::ZERO)
     }
 
-    /// Gathered from the sources or of the meshless basis.
     fn bounced_as_baked(&mut self, point: &SurfacePoint) -> Vec3 {
-        let gathered = self.sources.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
-        gathered + self.of_functions(point)
-    }
-
-    /// Light that a diffuse surface of the same albedo reflects of the functions' irradiance.
-    fn of_functions(&self, point: &SurfacePoint) -> Vec3 {
-        let Some(light) = self.meshless else { return Vec3::ZERO };
-        let vector = light.at(point.position, point.face_normal, point.from_behind);
-        let received = irradiance(&vector, point.world_from_local.z_axis);
-        point.brdf.as_brdf().albedo() * received * FRAC_1_PI
+        self.bounce.as_mut().map(|bounce| bounce.reflected(point)).unwrap_or_default()
     }
 
     /// What the views of the meshless basis show. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
     fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
-        let Some(light) = self.meshless else { return Vec3::ZERO };
+        let Some(Bounce::Functions(light)) = self.bounce else { return Vec3::ZERO };
         let (position, normal) = (point.position, point.face_normal);
         let grey = Vec3::splat(BASIS_GREY * point.wo.z);
         match self.mode {

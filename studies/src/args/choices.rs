@@ -1,6 +1,6 @@
 //! Choices of the libraries as options: their names are those of files, and each has its line of `--help`.
 
-use super::values::choice;
+use super::values::{choice, choice_of};
 use clap::builder::TypedValueParser;
 use lapidary_core::{ground::Ground, light_tree::TreeKind, materialx::Surface};
 use lapidary_precompute::Preset;
@@ -119,11 +119,7 @@ pub fn ground() -> impl TypedValueParser<Value = Ground> {
 
 /// How bounced light is computed.
 pub fn solution() -> impl TypedValueParser<Value = Solution> {
-    choice(&[
-        ("cuts", "One bounce, by cuts over surface sources"),
-        ("meshless", "Many bounces, in the meshless basis"),
-        ("cuts+meshless", "Meshless bounces added to the surface sources, gathered by cuts"),
-    ])
+    choice_of(Solution::ALL.iter().map(|solution| (solution.key(), solution.method())))
 }
 
 /// Which error a map shows.

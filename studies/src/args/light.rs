@@ -152,16 +152,16 @@ impl LocalLights {
     /// Bounced light was asked for, and the dataset has none of that kind.
     pub fn bounces_of(&self, dataset: &Dataset) -> Result<(Components, Solution)> {
         let bounces = Bounces::of(dataset);
-        let solution = self.solution.unwrap_or(bounces.closest_to(Solution::Cuts).unwrap_or_default());
+        let solution = self.solution.unwrap_or(bounces.closest_to(Solution::default()).unwrap_or_default());
         let has = bounces.solutions().contains(&solution);
         let components = self.components.unwrap_or(Components { indirect: has, ..Components::ALL });
         if !has && (components.indirect || self.solution.is_some()) {
-            match solution {
-                Solution::Cuts => bail!("the dataset has no surface sources; bake it with --mode indirect"),
-                Solution::Meshless => bail!("the dataset has no meshless basis; bake it with --mode meshless"),
-                Solution::CutsMeshless => {
-                    bail!("the dataset lacks surface sources or a meshless basis; bake it with --mode all")
+            match solution.needs() {
+                Bounces { meshless: false, .. } => {
+                    bail!("the dataset has no surface sources; bake it with --mode indirect")
                 }
+                Bounces { cuts: false, .. } => bail!("the dataset has no meshless basis; bake it with --mode meshless"),
+                _ => bail!("the dataset lacks surface sources or a meshless basis; bake it with --mode all"),
             }
         }
         Ok((components, solution))

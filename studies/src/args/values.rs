@@ -26,7 +26,15 @@ pub fn choice<T>(choices: &'static [(&'static str, &'static str)]) -> impl Typed
 where
     T: for<'de> Deserialize<'de> + Clone + Send + Sync + 'static,
 {
-    let names = choices.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
+    choice_of(choices.iter().copied())
+}
+
+/// [`choice`] from a list that a library has.
+pub fn choice_of<T>(choices: impl IntoIterator<Item = (&'static str, &'static str)>) -> impl TypedValueParser<Value = T>
+where
+    T: for<'de> Deserialize<'de> + Clone + Send + Sync + 'static,
+{
+    let names = choices.into_iter().map(|(name, help)| PossibleValue::new(name).help(help));
     PossibleValuesParser::new(names).try_map(|name| {
         let name: value::StringDeserializer<value::Error> = name.into_deserializer();
         T::deserialize(name)

@@ -45,9 +45,8 @@ pub struct BouncesArgs {
 impl BouncesArgs {
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        let solutions = [Solution::Cuts, Solution::Meshless, Solution::CutsMeshless];
-        let of = |solution: Solution| PICTURES.map(|picture| format!("{solution}{picture}"));
-        let names = solutions.into_iter().flat_map(of).chain([REPORT.into()]);
+        let of = |solution: &Solution| PICTURES.map(|picture| format!("{solution}{picture}"));
+        let names = Solution::ALL.iter().flat_map(of).chain([REPORT.into()]);
         self.pose.files(self.view.files(&self.local)).fills(&self.out, names)
     }
 }

@@ -162,7 +162,7 @@ impl<'a> Explainer<'a> {
         })?;
         let gathered = match tree {
             TreeOption::Environment => scene.environment().cloned().map(GatheredLight::Environment),
-            TreeOption::Sources => scene.local().and_then(|local| local.indirect.clone()).map(GatheredLight::Sources),
+            TreeOption::Sources => scene.local().and_then(|local| local.sources().cloned()).map(GatheredLight::Sources),
         };
         Ok(Self { args, viewed, renderer: Renderer::new(baked.clone()), gathered })
     }

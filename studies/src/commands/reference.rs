@@ -11,7 +11,7 @@ use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::{image::Image, scene::pose::Poses};
 use lapidary_precompute::Observer;
-use lapidary_render::{Components, Look, PathSettings, Renderer, SamplePositions, Solution};
+use lapidary_render::{Components, Look, PathSettings, Renderer, SamplePositions};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `reference`.
@@ -94,7 +94,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
             bail!("{BOUNCES_AS_BAKED}; use --kind path");
         }
         let (_, solution) = viewed.local.bounces_of(&viewed.baked.dataset)?;
-        if solution == Solution::Meshless {
+        if !solution.needs().cuts {
             bail!(
                 "--kind samples shows bounced light of surface sources only; use --kind path, or bake with --mode all"
             );

@@ -47,7 +47,7 @@ impl Studio {
     /// A lost device, a picture beyond the adapter's limits, or [`Interrupted`] soon after `cancelled` says so.
     pub fn take(&mut self, look: &Look, cancelled: &dyn Fn() -> bool) -> Result<Taken> {
         let picture = self.scene.show(look, &mut || !cancelled())?;
-        self.tell(look);
+        self.tell();
         let Some(picture) = picture else { bail!(Interrupted) };
         let shown = DisplayPicture { size: look.view.size, pixels: self.scene.display(&look.post)? };
         Ok(Taken { image: picture.image, coverage: picture.coverage, shown, stats: picture.stats })
@@ -65,9 +65,9 @@ impl Studio {
         new
     }
 
-    fn tell(&mut self, look: &Look) {
+    fn tell(&mut self) {
         let energy = self.scene.local().and_then(|local| local.energy);
-        let missing = energy.and_then(|energy| missing_light::remark(missing_light::in_picture(energy, look.solution)));
+        let missing = energy.and_then(missing_light::remark);
         for remark in self.scene.remarks().into_iter().chain(missing) {
             if !self.told.contains(&remark) {
                 self.told.push(remark);

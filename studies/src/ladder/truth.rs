@@ -3,9 +3,7 @@
 use crate::report::text::grouped;
 use anyhow::{Result, bail};
 use lapidary_core::{dataset::Dataset, image::Image};
-use lapidary_render::{
-    BackendError, Baked, Components, CpuBackend, LitScene, Look, Progress, Renderer, SampledLight, Solution,
-};
+use lapidary_render::{BackendError, Baked, Components, CpuBackend, LitScene, Look, Progress, Renderer, SampledLight};
 use std::time::Instant;
 
 /// A reference picture.
@@ -50,7 +48,7 @@ pub fn every_sample(baked: &Baked, look: &Look, renderer: &Renderer, progress: &
         environment: components.environment.then_some(&look.light),
         lights: if components.direct { &look.lights } else { &[] },
         emission: components.direct,
-        sources: bounced.as_ref().and_then(|bounced| bounced.scene.local()?.indirect.as_deref()),
+        sources: bounced.as_ref().and_then(|bounced| bounced.scene.local()?.sources().map(|lighting| &**lighting)),
         base: base.as_ref(),
     };
     Ok(renderer.sampled(&look.view, light, progress))
@@ -78,7 +76,7 @@ impl Bounced {
 
     /// Its picture, where the basis holds the light: `None` where sources send it.
     fn of_basis(&mut self) -> Result<Option<Image>, BackendError> {
-        if self.scene.local().is_some_and(|local| local.indirect.is_some()) {
+        if self.scene.local().is_some_and(|local| local.sources().is_some()) {
             return Ok(None);
         }
         Ok(Some(self.scene.show_whole(&self.look)?.image))
@@ -96,9 +94,9 @@ fn what(dataset: &Dataset, look: &Look) -> String {
     if direct && !look.lights.is_empty() {
         parts.push(format!("shadow rays to {} local lights", look.lights.len()));
     }
-    match (look.solution, dataset.indirect.as_ref()) {
+    match dataset.indirect.as_ref().filter(|_| look.solution.needs().cuts) {
         _ if !indirect => {}
-        (Solution::Cuts | Solution::CutsMeshless, Some(baked)) => {
+        Some(baked) => {
             let sources = grouped(baked.sources.len() as u64);
             parts.push(format!("a ray from every pixel to every one of {sources} surface sources"));
         }

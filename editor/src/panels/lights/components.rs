@@ -11,7 +11,7 @@ use crate::{
     },
 };
 use egui::{Button, RichText, Ui};
-use lapidary_core::{dataset::BakeParts, meshless::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, transport::BounceEnergy};
 use lapidary_render::{Bounces, Solution, ViewMode};
 use lapidary_studies::missing_light;
 
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
         Some(bounces) if bounces.any() => {
             let now = bounces.closest_to(context.document.solution);
             solution(ui, bounces, context.document.solution, actions);
-            bounce_energy(ui, context.energy.map(|energy| missing_light::in_picture(energy, now.unwrap_or_default())));
+            bounce_energy(ui, context.energy);
             if bounces.cuts {
                 clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
@@ -52,7 +52,7 @@ fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
 fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'static str> {
     if !document.components.shows(Component::Indirect) {
         Some("Bounce light is not in the picture: switch it on above")
-    } else if solution == Some(Solution::Meshless) {
+    } else if solution.is_some_and(|solution| !solution.needs().cuts) {
         Some("Only cuts gather light from clusters: choose another solution above")
     } else if document.view.mode != ViewMode::Shaded {
         Some("Clusters lie over the lit picture: choose the view mode Shaded")
@@ -124,27 +124,11 @@ fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSett
 fn solution(ui: &mut Ui, bounces: Bounces, wanted: Solution, actions: &mut Vec<Action>) {
     let solutions = bounces.solutions();
     let Some(now) = bounces.closest_to(wanted) else { return };
-    let choices: Vec<_> = solutions.iter().map(|&s| (s, name(s), meaning(s))).collect();
+    let choices: Vec<_> = solutions.iter().map(|&s| (s, s.label(), s.summary())).collect();
     edit_row(actions, "Bounce light by", &now, Edit::Solution, |solution| {
         combo_row(ui, "Bounce by", "How bounced light is computed.", solution, &choices)
     });
-    note(ui, meaning(now));
-}
-
-fn name(solution: Solution) -> &'static str {
-    match solution {
-        Solution::Cuts => "Cuts",
-        Solution::Meshless => "Meshless",
-        Solution::CutsMeshless => "Cuts over meshless",
-    }
-}
-
-fn meaning(solution: Solution) -> &'static str {
-    match solution {
-        Solution::Cuts => "One bounce, sharp in glossy and bumped surfaces.",
-        Solution::Meshless => "Many bounces, soft: the fastest while a light moves.",
-        Solution::CutsMeshless => "Many bounces, the last one sharp in glossy and bumped surfaces.",
-    }
+    note(ui, now.summary());
 }
 
 /// Leads to a bake of bounce light that loses nothing of what is baked.

@@ -12,8 +12,8 @@ use glam::Vec3;
 use lapidary_core::{
     dataset::BakeParts,
     lights::{Emission, Light},
-    meshless::BounceEnergy,
     test_scenes,
+    transport::BounceEnergy,
 };
 use lapidary_render::{Baked, Bounces, Solution, ViewMode};
 
@@ -317,9 +317,6 @@ fn bounces_are_reported_and_missing_light_comes_with_a_remedy() {
     assert_eq!(show(0.003, 0.002), (true, false, false));
     assert_eq!(show(0.1, 0.33), (true, true, true));
     assert_eq!(show(0.2, 1.0), (true, true, false), "without end");
-    panel.state_mut().document.solution = Solution::CutsMeshless;
-    panel.run();
-    assert!(panel.query_by_label_contains("Bounces: 5, the last carries").is_some(), "the one that is gathered counts");
 }
 
 /// A closed box around the origin whose triangles face outward, of which each light sees the inside.

@@ -6,6 +6,7 @@ use crate::{
     gpu::{
         addition::{Addition, PictureInputs},
         light::{GpuLight, GpuMap, GpuSources},
+        meshless::GpuMeshless,
         targets::Targets,
     },
     remedy::Remedy,
@@ -95,7 +96,7 @@ impl GpuBackend {
             self.targets = Some(Targets::new(&self.gpu, view.size));
         }
         let (before, baked) = (self.sources.take(), self.loaded().scene.sources.as_ref());
-        let shown = self.local.shown_indirect().zip(baked);
+        let shown = self.bounce.sources.as_ref().zip(baked);
         let make = |(lighting, baked)| GpuSources::new(&self.gpu, &self.passes.lit, baked, lighting, before);
         self.sources = shown.map(make).transpose()?;
         let (light, dark) = self.light_or_dark();
@@ -144,8 +145,8 @@ impl GpuBackend {
         Part::ALL.map(|part| match part {
             Part::Environment => true,
             Part::Bounce => {
-                let shows_basis = (shaded || mode.is_of_basis()) && self.local.shown_meshless().is_some();
-                self.sources.is_some() || shows_basis
+                let shows_basis = (shaded || mode.is_of_basis()) && self.bounce.functions.is_some();
+                self.sources.is_some() || shows_basis || shaded && self.bounce.is_of_vertices
             }
             Part::Direct | Part::Added => lights(part),
         })
@@ -169,7 +170,7 @@ impl GpuBackend {
         self.dark.get_or_insert_with(make).clone()
     }
 
-    /// Local lights and bounced light of the meshless basis, as far as they are shown.
+    /// Local lights, and bounced light that no merge gathers, as far as they are shown.
     fn additions(&mut self, view: &View) -> Result<Vec<Addition>, BackendError> {
         let shaded = view.mode == ViewMode::Shaded;
         let (Some(Loaded { scene, materials, .. }), Some(targets)) = (&self.scene, &self.targets) else {
@@ -181,8 +182,11 @@ impl GpuBackend {
         if shaded {
             additions = self.local_lights.prepare(&picture, &self.passes.direct);
         }
-        if let Some(light) = self.local.shown_meshless().filter(|_| shaded || view.mode.is_of_basis()) {
+        if let Some(light) = self.bounce.functions.as_ref().filter(|_| shaded || view.mode.is_of_basis()) {
             additions.extend(self.meshless.prepare(&picture, &self.passes.meshless, light, view.basis)?);
+        }
+        if shaded && self.bounce.is_of_vertices {
+            additions.extend(GpuMeshless::without_functions(&picture, &self.passes.meshless));
         }
         Ok(additions)
     }

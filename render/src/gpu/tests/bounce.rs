@@ -3,8 +3,8 @@
 
 use super::twin::{agrees, backend, difference, in_bands, on_the_cpu};
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, Components, Illumination, LocalLighting, Renderer, SceneLighting,
-    SourceLighting, SourceRig, View, ViewMode,
+    Appearance, Backend, Background, BounceLight, BrdfSampling, Components, Illumination, LocalLighting, Renderer,
+    SceneLighting, SourceRig, View, ViewMode,
     gpu::GpuBackend,
     shade::painter::PictureLight,
     test_scenes::{floor_and_wall, illumination, point_light},
@@ -26,7 +26,7 @@ struct Rig {
     gpu: GpuBackend,
     sources: SourceRig,
     environment: Arc<SceneLighting>,
-    bounce: Arc<SourceLighting>,
+    bounce: BounceLight,
     _one: MutexGuard<'static, ()>,
 }
 
@@ -51,7 +51,7 @@ impl Rig {
         gpu.set_light(&light(), &environment).unwrap();
         let mut sources = SourceRig::new(&renderer.dataset().clone().into())?;
         sources.set_environment(Some(&environment));
-        let bounce = Arc::new(sources.lighting(64));
+        let bounce = BounceLight::Sources(sources.lighting(64).into());
         let mut rig = Self { renderer, gpu, sources, environment, bounce, _one: one };
         rig.shine(Vec3::new(-1.5, 1.2, 0.4), ALL);
         Some(rig)
@@ -59,8 +59,8 @@ impl Rig {
 
     fn shine(&mut self, position: Vec3, components: Components) {
         self.sources.set_lights(&[point_light(position, 4.0)]);
-        self.bounce = self.sources.lighting(64).into();
-        let local = LocalLighting { indirect: Some(self.bounce.clone()), components, ..Default::default() };
+        self.bounce = BounceLight::Sources(self.sources.lighting(64).into());
+        let local = LocalLighting { bounce: Some(self.bounce.clone()), components, ..Default::default() };
         self.gpu.set_local_lighting(&local).unwrap();
     }
 
@@ -73,7 +73,7 @@ impl Rig {
     fn on_cpu(&self, view: &View, components: Components, sampling: BrdfSampling) -> Image {
         let light = PictureLight {
             environment: Some(&*self.environment).filter(|_| components.environment),
-            sources: Some(&*self.bounce).filter(|_| components.indirect),
+            bounce: Some(&self.bounce).filter(|_| components.indirect),
             ..Default::default()
         };
         on_the_cpu(&self.gpu, &self.renderer, view, light, sampling)

@@ -7,8 +7,8 @@ use super::{
     twin::{agrees, appearance, backend, difference, in_bands, maps, on_the_cpu, parameters, scene, view},
 };
 use crate::{
-    Appearance, Backend, Background, BasisView, BrdfSampling, Components, CpuBackend, LocalLighting, LocalRig, Post,
-    Renderer, SceneLighting, Solution, View, ViewMode,
+    Appearance, Backend, Background, BasisView, BounceLight, BrdfSampling, Components, CpuBackend, LocalLighting,
+    LocalRig, Post, Renderer, SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
     light::bounce::MeshlessLight,
     shade::painter::PictureLight,
@@ -90,8 +90,8 @@ impl Rig {
 
     fn show(&mut self, components: Components) {
         let lights: Arc<[Light]> = [point_light(Vec3::new(0.9, 1.4, 0.5), 4.0)].into();
-        let meshless = Some(self.meshless.clone());
-        let local = LocalLighting { lights, meshless, components, ..Default::default() };
+        let bounce = Some(BounceLight::Functions(self.meshless.clone()));
+        let local = LocalLighting { lights, bounce, components, ..Default::default() };
         assert!(self.gpu.set_local_lighting(&local).unwrap().is_empty(), "nothing to remark");
     }
 
@@ -106,7 +106,8 @@ impl Rig {
     }
 
     fn seen_on_cpu(&self, view: &View, meshless: &MeshlessLight) -> Image {
-        let light = PictureLight { meshless: Some(meshless), ..Default::default() };
+        let bounce = BounceLight::Functions(meshless.clone().into());
+        let light = PictureLight { bounce: Some(&bounce), ..Default::default() };
         on_the_cpu(&self.gpu, &self.renderer, view, light, BrdfSampling::Refine)
     }
 }
@@ -289,13 +290,13 @@ fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
         rig.set_lights(lights);
         let local = rig.lighting(BOUNCE, Solution::Meshless, 64);
         gpu.set_local_lighting(&local).unwrap();
-        (picture(gpu, view), local.meshless.unwrap())
+        (picture(gpu, view), local.bounce.unwrap())
     };
     let (view, light) = (wall_view(), lamp(-1.0));
     let (before, solved) = shine(&mut gpu, &light, &view);
     let uploaded = gpu.coefficients().cloned().unwrap();
-    let on_cpu = |gpu: &GpuBackend, solved: &MeshlessLight| {
-        let light = PictureLight { meshless: Some(solved), ..Default::default() };
+    let on_cpu = |gpu: &GpuBackend, solved: &BounceLight| {
+        let light = PictureLight { bounce: Some(solved), ..Default::default() };
         on_the_cpu(gpu, &renderer, &view, light, BrdfSampling::Refine)
     };
     let cpu = on_cpu(&gpu, &solved);
@@ -327,7 +328,7 @@ fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
         let local = rig.lighting(BOUNCE, solution, 64);
         assert!(gpu.set_local_lighting(&local).unwrap().is_empty());
         let shown = picture(&mut gpu, &view);
-        let light = PictureLight { sources: local.indirect.as_deref(), ..Default::default() };
+        let light = PictureLight { bounce: local.bounce.as_ref(), ..Default::default() };
         [shown, on_the_cpu(&gpu, &renderer, &view, light, BrdfSampling::Refine)]
     };
     let [one, _] = both(Solution::Cuts);

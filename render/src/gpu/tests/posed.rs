@@ -2,17 +2,24 @@
 
 use super::twin::backend;
 use crate::{
-    Backend, Components, CpuBackend, LitScene, Look,
+    Backend, Baked, Components, CpuBackend, LitScene, Look, Solution,
+    gpu::GpuBackend,
     light::implicit::tests::{blocked, posed, sky},
-    test_scenes::{from_above, point_light, rel_rmse, white},
+    test_scenes::{from_above, linked_floor_and_wall, point_light, rel_rmse, white},
 };
 use glam::Vec3;
-use lapidary_core::{image::Image, scene::pose::Pose};
+use lapidary_core::{
+    image::Image,
+    scene::pose::{Pose, Poses},
+};
 
-fn shown(backend: Box<dyn Backend>, looks: &[Look]) -> Vec<Image> {
-    let baked = blocked(white(), 12).into();
-    let mut scene = LitScene::<dyn Backend>::new(backend, baked).unwrap();
+fn shown(backend: Box<dyn Backend>, baked: &Baked, looks: &[Look]) -> Vec<Image> {
+    let mut scene = LitScene::<dyn Backend>::new(backend, baked.clone()).unwrap();
     looks.iter().map(|look| scene.show_whole(look).unwrap().image).collect()
+}
+
+fn on_both(gpu: GpuBackend, baked: &Baked, looks: &[Look]) -> [Vec<Image>; 2] {
+    [Box::new(CpuBackend::new()) as Box<dyn Backend>, Box::new(gpu)].map(|backend| shown(backend, baked, looks))
 }
 
 #[test]
@@ -28,12 +35,52 @@ fn posed_objects_look_the_same_on_both_renderers_and_as_baked_when_they_are_back
     let is_posed = Look { poses: posed(pose), ..as_baked.clone() };
     let unlit = Look { components: Components { environment: false, ..as_baked.components }, ..is_posed.clone() };
     let looks = [as_baked.clone(), is_posed, unlit, as_baked];
-    let [cpu, gpu] =
-        [Box::new(CpuBackend::new()) as Box<dyn Backend>, Box::new(gpu)].map(|backend| shown(backend, &looks));
+    let [cpu, gpu] = on_both(gpu, &blocked(white(), 12).into(), &looks);
     assert!(gpu[0] == gpu[3] && cpu[0] == cpu[3], "and back");
     // Shadow maps of the lamp have edges of their own.
     let (same, other) = (rel_rmse(&gpu[1], &cpu[1]), rel_rmse(&gpu[0], &cpu[1]));
     assert!(same < 0.05 && other > 5.0 * same, "{same}, negative control {other}");
     let (same, other) = (rel_rmse(&gpu[2], &cpu[2]), rel_rmse(&gpu[1], &cpu[2]));
     assert!(same < 0.05 && other > 5.0 * same, "without the environment: {same}, negative control {other}");
+}
+
+#[test]
+fn bounced_light_of_vertices_looks_the_same_on_both_renderers() {
+    let Some((_one, gpu)) = backend() else { return };
+    let baked = Baked::from(linked_floor_and_wall());
+    let lit = |intensity: f32, solution| Look {
+        lights: [point_light(Vec3::new(-1.0, 1.2, 0.1), intensity)].into(),
+        components: Components { indirect: true, ..Components::NONE },
+        solution,
+        ..Look::under_environment(&baked.dataset.scene, from_above(24), sky())
+    };
+    let mut slid = Poses::default();
+    slid.set(0, Pose { translate: Vec3::X * 0.3, ..Pose::AS_BAKED });
+    let looks = [
+        lit(3.0, Solution::Even),
+        lit(3.3, Solution::Even),
+        Look { poses: slid, ..lit(3.0, Solution::Even) },
+        lit(3.0, Solution::Cuts),
+        lit(3.0, Solution::Even),
+    ];
+    let [cpu, gpu] = on_both(gpu, &baked, &looks);
+    for (cpu, gpu) in cpu.iter().zip(&gpu) {
+        assert!(rel_rmse(gpu, cpu) < 1e-4, "{}", rel_rmse(gpu, cpu));
+    }
+    assert!(gpu[0] == gpu[4] && rel_rmse(&gpu[1], &cpu[0]) > 0.05, "negative control: a brighter lamp");
+    assert!(rel_rmse(&gpu[2], &cpu[0]) > 0.05 && rel_rmse(&gpu[3], &cpu[0]) > 0.05, "negative control: others");
+}
+
+#[test]
+fn a_pose_adds_bounces_where_none_are_baked() {
+    let Some((_one, gpu)) = backend() else { return };
+    let baked = Baked::from(blocked(white(), 12));
+    let look = |indirect| Look {
+        poses: posed(Pose { translate: Vec3::Y * -0.4, ..Pose::AS_BAKED }),
+        components: Components { indirect, ..Components::ALL },
+        ..Look::under_environment(&baked.dataset.scene, from_above(24), sky())
+    };
+    let [cpu, gpu] = on_both(gpu, &baked, &[look(true), look(false)]);
+    let (same, other) = (rel_rmse(&gpu[0], &cpu[0]), rel_rmse(&gpu[1], &cpu[0]));
+    assert!(same < 1e-2 && other > 5.0 * same, "{same}, negative control {other}");
 }

@@ -1,10 +1,10 @@
 //! How far the bounced light has moved since the pixels that it shows in were shaded. An edited material changes
 //! the light of all that it shines on, most of it by less than a display can show.
 
-use super::functions::is_back_lit;
+use super::functions::{MeshlessLight, is_back_lit};
 use crate::{
     baked::Baked,
-    light::{bounce::SourceLighting, local::LocalLighting},
+    light::{bounce::SourceLighting, local::LocalLighting, solver::BounceLight},
 };
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
@@ -40,12 +40,12 @@ impl Drift {
     /// Adds the change from one light to another. Returns the patches that are to be shaded again, one bit each; `None` for
     /// all. It is always called for one scene.
     pub fn add(&mut self, baked: &Baked, old: &LocalLighting, new: &LocalLighting) -> Option<u64> {
-        let (changes, patches) = match (old.shown_indirect(), new.shown_indirect()) {
-            (Some(old), Some(new)) => {
+        let (changes, patches) = match (old.shown_bounce()?, new.shown_bounce()?) {
+            (BounceLight::Sources(old), BounceLight::Sources(new)) => {
                 let of_vertices = baked.patches().iter().map(|patch| 1 << patch).collect();
                 (gathered_changes(baked, old, new)?, of_vertices)
             }
-            (None, None) => self.changes_of_functions(baked, old, new)?,
+            (BounceLight::Functions(old), BounceLight::Functions(new)) => self.changes_of_functions(baked, old, new)?,
             _ => return None,
         };
         Some(self.add_changes(changes, &patches))
@@ -54,10 +54,9 @@ impl Drift {
     fn changes_of_functions(
         &mut self,
         baked: &Baked,
-        old: &LocalLighting,
-        new: &LocalLighting,
+        old: &MeshlessLight,
+        new: &MeshlessLight,
     ) -> Option<(Vec<f32>, Vec<u64>)> {
-        let (old, new) = old.shown_meshless().zip(new.shown_meshless())?;
         if self.points.is_none() {
             self.points = Some(BasisPoints::new(baked)?);
         }

@@ -8,9 +8,10 @@ use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
     lights::Light,
-    meshless::{BounceEnergy, Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
+    meshless::{Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
     ray::offset,
     surfel::Surfel,
+    transport::BounceEnergy,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -117,7 +118,8 @@ impl MeshlessRig {
 mod tests {
     use super::*;
     use crate::{
-        Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Renderer, View,
+        Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Renderer,
+        View,
         test_scenes::{LINK, from_above, illumination, linked, linked_floor_and_wall},
     };
     use lapidary_core::{
@@ -305,7 +307,8 @@ mod tests {
         let picture = |rig: &mut LocalRig| {
             let indirect = Components { indirect: true, ..Components::NONE };
             let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
-            (bounce_at_center(&baked, &lighting, &from_above(8)), lighting.meshless.unwrap())
+            let Some(BounceLight::Functions(light)) = &lighting.bounce else { panic!("no functions") };
+            (bounce_at_center(&baked, &lighting, &from_above(8)), light.clone())
         };
         rig.set_lights(&lamp(3.0));
         let (once, light) = picture(&mut rig);

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::{
-    Backend, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer, View, ViewMode,
+    Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer, View, ViewMode,
     test_scenes::{
         LIGHTS, SIDE_LOG2, SOURCES, WALL, floor_and_wall, from_above, from_the_side, illumination, light, point_light,
         seen,
@@ -36,8 +36,8 @@ const INDIRECT: Components = Components { indirect: true, ..Components::NONE };
 fn picture(dataset: &Arc<Dataset>, lighting: &SourceLighting, view: &View, sampling: BrdfSampling) -> Image {
     let mut backend = CpuBackend::new();
     backend.set_scene(&dataset.clone().into()).unwrap();
-    let indirect = Some(Arc::new(lighting.clone()));
-    let local = LocalLighting { indirect, components: INDIRECT, ..Default::default() };
+    let bounce = Some(BounceLight::Sources(Arc::new(lighting.clone())));
+    let local = LocalLighting { bounce, components: INDIRECT, ..Default::default() };
     backend.set_local_lighting(&local).unwrap();
     backend.begin(view, sampling).unwrap();
     backend.render_rows(0, 0..view.size[1]).unwrap();
@@ -57,24 +57,23 @@ fn floor_image(view: &View, f: impl Fn(Vec3) -> Vec3) -> Image {
     })
 }
 
-fn uniform(rig: &mut SourceRig, irradiance: f32) -> SourceLighting {
-    rig.set_further(Some(vec![Vec3::splat(irradiance); SOURCES]));
-    rig.lighting(SOURCES as u32)
+fn uniform(rig: &SourceRig, irradiance: f32) -> SourceLighting {
+    rig.lighting_with(&[Vec3::splat(irradiance); SOURCES], SOURCES as u32)
 }
 
 #[test]
 fn the_bounce_of_a_wall_is_that_of_its_form_factor() {
     let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
-    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let rig = SourceRig::new(&dataset.clone().into()).unwrap();
     let view = from_above(24);
     let albedo = Vec3::new(0.6, 0.3, 0.1);
     let expected = floor_image(&view, |p| albedo * (5.0 / PI) * (form_factor(p) / PI));
     for depth in [2 * SIDE_LOG2, 6, 4] {
         let dataset = Arc::new(floor_and_wall(depth));
-        let shown = picture(&dataset, &uniform(&mut rig, 5.0), &view, BrdfSampling::Refine);
+        let shown = picture(&dataset, &uniform(&rig, 5.0), &view, BrdfSampling::Refine);
         assert!(rel_rmse(&shown, &expected) < 0.02, "depth {depth}: {}", rel_rmse(&shown, &expected));
     }
-    let brighter = picture(&dataset, &uniform(&mut rig, 5.5), &view, BrdfSampling::Refine);
+    let brighter = picture(&dataset, &uniform(&rig, 5.5), &view, BrdfSampling::Refine);
     assert!(rel_rmse(&brighter, &expected) > 0.08, "negative control");
 }
 
@@ -272,7 +271,7 @@ fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
     let light = illumination([64, 32], |x, _| Vec3::splat(0.1 * x as f32));
     let lighting = Arc::new(Renderer::new(dataset.clone()).lighting(&light, 64));
     rig.set_environment(Some(&lighting));
-    let indirect = Some(Arc::new(rig.lighting(64)));
+    let bounce = Some(BounceLight::Sources(Arc::new(rig.lighting(64))));
     let mut backend = CpuBackend::new();
     let lamps: Arc<[Light]> = [point_light(Vec3::new(0.5, 1.5, 0.0), 3.0)].into();
     let mut bare = (*dataset).clone();
@@ -281,8 +280,7 @@ fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
     let mut show = |dataset: &Arc<Dataset>, components, mode| {
         backend.set_scene(&dataset.clone().into()).unwrap();
         backend.set_light(&light, &lighting).unwrap();
-        let local =
-            LocalLighting { lights: lamps.clone(), indirect: indirect.clone(), components, ..Default::default() };
+        let local = LocalLighting { lights: lamps.clone(), bounce: bounce.clone(), components, ..Default::default() };
         backend.set_local_lighting(&local).unwrap();
         let view = View { mode, ..from_above(12) };
         backend.begin(&view, BrdfSampling::Refine).unwrap();

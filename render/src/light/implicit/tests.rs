@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     Backend, Components, CpuBackend, LitScene, Look, Renderer,
-    light::components::Solution,
+    light::solver::solutions::Solution,
     test_scenes::{dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, rel_rmse, white},
 };
 use lapidary_core::{

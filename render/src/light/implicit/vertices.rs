@@ -3,8 +3,8 @@
 use lapidary_core::{
     dataset::Dataset,
     implicit::{Receiver, VertexWeights},
-    meshless::Coefficient,
     surfel::disc_forest::DiscForest,
+    transport::Coefficient,
 };
 
 /// Weights of leaves at vertices.

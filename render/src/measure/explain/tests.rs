@@ -2,7 +2,8 @@
 
 use super::{cut_map::CutMap, *};
 use crate::{
-    Backend, Background, Components, CpuBackend, Illumination, LocalLighting, SceneLighting, SourceLighting,
+    Backend, Background, BounceLight, Components, CpuBackend, Illumination, LocalLighting, SceneLighting,
+    SourceLighting,
     test_scenes::{LIGHTS, dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, white},
 };
 use lapidary_core::{
@@ -123,7 +124,8 @@ fn rendered(renderer: &Renderer, view: &View, lighting: &Arc<SourceLighting>) ->
     let mut backend = CpuBackend::new();
     backend.set_scene(&renderer.dataset.clone().into()).unwrap();
     let components = Components { indirect: true, ..Components::NONE };
-    let local = LocalLighting { indirect: Some(lighting.clone()), components, ..Default::default() };
+    let local =
+        LocalLighting { bounce: Some(BounceLight::Sources(lighting.clone())), components, ..Default::default() };
     backend.set_local_lighting(&local).unwrap();
     backend.begin(&View { background: Background::Flat(Vec3::ZERO), ..view.clone() }, BrdfSampling::Refine).unwrap();
     backend.render_rows(0, 0..view.size[1]).unwrap();

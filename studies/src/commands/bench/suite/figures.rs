@@ -112,7 +112,7 @@ impl Subject<'_> {
             let name = self.named("lit cuts, environment");
             measure_lit_cuts(meter, name, &dataset.cuts, CutValues::Visibility, &lighting.nodes.radiance)?;
         }
-        let sources = self.scene.local().and_then(|local| local.indirect.as_ref()).zip(dataset.indirect.as_ref());
+        let sources = self.scene.local().and_then(|local| local.sources()).zip(dataset.indirect.as_ref());
         if let Some((lighting, indirect)) = sources {
             let name = self.named("lit cuts, sources");
             measure_lit_cuts(meter, name, &indirect.cuts, CutValues::SolidAngles, &lighting.nodes.radiance)?;

@@ -1,0 +1,55 @@
+//! The bounced light of a picture, by the passes that show it.
+
+use crate::light::{
+    bounce::{MeshlessLight, SourceLighting},
+    implicit::{PosedLight, Sides},
+    local::LocalLighting,
+    solver::BounceLight,
+};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Bounced light as the passes show it.
+#[derive(Default)]
+pub struct ShownBounce {
+    /// Gathered in the merge.
+    pub sources: Option<Arc<SourceLighting>>,
+    /// Evaluated in a pass of their own.
+    pub functions: Option<Arc<MeshlessLight>>,
+    /// Whether there is only light of vertices, which else the other passes add.
+    pub is_of_vertices: bool,
+    /// Light of vertices: what posed objects change, and in its bounces those as baked that are of vertices too.
+    pub posed: Option<Arc<PosedLight>>,
+}
+
+impl ShownBounce {
+    /// That of a picture.
+    pub fn of(local: &LocalLighting) -> Self {
+        let none = Self { posed: local.posed.clone(), ..Self::default() };
+        match local.shown_bounce() {
+            Some(BounceLight::Sources(lighting)) => Self { sources: Some(lighting.clone()), ..none },
+            Some(BounceLight::Functions(light)) => Self { functions: Some(light.clone()), ..none },
+            Some(BounceLight::Vertices(sides)) => {
+                let posed = with_bounce(local.posed.as_deref(), sides);
+                Self { is_of_vertices: true, posed: Some(posed.into()), ..none }
+            }
+            None => Self { is_of_vertices: local.posed.is_some() && local.components.indirect, ..none },
+        }
+    }
+}
+
+/// Adds bounced light as baked to vertices that have not moved.
+fn with_bounce(posed: Option<&PosedLight>, as_baked: &Sides) -> PosedLight {
+    let dark = || Sides { front: vec![Vec3::ZERO; as_baked.front.len()], back: vec![Vec3::ZERO; as_baked.back.len()] };
+    let mut sum = posed.cloned().unwrap_or_else(|| PosedLight {
+        is_moved: vec![false; as_baked.front.len()].into(),
+        growth: dark(),
+        uncovered: dark(),
+        bounce: dark(),
+    });
+    for (sums, side) in [(&mut sum.bounce.front, &as_baked.front), (&mut sum.bounce.back, &as_baked.back)] {
+        let stays = sums.iter_mut().zip(side).zip(&*sum.is_moved).filter(|(_, moved)| !**moved);
+        stays.for_each(|((sum, as_baked), _)| *sum += *as_baked);
+    }
+    sum
+}

@@ -1,0 +1,122 @@
+//! The least solver: irradiance that is the same everywhere. It shows that a solver is added by its file and its line in the list
+//! of solutions, and it takes its time.
+
+use super::{
+    BounceLight, BounceSolver, Lit,
+    shared::Rigs,
+    solutions::{Bounces, Described},
+};
+use crate::{
+    appearance::Appearance,
+    baked::Baked,
+    light::{environment::SceneLighting, implicit::Sides},
+};
+use glam::Vec3;
+use lapidary_core::{lights::Light, transport::BounceEnergy};
+use std::sync::Arc;
+
+/// Gives all surfaces the intensities of the lights as irradiance, a half of what is missing in each step.
+pub struct Even {
+    vertices: usize,
+    wanted: Vec3,
+    steps: u32,
+    light: Option<Arc<Sides>>,
+}
+
+/// Steps until the light is whole.
+const STEPS: u32 = 3;
+
+impl Described for Even {
+    const LABEL: &'static str = "Even";
+    const SUMMARY: &'static str = "As much light everywhere.";
+    const METHOD: &'static str = "Irradiance of the lights' intensities";
+    const BOUNCES: u32 = STEPS;
+    const NEEDS: Bounces = Bounces { cuts: true, meshless: true };
+
+    fn new(baked: &Baked, _: &Rigs) -> Option<Self> {
+        let vertices = baked.dataset.scene.mesh.positions.len();
+        Some(Self { vertices, wanted: Vec3::ZERO, steps: 0, light: None })
+    }
+}
+
+impl Lit for Even {
+    fn set_appearance(&mut self, _: &Arc<Appearance>) {}
+
+    fn set_lights(&mut self, lights: &Arc<[Light]>) {
+        self.wanted = lights.iter().map(|light| light.intensity).sum();
+        (self.steps, self.light) = (0, None);
+    }
+
+    fn set_environment(&mut self, _: Option<&Arc<SceneLighting>>) {}
+}
+
+impl BounceSolver for Even {
+    fn advance(&mut self) -> bool {
+        if self.steps < STEPS {
+            self.steps += 1;
+            let side = vec![self.wanted * (1.0 - 0.5_f32.powi(self.steps as i32)); self.vertices];
+            self.light = Some(Sides { front: side.clone(), back: side }.into());
+        }
+        self.steps < STEPS
+    }
+
+    fn light(&self) -> Option<BounceLight> {
+        self.light.clone().map(BounceLight::Vertices)
+    }
+
+    fn energy(&self) -> Option<BounceEnergy> {
+        let means: Vec<Vec3> = (0..=self.steps).map(|step| self.wanted * 0.5_f32.powi(step as i32)).collect();
+        Some(BounceEnergy::of(&means))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Components, CpuBackend, LitScene, Look, Solution, View,
+        test_looks::look,
+        test_scenes::{from_above, linked_floor_and_wall, point_light},
+    };
+    use std::f32::consts::FRAC_1_PI;
+
+    #[test]
+    fn a_solver_by_its_file_and_its_line_is_seen_in_a_picture() {
+        let baked = Baked::from(linked_floor_and_wall());
+        let appearance = Appearance::of(&baked.dataset.scene);
+        let albedo = appearance.albedo(&baked.dataset.scene.mesh, Default::default());
+        let light = |intensity: f32| point_light(Vec3::new(-1.0, 1.2, 0.1), intensity);
+        let mut scene = LitScene::new(Box::new(CpuBackend::new()), baked.clone()).unwrap();
+        let mut at_center = |solution, intensity| {
+            let components = Components { indirect: true, ..Components::NONE };
+            let (view, lights) = (View { aa: 1, ..from_above(8) }, [light(intensity)].into());
+            let look = Look { appearance: appearance.clone(), lights, components, solution, view, ..look() };
+            scene.show_whole(&look).unwrap().image.pixels[27]
+        };
+        for intensity in [2.0, 4.0] {
+            let (found, expected) = (at_center(Solution::Even, intensity), albedo * intensity * 0.875 * FRAC_1_PI);
+            assert!((found - expected).length() < 1e-5 * expected.length(), "{found} for {expected}");
+            assert!((at_center(Solution::Cuts, intensity) - expected).length() > 0.1 * expected.length(), "control");
+        }
+    }
+
+    #[test]
+    fn it_is_listed_as_the_others_are_and_light_may_be_shown_before_it_is_whole() {
+        let baked = Baked::from(linked_floor_and_wall());
+        assert!(Bounces::of(&baked.dataset).solutions().contains(&Solution::Even));
+        assert_eq!((Solution::Even.label(), Solution::Even.bounces()), ("Even", STEPS));
+        let rigs = Rigs::new(&baked);
+        let mut solver = Solution::Even.solver(&baked, &rigs).unwrap();
+        solver.set_lights(&[point_light(Vec3::ZERO, 8.0)].into());
+        assert!(solver.light().is_none());
+        let mut steps = Vec::new();
+        while {
+            let goes_on = solver.advance();
+            let Some(BounceLight::Vertices(light)) = solver.light() else { panic!("no light") };
+            steps.push(light.front[0].x);
+            goes_on
+        } {}
+        assert_eq!(steps, [4.0, 6.0, 7.0]);
+        assert_eq!(solver.energy().unwrap().bounces, STEPS);
+    }
+}

@@ -1,0 +1,163 @@
+//! The list of all solutions. A new one is a file beside this one, and its line here.
+
+use super::{
+    BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver, shared::Rigs,
+};
+use crate::baked::Baked;
+use lapidary_core::dataset::Dataset;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+#[cfg(test)]
+use super::even::Even;
+
+/// A solver with what lists say of it.
+pub trait Described: BounceSolver + Sized + 'static {
+    /// Name for people.
+    const LABEL: &'static str;
+    /// What it is good for, in a sentence.
+    const SUMMARY: &'static str;
+    /// How it computes, for the command line.
+    const METHOD: &'static str;
+    /// Bounces between surfaces that its pictures contain.
+    const BOUNCES: u32;
+    /// What a dataset must have for it.
+    const NEEDS: Bounces;
+
+    /// One for a dataset with the materials of its bake and without light; `None` if the dataset lacks what it needs.
+    fn new(baked: &Baked, rigs: &Rigs) -> Option<Self>;
+}
+
+macro_rules! solutions {
+    ($($(#[$attribute:meta])* $variant:ident($solver:ty) = $key:literal,)*) => {
+        /// How bounced light is computed.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum Solution {
+            $($(#[$attribute])* #[doc = concat!("`", $key, "`, see [`Self::method`].")] #[serde(rename = $key)] $variant,)*
+        }
+
+        impl Solution {
+            /// All of them, in the order of lists. The first is the default.
+            pub const ALL: &'static [Self] = &[$($(#[$attribute])* Self::$variant,)*];
+
+            /// Its name in files and on the command line.
+            pub const fn key(self) -> &'static str {
+                match self { $($(#[$attribute])* Self::$variant => $key,)* }
+            }
+
+            /// Its name for people.
+            pub const fn label(self) -> &'static str {
+                match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::LABEL,)* }
+            }
+
+            /// What it is good for, in a sentence.
+            pub const fn summary(self) -> &'static str {
+                match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::SUMMARY,)* }
+            }
+
+            /// How it computes, for the command line.
+            pub const fn method(self) -> &'static str {
+                match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::METHOD,)* }
+            }
+
+            /// Bounces between surfaces that a picture by this solution contains.
+            pub const fn bounces(self) -> u32 {
+                match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::BOUNCES,)* }
+            }
+
+            /// What a dataset must have for it.
+            pub const fn needs(self) -> Bounces {
+                match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::NEEDS,)* }
+            }
+
+            /// Its solver for a dataset; `None` if the dataset lacks what it needs.
+            pub(crate) fn solver(self, baked: &Baked, rigs: &Rigs) -> Option<Box<dyn BounceSolver>> {
+                match self {
+                    $($(#[$attribute])* Self::$variant => Some(Box::new(<$solver as Described>::new(baked, rigs)?)),)*
+                }
+            }
+        }
+    };
+}
+
+solutions! {
+    Cuts(CutsSolver) = "cuts",
+    Meshless(MeshlessSolver) = "meshless",
+    CutsMeshless(CutsOverMeshless) = "cuts+meshless",
+    #[cfg(test)]
+    Even(Even) = "even",
+}
+
+impl Default for Solution {
+    fn default() -> Self {
+        Self::ALL[0]
+    }
+}
+
+impl fmt::Display for Solution {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+/// The means of bounced light that a dataset has, or that a solution needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bounces {
+    /// Surface samples and their visibility cuts.
+    pub cuts: bool,
+    /// A meshless basis and its transport.
+    pub meshless: bool,
+}
+
+impl Bounces {
+    /// Those of a dataset.
+    pub fn of(dataset: &Dataset) -> Self {
+        Self { cuts: dataset.indirect.is_some(), meshless: dataset.meshless.is_some() }
+    }
+
+    /// Whether there are any.
+    pub fn any(self) -> bool {
+        self.cuts || self.meshless
+    }
+
+    /// Whether there is all that is needed.
+    pub fn has(self, needs: Self) -> bool {
+        (self.cuts || !needs.cuts) && (self.meshless || !needs.meshless)
+    }
+
+    /// The solutions that can be chosen.
+    pub fn solutions(self) -> Vec<Solution> {
+        Solution::ALL.iter().copied().filter(|solution| self.has(solution.needs())).collect()
+    }
+
+    /// The wanted solution, or else one that there is.
+    pub fn closest_to(self, wanted: Solution) -> Option<Solution> {
+        let solutions = self.solutions();
+        solutions.iter().find(|&&s| s == wanted).or(solutions.first()).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_baked_can_be_chosen() {
+        let bounces = |cuts, meshless| Bounces { cuts, meshless };
+        assert!(bounces(false, false).solutions().is_empty());
+        assert_eq!(bounces(false, false).closest_to(Solution::Cuts), None);
+        assert_eq!(bounces(true, false).closest_to(Solution::CutsMeshless), Some(Solution::Cuts));
+        assert_eq!(bounces(false, true).solutions(), [Solution::Meshless]);
+        assert_eq!(bounces(true, true).closest_to(Solution::CutsMeshless), Some(Solution::CutsMeshless));
+    }
+
+    #[test]
+    fn names_are_those_of_files() {
+        for &solution in Solution::ALL {
+            let text = serde_json::to_string(&solution).unwrap();
+            assert_eq!(text, format!("\"{solution}\""));
+            assert_eq!(serde_json::from_str::<Solution>(&text).unwrap(), solution);
+        }
+        assert_eq!(Solution::default(), Solution::Cuts);
+    }
+}
