@@ -51,6 +51,7 @@ pub use light::{
     buried::is_buried,
     components::{Bounces, Components, Solution},
     environment::{Illumination, LightRig, SceneLighting},
+    implicit::seen::{CoreSight, CoreSights, LeafSight, LeafSights, SeenLight},
     local::{LocalLighting, LocalRig},
 };
 pub use lit_scene::{FinishedPicture, LitScene};

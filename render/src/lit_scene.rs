@@ -138,7 +138,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
             let posed = self.baked.posed(poses).map_err(BackendError::Pose)?;
             let posed = match poses.is_empty() {
                 true => posed,
-                false => self.pose_rig.get_or_insert_with(|| PoseRig::new(&self.baked)).pose(posed, poses),
+                false => self
+                    .pose_rig
+                    .get_or_insert_with(|| PoseRig::new(&self.baked, self.backend.sights()))
+                    .pose(posed, poses),
             };
             // The rigs light the scene as it was baked, which the pose rig's light is added to.
             self.backend.set_scene(&posed).inspect_err(|_| (self.pose_rig, self.lit) = (None, None))?;

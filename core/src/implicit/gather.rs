@@ -71,8 +71,7 @@ impl Views {
     }
 
     fn of_leaves(&self, value: impl Fn(u32) -> Vec3 + Sync) -> Vec<Vec3> {
-        let leaves = self.first_leaf()..self.first_leaf() + self.leaves() as u32;
-        leaves.into_par_iter().with_min_len(64).map(&value).collect()
+        (0..self.leaves() as u32).into_par_iter().with_min_len(64).map(&value).collect()
     }
 }
 

@@ -35,7 +35,8 @@ impl Views {
         Self::of_nodes(turn, 0, keys)
     }
 
-    /// Of nodes by leaf and cell, from a leaf on, with holes closed already.
+    /// Of nodes by leaf and cell, with holes closed already. Where they do not begin with the first leaf, they can be looked up, and
+    /// not be gathered.
     pub fn of_nodes(turn: f32, first_leaf: u32, nodes: Vec<u32>) -> Self {
         Self { turn: turn.to_bits(), first_leaf, nodes }
     }
@@ -44,11 +45,6 @@ impl Views {
     pub fn of_leaf(&self, leaf: u32) -> &[u32] {
         let first = (leaf - self.first_leaf) as usize * CELLS.len();
         &self.nodes[first..first + CELLS.len()]
-    }
-
-    /// The leaf that comes first.
-    pub fn first_leaf(&self) -> u32 {
-        self.first_leaf
     }
 
     /// Number of leaves.

@@ -6,6 +6,7 @@
 
 mod forest;
 mod light;
+mod sight;
 
 pub use forest::GpuForest;
 

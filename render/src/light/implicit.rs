@@ -7,6 +7,7 @@
 
 mod covered;
 mod cuts;
+pub(crate) mod seen;
 mod sky;
 mod vertices;
 
@@ -21,13 +22,14 @@ use crate::{
 use covered::{Covered, Left};
 use glam::Vec3;
 use lapidary_core::{
-    implicit::{Bins, Drag, LeafLight, Lighting, Views},
+    implicit::Lighting,
     lights::Light,
     scene::{Mesh, pose::Poses},
-    surfel::forest::SurfelForest,
+    surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
+use seen::{LeafSight, LeafSights, SeenLight};
 use sky::SkyGrid;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 use vertices::VertexLeaves;
 
 /// Leaves of the surfel forest.
@@ -83,13 +85,14 @@ pub struct PoseRig {
     /// Light of the leaves as baked, and what it was found of: a drag does not change it.
     lit_as_baked: Option<(Lit, [Vec<Vec3>; 2])>,
     vertices: VertexLeaves,
-    posed: Seen,
+    /// What looks for the leaves.
+    sights: Box<dyn LeafSights>,
+    /// `None` before the scene was ever posed.
+    posed: Option<Seen>,
     poses: Poses,
     covered: Covered,
     /// The boxes of what moved.
     left: Vec<Left>,
-    /// While one object moves: what is seen of the others.
-    drag: Option<Drag>,
     is_moved: Arc<[bool]>,
 }
 
@@ -112,14 +115,16 @@ impl Lit {
 /// A scene under one pose, and what its leaves see.
 struct Seen {
     forest: SurfelForest,
-    views: Views,
+    sight: Box<dyn LeafSight>,
     points: LitPoints,
 }
 
 impl Seen {
-    fn new(baked: &Baked, forest: SurfelForest, views: Views) -> Self {
+    /// A scene to whose vertices a forest was updated, after some objects have moved.
+    fn new(baked: &Baked, forest: SurfelForest, mut sight: Box<dyn LeafSight>, changed: &[u32]) -> Self {
+        sight.look(&forest, &baked.dataset.scene.mesh.positions, changed);
         let points = LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES);
-        Self { forest, views, points }
+        Self { forest, sight, points }
     }
 
     /// Irradiance of the leaves from the sky, and that of all bounces.
@@ -127,15 +132,13 @@ impl Seen {
         self.points.set_appearance(&by.appearance);
         self.points.set_lights(&by.lights);
         let sky = |direction| sky.radiance(direction);
-        let of_sky = self.views.irradiance_of_sky(self.forest.discs(), &sky);
         let lighting = Lighting {
             reflectance: self.points.albedo(),
             emitted: self.points.emission(),
             received: &self.points.irradiance(),
             sky: &sky,
         };
-        let LeafLight { direct, bounced } =
-            LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces as usize);
+        let SeenLight { of_sky, direct, bounced } = self.sight.light(self.forest.discs(), &lighting, by.bounces);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
         let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
         let others = others.collect();
@@ -144,20 +147,20 @@ impl Seen {
 }
 
 impl PoseRig {
-    /// For a scene as it was baked; takes some tenths of a second.
-    pub fn new(baked: &Baked) -> Self {
+    /// For a scene as it was baked, whose leaves look by the cores or an adapter; takes some tenths of a second.
+    pub fn new(baked: &Baked, sights: Box<dyn LeafSights>) -> Self {
         let dataset = &baked.dataset;
         let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, SURFELS);
-        let views = Bins::walk(forest.discs(), TURN, &|_| true).views();
+        let sight = sights.sight(&forest, dataset.scene.mesh.positions.len(), TURN);
         Self {
             vertices: VertexLeaves::new(forest.discs(), dataset),
             covered: Covered::new(dataset, &forest),
-            posed: Seen::new(baked, forest.clone(), views.clone()),
+            sights,
+            posed: None,
             lit_as_baked: None,
-            as_baked: Seen::new(baked, forest, views),
+            as_baked: Seen::new(baked, forest, sight, &[]),
             poses: Poses::default(),
             left: Vec::new(),
-            drag: None,
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
         }
     }
@@ -166,25 +169,23 @@ impl PoseRig {
     pub fn pose(&mut self, posed: Baked, poses: &Poses) -> Baked {
         let mesh = &posed.dataset.scene.mesh;
         let changed: Vec<u32> = self.poses.differing(poses).collect();
-        let mut forest = self.posed.forest.clone();
+        let (mut forest, sight) =
+            self.posed.take().map_or_else(|| self.before_poses(), |seen| (seen.forest, seen.sight));
         forest.update(&mesh.positions, &|object| changed.contains(&object));
-        let views = self.bins(&forest, &changed).views();
-        self.posed = Seen::new(&posed, forest, views);
+        let seen = self.posed.insert(Seen::new(&posed, forest, sight, &changed));
         (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
         self.left = self.covered.left(poses, mesh);
-        let bins = (self.posed.forest.discs(), &self.posed.views, TURN);
-        let cuts = cuts::of_moved(&posed.dataset, bins, &self.vertices, &self.is_moved);
+        let forest = seen.forest.discs();
+        let views = seen.sight.views(forest, leaves_of(forest, poses));
+        let cuts = cuts::of_moved(&posed.dataset, (forest, &views, TURN), &self.vertices, &self.is_moved);
         posed.with_cuts(cuts)
     }
 
-    /// What the leaves see after some objects have moved. While it is always the same one, only that is walked.
-    fn bins(&mut self, forest: &SurfelForest, changed: &[u32]) -> Bins {
-        let &[object] = changed else {
-            self.drag = None;
-            return Bins::walk(forest.discs(), TURN, &|_| true);
-        };
-        let drag = self.drag.take().filter(|drag| drag.object() == object);
-        self.drag.insert(drag.unwrap_or_else(|| Drag::begin(forest.discs(), TURN, object))).frame(forest.discs())
+    /// The forest as baked, and what will look for it under poses.
+    fn before_poses(&self) -> (SurfelForest, Box<dyn LeafSight>) {
+        let forest = self.as_baked.forest.clone();
+        let sight = self.sights.sight(&forest, self.is_moved.len(), TURN);
+        (forest, sight)
     }
 
     /// The light of the posed scene under an environment, if it is shown, and local lights, with as many bounces as the picture has.
@@ -197,7 +198,7 @@ impl PoseRig {
     ) -> PosedLight {
         let (sky, bounces) = (SkyGrid::new(environment.map(|lighting| &**lighting)), bounces.min(MOST_BOUNCES));
         let by = Lit { environment: environment.cloned(), lights, appearance: appearance.clone(), bounces };
-        let posed = self.posed.lit(&sky, &by);
+        let posed = self.posed.as_mut().unwrap_or(&mut self.as_baked).lit(&sky, &by);
         let known = self.lit_as_baked.take().filter(|(known, _)| known.is_same(&by));
         let (_, as_baked) = self.lit_as_baked.insert(known.unwrap_or_else(|| {
             let as_baked = self.as_baked.lit(&sky, &by);
@@ -223,6 +224,12 @@ impl PoseRig {
             bounce: combined(&posed_bounce, &baked_bounce, more),
         }
     }
+}
+
+/// From the first leaf of all objects that are elsewhere than they were baked to their last.
+fn leaves_of(forest: &DiscForest, poses: &Poses) -> Range<u32> {
+    let moved = poses.moved().map(|object| forest.leaves_of(object)).filter(|leaves| !leaves.is_empty());
+    moved.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
 }
 
 /// `now / before` per channel, within bounds; 1 where there was no light.

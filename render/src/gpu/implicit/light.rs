@@ -12,11 +12,12 @@ use crate::{
         readback::read_range,
         scene::{storage, uniform},
     },
+    light::implicit::seen::SeenLight,
 };
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::{Vec3, Vec4};
 use lapidary_core::{
-    implicit::{LeafLight, Lighting, Sky},
+    implicit::{Lighting, Sky},
     sphere::octahedron,
 };
 
@@ -45,12 +46,11 @@ impl LightBuffers {
 }
 
 impl GpuForest {
-    /// Irradiance of the leaves from the sky alone, and all of it up to so many bounces, by what they saw at the last walk. Of the
-    /// sky the values at the middles of the cells of an octahedron count ([`octahedron`]).
+    /// Irradiance of the leaves up to so many bounces, by what they saw at the last walk. Of the sky the values at the middles of the cells of an octahedron count ([`octahedron`]).
     ///
     /// # Errors
     /// A lost device.
-    pub fn light(&mut self, lighting: &Lighting, bounces: usize) -> Result<(Vec<Vec3>, LeafLight), BackendError> {
+    pub fn light(&mut self, lighting: &Lighting, bounces: u32) -> Result<SeenLight, BackendError> {
         let gpu = &self.on.gpu;
         gpu.queue.write_buffer(&self.light.lighting, 0, cast_slice(&packed_lighting(lighting)));
         gpu.queue.write_buffer(&self.light.sky, 0, cast_slice(&cells_of_sky(lighting.sky)));
@@ -60,10 +60,11 @@ impl GpuForest {
         }
         let light: Vec<LeafIrradiance> = read_range(&self.on.gpu, &self.light.irradiance, 0..self.leaves as usize)?;
         let part = |of: fn(&LeafIrradiance) -> [f32; 4]| light.iter().map(|leaf| color(of(leaf))).collect();
-        Ok((
-            part(|leaf| leaf.of_sky),
-            LeafLight { direct: part(|leaf| leaf.direct), bounced: part(|leaf| leaf.bounced) },
-        ))
+        Ok(SeenLight {
+            of_sky: part(|leaf| leaf.of_sky),
+            direct: part(|leaf| leaf.direct),
+            bounced: part(|leaf| leaf.bounced),
+        })
     }
 
     /// One bounce, or before all of them the light of what emits and of the sky.

@@ -5,16 +5,27 @@ use super::{
     *,
 };
 use crate::gpu::{device::is_emulated, layout::Disc, readback::read_range, tests::twin::on_adapter};
+use crate::{
+    Appearance, Baked, CoreSights, LeafSights, Renderer,
+    light::implicit::{
+        PoseRig, PosedLight,
+        tests::{blocked, posed, sky},
+    },
+    test_scenes::white,
+};
 use bytemuck::{Pod, bytes_of};
 use glam::{Mat3, Vec3};
 use lapidary_core::{
     implicit::{Bins, CELLS, Drag, EMPTY, LeafLight, Lighting, node_of},
-    scene::Mesh,
+    scene::{
+        Mesh,
+        pose::{Pose, Poses},
+    },
     sphere::octahedron,
     surfel::forest::nodes::Block,
     test_scenes::{cuboid, quad, room, scene_of},
 };
-use std::sync::MutexGuard;
+use std::sync::{Arc, MutexGuard};
 
 const TURN: f32 = 0.3;
 
@@ -169,10 +180,15 @@ fn views_of_poses_and_of_a_drag_are_those_of_the_twin() {
     assert_eq!(gpu.views(3..3).unwrap().leaves(), 0);
 }
 
-/// Most that a value differs, relative to the mean of the other values.
+/// Most that a value differs from another.
+fn farthest(found: &[Vec3], expected: &[Vec3]) -> f32 {
+    found.iter().zip(expected).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
+}
+
+/// The same in means of the other values.
 fn worst(found: &[Vec3], expected: &[Vec3]) -> f32 {
     let mean = expected.iter().map(|e| e.element_sum() / 3.0).sum::<f32>() / expected.len() as f32;
-    found.iter().zip(expected).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max) / mean
+    farthest(found, expected) / mean
 }
 
 #[test]
@@ -191,17 +207,17 @@ fn light_is_that_of_the_twin() {
     let sky = |direction: Vec3| octahedron::direction_of(octahedron::cell_of(direction)) * 20.0 + 20.0;
     let lighting = Lighting { reflectance: &reflectance, emitted: &emitted, received: &received, sky: &sky };
     let twin = LeafLight::new(discs, &views, &lighting, 2);
-    let (of_sky, light) = gpu.light(&lighting, 2).unwrap();
+    let light = gpu.light(&lighting, 2).unwrap();
     let twin_of_sky = views.irradiance_of_sky(discs, &sky);
     let errors =
-        [worst(&of_sky, &twin_of_sky), worst(&light.direct, &twin.direct), worst(&light.bounced, &twin.bounced)];
+        [worst(&light.of_sky, &twin_of_sky), worst(&light.direct, &twin.direct), worst(&light.bounced, &twin.bounced)];
     println!("irradiance of sky, emission and bounces differs by {errors:?}");
     assert!(errors.iter().all(|&error| error < 1e-5), "{errors:?}");
-    let (_, one) = gpu.light(&lighting, 1).unwrap();
+    let one = gpu.light(&lighting, 1).unwrap();
     assert!(worst(&one.bounced, &twin.bounced) > 0.1, "negative control: one bounce less");
     let turned = |direction: Vec3| sky(-direction);
-    let (of_turned, _) = gpu.light(&Lighting { sky: &turned, ..lighting }, 0).unwrap();
-    assert!(worst(&of_turned, &twin_of_sky) > 0.1, "negative control: another sky");
+    let of_turned = gpu.light(&Lighting { sky: &turned, ..lighting }, 0).unwrap();
+    assert!(worst(&of_turned.of_sky, &twin_of_sky) > 0.1, "negative control: another sky");
 }
 
 #[test]
@@ -217,4 +233,54 @@ fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
         (0..256).all(|leaf| views.of_leaf(leaf).iter().all(|&node| node == EMPTY)),
         "a convex thing sees itself nowhere"
     );
+}
+
+/// What a rig shows of some poses, one after another: its cuts, and the light.
+fn shown(sights: Box<dyn LeafSights>, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
+    let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
+    let appearance = Appearance::of(&baked.dataset.scene);
+    let mut rig = PoseRig::new(baked, sights);
+    let show = |poses| {
+        let posed = rig.pose(baked.posed(poses).unwrap(), poses);
+        (posed.dataset.cuts.nodes().to_vec(), rig.light(Some(&lighting), Vec::new(), &appearance, 2))
+    };
+    poses.iter().map(show).collect()
+}
+
+#[test]
+fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let baked = Baked::from(blocked(white(), 8));
+    let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
+    let poses = [at(0.2), at(0.7)];
+    let [found, expected] =
+        [Box::new(adapter) as Box<dyn LeafSights>, Box::new(CoreSights)].map(|sights| shown(sights, &baked, &poses));
+    for ((cuts, light), (of_cores, of_twin)) in found.iter().zip(&expected) {
+        assert!(cuts == of_cores);
+        for (found, expected) in [(&light.growth, &of_twin.growth), (&light.bounce, &of_twin.bounce)] {
+            let differ = farthest(&found.front, &expected.front);
+            println!("light of a pose differs by {differ}");
+            assert!(differ < 1e-4);
+        }
+    }
+    let growth = |pose: usize| &expected[pose].1.growth.front;
+    assert!(farthest(growth(0), growth(1)) > 0.1 && expected[0].0 != expected[1].0, "negative control: another pose");
+}
+
+#[test]
+fn the_cores_go_on_where_an_adapter_fails() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let case = Case::new(256);
+    let discs = case.forest.discs();
+    let mut sight = adapter.sight(&case.forest, case.mesh.positions.len(), TURN);
+    sight.look(&case.forest, &case.mesh.positions, &[]);
+    let seen = sight.views(discs, 0..256).into_owned();
+    adapter.gpu.device.destroy();
+    assert!(adapter.forest(&case.forest, 8, TURN).is_err(), "it has failed");
+    assert!(*sight.views(discs, 0..256) == seen, "by the cores");
+    sight.look(&case.forest, &case.mesh.positions, &[1]);
+    assert!(*sight.views(discs, 0..256) == seen);
+    let grey = vec![Vec3::splat(0.5); 256];
+    let lighting = Lighting { reflectance: &grey, emitted: &grey, received: &grey, sky: &|_| Vec3::ONE };
+    assert_eq!(sight.light(discs, &lighting, 1).bounced, LeafLight::new(discs, &seen, &lighting, 1).bounced);
 }
