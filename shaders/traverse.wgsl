@@ -22,11 +22,6 @@ fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
     return vec3(corners[at], corners[at + 1u], corners[at + 2u]);
 }
 
-// The dot product in the order of the twin's operations.
-fn ordered_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 // Whether a ray crosses a triangle. A ray from its plane never does.
 fn crosses(triangle: u32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
     let p = corner_of(triangle, 0u);

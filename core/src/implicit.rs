@@ -22,7 +22,7 @@ pub mod refine;
 mod vertices;
 mod views;
 
-pub use direct::{Bins, CELLS, DistanceCodes, EMPTY, frame_of, node_of};
+pub use direct::{Bins, CELLS, CONSTANTS, DistanceCodes, EMPTY, WHOLE_CONSTANTS, frame_of, node_limit, node_of};
 pub use drag::Drag;
 pub use gather::{LeafLight, Lighting, Sky};
 pub use vertices::{Receiver, VertexWeights};

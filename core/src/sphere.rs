@@ -1,7 +1,7 @@
 //! Points and frames on the unit sphere.
 
 pub mod concentric;
-pub mod octahedral;
+pub mod octahedron;
 
 use glam::{Mat3, Vec3};
 use std::f32::consts::{PI, TAU};

@@ -9,6 +9,7 @@ use crate::{
     baked::Baked,
     light::{
         environment::{Illumination, SceneLighting},
+        implicit::seen::{CoreSights, LeafSights},
         local::LocalLighting,
     },
     post::Post,
@@ -170,6 +171,11 @@ pub trait Backend: Send {
     /// A shader that cannot be read or does not compile.
     fn reload(&mut self) -> Result<(), BackendError> {
         Ok(())
+    }
+
+    /// What looks for the leaves of implicit visibility: the cores, or the adapter if it is more than an emulation on them.
+    fn sights(&self) -> Box<dyn LeafSights> {
+        Box::new(CoreSights)
     }
 
     /// Sets another scene with the materials of its dataset. Until a light is set, pictures of it are black.

@@ -3,9 +3,11 @@
 
 mod addition;
 mod backend;
+mod compute;
 mod device;
 mod direct;
 mod frame;
+mod implicit;
 mod layout;
 mod light;
 mod lit;
@@ -27,6 +29,7 @@ mod written;
 
 pub use backend::{GpuBackend, PassTimes};
 pub use device::{Room, has_hardware};
+pub use implicit::{ForestTimes, GpuForest, GpuImplicit};
 pub use rays::GpuRays;
 pub use shaders::ShaderSource;
 

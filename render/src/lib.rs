@@ -51,7 +51,10 @@ pub use light::{
     buried::is_buried,
     components::Components,
     environment::{Illumination, LightRig, SceneLighting},
-    implicit::Sides,
+    implicit::{
+        Sides,
+        seen::{CoreSight, CoreSights, LeafSight, LeafSights, SeenLight},
+    },
     local::{LocalLighting, LocalRig},
     solver::{
         BounceLight,

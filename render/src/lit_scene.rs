@@ -5,7 +5,7 @@ use crate::{
     Pixels, Posing, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
     light::{
         bounce::Drift,
-        implicit::{PoseRig, PosedLight},
+        implicit::{PoseRig, PosedLight, seen::LeafSights},
     },
 };
 use lapidary_core::{
@@ -163,7 +163,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         }
         let (posing, rig) = self.posing.get_or_insert_with(|| match self.posing_ahead.take() {
             Some(ahead) => ahead.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-            None => posing_rigs(&self.baked),
+            None => posing_rigs(&self.baked, self.backend.sights()),
         });
         Ok(rig.pose(posing.posed(poses)?, poses))
     }
@@ -171,8 +171,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// Begins to prepare, on a thread, what the first pose needs, so that it does not wait.
     pub fn prepare_to_pose(&mut self) {
         if self.posing.is_none() && self.posing_ahead.is_none() {
-            let baked = self.baked.clone();
-            self.posing_ahead = Some(std::thread::spawn(move || posing_rigs(&baked)));
+            let (baked, sights) = (self.baked.clone(), self.backend.sights());
+            self.posing_ahead = Some(std::thread::spawn(move || posing_rigs(&baked, sights)));
         }
     }
 
@@ -463,8 +463,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
 /// Poses a scene, and lights it so.
 type PosingRigs = (Posing, PoseRig);
 
-fn posing_rigs(baked: &Baked) -> PosingRigs {
-    (Posing::new(baked), PoseRig::new(baked))
+fn posing_rigs(baked: &Baked, sights: Box<dyn LeafSights>) -> PosingRigs {
+    (Posing::new(baked), PoseRig::new(baked, sights))
 }
 
 /// Gives a scene to a renderer, and makes its rigs. The light rig is made at the same time as the scene, because each

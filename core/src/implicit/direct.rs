@@ -17,14 +17,14 @@ mod visit;
 
 pub use key::{DistanceCodes, EMPTY, node_of};
 
-use super::views::Views;
+use super::views::{AROUND_A_HOLE, Views};
 use crate::{
     simd::{InstructionSet, Kernel, Lanes},
     sphere::{concentric::HemisphereCells, frame_around},
     surfel::{
         disc_forest::DiscForest,
         forest::{
-            nodes::{Block, Disc},
+            nodes::{Block, Disc, FLAT},
             quadtrees::CHILDREN,
         },
     },
@@ -39,6 +39,33 @@ use visit::{CELLS_OF_NODE, Receiver, Visits};
 const SIDE: usize = 20;
 /// The bins of a leaf.
 pub const CELLS: HemisphereCells = HemisphereCells { side: SIDE };
+
+/// Numbers of the walk that its kernel shares.
+pub const CONSTANTS: [(&str, f32); 7] = [
+    ("OVERLAP", cover::OVERLAP),
+    ("STEEPEST_MAP", cover::STEEPEST),
+    ("WIDE", cover::WIDE),
+    ("CHORD", cover::CHORD),
+    ("GRAZING", visit::GRAZING),
+    ("PARALLEL", visit::PARALLEL),
+    ("FLAT", FLAT),
+];
+/// The same of whole numbers.
+pub const WHOLE_CONSTANTS: [(&str, u32); 8] = [
+    ("SIDE", SIDE as u32),
+    ("CELL_COUNT", CELLS.len() as u32),
+    ("EMPTY", EMPTY),
+    ("CHILDREN", CHILDREN as u32),
+    ("NODE_BITS", key::NODE_BITS),
+    ("LARGEST_CODE", key::LARGEST_CODE),
+    ("DROPPED_BITS", key::DROPPED),
+    ("AROUND_A_HOLE", AROUND_A_HOLE as u32),
+];
+
+/// The largest integral of the cosine over a node that has children, in steradians.
+pub fn node_limit() -> f32 {
+    CELLS_OF_NODE * CELLS.weight()
+}
 
 /// Tangents and normal of a leaf, which its cells are relative to. `turn` in radians turns the tangents: averages over turns hide
 /// the cells.
@@ -147,7 +174,7 @@ impl Kernel for Look<'_> {
     fn run<L: Lanes>(self) -> Filled {
         let Self { scene, receiver, visits } = self;
         let blocks = scene.forest.blocks();
-        visits.find::<L>(&scene.roots, blocks, &receiver, CELLS_OF_NODE * CELLS.weight());
+        visits.find::<L>(&scene.roots, blocks, &receiver, node_limit());
         let mut bins = NOTHING;
         cover::fill::<L>(&mut bins, &visits.ends, blocks, &receiver, (&scene.directions, scene.codes));
         bins

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::sync::LazyLock;
 
 /// One empty neighbour in so many still makes a hole. With two in eight and more, real openings close as well.
-const AROUND_A_HOLE: usize = 8;
+pub(super) const AROUND_A_HOLE: usize = 8;
 
 /// Unit directions of the cells in the frame of a leaf.
 static CELL_DIRECTIONS: LazyLock<Vec<Vec3>> =
@@ -20,6 +20,8 @@ static CELL_DIRECTIONS: LazyLock<Vec<Vec3>> =
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Views {
     turn: u32,
+    /// The leaf that comes first.
+    first_leaf: u32,
     /// By leaf and cell; [`EMPTY`] for the sky.
     nodes: Vec<u32>,
 }
@@ -30,7 +32,13 @@ impl Views {
             let closed = closed(keys);
             keys.copy_from_slice(&closed);
         });
-        Self { turn: turn.to_bits(), nodes: keys }
+        Self::of_nodes(turn, 0, keys)
+    }
+
+    /// Of nodes by leaf and cell, with holes closed already. Where they do not begin with the first leaf, they can be looked up, and
+    /// not be gathered.
+    pub fn of_nodes(turn: f32, first_leaf: u32, nodes: Vec<u32>) -> Self {
+        Self { turn: turn.to_bits(), first_leaf, nodes }
     }
 
     /// These views of the bins of `still`, where the nearer of `moved` come before them. Leaves that see nothing new keep what they
@@ -55,7 +63,7 @@ impl Views {
 
     /// The nodes that a leaf sees, cell by cell; [`EMPTY`] where it sees the sky.
     pub fn of_leaf(&self, leaf: u32) -> &[u32] {
-        let first = leaf as usize * CELLS.len();
+        let first = (leaf - self.first_leaf) as usize * CELLS.len();
         &self.nodes[first..first + CELLS.len()]
     }
 

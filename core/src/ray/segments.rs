@@ -11,7 +11,6 @@ use super::{
     directions::{GROUP, GROUPS, PACKET, Packet},
 };
 use crate::simd::InstructionSet;
-use crate::sphere::octahedral::square_from_direction;
 use glam::Vec3;
 
 /// Cells along each side of the square that the sphere of directions is unfolded to; a power of two.
@@ -85,9 +84,11 @@ impl SegmentBatch {
 /// The cell of a direction, along a Z-curve through the octahedron unfolded to a square.
 #[inline(always)]
 fn cell(d: Vec3) -> u16 {
-    let place = square_from_direction(d);
-    let step = |v: f32| ((v * CELLS as f32) as u32).min(CELLS - 1);
-    (spread(step(place.x)) | spread(step(place.y)) << 1) as u16
+    let sum = d.abs().element_sum();
+    let (x, y) = (d.x / sum, d.y / sum);
+    let (x, y) = if d.z < 0.0 { ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)) } else { (x, y) };
+    let step = |v: f32| (((0.5 * v + 0.5) * CELLS as f32) as u32).min(CELLS - 1);
+    (spread(step(x)) | spread(step(y)) << 1) as u16
 }
 
 /// The bits of a number below 256 with a zero after each.

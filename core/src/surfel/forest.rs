@@ -28,13 +28,15 @@ pub struct SurfelForest {
 
 /// A leaf on its triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Rider {
-    place: MeshPlace,
-    corners: [u32; 3],
+pub struct Rider {
+    /// Where on the mesh it lies.
+    pub place: MeshPlace,
+    /// The vertices of its triangle.
+    pub corners: [u32; 3],
     /// The area that it stands for in areas of its triangle.
-    share: f32,
+    pub share: f32,
     /// Seen from where the corners are clockwise.
-    back: bool,
+    pub back: bool,
 }
 
 impl SurfelForest {
@@ -61,6 +63,11 @@ impl SurfelForest {
     /// The trees over the discs of the surfels.
     pub fn discs(&self) -> &DiscForest {
         &self.discs
+    }
+
+    /// Where each leaf rides.
+    pub fn riders(&self) -> &[Rider] {
+        &self.riders
     }
 
     /// Where on the mesh each leaf lies, and its posed position and normal.

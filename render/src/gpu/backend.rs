@@ -12,6 +12,7 @@ pub use timing::PassTimes;
 use super::{
     device::{GpuDevice, Room, is_emulated},
     direct::DirectLights,
+    implicit::GpuImplicit,
     layout,
     light::{GpuLight, GpuMap, GpuSources, scaled_map},
     materials::GpuMaterials,
@@ -31,6 +32,7 @@ use crate::{
     baked::Baked,
     light::{
         environment::{Illumination, SceneLighting},
+        implicit::seen::{CoreSights, LeafSights},
         local::LocalLighting,
         solver::solutions::Bounces,
     },
@@ -172,6 +174,14 @@ impl GpuBackend {
             picture: None,
             history: None,
         })
+    }
+
+    /// Implicit visibility on its device.
+    ///
+    /// # Errors
+    /// A driver that refuses.
+    pub fn implicit(&self) -> Result<GpuImplicit, BackendError> {
+        GpuImplicit::on(self.gpu.clone())
     }
 
     /// Builds the passes anew if materials have other models than they are compiled for, or the first lets light through. Where
@@ -336,6 +346,11 @@ impl Backend for GpuBackend {
         self.local_lights.forget_shadows();
         (self.picture, self.state, self.history) = (None, None, None);
         Ok(())
+    }
+
+    fn sights(&self) -> Box<dyn LeafSights> {
+        let on_adapter = (!is_emulated(&self.gpu.info)).then(|| self.implicit().ok()).flatten();
+        on_adapter.map_or_else(|| Box::new(CoreSights) as Box<dyn LeafSights>, |adapter| Box::new(adapter))
     }
 
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {

@@ -4,7 +4,8 @@
 use crate::{backend::BackendError, remedy::Remedy};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A device and its queue.
+/// A device and its queue. Copies are of the same device.
+#[derive(Clone)]
 pub struct GpuDevice {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
@@ -56,14 +57,19 @@ impl GpuDevice {
         polled.map(|_| ()).map_err(|e| BackendError::Driver(e.to_string()))
     }
 
-    /// Errors since the last call.
+    /// Errors since the last call; the loss of the device at each.
     ///
     /// # Errors
     /// A lost device, or what the driver reported.
     pub fn check(&self) -> Result<(), BackendError> {
-        match self.trouble.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        let mut slot = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        match slot.take() {
             None => Ok(()),
-            Some(Trouble::Lost(reason)) => Err(BackendError::DeviceLost { reason }),
+            Some(Trouble::Lost(reason)) => {
+                // It stays lost, for all copies.
+                *slot = Some(Trouble::Lost(reason.clone()));
+                Err(BackendError::DeviceLost { reason })
+            }
             Some(Trouble::Error(message)) => Err(BackendError::Driver(message)),
         }
     }

@@ -174,6 +174,72 @@ pub struct RayOrigin {
     pub is_above: u32,
 }
 
+/// `Disc` of `forest.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Disc {
+    pub position: [f32; 3],
+    pub area: f32,
+    pub normal: [f32; 3],
+    pub padding: u32,
+}
+
+/// `Rider` of `implicit_update_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Rider {
+    pub corners: [u32; 3],
+    pub share: f32,
+    pub barycentric: [f32; 2],
+    pub is_back: u32,
+    pub padding: u32,
+}
+
+/// `WalkUniforms` of `implicit_walk_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct WalkUniforms {
+    pub first_leaf: u32,
+    pub root_blocks: u32,
+    /// In steradians.
+    pub limit: f32,
+    /// In 1/m².
+    pub scale: f32,
+    /// Cosine and sine.
+    pub turn: [f32; 2],
+    pub has_kept: u32,
+    pub closes: u32,
+}
+
+/// `LightUniforms` of `leaf_light.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LightUniforms {
+    /// Cosine and sine.
+    pub turn: [f32; 2],
+    pub is_first: u32,
+    pub padding: u32,
+}
+
+/// `LeafLighting` of `leaf_light.wgsl`. Colours are padded to 16 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LeafLighting {
+    pub reflectance: [f32; 4],
+    pub emitted: [f32; 4],
+    pub received: [f32; 4],
+}
+
+/// `LeafIrradiance` of `leaf_light.wgsl`. Colours are padded to 16 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LeafIrradiance {
+    pub of_sky: [f32; 4],
+    pub direct: [f32; 4],
+    pub bounced: [f32; 4],
+    pub last: [f32; 4],
+}
+
 /// `LitUniforms` of `lit_pass.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -1,7 +1,8 @@
-//! Textures back from the GPU.
+//! Buffers and textures back from the GPU.
 
 use super::{device::GpuDevice, targets::Target};
 use crate::backend::BackendError;
+use std::ops::Range;
 
 /// The first word of a buffer.
 ///
@@ -16,7 +17,20 @@ pub fn read_word(gpu: &GpuDevice, from: &wgpu::Buffer) -> Result<u32, BackendErr
 /// # Errors
 /// A lost device.
 pub fn read_words(gpu: &GpuDevice, from: &wgpu::Buffer, count: usize) -> Result<Vec<u32>, BackendError> {
-    let bytes = (count * size_of::<u32>()) as u64;
+    read_range(gpu, from, 0..count)
+}
+
+/// Some of the elements of a buffer, one or more, of four bytes or a multiple each.
+///
+/// # Errors
+/// A lost device.
+pub fn read_range<T: bytemuck::Pod>(
+    gpu: &GpuDevice,
+    from: &wgpu::Buffer,
+    range: Range<usize>,
+) -> Result<Vec<T>, BackendError> {
+    let size = size_of::<T>() as u64;
+    let bytes = range.len() as u64 * size;
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("readback"),
         size: bytes,
@@ -24,7 +38,7 @@ pub fn read_words(gpu: &GpuDevice, from: &wgpu::Buffer, count: usize) -> Result<
         mapped_at_creation: false,
     });
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("readback") });
-    encoder.copy_buffer_to_buffer(from, 0, &buffer, 0, bytes);
+    encoder.copy_buffer_to_buffer(from, range.start as u64 * size, &buffer, 0, bytes);
     gpu.queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |_| {});
     gpu.wait()?;

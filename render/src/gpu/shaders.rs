@@ -23,13 +23,24 @@ parts!(
     "direct_lights",
     "direct_pass",
     "display_pass",
+    "distance_key",
     "environment",
+    "forest",
     "frame",
     "fullscreen",
     "geometry",
     "guide",
+    "hemisphere",
     "history_pass",
+    "implicit_bounce_kernel",
+    "implicit_cover",
+    "implicit_nodes_kernel",
+    "implicit_pull_kernel",
+    "implicit_update_kernel",
+    "implicit_visit",
+    "implicit_walk_kernel",
     "keep_pass",
+    "leaf_light",
     "marks_pass",
     "lit_cut",
     "lit_pass",
@@ -37,7 +48,9 @@ parts!(
     "merge_pass",
     "meshless_pass",
     "mirror",
+    "octahedron",
     "opacity",
+    "ordered",
     "parameters_pass",
     "past",
     "posed",
@@ -52,6 +65,7 @@ parts!(
     "shadow_filter",
     "shadow_pass",
     "sketch_pass",
+    "slice",
     "sums",
     "surface",
     "surface_pass",
@@ -103,7 +117,7 @@ pub const SURFACE: Program = Program {
     ],
 };
 /// Rays for bakes.
-pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["traverse", "rays_pass"]] };
+pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "rays_pass"]] };
 /// Base colour and roughness.
 pub const PARAMETERS: Program = Program {
     name: "parameters_pass",
@@ -161,12 +175,46 @@ pub const HISTORY: Program = Program { name: "history_pass", parts: [SHADING, &[
 /// What the last picture tells of this one.
 pub const PREDICT: Program = Program { name: "predict_pass", parts: [SHADING, &["guide", "past", "predict_pass"]] };
 
+/// What kernels of implicit visibility begin with.
+const FOREST: &[&str] = &["slice", "ordered", "forest"];
+
+/// Discs of leaves.
+pub const IMPLICIT_UPDATE: Program =
+    Program { name: "implicit_update_kernel", parts: [FOREST, &["implicit_update_kernel"]] };
+/// The nodes above them.
+pub const IMPLICIT_NODES: Program =
+    Program { name: "implicit_nodes_kernel", parts: [FOREST, &["implicit_nodes_kernel"]] };
+/// What leaves see.
+pub const IMPLICIT_WALK: Program = Program {
+    name: "implicit_walk_kernel",
+    parts: [FOREST, &["hemisphere", "distance_key", "implicit_visit", "implicit_cover", "implicit_walk_kernel"]],
+};
+/// Radiance of nodes.
+pub const IMPLICIT_PULL: Program =
+    Program { name: "implicit_pull_kernel", parts: [FOREST, &["leaf_light", "implicit_pull_kernel"]] };
+/// Irradiance of leaves.
+pub const IMPLICIT_BOUNCE: Program = Program {
+    name: "implicit_bounce_kernel",
+    parts: [FOREST, &["hemisphere", "octahedron", "leaf_light", "implicit_bounce_kernel"]],
+};
+
+/// Those of one compute step.
+#[cfg(test)]
+pub const KERNELS: [Program; 6] =
+    [RAYS, IMPLICIT_UPDATE, IMPLICIT_NODES, IMPLICIT_WALK, IMPLICIT_PULL, IMPLICIT_BOUNCE];
+
+/// Those of a vertex and a fragment shader, or of two compute steps.
+#[cfg(test)]
+pub const PASSES: [Program; 14] = [
+    VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, MESHLESS, KEEP, SKETCH, HISTORY, PREDICT,
+    LIT,
+];
+
 /// All of them.
 #[cfg(test)]
-pub const PROGRAMS: [Program; 15] = [
-    RAYS, VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, DISPLAY, SHADOW, DIRECT, MESHLESS, KEEP, SKETCH, HISTORY,
-    PREDICT, LIT,
-];
+pub fn programs() -> impl Iterator<Item = &'static Program> {
+    KERNELS.iter().chain(&PASSES)
+}
 
 /// Where shaders come from.
 #[derive(Clone, Debug, Default)]

@@ -7,6 +7,7 @@
 
 mod covered;
 mod cuts;
+pub(crate) mod seen;
 mod sky;
 mod vertices;
 
@@ -21,13 +22,14 @@ use crate::{
 use covered::{Covered, Open};
 use glam::Vec3;
 use lapidary_core::{
-    implicit::{Bins, Drag, LeafLight, Lighting, Views},
+    implicit::Lighting,
     lights::Light,
     scene::{Mesh, pose::Poses},
-    surfel::forest::SurfelForest,
+    surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
+use seen::{LeafSight, LeafSights, SeenLight};
 use sky::SkyGrid;
-use std::{collections::BTreeSet, sync::Arc};
+use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use vertices::VertexLeaves;
 
 /// Leaves of the surfel forest.
@@ -86,8 +88,6 @@ pub struct PoseRig {
     posed: Seen,
     poses: Poses,
     covered: Covered,
-    /// While the same objects move: what is seen of the others.
-    drag: Option<Drag>,
     is_moved: Arc<[bool]>,
     sky: (Option<Arc<SceneLighting>>, SkyGrid),
 }
@@ -111,7 +111,7 @@ impl Lit {
 /// A scene under one pose, and what its leaves see.
 struct Seen {
     forest: SurfelForest,
-    views: Views,
+    sight: Box<dyn LeafSight>,
     points: LitPoints,
     appearance: Option<Appearance>,
     /// What nothing lies on.
@@ -126,43 +126,44 @@ impl Seen {
             self.appearance = Some(by.appearance.clone());
         }
         self.points.set_lights(&by.lights);
-        let of_sky = self.views.irradiance_of_sky(self.forest.discs(), &|direction| sky.radiance(direction));
-        let received: Vec<Vec3> =
-            self.points.irradiance().iter().zip(&of_sky).map(|(light, sky)| *light + *sky).collect();
         let lighting = Lighting {
             reflectance: self.points.albedo(),
             emitted: self.points.emission(),
-            received: &received,
-            sky: &|_| Vec3::ZERO,
+            received: &self.points.irradiance(),
+            sky: &|direction| sky.radiance(direction),
         };
-        let LeafLight { direct, bounced, .. } = LeafLight::new(self.forest.discs(), &self.views, &lighting, by.bounces);
+        let SeenLight { of_sky, direct, bounced } = self.sight.light(self.forest.discs(), &lighting, by.bounces);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
-        let others: Vec<Vec3> = direct.iter().zip(bounced).map(|(direct, bounced)| *direct + bounced).collect();
+        let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
+        let others: Vec<Vec3> = others.collect();
         [of_sky, others].map(|leaves| self.open.at_vertices(vertices, &leaves))
     }
 }
 
 impl PoseRig {
-    /// For a scene as it was baked; takes some tenths of a second.
-    pub fn new(baked: &Baked) -> Self {
+    /// For a scene as it was baked, whose leaves look by the cores or an adapter; takes some tenths of a second.
+    pub fn new(baked: &Baked, sights: Box<dyn LeafSights>) -> Self {
         let dataset = &baked.dataset;
         let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, SURFELS);
-        let views = Bins::walk(forest.discs(), TURN, &|_| true).views();
         let vertices = VertexLeaves::new(forest.discs(), dataset);
         let covered = Covered::new(dataset, &forest);
-        let seen = || Seen {
-            points: LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES),
-            open: covered.open(&vertices, &[]),
-            forest: forest.clone(),
-            views: views.clone(),
-            appearance: None,
+        let seen = |positions: &[Vec3]| {
+            let mut sight = sights.sight(&forest, positions.len(), TURN);
+            sight.look(&forest, positions, &BTreeSet::new());
+            Seen {
+                points: LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES),
+                open: covered.open(&vertices, &[]),
+                forest: forest.clone(),
+                sight,
+                appearance: None,
+            }
         };
+        let positions = &dataset.scene.mesh.positions;
         Self {
-            posed: seen(),
-            as_baked: seen(),
+            posed: seen(positions),
+            as_baked: seen(positions),
             lit_as_baked: None,
             poses: Poses::default(),
-            drag: None,
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
             sky: (None, SkyGrid::new(None)),
             vertices,
@@ -176,14 +177,13 @@ impl PoseRig {
         let changed: BTreeSet<u32> = self.poses.differing(poses).collect();
         let seen = &mut self.posed;
         seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
-        let known = self.drag.take().filter(|drag| *drag.objects() == changed);
-        let drag = self.drag.insert(known.unwrap_or_else(|| Drag::begin(seen.forest.discs(), TURN, changed)));
-        seen.views = drag.frame(seen.forest.discs());
+        seen.sight.look(&seen.forest, &mesh.positions, &changed);
         seen.points.pose(&posed, seen.forest.surfels().collect());
         seen.open = self.covered.open(&self.vertices, &self.covered.left(poses, mesh));
         (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
-        let bins = (self.posed.forest.discs(), &self.posed.views, TURN);
-        let cuts = cuts::of_moved(&posed.dataset, bins, &self.vertices, &self.is_moved);
+        let forest = seen.forest.discs();
+        let views = seen.sight.views(forest, leaves_of(forest, poses));
+        let cuts = cuts::of_moved(&posed.dataset, (forest, &views, TURN), &self.vertices, &self.is_moved);
         posed.with_cuts(cuts)
     }
 
@@ -227,6 +227,12 @@ impl PoseRig {
             bounce: combined(&posed_bounce, baked_bounce, more),
         }
     }
+}
+
+/// From the first leaf of all objects that are elsewhere than they were baked to their last.
+fn leaves_of(forest: &DiscForest, poses: &Poses) -> Range<u32> {
+    let moved = poses.moved().map(|object| forest.leaves_of(object)).filter(|leaves| !leaves.is_empty());
+    moved.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
 }
 
 /// `now / before` per channel, within bounds; 1 where there was no light.

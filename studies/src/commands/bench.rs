@@ -1,6 +1,8 @@
-//! `lapidary bench`: how long each pass of a frame takes, or a suite of figures on the bundled scenes.
+//! `lapidary bench`: how long each pass of a frame takes, or each step of implicit visibility, or a suite of figures on the bundled
+//! scenes.
 
 mod drag;
+mod implicit;
 mod passes;
 mod suite;
 
@@ -23,6 +25,9 @@ pub struct BenchArgs {
     json: bool,
     #[command(flatten)]
     suite: SuiteArgs,
+    /// Measure implicit visibility with these numbers of surfels, separated by commas, in place of frames
+    #[arg(long, value_name = "N,..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(64..=65_536))]
+    surfels: Vec<u32>,
     #[command(flatten)]
     passes: PassesArgs,
     #[command(flatten)]
@@ -70,7 +75,13 @@ impl BenchArgs {
 /// Files that cannot be read, or no adapter where one is asked for.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
     match &args.view.0 {
-        Some(view) => passes::run(&args.passes, &view.resolve(&args.local, console)?, args.json)?,
+        Some(view) => {
+            let viewed = view.resolve(&args.local, console)?;
+            match args.surfels.is_empty() {
+                true => passes::run(&args.passes, &viewed, args.json)?,
+                false => implicit::run(&args.surfels, &args.passes, &viewed.baked.dataset, args.json)?,
+            }
+        }
         None => suite::run(&args.suite, args.json, console)?,
     }
     Ok(Outcome::Done)
@@ -99,6 +110,7 @@ mod tests {
         let bench = |text: &str| parsed(text).map(|options| options.bench);
         assert!(bench("a.cuts --size 8x6 --env none --frames 1").is_ok_and(|bench| bench.view.0.is_some()));
         assert!(bench("--suite --save new.json --json").is_ok_and(|bench| bench.view.0.is_none()));
+        assert!(bench("a.cuts --surfels 1024,4096").is_ok_and(|bench| bench.surfels == [1024, 4096]));
         let refused = [
             "",
             "--json",
@@ -108,6 +120,8 @@ mod tests {
             "--suite --frames 3",
             "--suite --roughness 1",
             "--suite --lights none",
+            "--suite --surfels 1024",
+            "a.cuts --surfels 3",
             "--save new.json",
             "a.cuts --save new.json",
             "a.cuts --baseline old.json",

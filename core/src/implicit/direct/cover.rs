@@ -28,11 +28,11 @@ pub const PADDED: usize = CELLS.len() + LANES;
 
 /// Most cells that a step of one in the unit disc crosses along an edge of the square: half of the side times
 /// `√(1 + (4/π)²)`, the largest slope of the concentric map.
-const STEEPEST: f32 = 0.5 * SIDE as f32 * 1.62;
+pub const STEEPEST: f32 = 0.5 * SIDE as f32 * 1.62;
 /// Sine of the angle between centre and edge of a disc up to which [`CHORD`] holds; larger ones are looked for everywhere.
-const WIDE: f32 = 0.7;
+pub const WIDE: f32 = 0.7;
 /// Most that the distance between the directions of centre and edge exceeds that sine.
-const CHORD: f32 = 1.09;
+pub const CHORD: f32 = 1.09;
 
 /// Directions at the middles of the cells in the frame of a receiver. Those of the margin are zero, which meets no disc.
 pub struct CellDirections([[f32; PADDED]; 3]);

@@ -5,12 +5,12 @@ use crate::surfel::disc_forest::DiscForest;
 /// A bin that nothing was found in.
 pub const EMPTY: u32 = u32::MAX;
 /// Bits of the number of a node; the 12 above are the code of its distance.
-const NODE_BITS: u32 = 20;
+pub(super) const NODE_BITS: u32 = 20;
 /// Largest number of nodes with empty slots: the last number with the last code is [`EMPTY`].
 const MOST_NODES: usize = (1 << NODE_BITS) - 1;
-const LARGEST_CODE: u32 = (1 << (32 - NODE_BITS)) - 1;
+pub(super) const LARGEST_CODE: u32 = (1 << (32 - NODE_BITS)) - 1;
 /// Bits of an `f32` that are dropped: 7 of the mantissa stay, 128 steps for each doubling of a squared distance.
-const DROPPED: u32 = 16;
+pub(super) const DROPPED: u32 = 16;
 /// Distances in diagonals of the forest that have the largest code. Codes go down to 2^-16 of that.
 const FARTHEST: f32 = 8.0;
 
@@ -28,6 +28,11 @@ impl DistanceCodes {
         assert!(nodes <= MOST_NODES, "{nodes} nodes; keys have room for {MOST_NODES}");
         let farthest = FARTHEST * forest.diagonal();
         Self { scale: 1.0 / (farthest * farthest).max(f32::MIN_POSITIVE) }
+    }
+
+    /// What squared distances in m² are multiplied by, in 1/m².
+    pub fn scale(self) -> f32 {
+        self.scale
     }
 
     /// The key of a node at a squared distance in m².

@@ -15,7 +15,7 @@ pub const CELLS_OF_NODE: f32 = 1.4;
 /// Sine of the elevation above which a node is seen, and below which a receiver is: less is rounding within one surface.
 pub const GRAZING: f32 = 1e-4;
 /// Squared sine below which a node counts as parallel to the receiver.
-const PARALLEL: f32 = 1e-6;
+pub const PARALLEL: f32 = 1e-6;
 
 /// Where a receiver lies.
 #[derive(Clone, Copy, Debug)]

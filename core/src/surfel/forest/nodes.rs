@@ -1,6 +1,7 @@
 //! What the nodes of a forest know of the discs below them, four children side by side.
 
 use super::quadtrees::CHILDREN;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -23,7 +24,7 @@ impl Disc {
 }
 
 /// Squared sine below which directions count as one: rounding of a normal must not widen what is flat.
-const FLAT: f32 = 1e-6;
+pub(crate) const FLAT: f32 = 1e-6;
 
 /// The discs below a node as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,7 +90,8 @@ fn sine(cos: f32) -> f32 {
 pub type Four = [f32; CHILDREN];
 
 /// Four children of a node, number by number: 208 bytes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Block {
     /// x, y, z of [`Node::center`].
     pub center: [Four; 3],

@@ -3,9 +3,10 @@
 use crate::gpu::{
     layout::{self, constants},
     models::ModelSet,
-    shaders::{DISPLAY, PROGRAMS, RAYS, ShaderSource},
+    shaders::{DISPLAY, KERNELS, ShaderSource, programs},
 };
 use lapidary_core::brdf::{BrdfModel, MIN_ALPHA, SurfaceParameters};
+use lapidary_core::{implicit, surfel::forest::nodes::Block};
 use naga::{
     Literal, Module, TypeInner,
     valid::{Capabilities, ValidationFlags, Validator},
@@ -18,7 +19,7 @@ fn modules() -> Vec<(&'static str, Module)> {
         let module = naga::front::wgsl::parse_str(&text);
         (program.name, module.unwrap_or_else(|e| panic!("{}: {}", program.name, e.emit_to_string(&text))))
     };
-    PROGRAMS.iter().map(parse).collect()
+    programs().map(parse).collect()
 }
 
 #[test]
@@ -33,8 +34,8 @@ fn every_program_is_valid_without_optional_features() {
         })
         .collect();
     assert!(failures.is_empty(), "{failures:#?}");
-    // A vertex and a fragment shader, or two steps of a compute pass; rays are one step.
-    assert!(modules.iter().all(|(name, m)| m.entry_points.len() == if *name == RAYS.name { 1 } else { 2 }));
+    let is_kernel = |name: &str| KERNELS.iter().any(|kernel| kernel.name == name);
+    assert!(modules.iter().all(|(name, m)| m.entry_points.len() == if is_kernel(name) { 1 } else { 2 }));
 }
 
 #[test]
@@ -52,7 +53,7 @@ fn validation_finds_a_broken_program() {
 fn programs_are_read_from_a_folder_as_from_the_binary() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
     let source = ShaderSource::Folder(folder);
-    for program in &PROGRAMS {
+    for program in programs() {
         assert_eq!(
             source.text(program, &ModelSet::all()).unwrap(),
             ShaderSource::Embedded.text(program, &ModelSet::all()).unwrap()
@@ -60,7 +61,7 @@ fn programs_are_read_from_a_folder_as_from_the_binary() {
     }
     let files = source.files();
     assert!(!files.is_empty() && files.iter().all(|f| f.is_file()));
-    assert!(ShaderSource::Folder("nowhere".into()).text(&PROGRAMS[0], &ModelSet::all()).is_err());
+    assert!(ShaderSource::Folder("nowhere".into()).text(&DISPLAY, &ModelSet::all()).is_err());
 }
 
 /// Name and offset of each member, and the size.
@@ -165,6 +166,14 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("RayUniforms", shape!(layout::RayUniforms, directions, words)),
         ("RayOrigin", shape!(layout::RayOrigin, origin, height, normal, is_above)),
         ("LitUniforms", shape!(layout::LitUniforms, cuts, tau)),
+        ("Slice", (vec![("first".into(), 0)], size_of::<u32>() as u32)),
+        ("Disc", shape!(layout::Disc, position, area, normal, padding)),
+        ("Block", shape!(Block, center, axis, coherence, area, radius, thickness, cone_cos, cone_sin, below)),
+        ("Rider", shape!(layout::Rider, corners, share, barycentric, is_back, padding)),
+        ("WalkUniforms", shape!(layout::WalkUniforms, first_leaf, root_blocks, limit, scale, turn, has_kept, closes)),
+        ("LightUniforms", shape!(layout::LightUniforms, turn, is_first, padding)),
+        ("LeafLighting", shape!(layout::LeafLighting, reflectance, emitted, received)),
+        ("LeafIrradiance", shape!(layout::LeafIrradiance, of_sky, direct, bounced, last)),
         ("Node", shape!(layout::Node, radiance, spread, place, radius)),
         (
             "ShadowView",
@@ -214,9 +223,10 @@ fn shared_structs_have_the_same_members_offsets_and_sizes() {
 }
 
 /// Types of buffers without a struct of their own: radii, patches, stops of a colour scale, the table of sRGB.
-const PLAIN: [&str; 6] = [
+const PLAIN: [&str; 7] = [
     "array<Float32>",
     "array<Uint32>",
+    "array<vec2<Uint32>>",
     "array<vec4<Float32>>",
     "array<vec4<Float32>, 16>",
     "array<vec4<Float32>, 64>",
@@ -330,12 +340,18 @@ fn shared_constants_have_the_same_values() {
     ] {
         expected.push((name.into(), value.into()));
     }
+    expected.extend(implicit::CONSTANTS.map(|(name, value)| (name.into(), value.into())));
+    expected.extend(implicit::WHOLE_CONSTANTS.map(|(name, value)| (name.into(), value.into())));
     for (name, value) in [
         ("MIN_ALPHA", MIN_ALPHA),
         ("MOST_LUMINANCE", SurfaceParameters::LIST[0].range[1]),
         ("MOST_TAPS", lapidary_core::texture::MOST_TAPS as f32),
         ("TEXELS_PER_WIDTH", lapidary_core::texture::TEXELS_PER_WIDTH),
         ("FRAC_1_PI", std::f32::consts::FRAC_1_PI),
+        ("FRAC_2_PI", std::f32::consts::FRAC_2_PI),
+        ("PI", std::f32::consts::PI),
+        ("CELL_WEIGHT", lapidary_core::implicit::CELLS.weight()),
+        ("OCTAHEDRON_SIDE", lapidary_core::sphere::octahedron::SIDE as f32),
         ("LARGEST_SOLID_ANGLE", lapidary_core::cut::LARGEST_SOLID_ANGLE),
         ("LEAST_DISTANCE", crate::shade::node_field::LEAST_DISTANCE),
         ("LINE_WIDTH", crate::shade::wireframe::LINE_WIDTH),

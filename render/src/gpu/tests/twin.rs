@@ -2,8 +2,8 @@
 //! deferred pass wrote, and agree at every pixel, for every BRDF and mode. Each comparison has a negative control.
 
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
-    View, ViewMode,
+    Appearance, Backend, BackendError, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer,
+    SceneLighting, ToneMap, View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
     shade::{
         differentials::Differentials,
@@ -25,13 +25,20 @@ use lapidary_core::{
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A backend within WebGPU's default limits, or `None`, said aloud, where there is no adapter and none is required.
-/// One at a time: a software adapter uses all cores by itself.
+/// A backend within WebGPU's default limits; see [`on_adapter`].
 pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
+    on_adapter(|| GpuBackend::new(Room::Defaults, &ShaderSource::Embedded))
+}
+
+/// What `make` makes on an adapter, or `None`, said aloud, where there is no adapter and none is required. One at a time: a software
+/// adapter uses all cores by itself.
+pub(in crate::gpu) fn on_adapter<T>(
+    make: impl FnOnce() -> Result<T, BackendError>,
+) -> Option<(MutexGuard<'static, ()>, T)> {
     static ONE: Mutex<()> = Mutex::new(());
     let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    match GpuBackend::new(Room::Defaults, &ShaderSource::Embedded) {
-        Ok(backend) => Some((guard, backend)),
+    match make() {
+        Ok(made) => Some((guard, made)),
         Err(error) if std::env::var_os("LAPIDARY_REQUIRE_GPU").is_none() => {
             eprintln!("SKIPPED: {error}");
             None

@@ -1,13 +1,10 @@
 //! The radiance of an environment in cells of directions, for bins that are far coarser than its light samples.
 
 use crate::light::environment::SceneLighting;
-use glam::{Vec2, Vec3};
-use lapidary_core::sphere::octahedral::{direction_from_square, square_from_direction};
+use glam::Vec3;
+use lapidary_core::sphere::octahedron::{CELLS, cell_of, direction_of};
 
-/// Cells along each side of the unfolded octahedron.
-const SIDE: usize = 48;
-
-/// Mean radiance in the cells of an unfolded octahedron; black without an environment.
+/// Mean radiance by cell of an octahedron, in which kernels find the same; black without an environment.
 pub struct SkyGrid {
     cells: Vec<Vec3>,
 }
@@ -17,12 +14,12 @@ impl SkyGrid {
         let Some(lighting) = environment else { return Self { cells: Vec::new() } };
         let leaves = lighting.nodes.radiance.len() / 2;
         let leaf = |leaf: usize| (lighting.nodes.direction[leaves + leaf], lighting.nodes.radiance[leaves + leaf]);
-        let mut sums = vec![(Vec3::ZERO, 0.0_f32); SIDE * SIDE];
+        let mut sums = vec![(Vec3::ZERO, 0.0_f32); CELLS];
         for (direction, radiance) in (0..leaves).map(leaf) {
             let (sum, count) = &mut sums[cell_of(direction)];
             (*sum, *count) = (*sum + radiance, *count + 1.0);
         }
-        // Some cells are smaller than light samples.
+        // Few light samples leave cells empty.
         let nearest = |cell: usize| {
             let direction = direction_of(cell);
             let closeness = |leaf: &(Vec3, Vec3)| leaf.0.dot(direction);
@@ -37,27 +34,5 @@ impl SkyGrid {
     #[inline]
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         self.cells.get(cell_of(direction)).copied().unwrap_or_default()
-    }
-}
-
-fn cell_of(direction: Vec3) -> usize {
-    let place = (SIDE as f32 * square_from_direction(direction)).min(Vec2::splat(SIDE as f32 - 1.0));
-    place.y as usize * SIDE + place.x as usize
-}
-
-fn direction_of(cell: usize) -> Vec3 {
-    let place = Vec2::new((cell % SIDE) as f32 + 0.5, (cell / SIDE) as f32 + 0.5);
-    direction_from_square(place / SIDE as f32)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cells_are_found_by_their_directions() {
-        for cell in 0..SIDE * SIDE {
-            assert_eq!(cell_of(direction_of(cell)), cell);
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Pictures of posed objects, against scenes that were baked so.
 
-use super::*;
+use super::{seen::CoreSights, *};
 use crate::{
     Backend, Components, CpuBackend, LitScene, Look, Renderer,
     light::solver::solutions::Solution,
@@ -86,7 +86,7 @@ fn what_an_object_lay_on_is_lit_when_it_is_lifted_and_stays_dark_while_it_lies()
     assert!(near < 0.06 && dark > 2.5 * near, "{near}, negative control {dark}: the cuts of the bake");
     let baked = Baked::from(as_baked.clone());
     let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
-    let mut rig = PoseRig::new(&baked);
+    let mut rig = PoseRig::new(&baked, Box::new(CoreSights));
     let light = rig.light(Some(&lighting), Vec::new(), &Appearance::of(&as_baked.scene), 1);
     assert!(light.uncovered.front.iter().all(|rest| *rest == Vec3::ZERO), "it lies where it lay");
     let mut at_the_middle = |x: f32| {
@@ -122,7 +122,7 @@ fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
     let lighting = Arc::new(renderer.lighting(&sky(), 64));
     let lamp = [point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)];
     let appearance = Appearance::of(&baked.dataset.scene);
-    let mut rig = PoseRig::new(&baked);
+    let mut rig = PoseRig::new(&baked, Box::new(CoreSights));
     let as_it_is = rig.light(Some(&lighting), lamp.to_vec(), &appearance, 2);
     let all = |sides: &Sides, value| sides.front.iter().chain(&sides.back).all(|found| *found == value);
     assert!(all(&as_it_is.growth, Vec3::ZERO) && all(&as_it_is.bounce, Vec3::ZERO));
@@ -147,11 +147,11 @@ fn a_drag_gives_the_bits_of_its_last_pose() {
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let mut both = at(0.4);
     both.set(0, Pose { translate: Vec3::Y * -0.1, ..Pose::AS_BAKED });
-    let mut dragged = PoseRig::new(&baked);
+    let mut dragged = PoseRig::new(&baked, Box::new(CoreSights));
     let mut last = None;
     for poses in [at(0.1), at(0.9), both.clone(), at(0.4), at(0.3)] {
         let now = shown(&mut dragged, &poses);
-        assert!(now == shown(&mut PoseRig::new(&baked), &poses));
+        assert!(now == shown(&mut PoseRig::new(&baked, Box::new(CoreSights)), &poses));
         assert!(last.as_ref() != Some(&now), "negative control: another pose");
         last = Some(now);
     }

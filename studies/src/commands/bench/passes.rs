@@ -27,13 +27,13 @@ pub struct PassesArgs {
     illum_cuts: Vec<u32>,
     /// Frames whose median is taken, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    frames: u32,
+    pub(super) frames: u32,
     /// Drag this object by half its width in so many frames, and measure how long pictures take meanwhile
     #[arg(long, value_name = "OBJECT", conflicts_with = "illum_cuts")]
     drag: Option<String>,
     /// What renders
     #[arg(long, value_enum, default_value_t)]
-    backend: BackendOption,
+    pub(super) backend: BackendOption,
 }
 
 /// All figures.
@@ -184,7 +184,7 @@ impl<'a> Measurement<'a> {
 }
 
 /// Time of each pass of a frame.
-type Times = BTreeMap<&'static str, Duration>;
+pub(super) type Times = BTreeMap<&'static str, Duration>;
 
 fn passes(t: PassTimes) -> Times {
     BTreeMap::from([
@@ -196,7 +196,7 @@ fn passes(t: PassTimes) -> Times {
     ])
 }
 
-fn medians(times: &[Times]) -> BTreeMap<&'static str, f64> {
+pub(super) fn medians(times: &[Times]) -> BTreeMap<&'static str, f64> {
     let of = |pass: &'static str| median(times.iter().map(|t| t[pass]).collect());
     times[0].keys().map(|&pass| (pass, of(pass))).collect()
 }

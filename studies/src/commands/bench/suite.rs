@@ -42,8 +42,9 @@ pub struct SuiteArgs {
 }
 
 /// Options that are about one dataset, by name or by group.
-const SINGLE_DATASET: [&str; 10] = [
+const SINGLE_DATASET: [&str; 11] = [
     "file",
+    "surfels",
     "PassesArgs",
     "EnvironmentArgs",
     "LocalLightArgs",

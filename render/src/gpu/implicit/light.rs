@@ -1,0 +1,100 @@
+//! Light of the leaves of a forest on the GPU, bounce by bounce.
+
+use super::{
+    GpuImplicit,
+    forest::{GpuForest, cos_sin, written},
+};
+use crate::{
+    backend::BackendError,
+    gpu::{
+        device::GpuDevice,
+        layout::{LeafIrradiance, LeafLighting, LightUniforms},
+        readback::read_range,
+        scene::{storage, uniform},
+    },
+    light::implicit::seen::SeenLight,
+};
+use bytemuck::{Zeroable, bytes_of, cast_slice};
+use glam::{Vec3, Vec4};
+use lapidary_core::{
+    implicit::{Lighting, Sky},
+    sphere::octahedron,
+};
+
+/// What kernels of light read and write.
+pub(super) struct LightBuffers {
+    uniforms: wgpu::Buffer,
+    lighting: wgpu::Buffer,
+    sky: wgpu::Buffer,
+    /// Of the nodes.
+    radiance: wgpu::Buffer,
+    /// Of the leaves.
+    irradiance: wgpu::Buffer,
+}
+
+impl LightBuffers {
+    pub fn new(gpu: &GpuDevice, leaves: u32, nodes: u32) -> Self {
+        let bytes = |count: u32, size: usize| u64::from(count) * size as u64;
+        Self {
+            uniforms: uniform(gpu, "light of leaves", bytes_of(&LightUniforms::zeroed())),
+            lighting: written(gpu, "lighting of leaves", bytes(leaves, size_of::<LeafLighting>())),
+            sky: storage(gpu, "sky", cast_slice(&[Vec4::ZERO; octahedron::CELLS])),
+            radiance: written(gpu, "radiance of nodes", bytes(nodes, size_of::<Vec4>())),
+            irradiance: written(gpu, "irradiance of leaves", bytes(leaves, size_of::<LeafIrradiance>())),
+        }
+    }
+}
+
+impl GpuForest {
+    /// Irradiance of the leaves up to so many bounces, by what they saw at the last walk. Of the sky the values at the middles of the cells of an octahedron count ([`octahedron`]).
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn light(&mut self, lighting: &Lighting, bounces: u32) -> Result<SeenLight, BackendError> {
+        let gpu = &self.on.gpu;
+        gpu.queue.write_buffer(&self.light.lighting, 0, cast_slice(&packed_lighting(lighting)));
+        gpu.queue.write_buffer(&self.light.sky, 0, cast_slice(&cells_of_sky(lighting.sky)));
+        (self.times.pull, self.times.bounce) = Default::default();
+        for bounce in 0..=bounces {
+            self.gather(bounce == 0)?;
+        }
+        let light: Vec<LeafIrradiance> = read_range(&self.on.gpu, &self.light.irradiance, 0..self.leaves as usize)?;
+        let part = |of: fn(&LeafIrradiance) -> [f32; 4]| light.iter().map(|leaf| color(of(leaf))).collect();
+        Ok(SeenLight {
+            of_sky: part(|leaf| leaf.of_sky),
+            direct: part(|leaf| leaf.direct),
+            bounced: part(|leaf| leaf.bounced),
+        })
+    }
+
+    /// One bounce, or before all of them the light of what emits and of the sky.
+    fn gather(&mut self, is_first: bool) -> Result<(), BackendError> {
+        let (GpuImplicit { gpu, kernels }, b, l) = (&self.on, &self.buffers, &self.light);
+        let uniforms = LightUniforms { turn: cos_sin(self.turn), is_first: u32::from(is_first), padding: 0 };
+        gpu.queue.write_buffer(&l.uniforms, 0, bytes_of(&uniforms));
+        let pull = [&l.uniforms, &b.discs, &b.spans, &l.lighting, &l.irradiance, &l.radiance];
+        let bounce = [&l.uniforms, &b.discs, &b.views, &b.directions, &l.radiance, &l.lighting, &l.sky, &l.irradiance];
+        self.times.pull += kernels.pull.run(gpu, &kernels.pull.bind(gpu, &pull), self.nodes)?;
+        self.times.bounce += kernels.bounce.run(gpu, &kernels.bounce.bind(gpu, &bounce), self.leaves)?;
+        Ok(())
+    }
+}
+
+fn packed_lighting(lighting: &Lighting) -> Vec<LeafLighting> {
+    let leaves = lighting.reflectance.iter().zip(lighting.emitted).zip(lighting.received);
+    let wide = |value: &Vec3| value.extend(0.0).to_array();
+    let packed = |((reflectance, emitted), received)| LeafLighting {
+        reflectance: wide(reflectance),
+        emitted: wide(emitted),
+        received: wide(received),
+    };
+    leaves.map(packed).collect()
+}
+
+fn cells_of_sky(sky: Sky) -> Vec<Vec4> {
+    (0..octahedron::CELLS).map(|cell| sky(octahedron::direction_of(cell)).extend(0.0)).collect()
+}
+
+fn color([x, y, z, _]: [f32; 4]) -> Vec3 {
+    Vec3::new(x, y, z)
+}

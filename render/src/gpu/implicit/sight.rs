@@ -1,0 +1,71 @@
+//! [`LeafSight`] on an adapter. Where that fails, the cores go on.
+
+use super::{GpuForest, GpuImplicit};
+use crate::{
+    backend::BackendError,
+    light::implicit::seen::{CoreSight, LeafSight, LeafSights, SeenLight},
+};
+use glam::Vec3;
+use lapidary_core::{
+    implicit::{Lighting, Views},
+    surfel::{disc_forest::DiscForest, forest::SurfelForest},
+};
+use std::{borrow::Cow, collections::BTreeSet, ops::Range};
+
+impl LeafSights for GpuImplicit {
+    /// The cores look for a forest that the adapter does not take.
+    fn sight(&self, forest: &SurfelForest, vertices: usize, turn: f32) -> Box<dyn LeafSight> {
+        let is_empty = forest.discs().discs().is_empty();
+        match (!is_empty).then(|| self.forest(forest, vertices, turn)) {
+            Some(Ok(gpu)) => Box::new(GpuSight { gpu: Some(gpu), cores: CoreSight::new(turn) }),
+            _ => Box::new(CoreSight::new(turn)),
+        }
+    }
+}
+
+/// What leaves see, found by an adapter.
+struct GpuSight {
+    /// `None` after it failed.
+    gpu: Option<GpuForest>,
+    cores: CoreSight,
+}
+
+impl GpuSight {
+    /// What the adapter answers; `None` from its first failure on. The cores then see what it saw.
+    fn on_gpu<T>(
+        &mut self,
+        forest: &DiscForest,
+        work: impl FnOnce(&mut GpuForest) -> Result<T, BackendError>,
+    ) -> Option<T> {
+        let found = work(self.gpu.as_mut()?).ok();
+        if found.is_none() {
+            self.gpu = None;
+            self.cores.see(forest, &BTreeSet::new());
+        }
+        found
+    }
+}
+
+impl LeafSight for GpuSight {
+    fn look(&mut self, forest: &SurfelForest, positions: &[Vec3], changed: &BTreeSet<u32>) {
+        let looked = self.on_gpu(forest.discs(), |gpu| {
+            gpu.update(positions)?;
+            if changed.is_empty() { gpu.walk() } else { gpu.walk_dragged(changed) }
+        });
+        if looked.is_none() {
+            self.cores.see(forest.discs(), changed);
+        }
+    }
+
+    fn views(&mut self, forest: &DiscForest, leaves: Range<u32>) -> Cow<'_, Views> {
+        match self.on_gpu(forest, |gpu| gpu.views(leaves.clone())) {
+            Some(views) => Cow::Owned(views),
+            None => self.cores.views(forest, leaves),
+        }
+    }
+
+    fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight {
+        let light = self.on_gpu(forest, |gpu| gpu.light(lighting, bounces));
+        light.unwrap_or_else(|| self.cores.light(forest, lighting, bounces))
+    }
+}

@@ -1,0 +1,289 @@
+//! Kernels of implicit visibility against their twins on the cores.
+
+use super::{
+    forest::{GpuForest, Look, packed_discs},
+    *,
+};
+use crate::gpu::{device::is_emulated, layout::Disc, readback::read_range, tests::twin::on_adapter};
+use crate::{
+    Appearance, Baked, CoreSights, LeafSights, Renderer,
+    light::implicit::{
+        PoseRig, PosedLight,
+        tests::{blocked, posed, sky},
+    },
+    test_scenes::white,
+};
+use bytemuck::{Pod, bytes_of};
+use glam::{Mat3, Vec3};
+use lapidary_core::{
+    implicit::{Bins, CELLS, Drag, EMPTY, LeafLight, Lighting, node_of},
+    scene::{
+        Mesh,
+        pose::{Pose, Poses},
+    },
+    sphere::octahedron,
+    surfel::forest::nodes::Block,
+    test_scenes::{cuboid, quad, room, scene_of},
+};
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, MutexGuard},
+};
+
+const TURN: f32 = 0.3;
+
+/// A room of 2 m without a ceiling, with a turned box, a sheet seen from both sides, and an object without triangles in it.
+struct Case {
+    mesh: Mesh,
+    forest: SurfelForest,
+}
+
+impl Case {
+    fn new(surfels: u32) -> Self {
+        let turn = Mat3::from_rotation_y(0.5) * Mat3::from_rotation_x(0.3);
+        let p = |x: f32, y: f32| Vec3::new(x, y, 0.6);
+        let cube = cuboid(Vec3::new(0.3, -0.5, 0.0), Vec3::splat(0.3));
+        let parts = [
+            room(Vec3::ZERO, Vec3::ONE)[2..].to_vec(),
+            cube.into_iter().map(|triangle| triangle.map(|v| turn * v)).collect(),
+            quad(p(-0.5, 0.0), p(0.1, 0.1), p(0.0, 0.5), p(-0.5, 0.5)).to_vec(),
+        ];
+        let mut mesh = scene_of(&parts.concat()).mesh;
+        mesh.triangle_object = [vec![0; 10], vec![1; 12], vec![3; 2]].concat();
+        let two_sided: Vec<bool> = mesh.triangle_object.iter().map(|&object| object == 3).collect();
+        Self { forest: SurfelForest::new(&mesh, &two_sided, surfels), mesh }
+    }
+
+    /// Vertices with the box elsewhere.
+    fn posed(&self, by: Vec3) -> Vec<Vec3> {
+        let mut positions = self.mesh.positions.clone();
+        let of_box = |t: &usize| self.mesh.triangle_object[*t] == 1;
+        let mut moved: Vec<u32> =
+            (0..self.mesh.triangles.len()).filter(of_box).flat_map(|t| self.mesh.triangles[t]).collect();
+        moved.sort_unstable();
+        moved.dedup();
+        let turn = Mat3::from_rotation_z(0.7);
+        moved.into_iter().for_each(|v| positions[v as usize] = turn * positions[v as usize] * 1.1 + by);
+        positions
+    }
+}
+
+/// On an adapter, which others do not use meanwhile; `None`, said aloud, where there is none and none is required.
+fn adapter() -> Option<(MutexGuard<'static, ()>, GpuImplicit)> {
+    on_adapter(|| GpuImplicit::new(Room::Defaults))
+}
+
+fn nodes_of(forest: &GpuForest) -> (Vec<Disc>, Vec<Block>) {
+    let (gpu, b) = (&forest.on.gpu, &forest.buffers);
+    let blocks = read_range(gpu, &b.blocks, 0..forest.nodes as usize / 4).unwrap();
+    (read_range(gpu, &b.discs, 0..forest.leaves as usize).unwrap(), blocks)
+}
+
+/// The keys of all leaves in place of views.
+fn keys_of(forest: &GpuForest, objects: &dyn Fn(u32) -> bool) -> Vec<u32> {
+    let look = Look { leaves: 0..forest.leaves, objects, kept: None, closes: false };
+    forest.look(&look, &forest.buffers.views).unwrap();
+    read_range(&forest.on.gpu, &forest.buffers.views, 0..forest.leaves as usize * CELLS.len()).unwrap()
+}
+
+fn keys(bins: &Bins) -> Vec<u32> {
+    bins.leaves().flat_map(|leaf| bins.of_leaf(leaf)).copied().collect()
+}
+
+fn differing<T: PartialEq>(a: &[T], b: &[T]) -> usize {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
+}
+
+/// Keys or nodes of cells. On an emulated adapter they are the same to the bit. Others may fuse products and sums, and divide to 2.5
+/// units of the last place, as WGSL allows: there nodes differ in at most a thousandth of the cells.
+fn same(what: &str, adapter: &GpuImplicit, found: &[u32], expected: &[u32]) {
+    let nodes = |keys: &[u32]| -> Vec<u32> { keys.iter().map(|&key| node_of(key)).collect() };
+    let (bits, differ) = (differing(found, expected), differing(&nodes(found), &nodes(expected)));
+    println!("{what}: {differ} nodes and {bits} keys of {} differ", found.len());
+    assert!(differ * 1000 <= found.len() && (bits == 0 || !is_emulated(&adapter.gpu.info)), "{what}");
+}
+
+/// The same for what holds numbers: elsewhere they differ by rounding.
+fn same_numbers<T: Pod + PartialEq>(adapter: &GpuImplicit, found: &[T], expected: &[T]) {
+    assert!(differing(found, expected) == 0 || !is_emulated(&adapter.gpu.info));
+    let numbers = |of: &T| -> Vec<f32> { bytemuck::cast_slice(bytes_of(of)).to_vec() };
+    let apart = |(a, b): (&T, &T)| numbers(a).iter().zip(numbers(b)).all(|(a, b)| (a - b).abs() < 1e-3);
+    assert!(found.iter().zip(expected).all(apart));
+}
+
+#[test]
+fn discs_and_nodes_have_the_bits_of_the_twin() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let mut case = Case::new(1024);
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
+    let baked = nodes_of(&gpu);
+    for by in [Vec3::ZERO, Vec3::new(-0.4, 0.2, 0.1)] {
+        let posed = case.posed(by);
+        gpu.update(&posed).unwrap();
+        case.forest.update(&posed, &|_| true);
+        let (discs, blocks) = nodes_of(&gpu);
+        same_numbers(&adapter, &discs, &packed_discs(case.forest.discs()));
+        same_numbers(&adapter, &blocks, case.forest.discs().blocks());
+        assert!(
+            differing(&discs, &baked.0) > 50 && differing(&blocks, &baked.1) > 10,
+            "negative control: the baked pose"
+        );
+    }
+    gpu.update(&case.mesh.positions).unwrap();
+    let back = nodes_of(&gpu);
+    same_numbers(&adapter, &back.0, &baked.0);
+    same_numbers(&adapter, &back.1, &baked.1);
+}
+
+#[test]
+fn keys_are_those_of_the_twin() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let case = Case::new(1024);
+    let discs = case.forest.discs();
+    let gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
+    let bins = keys(&Bins::walk(discs, TURN, &|_| true));
+    same("whole", &adapter, &keys_of(&gpu, &|_| true), &bins);
+    let layer = |object: u32| object == 1 || object == 3;
+    same("layer", &adapter, &keys_of(&gpu, &layer), &keys(&Bins::walk(discs, TURN, &layer)));
+    let apart = |found: &[u32]| differing(found, &bins) * 50 > bins.len();
+    assert!(apart(&keys(&Bins::walk(discs, TURN + 0.1, &|_| true))), "negative control: another turn");
+    assert!(apart(&keys(&Bins::walk(discs, TURN, &layer))), "negative control: another layer");
+    let unrefined = gpu.with_limit(100.0);
+    assert!(apart(&keys_of(&unrefined, &|_| true)), "negative control: without refinement");
+}
+
+#[test]
+fn views_of_poses_and_of_a_drag_are_those_of_the_twin() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let mut case = Case::new(512);
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
+    let drag = Drag::begin(case.forest.discs(), TURN, [1].into());
+    let mut last = Vec::new();
+    for step in 0..2 {
+        let posed = case.posed(Vec3::new(-0.2 * step as f32, 0.1, 0.1));
+        case.forest.update(&posed, &|object| object == 1);
+        gpu.update(&posed).unwrap();
+        gpu.walk_dragged(drag.objects()).unwrap();
+        let leaves = 0..gpu.leaves;
+        let nodes = |views: &lapidary_core::implicit::Views| -> Vec<u32> {
+            leaves.clone().flat_map(|leaf| views.of_leaf(leaf)).copied().collect()
+        };
+        let dragged = nodes(&gpu.views(leaves.clone()).unwrap());
+        same("drag", &adapter, &dragged, &nodes(&drag.frame(case.forest.discs())));
+        gpu.walk().unwrap();
+        let whole = nodes(&gpu.views(leaves.clone()).unwrap());
+        assert_eq!(dragged, whole, "a drag has the bits of a whole walk");
+        assert!(step == 0 || differing(&dragged, &last) > 1000, "negative control: the last pose");
+        last = dragged;
+    }
+    let own = case.forest.discs().leaves_of(1);
+    let some = gpu.views(own.clone()).unwrap();
+    assert_eq!(some.of_leaf(own.start), &last[own.start as usize * CELLS.len()..][..CELLS.len()]);
+    assert_eq!(gpu.views(3..3).unwrap().leaves(), 0);
+}
+
+/// Most that a value differs from another.
+fn farthest(found: &[Vec3], expected: &[Vec3]) -> f32 {
+    found.iter().zip(expected).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
+}
+
+/// The same in means of the other values.
+fn worst(found: &[Vec3], expected: &[Vec3]) -> f32 {
+    let mean = expected.iter().map(|e| e.element_sum() / 3.0).sum::<f32>() / expected.len() as f32;
+    farthest(found, expected) / mean
+}
+
+#[test]
+fn light_is_that_of_the_twin() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let case = Case::new(1024);
+    let discs = case.forest.discs();
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
+    gpu.walk().unwrap();
+    let views = gpu.views(0..gpu.leaves).unwrap();
+    let values = |seed: u64, most: f32| -> Vec<Vec3> {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        (0..discs.discs().len()).map(|_| Vec3::new(rng.f32(), rng.f32(), rng.f32()) * most).collect()
+    };
+    let (reflectance, emitted, received) = (values(1, 0.9), values(2, 0.2), values(3, 2.0));
+    let sky = |direction: Vec3| octahedron::direction_of(octahedron::cell_of(direction)) * 20.0 + 20.0;
+    let lighting = Lighting { reflectance: &reflectance, emitted: &emitted, received: &received, sky: &sky };
+    let twin = LeafLight::new(discs, &views, &lighting, 2);
+    let light = gpu.light(&lighting, 2).unwrap();
+    let twin_of_sky = views.irradiance_of_sky(discs, &sky);
+    let errors =
+        [worst(&light.of_sky, &twin_of_sky), worst(&light.direct, &twin.direct), worst(&light.bounced, &twin.bounced)];
+    println!("irradiance of sky, emission and bounces differs by {errors:?}");
+    assert!(errors.iter().all(|&error| error < 1e-5), "{errors:?}");
+    let one = gpu.light(&lighting, 1).unwrap();
+    assert!(worst(&one.bounced, &twin.bounced) > 0.1, "negative control: one bounce less");
+    let turned = |direction: Vec3| sky(-direction);
+    let of_turned = gpu.light(&Lighting { sky: &turned, ..lighting }, 0).unwrap();
+    assert!(worst(&of_turned.of_sky, &twin_of_sky) > 0.1, "negative control: another sky");
+}
+
+#[test]
+fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let mesh = scene_of(&cuboid(Vec3::ZERO, Vec3::ONE)).mesh;
+    let forest = SurfelForest::new(&mesh, &vec![false; mesh.triangles.len()], 256);
+    let mut gpu = adapter.forest(&forest, mesh.positions.len(), 0.0).unwrap();
+    gpu.walk().unwrap();
+    let views = gpu.views(0..256).unwrap();
+    assert!(views == Bins::walk(forest.discs(), 0.0, &|_| true).views());
+    assert!(
+        (0..256).all(|leaf| views.of_leaf(leaf).iter().all(|&node| node == EMPTY)),
+        "a convex thing sees itself nowhere"
+    );
+}
+
+/// What a rig shows of some poses, one after another: its cuts, and the light.
+fn shown(sights: Box<dyn LeafSights>, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
+    let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
+    let appearance = Appearance::of(&baked.dataset.scene);
+    let mut rig = PoseRig::new(baked, sights);
+    let show = |poses| {
+        let posed = rig.pose(baked.posed(poses).unwrap(), poses);
+        (posed.dataset.cuts.nodes().to_vec(), rig.light(Some(&lighting), Vec::new(), &appearance, 2))
+    };
+    poses.iter().map(show).collect()
+}
+
+#[test]
+fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let baked = Baked::from(blocked(white(), 8));
+    let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
+    let poses = [at(0.2), at(0.7)];
+    let [found, expected] =
+        [Box::new(adapter) as Box<dyn LeafSights>, Box::new(CoreSights)].map(|sights| shown(sights, &baked, &poses));
+    for ((cuts, light), (of_cores, of_twin)) in found.iter().zip(&expected) {
+        assert!(cuts == of_cores);
+        for (found, expected) in [(&light.growth, &of_twin.growth), (&light.bounce, &of_twin.bounce)] {
+            let differ = farthest(&found.front, &expected.front);
+            println!("light of a pose differs by {differ}");
+            assert!(differ < 1e-4);
+        }
+    }
+    let growth = |pose: usize| &expected[pose].1.growth.front;
+    assert!(farthest(growth(0), growth(1)) > 0.1 && expected[0].0 != expected[1].0, "negative control: another pose");
+}
+
+#[test]
+fn the_cores_go_on_where_an_adapter_fails() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let case = Case::new(256);
+    let discs = case.forest.discs();
+    let mut sight = adapter.sight(&case.forest, case.mesh.positions.len(), TURN);
+    sight.look(&case.forest, &case.mesh.positions, &BTreeSet::new());
+    let seen = sight.views(discs, 0..256).into_owned();
+    adapter.gpu.device.destroy();
+    assert!(adapter.forest(&case.forest, 8, TURN).is_err(), "it has failed");
+    assert!(*sight.views(discs, 0..256) == seen, "by the cores");
+    sight.look(&case.forest, &case.mesh.positions, &[1].into());
+    assert!(*sight.views(discs, 0..256) == seen);
+    let grey = vec![Vec3::splat(0.5); 256];
+    let lighting = Lighting { reflectance: &grey, emitted: &grey, received: &grey, sky: &|_| Vec3::ONE };
+    assert_eq!(sight.light(discs, &lighting, 1).bounced, LeafLight::new(discs, &seen, &lighting, 1).bounced);
+}

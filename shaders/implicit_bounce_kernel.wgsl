@@ -1,0 +1,66 @@
+// Irradiance of leaves from the nodes that they see, and from the sky in the other cells, a workgroup a leaf: E = pi/400 sum of L. Twin
+// of `LeafLight::new` in core/src/implicit/gather.rs, to rounding: sums are taken in halves.
+
+const LANES: u32 = 64u;
+// The integral of the cosine over a cell.
+const CELL_WEIGHT: f32 = PI / f32(CELL_COUNT);
+
+@group(1) @binding(0) var<uniform> uniforms: LightUniforms;
+@group(1) @binding(1) var<storage, read> discs: array<Disc>;
+// The node in each cell of each leaf.
+@group(1) @binding(2) var<storage, read> views: array<u32>;
+@group(1) @binding(3) var<storage, read> directions: array<vec4<f32>>;
+// Of the nodes.
+@group(1) @binding(4) var<storage, read> radiance: array<vec4<f32>>;
+@group(1) @binding(5) var<storage, read> lighting: array<LeafLighting>;
+// Radiance of the sky, cell by cell of an octahedron.
+@group(1) @binding(6) var<storage, read> sky: array<vec4<f32>>;
+@group(1) @binding(7) var<storage, read_write> light: array<LeafIrradiance>;
+
+struct Gathered {
+    nodes: vec3<f32>,
+    sky: vec3<f32>,
+}
+
+var<workgroup> sums: array<Gathered, LANES>;
+
+@compute @workgroup_size(64)
+fn bounce(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let leaf = workgroup_number(group);
+    sums[lane] = gathered(leaf, lane);
+    for (var half = LANES / 2u; half > 0u; half /= 2u) {
+        workgroupBarrier();
+        if lane < half {
+            sums[lane].nodes += sums[lane + half].nodes;
+            sums[lane].sky += sums[lane + half].sky;
+        }
+    }
+    if lane == 0u {
+        add(leaf, sums[0].nodes * CELL_WEIGHT, sums[0].sky * CELL_WEIGHT);
+    }
+}
+
+// From every 64th cell.
+fn gathered(leaf: u32, lane: u32) -> Gathered {
+    let frame = turned_frame(discs[leaf].normal, uniforms.turn);
+    var sum = Gathered();
+    for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
+        let node = views[CELL_COUNT * leaf + cell];
+        if node != EMPTY {
+            sum.nodes += radiance[node].xyz;
+        } else if uniforms.is_first != 0u {
+            sum.sky += sky[octahedron_cell(world_from_frame(frame, directions[cell].xyz))].xyz;
+        }
+    }
+    return sum;
+}
+
+fn add(leaf: u32, of_nodes: vec3<f32>, of_sky: vec3<f32>) {
+    if uniforms.is_first != 0u {
+        let direct = of_nodes + of_sky;
+        light[leaf] = LeafIrradiance(of_sky, direct, vec3(0.0), direct + lighting[leaf].received);
+    } else {
+        light[leaf].bounced += of_nodes;
+        light[leaf].last = of_nodes;
+    }
+}

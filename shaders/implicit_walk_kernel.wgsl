@@ -1,0 +1,193 @@
+// What leaves see: the nearest node in each cell of the hemisphere, a workgroup a leaf. Twin of `Visits::find`, `cover::fill`
+// and `Views::new` of core/src/implicit/. Bins and the blocks that wait are in shared memory. The order of visits differs from that
+// of the twin, which does not show: a bin keeps the least of the same keys.
+
+const LANES: u32 = 64u;
+const BLOCKS_AT_ONCE: u32 = 16u;
+// Beyond this many, blocks are taken one at a time. That is a descent depth first, which adds at most three a level: with 48 of the
+// last sixteen and 20 levels, what waits always fits.
+const NEARLY_FULL: u32 = 384u;
+const MOST_WAITING: u32 = 512u;
+// Nodes are entered 64 at a time, so that all invocations have work.
+const MOST_ENDS: u32 = 2u * LANES;
+// One empty neighbour in so many still makes a hole.
+const AROUND_A_HOLE: u32 = 8u;
+
+struct WalkUniforms {
+    first_leaf: u32,
+    // Blocks that hold the roots.
+    root_blocks: u32,
+    // The largest integral of the cosine over a node, in steradians.
+    limit: f32,
+    // Of distance codes, in 1/m2.
+    scale: f32,
+    // Cosine and sine of the turn of the frames.
+    turn: vec2<f32>,
+    // Whether the bins of a kept layer count as well.
+    has_kept: u32,
+    // Whether nodes are written, with holes closed, in place of keys.
+    closes: u32,
+}
+
+// What the workgroup does next.
+struct Step {
+    blocks: u32,
+    // The first of these in `waiting`, or its number if they are roots.
+    first_block: u32,
+    are_roots: u32,
+    ends: u32,
+    first_end: u32,
+}
+
+@group(1) @binding(0) var<uniform> walk: WalkUniforms;
+@group(1) @binding(1) var<storage, read> discs: array<Disc>;
+@group(1) @binding(2) var<storage, read> blocks: array<Block>;
+// Of the middles of the cells, in the frame of a leaf.
+@group(1) @binding(3) var<storage, read> directions: array<vec4<f32>>;
+// A bit an object: whether it is walked.
+@group(1) @binding(4) var<storage, read> walked: array<u32>;
+@group(1) @binding(5) var<storage, read> kept: array<u32>;
+@group(1) @binding(6) var<storage, read_write> seen: array<u32>;
+
+var<workgroup> bins: array<atomic<u32>, CELL_COUNT>;
+var<workgroup> waiting: array<u32, MOST_WAITING>;
+var<workgroup> waiting_count: atomic<u32>;
+var<workgroup> ends: array<u32, MOST_ENDS>;
+var<workgroup> end_count: atomic<u32>;
+var<workgroup> next_root: u32;
+var<workgroup> planned: Step;
+
+@compute @workgroup_size(64)
+fn walk_forest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let leaf = walk.first_leaf + workgroup_number(group);
+    for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
+        atomicStore(&bins[cell], EMPTY);
+    }
+    let receiver = Receiver(discs[leaf].position, turned_frame(discs[leaf].normal, walk.turn));
+    loop {
+        workgroupBarrier();
+        if lane == 0u {
+            plan();
+        }
+        let step = workgroupUniformLoad(&planned);
+        if step.blocks + step.ends == 0u {
+            break;
+        }
+        let place = step.first_block + lane / CHILDREN;
+        let block = select(waiting[min(place, MOST_WAITING - 1u)], place, step.are_roots != 0u);
+        let end = ends[min(step.first_end + lane, MOST_ENDS - 1u)];
+        workgroupBarrier();
+        if lane / CHILDREN < step.blocks && is_walked(step, CHILDREN * block + lane % CHILDREN) {
+            visit(block, lane % CHILDREN, receiver);
+        }
+        if lane < step.ends {
+            enter(end, receiver);
+        }
+    }
+    write_row(CELL_COUNT * leaf, lane);
+}
+
+// Takes blocks from those that wait, or roots, and the nodes that are to be entered.
+fn plan() {
+    var step = Step();
+    let waits = atomicLoad(&waiting_count);
+    if waits > 0u {
+        step.blocks = min(waits, select(BLOCKS_AT_ONCE, 1u, waits > NEARLY_FULL));
+        step.first_block = waits - step.blocks;
+        atomicStore(&waiting_count, step.first_block);
+    } else {
+        step.are_roots = 1u;
+        step.blocks = min(BLOCKS_AT_ONCE, walk.root_blocks - next_root);
+        step.first_block = next_root;
+        next_root += step.blocks;
+    }
+    let found = atomicLoad(&end_count);
+    if found >= LANES || step.blocks == 0u {
+        step.ends = min(found, LANES);
+        step.first_end = found - step.ends;
+        atomicStore(&end_count, step.first_end);
+    }
+    planned = step;
+}
+
+// Whether a node is none of an object that is left out.
+fn is_walked(step: Step, node: u32) -> bool {
+    return step.are_roots == 0u || (walked[node / 32u] >> (node % 32u) & 1u) != 0u;
+}
+
+fn visit(block: u32, slot: u32, receiver: Receiver) {
+    let below = blocks[block].below[slot];
+    let kind = visit_of(node_in(block, slot), below != 0u, receiver, walk.limit);
+    if kind == VISIT_DESCENDS {
+        waiting[atomicAdd(&waiting_count, 1u)] = below;
+    } else if kind == VISIT_ENDS {
+        ends[atomicAdd(&end_count, 1u)] = CHILDREN * block + slot;
+    }
+}
+
+fn node_in(block: u32, slot: u32) -> ForestNode {
+    var node = ForestNode();
+    for (var axis = 0u; axis < 3u; axis++) {
+        node.center[axis] = blocks[block].center[axis][slot];
+        node.axis[axis] = blocks[block].axis[axis][slot];
+    }
+    node.coherence = blocks[block].coherence[slot];
+    node.area = blocks[block].area[slot];
+    node.radius = blocks[block].radius[slot];
+    node.thickness = blocks[block].thickness[slot];
+    node.cone_cos = blocks[block].cone_cos[slot];
+    node.cone_sin = blocks[block].cone_sin[slot];
+    return node;
+}
+
+// Enters a node into the bins that it covers.
+fn enter(node: u32, receiver: Receiver) {
+    let disc = seen_disc(node_in(node / CHILDREN, node % CHILDREN), receiver);
+    let key = distance_key(disc.distance_sq, node, walk.scale);
+    for (var row = disc.first.y; row < disc.end.y; row++) {
+        for (var column = disc.first.x; column < disc.end.x; column++) {
+            let cell = row * SIDE + column;
+            if meets(directions[cell].xyz, disc) {
+                atomicMin(&bins[cell], key);
+            }
+        }
+    }
+}
+
+// Writes the bins of a leaf, the first of which has a number.
+fn write_row(first: u32, lane: u32) {
+    if walk.has_kept != 0u {
+        for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
+            atomicMin(&bins[cell], kept[first + cell]);
+        }
+    }
+    workgroupBarrier();
+    for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
+        let key = atomicLoad(&bins[cell]);
+        seen[first + cell] = select(key, closed(cell, key), walk.closes != 0u);
+    }
+}
+
+// The node of a bin, for a hole the nearest of its neighbours. Twin of `closed` in core/src/implicit/views.rs.
+fn closed(cell: u32, key: u32) -> u32 {
+    if key != EMPTY {
+        return node_of(key);
+    }
+    let place = vec2(cell % SIDE, cell / SIDE);
+    let low = max(place, vec2(1u)) - 1u;
+    let high = min(place + 1u, vec2(SIDE - 1u));
+    var nearest = EMPTY;
+    var open = 0u;
+    var all = 0u;
+    for (var row = low.y; row <= high.y; row++) {
+        for (var column = low.x; column <= high.x; column++) {
+            let near = atomicLoad(&bins[row * SIDE + column]);
+            nearest = min(nearest, near);
+            open += select(0u, 1u, near == EMPTY);
+            all += 1u;
+        }
+    }
+    // Without the bin itself, which is open.
+    let is_hole = open - 1u <= (all - 1u) / AROUND_A_HOLE;
+    return select(EMPTY, node_of(nearest), is_hole);
+}
