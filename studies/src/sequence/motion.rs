@@ -87,3 +87,48 @@ impl Moment {
         self.motion.animation.poses_at(self.motion.clip, self.seconds, poses)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        bundled::DataFolder,
+        sequence::{SequenceSettings, plan},
+    };
+    use lapidary_core::{
+        animation::Animation,
+        import::{ImportOptions, import},
+    };
+    use lapidary_render::test_looks::look;
+
+    fn motion(times: Times, playback: Playback) -> Motion {
+        let path = DataFolder::find(None).unwrap().scene("bending-tower");
+        let scene = import(&path).unwrap().scene;
+        let animation = Animation::read(&path, &ImportOptions::default()).unwrap();
+        Motion { animation: BoundAnimation::new(animation, &scene).unwrap().into(), clip: 0, times, playback }
+    }
+
+    #[test]
+    fn frames_are_even_in_time_and_a_loop_begins_again() {
+        let seconds = |times, playback| {
+            let motion = motion(times, playback);
+            (0..5).map(|frame| motion.moment(frame, 5).seconds).collect::<Vec<_>>()
+        };
+        assert_eq!(seconds(Times::Span { from: 0.0, to: 2.0 }, Playback::Once), [0.0, 0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(seconds(Times::Rate { from: 1.0, fps: 2.0 }, Playback::Once), [1.0, 1.5, 2.0, 2.0, 2.0]);
+        assert_eq!(seconds(Times::Rate { from: 1.0, fps: 2.0 }, Playback::Loop), [1.0, 1.5, 0.0, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn each_frame_of_a_plan_is_posed_at_its_time() {
+        let motion = motion(Times::Span { from: 0.0, to: 1.0 }, Playback::Once);
+        let settings = |motion| SequenceSettings { frames: 3, turn: None, motion: Some(motion), ..Default::default() };
+        let frames = plan(&look(), &settings(motion.clone())).unwrap();
+        let poses: Vec<Poses> = frames.iter().map(|frame| frame.posed().unwrap().poses).collect();
+        assert_eq!(poses[1], motion.animation.poses_at(0, 0.5, &Poses::default()).unwrap());
+        assert!(poses[0].is_empty() && poses[1] != poses[2], "negative control");
+        assert_eq!(frames[1].caption(), ["frame 2", "time@Bend 0.5"]);
+        let still = Motion { times: Times::Span { from: 1.0, to: 1.0 }, ..motion };
+        assert!(plan(&look(), &settings(still)).is_err());
+    }
+}
