@@ -1,5 +1,6 @@
 //! End-to-end tests over the built program, a file a subject, in one binary, which is linked once.
 
+mod animations;
 mod bad_input;
 mod baking;
 mod bounces;

@@ -42,8 +42,20 @@ const OUTPUTS: [(&str, &str, Kind, &str); 19] = [
 ];
 
 /// Options that name an input; the dataset, the lights and the material are those of many commands.
-const INPUTS: [&str; 11] =
-    ["file", "lights", "material", "scene", "scenes", "data", "test", "reference", "baseline", "original", "pose"];
+const INPUTS: [&str; 12] = [
+    "animation",
+    "file",
+    "lights",
+    "material",
+    "scene",
+    "scenes",
+    "data",
+    "test",
+    "reference",
+    "baseline",
+    "original",
+    "pose",
+];
 
 #[test]
 fn every_option_that_names_a_path_is_tried() {

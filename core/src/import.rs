@@ -6,6 +6,7 @@
 //! they may read.
 
 use crate::{
+    animation::Animation,
     camera::Camera,
     image::ImageError,
     input,
@@ -233,9 +234,9 @@ pub fn import(path: &Path) -> Result<Imported, ImportError> {
 /// # Errors
 /// A file that cannot be read, is damaged, is too large, holds no triangles, or needs files that it may not read.
 pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let extension = extension_of(path);
     let variant = options.variant.as_deref();
-    let is_gltf = ["gltf", "glb"].contains(&extension.as_str());
+    let is_gltf = is_gltf(path);
     if !is_gltf && !["obj", "ply"].contains(&extension.as_str()) {
         return Err(ImportError::Unsupported { path: path.into(), extension });
     }
@@ -250,6 +251,22 @@ pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
         _ => gltf::read(&bytes, path, files, variant)?,
     };
     finish(source, path)
+}
+
+fn extension_of(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// Whether the name of a file ends as those of glTF do.
+pub(crate) fn is_gltf(path: &Path) -> bool {
+    ["gltf", "glb"].contains(&extension_of(path).as_str())
+}
+
+/// What moves in a glTF or GLB file.
+pub(crate) fn animation(path: &Path, options: &ImportOptions) -> Result<Animation, ImportError> {
+    let mut files = Files::beside(path, options);
+    let bytes = read_file(path, &mut files)?;
+    gltf::read_animation(&bytes, path, files)
 }
 
 fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {

@@ -22,6 +22,7 @@
 //! * [`camera`]: where it is seen from; [`shot`]: the pictures that a bake is for
 //! * [`material`]: parameters and maps; [`texture`]: the images that maps read
 //! * [`lights`]: local lights and their file; [`environment`]: distant light, maps and skies
+//! * [`animation`]: clips, skins and morph targets of files, which pose a baked scene
 //! * [`import`]: scenes and materials from files of other programs; [`materialx`]: materials in and out of MaterialX documents;
 //!   [`export`]: materials of a scene back to the formats of other programs
 //! * [`image`]: pictures and their files
@@ -41,6 +42,7 @@
 //! user gave), [`output`] (what may be written, and files that are replaced whole), [`lock`] (one writer at a time), [`memory`]
 //! (what is free).
 
+pub mod animation;
 pub mod bounds;
 pub mod brdf;
 pub mod camera;

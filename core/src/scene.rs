@@ -193,6 +193,16 @@ pub enum MeshError {
         /// Diagonal of its bounds in metres.
         diagonal: f32,
     },
+    /// Vertices that an animation made for another mesh.
+    #[error("object {object} is deformed with {found} vertices and has {expected}; pose the scene as it is now")]
+    Deformed {
+        /// Which object.
+        object: u32,
+        /// Vertices of the pose.
+        found: usize,
+        /// Vertices of the object.
+        expected: usize,
+    },
     /// The ground shares vertices with the scene, or begins nowhere.
     #[error("the ground of the mesh is not apart from the rest; the file is damaged, bake the scene again")]
     Ground,

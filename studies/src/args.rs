@@ -14,6 +14,6 @@ pub use backend::{BackendOption, shader_source};
 pub use light::{LocalLightArgs, warn_of_buried};
 pub use outside::OutsideArgs;
 pub use picture::PictureArgs;
-pub use pose::PoseArgs;
+pub use pose::{MotionArgs, PoseArgs};
 pub use shot::ShotOption;
 pub use view::{ViewArgs, ViewedScene, replace_materials};

@@ -45,7 +45,7 @@ impl DataFolder {
 
     /// The scenes that the window offers, the still life first.
     pub fn scenes(&self) -> Vec<PathBuf> {
-        let others = ["interior", "color-box", "material-study"].map(|name| self.scene(name));
+        let others = ["interior", "color-box", "material-study", "bending-tower"].map(|name| self.scene(name));
         iter::once(self.still_life()).chain(others).filter(|scene| scene.is_file()).collect()
     }
 
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn the_source_tree_has_the_data_and_another_folder_is_refused() {
         let scenes = DataFolder::find(None).unwrap().scenes();
-        assert!(scenes.len() == 4 && scenes[0].ends_with("still-life.gltf"), "{scenes:?}");
+        assert!(scenes.len() == 5 && scenes[0].ends_with("still-life.gltf"), "{scenes:?}");
         let error = DataFolder::find(Some(Path::new("nowhere"))).err().map(|e| e.to_string());
         assert!(error.is_some_and(|e| e.contains("--data") && e.ends_with("(nowhere)")));
     }

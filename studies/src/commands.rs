@@ -95,7 +95,7 @@ Examples:
   lapidary render scene.cuts --lights lamps.json --env sky.hdr --components direct --out only-lamps.exr
   lapidary render scene.cuts --env sky.hdr --out layers.exr --layers environment,normal,depth")]
     Render(RenderArgs),
-    /// Render turntables and parameter sweeps as image sequences
+    /// Render turntables, parameter sweeps and animations as image sequences
     #[command(after_help = "\
 Turns are about the vertical through the camera's target. Visibility was baked for the scene as it stands, so
 --turn object turns the whole scene: camera, environment and lights turn the other way together.
@@ -106,6 +106,7 @@ Examples:
   lapidary sequence scene.cuts --env sky.hdr --turn environment --frames 24 --out env/f.##.exr --contact-sheet env.png
   lapidary sequence scene.cuts --sweep roughness=0.05..0.8 --frames 16 --out sweep/r.##.png --contact-sheet r.png
   lapidary sequence scene.cuts --brdf refine --sweep illum-cut=log:1..512 --sweep exposure=-1..1 --frames 10 --out cuts/c.##.png
+  lapidary sequence tower.cuts --animation tower.gltf --fps 24 --frames 48 --out bend/b.##.png
   lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
     Sequence(SequenceArgs),
     /// Measure the time of a frame, by pass, of lit cuts or by size of the illumination cut; or a suite against a baseline

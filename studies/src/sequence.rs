@@ -1,7 +1,8 @@
-//! Image sequences: turntables, and sweeps of any parameter. What the frames show is planned ([`plan()`]) before any is rendered
+//! Image sequences: turntables, sweeps of any parameter, and animations. What the frames show is planned ([`plan()`]) before any is rendered
 //! ([`SequenceTask::run`]); the window and the command line do both alike.
 
 mod error;
+mod motion;
 mod names;
 mod parameter;
 mod plan;
@@ -10,6 +11,7 @@ mod run;
 mod sweep;
 mod turn;
 
+pub use motion::{Moment, Motion, Times};
 pub use names::FrameNames;
 pub use parameter::{Domain, Parameter, Target};
 pub use plan::{SequenceFrame, SequenceSettings, plan};

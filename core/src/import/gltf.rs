@@ -6,18 +6,33 @@ use super::{
     listed,
     textures::TextureLibrary,
 };
-use crate::{camera::Camera, parts::Part, scene::MeshError};
-use buffers::Buffers;
-use glam::{DVec4, Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
-use gltf::{
-    mesh::{Mode, Semantic},
-    scene::Transform,
+use crate::{
+    animation::{
+        Animation, Clip,
+        clip::Property,
+        nodes::Nodes,
+        shape::{Deformation, Posture, Shape},
+        skin::Skin,
+        surface::Surface,
+    },
+    camera::Camera,
+    material::Material,
+    parts::Part,
+    scene::MeshError,
 };
+use buffers::Buffers;
+use clips::Clips;
+use glam::{Mat4, Vec2, Vec3};
+use gltf::mesh::{Mode, Semantic};
+use hierarchy::Hierarchy;
 use serde_json::Value;
 use std::{borrow::Cow, path::Path};
 use variants::FileVariants;
 
 mod buffers;
+mod clips;
+mod deformations;
+mod hierarchy;
 mod layers;
 mod lights;
 mod materials;
@@ -39,50 +54,191 @@ const EXTENSIONS: [&str; 10] = [
     variants::EXTENSION,
 ];
 
+/// Reads a scene as it is at rest.
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<&str>) -> Result<Source, ImportError> {
     let failed = |trouble: Trouble| trouble.at(path, "glTF");
-    let parse_error = |reason: String| failed(reason.into());
-    check_glb_header(bytes).map_err(parse_error)?;
-    files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
-    check_extensions(bytes, path)?;
-    let gltf = parse(bytes).map_err(parse_error)?;
-    let variants = FileVariants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
-    let buffers = Buffers::load(&gltf, &mut files).map_err(failed)?;
-    let mut notes = Notes::default();
-    let nodes = all_nodes(&gltf, &mut notes);
-    check_size(&nodes, &mut files, path)?;
-
+    let file = SceneFile::open(bytes, path, &mut files, variant)?;
+    let (gltf, buffers) = (&file.gltf, &file.buffers);
     let mut library = TextureLibrary::new(files);
     let mut source = Source::default();
-    source.variants.names.clone_from(&variants.names);
-    source.warnings.extend(variants.remark());
-    materials::add_materials(&mut source, &gltf, bytes, &buffers, &mut library).map_err(failed)?;
+    source.variants.names.clone_from(&file.variants.names);
+    source.warnings.extend(file.variants.remark());
+    materials::add_materials(&mut source, gltf, bytes, buffers, &mut library).map_err(failed)?;
+    let at_rest = file.at_rest();
+    let placed: Vec<_> =
+        file.nodes_of_scene().map(|node| (node.clone(), at_rest.world_from_node(node.index()))).collect();
     if let Some(document) = document_with(bytes, lights::EXTENSION) {
-        lights::add_lights(&mut source, &document, &nodes);
+        lights::add_lights(&mut source, &document, &placed);
     }
-    for (node, world_from_node) in &nodes {
+    let mut notes = Notes { turned: file.turned.clone(), ..Notes::default() };
+    for (node, world_from_node) in &placed {
         if let Some(camera) = node.camera() {
             add_camera(&mut source, node, &camera, *world_from_node);
         }
         if let Some(mesh) = node.mesh() {
-            let name = node_name(node);
-            notes.inspect(&name, node, &mesh);
-            let mut parts = variants::PartsOfNode::new(&mut source, name);
-            for primitive in mesh.primitives().filter(|p| is_surface(p.mode())) {
-                let read = Primitive::read(&primitive, &buffers).map_err(parse_error)?;
-                read.check_indices().map_err(|source| ImportError::Mesh { path: path.into(), source })?;
-                let mut material = |chosen| materials::index_of(&mut source, &gltf, &primitive, chosen);
-                let place = [mesh.index(), primitive.index()];
-                let (own, looks) = (material(variants.chosen(place)), variants.looks(place, &mut material));
-                let part = parts.add(&mut source, own, looks);
-                read.add_to(&mut source, *world_from_node, part);
-            }
+            notes.inspect(&node_name(node), &mesh);
         }
     }
+    file.add_objects(&mut source, |source, node, primitive, part| {
+        let read = Primitive::read(primitive, buffers).map_err(|reason| failed(reason.into()))?;
+        read.check_indices().map_err(|source| ImportError::Mesh { path: path.into(), source })?;
+        read.add_to(source, &file.deformation(node, primitive, &mut notes), node.index(), &at_rest, part);
+        Ok(())
+    })?;
+    source.warnings.extend(Clips::read(gltf, &file.nodes, buffers).remarks());
     notes.warn(&mut source.warnings);
-    warn_of_extensions(&gltf, &mut source.warnings);
+    warn_of_extensions(gltf, &mut source.warnings);
     library.finish(&mut source);
     Ok(source)
+}
+
+/// Reads what moves in a file, without materials and pictures.
+pub(super) fn read_animation(bytes: &[u8], path: &Path, mut files: Files) -> Result<Animation, ImportError> {
+    let file = SceneFile::open(bytes, path, &mut files, None)?;
+    let Clips { playable: clips, broken } = Clips::read(&file.gltf, &file.nodes, &file.buffers);
+    let moving = file.moving(&clips);
+    let (mut shapes, mut notes) = (Vec::new(), Notes::default());
+    let materials = file.gltf.materials().map(|_| Material::default()).collect();
+    let mut source = Source { materials, ..Source::default() };
+    file.add_objects(&mut source, |_, node, primitive, part| {
+        if moving.reaches(node, primitive) {
+            let parsed = |reason: String| Trouble::from(reason).at(path, "glTF");
+            let Primitive { mut surface, triangles, .. } = Primitive::read(primitive, &file.buffers).map_err(parsed)?;
+            surface.tangents.clear();
+            let deformation = file.deformation(node, primitive, &mut notes);
+            shapes.push(Shape { object: part.object, node: node.index(), surface, triangles, deformation });
+        }
+        Ok(())
+    })?;
+    shapes.sort_by_key(|shape| shape.object);
+    let objects = source.objects.into_iter().map(|object| object.name).collect();
+    let mut warnings = Vec::new();
+    notes.warn(&mut warnings);
+    let skins = file.skins.into_iter().map(Result::unwrap_or_default).collect();
+    Ok(Animation { path: path.into(), nodes: file.nodes, skins, clips, broken, shapes, objects, warnings })
+}
+
+/// A file that was parsed, with its buffers and its nodes.
+struct SceneFile {
+    gltf: gltf::Gltf,
+    buffers: Buffers,
+    variants: FileVariants,
+    nodes: Nodes,
+    /// Nodes of scenes, parents first.
+    order: Vec<usize>,
+    /// Nodes whose rotation was normalised.
+    turned: Vec<String>,
+    skins: Vec<Result<Skin, String>>,
+}
+
+impl SceneFile {
+    fn open(bytes: &[u8], path: &Path, files: &mut Files, variant: Option<&str>) -> Result<Self, ImportError> {
+        let failed = |trouble: Trouble| trouble.at(path, "glTF");
+        let parse_error = |reason: String| failed(reason.into());
+        check_glb_header(bytes).map_err(parse_error)?;
+        files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
+        check_extensions(bytes, path)?;
+        let gltf = parse(bytes).map_err(parse_error)?;
+        let variants = FileVariants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
+        let buffers = Buffers::load(&gltf, files).map_err(failed)?;
+        let hierarchy = hierarchy::read(&gltf);
+        let skins = deformations::skins(&gltf, &buffers);
+        let Hierarchy { nodes, order, turned } = hierarchy;
+        let file = Self { gltf, buffers, variants, nodes, order, turned, skins };
+        file.check_size(files, path)?;
+        Ok(file)
+    }
+
+    fn nodes_of_scene(&self) -> impl Iterator<Item = gltf::Node<'_>> {
+        let all: Vec<gltf::Node> = self.gltf.nodes().collect();
+        self.order.iter().map(move |&index| all[index].clone())
+    }
+
+    fn at_rest(&self) -> Posture {
+        let skins: Vec<Skin> = self.skins.iter().map(|skin| skin.clone().unwrap_or_default()).collect();
+        Posture::new(&self.nodes, &skins, self.nodes.at_rest())
+    }
+
+    /// Counts what all instances will take before anything is read.
+    fn check_size(&self, files: &mut Files, path: &Path) -> Result<(), ImportError> {
+        let (mut vertices, mut triangles, mut deformations) = (0u64, 0u64, 0u64);
+        for primitive in self.nodes_of_scene().filter_map(|node| node.mesh()).flat_map(|mesh| mesh.primitives()) {
+            let positions = primitive.get(&Semantic::Positions).map_or(0, |a| a.count() as u64);
+            let corners = primitive.indices().map_or(positions, |a| a.count() as u64);
+            let per_triangle = if primitive.mode() == Mode::Triangles { 3 } else { 1 };
+            // One without anything takes time, too.
+            vertices = vertices.saturating_add(positions.max(1));
+            triangles = triangles.saturating_add((corners / per_triangle).max(1));
+            deformations = deformations.saturating_add(deformations::bytes(&primitive, positions));
+        }
+        check_count("vertices", vertices, path)?;
+        check_count("triangles", triangles, path)?;
+        let taken = files.budget.take_mesh(vertices, triangles).and_then(|()| files.budget.take(deformations));
+        taken.map_err(|over| over.at(path))
+    }
+
+    /// Adds the objects of the scene, and calls `each` with their primitives and the parts that these are.
+    fn add_objects(
+        &self,
+        source: &mut Source,
+        mut each: impl FnMut(&mut Source, &gltf::Node, &gltf::Primitive, Part) -> Result<(), ImportError>,
+    ) -> Result<(), ImportError> {
+        for node in self.nodes_of_scene() {
+            let Some(mesh) = node.mesh() else { continue };
+            let mut parts = variants::PartsOfNode::new(source, node_name(&node));
+            for primitive in mesh.primitives().filter(|p| is_surface(p.mode())) {
+                let mut material = |chosen| materials::index_of(source, &self.gltf, &primitive, chosen);
+                let place = [mesh.index(), primitive.index()];
+                let (own, looks) = (material(self.variants.chosen(place)), self.variants.looks(place, &mut material));
+                let part = parts.add(source, own, looks);
+                each(source, &node, &primitive, part)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What deforms a primitive, as far as it can be used.
+    fn deformation(&self, node: &gltf::Node, primitive: &gltf::Primitive, notes: &mut Notes) -> Deformation {
+        let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+        let (deformation, troubles) = deformations::read(node, primitive, vertices, &self.skins, &self.buffers);
+        let told = |trouble| {
+            format!("\"{}\" shows without a part of its deformation, {trouble}; export it again", node_name(node))
+        };
+        notes.deformations.extend(troubles.into_iter().map(told));
+        deformation
+    }
+
+    /// What some clip moves.
+    fn moving(&self, clips: &[Clip]) -> Moving {
+        let channels = || clips.iter().flat_map(Clip::channels);
+        let marked = |is_meant: fn(Property) -> bool| {
+            let mut marked = vec![false; self.gltf.nodes().count()];
+            channels().filter(|c| is_meant(c.property)).for_each(|channel| marked[channel.node] = true);
+            marked
+        };
+        let nodes = self.nodes.carried(&marked(|property| property != Property::Weights));
+        let is_carried = |skin: &Skin| skin.joints.iter().any(|&joint| nodes[joint]);
+        let skins = self.skins.iter().map(|skin| skin.as_ref().is_ok_and(is_carried)).collect();
+        Moving { weights: marked(|property| property == Property::Weights), nodes, skins }
+    }
+}
+
+/// What clips move, by index.
+struct Moving {
+    nodes: Vec<bool>,
+    weights: Vec<bool>,
+    skins: Vec<bool>,
+}
+
+impl Moving {
+    /// Whether they move a primitive of a node. A skin that cannot be used leaves it to its node.
+    fn reaches(&self, node: &gltf::Node, primitive: &gltf::Primitive) -> bool {
+        let index = node.index();
+        let has_targets = primitive.morph_targets().next().is_some();
+        self.nodes[index]
+            || self.weights[index] && has_targets
+            || node.skin().is_some_and(|skin| self.skins[skin.index()])
+    }
 }
 
 /// Parses and validates. The validation of the `gltf` crate looks up accessors of attributes before it checks their
@@ -139,61 +295,8 @@ fn check_glb_header(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Every node of every scene once with its transform, parents first; a file's cycles end at the second visit.
-fn all_nodes<'a>(gltf: &'a gltf::Document, notes: &mut Notes) -> Vec<(gltf::Node<'a>, Mat4)> {
-    let mut visited = vec![false; gltf.nodes().count()];
-    let mut found = Vec::new();
-    let mut pending: Vec<_> = gltf.scenes().flat_map(|s| s.nodes()).map(|n| (n, Mat4::IDENTITY)).collect();
-    if pending.is_empty() {
-        let mut is_child = vec![false; gltf.nodes().count()];
-        gltf.nodes().flat_map(|n| n.children()).for_each(|n| is_child[n.index()] = true);
-        pending = gltf.nodes().filter(|n| !is_child[n.index()]).map(|n| (n, Mat4::IDENTITY)).collect();
-    }
-    pending.reverse();
-    while let Some((node, world_from_parent)) = pending.pop() {
-        if std::mem::replace(&mut visited[node.index()], true) {
-            continue;
-        }
-        let world_from_node = world_from_parent * parent_from_node(&node, notes);
-        let children: Vec<_> = node.children().map(|child| (child, world_from_node)).collect();
-        pending.extend(children.into_iter().rev());
-        found.push((node, world_from_node));
-    }
-    found
-}
-
-/// The transform of a node. The format wants unit quaternions; others are normalised, and those without a direction turn
-/// nothing.
-fn parent_from_node(node: &gltf::Node, notes: &mut Notes) -> Mat4 {
-    if let Transform::Decomposed { translation, rotation, scale } = node.transform() {
-        let quaternion = DVec4::from_array(rotation.map(f64::from));
-        if !((quaternion.length_squared() - 1.0).abs() < 1e-2) {
-            notes.turned.push(node_name(node));
-            let unit = Quat::from_vec4(quaternion.try_normalize().unwrap_or(DVec4::W).as_vec4());
-            return Mat4::from_scale_rotation_translation(scale.into(), unit, translation.into());
-        }
-    }
-    Mat4::from_cols_array_2d(&node.transform().matrix())
-}
-
 fn is_surface(mode: Mode) -> bool {
     matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
-}
-
-/// Counts what all instances will take before anything is read.
-fn check_size(nodes: &[(gltf::Node, Mat4)], files: &mut Files, path: &Path) -> Result<(), ImportError> {
-    let (mut vertices, mut triangles) = (0u64, 0u64);
-    for primitive in nodes.iter().filter_map(|(node, _)| node.mesh()).flat_map(|mesh| mesh.primitives()) {
-        let positions = primitive.get(&Semantic::Positions).map_or(0, |a| a.count() as u64);
-        let corners = primitive.indices().map_or(positions, |a| a.count() as u64);
-        let per_triangle = if primitive.mode() == Mode::Triangles { 3 } else { 1 };
-        // One without anything takes time, too.
-        vertices = vertices.saturating_add(positions.max(1));
-        triangles = triangles.saturating_add((corners / per_triangle).max(1));
-    }
-    check_count("vertices", vertices, path)?;
-    check_count("triangles", triangles, path)?;
-    files.budget.take_mesh(vertices, triangles).map_err(|over| over.at(path))
 }
 
 fn node_name(node: &gltf::Node) -> String {
@@ -217,10 +320,8 @@ fn add_camera(source: &mut Source, node: &gltf::Node, camera: &gltf::Camera, wor
 
 /// The attributes of a primitive in its own space, and its triangles.
 struct Primitive {
-    positions: Vec<Vec3>,
-    normals: Vec<Vec3>,
+    surface: Surface,
     uvs: Vec<Vec2>,
-    tangents: Vec<Vec4>,
     triangles: Vec<[u32; 3]>,
 }
 
@@ -229,17 +330,16 @@ impl Primitive {
         let positions = buffers.positions(primitive)?;
         let count = positions.len();
         let indices = buffers.indices(primitive)?.unwrap_or_else(|| (0..count as u32).collect());
+        let (normals, tangents) = (buffers.normals(primitive, count)?, buffers.tangents(primitive, count)?);
         Ok(Self {
-            normals: buffers.normals(primitive, count)?,
             uvs: buffers.uvs(primitive, count)?,
-            tangents: buffers.tangents(primitive, count)?,
             triangles: triangles(primitive.mode(), &indices),
-            positions,
+            surface: Surface { positions, normals, tangents },
         })
     }
 
     fn check_indices(&self) -> Result<(), MeshError> {
-        let count = self.positions.len();
+        let count = self.surface.positions.len();
         for (triangle, corners) in self.triangles.iter().enumerate() {
             if let Some(&index) = corners.iter().find(|&&c| c as usize >= count) {
                 return Err(MeshError::Index { triangle, array: "vertex", index, count });
@@ -248,26 +348,26 @@ impl Primitive {
         Ok(())
     }
 
-    /// Adds the primitive as it stands in the world. A mirroring transform turns the triangles around.
-    fn add_to(self, source: &mut Source, world_from_object: Mat4, Part { object, material }: Part) {
+    /// Adds the primitive of a node as it stands in the world. Where that mirrors it, the triangles turn around.
+    fn add_to(
+        mut self,
+        source: &mut Source,
+        deformation: &Deformation,
+        node: usize,
+        posture: &Posture,
+        Part { object, material }: Part,
+    ) {
+        let is_mirrored = deformation.place(&mut self.surface, node, posture);
         let raw = &mut source.mesh;
         let base = raw.positions.len();
-        let linear = Mat3::from_mat4(world_from_object);
-        let handedness = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
-        let normal_transform = handedness * cofactors(linear);
-        raw.positions.extend(self.positions.iter().map(|p| world_from_object.transform_point3(*p)));
-        raw.normals.extend(self.normals.iter().map(|n| (normal_transform * *n).normalize_or_zero()));
+        raw.positions.extend(self.surface.positions);
+        raw.normals.extend(self.surface.normals);
+        raw.tangents.extend(self.surface.tangents);
         raw.uvs.extend(self.uvs);
-        raw.tangents.extend(self.tangents.iter().map(|t| (linear * t.truncate()).extend(handedness * t.w)));
         for [a, b, c] in self.triangles {
-            raw.push_triangle(base, if handedness < 0.0 { [a, c, b] } else { [a, b, c] }, material, object);
+            raw.push_triangle(base, if is_mirrored { [a, c, b] } else { [a, b, c] }, material, object);
         }
     }
-}
-
-/// The inverse transpose times the determinant, which exists for every matrix.
-fn cofactors(m: Mat3) -> Mat3 {
-    Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
@@ -283,34 +383,37 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
+/// Most sentences of one kind that are told one by one.
+const MOST_SENTENCES: usize = 5;
+
 /// Objects of which something was left out.
 #[derive(Default)]
 struct Notes {
     not_surfaces: Vec<String>,
-    skinned: Vec<String>,
-    morphed: Vec<String>,
+    /// Sentences of what deforms objects and cannot be used.
+    deformations: Vec<String>,
     colored: Vec<String>,
     turned: Vec<String>,
 }
 
 impl Notes {
-    fn inspect(&mut self, name: &str, node: &gltf::Node, mesh: &gltf::Mesh) {
+    fn inspect(&mut self, name: &str, mesh: &gltf::Mesh) {
         let mut note = |list: fn(&mut Self) -> &mut Vec<String>, applies: bool| {
             if applies {
                 list(self).push(name.to_owned());
             }
         };
-        note(|n| &mut n.skinned, node.skin().is_some());
         note(|n| &mut n.not_surfaces, mesh.primitives().any(|p| !is_surface(p.mode())));
-        note(|n| &mut n.morphed, mesh.primitives().any(|p| p.morph_targets().next().is_some()));
         note(|n| &mut n.colored, mesh.primitives().any(|p| p.get(&Semantic::Colors(0)).is_some()));
     }
 
     fn warn(&self, warnings: &mut Vec<String>) {
+        warnings.extend(self.deformations.iter().take(MOST_SENTENCES).cloned());
+        if let Some(more) = self.deformations.len().checked_sub(MOST_SENTENCES).filter(|more| *more > 0) {
+            warnings.push(format!("{more} more objects show without a part of their deformation"));
+        }
         for (names, text) in [
             (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
-            (&self.skinned, "are skinned and show in their rest pose; apply the pose before exporting"),
-            (&self.morphed, "have morph targets, which were left out; apply the shape before exporting"),
             (&self.turned, "have a rotation that is no unit quaternion, which was normalised; export them again"),
             (&self.colored, "have vertex colours, which were left out; bake them to a texture"),
         ] {

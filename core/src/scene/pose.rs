@@ -1,10 +1,12 @@
 //! Where the objects of a scene are, beside where they were baked.
 //!
-//! A pose scales and turns an object about the centre of its box, and then moves it. All triangles stay the same, so that what a bake
-//! says of a vertex is found by its index under any pose.
+//! A pose scales and turns an object about the centre of its box, and then moves it. An animation deforms it before that. All triangles
+//! stay the same, so that what a bake says of a vertex is found by its index under any pose.
 
+mod deformed;
 mod file;
 
+pub use deformed::{DeformedObject, PosedVertices};
 pub use file::{PoseError, PoseFileError};
 
 use super::{Mesh, MeshError, Scene};
@@ -65,28 +67,48 @@ impl Pose {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Poses {
     of_object: BTreeMap<u32, Pose>,
+    deformed: BTreeMap<u32, DeformedObject>,
 }
 
 impl Poses {
     /// Whether all is as it was baked.
     pub fn is_empty(&self) -> bool {
-        self.of_object.is_empty()
+        self.of_object.is_empty() && self.deformed.is_empty()
     }
 
-    /// The pose of an object.
+    /// The pose of an object, by which it is moved as a whole.
     pub fn of(&self, object: u32) -> Pose {
         self.of_object.get(&object).copied().unwrap_or_default()
     }
 
     /// Whether an object is where it was baked.
     pub fn is_as_baked(&self, object: u32) -> bool {
-        !self.of_object.contains_key(&object)
+        !self.of_object.contains_key(&object) && !self.deformed.contains_key(&object)
+    }
+
+    /// The vertices of an object, if it is deformed; its pose comes on top, about its centre as baked.
+    pub fn deformed(&self, object: u32) -> Option<&DeformedObject> {
+        self.deformed.get(&object)
+    }
+
+    /// Deforms an object, or lets it be as it was baked.
+    pub fn deform(&mut self, object: u32, deformed: Option<DeformedObject>) {
+        match deformed {
+            Some(deformed) => self.deformed.insert(object, deformed),
+            None => self.deformed.remove(&object),
+        };
+    }
+
+    /// The same without deformed objects.
+    pub fn without_deformed(&self) -> Self {
+        Self { of_object: self.of_object.clone(), ..Self::default() }
     }
 
     /// The objects that are not in the same place by both, by index.
     pub fn differing<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = u32> + 'a {
         let all: BTreeSet<u32> = self.moved().chain(other.moved()).collect();
-        all.into_iter().filter(|&object| self.of(object) != other.of(object))
+        let pose = |poses: &'a Self, object| (poses.of(object), poses.deformed(object));
+        all.into_iter().filter(move |&object| pose(self, object) != pose(other, object))
     }
 
     /// Poses an object.
@@ -106,26 +128,44 @@ impl Poses {
     /// The same for objects that have other numbers, or are gone.
     pub fn renumbered(&self, number: impl Fn(u32) -> Option<u32>) -> Self {
         let of_object = self.of_object.iter().filter_map(|(&object, &pose)| Some((number(object)?, pose))).collect();
-        Self { of_object }
+        let deformed = self.deformed.iter().filter_map(|(&object, shape)| Some((number(object)?, shape.clone())));
+        Self { of_object, deformed: deformed.collect() }
     }
 
     /// The objects that are elsewhere, by index.
     pub fn moved(&self) -> impl Iterator<Item = u32> {
-        self.of_object.keys().copied()
+        let all: BTreeSet<u32> = self.of_object.keys().chain(self.deformed.keys()).copied().collect();
+        all.into_iter()
     }
 
     /// The mesh with its objects posed.
     ///
     /// # Errors
-    /// Places beyond [`MOST_COORDINATE`](super::MOST_COORDINATE).
+    /// Places beyond [`MOST_COORDINATE`](super::MOST_COORDINATE), and vertices of a deformed object that are not those of the mesh.
     pub fn pose(&self, mesh: &Mesh, objects: &Objects) -> Result<Mesh, MeshError> {
         let mut posed = mesh.clone();
+        for (&object, deformed) in self.deformed.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
+            deform_vertices(&mut posed, object, objects.vertices(object), deformed.vertices())?;
+        }
         for (&object, pose) in self.of_object.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
             pose_vertices(&mut posed, objects.vertices(object), pose, objects.center(object));
         }
         super::check_extent(posed.positions[..posed.vertices_of_scene()].iter().copied())?;
         Ok(posed)
     }
+}
+
+fn deform_vertices(mesh: &mut Mesh, object: u32, of: &[u32], posed: &PosedVertices) -> Result<(), MeshError> {
+    let (found, expected) = (posed.positions.len(), of.len());
+    if found != expected {
+        return Err(MeshError::Deformed { object, found, expected });
+    }
+    for (k, vertex) in of.iter().map(|&vertex| vertex as usize).enumerate() {
+        mesh.positions[vertex] = posed.positions[k];
+        mesh.normals[vertex] = posed.normals[k];
+        mesh.tangents[vertex] = posed.tangents[k];
+    }
+    Ok(())
 }
 
 fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {

@@ -10,6 +10,8 @@ use serde_json::{Map, Value, json};
 use crate::mesh::Mesh;
 use crate::scene::{Material, PunctualLight, Scene};
 
+mod motion;
+
 /// glTF component types and buffer targets.
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
@@ -23,12 +25,18 @@ const LIGHTS: &str = "KHR_lights_punctual";
 pub fn write(scene: &Scene, folder: &Path) -> Result<()> {
     let mut file = Writer::default();
     let materials: Vec<Value> = scene.materials.iter().map(|m| file.material(m)).collect();
-    let meshes = scene.pieces.iter().map(|piece| file.mesh(scene, piece)).collect::<Result<Vec<Value>>>()?;
-    let (nodes, cameras) = nodes_and_cameras(scene);
+    let mut meshes = scene.pieces.iter().map(|piece| file.mesh(scene, piece)).collect::<Result<Vec<Value>>>()?;
+    let (mut nodes, cameras) = nodes_and_cameras(scene);
+    let motion = scene.motion.as_ref();
+    let moving = motion.map(|motion| file.motion(scene, motion, &mut meshes, &mut nodes));
+    let mut is_child = vec![false; nodes.len()];
+    let children = nodes.iter().filter_map(|node| node["children"].as_array()).flatten().filter_map(Value::as_u64);
+    children.for_each(|child| is_child[child as usize] = true);
+    let roots: Vec<usize> = (0..nodes.len()).filter(|&node| !is_child[node]).collect();
     let mut root = json!({
         "asset": { "version": "2.0", "generator": "lapidary-data-generator", "copyright": "CC0 1.0" },
         "scene": 0,
-        "scenes": [{ "name": scene.name, "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
+        "scenes": [{ "name": scene.name, "nodes": roots }],
         "nodes": nodes,
         "cameras": cameras,
         "materials": materials,
@@ -44,6 +52,9 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<()> {
     if !scene.lights.is_empty() {
         root["extensionsUsed"] = json!([LIGHTS]);
         root["extensions"] = json!({ LIGHTS: { "lights": scene.lights.iter().map(light).collect::<Vec<_>>() } });
+    }
+    if let Some([skins, animations]) = moving {
+        (root["skins"], root["animations"]) = (skins, animations);
     }
     save(&folder.join(format!("{}.bin", scene.name)), &file.bytes)?;
     let mut text = serde_json::to_string_pretty(&root)?;
@@ -77,35 +88,31 @@ impl Writer {
     }
 
     fn attributes(&mut self, mesh: &Mesh) -> Value {
-        let low = mesh.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-        let high = mesh.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
-        let count = mesh.positions.len();
-        let position = self.accessor(bytemuck::cast_slice(&mesh.positions), ARRAY_BUFFER, FLOAT, count, "VEC3");
-        self.accessors[position]["min"] = json!(low.to_array());
-        self.accessors[position]["max"] = json!(high.to_array());
-        let normal = self.accessor(bytemuck::cast_slice(&mesh.normals), ARRAY_BUFFER, FLOAT, count, "VEC3");
-        let uv = self.accessor(bytemuck::cast_slice(&mesh.uvs), ARRAY_BUFFER, FLOAT, count, "VEC2");
+        let (count, target) = (mesh.positions.len(), Some(ARRAY_BUFFER));
+        let position = self.positions(&mesh.positions);
+        let normal = self.accessor(bytemuck::cast_slice(&mesh.normals), target, FLOAT, count, "VEC3");
+        let uv = self.accessor(bytemuck::cast_slice(&mesh.uvs), target, FLOAT, count, "VEC2");
         json!({ "POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv })
     }
 
     fn indices(&mut self, mesh: &Mesh) -> usize {
-        let count = mesh.indices.len();
+        let (count, target) = (mesh.indices.len(), Some(ELEMENT_ARRAY_BUFFER));
         // 65,535 itself is reserved for primitive restart.
         if mesh.positions.len() < 0xFFFF {
             let short: Vec<u16> = mesh.indices.iter().map(|i| *i as u16).collect();
-            self.accessor(bytemuck::cast_slice(&short), ELEMENT_ARRAY_BUFFER, UNSIGNED_SHORT, count, "SCALAR")
+            self.accessor(bytemuck::cast_slice(&short), target, UNSIGNED_SHORT, count, "SCALAR")
         } else {
-            self.accessor(bytemuck::cast_slice(&mesh.indices), ELEMENT_ARRAY_BUFFER, UNSIGNED_INT, count, "SCALAR")
+            self.accessor(bytemuck::cast_slice(&mesh.indices), target, UNSIGNED_INT, count, "SCALAR")
         }
     }
 
-    fn accessor(&mut self, data: &[u8], target: u32, component: u32, count: usize, kind: &str) -> usize {
-        self.views.push(json!({
-            "buffer": 0,
-            "byteOffset": self.bytes.len(),
-            "byteLength": data.len(),
-            "target": target,
-        }));
+    /// `target` is what vertices and indices are used as; other data have none.
+    fn accessor(&mut self, data: &[u8], target: Option<u32>, component: u32, count: usize, kind: &str) -> usize {
+        let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": data.len() });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.views.push(view);
         self.bytes.extend_from_slice(data);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let view = self.views.len() - 1;
@@ -144,6 +151,13 @@ impl Writer {
         }
         value
     }
+}
+
+/// The least and the largest of each coordinate.
+fn bounds(positions: &[Vec3]) -> [[f32; 3]; 2] {
+    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    [low, high].map(Vec3::into)
 }
 
 fn nodes_and_cameras(scene: &Scene) -> (Vec<Value>, Vec<Value>) {

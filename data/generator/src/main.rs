@@ -5,6 +5,7 @@
 
 mod backdrop;
 mod beach;
+mod bending_tower;
 mod cloth;
 mod color_box;
 mod curve;
@@ -17,6 +18,7 @@ mod interior;
 mod knot;
 mod material_study;
 mod mesh;
+mod motion;
 mod noise;
 mod pear;
 mod pictures;
@@ -72,6 +74,7 @@ fn write_bundle(out: &Path, cloth_resolution: usize) -> Result<()> {
     write_still_life(&folder(out, "still-life")?, cloth_resolution)?;
     write_interior(&folder(out, "interior")?)?;
     write_scene(&material_study::material_study(), &folder(out, "material-study")?)?;
+    write_scene(&bending_tower::bending_tower(), &folder(out, "bending-tower")?)?;
     write_scene(&color_box::color_box(), &folder(out, "color-box")?)
 }
 

@@ -3,6 +3,7 @@
 use glam::{Affine3A, Vec3};
 
 use crate::mesh::Mesh;
+use crate::motion::Motion;
 
 /// A texture file beside the scene, `None` for none.
 pub type Texture = Option<&'static str>;
@@ -117,6 +118,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Local lights.
     pub lights: Vec<PunctualLight>,
+    /// What moves.
+    pub motion: Option<Motion>,
 }
 
 impl Scene {

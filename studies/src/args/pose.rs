@@ -1,32 +1,198 @@
-//! The options that pose objects.
+//! The options that pose objects: each by itself, and by the animation of a file.
 
-use crate::outputs::CommandFiles;
-use anyhow::Result;
+use super::values;
+use crate::{
+    outputs::CommandFiles,
+    sequence::{Motion, Times},
+    terminal::Console,
+};
+use anyhow::{Result, bail};
 use clap::Args;
-use lapidary_core::scene::{Scene, pose::Poses};
-use std::path::PathBuf;
+use lapidary_core::{
+    animation::{Animation, BoundAnimation, Playback},
+    import::ImportOptions,
+    scene::{Scene, pose::Poses},
+};
+use std::{path::PathBuf, str::FromStr};
 
 /// Where objects are.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Pose")]
 pub struct PoseArgs {
+    /// Time of the animation at which objects are posed, in seconds; before its beginning and after its end it stays
+    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_hyphen_values = true)]
+    time: Option<f32>,
+    #[command(flatten)]
+    objects: ObjectArgs,
+    #[command(flatten)]
+    clip: ClipArgs,
+}
+
+/// Where objects are from frame to frame.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Pose")]
+pub struct MotionArgs {
+    /// Time of the animation in seconds: FROM..TO plays it from the first frame to the last in equal steps; one number is the time of
+    /// all frames, or with --fps of the first
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    time: Option<TimeSpan>,
+    /// Frames in a second of the animation [default: as many as --time FROM..TO says]
+    #[arg(long, value_name = "N", value_parser = values::positive)]
+    fps: Option<f32>,
+    /// Begin the animation again after its end, in place of its last pose
+    #[arg(long = "loop")]
+    looped: bool,
+    #[command(flatten)]
+    objects: ObjectArgs,
+    #[command(flatten)]
+    clip: ClipArgs,
+}
+
+/// Poses of single objects.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Pose")]
+struct ObjectArgs {
     /// Objects that are not where they were baked: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees": [X,Y,Z],
-    /// "scale": S}}}, each turned about its centre in the order X, Y, Z
+    /// "scale": S}}}, each turned about its centre in the order X, Y, Z; on top of an animation
     #[arg(long, value_name = "FILE.json")]
     pose: Option<PathBuf>,
+}
+
+/// Which animation of which file.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Pose")]
+struct ClipArgs {
+    /// glTF file that the scene was baked of, whose animation poses it
+    #[arg(long, value_name = "FILE.gltf")]
+    animation: Option<PathBuf>,
+    /// Animation of the file by its name [default: the first]
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+}
+
+/// Times in seconds: one, or from the first frame to the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TimeSpan {
+    from: f32,
+    to: Option<f32>,
+}
+
+impl FromStr for TimeSpan {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once("..") {
+            Some((from, to)) => Ok(Self { from: values::finite(from)?, to: Some(values::finite(to)?) }),
+            None => Ok(Self { from: values::finite(text)?, to: None }),
+        }
+    }
 }
 
 impl PoseArgs {
     /// The files that are read beside others.
     pub fn files(&self, files: CommandFiles) -> CommandFiles {
-        files.reads(&self.pose)
+        self.clip.files(self.objects.files(files))
     }
 
     /// The poses of a scene's objects; none without a file.
     ///
     /// # Errors
     /// A file that cannot be read, or that poses what is not there.
-    pub fn read(&self, scene: &Scene) -> Result<Poses> {
+    pub fn read(&self, scene: &Scene, options: &ImportOptions, console: Console) -> Result<Poses> {
+        let poses = self.objects.read(scene)?;
+        match self.time {
+            Some(seconds) => {
+                let (animation, clip) = self.clip.bind(scene, options, console)?;
+                Ok(animation.poses_at(clip, seconds, &poses)?)
+            }
+            None => self.clip.must_be_absent().map(|()| poses),
+        }
+    }
+}
+
+impl MotionArgs {
+    /// The files that are read beside others.
+    pub fn files(&self, files: CommandFiles) -> CommandFiles {
+        self.clip.files(self.objects.files(files))
+    }
+
+    /// The poses that all frames have, and the animation that plays.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that poses what is not there; options that contradict each other.
+    pub fn read(&self, scene: &Scene, options: &ImportOptions, console: Console) -> Result<(Poses, Option<Motion>)> {
+        let poses = self.objects.read(scene)?;
+        let Some(times) = self.times()? else { return self.clip.must_be_absent().map(|()| (poses, None)) };
+        let (animation, clip) = self.clip.bind(scene, options, console)?;
+        let playback = if self.looped { Playback::Loop } else { Playback::Once };
+        Ok((poses, Some(Motion { animation: animation.into(), clip, times, playback })))
+    }
+
+    fn times(&self) -> Result<Option<Times>> {
+        Ok(Some(match (self.time, self.fps) {
+            (None, None) if self.looped => bail!("--loop goes with --time or --fps; add one, or leave it out"),
+            (None, None) => return Ok(None),
+            (Some(TimeSpan { to: Some(_), .. }), Some(_)) => {
+                bail!("--time FROM..TO says how fast the animation plays; leave --fps out, or give --time FROM alone")
+            }
+            (Some(TimeSpan { from, to }), None) => Times::Span { from, to: to.unwrap_or(from) },
+            (time, Some(fps)) => Times::Rate { from: time.map_or(0.0, |time| time.from), fps },
+        }))
+    }
+}
+
+impl ObjectArgs {
+    fn files(&self, files: CommandFiles) -> CommandFiles {
+        files.reads(&self.pose)
+    }
+
+    fn read(&self, scene: &Scene) -> Result<Poses> {
         Ok(self.pose.as_deref().map(|path| Poses::read(path, scene)).transpose()?.unwrap_or_default())
+    }
+}
+
+impl ClipArgs {
+    fn files(&self, files: CommandFiles) -> CommandFiles {
+        files.reads(&self.animation)
+    }
+
+    /// The animation of a scene, and the index of the clip.
+    fn bind(&self, scene: &Scene, options: &ImportOptions, console: Console) -> Result<(BoundAnimation, usize)> {
+        let Some(path) = &self.animation else {
+            bail!("a dataset holds no animation; add --animation FILE.gltf, the file that it was baked of");
+        };
+        let animation = Animation::read(path, options)?;
+        let clip = animation.clip(self.clip.as_deref())?;
+        animation.warnings().iter().for_each(|warning| console.warning(warning));
+        Ok((BoundAnimation::new(animation, scene)?, clip))
+    }
+
+    /// Refuses options of an animation at no time.
+    fn must_be_absent(&self) -> Result<()> {
+        if self.animation.is_some() || self.clip.is_some() {
+            bail!("an animation poses at a time; add --time SECONDS, or leave out --animation and --clip");
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_one_or_two_numbers_or_a_rate() {
+        let args =
+            |time: Option<&str>, fps| MotionArgs { time: time.map(|t| t.parse().unwrap()), fps, ..Default::default() };
+        let times = |time, fps| args(time, fps).times().map_err(|error| error.to_string());
+        assert_eq!(times(None, None), Ok(None));
+        assert_eq!(times(Some("0.5..2"), None), Ok(Some(Times::Span { from: 0.5, to: 2.0 })));
+        assert_eq!(times(Some("0.5"), None), Ok(Some(Times::Span { from: 0.5, to: 0.5 })));
+        assert_eq!(times(Some("0.5"), Some(24.0)), Ok(Some(Times::Rate { from: 0.5, fps: 24.0 })));
+        assert_eq!(times(None, Some(24.0)), Ok(Some(Times::Rate { from: 0.0, fps: 24.0 })));
+        assert!(times(Some("0..2"), Some(24.0)).unwrap_err().contains("leave --fps out"));
+        for text in ["", "a", "1..", "1..nan"] {
+            assert!(text.parse::<TimeSpan>().is_err(), "{text}");
+        }
     }
 }

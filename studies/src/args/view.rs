@@ -14,7 +14,7 @@ use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
     ground::Ground,
-    import::{load_material, material_in_file, pictures_of_material},
+    import::{ImportOptions, load_material, material_in_file, pictures_of_material},
     material::{BrdfModel, Material, PRESETS, Preset},
     memory,
     scene::{Scene, camera_named, pose::Poses},
@@ -170,6 +170,11 @@ impl ViewedScene {
 }
 
 impl ViewArgs {
+    /// What may be read for a scene.
+    pub fn import_options(&self) -> ImportOptions {
+        self.material.outside.into()
+    }
+
     /// The files that are read, together with those of `local`.
     pub fn files(&self, local: &LocalLightArgs) -> CommandFiles {
         let files = CommandFiles::default().reads([&self.file]).reads(self.light.input()).reads(local.input());

@@ -95,7 +95,7 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     let interrupt = ProgressReporter::interruptible(console);
     args.view.check_memory(PICTURES_AT_ONCE)?;
     let mut viewed = args.view.resolve(&args.local, console)?;
-    viewed.poses = args.pose.read(&viewed.baked.dataset.scene)?;
+    viewed.poses = args.pose.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
     let solutions = solutions(&viewed)?;
     if !args.spp.is_multiple_of(2 * viewed.view.aa) {
         bail!("--spp must be a multiple of {}, so that both halves cover the whole pixel", 2 * viewed.view.aa);

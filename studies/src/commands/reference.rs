@@ -87,7 +87,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     }
     let interrupt = ProgressReporter::interruptible(console);
     let mut viewed = args.view.resolve(&args.local, console)?;
-    viewed.poses = args.pose.read(&viewed.baked.dataset.scene)?;
+    viewed.poses = args.pose.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
     let posed = viewed.baked.posed(&viewed.poses).context("the objects cannot be posed so")?;
     if args.kind == Kind::Samples && viewed.local.components.is_some_and(|c| c.indirect) {
         if !viewed.poses.is_empty() {

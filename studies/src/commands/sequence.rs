@@ -1,11 +1,12 @@
-//! `lapidary sequence`: turntables and sweeps as image sequences.
+//! `lapidary sequence`: turntables, sweeps and animations as image sequences.
 
 use crate::{
-    args::{LocalLightArgs, PictureArgs, ViewArgs, warn_of_buried},
+    args::{LocalLightArgs, MotionArgs, PictureArgs, ViewArgs, warn_of_buried},
     export::{LayerList, Studio, has_extension, is_exr, wanted_layers},
     outputs::CommandFiles,
     sequence::{
-        Existing, FrameNames, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan, sequence_files,
+        Existing, FrameNames, Motion, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan,
+        sequence_files,
     },
     terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
@@ -62,6 +63,8 @@ pub struct SequenceArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    motion: MotionArgs,
 }
 
 /// Renders the sequence, or as much of it as there is at Ctrl-C.
@@ -72,10 +75,12 @@ pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let outputs = args.outputs()?;
     let interrupt = ProgressReporter::interruptible(console);
     args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
-    let viewed = args.view.resolve(&args.local, console)?;
+    let mut viewed = args.view.resolve(&args.local, console)?;
+    let (poses, motion) = args.motion.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
+    viewed.poses = poses;
     let look = args.picture.look(&viewed)?;
     let task = SequenceTask {
-        frames: plan(&look, &args.settings())?,
+        frames: plan(&look, &args.settings(motion))?,
         outputs,
         layers: wanted_layers(args.layers.as_ref(), &look)?,
         existing: args.existing(),
@@ -115,7 +120,7 @@ impl SequenceArgs {
     /// Names that are none of a sequence.
     pub fn files(&self) -> Result<CommandFiles> {
         let outputs = self.outputs()?;
-        let files = self.view.files(&self.local);
+        let files = self.motion.files(self.view.files(&self.local));
         let numbers = self.first..self.first + self.frames;
         Ok(sequence_files(files, &outputs, numbers, self.existing(), self.contact_sheet.as_deref()))
     }
@@ -131,9 +136,16 @@ impl SequenceArgs {
         self.out.iter().map(|path| FrameNames::new(path)).collect()
     }
 
-    fn settings(&self) -> SequenceSettings {
+    fn settings(&self, motion: Option<Motion>) -> SequenceSettings {
         let Self { frames, first, turn, degrees, sweep, .. } = self;
-        SequenceSettings { frames: *frames, first: *first, turn: *turn, degrees: *degrees, sweeps: sweep.clone() }
+        SequenceSettings {
+            frames: *frames,
+            first: *first,
+            turn: *turn,
+            degrees: *degrees,
+            sweeps: sweep.clone(),
+            motion,
+        }
     }
 
     fn existing(&self) -> Existing {

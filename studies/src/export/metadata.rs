@@ -16,7 +16,7 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
     let camera = &look.view.camera;
     let lights: Vec<_> = look.lights.iter().filter(|light| light.shines()).collect();
     let environment = &look.light.environment;
-    let Value::Object(settings) = json!({
+    let Value::Object(mut settings) = json!({
         "scene_hash": dataset.scene_hash,
         "bake": dataset.settings,
         "camera": camera.name,
@@ -41,7 +41,17 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
     }) else {
         unreachable!("braces make an object")
     };
+    if !look.poses.is_empty() {
+        settings.insert("poses".into(), poses(look, dataset));
+    }
     settings
+}
+
+/// The poses of objects by their index and name.
+fn poses(look: &Look, dataset: &Dataset) -> Value {
+    let name = |object: u32| dataset.scene.objects.get(object as usize).map_or("", |object| &object.name);
+    let pose = |object| json!({ "object": object, "name": name(object), "pose": look.poses.of(object) });
+    look.poses.moved().map(pose).collect()
 }
 
 /// A number with the digits that it has as a float of 32 bits, and no more.

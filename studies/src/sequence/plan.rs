@@ -1,7 +1,7 @@
 //! What each frame of a sequence shows, decided before any is rendered.
 
-use super::{Sweep, Turn, Value, error::SweepError};
-use lapidary_core::lights::LightProblem;
+use super::{Moment, Motion, Sweep, Turn, Value, error::SweepError};
+use lapidary_core::{animation::AnimationError, lights::LightProblem};
 use lapidary_render::Look;
 use thiserror::Error;
 
@@ -21,7 +21,9 @@ pub enum PlanError {
     #[error("{0} frames are more than the limit of {MAX_FRAMES}; give fewer")]
     TooMany(u32),
     /// All frames would be one.
-    #[error("nothing changes from frame to frame; turn something (--turn in a command) or sweep a parameter (--sweep)")]
+    #[error(
+        "nothing changes from frame to frame; turn something (--turn in a command), sweep a parameter (--sweep) or play an animation (--time FROM..TO or --fps)"
+    )]
     Still,
     /// A sweep of something twice.
     #[error("{0} is swept twice; leave one of the sweeps out")]
@@ -60,11 +62,13 @@ pub struct SequenceSettings {
     pub degrees: f32,
     /// What goes from one value to another, from the first frame to the last.
     pub sweeps: Vec<Sweep>,
+    /// An animation that plays.
+    pub motion: Option<Motion>,
 }
 
 impl Default for SequenceSettings {
     fn default() -> Self {
-        Self { frames: 48, first: 1, turn: Some(Turn::Object), degrees: 360.0, sweeps: Vec::new() }
+        Self { frames: 48, first: 1, turn: Some(Turn::Object), degrees: 360.0, sweeps: Vec::new(), motion: None }
     }
 }
 
@@ -75,8 +79,10 @@ pub struct SequenceFrame {
     pub number: u32,
     /// What differs from frame to frame, by name.
     pub values: Vec<(String, Value)>,
-    /// Everything that decides its picture.
+    /// Everything that decides its picture, but for what is deformed at its moment: see [`Self::posed`].
     pub look: Look,
+    /// When it is in an animation.
+    pub moment: Option<Moment>,
 }
 
 /// The frames of a sequence that varies a look.
@@ -89,14 +95,14 @@ pub fn plan(base: &Look, settings: &SequenceSettings) -> Result<Vec<SequenceFram
 }
 
 fn check(base: &Look, settings: &SequenceSettings) -> Result<(), PlanError> {
-    let SequenceSettings { frames, turn, sweeps, .. } = settings;
+    let SequenceSettings { frames, turn, sweeps, motion, .. } = settings;
     if *frames == 0 {
         return Err(PlanError::NoFrames);
     }
     if *frames > MAX_FRAMES {
         return Err(PlanError::TooMany(*frames));
     }
-    if turn.is_none() && sweeps.is_empty() {
+    if turn.is_none() && sweeps.is_empty() && !motion.as_ref().is_some_and(Motion::plays) {
         return Err(PlanError::Still);
     }
     if *turn == Some(Turn::Lights) && base.lights.is_empty() {
@@ -125,8 +131,13 @@ fn frame(base: &Look, settings: &SequenceSettings, index: u32) -> Result<Sequenc
         turn.apply(&mut look, degrees);
         values.insert(0, (format!("{TURN}-{}", turn.name()), Value::Number(degrees)));
     }
+    let moment = settings.motion.as_ref().map(|motion| {
+        let moment = motion.moment(index, settings.frames);
+        values.push((motion.label(), Value::Number(moment.seconds)));
+        moment
+    });
     validate(number, &look)?;
-    Ok(SequenceFrame { number, values, look })
+    Ok(SequenceFrame { number, values, look, moment })
 }
 
 impl SequenceSettings {
@@ -151,6 +162,15 @@ fn validate(number: u32, look: &Look) -> Result<(), PlanError> {
 }
 
 impl SequenceFrame {
+    /// The look with its objects as an animation has them; thousands of frames would not fit in memory so.
+    ///
+    /// # Errors
+    /// Vertices out of reach.
+    pub fn posed(&self) -> Result<Look, AnimationError> {
+        let posed = self.moment.as_ref().map(|moment| moment.poses(&self.look.poses)).transpose()?;
+        Ok(Look { poses: posed.unwrap_or_else(|| self.look.poses.clone()), ..self.look.clone() })
+    }
+
     /// What a contact sheet says of it.
     pub fn caption(&self) -> Vec<String> {
         let value = |(name, value): &(String, Value)| match name.strip_prefix(TURN).and_then(|t| t.strip_prefix('-')) {

@@ -163,7 +163,8 @@ impl SequenceTask {
                 tiles.extend(self.sheet.as_ref().map(|_| self.read_tile(frame)).transpose()?);
                 continue;
             }
-            let finished = match Finished::take(studio, &frame.look, &self.layers, &|| progress.cancelled()) {
+            let look = frame.posed().with_context(|| self.so_far(end))?;
+            let finished = match Finished::take(studio, &look, &self.layers, &|| progress.cancelled()) {
                 Err(error) if error.is::<Interrupted>() => {
                     end.cancelled = true;
                     return Ok(end);
@@ -172,7 +173,7 @@ impl SequenceTask {
             };
             tiles.extend(self.sheet.as_ref().map(|_| tile(frame, &finished.taken.shown)));
             record.finished(index, &finished.taken.stats);
-            finished.write(&frame.look, &dataset, &self.files(frame)).with_context(|| self.so_far(end))?;
+            finished.write(&look, &dataset, &self.files(frame)).with_context(|| self.so_far(end))?;
             record.write(&self.record_path())?;
             end.rendered += 1;
             done += 1;

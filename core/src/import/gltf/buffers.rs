@@ -9,7 +9,7 @@ use base64::Engine;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::{
     Accessor, Semantic,
-    accessor::{DataType, Dimensions},
+    accessor::{DataType, Dimensions, Item, Iter},
     buffer::{Source, View},
 };
 
@@ -45,7 +45,7 @@ impl Buffers {
             .ok_or_else(|| format!("buffer view {} ends past its buffer", view.index()))
     }
 
-    fn slice(&self, buffer: &gltf::Buffer) -> Option<&[u8]> {
+    pub fn slice(&self, buffer: &gltf::Buffer) -> Option<&[u8]> {
         self.data.get(buffer.index()).map(Vec::as_slice)
     }
 
@@ -91,8 +91,34 @@ impl Buffers {
         Ok(Some(reader.read_indices().ok_or("indices are missing")?.into_u32().collect()))
     }
 
+    /// The numbers of an accessor one after another: floats, or whole numbers that stand for -1 to 1 or 0 to 1.
+    pub fn numbers(&self, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
+        let types: &[DataType] = match accessor.normalized() {
+            true => &[DataType::I8, DataType::U8, DataType::I16, DataType::U16],
+            false => &[DataType::F32],
+        };
+        self.check(accessor, types, dimensions)?;
+        let numbers = match accessor.data_type() {
+            DataType::I8 => self.components(accessor, |x: i8| (f32::from(x) / 127.0).max(-1.0)),
+            DataType::U8 => self.components(accessor, |x: u8| f32::from(x) / 255.0),
+            DataType::I16 => self.components(accessor, |x: i16| (f32::from(x) / 32_767.0).max(-1.0)),
+            DataType::U16 => self.components(accessor, |x: u16| f32::from(x) / 65_535.0),
+            _ => self.components(accessor, |x: f32| x),
+        };
+        numbers.ok_or_else(|| format!("accessor {} has no data", accessor.index()))
+    }
+
+    fn components<T: Item + Copy>(&self, accessor: &Accessor, number: fn(T) -> f32) -> Option<Vec<f32>> {
+        let (of, slice) = (accessor.clone(), |buffer: gltf::Buffer| self.slice(&buffer));
+        Some(match accessor.dimensions() {
+            Dimensions::Scalar => Iter::<T>::new(of, slice)?.map(number).collect(),
+            Dimensions::Vec3 => Iter::<[T; 3]>::new(of, slice)?.flatten().map(number).collect(),
+            _ => Iter::<[T; 4]>::new(of, slice)?.flatten().map(number).collect(),
+        })
+    }
+
     /// Checks the type of an accessor, and that all it reaches lies within its buffers.
-    fn check(&self, accessor: &Accessor, types: &[DataType], dimensions: Dimensions) -> Result<(), String> {
+    pub fn check(&self, accessor: &Accessor, types: &[DataType], dimensions: Dimensions) -> Result<(), String> {
         let index = accessor.index();
         if !types.contains(&accessor.data_type()) || accessor.dimensions() != dimensions {
             let (data_type, found) = (accessor.data_type(), accessor.dimensions());
@@ -132,7 +158,7 @@ impl Buffers {
 }
 
 /// Checks the count of an attribute before it is read.
-fn one_per_vertex(accessor: &Accessor, what: &str, count: usize) -> Result<(), String> {
+pub(super) fn one_per_vertex(accessor: &Accessor, what: &str, count: usize) -> Result<(), String> {
     let found = accessor.count();
     if found == count { Ok(()) } else { Err(format!("a mesh has {found} {what} for {count} vertices")) }
 }

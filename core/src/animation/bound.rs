@@ -1,0 +1,109 @@
+//! An animation bound to a scene: to the repaired and tessellated mesh of a bake.
+
+use super::{Animation, AnimationError, Clip, binding::BoundObject, shape::Posture};
+use crate::scene::{
+    Object, Scene, is_within_reach,
+    pose::{DeformedObject, Objects, PosedVertices, Poses},
+};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// How far a vertex may be from the surface of the file, relative to the diagonal of the scene, before that is another shape.
+const MOST_DISTANCE: f32 = 1e-3;
+
+/// Tells bound animations apart, so that poses of one are never taken for those of another.
+static NEXT: AtomicU32 = AtomicU32::new(0);
+
+/// Poses the objects of one scene.
+#[derive(Debug)]
+pub struct BoundAnimation {
+    animation: Animation,
+    at_rest: Posture,
+    objects: Vec<BoundObject>,
+    number: u32,
+}
+
+impl BoundAnimation {
+    /// Binds an animation to a scene that was baked of its file, or imported from it. Takes about a microsecond a vertex that can move.
+    ///
+    /// # Errors
+    /// A scene with other objects, or with objects of another shape.
+    pub fn new(animation: Animation, scene: &Scene) -> Result<Self, AnimationError> {
+        check_objects(&animation, scene)?;
+        let at_rest = animation.posture(animation.nodes.at_rest());
+        let (objects, most) = (Objects::of(scene), MOST_DISTANCE * scene.mesh.bounds().diagonal());
+        let moving: Vec<u32> = animation.moving_objects().collect();
+        let bind = |&object: &u32| {
+            BoundObject::new(object, animation.shapes_of(object), &at_rest, &scene.mesh, objects.vertices(object))
+        };
+        let bound: Vec<(BoundObject, f32)> = moving.par_iter().map(bind).collect();
+        if let Some((object, distance)) = bound.iter().find(|(_, distance)| !(*distance <= most)) {
+            let name = scene.objects[object.object as usize].name.clone();
+            return Err(AnimationError::OtherShape { path: animation.path, object: name, distance: *distance });
+        }
+        let objects = bound.into_iter().map(|(object, _)| object).collect();
+        Ok(Self { animation, at_rest, objects, number: NEXT.fetch_add(1, Ordering::Relaxed) })
+    }
+
+    /// The clips.
+    pub fn clips(&self) -> &[Clip] {
+        self.animation.clips()
+    }
+
+    /// The animation that is bound.
+    pub fn animation(&self) -> &Animation {
+        &self.animation
+    }
+
+    /// The objects that some clip can move, by index.
+    pub fn objects(&self) -> impl Iterator<Item = u32> {
+        self.objects.iter().map(|object| object.object)
+    }
+
+    /// `poses` with objects deformed as they are at a time of a clip, in seconds; before its beginning and after its end it stays. The
+    /// clip has an index as [`Self::clips`] lists them. Poses of the objects by themselves stay; those of other clips and times go.
+    ///
+    /// # Errors
+    /// A clip that is not there, and vertices out of reach.
+    pub fn poses_at(&self, clip: usize, seconds: f32, poses: &Poses) -> Result<Poses, AnimationError> {
+        let (number, index) = (self.number, clip);
+        let clip = self.clips().get(clip).ok_or_else(|| self.animation.no_clip(&format!("number {index}")))?;
+        let seconds = clip.time_at(seconds, super::Playback::Once);
+        let posture = self.animation.posture(clip.state_at(seconds, &self.animation.nodes));
+        let mut posed = poses.without_deformed();
+        let deformed: Vec<_> = self.objects.par_iter().map(|object| self.deformed(object, &posture)).collect();
+        for (object, vertices) in self.objects.iter().zip(deformed).filter_map(|(o, v)| Some((o.object, v?))) {
+            if !vertices.positions.iter().all(|place| is_within_reach(*place)) {
+                let object = self.animation.objects[object as usize].clone();
+                let (path, clip) = (self.animation.path.clone(), clip.name.clone());
+                return Err(AnimationError::OutOfReach { path, clip, object, seconds });
+            }
+            let revision = [number, index as u32, seconds.to_bits()];
+            posed.deform(object, Some(DeformedObject::new(vertices, revision)));
+        }
+        Ok(posed)
+    }
+
+    fn deformed(&self, object: &BoundObject, posture: &Posture) -> Option<PosedVertices> {
+        let shapes = self.animation.shapes_of(object.object);
+        let is_at_rest = shapes.iter().all(|shape| shape.is_same(&self.at_rest, posture));
+        if is_at_rest { None } else { object.posed(shapes, posture) }
+    }
+}
+
+/// Checks that a scene has the objects of a file, by their names and in their order. A ground stands after them.
+fn check_objects(animation: &Animation, scene: &Scene) -> Result<(), AnimationError> {
+    let of_scene = (0..).zip(&scene.objects).filter(|(object, _)| scene.mesh.ground_object() != Some(*object));
+    let names: Vec<&str> = of_scene.map(|(_, Object { name })| name.as_str()).collect();
+    let of_file = &animation.objects;
+    if names == *of_file {
+        return Ok(());
+    }
+    let path = animation.path.clone();
+    Err(match of_file.iter().zip(&names).find(|(a, b)| a != *b).filter(|_| names.len() == of_file.len()) {
+        Some((found, expected)) => {
+            AnimationError::OtherObject { path, found: found.clone(), expected: (*expected).to_owned() }
+        }
+        None => AnimationError::OtherCount { path, found: of_file.len(), expected: names.len() },
+    })
+}

@@ -1,0 +1,98 @@
+//! The nodes of a file: a hierarchy of transforms (glTF 2.0, section 3.5), and the weights of their morph targets.
+
+use glam::{DVec4, Mat4, Quat, Vec3, Vec4};
+
+/// Where a node is within its parent: scaled, then turned, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// In units of the parent; metres at the root.
+    pub translation: Vec3,
+    /// Of length 1.
+    pub rotation: Quat,
+    /// Along the node's own axes.
+    pub scale: Vec3,
+}
+
+impl Transform {
+    /// From the node into its parent.
+    pub fn parent_from_node(&self) -> Mat4 {
+        Mat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+}
+
+/// A rotation as files store it, x, y, z, w, brought to length 1. Without a direction it turns nothing.
+pub fn unit_rotation(stored: [f32; 4]) -> Quat {
+    let unit = DVec4::from_array(stored.map(f64::from)).try_normalize().unwrap_or(DVec4::W);
+    Quat::from_vec4(Vec4::from_array(unit.as_vec4().to_array()))
+}
+
+/// A node.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// The node that it belongs to, by index.
+    pub parent: Option<usize>,
+    /// Where it is without an animation.
+    pub at_rest: Transform,
+    /// The same as the file has it, which may shear.
+    pub parent_from_node: Mat4,
+    /// Weights of the morph targets of its mesh without an animation.
+    pub weights: Vec<f32>,
+}
+
+/// All nodes of a file by index, and an order in which parents come first.
+#[derive(Clone, Debug, Default)]
+pub struct Nodes {
+    nodes: Vec<Node>,
+    order: Vec<usize>,
+}
+
+/// What an animation changes: for each node its place in its parent, and the weights of its morph targets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeState {
+    /// By node.
+    pub transforms: Vec<Transform>,
+    /// By node and morph target.
+    pub weights: Vec<Vec<f32>>,
+}
+
+impl Nodes {
+    /// `order` holds every index once, parents first.
+    pub fn new(nodes: Vec<Node>, order: Vec<usize>) -> Self {
+        Self { nodes, order }
+    }
+
+    /// A node by its index.
+    pub fn get(&self, node: usize) -> &Node {
+        &self.nodes[node]
+    }
+
+    /// The nodes without an animation.
+    pub fn at_rest(&self) -> NodeState {
+        NodeState {
+            transforms: self.nodes.iter().map(|node| node.at_rest).collect(),
+            weights: self.nodes.iter().map(|node| node.weights.clone()).collect(),
+        }
+    }
+
+    /// From each node into the world. Nodes that are where they rest keep the matrix of the file.
+    pub fn world_from_nodes(&self, state: &NodeState) -> Vec<Mat4> {
+        let mut world_from_nodes = vec![Mat4::IDENTITY; self.nodes.len()];
+        for &index in &self.order {
+            let (node, transform) = (&self.nodes[index], &state.transforms[index]);
+            let is_at_rest = *transform == node.at_rest;
+            let parent_from_node = if is_at_rest { node.parent_from_node } else { transform.parent_from_node() };
+            let world_from_parent = node.parent.map_or(Mat4::IDENTITY, |parent| world_from_nodes[parent]);
+            world_from_nodes[index] = world_from_parent * parent_from_node;
+        }
+        world_from_nodes
+    }
+
+    /// The nodes that move where those of `moving` do: they and all below them.
+    pub fn carried(&self, moving: &[bool]) -> Vec<bool> {
+        let mut carried = moving.to_vec();
+        for &index in &self.order {
+            carried[index] |= self.nodes[index].parent.is_some_and(|parent| carried[parent]);
+        }
+        carried
+    }
+}

@@ -1,0 +1,85 @@
+//! What an animation moves: the primitives of a file, each with what deforms it.
+
+use super::{
+    nodes::{NodeState, Nodes},
+    skin::{Influences, Skin},
+    surface::{MorphTarget, Surface},
+};
+use glam::Mat4;
+
+/// What changes the vertices of a primitive beside its node.
+#[derive(Clone, Debug, Default)]
+pub struct Deformation {
+    /// Morph targets.
+    pub targets: Vec<MorphTarget>,
+    /// A skin by its index, and how it moves each vertex.
+    pub skin: Option<(usize, Influences)>,
+}
+
+/// A primitive of a node.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// The object that it belongs to, by index in the scene.
+    pub object: u32,
+    /// The node, by index.
+    pub node: usize,
+    /// Its vertices in its own space.
+    pub surface: Surface,
+    /// Its triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// What deforms it.
+    pub deformation: Deformation,
+}
+
+/// The nodes of a file at a time, and the joints of its skins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Posture {
+    world_from_nodes: Vec<Mat4>,
+    /// By skin and joint.
+    joints: Vec<Vec<Mat4>>,
+    weights: Vec<Vec<f32>>,
+}
+
+impl Posture {
+    /// Of nodes in some state.
+    pub fn new(nodes: &Nodes, skins: &[Skin], state: NodeState) -> Self {
+        let world_from_nodes = nodes.world_from_nodes(&state);
+        let joints = skins.iter().map(|skin| skin.world_from_mesh(&world_from_nodes)).collect();
+        Self { world_from_nodes, joints, weights: state.weights }
+    }
+
+    /// From a node into the world.
+    pub fn world_from_node(&self, node: usize) -> Mat4 {
+        self.world_from_nodes[node]
+    }
+}
+
+impl Deformation {
+    /// Takes the vertices of a primitive of `node` from its own space into the world. Returns whether that mirrors them.
+    pub fn place(&self, surface: &mut Surface, node: usize, posture: &Posture) -> bool {
+        surface.morph(&self.targets, &posture.weights[node]);
+        match &self.skin {
+            Some((skin, influences)) => surface.skin(influences, &posture.joints[*skin]),
+            None => surface.place(posture.world_from_nodes[node]),
+        }
+    }
+}
+
+impl Shape {
+    /// Whether two postures place it alike, to the bit.
+    pub fn is_same(&self, a: &Posture, b: &Posture) -> bool {
+        let is_placed_alike = match &self.deformation.skin {
+            Some((skin, _)) => a.joints[*skin] == b.joints[*skin],
+            None => a.world_from_nodes[self.node] == b.world_from_nodes[self.node],
+        };
+        is_placed_alike && (self.deformation.targets.is_empty() || a.weights[self.node] == b.weights[self.node])
+    }
+
+    /// Its vertices in the world, all with normals.
+    pub fn posed(&self, posture: &Posture) -> Surface {
+        let mut surface = self.surface.clone();
+        self.deformation.place(&mut surface, self.node, posture);
+        surface.complete_normals(&self.triangles);
+        surface
+    }
+}

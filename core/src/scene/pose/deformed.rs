@@ -1,0 +1,40 @@
+//! Objects whose vertices are elsewhere each by itself, as a skin or a morph target takes them.
+
+use glam::{Vec3, Vec4};
+use std::sync::Arc;
+
+/// The vertices of an object, in the order of [`Objects::vertices`](super::Objects::vertices).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PosedVertices {
+    /// In metres, within reach.
+    pub positions: Vec<Vec3>,
+    /// Of length 1.
+    pub normals: Vec<Vec3>,
+    /// With the handedness of their frames.
+    pub tangents: Vec<Vec4>,
+}
+
+/// A deformed object. Copying and comparing it is cheap: two are the same if they have one revision.
+#[derive(Clone, Debug)]
+pub struct DeformedObject {
+    vertices: Arc<PosedVertices>,
+    revision: [u32; 3],
+}
+
+impl DeformedObject {
+    /// With vertices that are the same whenever `revision` is: who makes them, and of what.
+    pub fn new(vertices: PosedVertices, revision: [u32; 3]) -> Self {
+        Self { vertices: vertices.into(), revision }
+    }
+
+    /// Its vertices.
+    pub fn vertices(&self) -> &PosedVertices {
+        &self.vertices
+    }
+}
+
+impl PartialEq for DeformedObject {
+    fn eq(&self, other: &Self) -> bool {
+        self.revision == other.revision
+    }
+}
