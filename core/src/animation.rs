@@ -23,6 +23,7 @@ pub use clip::{Clip, Playback};
 
 use crate::import::{self, ImportError, ImportOptions};
 use nodes::{NodeState, Nodes};
+use serde::{Deserialize, Serialize};
 use shape::{Posture, Shape};
 use skin::Skin;
 use std::path::{Path, PathBuf};
@@ -42,6 +43,16 @@ pub struct Animation {
     /// Names of all objects of the file.
     pub(crate) objects: Vec<String>,
     pub(crate) warnings: Vec<String>,
+}
+
+/// A time of a clip.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ClipTime {
+    /// Name of the clip.
+    pub clip: String,
+    /// In seconds from its beginning.
+    pub seconds: f32,
 }
 
 /// Why a scene cannot be posed by a file's animation.

@@ -2,7 +2,7 @@
 
 use crate::document::{Edit, lights::LightKind};
 use glam::Vec3;
-use lapidary_core::{camera::Camera, dataset::BakeParts, material::Material, parts::Part};
+use lapidary_core::{animation::ClipTime, camera::Camera, dataset::BakeParts, material::Material, parts::Part};
 use lapidary_studies::ladder::Cuts;
 use std::path::PathBuf;
 
@@ -83,6 +83,8 @@ pub enum Action {
     },
     /// Stop the bake; its checkpoint stays.
     CancelBake,
+    /// Show a time of an animation, or the scene at rest.
+    ClipTime(Option<ClipTime>),
     /// Move the camera.
     Camera(Camera),
     /// Move back so that the selection, or the scene, is in view.

@@ -20,6 +20,7 @@ pub use relative::{absolute, folder_of};
 
 use glam::Vec3;
 use lapidary_core::{
+    animation::ClipTime,
     brdf::{self, Parameters},
     camera::Camera,
     cut::lit::DEFAULT_TAU,
@@ -58,6 +59,8 @@ pub struct Document {
     pub objects: Vec<String>,
     /// Objects that are not where they were baked.
     pub poses: Poses,
+    /// The time of an animation that it shows; `None` at rest.
+    pub clip_time: Option<ClipTime>,
     /// The material of the ground while none is shown.
     pub hidden_ground: Option<Material>,
     /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that
@@ -310,6 +313,7 @@ impl Document {
             assigned: Assignment::new(),
             objects: Vec::new(),
             poses: Poses::default(),
+            clip_time: None,
             hidden_ground: None,
             textures: Vec::new(),
             environment: EnvironmentSettings::default(),

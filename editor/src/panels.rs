@@ -9,6 +9,7 @@ pub mod ladder;
 pub mod lights;
 pub mod material;
 pub mod scene;
+pub mod timeline;
 pub mod units;
 pub mod view;
 pub mod widgets;

@@ -6,7 +6,10 @@ use crate::scene::{
     pose::{DeformedObject, Objects, PosedVertices, Poses},
 };
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU32, Ordering},
+};
 
 /// How far a vertex may be from the surface of the file, relative to the diagonal of the scene, before that is another shape.
 const MOST_DISTANCE: f32 = 1e-3;
@@ -17,7 +20,7 @@ static NEXT: AtomicU32 = AtomicU32::new(0);
 /// Poses the objects of one scene.
 #[derive(Debug)]
 pub struct BoundAnimation {
-    animation: Animation,
+    animation: Arc<Animation>,
     at_rest: Posture,
     objects: Vec<BoundObject>,
     number: u32,
@@ -28,7 +31,8 @@ impl BoundAnimation {
     ///
     /// # Errors
     /// A scene with other objects, or with objects of another shape.
-    pub fn new(animation: Animation, scene: &Scene) -> Result<Self, AnimationError> {
+    pub fn new(animation: impl Into<Arc<Animation>>, scene: &Scene) -> Result<Self, AnimationError> {
+        let animation = animation.into();
         check_objects(&animation, scene)?;
         let at_rest = animation.posture(animation.nodes.at_rest());
         let (objects, most) = (Objects::of(scene), MOST_DISTANCE * scene.mesh.bounds().diagonal());
@@ -39,7 +43,7 @@ impl BoundAnimation {
         let bound: Vec<(BoundObject, f32)> = moving.par_iter().map(bind).collect();
         if let Some((object, distance)) = bound.iter().find(|(_, distance)| !(*distance <= most)) {
             let name = scene.objects[object.object as usize].name.clone();
-            return Err(AnimationError::OtherShape { path: animation.path, object: name, distance: *distance });
+            return Err(AnimationError::OtherShape { path: animation.path.clone(), object: name, distance: *distance });
         }
         let objects = bound.into_iter().map(|(object, _)| object).collect();
         Ok(Self { animation, at_rest, objects, number: NEXT.fetch_add(1, Ordering::Relaxed) })

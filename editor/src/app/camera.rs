@@ -11,7 +11,7 @@ impl EditorState {
             self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect());
             return;
         }
-        let posed = self.scene.rendered().map(|baked| self.requests.posed(&self.document, baked, false));
+        let posed = self.scene.rendered().map(|baked| self.requests.posed(self.poses_since(baked), baked, false));
         let bounds = posed.zip(self.selection.object);
         match bounds.and_then(|(posed, object)| pick::object_bounds(&posed.dataset.scene.mesh, object)) {
             Some(bounds) => self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect()),

@@ -68,7 +68,8 @@ impl EditorState {
         let rect = laid.viewport.rect;
         // Some systems tell no position while files are dragged; then there is none, or an old one outside.
         let pointer = ctx.input(|i| i.pointer.latest_pos()).filter(|p| rect.contains(*p))?;
-        let baked = self.requests.posed(&self.document, self.scene.rendered()?, false);
+        let baked = self.scene.rendered()?;
+        let baked = self.requests.posed(self.poses_since(baked), baked, false);
         let size = laid.viewport.size_px;
         let share = (pointer - rect.min) / rect.size();
         let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);

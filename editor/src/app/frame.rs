@@ -20,7 +20,7 @@ impl EditorState {
         self.note_window_size(&ctx);
         self.collect(&ctx);
         let is_held = ctx.input(|input| input.pointer.any_down());
-        let posed = self.scene.rendered().map(|baked| self.requests.posed(&self.document, baked, is_held));
+        let posed = self.scene.rendered().map(|baked| self.requests.posed(self.poses_since(baked), baked, is_held));
         self.bounds.update(posed.as_ref(), self.selection.object);
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
@@ -43,6 +43,7 @@ impl EditorState {
         self.take_keys(&ctx);
         dismissal::shield(&ctx, laid.menus);
         self.load_environment();
+        self.play(&ctx);
         self.request_picture(&ctx, laid.viewport);
         self.compare();
         self.keep_safe(&ctx);

@@ -39,6 +39,8 @@ pub enum Command {
     Wireframe,
     /// What handles do to the selected object, or no handles.
     Tool(Option<Tool>),
+    /// Play the animation, or stop.
+    Play,
     /// Only the picture.
     TogglePanels,
     /// Larger text and controls.
@@ -105,7 +107,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 40] = [
+pub const BINDINGS: [Binding; 41] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -128,6 +130,7 @@ pub const BINDINGS: [Binding; 40] = [
     binds("View", Command::CopyCamera, "Copy camera", &[(CTRL_SHIFT, Key::C)]),
     binds("View", Command::PasteCamera, "Paste camera", &[(CTRL_SHIFT, Key::V)]),
     binds("View", Command::Wireframe, "Wireframe", &[(SHIFT, Key::W)]),
+    binds("View", Command::Play, "Play animation", &[(NONE, Key::Space)]),
     binds("View", Command::TogglePanels, "Hide panels", &[(NONE, Key::Tab)]),
     binds("Window", Command::LargerInterface, "Larger interface", &[(NONE, Key::Plus), (NONE, Key::Equals)]),
     binds("Window", Command::SmallerInterface, "Smaller interface", &[(NONE, Key::Minus)]),

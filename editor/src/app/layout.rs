@@ -26,6 +26,7 @@ use crate::{
         lights::{self, LightsContext},
         material::{self, MaterialContext},
         scene::{self, SceneContext},
+        timeline::{self, TimelineContext},
         view::{self, ViewContext},
     },
     preferences::Preferences,
@@ -62,6 +63,9 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         Panel::top("tools").show(ui, |ui| toolbar::show(ui, state, actions));
         Some(if side_panels::are_strips(ui.ctx()) { show_strips(ui, state) } else { show_columns(ui, state, actions) })
     };
+    if !state.interface.panels_hidden {
+        show_timeline(ui, state, actions);
+    }
     if state.interface.comparison.open {
         // Its height does not depend on its contents: another size of the viewport would restart the reference.
         let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
@@ -274,6 +278,18 @@ fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
     state.library.entries().into_iter().map(with_picture).collect()
 }
 
+/// Shows the timeline where the scene has clips.
+fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
+    let Some(animation) = state.animation().cloned() else { return };
+    let bound = state.scene.rendered().map(|baked| state.requests.bound(&animation, baked));
+    let context = TimelineContext {
+        clips: animation.clips(),
+        time: state.document.clip_time.as_ref(),
+        trouble: bound.and_then(Result::err),
+    };
+    Panel::bottom("timeline").show(ui, |ui| timeline::show(ui, &mut state.interface.timeline, &context, actions));
+}
+
 fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     comparison::show(ui, &mut state.interface.comparison, &state.comparison.context(), actions);
 }
@@ -300,7 +316,9 @@ pub(super) fn movable(state: &EditorState) -> Option<Movable> {
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
     let baked = state.scene.rendered();
     let is_held = ui.input(|input| input.pointer.any_down());
-    let posed = baked.map(|baked| state.requests.posed(&state.document, baked, is_held));
+    let posed = baked.map(|baked| {
+        state.requests.posed(state.poses_since(baked), baked, is_held || state.interface.timeline.playing)
+    });
     let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
     let selected_object = state.selection.object;
     let busy = baked.and_then(|baked| state.baking.words(state.seen()).or_else(|| words_of_preview(state, baked)));

@@ -30,6 +30,7 @@ impl EditorState {
             Action::EndGesture => self.history.end_gesture(),
             Action::Undo => self.undo(),
             Action::Redo => self.redo(),
+            Action::ClipTime(time) => self.document.clip_time = time,
             Action::Camera(camera) => self.document.camera = camera,
             Action::FrameSelection => self.frame_selection(),
             Action::FrameAll => self.frame_all(),
@@ -169,6 +170,10 @@ impl EditorState {
             Command::DefaultInterface => Action::Preferences(Preferences { ui_scale: 1.0, ..self.preferences.clone() }),
             Command::Tool(tool) => {
                 self.interface.tool = tool;
+                return;
+            }
+            Command::Play => {
+                self.interface.timeline.playing = !self.interface.timeline.playing && self.animation().is_some();
                 return;
             }
             Command::TogglePanels => {

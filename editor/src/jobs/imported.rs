@@ -1,6 +1,7 @@
 //! A scene that can be baked.
 
 use lapidary_core::{
+    animation::{Animation, AnimationError},
     dataset::scene_hash,
     ground::Ground,
     import::{ImportError, ImportOptions, ImportReport, import_with},
@@ -28,6 +29,8 @@ pub struct Imported {
     pub import_secs: f64,
     /// Report of the import and its repairs.
     pub report: ImportReport,
+    /// What moves in it, if anything does.
+    pub animation: Option<Arc<Animation>>,
     trial: Arc<Tried<Trial>>,
     bounces: Arc<Tried<BounceTrial>>,
 }
@@ -39,7 +42,16 @@ impl Imported {
     /// A file that cannot be read, or is no scene.
     pub fn read(path: &Path, allow_outside: bool) -> Result<Self, ImportError> {
         let start = Instant::now();
-        let imported = import_with(path, &ImportOptions { allow_outside, ..Default::default() })?;
+        let options = ImportOptions { allow_outside, ..Default::default() };
+        let mut imported = import_with(path, &options)?;
+        let animation = match Animation::read(path, &options) {
+            Ok(animation) => Some(animation.into()),
+            Err(AnimationError::NoGltf { .. } | AnimationError::NoClips { .. }) => None,
+            Err(error) => {
+                imported.report.warnings.push(error.to_string());
+                None
+            }
+        };
         let hash = scene_hash(&imported.scene);
         let import_secs = start.elapsed().as_secs_f64();
         Ok(Self {
@@ -47,6 +59,7 @@ impl Imported {
             hash,
             import_secs,
             report: imported.report,
+            animation,
             trial: Arc::default(),
             bounces: Arc::default(),
         })

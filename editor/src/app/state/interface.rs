@@ -7,7 +7,7 @@ use crate::{
     },
     panels::{
         comparison::ComparisonPanel, environment::EnvironmentPanel, lights::LightsPanel, material::MaterialPanel,
-        scene::ScenePanel,
+        scene::ScenePanel, timeline::Timeline,
     },
     viewport::{ViewportState, gizmo::Tool},
 };
@@ -116,6 +116,7 @@ pub struct Interface {
     pub(in crate::app) viewport: ViewportState,
     pub(in crate::app) environment: EnvironmentPanel,
     pub(in crate::app) scene: ScenePanel,
+    pub(in crate::app) timeline: Timeline,
 }
 
 impl Interface {
@@ -138,6 +139,7 @@ impl Interface {
             viewport: ViewportState::default(),
             environment: EnvironmentPanel::default(),
             scene: ScenePanel::default(),
+            timeline: Timeline::default(),
         }
     }
 

@@ -5,9 +5,12 @@ use crate::{
     jobs::render_thread::RenderRequest,
 };
 use glam::Vec3;
-use lapidary_core::scene::pose::{Objects, Poses};
+use lapidary_core::{
+    animation::{Animation, BoundAnimation},
+    scene::pose::{Objects, Poses},
+};
 use lapidary_render::{Assigned, Baked};
-use std::cell::RefCell;
+use std::{cell::RefCell, sync::Arc};
 
 /// The last request.
 #[derive(Default)]
@@ -21,8 +24,17 @@ pub struct Requests {
     assigned: RefCell<Option<Found>>,
     /// The scene as it was posed last.
     posed: RefCell<Option<Posed>>,
+    /// The animation of the scene, bound to its bake.
+    bound: RefCell<Option<Bound>>,
     /// The objects of the scene as it was baked.
     objects: RefCell<Option<(Baked, Objects)>>,
+}
+
+/// An animation bound to a bake, or why it cannot be.
+struct Bound {
+    baked: Baked,
+    animation: Arc<Animation>,
+    bound: Result<Arc<BoundAnimation>, String>,
 }
 
 /// A scene and where its objects are.
@@ -56,10 +68,24 @@ impl Requests {
         found.as_ref().and_then(|found| found.assigned.clone())
     }
 
-    /// The scene as the document poses it, to be pointed at. While a button is held it is that of before: posing takes longer than
+    /// An animation bound to a bake.
+    ///
+    /// # Errors
+    /// In words, why it does not fit.
+    pub fn bound(&self, animation: &Arc<Animation>, baked: &Baked) -> Result<Arc<BoundAnimation>, String> {
+        let mut known = self.bound.borrow_mut();
+        let is_same = |known: &Bound| known.baked.is_same(baked) && Arc::ptr_eq(&known.animation, animation);
+        if !known.as_ref().is_some_and(is_same) {
+            let bound = BoundAnimation::new(animation.clone(), &baked.dataset.scene);
+            let bound = bound.map(Arc::new).map_err(|error| error.to_string());
+            *known = Some(Bound { baked: baked.clone(), animation: animation.clone(), bound });
+        }
+        known.as_ref().map_or_else(|| Err(String::new()), |known| known.bound.clone())
+    }
+
+    /// The scene under some poses, to be pointed at. While a button is held it is that of before: posing takes longer than
     /// a frame should. Objects that cannot be posed so stay where they were.
-    pub fn posed(&self, document: &Document, baked: &Baked, is_held: bool) -> Baked {
-        let poses = baked.dataset.scene.poses_since_baked(&document.poses);
+    pub fn posed(&self, poses: Poses, baked: &Baked, is_held: bool) -> Baked {
         if poses.is_empty() {
             return baked.clone();
         }

@@ -3,6 +3,7 @@
 use crate::document::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    animation::ClipTime,
     camera::Camera,
     dataset::BakeSettings,
     lights::Light,
@@ -30,6 +31,9 @@ pub struct Session {
     pub assigned: Vec<SessionAssignment>,
     /// Objects that are not where they were baked.
     pub poses: Vec<SessionPose>,
+    /// The time of an animation that is shown; `None` at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip_time: Option<ClipTime>,
     /// The light from all around.
     pub environment: EnvironmentSettings,
     /// Local lights; `None` for those of the scene, in files from before there were any.
@@ -173,6 +177,7 @@ impl Session {
             added: added.len(),
             assigned: document.assigned.iter().filter(is_there).map(assignment).collect(),
             poses: document.poses.moved().map(pose).collect(),
+            clip_time: document.clip_time.clone(),
             environment: document.environment.clone(),
             lights: Some(document.lights.clone()),
             components: document.components,

@@ -12,6 +12,7 @@ use crate::document::{
 };
 use glam::Vec3;
 use lapidary_core::{
+    animation::ClipTime,
     brdf::BrdfFile,
     input,
     lights::{Emission, Light},
@@ -119,6 +120,7 @@ impl Reader {
             added: self.choice(root, "added"),
             assigned: self.list(root, "assigned", |_| SessionAssignment::default()),
             poses: self.list(root, "poses", |_| SessionPose::default()),
+            clip_time: root.get("clip_time").map(|_| self.part(root, "clip_time", ClipTime::default())),
             environment: self.part(root, "environment", Default::default()),
             lights: root.get("lights").map(|_| self.list(root, "lights", light_template)),
             components: self.part(root, "components", Default::default()),

@@ -49,6 +49,7 @@ impl LoadedSession {
         take_assignments(&mut document, &session.assigned, own_count, &places);
         let ground = scene.and_then(|scene| scene.mesh.ground_object());
         take_poses(&mut document, &session.poses, ground, &mut warnings);
+        document.clip_time = session.clip_time;
         document.scene = session.scene;
         document.dataset = session.dataset;
         document.environment = session.environment;

@@ -1,0 +1,119 @@
+//! The timeline: which clip of the scene file plays, and where it is.
+
+use crate::actions::Action;
+use egui::{Button, ComboBox, DragValue, Slider, Ui};
+use lapidary_core::animation::{Clip, ClipTime, Playback};
+
+/// Frames a second at first, as films have them.
+const FILM: f32 = 24.0;
+
+/// How clips play.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timeline {
+    /// Whether time goes on.
+    pub playing: bool,
+    /// Whether a clip begins anew at its end.
+    pub looping: bool,
+    /// Length of a step, in frames a second.
+    pub frames_per_second: f32,
+}
+
+impl Default for Timeline {
+    fn default() -> Self {
+        Self { playing: false, looping: true, frames_per_second: FILM }
+    }
+}
+
+impl Timeline {
+    /// Lets `passed` seconds go by; at rest the first clip begins. Returns whether the end was reached.
+    pub fn advance(&self, time: &mut Option<ClipTime>, clips: &[Clip], passed: f32) -> bool {
+        let before = time.take().filter(|time| clips.iter().any(|clip| clip.name == time.clip));
+        let Some(before) = before.or_else(|| beginning(clips)) else { return true };
+        let clip = clips.iter().find(|clip| clip.name == before.clip);
+        let (wanted, mode) = (before.seconds + passed, if self.looping { Playback::Loop } else { Playback::Once });
+        let seconds = clip.map_or(0.0, |clip| clip.time_at(wanted, mode));
+        *time = Some(ClipTime { seconds, ..before });
+        !self.looping && seconds < wanted
+    }
+
+    /// The time some frames later, on whole frames.
+    fn stepped(&self, time: &ClipTime, clip: &Clip, frames: f32) -> ClipTime {
+        let frame = (time.seconds * self.frames_per_second).round() + frames;
+        let mode = if self.looping { Playback::Loop } else { Playback::Once };
+        ClipTime { seconds: clip.time_at(frame / self.frames_per_second, mode), ..time.clone() }
+    }
+}
+
+/// The beginning of the first clip.
+fn beginning(clips: &[Clip]) -> Option<ClipTime> {
+    clips.first().map(|clip| ClipTime { clip: clip.name.clone(), seconds: 0.0 })
+}
+
+/// What there is to play.
+pub struct TimelineContext<'a> {
+    /// At least one.
+    pub clips: &'a [Clip],
+    /// What is shown; `None` at rest.
+    pub time: Option<&'a ClipTime>,
+    /// Why nothing plays, in words.
+    pub trouble: Option<String>,
+}
+
+/// Shows the timeline.
+pub fn show(ui: &mut Ui, timeline: &mut Timeline, context: &TimelineContext, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        if let Some(trouble) = &context.trouble {
+            ui.colored_label(ui.visuals().warn_fg_color, trouble);
+            return;
+        }
+        choose_clip(ui, context, actions);
+        let shown = context.time.cloned().or_else(|| beginning(context.clips)).unwrap_or_default();
+        let Some(clip) = context.clips.iter().find(|clip| clip.name == shown.clip) else { return };
+        transport(ui, timeline, &shown, clip, actions);
+        scrub(ui, &shown, clip, actions);
+        ui.checkbox(&mut timeline.looping, "Loop");
+        let rate = DragValue::new(&mut timeline.frames_per_second).range(1.0..=240.0).max_decimals(2).suffix(" fps");
+        ui.add(rate).on_hover_text("Frames a second, for steps of one frame");
+    });
+}
+
+fn choose_clip(ui: &mut Ui, context: &TimelineContext, actions: &mut Vec<Action>) {
+    let shown = context.time.map_or("At rest", |time| &time.clip);
+    ComboBox::from_id_salt("clip").selected_text(shown).show_ui(ui, |ui| {
+        if ui.selectable_label(context.time.is_none(), "At rest").clicked() {
+            actions.push(Action::ClipTime(None));
+        }
+        for clip in context.clips {
+            if ui.selectable_label(context.time.is_some_and(|time| time.clip == clip.name), &clip.name).clicked() {
+                actions.push(Action::ClipTime(Some(ClipTime { clip: clip.name.clone(), seconds: 0.0 })));
+            }
+        }
+    });
+}
+
+/// Buttons to begin, step and play.
+fn transport(ui: &mut Ui, timeline: &mut Timeline, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) {
+    let mut go = |ui: &mut Ui, label: &str, help: &str, time: ClipTime| {
+        if ui.add(Button::new(label)).on_hover_text(help).clicked() {
+            actions.push(Action::ClipTime(Some(time)));
+        }
+    };
+    go(ui, "|<", "To the beginning", ClipTime { seconds: 0.0, ..shown.clone() });
+    go(ui, "<", "One frame back", timeline.stepped(shown, clip, -1.0));
+    go(ui, ">", "One frame on", timeline.stepped(shown, clip, 1.0));
+    let label = if timeline.playing { "Stop" } else { "Play" };
+    if ui.button(label).on_hover_text("Plays the clip, or stops (Space)").clicked() {
+        timeline.playing = !timeline.playing;
+    }
+}
+
+/// The place in the clip, to be dragged.
+fn scrub(ui: &mut Ui, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) {
+    let (mut seconds, length) = (shown.seconds, clip.seconds());
+    ui.spacing_mut().slider_width = (ui.available_width() - 320.0).max(80.0);
+    let slider = Slider::new(&mut seconds, 0.0..=length.max(f32::MIN_POSITIVE)).fixed_decimals(2).suffix(" s");
+    if ui.add_enabled(length > 0.0, slider).changed() {
+        actions.push(Action::ClipTime(Some(ClipTime { seconds, ..shown.clone() })));
+    }
+    ui.label(format!("of {length:.2} s"));
+}
