@@ -1,33 +1,23 @@
 //! glTF 2.0 and GLB, parsed by the `gltf` crate; buffers and pictures are loaded here.
 
 use super::{
-    ImportError, Source, check_count,
+    ImportError, Source,
     files::{Files, Trouble},
     listed,
     textures::TextureLibrary,
 };
 use crate::{
-    animation::{
-        Animation, Clip,
-        clip::Property,
-        nodes::Nodes,
-        shape::{Deformation, Posture, Shape},
-        skin::Skin,
-        surface::Surface,
-    },
+    animation::{Animation, shape::Shape},
     camera::Camera,
     material::Material,
-    parts::Part,
-    scene::MeshError,
 };
-use buffers::Buffers;
 use clips::Clips;
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec3};
 use gltf::mesh::{Mode, Semantic};
-use hierarchy::Hierarchy;
+use primitive::Primitive;
+use scene_file::SceneFile;
 use serde_json::Value;
 use std::{borrow::Cow, path::Path};
-use variants::FileVariants;
 
 mod buffers;
 mod clips;
@@ -36,6 +26,8 @@ mod hierarchy;
 mod layers;
 mod lights;
 mod materials;
+mod primitive;
+mod scene_file;
 mod variants;
 
 pub(crate) use buffers::percent_decoded;
@@ -118,129 +110,6 @@ pub(super) fn read_animation(bytes: &[u8], path: &Path, mut files: Files) -> Res
     Ok(Animation { path: path.into(), nodes: file.nodes, skins, clips, broken, shapes, objects, warnings })
 }
 
-/// A file that was parsed, with its buffers and its nodes.
-struct SceneFile {
-    gltf: gltf::Gltf,
-    buffers: Buffers,
-    variants: FileVariants,
-    nodes: Nodes,
-    /// Nodes of scenes, parents first.
-    order: Vec<usize>,
-    /// Nodes whose rotation was normalised.
-    turned: Vec<String>,
-    skins: Vec<Result<Skin, String>>,
-}
-
-impl SceneFile {
-    fn open(bytes: &[u8], path: &Path, files: &mut Files, variant: Option<&str>) -> Result<Self, ImportError> {
-        let failed = |trouble: Trouble| trouble.at(path, "glTF");
-        let parse_error = |reason: String| failed(reason.into());
-        check_glb_header(bytes).map_err(parse_error)?;
-        files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
-        check_extensions(bytes, path)?;
-        let gltf = parse(bytes).map_err(parse_error)?;
-        let variants = FileVariants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
-        let buffers = Buffers::load(&gltf, files).map_err(failed)?;
-        let hierarchy = hierarchy::read(&gltf);
-        let skins = deformations::skins(&gltf, &buffers);
-        let Hierarchy { nodes, order, turned } = hierarchy;
-        let file = Self { gltf, buffers, variants, nodes, order, turned, skins };
-        file.check_size(files, path)?;
-        Ok(file)
-    }
-
-    fn nodes_of_scene(&self) -> impl Iterator<Item = gltf::Node<'_>> {
-        let all: Vec<gltf::Node> = self.gltf.nodes().collect();
-        self.order.iter().map(move |&index| all[index].clone())
-    }
-
-    fn at_rest(&self) -> Posture {
-        let skins: Vec<Skin> = self.skins.iter().map(|skin| skin.clone().unwrap_or_default()).collect();
-        Posture::new(&self.nodes, &skins, self.nodes.at_rest())
-    }
-
-    /// Counts what all instances will take before anything is read.
-    fn check_size(&self, files: &mut Files, path: &Path) -> Result<(), ImportError> {
-        let (mut vertices, mut triangles, mut deformations) = (0u64, 0u64, 0u64);
-        for primitive in self.nodes_of_scene().filter_map(|node| node.mesh()).flat_map(|mesh| mesh.primitives()) {
-            let positions = primitive.get(&Semantic::Positions).map_or(0, |a| a.count() as u64);
-            let corners = primitive.indices().map_or(positions, |a| a.count() as u64);
-            let per_triangle = if primitive.mode() == Mode::Triangles { 3 } else { 1 };
-            // One without anything takes time, too.
-            vertices = vertices.saturating_add(positions.max(1));
-            triangles = triangles.saturating_add((corners / per_triangle).max(1));
-            deformations = deformations.saturating_add(deformations::bytes(&primitive, positions));
-        }
-        check_count("vertices", vertices, path)?;
-        check_count("triangles", triangles, path)?;
-        let taken = files.budget.take_mesh(vertices, triangles).and_then(|()| files.budget.take(deformations));
-        taken.map_err(|over| over.at(path))
-    }
-
-    /// Adds the objects of the scene, and calls `each` with their primitives and the parts that these are.
-    fn add_objects(
-        &self,
-        source: &mut Source,
-        mut each: impl FnMut(&mut Source, &gltf::Node, &gltf::Primitive, Part) -> Result<(), ImportError>,
-    ) -> Result<(), ImportError> {
-        for node in self.nodes_of_scene() {
-            let Some(mesh) = node.mesh() else { continue };
-            let mut parts = variants::PartsOfNode::new(source, node_name(&node));
-            for primitive in mesh.primitives().filter(|p| is_surface(p.mode())) {
-                let mut material = |chosen| materials::index_of(source, &self.gltf, &primitive, chosen);
-                let place = [mesh.index(), primitive.index()];
-                let (own, looks) = (material(self.variants.chosen(place)), self.variants.looks(place, &mut material));
-                let part = parts.add(source, own, looks);
-                each(source, &node, &primitive, part)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// What deforms a primitive, as far as it can be used.
-    fn deformation(&self, node: &gltf::Node, primitive: &gltf::Primitive, notes: &mut Notes) -> Deformation {
-        let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
-        let (deformation, troubles) = deformations::read(node, primitive, vertices, &self.skins, &self.buffers);
-        let told = |trouble| {
-            format!("\"{}\" shows without a part of its deformation, {trouble}; export it again", node_name(node))
-        };
-        notes.deformations.extend(troubles.into_iter().map(told));
-        deformation
-    }
-
-    /// What some clip moves.
-    fn moving(&self, clips: &[Clip]) -> Moving {
-        let channels = || clips.iter().flat_map(Clip::channels);
-        let marked = |is_meant: fn(Property) -> bool| {
-            let mut marked = vec![false; self.gltf.nodes().count()];
-            channels().filter(|c| is_meant(c.property)).for_each(|channel| marked[channel.node] = true);
-            marked
-        };
-        let nodes = self.nodes.carried(&marked(|property| property != Property::Weights));
-        let is_carried = |skin: &Skin| skin.joints.iter().any(|&joint| nodes[joint]);
-        let skins = self.skins.iter().map(|skin| skin.as_ref().is_ok_and(is_carried)).collect();
-        Moving { weights: marked(|property| property == Property::Weights), nodes, skins }
-    }
-}
-
-/// What clips move, by index.
-struct Moving {
-    nodes: Vec<bool>,
-    weights: Vec<bool>,
-    skins: Vec<bool>,
-}
-
-impl Moving {
-    /// Whether they move a primitive of a node. A skin that cannot be used leaves it to its node.
-    fn reaches(&self, node: &gltf::Node, primitive: &gltf::Primitive) -> bool {
-        let index = node.index();
-        let has_targets = primitive.morph_targets().next().is_some();
-        self.nodes[index]
-            || self.weights[index] && has_targets
-            || node.skin().is_some_and(|skin| self.skins[skin.index()])
-    }
-}
-
 /// Parses and validates. The validation of the `gltf` crate looks up accessors of attributes before it checks their
 /// indices, so these are checked first.
 fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
@@ -316,71 +185,6 @@ fn add_camera(source: &mut Source, node: &gltf::Node, camera: &gltf::Camera, wor
     let forward = -world_from_node.z_axis.truncate().normalize_or(Vec3::Z);
     let up = world_from_node.y_axis.truncate().normalize_or(Vec3::Y);
     source.cameras.push(Camera { name, eye, target: eye + forward, up, fov_y: lens.yfov() });
-}
-
-/// The attributes of a primitive in its own space, and its triangles.
-struct Primitive {
-    surface: Surface,
-    uvs: Vec<Vec2>,
-    triangles: Vec<[u32; 3]>,
-}
-
-impl Primitive {
-    fn read(primitive: &gltf::Primitive, buffers: &Buffers) -> Result<Self, String> {
-        let positions = buffers.positions(primitive)?;
-        let count = positions.len();
-        let indices = buffers.indices(primitive)?.unwrap_or_else(|| (0..count as u32).collect());
-        let (normals, tangents) = (buffers.normals(primitive, count)?, buffers.tangents(primitive, count)?);
-        Ok(Self {
-            uvs: buffers.uvs(primitive, count)?,
-            triangles: triangles(primitive.mode(), &indices),
-            surface: Surface { positions, normals, tangents },
-        })
-    }
-
-    fn check_indices(&self) -> Result<(), MeshError> {
-        let count = self.surface.positions.len();
-        for (triangle, corners) in self.triangles.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|&&c| c as usize >= count) {
-                return Err(MeshError::Index { triangle, array: "vertex", index, count });
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds the primitive of a node as it stands in the world. Where that mirrors it, the triangles turn around.
-    fn add_to(
-        mut self,
-        source: &mut Source,
-        deformation: &Deformation,
-        node: usize,
-        posture: &Posture,
-        Part { object, material }: Part,
-    ) {
-        let is_mirrored = deformation.place(&mut self.surface, node, posture);
-        let raw = &mut source.mesh;
-        let base = raw.positions.len();
-        raw.positions.extend(self.surface.positions);
-        raw.normals.extend(self.surface.normals);
-        raw.tangents.extend(self.surface.tangents);
-        raw.uvs.extend(self.uvs);
-        for [a, b, c] in self.triangles {
-            raw.push_triangle(base, if is_mirrored { [a, c, b] } else { [a, b, c] }, material, object);
-        }
-    }
-}
-
-fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
-    match mode {
-        Mode::TriangleStrip => {
-            let turned = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
-            indices.windows(3).enumerate().map(turned).collect()
-        }
-        Mode::TriangleFan => {
-            indices.get(1..).unwrap_or_default().windows(2).map(|w| [w[0], w[1], indices[0]]).collect()
-        }
-        _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-    }
 }
 
 /// Most sentences of one kind that are told one by one.
