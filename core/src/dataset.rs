@@ -56,6 +56,7 @@ pub use modes::{IndirectReport, IndirectSettings, sigma_text};
 pub use parts::{BakeParts, PartsError};
 
 use crate::{
+    animation::ClipTime,
     camera::Camera,
     cut::{CutCriterion, packed::PackedCuts},
     ground::Ground,
@@ -314,11 +315,11 @@ pub fn scene_hash(scene: &Scene) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Hash of a scene as its file has it, with what its surfaces let through and where its objects are placed: all that a bake
-/// depends on beside its settings. `scene` needs no mesh.
-pub fn bake_hash(scene_hash: &str, scene: &Scene, poses: &Poses) -> String {
+/// Hash of a scene as its file has it, with what its surfaces let through and where its objects are placed, by themselves and at a
+/// time of an animation: all that a bake depends on beside its settings. `scene` needs no mesh.
+pub fn bake_hash(scene_hash: &str, scene: &Scene, poses: &Poses, time: Option<&ClipTime>) -> String {
     let parts =
-        [Some(scene_hash.into()), scene.opacity_hash(), placed::hash(poses).map(|hash| format!("posed-{hash}"))];
+        [Some(scene_hash.into()), scene.opacity_hash(), placed::hash(poses, time).map(|hash| format!("posed-{hash}"))];
     parts.into_iter().flatten().collect::<Vec<_>>().join("-")
 }
 

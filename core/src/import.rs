@@ -293,6 +293,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         variants,
         part_opacities: Vec::new(),
         placed: Vec::new(),
+        clip_time: None,
     };
     aim_at_the_center(&mut scene);
     ranges::keep_in_range(&mut scene, &mut report.warnings);

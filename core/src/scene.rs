@@ -4,6 +4,7 @@ pub mod placed;
 pub mod pose;
 
 use crate::{
+    animation::ClipTime,
     bounds::Bounds,
     camera::Camera,
     ground::GroundStart,
@@ -88,6 +89,8 @@ pub struct Scene {
     pub part_opacities: Vec<PartOpacity>,
     /// Objects that a bake has elsewhere than its file; a file has none.
     pub placed: Vec<Placed>,
+    /// The time of an animation that a bake has it at; `None` at rest, as a file is.
+    pub clip_time: Option<ClipTime>,
 }
 
 impl Scene {

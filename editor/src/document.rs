@@ -368,7 +368,13 @@ impl Document {
         document.camera = views.first().cloned().unwrap_or(document.camera);
         document.bookmarks.extend(views.into_iter().filter(|view| !dataset.scene.cameras.contains(view)));
         let poses = dataset.scene.placed_poses();
-        Self { dataset: Some(dataset_path), bake: dataset.settings.clone(), poses, ..document }
+        Self {
+            dataset: Some(dataset_path),
+            bake: dataset.settings.clone(),
+            poses,
+            clip_time: dataset.scene.clip_time.clone(),
+            ..document
+        }
     }
 
     /// Materials and textures for the renderers, as the view shows them.

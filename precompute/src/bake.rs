@@ -130,7 +130,7 @@ pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeErro
     let scene = checkpoint.scene()?;
     let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
     let settings = resolve(scene.settings.clone())?;
-    let content = bake_hash(&hash, &scene.scene, &scene.scene.placed_poses());
+    let content = bake_hash(&hash, &scene.scene, &scene.scene.placed_poses(), scene.scene.clip_time.as_ref());
     let geometry = Geometry::of_dataset(scene);
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
     let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&content, &settings, points));
@@ -191,8 +191,9 @@ impl<'a> Begun<'a> {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
         let hash = scene_hash(&scene);
-        let content = bake_hash(&hash, &scene, &job.poses);
+        let content = bake_hash(&hash, &scene, &job.poses, job.clip_time.as_ref());
         scene.place(&job.poses).map_err(BakeError::Pose)?;
+        scene.clip_time.clone_from(&job.clip_time);
         let vertices = most_vertices(scene.mesh.positions.len(), &settings);
         if settings.ground != Ground::Off {
             add_ground(&mut scene);

@@ -3,6 +3,7 @@
 use super::{Animation, AnimationError, Clip, binding::BoundObject, shape::Posture};
 use crate::scene::{
     Object, Scene, is_within_reach,
+    placed::Placed,
     pose::{DeformedObject, Objects, PosedVertices, Poses},
 };
 use rayon::prelude::*;
@@ -21,24 +22,31 @@ static NEXT: AtomicU32 = AtomicU32::new(0);
 #[derive(Debug)]
 pub struct BoundAnimation {
     animation: Arc<Animation>,
-    at_rest: Posture,
+    /// Of the bake.
+    as_baked: Posture,
+    /// What the bake has elsewhere than the file.
+    placed: Vec<Placed>,
     objects: Vec<BoundObject>,
     number: u32,
 }
 
 impl BoundAnimation {
-    /// Binds an animation to a scene that was baked of its file, or imported from it. Takes about a microsecond a vertex that can move.
+    /// Binds an animation to a scene that was baked of its file, at rest or at some time, or imported from it. Takes about a microsecond a vertex that can move.
     ///
     /// # Errors
     /// A scene with other objects, or with objects of another shape.
     pub fn new(animation: impl Into<Arc<Animation>>, scene: &Scene) -> Result<Self, AnimationError> {
         let animation = animation.into();
         check_objects(&animation, scene)?;
-        let at_rest = animation.posture(animation.nodes.at_rest());
+        let state = match &scene.clip_time {
+            Some(time) => animation.clips[animation.clip(Some(&time.clip))?].state_at(time.seconds, &animation.nodes),
+            None => animation.nodes.at_rest(),
+        };
+        let (as_baked, mesh) = (animation.posture(state), scene.unplaced());
         let (objects, most) = (Objects::of(scene), MOST_DISTANCE * scene.mesh.bounds().diagonal());
         let moving: Vec<u32> = animation.moving_objects().collect();
         let bind = |&object: &u32| {
-            BoundObject::new(object, animation.shapes_of(object), &at_rest, &scene.mesh, objects.vertices(object))
+            BoundObject::new(object, animation.shapes_of(object), &as_baked, &mesh, objects.vertices(object))
         };
         let bound: Vec<(BoundObject, f32)> = moving.par_iter().map(bind).collect();
         if let Some((object, distance)) = bound.iter().find(|(_, distance)| !(*distance <= most)) {
@@ -46,7 +54,8 @@ impl BoundAnimation {
             return Err(AnimationError::OtherShape { path: animation.path.clone(), object: name, distance: *distance });
         }
         let objects = bound.into_iter().map(|(object, _)| object).collect();
-        Ok(Self { animation, at_rest, objects, number: NEXT.fetch_add(1, Ordering::Relaxed) })
+        let placed = scene.placed.clone();
+        Ok(Self { animation, as_baked, placed, objects, number: NEXT.fetch_add(1, Ordering::Relaxed) })
     }
 
     /// The clips.
@@ -90,8 +99,12 @@ impl BoundAnimation {
 
     fn deformed(&self, object: &BoundObject, posture: &Posture) -> Option<PosedVertices> {
         let shapes = self.animation.shapes_of(object.object);
-        let is_at_rest = shapes.iter().all(|shape| shape.is_same(&self.at_rest, posture));
-        if is_at_rest { None } else { object.posed(shapes, posture) }
+        let is_as_baked = shapes.iter().all(|shape| shape.is_same(&self.as_baked, posture));
+        let posed = if is_as_baked { None } else { object.posed(shapes, posture) }?;
+        Some(match self.placed.iter().find(|placed| placed.object == object.object) {
+            Some(placed) => posed.turned(placed.baked_from_file(), placed.pose.rotation()),
+            None => posed,
+        })
     }
 }
 

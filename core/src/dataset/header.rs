@@ -2,8 +2,8 @@
 
 use super::{BakeReport, BakeSettings};
 use crate::{
-    brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material, opacity::PartOpacity,
-    parts::Variants, scene::placed::Placed,
+    animation::ClipTime, brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material,
+    opacity::PartOpacity, parts::Variants, scene::placed::Placed,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -29,6 +29,8 @@ pub(super) struct Header {
     pub part_opacities: Vec<PartOpacity>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub placed: Vec<Placed>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clip_time: Option<ClipTime>,
     /// Where the ground begins in the mesh.
     #[serde(default)]
     pub ground: Option<GroundStart>,

@@ -100,6 +100,7 @@ impl Reader<'_> {
             variants: header.variants.clone(),
             part_opacities: header.part_opacities.clone(),
             placed: header.placed.clone(),
+            clip_time: header.clip_time.clone(),
         })
     }
 

@@ -3,9 +3,10 @@
 //! Poses of a document are relative to the file, those of a picture to the bake that it is made from.
 
 use super::{
-    MeshError, Scene,
+    Mesh, MeshError, Scene,
     pose::{Objects, Pose, Poses},
 };
+use crate::animation::ClipTime;
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -26,6 +27,11 @@ pub struct Placed {
 impl Placed {
     fn world_from_file(&self, pose: &Pose) -> Affine3A {
         pose.world_from_baked(self.center)
+    }
+
+    /// From where its file has it to where it was baked.
+    pub(crate) fn baked_from_file(&self) -> Affine3A {
+        self.world_from_file(&self.pose)
     }
 
     /// A pose relative to the bake, from one relative to the file.
@@ -49,7 +55,7 @@ impl Placed {
 }
 
 impl Scene {
-    /// Places the objects of a scene that is as its file has it.
+    /// Places the objects of a scene that is as its file has it. Where poses deform objects, its `clip_time` should say so.
     ///
     /// # Errors
     /// Places beyond [`MOST_COORDINATE`](super::MOST_COORDINATE); the scene stays as it is then.
@@ -57,7 +63,8 @@ impl Scene {
         let before = Objects::of(self);
         self.mesh = poses.pose(&self.mesh, &before)?;
         let after = Objects::of(self);
-        let moved = poses.moved().filter(|&object| (object as usize) < before.len());
+        let by_themselves = poses.without_deformed();
+        let moved = by_themselves.moved().filter(|&object| (object as usize) < before.len());
         let placed = |object| Placed {
             object,
             pose: poses.of(object),
@@ -82,6 +89,18 @@ impl Scene {
         poses
     }
 
+    /// Where its objects would be if none were placed.
+    pub(crate) fn unplaced(&self) -> Mesh {
+        let (mut mesh, objects) = (self.mesh.clone(), Objects::of(self));
+        for placed in &self.placed {
+            let (file_from_baked, rotation) = (placed.baked_from_file().inverse(), placed.pose.rotation().inverse());
+            for &vertex in objects.vertices(placed.object) {
+                mesh.turn_vertex(vertex as usize, file_from_baked, rotation);
+            }
+        }
+        mesh
+    }
+
     /// The centre of an object as its file has it, if it is elsewhere.
     pub fn center_in_file(&self, object: u32) -> Option<Vec3> {
         self.placed.iter().find(|placed| placed.object == object).map(|placed| placed.center)
@@ -94,14 +113,17 @@ impl Scene {
     }
 }
 
-/// A hash of poses, as hexadecimal; `None` if all is as its file has it.
-pub fn hash(poses: &Poses) -> Option<String> {
+/// A hash of poses and of a time, as hexadecimal; `None` if all is as its file has it.
+pub fn hash(poses: &Poses, time: Option<&ClipTime>) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
-    for object in poses.moved() {
+    for object in poses.without_deformed().moved() {
         let Pose { translate, rotate_degrees, scale } = poses.of(object);
         hasher.update(&object.to_le_bytes());
         let numbers = [translate.to_array(), rotate_degrees.to_array(), [scale, 0.0, 0.0]];
         hasher.update(bytemuck::cast_slice(numbers.as_flattened()));
+    }
+    if let Some(ClipTime { clip, seconds }) = time {
+        hasher.update(clip.as_bytes()).update(&seconds.to_le_bytes());
     }
     (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
 }
@@ -146,8 +168,11 @@ mod tests {
             poses([(0, pose(1.0, 0.0, 1.0)), (1, Pose::AS_BAKED)]),
             poses([(1, pose(1.0, 0.0, 1.0)), (0, Pose::AS_BAKED)]),
         );
-        assert!(hash(&one).is_some() && hash(&one) != hash(&other));
-        assert_eq!(hash(&Poses::default()), None);
+        assert!(hash(&one, None).is_some() && hash(&one, None) != hash(&other, None));
+        assert_eq!(hash(&Poses::default(), None), None);
+        let at = |seconds| ClipTime { clip: "walk".into(), seconds };
+        assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, Some(&at(2.0))));
+        assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, None));
     }
 
     #[test]

@@ -170,11 +170,16 @@ fn deform_vertices(mesh: &mut Mesh, object: u32, of: &[u32], posed: &PosedVertic
 
 fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {
     let (world_from_baked, rotation) = (pose.world_from_baked(center), pose.rotation());
-    for vertex in vertices.iter().map(|&vertex| vertex as usize) {
-        mesh.positions[vertex] = world_from_baked.transform_point3(mesh.positions[vertex]);
-        mesh.normals[vertex] = rotation * mesh.normals[vertex];
-        let tangent = mesh.tangents[vertex];
-        mesh.tangents[vertex] = (rotation * tangent.truncate()).extend(tangent.w);
+    vertices.iter().for_each(|&vertex| mesh.turn_vertex(vertex as usize, world_from_baked, rotation));
+}
+
+impl Mesh {
+    /// Takes a vertex elsewhere by a similarity with this rotation.
+    pub(crate) fn turn_vertex(&mut self, vertex: usize, similarity: Affine3A, rotation: Quat) {
+        self.positions[vertex] = similarity.transform_point3(self.positions[vertex]);
+        self.normals[vertex] = rotation * self.normals[vertex];
+        let tangent = self.tangents[vertex];
+        self.tangents[vertex] = (rotation * tangent.truncate()).extend(tangent.w);
     }
 }
 

@@ -21,8 +21,10 @@ use crate::{
     panels::bake::{BakeStatus, Pace, control_name, stale_reasons},
 };
 use lapidary_core::{
+    animation::{BoundAnimation, ClipTime},
     dataset::{BakeParts, BakeSettings, Dataset, bake_hash},
     ground::Ground,
+    scene::pose::Poses,
     texture::Texture,
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
@@ -120,15 +122,27 @@ impl EditorState {
         if !self.may_write(&output, Written::Dataset) {
             return;
         }
+        let (poses, clip_time) = match self.poses_to_bake(&source) {
+            Ok(poses) => poses,
+            Err(error) => return self.messages.error(error),
+        };
         let Imported { mut scene, import_secs, report, .. } = source;
         if self.document.lets_through_otherwise(&scene) {
             self.document.give_opacities(Arc::make_mut(&mut scene));
         }
-        let poses = self.document.poses.clone();
         let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
         let (inputs, warnings) = (report.files, report.warnings);
-        let job =
-            BakeJob { settings, poses, output: output.clone(), inputs, chunks: None, resume, import_secs, warnings };
+        let job = BakeJob {
+            settings,
+            poses,
+            clip_time,
+            output: output.clone(),
+            inputs,
+            chunks: None,
+            resume,
+            import_secs,
+            warnings,
+        };
         let task = BakeTask {
             scene,
             job,
@@ -154,6 +168,19 @@ impl EditorState {
             has_ground,
             by_itself: or_afresh,
         });
+    }
+
+    /// Where a bake has the objects, relative to the file, and the time of the animation that it is at.
+    fn poses_to_bake(&self, source: &Imported) -> Result<(Poses, Option<ClipTime>), String> {
+        let poses = self.document.poses.clone();
+        let Some((animation, time)) = source.animation.as_ref().zip(self.document.clip_time.clone()) else {
+            return Ok((poses, None));
+        };
+        let posed = BoundAnimation::new(animation.clone(), &source.scene).and_then(|bound| {
+            let clip = animation.clip(Some(&time.clip))?;
+            bound.poses_at(clip, time.seconds, &poses)
+        });
+        posed.map(|poses| (poses, Some(time))).map_err(|error| error.to_string())
     }
 
     /// A long bake begins with a draft if it brings light that cannot be seen yet.
@@ -240,7 +267,12 @@ impl EditorState {
         };
         let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
         let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
-        let content = bake_hash(&source.hash, &self.document.opacities_for(&source.scene), &self.document.poses);
+        let content = bake_hash(
+            &source.hash,
+            &self.document.opacities_for(&source.scene),
+            &self.document.poses,
+            self.document.clip_time.as_ref(),
+        );
         let looked = Looked { output, scene_hash: content, settings, written };
         let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {

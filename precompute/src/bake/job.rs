@@ -1,7 +1,7 @@
 //! The job of a bake: settings, output and options of the run.
 
 use super::settings::ResolvedBake;
-use lapidary_core::scene::pose::Poses;
+use lapidary_core::{animation::ClipTime, scene::pose::Poses};
 use std::path::PathBuf;
 
 /// The job of a bake: settings, output and options of the run.
@@ -9,8 +9,10 @@ use std::path::PathBuf;
 pub struct BakeJob {
     /// Settings that decide the result; see [`crate::resolve`].
     pub settings: ResolvedBake,
-    /// Where objects are, relative to their file.
+    /// Where objects are, relative to their file; deformed as they are at [`Self::clip_time`].
     pub poses: Poses,
+    /// The time of an animation that the scene is at; `None` at rest.
+    pub clip_time: Option<ClipTime>,
     /// Where the dataset goes; checkpoints lie beside it.
     pub output: PathBuf,
     /// Files that the scene was imported from, which the output must not be.
@@ -31,6 +33,7 @@ impl BakeJob {
         Self {
             settings,
             poses: Poses::default(),
+            clip_time: None,
             output,
             inputs: Vec::new(),
             chunks: None,

@@ -156,6 +156,7 @@ impl Measurement<'_> {
                 ..normal
             })?,
             poses: Default::default(),
+            clip_time: None,
             output: self.out.join(format!("{}-bounces.cuts", plan.name)),
             inputs: Vec::new(),
             chunks: None,

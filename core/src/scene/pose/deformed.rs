@@ -1,6 +1,6 @@
 //! Objects whose vertices are elsewhere each by itself, as a skin or a morph target takes them.
 
-use glam::{Vec3, Vec4};
+use glam::{Affine3A, Quat, Vec3, Vec4};
 use std::sync::Arc;
 
 /// The vertices of an object, in the order of [`Objects::vertices`](super::Objects::vertices).
@@ -12,6 +12,16 @@ pub struct PosedVertices {
     pub normals: Vec<Vec3>,
     /// With the handedness of their frames.
     pub tangents: Vec<Vec4>,
+}
+
+impl PosedVertices {
+    /// Elsewhere by a similarity with this rotation.
+    pub(crate) fn turned(mut self, similarity: Affine3A, rotation: Quat) -> Self {
+        self.positions.iter_mut().for_each(|position| *position = similarity.transform_point3(*position));
+        self.normals.iter_mut().for_each(|normal| *normal = rotation * *normal);
+        self.tangents.iter_mut().for_each(|tangent| *tangent = (rotation * tangent.truncate()).extend(tangent.w));
+        self
+    }
 }
 
 /// A deformed object. Copying and comparing it is cheap: two are the same if they have one revision.

@@ -23,6 +23,9 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
     if document.poses != dataset.scene.placed_poses() {
         reasons.push("Objects were moved; shadows and bounces of what moved are a preview".into());
     }
+    if document.clip_time != dataset.scene.clip_time {
+        reasons.push("The animation is at another time than in the bake".into());
+    }
     let (now, baked) = (described(&document.bake), described(&dataset.settings));
     let differing = now.iter().zip(&baked).filter(|(now, baked)| now != baked);
     reasons.extend(differing.map(|((name, now), (_, baked))| format!("{name}: {now} now, {baked} in the bake")));

@@ -1,7 +1,10 @@
 //! The `bake` command.
 
 use crate::{
-    args::{OutsideArgs, ShotOption, choices, values::place},
+    args::{
+        OutsideArgs, ShotOption, choices,
+        values::{self, place},
+    },
     outputs::CommandFiles,
     terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
 };
@@ -9,12 +12,13 @@ use anyhow::{Context, Error, Result};
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 use glam::Vec3;
 use lapidary_core::{
+    animation::{Animation, BoundAnimation, ClipTime, Playback},
     dataset::{BakeParts, BakeReport, BakeSettings},
     ground::Ground,
     import::{ImportOptions, import_with},
     light_tree::TreeKind,
     ray::RayDevices,
-    scene::pose::Poses,
+    scene::{Scene, pose::Poses},
 };
 use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve};
 use lapidary_render::{
@@ -68,6 +72,12 @@ pub struct BakeArgs {
     /// [X,Y,Z], "scale": S}}}, each turned about its centre in the order X, Y, Z
     #[arg(long, value_name = "FILE.json")]
     pose: Option<PathBuf>,
+    /// Bake the scene at this time of its animation, in seconds; a .gltf or .glb scene has one [default: at rest]
+    #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_hyphen_values = true)]
+    time: Option<f32>,
+    /// Animation of the scene by its name [default: the first]
+    #[arg(long, value_name = "NAME", requires = "time")]
+    clip: Option<String>,
     /// Dataset to write
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
@@ -220,6 +230,16 @@ impl BakeArgs {
         CommandFiles::default().reads([&self.scene]).writes([&self.output]).writes(&self.report)
     }
 
+    /// Poses with what the animation of the scene deforms at the time that is asked for, and that time.
+    fn posed_in_time(&self, poses: Poses, scene: &Scene, options: &ImportOptions) -> Result<(Poses, Option<ClipTime>)> {
+        let Some(seconds) = self.time else { return Ok((poses, None)) };
+        let animation = BoundAnimation::new(Animation::read(&self.scene, options)?, scene)?;
+        let index = animation.animation().clip(self.clip.as_deref())?;
+        let clip = &animation.clips()[index];
+        let time = ClipTime { clip: clip.name.clone(), seconds: clip.time_at(seconds, Playback::Once) };
+        Ok((animation.poses_at(index, seconds, &poses)?, Some(time)))
+    }
+
     /// Imports and bakes, with progress on standard error; Ctrl-C leaves a checkpoint.
     ///
     /// # Errors
@@ -250,11 +270,13 @@ impl BakeArgs {
             settings = settings.with_ground(ground);
         }
         let poses = self.pose.as_deref().map(|path| Poses::read(path, &imported.scene)).transpose()?;
+        let (poses, clip_time) = self.posed_in_time(poses.unwrap_or_default(), &imported.scene, &options)?;
         let shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
         let settings = settings.for_shots(shots)?;
         let job = BakeJob {
             settings,
-            poses: poses.unwrap_or_default(),
+            poses,
+            clip_time,
             output: self.output.clone(),
             inputs: imported.report.files,
             chunks: self.chunks,

@@ -56,6 +56,7 @@ impl Plan {
         let job = BakeJob {
             settings: resolve(self.settings(scene.mesh.positions.len(), scale.lights))?,
             poses: Default::default(),
+            clip_time: None,
             output: folder.join(self.name).with_extension("cuts"),
             inputs: report.files,
             chunks: None,
