@@ -360,3 +360,28 @@ fn a_clip_may_be_played_in_a_loop() {
     assert_eq!(at(Playback::Once), [0.0, 0.5, 2.0, 2.0, 2.0, 0.0]);
     assert_eq!(at(Playback::Loop), [1.5, 0.5, 0.0, 0.5, 1.0, 0.0]);
 }
+
+#[test]
+fn an_animation_plays_from_a_bake_of_another_time_and_place() {
+    let mut file = bending_bar();
+    let (of_file, scene) = bound(&mut file);
+    let mut elsewhere = Poses::default();
+    let turned = Pose { translate: Vec3::new(1.0, 0.5, -2.0), rotate_degrees: Vec3::new(0.0, 40.0, 10.0), scale: 1.5 };
+    elsewhere.set(0, turned);
+    let clip = of_file.clips()[0].name.clone();
+    let mut baked = scene.clone();
+    baked.place(&of_file.poses_at(0, 0.4, &elsewhere).unwrap()).unwrap();
+    baked.clip_time = Some(ClipTime { clip, seconds: 0.4 });
+    let again =
+        BoundAnimation::new(Animation::read(&file.write(), &ImportOptions::default()).unwrap(), &baked).unwrap();
+    let now = |seconds: f32, poses: &Poses| {
+        let since = again.poses_at(0, seconds, &baked.poses_since_baked(poses)).unwrap();
+        posed(&since, &baked)
+    };
+    assert!(again.poses_at(0, 0.4, &baked.poses_since_baked(&elsewhere)).unwrap().is_empty(), "as baked");
+    for (seconds, poses) in [(0.9, &elsewhere), (0.0, &Poses::default())] {
+        let expected = posed(&of_file.poses_at(0, seconds, poses).unwrap(), &scene);
+        assert!(farthest(&now(seconds, poses).positions, expected.positions.clone()) < 1e-4);
+        assert!(farthest(&now(0.2, poses).positions, expected.positions) > 0.1, "negative control: another time");
+    }
+}
