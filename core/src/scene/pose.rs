@@ -4,8 +4,10 @@
 //! says of a vertex is found by its index under any pose.
 
 mod file;
+mod similarity;
 
 pub use file::{PoseError, PoseFileError};
+pub use similarity::Similarity;
 
 use super::{Mesh, MeshError, Scene};
 use crate::bounds::Bounds;
