@@ -93,8 +93,10 @@ pub enum Action {
     FrameAll,
     /// Go back to where the document was first seen from.
     ResetCamera,
-    /// Select an object, or nothing.
+    /// Select an object alone, or nothing.
     SelectObject(Option<u32>),
+    /// Add an object to the selection, or take it away.
+    ToggleObject(u32),
     /// Select a material, or nothing.
     SelectMaterial(Option<usize>),
     /// Select a part of an object.

@@ -29,6 +29,7 @@ mod perform;
 mod pictures;
 mod prompts;
 mod requests;
+mod selection;
 mod sequence_dialog;
 mod side_panels;
 mod start;

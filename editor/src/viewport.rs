@@ -8,7 +8,8 @@
 //! | right drag, with W A S D Q E (Shift: faster, wheel: speed) | fly |
 //! | Shift + right drag, `[` and `]` (Shift: finer) | turn the environment |
 //! | click, double click | select, orbit about what is clicked |
-//! | drag of a handle of the selected light or object | move, turn or scale it (Ctrl: steps, Escape: put it back) |
+//! | Ctrl + click | add an object to the selection, or take it away |
+//! | drag of a handle of the selected light or objects | move, turn or scale them (Ctrl: steps, Escape: put them back) |
 //! | drop of a preset or a material on a surface | give its material these values |
 //!
 //! Keys that are pressed once are commands of the window: see `app/keys.rs`.
@@ -77,11 +78,11 @@ pub struct ViewportContext<'a> {
     pub intersector: Option<&'a Intersector>,
     /// Bounds of the scene; they set the speed of flight and the reach of the wheel.
     pub scene_bounds: Option<Bounds>,
-    /// The selection.
-    pub selected_object: Option<u32>,
-    /// Bounds of it, outlined for a moment when the selection changes.
-    pub selection_bounds: Option<Bounds>,
-    /// The selected object, if it has handles.
+    /// The selected objects.
+    pub selected_objects: Vec<u32>,
+    /// Bounds of each, outlined for a moment when the selection changes.
+    pub selection_bounds: &'a [Bounds],
+    /// The selected objects, if they have handles.
     pub movable: Option<gizmo::Movable>,
     /// The local light that is selected.
     pub selected_light: Option<usize>,
@@ -219,11 +220,12 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
 }
 
 fn outline(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &ViewportContext) {
-    let glow = state.flash.update(context.selected_object, ui.input(|input| input.time));
-    let Some(bounds) = context.selection_bounds else { return };
+    let glow = state.flash.update(&context.selected_objects, ui.input(|input| input.time));
     if glow.opacity > 0.0 {
         let color = context.accent.gamma_multiply(glow.opacity);
-        outline::paint(&ui.painter_at(rect), rect, &context.document.camera, bounds, color);
+        for bounds in context.selection_bounds {
+            outline::paint(&ui.painter_at(rect), rect, &context.document.camera, *bounds, color);
+        }
     }
     if let Some(secs) = glow.next_secs {
         ui.request_repaint_after(Duration::from_secs_f32(secs));

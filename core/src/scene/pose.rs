@@ -5,9 +5,11 @@
 
 mod deformed;
 mod file;
+mod similarity;
 
 pub use deformed::{DeformedObject, PosedVertices};
 pub use file::{PoseError, PoseFileError};
+pub use similarity::Similarity;
 
 use super::{Mesh, MeshError, Scene};
 use crate::bounds::Bounds;

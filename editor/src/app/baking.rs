@@ -295,7 +295,7 @@ impl EditorState {
         let preview = changed.map(|source| source.unshadowed(self.document.bake.ground));
         self.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
         let objects = baked.dataset.scene.objects.len();
-        self.selection.object = self.selection.object.filter(|&o| (o as usize) < objects);
+        self.selection.retain_objects(|object| (object as usize) < objects);
         self.selection.part = self.selection.part.filter(|part| (part.object as usize) < objects);
         // The hierarchies are for the picture, and no guests.
         baked.begin();

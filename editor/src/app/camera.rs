@@ -4,6 +4,7 @@ use super::state::EditorState;
 use crate::viewport::{camera_text, navigation, pick};
 use egui::Context;
 use lapidary_core::{bounds::Bounds, camera::Camera};
+use lapidary_render::Baked;
 
 impl EditorState {
     pub(super) fn frame_selection(&mut self) {
@@ -12,8 +13,12 @@ impl EditorState {
             return;
         }
         let posed = self.scene.rendered().map(|baked| self.requests.posed(self.poses_since(baked), baked, false));
-        let bounds = posed.zip(self.selection.object);
-        match bounds.and_then(|(posed, object)| pick::object_bounds(&posed.dataset.scene.mesh, object)) {
+        let bounds_in = |posed: &Baked| {
+            let mesh = &posed.dataset.scene.mesh;
+            let each = self.selection.objects().filter_map(|object| pick::object_bounds(mesh, object));
+            each.reduce(|all, bounds| Bounds::around([all.min, all.max, bounds.min, bounds.max]))
+        };
+        match posed.as_ref().and_then(bounds_in) {
             Some(bounds) => self.document.camera = navigation::framed(&self.document.camera, bounds, self.aspect()),
             None => self.frame_all(),
         }

@@ -5,9 +5,10 @@ use super::{
     first_view::FirstView,
     opening::{Opened, Ready, Target},
     state::{
-        EditorState, OpenScene, Selection,
+        EditorState, OpenScene,
         ladder::LadderWindow,
         prompt::{Again, Prompt, Then},
+        selection::Selection,
     },
 };
 use crate::{

@@ -37,7 +37,7 @@ pub enum Command {
     Mode(ViewMode),
     /// Edges over the picture.
     Wireframe,
-    /// What handles do to the selected object, or no handles.
+    /// What handles do to the selected objects, or no handles.
     Tool(Option<Tool>),
     /// Play the animation, or stop.
     Play,
@@ -155,7 +155,7 @@ pub const BINDINGS: [Binding; 41] = [
 const WIDTH: f32 = 960.0;
 
 /// Pointer gestures, for the keyboard map.
-const POINTER: [(&str, &str); 15] = [
+const POINTER: [(&str, &str); 16] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
     ("Wheel", "Move closer or away (also: Alt + right drag)"),
@@ -163,10 +163,11 @@ const POINTER: [(&str, &str); 15] = [
     ("Shift + right drag", "Turn the environment"),
     ("[ ]", "Turn the environment by 5 degrees (Shift: 1)"),
     ("Click", "Select"),
+    ("Ctrl + click", "Add an object to the selection, or take it away"),
     ("Double click", "Orbit about this point"),
     ("Drop a material", "Give its values to what is there (Shift: to it alone)"),
-    ("Drag a handle", "Move a light, or pose an object (Esc: put it back)"),
-    ("Ctrl + handle", "Whole steps of an object's pose"),
+    ("Drag a handle", "Move a light, or pose objects (Esc: put them back)"),
+    ("Ctrl + handle", "Whole steps of poses"),
     ("Shift + slider", "Fine steps"),
     ("Hold R", "See the reference, while comparing"),
     ("Double click label", "Default value"),

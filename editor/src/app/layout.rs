@@ -30,7 +30,11 @@ use crate::{
         view::{self, ViewContext},
     },
     preferences::Preferences,
-    viewport::{self, ViewportContext, ViewportResponse, compare::Compared, gizmo::Movable},
+    viewport::{
+        self, ViewportContext, ViewportResponse,
+        compare::Compared,
+        gizmo::{Movable, Subject},
+    },
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{lights::Light, material::Material};
@@ -146,6 +150,7 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
                 document: &state.document,
                 dataset: state.scene.rendered().map(|b| &*b.dataset),
                 selected_object: state.selection.object,
+                other_objects: &state.selection.others,
                 selected_material: state.selection.material,
             };
             scrolled(ui, |ui| scene::show(ui, &mut state.interface.scene, &context, actions));
@@ -303,14 +308,18 @@ fn words_of_preview(state: &EditorState, baked: &Baked) -> Option<&'static str> 
     is_other.then_some("Opacity was edited; bake again for its shadows")
 }
 
-/// The selected object, if it has handles: a ground has none, nor has anything beside a selected light.
+/// The selected objects, if they have handles: a ground has none, nor has anything beside a selected light.
 pub(super) fn movable(state: &EditorState) -> Option<Movable> {
-    let (object, tool) = state.selection.object.zip(state.interface.tool)?;
+    let (active, tool) = state.selection.object.zip(state.interface.tool)?;
     let baked = state.scene.rendered().filter(|_| state.selected_light().is_none())?;
-    let is_object = (object as usize) < state.document.objects.len();
-    let can_be_posed = is_object && baked.dataset.scene.mesh.ground_object() != Some(object);
-    let center = state.requests.center(baked, object).filter(|_| can_be_posed)?;
-    Some(Movable { object, center, tool })
+    let can_be_posed =
+        |object: u32| (object as usize) < state.document.objects.len() && state.ground_object() != Some(object);
+    let subject = |object: u32| {
+        let center = state.requests.center(baked, object).filter(|_| can_be_posed(object))?;
+        Some(Subject { object, center })
+    };
+    let others = state.selection.others.iter().filter_map(|&object| subject(object)).collect();
+    Some(Movable { active: subject(active)?, others, pivot: state.interface.scene.pivot, tool })
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
@@ -320,7 +329,6 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         state.requests.posed(state.poses_since(baked), baked, is_held || state.interface.timeline.playing)
     });
     let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
-    let selected_object = state.selection.object;
     let busy = baked.and_then(|baked| state.baking.words(state.seen()).or_else(|| words_of_preview(state, baked)));
     let shown = state.pictures.shown().filter(|_| baked.is_some());
     let accent = ui.visuals().selection.bg_fill;
@@ -341,8 +349,8 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         mesh,
         intersector: posed.as_ref().and_then(Baked::intersector_if_ready),
         scene_bounds: state.bounds.scene,
-        selected_object,
-        selection_bounds: state.bounds.selection,
+        selected_objects: state.selection.objects().collect(),
+        selection_bounds: &state.bounds.selection,
         movable: movable(state),
         selected_light: state.selected_light(),
         shows_lights: state.interface.lights.in_viewport,

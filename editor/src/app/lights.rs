@@ -31,12 +31,12 @@ impl EditorState {
         self.selection.light.filter(|&index| index < self.document.lights.len())
     }
 
-    /// Selects a light in place of an object.
+    /// Selects a light in place of objects.
     pub(super) fn select_light(&mut self, light: Option<usize>) {
         self.selection.light = light;
         self.interface.lights.aiming = false;
         if light.is_some() {
-            self.selection.object = None;
+            self.selection.set_object(None);
             self.interface.inspector = Inspector::Lights;
         }
     }

@@ -155,7 +155,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::PasteCamera, true);
 }
 
-/// What handles do to the selected object.
+/// What handles do to the selected objects.
 fn tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for tool in Tool::ALL.map(Some).into_iter().chain([None]) {
         let command = Command::Tool(tool);

@@ -61,8 +61,7 @@ impl EditorState {
 
     /// A ground has the material that its bake gave it, and no other surface has that.
     fn is_of_ground(&self, part: Part) -> bool {
-        let ground = self.scene.rendered().and_then(|baked| baked.dataset.scene.mesh.ground_object());
-        ground == Some(part.object)
+        self.ground_object() == Some(part.object)
     }
 
     /// Index of the material of a ground, if one is shown.

@@ -17,7 +17,6 @@ use egui::{Context, ViewportCommand};
 use lapidary_core::{
     camera::Camera,
     dataset::{BakeParts, BakeSettings},
-    parts::Part,
     shot::Shot,
 };
 use std::path::{Path, PathBuf};
@@ -36,6 +35,7 @@ impl EditorState {
             Action::FrameAll => self.frame_all(),
             Action::ResetCamera => self.reset_camera(),
             Action::SelectObject(object) => self.select_object(object),
+            Action::ToggleObject(object) => self.toggle_object(object),
             Action::SelectMaterial(material) => self.select_material(material),
             Action::SelectPart(part) => self.selection.part = Some(part),
             Action::Assign { part, material } => self.assign(part, material),
@@ -100,13 +100,6 @@ impl EditorState {
             | Action::AddToLibrary(None)
             | Action::ChooseReference(None)
             | Action::Relink(None) => self.ask_for_path(action),
-        }
-    }
-
-    fn select_material(&mut self, material: Option<usize>) {
-        self.selection.material = material;
-        if material.is_some() {
-            self.interface.inspector = Inspector::Material;
         }
     }
 
@@ -229,20 +222,6 @@ impl EditorState {
         self.history.end_gesture();
         self.edit(Edit::Environment(environment), "Environment");
         self.history.end_gesture();
-    }
-
-    /// Selects an object, and with it the part and the material of its first triangle.
-    fn select_object(&mut self, object: Option<u32>) {
-        (self.selection.object, self.selection.part) = (object, None);
-        self.selection.light = None;
-        let Some((object, baked)) = object.zip(self.scene.rendered()) else { return };
-        let mesh = &baked.dataset.scene.mesh;
-        let first = mesh.triangle_object.iter().position(|&o| o == object);
-        if let Some(part) = first.and_then(|triangle| Part::of_triangle(mesh, triangle)) {
-            self.selection.part = Some(part);
-            self.selection.material = Some(self.document.material_of(part));
-            self.interface.inspector = Inspector::Material;
-        }
     }
 
     pub(super) fn prefer(&mut self, preferences: Preferences) {

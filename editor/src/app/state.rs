@@ -11,6 +11,7 @@ pub mod ladder;
 pub mod pictures;
 pub mod prompt;
 pub mod requests;
+pub mod selection;
 
 use super::{
     dialogs::FileDialogs,
@@ -48,6 +49,7 @@ use lapidary_studies::jobs::Wake;
 use pictures::Pictures;
 use prompt::{Prompt, Then};
 use requests::Requests;
+use selection::Selection;
 use std::{
     collections::{HashMap, VecDeque},
     path::PathBuf,
@@ -79,19 +81,6 @@ pub struct Bundled {
     pub scenes: Vec<PathBuf>,
     /// The environments.
     pub environments: Vec<PathBuf>,
-}
-
-/// The selection.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Selection {
-    /// An object of the mesh.
-    pub object: Option<u32>,
-    /// A part of it, or of the object that was selected before the material.
-    pub part: Option<Part>,
-    /// A material.
-    pub material: Option<usize>,
-    /// A local light; undo may have taken it away, see [`EditorState::selected_light`].
-    pub light: Option<usize>,
 }
 
 /// The scene that is open, as far as it is not in the document.
@@ -141,26 +130,30 @@ impl OpenScene {
 /// Bounds and parts of the mesh, computed when it changes: a pass over the mesh takes longer than a frame should.
 #[derive(Default)]
 pub struct ShownBounds {
-    of: Option<(usize, Option<u32>)>,
+    /// Address of the dataset, and the selected objects.
+    of: Option<(usize, Vec<u32>)>,
     /// All of it.
     pub scene: Option<Bounds>,
-    /// The selection.
-    pub selection: Option<Bounds>,
+    /// The selected objects, each.
+    pub selection: Vec<Bounds>,
     /// All parts.
     pub parts: Vec<Part>,
 }
 
 impl ShownBounds {
-    pub(super) fn update(&mut self, shown: Option<&Baked>, selected: Option<u32>) {
-        let of = shown.map(|baked| (Arc::as_ptr(&baked.dataset) as usize, selected));
+    pub(super) fn update(&mut self, shown: Option<&Baked>, selected: impl Iterator<Item = u32>) {
+        let of = shown.map(|baked| (Arc::as_ptr(&baked.dataset) as usize, selected.collect::<Vec<_>>()));
         if of != self.of {
             let mesh = shown.map(|baked| &baked.dataset.scene.mesh);
-            if of.map(|(dataset, _)| dataset) != self.of.map(|(dataset, _)| dataset) {
+            let dataset = |of: &Option<(usize, _)>| of.as_ref().map(|(dataset, _)| *dataset);
+            if dataset(&of) != dataset(&self.of) {
                 self.parts = mesh.map(parts_of).unwrap_or_default();
             }
-            self.of = of;
+            let selected = of.iter().flat_map(|(_, objects)| objects);
+            let bounds_in = |mesh| selected.filter_map(|&object| pick::object_bounds(mesh, object)).collect();
+            self.selection = mesh.map(bounds_in).unwrap_or_default();
             self.scene = mesh.map(Mesh::bounds);
-            self.selection = mesh.zip(selected).and_then(|(mesh, object)| pick::object_bounds(mesh, object));
+            self.of = of;
         }
     }
 }

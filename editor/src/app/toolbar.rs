@@ -40,7 +40,7 @@ fn tool(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>, command
     }
 }
 
-/// What handles do to the selected object.
+/// What handles do to the selected objects.
 fn pose_tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let tools =
         [(None, "Select"), (Some(Tool::Move), "Move"), (Some(Tool::Turn), "Turn"), (Some(Tool::Scale), "Scale")];

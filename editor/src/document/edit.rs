@@ -6,7 +6,10 @@ use super::{
 };
 use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material, scene::pose::Pose};
 use lapidary_render::Solution;
-use std::mem::{discriminant, swap};
+use std::{
+    collections::BTreeMap,
+    mem::{discriminant, swap},
+};
 
 /// One change to a document.
 #[derive(Clone, Debug)]
@@ -27,13 +30,8 @@ pub enum Edit {
         /// The materials of parts with it, or without.
         assigned: Assignment,
     },
-    /// Another pose of an object.
-    Pose {
-        /// Which.
-        object: u32,
-        /// Its new pose.
-        pose: Pose,
-    },
+    /// Other poses of objects, by index.
+    Poses(BTreeMap<u32, Pose>),
     /// Another environment.
     Environment(EnvironmentSettings),
     /// Another value for a local light.
@@ -58,6 +56,11 @@ pub enum Edit {
 }
 
 impl Edit {
+    /// Another pose of one object.
+    pub fn pose(object: u32, pose: Pose) -> Self {
+        Self::Poses([(object, pose)].into())
+    }
+
     /// Puts the edit's value into the document, and the document's into the edit.
     ///
     /// # Panics
@@ -70,7 +73,9 @@ impl Edit {
                 swap(assigned, &mut document.assigned);
                 *material = swap_last(material.take(), document);
             }
-            Self::Pose { object, pose } => *pose = document.poses.replace(*object, *pose),
+            Self::Poses(poses) => {
+                poses.iter_mut().for_each(|(&object, pose)| *pose = document.poses.replace(object, *pose));
+            }
             Self::Environment(environment) => swap(environment, &mut document.environment),
             Self::Light { index, light } => swap(&mut **light, &mut document.lights[*index]),
             Self::Lights(lights) => swap(lights, &mut document.lights),
@@ -88,7 +93,7 @@ impl Edit {
             Self::Material { index, .. } => *index < document.materials.len(),
             Self::Light { index, .. } => *index < document.lights.len(),
             Self::Added { material, .. } => material.is_some() || document.added > 0,
-            Self::Pose { object, .. } => (*object as usize) < document.objects.len(),
+            Self::Poses(poses) => poses.keys().all(|&object| (object as usize) < document.objects.len()),
             _ => true,
         }
     }
@@ -99,7 +104,7 @@ impl Edit {
             Self::Material { index, material } => document.materials.get(*index).is_some_and(|m| *m != **material),
             Self::Assigned(assigned) => *assigned != document.assigned,
             Self::Added { .. } => self.fits(document),
-            Self::Pose { object, pose } => *pose != document.poses.of(*object),
+            Self::Poses(poses) => poses.iter().any(|(&object, pose)| *pose != document.poses.of(object)),
             Self::Environment(environment) => *environment != document.environment,
             Self::Light { index, light } => document.lights.get(*index).is_some_and(|l| *l != **light),
             Self::Lights(lights) => *lights != document.lights,
@@ -116,7 +121,7 @@ impl Edit {
         match (self, other) {
             (Self::Material { index: a, .. }, Self::Material { index: b, .. })
             | (Self::Light { index: a, .. }, Self::Light { index: b, .. }) => a == b,
-            (Self::Pose { object: a, .. }, Self::Pose { object: b, .. }) => a == b,
+            (Self::Poses(a), Self::Poses(b)) => a.keys().eq(b.keys()),
             (Self::Added { .. }, Self::Added { .. }) => false,
             _ => discriminant(self) == discriminant(other),
         }
@@ -154,16 +159,18 @@ mod tests {
     use lapidary_core::{parts::Part, test_scenes};
 
     #[test]
-    fn a_pose_is_swapped_with_that_of_its_object_alone() {
-        let mut document = Document { objects: vec!["lid".into(), "pot".into()], ..Document::empty() };
+    fn poses_are_swapped_with_those_of_their_objects_alone() {
+        let objects = ["lid", "pot", "cup"].map(String::from).to_vec();
+        let mut document = Document { objects, ..Document::empty() };
         let raised = Pose { translate: glam::Vec3::Y, ..Pose::AS_BAKED };
-        let mut edit = Edit::Pose { object: 1, pose: raised };
+        let of = |document: &Document| [0, 1, 2].map(|object| document.poses.of(object));
+        let mut edit = Edit::Poses([(0, raised), (1, Pose { scale: 2.0, ..raised })].into());
         assert!(edit.fits(&document) && edit.changes(&document));
-        assert!(!Edit::Pose { object: 2, pose: raised }.fits(&document));
-        assert!(!edit.same_target(&Edit::Pose { object: 0, pose: raised }));
+        assert!(!Edit::Poses([(0, raised), (3, raised)].into()).fits(&document));
+        assert!(edit.same_target(&edit.clone()) && !edit.same_target(&Edit::pose(0, raised)));
         edit.swap(&mut document);
-        assert_eq!([0, 1].map(|object| document.poses.of(object)), [Pose::AS_BAKED, raised]);
-        assert!(!Edit::Pose { object: 1, pose: raised }.changes(&document));
+        assert_eq!(of(&document), [raised, Pose { scale: 2.0, ..raised }, Pose::AS_BAKED]);
+        assert!(!Edit::pose(0, raised).changes(&document) && Edit::pose(1, raised).changes(&document));
         edit.swap(&mut document);
         assert!(document.poses.is_empty());
     }

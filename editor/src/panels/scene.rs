@@ -6,7 +6,7 @@ mod pose;
 mod tests;
 
 use super::widgets::{outline, section};
-use crate::{actions::Action, document::Document, dragged::Dragged};
+use crate::{actions::Action, document::Document, dragged::Dragged, viewport::gizmo::Pivot};
 use egui::{
     Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
 };
@@ -22,6 +22,8 @@ use std::collections::BTreeSet;
 const VISIBLE_ROWS: f32 = 9.0;
 /// Materials of an object that are shown beside its name.
 const SWATCHES: usize = 4;
+/// Opacity of the highlight of selected objects beside the active one.
+const WEAK: f32 = 0.35;
 /// Side of a swatch in points.
 const SWATCH: f32 = 11.0;
 
@@ -31,8 +33,10 @@ pub struct SceneContext<'a> {
     pub document: &'a Document,
     /// Its dataset, if one is loaded.
     pub dataset: Option<&'a Dataset>,
-    /// The selected object.
+    /// The active object: the one that was selected last.
     pub selected_object: Option<u32>,
+    /// Objects that are selected as well.
+    pub other_objects: &'a [u32],
     /// The selected material.
     pub selected_material: Option<usize>,
 }
@@ -40,6 +44,8 @@ pub struct SceneContext<'a> {
 /// What the panel keeps between frames.
 #[derive(Default)]
 pub struct ScenePanel {
+    /// About what several objects turn and scale.
+    pub pivot: Pivot,
     filter: String,
     renaming: Option<bookmarks::Renaming>,
     object_materials: ObjectMaterials,
@@ -54,7 +60,7 @@ pub fn show(ui: &mut Ui, state: &mut ScenePanel, context: &SceneContext, actions
         state.object_materials.update(dataset);
         objects(ui, context, dataset, &state.object_materials, &wanted, actions);
     }
-    pose::show(ui, context, actions);
+    pose::show(ui, &mut state.pivot, context, actions);
     materials(ui, context, &wanted, actions);
     context.dataset.into_iter().for_each(|dataset| variants(ui, context.document, &dataset.scene.variants, actions));
     section(ui, "Cameras", true, |ui| bookmarks::show(ui, &mut state.renaming, context, actions));
@@ -100,16 +106,28 @@ fn objects(
             for material in shown.into_iter().take(SWATCHES) {
                 object_swatch(ui, context, names[index], material, actions);
             }
-            let selected = context.selected_object == Some(index as u32);
-            let name = name_button(ui, selected, names[index]);
-            if name.clicked() {
-                actions.push(Action::SelectObject(Some(index as u32)));
-            }
-            if name.on_hover_text("Double-click to frame it").double_clicked() {
-                actions.push(Action::FrameSelection);
-            }
+            object_name(ui, context, index as u32, names[index], actions);
         });
     });
+}
+
+/// The name of an object: a click selects it alone, or with Ctrl adds it or takes it away.
+fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, actions: &mut Vec<Action>) {
+    let (is_active, moves_along) = (context.selected_object == Some(object), context.other_objects.contains(&object));
+    if moves_along {
+        let (fill, color) = (ui.visuals().selection.bg_fill.gamma_multiply(WEAK), ui.visuals().text_color());
+        let selection = &mut ui.visuals_mut().selection;
+        (selection.bg_fill, selection.stroke.color) = (fill, color);
+    }
+    let name = name_button(ui, is_active || moves_along, name);
+    let adds = ui.input(|input| input.modifiers.command);
+    if name.clicked() {
+        actions.push(if adds { Action::ToggleObject(object) } else { Action::SelectObject(Some(object)) });
+    }
+    let help = "Ctrl-click to add it to the selection or take it away, double-click to frame it";
+    if name.on_hover_text(help).double_clicked() && !adds {
+        actions.push(Action::FrameSelection);
+    }
 }
 
 /// The colour of one of an object's materials; a click selects the material.

@@ -1,5 +1,5 @@
 //! Handles over the picture: icons that select local lights, and handles that move the selected light or pose the selected
-//! object.
+//! objects.
 //!
 //! A drag of a handle is one step of undo; Escape puts back what was moved. The target of an aimed light follows the surface
 //! under the pointer, or with Ctrl the plane of the view. Objects are posed in whole steps while Ctrl is held.
@@ -9,6 +9,7 @@ mod drag;
 mod handles;
 mod icons;
 mod light;
+mod movable;
 mod object;
 mod paint;
 mod projection;
@@ -24,8 +25,9 @@ use egui::{CursorIcon, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec3;
 use handles::{Constraint, Handle};
 use lapidary_core::{ground::Ground, lights::Light};
+pub use movable::{Movable, Pivot, Subject};
 use object::ObjectHandles;
-pub use object::{Movable, Tool};
+pub use object::Tool;
 pub use paint::paint;
 pub use projection::Projection;
 
@@ -76,7 +78,7 @@ impl<'a> View<'a> {
     fn handles(&self) -> Option<ObjectHandles> {
         match self.light() {
             Some((_, light)) => light::handles(light, self).map(ObjectHandles::Move),
-            None => self.context.movable?.handles(self),
+            None => self.context.movable.as_ref()?.handles(self),
         }
     }
 

@@ -242,13 +242,15 @@ impl Pass<'_> {
     }
 
     fn clicks(&mut self) {
-        let alt = self.input(|input| input.modifiers.alt);
+        let Modifiers { alt, command, .. } = self.input(|input| input.modifiers);
         let (Some(_), Some(pointer)) = (self.context.intersector, self.response.interact_pointer_pos()) else { return };
         if alt || !self.response.clicked_by(PointerButton::Primary) {
             return;
         }
         let picked = self.picked(pointer);
-        if !self.response.double_clicked() {
+        if command {
+            self.actions.extend(picked.map(|picked| Action::ToggleObject(picked.object)));
+        } else if !self.response.double_clicked() {
             self.actions.push(Action::SelectObject(picked.map(|picked| picked.object)));
             let part = picked.map(|picked| picked.part());
             self.actions.push(Action::SelectMaterial(part.map(|part| self.context.document.material_of(part))));

@@ -1,4 +1,4 @@
-//! The bounding box of what is selected, drawn over the picture for a moment after the selection changes.
+//! The bounding boxes of what is selected, drawn over the picture for a moment after the selection changes.
 
 use egui::{Color32, Painter, Pos2, Rect, Stroke, vec2};
 use glam::Vec3;
@@ -12,9 +12,9 @@ const FADE_SECS: f64 = 0.35;
 const NEAR: f32 = 1e-3;
 
 /// When the selection last changed.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Flash {
-    object: Option<u32>,
+    objects: Vec<u32>,
     since: f64,
 }
 
@@ -29,15 +29,15 @@ pub struct Glow {
 
 impl Flash {
     /// Follows the selection; `now` is in seconds.
-    pub fn update(&mut self, object: Option<u32>, now: f64) -> Glow {
-        if self.object != object {
-            *self = Self { object, since: now };
+    pub fn update(&mut self, objects: &[u32], now: f64) -> Glow {
+        if self.objects != objects {
+            *self = Self { objects: objects.to_vec(), since: now };
         }
         let age = now - self.since;
         let fading = (1.0 - (age - HOLD_SECS) / FADE_SECS).clamp(0.0, 1.0) as f32;
-        match object {
-            Some(_) if age < HOLD_SECS => Glow { opacity: 1.0, next_secs: Some((HOLD_SECS - age) as f32) },
-            Some(_) if fading > 0.0 => Glow { opacity: fading, next_secs: Some(0.0) },
+        match objects {
+            [_, ..] if age < HOLD_SECS => Glow { opacity: 1.0, next_secs: Some((HOLD_SECS - age) as f32) },
+            [_, ..] if fading > 0.0 => Glow { opacity: fading, next_secs: Some(0.0) },
             _ => Glow { opacity: 0.0, next_secs: None },
         }
     }
@@ -114,12 +114,12 @@ mod tests {
     #[test]
     fn it_holds_fades_and_then_asks_for_nothing() {
         let mut flash = Flash::default();
-        assert_eq!(flash.update(None, 5.0), Glow { opacity: 0.0, next_secs: None });
-        assert_eq!(flash.update(Some(2), 6.0), Glow { opacity: 1.0, next_secs: Some(1.0) });
-        let fading = flash.update(Some(2), 7.2);
+        assert_eq!(flash.update(&[], 5.0), Glow { opacity: 0.0, next_secs: None });
+        assert_eq!(flash.update(&[2], 6.0), Glow { opacity: 1.0, next_secs: Some(1.0) });
+        let fading = flash.update(&[2], 7.2);
         assert!(fading.opacity > 0.0 && fading.opacity < 1.0 && fading.next_secs == Some(0.0));
-        assert_eq!(flash.update(Some(2), 8.0), Glow { opacity: 0.0, next_secs: None });
-        assert_eq!(flash.update(Some(3), 9.0).opacity, 1.0, "another selection starts again");
-        assert_eq!(flash.update(None, 9.1).opacity, 0.0);
+        assert_eq!(flash.update(&[2], 8.0), Glow { opacity: 0.0, next_secs: None });
+        assert_eq!(flash.update(&[3, 2], 9.0).opacity, 1.0, "another selection starts again");
+        assert_eq!(flash.update(&[], 9.1).opacity, 0.0);
     }
 }

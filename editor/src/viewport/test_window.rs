@@ -14,6 +14,8 @@ pub struct App {
     pub mesh: Mesh,
     pub intersector: Intersector,
     pub selected: Option<u32>,
+    pub others: Vec<u32>,
+    pub pivot: gizmo::Pivot,
     pub tool: Option<gizmo::Tool>,
     pub selected_light: Option<usize>,
     pub aiming: bool,
@@ -35,6 +37,8 @@ impl App {
             intersector: Intersector::new(&mesh),
             mesh,
             selected: None,
+            others: Vec::new(),
+            pivot: gizmo::Pivot::default(),
             tool: None,
             selected_light: None,
             aiming: false,
@@ -58,8 +62,8 @@ impl App {
             mesh: Some(&self.mesh),
             intersector: Some(&self.intersector),
             scene_bounds: Some(bounds),
-            selected_object: self.selected,
-            selection_bounds: self.selected.and_then(|object| pick::object_bounds(&self.mesh, object)),
+            selected_objects: self.selected.iter().chain(&self.others).copied().collect(),
+            selection_bounds: &[],
             movable: self.movable(),
             selected_light: self.selected_light,
             shows_lights: true,
@@ -76,9 +80,13 @@ impl App {
     }
 
     fn movable(&self) -> Option<gizmo::Movable> {
-        let (object, tool) = self.selected.zip(self.tool)?;
-        let center = pick::object_bounds(&self.mesh, object)?.center();
-        Some(gizmo::Movable { object, center, tool })
+        let (active, tool) = self.selected.zip(self.tool)?;
+        let subject = |object| {
+            let center = pick::object_bounds(&self.mesh, object)?.center();
+            Some(gizmo::Subject { object, center })
+        };
+        let others = self.others.iter().filter_map(|&object| subject(object)).collect();
+        Some(gizmo::Movable { active: subject(active)?, others, pivot: self.pivot, tool })
     }
 
     fn ui(&mut self, ui: &mut Ui) {
@@ -100,7 +108,7 @@ impl App {
         match action {
             Action::Camera(camera) => self.document.camera = camera.clone(),
             Action::Edit { edit, .. } => edit.clone().swap(&mut self.document),
-            Action::SelectObject(object) => self.selected = *object,
+            Action::SelectObject(object) => (self.selected, self.others) = (*object, Vec::new()),
             Action::SelectLight(light) => self.selected_light = *light,
             Action::FrameSelection => {
                 let bounds = pick::object_bounds(&self.mesh, self.selected.unwrap_or(0)).unwrap();
@@ -147,9 +155,16 @@ pub fn drag(harness: &mut Harness<App>, which: PointerButton, modifiers: Modifie
 }
 
 pub fn click(harness: &mut Harness<App>, pos: Pos2) {
+    click_with(harness, pos, Modifiers::NONE);
+}
+
+pub fn click_with(harness: &mut Harness<App>, pos: Pos2, modifiers: Modifiers) {
+    harness.event(Event::ModifiersChanged(modifiers));
     harness.hover_at(pos);
-    button(harness, pos, PointerButton::Primary, true, Modifiers::NONE);
-    button(harness, pos, PointerButton::Primary, false, Modifiers::NONE);
+    button(harness, pos, PointerButton::Primary, true, modifiers);
+    button(harness, pos, PointerButton::Primary, false, modifiers);
+    harness.step();
+    harness.event(Event::ModifiersChanged(Modifiers::NONE));
     harness.step();
 }
 

@@ -38,6 +38,24 @@ fn a_click_selects_the_object_under_it_and_nothing_beside_it() {
 }
 
 #[test]
+fn a_click_with_ctrl_adds_or_takes_away_what_is_under_it_and_nothing_beside_it() {
+    let mut harness = harness();
+    let [right, between] = [1.0, 0.0].map(|x| seen_at(&harness, x, 0.2));
+    for _ in 0..2 {
+        click_with(&mut harness, right, Modifiers::COMMAND);
+        assert!(matches!(harness.state().log[..], [Action::ToggleObject(1)]), "{:?}", harness.state().log);
+        // The second click is no double click, which would move the camera.
+        harness.state_mut().log.clear();
+    }
+    wait(&mut harness);
+    click_with(&mut harness, between, Modifiers::COMMAND);
+    assert!(harness.state().log.is_empty(), "{:?}", harness.state().log);
+    wait(&mut harness);
+    click(&mut harness, between);
+    assert!(matches!(harness.state().log[0], Action::SelectObject(None)), "negative control: without Ctrl");
+}
+
+#[test]
 fn a_shift_right_drag_turns_what_is_seen_with_the_pointer() {
     let mut harness = harness();
     drag(&mut harness, PointerButton::Secondary, Modifiers::SHIFT, vec2(120.0, 0.0));

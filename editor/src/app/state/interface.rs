@@ -105,7 +105,7 @@ pub struct Interface {
     pub sides: SidePanels,
     /// Size of the window in points, and when it changed last, in seconds.
     pub(in crate::app) window: (Vec2, f64),
-    /// What handles do to the selected object; `None` shows no handles.
+    /// What handles do to the selected objects; `None` shows no handles.
     pub tool: Option<Tool>,
     /// The panel of local lights.
     pub lights: LightsPanel,

@@ -10,6 +10,7 @@ use crate::{
 use egui::{Event, Key, Modifiers, PointerButton};
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
 
+const FLOOR: u32 = 0;
 const PYRAMID: u32 = 1;
 
 fn opened(place: &Place) -> Window {
@@ -42,9 +43,21 @@ fn keys_and_buttons_choose_the_tool_and_r_is_for_the_reference_while_comparing()
     assert_eq!(press(&mut window, Key::R), Some(Tool::Turn));
 }
 
+/// Shows a ground, and returns which object it is.
+fn show_ground(window: &mut Window) -> u32 {
+    let bake = BakeSettings { ground: Ground::On, ..window.0.state().document.bake.clone() };
+    window.perform(Action::Edit { edit: Edit::Bake(Box::new(bake)), label: "Ground" });
+    window.wait("the ground", |s| s.scene.rendered().is_some_and(|baked| baked.has_ground()));
+    window.0.state().ground_object().unwrap()
+}
+
 /// Drags the middle of the viewport, where the centre of what is selected is seen.
 fn drag_middle(window: &mut Window) {
     window.perform(Action::FrameSelection);
+    drag_middle_as_it_is(window);
+}
+
+fn drag_middle_as_it_is(window: &mut Window) {
     window.0.run_steps(2);
     let from = window.0.state().interface.viewport_rect.center();
     let button = |pos, pressed| {
@@ -74,21 +87,60 @@ fn a_drag_in_the_window_is_one_step_of_undo() {
 }
 
 #[test]
+fn a_drag_of_several_objects_is_one_step_of_undo_that_restores_all() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    press(&mut window, Key::W);
+    window.perform(Action::SelectObject(Some(FLOOR)));
+    window.perform(Action::ToggleObject(PYRAMID));
+    let moves = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().document.poses.of(object).translate);
+    window.perform(Action::FrameSelection);
+    let eye = window.0.state().document.camera.eye;
+    let active = movable(window.0.state()).unwrap().active.center;
+    // Straight before the eye, so that the handles lie in the middle.
+    window.0.state_mut().document.camera.target = active;
+    drag_middle_as_it_is(&mut window);
+    assert_eq!(window.0.state().document.camera.eye, eye, "no orbit");
+    let [floor, pyramid] = moves(&window);
+    assert!(floor.length() > 0.01 && floor == pyramid, "{floor} {pyramid}");
+    window.perform(Action::Undo);
+    assert!(window.0.state().document.poses.is_empty() && window.0.state().history.undo_label().is_none());
+    window.perform(Action::Redo);
+    assert_eq!(moves(&window), [floor, pyramid]);
+}
+
+#[test]
 fn the_ground_and_what_lies_beside_a_selected_light_have_no_handles() {
     let place = Place::new();
     let mut window = opened(&place);
     press(&mut window, Key::W);
-    let bake = BakeSettings { ground: Ground::On, ..window.0.state().document.bake.clone() };
-    window.perform(Action::Edit { edit: Edit::Bake(Box::new(bake)), label: "Ground" });
-    window.wait("the ground", |s| s.scene.rendered().is_some_and(|baked| baked.has_ground()));
+    let ground = Some(show_ground(&mut window));
     let of_selected = |window: &mut Window, object| {
         window.perform(Action::SelectObject(object));
-        movable(window.0.state()).map(|movable| movable.object)
+        movable(window.0.state()).map(|movable| movable.active.object)
     };
-    let ground = window.0.state().scene.rendered().and_then(|baked| baked.dataset.scene.mesh.ground_object());
-    assert!(ground.is_some_and(|ground| ground != PYRAMID));
     assert_eq!([ground, None].map(|object| of_selected(&mut window, object)), [None, None]);
     assert_eq!(of_selected(&mut window, Some(PYRAMID)), Some(PYRAMID), "negative control");
     window.perform(Action::AddLight(LightKind::Point));
     assert_eq!(movable(window.0.state()), None);
+}
+
+#[test]
+fn clicks_with_ctrl_add_and_take_away_objects_but_not_the_ground() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    let ground = show_ground(&mut window);
+    let mut after = |action: Action| {
+        window.perform(action);
+        window.0.state().selection.objects().collect::<Vec<_>>()
+    };
+    assert_eq!(after(Action::SelectObject(Some(FLOOR))), [FLOOR]);
+    assert_eq!(after(Action::ToggleObject(PYRAMID)), [PYRAMID, FLOOR]);
+    assert_eq!(after(Action::ToggleObject(ground)), [PYRAMID, FLOOR], "the ground is refused");
+    assert_eq!(after(Action::ToggleObject(FLOOR)), [PYRAMID]);
+    assert_eq!(after(Action::ToggleObject(FLOOR)), [FLOOR, PYRAMID]);
+    assert_eq!(after(Action::SelectObject(Some(ground))), [ground], "a plain click replaces");
+    assert_eq!(after(Action::ToggleObject(PYRAMID)), [PYRAMID], "the ground does not go along");
+    assert_eq!(after(Action::ToggleObject(FLOOR)), [FLOOR, PYRAMID]);
+    assert!(after(Action::SelectLight(Some(0))).is_empty());
 }

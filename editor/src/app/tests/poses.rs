@@ -16,7 +16,7 @@ fn pixels(state: &EditorState) -> Vec<[u8; 4]> {
 }
 
 fn pose(window: &mut Window, pose: Pose) {
-    window.perform(Action::Edit { edit: Edit::Pose { object: PYRAMID, pose }, label: "Move object" });
+    window.perform(Action::Edit { edit: Edit::pose(PYRAMID, pose), label: "Move object" });
     window.perform(Action::EndGesture);
 }
 

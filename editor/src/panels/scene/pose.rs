@@ -1,4 +1,4 @@
-//! Where the selected object is, relative to where its file has it.
+//! Where the selected objects are, relative to where their file has them.
 
 use super::SceneContext;
 use crate::{
@@ -6,27 +6,45 @@ use crate::{
     document::Edit,
     panels::{
         edit_row,
-        entries::{Decades, decades_row, point_row, turns_row},
-        widgets::{Edited, section},
+        entries::{Decades, combo_row, decades_row, point_row, turns_row},
+        widgets::{Edited, note, section},
     },
+    viewport::gizmo::Pivot,
 };
 use egui::Ui;
 use lapidary_core::scene::pose::{MOST_SCALE, Pose};
 
-/// Shows the pose of the selected object; a ground has none.
-pub fn show(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
+/// Shows the pose of the active object, and what is common to all that are selected; a ground has none.
+pub fn show(ui: &mut Ui, pivot: &mut Pivot, context: &SceneContext, actions: &mut Vec<Action>) {
     let ground = context.dataset.and_then(|dataset| dataset.scene.mesh.ground_object());
     let objects = context.document.objects.len();
-    let Some(object) = context.selected_object.filter(|&o| (o as usize) < objects && Some(o) != ground) else { return };
-    let pose = context.document.poses.of(object);
+    let can_be_posed = |object: &u32| (*object as usize) < objects && Some(*object) != ground;
+    let Some(active) = context.selected_object.filter(can_be_posed) else { return };
+    let others = context.other_objects.iter().copied().filter(can_be_posed);
+    let selected: Vec<u32> = [active].into_iter().chain(others).collect();
     section(ui, "Pose", true, |ui| {
-        rows(ui, object, &pose, actions);
-        let reset = ui.add_enabled(pose != Pose::AS_BAKED, egui::Button::new("Reset pose"));
-        if reset.on_hover_text("Puts the object back to where its file has it").clicked() {
-            let edit = Edit::Pose { object, pose: Pose::AS_BAKED };
-            actions.extend([Action::Edit { edit, label: "Reset pose" }, Action::EndGesture]);
+        if selected.len() > 1 {
+            pivot_row(ui, pivot, selected.len());
         }
+        rows(ui, active, &context.document.poses.of(active), actions);
+        reset_button(ui, &selected, context, actions);
     });
+}
+
+/// A choice of what several objects turn and scale about.
+fn pivot_row(ui: &mut Ui, pivot: &mut Pivot, selected: usize) {
+    let help = "What the handles turn and scale the selected objects about.";
+    // The interface keeps it, and no step of undo.
+    let _ = combo_row(ui, "Pivot", help, pivot, &Pivot::CHOICES);
+    note(ui, &format!("Handles move all {selected} objects; the numbers are of the one selected last"));
+}
+
+fn reset_button(ui: &mut Ui, selected: &[u32], context: &SceneContext, actions: &mut Vec<Action>) {
+    let edit = Edit::Poses(selected.iter().map(|&object| (object, Pose::AS_BAKED)).collect());
+    let reset = ui.add_enabled(edit.changes(context.document), egui::Button::new("Reset pose"));
+    if reset.on_hover_text("Puts all selected objects back to where their file has them").clicked() {
+        actions.extend([Action::Edit { edit, label: "Reset pose" }, Action::EndGesture]);
+    }
 }
 
 fn rows(ui: &mut Ui, object: u32, pose: &Pose, actions: &mut Vec<Action>) {
@@ -35,7 +53,7 @@ fn rows(ui: &mut Ui, object: u32, pose: &Pose, actions: &mut Vec<Action>) {
             actions,
             label,
             pose,
-            |pose| Edit::Pose { object, pose },
+            |pose| Edit::pose(object, pose),
             |pose| {
                 let mut edited = add(ui, pose);
                 edited.changed &= pose.validate("").is_ok();

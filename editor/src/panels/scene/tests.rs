@@ -3,8 +3,11 @@ use crate::{
     document::Edit,
     test_support::{WIDTH, assert_fits, baked_triangle},
 };
-use egui::Key;
-use egui_kittest::{Harness, kittest::Queryable};
+use egui::{Key, Modifiers, accesskit::Toggled};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT, Queryable},
+};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
@@ -16,6 +19,7 @@ struct Probe {
     document: Document,
     dataset: Dataset,
     panel: ScenePanel,
+    others: Vec<u32>,
     actions: Vec<Action>,
 }
 
@@ -30,12 +34,13 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
     document.materials = vec![Material { name: "Gold".into(), ..Default::default() }, Material::default()];
     document.bookmarks = bookmarks.iter().map(|n| Camera { name: (*n).into(), ..document.camera.clone() }).collect();
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let Probe { document, dataset, panel, actions } = probe;
+        let Probe { document, dataset, panel, others, actions } = probe;
+        let (selected_object, dataset) = (Some(0), Some(&*dataset));
         let context =
-            SceneContext { document, dataset: Some(dataset), selected_object: Some(0), selected_material: None };
+            SceneContext { document, dataset, selected_object, other_objects: others, selected_material: None };
         show(ui, panel, &context, actions);
     };
-    let probe = Probe { document, dataset, panel: ScenePanel::default(), actions: Vec::new() };
+    let probe = Probe { document, dataset, panel: ScenePanel::default(), others: Vec::new(), actions: Vec::new() };
     // Steps short enough that two clicks are a double click.
     let builder = Harness::builder().with_size(vec2(WIDTH, 700.0)).with_step_dt(0.02).with_max_steps(60);
     let mut panel = builder.build_ui_state(show, probe);
@@ -67,7 +72,7 @@ fn the_pose_of_the_selected_object_is_typed_and_reset() {
         panel.key_press(Key::Enter);
         panel.run();
         panel.state().actions.iter().find_map(|action| match action {
-            Action::Edit { edit: Edit::Pose { object: 0, pose }, .. } => Some(*pose),
+            Action::Edit { edit: Edit::Poses(poses), .. } if poses.len() == 1 => poses.get(&0).copied(),
             _ => None,
         })
     };
@@ -78,13 +83,50 @@ fn the_pose_of_the_selected_object_is_typed_and_reset() {
     panel.state_mut().document.poses.set(0, moved);
     panel.state_mut().actions.clear();
     panel.run();
+    assert_eq!(reset(&mut panel), [(0, Pose::AS_BAKED)]);
+}
+
+/// The poses that a click on *Reset pose* asks for.
+fn reset(panel: &mut Harness<Probe>) -> Vec<(u32, Pose)> {
     panel.get_by_label("Reset pose").click();
     panel.run();
-    let reset = matches!(
-        &panel.state().actions[..],
-        [Action::Edit { edit: Edit::Pose { object: 0, pose }, .. }, Action::EndGesture] if *pose == Pose::AS_BAKED
-    );
-    assert!(reset, "{:?}", panel.state().actions);
+    match &panel.state().actions[..] {
+        [Action::Edit { edit: Edit::Poses(poses), .. }, Action::EndGesture] => {
+            poses.iter().map(|(&o, &p)| (o, p)).collect()
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn all_selected_objects_are_reset_and_their_pivot_is_chosen() {
+    let mut panel = panel(named(&["Floor", "Pot", "Lid"]), &[]);
+    panel.state_mut().document.objects = ["Floor", "Pot", "Lid"].map(String::from).to_vec();
+    panel.state_mut().document.poses.set(2, Pose { scale: 2.0, ..Pose::AS_BAKED });
+    panel.run();
+    assert!(panel.query_by_label("Pivot").is_none(), "of one object there is no choice");
+    panel.state_mut().others = vec![2];
+    panel.run();
+    assert_fits(&panel, WIDTH);
+    assert_eq!(reset(&mut panel), [(0, Pose::AS_BAKED), (2, Pose::AS_BAKED)]);
+    assert_eq!(panel.state().panel.pivot, Pivot::Active);
+    panel.get_by_role_and_label(Role::ComboBox, "Pivot").click();
+    panel.run();
+    panel.get_by_label("Each its own").click();
+    panel.run();
+    assert_eq!(panel.state().panel.pivot, Pivot::Own);
+}
+
+#[test]
+fn a_click_with_ctrl_adds_an_object_and_selected_rows_say_so() {
+    let mut panel = panel(named(&["Floor", "Pot", "Lid"]), &[]);
+    panel.state_mut().others = vec![2];
+    panel.run();
+    let toggled = ["Floor", "Pot", "Lid"].map(|name| panel.get_by_label(name).accesskit_node().toggled());
+    assert_eq!(toggled.map(|toggled| toggled == Some(Toggled::True)), [true, false, true]);
+    panel.get_by_label("Pot").click_modifiers(Modifiers::COMMAND);
+    panel.run();
+    assert!(matches!(panel.state().actions[..], [Action::ToggleObject(1)]), "{:?}", panel.state().actions);
 }
 
 #[test]

@@ -1,7 +1,7 @@
-//! What a drag does to the pose of an object: from amounts that handles give to poses. Knows no screen.
+//! What a drag does to the poses of objects: from amounts that handles give to poses. Knows no screen.
 
 use glam::{Quat, Vec3};
-use lapidary_core::scene::pose::{MOST_SCALE, Pose};
+use lapidary_core::scene::pose::{MOST_SCALE, Pose, Similarity};
 
 /// Steps while Ctrl is held: of turns in degrees, and of factors.
 pub const TURN_STEP_DEGREES: f32 = 15.0;
@@ -11,19 +11,19 @@ const LEAST_FACTOR: f32 = 0.01;
 /// Steps of moves fit this often into the diagonal of a scene, at least.
 const STEPS_ACROSS: f32 = 20.0;
 
-/// By how much a pose is changed.
+/// By how much poses are changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// An offset in metres.
     Move(Vec3),
-    /// About an axis of the world through the centre of the object, counter-clockwise seen against it.
+    /// About an axis of the world through a pivot, counter-clockwise seen against it.
     Turn {
         /// 0 is X, 1 is Y, 2 is Z.
         axis: usize,
         /// The angle.
         degrees: f32,
     },
-    /// A factor of its size.
+    /// A factor of sizes and of distances from a pivot.
     Scale(f32),
 }
 
@@ -38,19 +38,28 @@ impl Change {
         }
     }
 
-    /// A pose after it.
-    pub fn applied(self, before: &Pose) -> Pose {
+    /// As much of it as objects of these scales can take: none is made larger or smaller than allowed.
+    pub fn limited(self, scales: impl IntoIterator<Item = f32>) -> Self {
+        let Self::Scale(factor) = self else { return self };
+        let limit = |factor: f32, scale: f32| factor.max(1.0 / MOST_SCALE / scale).min(MOST_SCALE / scale);
+        Self::Scale(scales.into_iter().fold(factor.max(LEAST_FACTOR), limit))
+    }
+
+    /// The pose of an object with a centre in metres after a change about a pivot.
+    pub fn applied(self, before: Pose, center: Vec3, pivot: Vec3) -> Pose {
+        let pose = before.followed_by(&self.similarity(pivot), center);
+        // A factor that was limited may be beyond the limit by its rounding.
+        Pose { scale: pose.scale.clamp(1.0 / MOST_SCALE, MOST_SCALE), ..pose }
+    }
+
+    fn similarity(self, pivot: Vec3) -> Similarity {
+        let identity = Similarity { pivot, ..Similarity::IDENTITY };
         match self {
-            Self::Move(offset) => Pose { translate: before.translate + offset, ..*before },
-            Self::Turn { degrees: 0.0, .. } => *before,
+            Self::Move(translate) => Similarity { translate, ..identity },
             Self::Turn { axis, degrees } => {
-                let turn = Quat::from_axis_angle(Vec3::AXES[axis], degrees.to_radians());
-                before.with_rotation(turn * before.rotation())
+                Similarity { rotation: Quat::from_axis_angle(Vec3::AXES[axis], degrees.to_radians()), ..identity }
             }
-            Self::Scale(factor) => {
-                let scale = before.scale * factor.max(LEAST_FACTOR);
-                Pose { scale: scale.clamp(1.0 / MOST_SCALE, MOST_SCALE), ..*before }
-            }
+            Self::Scale(scale) => Similarity { scale, ..identity },
         }
     }
 
@@ -59,7 +68,7 @@ impl Change {
         match self {
             Self::Move(Vec3 { x, y, z }) => format!("Move by {x:.3}, {y:.3}, {z:.3} m"),
             Self::Turn { axis, degrees } => format!("Turn about {} by {degrees:.1}°", ["X", "Y", "Z"][axis]),
-            Self::Scale(factor) => format!("Scale by {:.2}", factor.max(LEAST_FACTOR)),
+            Self::Scale(factor) => format!("Scale by {factor:.2}"),
         }
     }
 }
@@ -73,30 +82,36 @@ pub fn move_step(diagonal: f32) -> f32 {
 mod tests {
     use super::*;
 
+    const CENTER: Vec3 = Vec3::new(0.5, 2.0, -1.0);
     const TILTED: Pose = Pose { translate: Vec3::X, rotate_degrees: Vec3::new(90.0, 0.0, 0.0), scale: 2.0 };
+
+    /// A pose about its own centre after a change.
+    fn changed(before: Pose, change: Change) -> Pose {
+        change.limited([before.scale]).applied(before, CENTER, CENTER + before.translate)
+    }
 
     #[test]
     fn moves_add_up_and_scales_multiply_within_what_is_valid() {
-        let moved = Change::Move(Vec3::new(0.5, -1.0, 0.0)).applied(&TILTED);
+        let moved = changed(TILTED, Change::Move(Vec3::new(0.5, -1.0, 0.0)));
         assert_eq!(moved, Pose { translate: Vec3::new(1.5, -1.0, 0.0), ..TILTED });
-        assert_eq!(Change::Scale(1.5).applied(&TILTED), Pose { scale: 3.0, ..TILTED });
+        assert_eq!(changed(TILTED, Change::Scale(1.5)), Pose { scale: 3.0, ..TILTED });
         for (factor, scale) in [(1e9, MOST_SCALE), (-3.0, 2.0 * LEAST_FACTOR)] {
-            let scaled = Change::Scale(factor).applied(&TILTED);
+            let scaled = changed(TILTED, Change::Scale(factor));
             assert!(scaled.scale == scale && scaled.validate("").is_ok(), "{factor}");
         }
         let least = Pose { scale: 1.0 / MOST_SCALE, ..TILTED };
-        assert_eq!(Change::Scale(0.5).applied(&least), least);
+        assert_eq!(changed(least, Change::Scale(0.5)), least);
     }
 
     #[test]
     fn turns_are_about_the_axes_of_the_world_after_the_turns_that_were() {
-        let turned = Change::Turn { axis: 1, degrees: 90.0 }.applied(&TILTED);
+        let turned = changed(TILTED, Change::Turn { axis: 1, degrees: 90.0 });
         // The tilt takes Z to -Y, which the turn about Y leaves; it leaves X, which the turn takes to -Z.
         assert!((turned.rotation() * Vec3::Z).distance(Vec3::NEG_Y) < 1e-5);
         assert!((turned.rotation() * Vec3::X).distance(Vec3::NEG_Z) < 1e-5);
         let own = TILTED.rotation() * Quat::from_rotation_y(90f32.to_radians());
         assert!((own * Vec3::X).distance(Vec3::NEG_Z) > 0.5, "negative control: about an axis of the object");
-        assert_eq!(Change::Turn { axis: 2, degrees: 0.0 }.applied(&TILTED), TILTED);
+        assert_eq!(changed(TILTED, Change::Turn { axis: 2, degrees: 0.0 }), TILTED);
     }
 
     #[test]

@@ -22,7 +22,7 @@ impl Drag {
         let handle = view.handles()?.at(pointer)?;
         let subject = match view.light() {
             Some((index, light)) => Subject::Light(LightDrag::begun(index, light, handle, view, pointer)?),
-            None => Subject::Object(ObjectDrag::begun(view.context.movable?, handle, view, pointer)?),
+            None => Subject::Object(ObjectDrag::begun(view.context.movable.clone()?, handle, view, pointer)?),
         };
         Some(Self { subject, has_moved: false })
     }
@@ -64,7 +64,7 @@ impl Drag {
         }
     }
 
-    /// What the pointer asks for, if that is something new. With `command` a target leaves surfaces, and an object snaps.
+    /// What the pointer asks for, if that is something new. With `command` a target leaves surfaces, and objects snap.
     pub fn moved(&mut self, view: &View, pointer: Pos2, command: bool) -> Option<Edit> {
         match &mut self.subject {
             Subject::Light(drag) => drag.moved(view, pointer, command),

@@ -1,25 +1,26 @@
-//! The handles of the selected object, and a drag of one.
+//! The handles of the selected objects, and a drag of one.
 
 use super::{
     View,
     change::{Change, SCALE_STEP, TURN_STEP_DEGREES, move_step},
     handles::{Constraint, Handle, Handles},
+    movable::Movable,
     rings::{Rings, Sweep},
     size::SizeHandle,
 };
 use crate::document::Edit;
 use egui::{Color32, Painter, Pos2};
 use glam::Vec3;
-use lapidary_core::scene::pose::Pose;
+use lapidary_core::scene::pose::Poses;
 
-/// What drags of handles do to the selected object.
+/// What drags of handles do to the selected objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tool {
-    /// Moves it along axes and planes.
+    /// Moves them along axes and planes.
     Move,
-    /// Turns it about the axes of the world through its centre.
+    /// Turns them about the axes of the world through their pivot.
     Turn,
-    /// Makes it larger or smaller.
+    /// Makes them larger or smaller.
     Scale,
 }
 
@@ -46,39 +47,24 @@ impl Tool {
     }
 }
 
-/// An object that can be posed, and by what.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Movable {
-    /// Its index.
-    pub object: u32,
-    /// Its centre where its file has it, in metres.
-    pub center: Vec3,
-    /// What its handles do.
-    pub tool: Tool,
-}
-
 impl Movable {
-    fn pose(&self, view: &View) -> Pose {
-        view.context.document.poses.of(self.object)
-    }
-
-    /// Its handles; `None` behind the eye.
+    /// Their handles; `None` behind the eye.
     pub(super) fn handles(&self, view: &View) -> Option<ObjectHandles> {
-        let (center, projection) = (self.center + self.pose(view).translate, &view.projection);
+        let (place, projection) = (self.place(&view.context.document.poses), &view.projection);
         Some(match self.tool {
-            Tool::Move => ObjectHandles::Move(Handles::of(center, None, projection)?),
-            Tool::Turn => ObjectHandles::Turn(Rings::of(center, projection)?),
-            Tool::Scale => ObjectHandles::Scale(SizeHandle::of(center, projection)?),
+            Tool::Move => ObjectHandles::Move(Handles::of(place, None, projection)?),
+            Tool::Turn => ObjectHandles::Turn(Rings::of(place, projection)?),
+            Tool::Scale => ObjectHandles::Scale(SizeHandle::of(place, projection)?),
         })
     }
 
-    /// What its handles can do, to be read over the picture.
+    /// What their handles can do, to be read over the picture.
     pub(super) fn hint(&self, view: &View) -> String {
         self.tool.steps(step_in(view))
     }
 }
 
-/// The handles of an object as they are seen.
+/// The handles of objects as they are seen.
 pub enum ObjectHandles {
     /// Arrows, planes and a disc.
     Move(Handles),
@@ -108,12 +94,12 @@ impl ObjectHandles {
     }
 }
 
-/// An object that is posed.
+/// Objects that are posed.
 pub struct ObjectDrag {
     movable: Movable,
     handle: Handle,
-    /// The pose when the drag began.
-    before: Pose,
+    /// All poses when the drag began.
+    before: Poses,
     grip: Grip,
     change: Option<Change>,
 }
@@ -129,14 +115,14 @@ enum Grip {
 impl ObjectDrag {
     /// Takes hold of a handle.
     pub fn begun(movable: Movable, handle: Handle, view: &View, pointer: Pos2) -> Option<Self> {
-        let (before, projection) = (movable.pose(view), &view.projection);
-        let center = movable.center + before.translate;
+        let (before, projection) = (view.context.document.poses.clone(), &view.projection);
+        let place = movable.place(&before);
         let grip = match handle {
-            Handle::Ring(axis) => Grip::Ring(axis, Sweep::begun(axis, center, projection, pointer)?),
-            Handle::Size => Grip::Size(SizeHandle::of(center, projection)?, pointer),
+            Handle::Ring(axis) => Grip::Ring(axis, Sweep::begun(axis, place, projection, pointer)?),
+            Handle::Size => Grip::Size(SizeHandle::of(place, projection)?, pointer),
             _ => {
                 let constraint = handle.constraint(projection.forward())?;
-                Grip::Place(constraint, view.meet(constraint, center, pointer)?)
+                Grip::Place(constraint, view.meet(constraint, place, pointer)?)
             }
         };
         Some(Self { movable, handle, before, grip, change: None })
@@ -152,33 +138,34 @@ impl ObjectDrag {
         self.movable.tool.label()
     }
 
-    /// Puts the object back.
+    /// Puts the objects back.
     pub fn restored(&self) -> Edit {
-        Edit::Pose { object: self.movable.object, pose: self.before }
+        Edit::Poses(self.movable.poses(&self.before))
     }
 
-    /// Whether the same object is still shown with these handles.
+    /// Whether the same objects are still shown with these handles.
     pub fn has_subject(&self, view: &View) -> bool {
-        view.context.movable == Some(self.movable)
+        view.context.movable.as_ref() == Some(&self.movable)
     }
 
-    /// The object posed as the pointer asks, if that is another pose; in whole steps where it `snaps`.
+    /// The objects posed as the pointer asks, if these are other poses; in whole steps where it `snaps`.
     pub fn moved(&mut self, view: &View, pointer: Pos2, snaps: bool) -> Option<Edit> {
         let change = self.asked(view, pointer)?;
         let change = if snaps { change.snapped(step_in(view)) } else { change };
-        let pose = change.applied(&self.before);
-        if pose.validate("").is_err() {
+        let change = self.movable.limited(change, &self.before);
+        let poses = self.movable.changed(&self.before, change);
+        if poses.values().any(|pose| pose.validate("").is_err()) {
             return None;
         }
         self.change = Some(change);
-        (pose != self.movable.pose(view)).then_some(Edit::Pose { object: self.movable.object, pose })
+        (poses != self.movable.poses(&view.context.document.poses)).then_some(Edit::Poses(poses))
     }
 
     fn asked(&self, view: &View, pointer: Pos2) -> Option<Change> {
         Some(match &self.grip {
             Grip::Place(constraint, grabbed) => {
-                let center = self.movable.center + self.before.translate;
-                Change::Move(view.meet(*constraint, center, pointer)? - *grabbed)
+                let place = self.movable.place(&self.before);
+                Change::Move(view.meet(*constraint, place, pointer)? - *grabbed)
             }
             Grip::Ring(axis, sweep) => {
                 let degrees = sweep.radians(&view.projection, pointer)?.to_degrees();

@@ -37,7 +37,7 @@ fn words(view: &View, gizmo: &Gizmo, is_hot: bool) -> Option<String> {
     if view.context.aiming {
         return Some("Click the point to aim at (Esc: cancel)".into());
     }
-    let hint = view.context.movable.filter(|_| is_hot && view.light().is_none())?.hint(view);
+    let hint = view.context.movable.as_ref().filter(|_| is_hot && view.light().is_none())?.hint(view);
     match gizmo.drag.as_ref().and_then(Drag::words) {
         Some(done) => Some(format!("{done} ({hint}, Esc: put it back)")),
         None => Some(hint),

@@ -1,11 +1,16 @@
-//! The selected object in a viewport without a window: where drags of its handles lead.
+//! The selected objects in a viewport without a window: where drags of their handles lead.
 
-use super::{super::Tool, *};
+use super::{
+    super::{Pivot, Tool},
+    *,
+};
 use lapidary_core::scene::pose::Pose;
 
 /// The right square of the scene, and its centre.
 const OBJECT: u32 = 1;
 const CENTER: Vec3 = Vec3::X;
+/// The left square, whose centre is the opposite.
+const OTHER: u32 = 0;
 
 /// The right square selected, with the handles of a tool, seen at an angle.
 fn posing(tool: Option<Tool>) -> Harness<'static, App> {
@@ -31,7 +36,7 @@ fn beside_center(harness: &Harness<App>, direction: Vec3, points: f32) -> Pos2 {
 /// The labels of the edits of poses.
 fn labels(harness: &Harness<App>) -> Vec<&'static str> {
     let label = |action: &Action| match action {
-        Action::Edit { edit: Edit::Pose { object: OBJECT, .. }, label } => Some(*label),
+        Action::Edit { edit: Edit::Poses(poses), label } if poses.keys().eq([&OBJECT]) => Some(*label),
         _ => None,
     };
     harness.state().log.iter().filter_map(label).collect()
@@ -140,4 +145,70 @@ fn without_a_tool_drags_orbit_from_everywhere() {
     drag(&mut harness, from, vec2(0.0, -40.0));
     assert_eq!(pose(&harness), Pose::AS_BAKED);
     assert!(harness.state().log.iter().any(|action| matches!(action, Action::Camera(_))));
+}
+
+/// The right square active and the left one with it, with the handles of a tool.
+fn posing_both(tool: Tool, pivot: Pivot) -> Harness<'static, App> {
+    let mut harness = posing(Some(tool));
+    let app = harness.state_mut();
+    (app.others, app.pivot) = (vec![OTHER], pivot);
+    harness.run();
+    harness
+}
+
+/// Where the centres of both squares are: the active one, and the other.
+fn centers(harness: &Harness<App>) -> [Vec3; 2] {
+    [(OBJECT, CENTER), (OTHER, -CENTER)]
+        .map(|(object, center)| center + harness.state().document.poses.of(object).translate)
+}
+
+#[test]
+fn a_drag_of_an_arrow_moves_all_by_the_same_and_escape_puts_all_back() {
+    let mut harness = posing_both(Tool::Move, Pivot::Active);
+    let from = beside_center(&harness, Vec3::Y, 60.0);
+    press(&mut harness, from);
+    harness.hover_at(from + vec2(0.0, -40.0));
+    harness.step();
+    let [active, other] = centers(&harness);
+    assert!(active.y > 0.1 && active.distance(other + 2.0 * CENTER) < 1e-6, "{active} {other}");
+    harness.key_press(Key::Escape);
+    harness.step();
+    release(&mut harness, from);
+    assert!(harness.state().document.poses.is_empty() && gestures(&harness) == 1);
+}
+
+#[test]
+fn a_quarter_turn_takes_the_other_around_the_active_object_or_each_around_itself() {
+    for (pivot, expected) in [(Pivot::Active, [CENTER, CENTER + 2.0 * Vec3::Z]), (Pivot::Own, [CENTER, -CENTER])] {
+        let mut harness = posing_both(Tool::Turn, pivot);
+        let [from, to] = [Vec3::X + Vec3::Z, Vec3::X - Vec3::Z].map(|d| beside_center(&harness, d.normalize(), 84.0));
+        drag_with(&mut harness, Modifiers::COMMAND, from, to);
+        let centers = centers(&harness);
+        let off = centers.iter().zip(expected).map(|(center, expected)| center.distance(expected));
+        assert!(off.fold(0.0, f32::max) < 1e-3, "{pivot:?}: {centers:?}");
+        for object in [OBJECT, OTHER] {
+            let turned = harness.state().document.poses.of(object).rotation();
+            assert!((turned * Vec3::Z).distance(Vec3::X) < 1e-3, "{pivot:?}: {turned:?}");
+        }
+        assert_eq!(gestures(&harness), 1);
+    }
+}
+
+#[test]
+fn handles_lie_at_the_pivot_and_scale_both_away_from_it() {
+    let mut harness = posing_both(Tool::Scale, Pivot::Selection);
+    let out = vec2(59.0, -59.0);
+    let [middle, active] = [Vec3::ZERO, CENTER].map(|place| at(&harness, place));
+    drag(&mut harness, active + out, 0.5 * out);
+    assert!(harness.state().document.poses.is_empty(), "negative control: no handle lies there");
+    let camera = harness.state().document.camera.clone();
+    harness.state_mut().document.camera = Camera { eye: Vec3::new(2.0, 1.5, 4.0), ..camera };
+    harness.run();
+    drag(&mut harness, middle + out, 0.5 * out);
+    assert!((pose(&harness).scale - 1.5).abs() < 1e-2, "{:?}", pose(&harness));
+    let [active, other] = centers(&harness);
+    assert!(
+        active.distance(pose(&harness).scale * CENTER) < 1e-5 && active.distance(-other) < 1e-5,
+        "{active} {other}"
+    );
 }

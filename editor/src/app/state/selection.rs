@@ -1,0 +1,84 @@
+//! What is selected.
+
+use lapidary_core::parts::Part;
+
+/// The selection.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// The active object of the mesh: the one that was selected last, which panels show.
+    pub object: Option<u32>,
+    /// Objects that move along with it, in the order in which they were selected; none without an active one.
+    pub others: Vec<u32>,
+    /// A part of the active object, or of the object that was selected before the material.
+    pub part: Option<Part>,
+    /// A material.
+    pub material: Option<usize>,
+    /// A local light; undo may have taken it away, see [`EditorState::selected_light`](super::EditorState::selected_light).
+    pub light: Option<usize>,
+}
+
+impl Selection {
+    /// All selected objects, the active one first.
+    pub fn objects(&self) -> impl Iterator<Item = u32> {
+        self.object.into_iter().chain(self.others.iter().copied())
+    }
+
+    /// Selects an object alone, or none.
+    pub fn set_object(&mut self, object: Option<u32>) {
+        self.object = object;
+        self.others.clear();
+    }
+
+    /// Adds an object, which becomes the active one, or takes it away. The object that was selected before the active one takes
+    /// the place of that.
+    pub fn toggle_object(&mut self, object: u32) {
+        if self.object == Some(object) {
+            self.object = self.others.pop();
+        } else if let Some(place) = self.others.iter().position(|&other| other == object) {
+            self.others.remove(place);
+        } else {
+            self.others.extend(self.object.replace(object));
+        }
+    }
+
+    /// Takes away the objects that do not fulfil a condition.
+    pub fn retain_objects(&mut self, mut is_kept: impl FnMut(u32) -> bool) {
+        self.others.retain(|&other| is_kept(other));
+        self.object = self.object.filter(|&object| is_kept(object)).or_else(|| self.others.pop());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn selected(selection: &Selection) -> Vec<u32> {
+        selection.objects().collect()
+    }
+
+    #[test]
+    fn objects_are_added_and_taken_away_and_the_last_one_is_active() {
+        let mut selection = Selection::default();
+        let mut toggled = |object| {
+            selection.toggle_object(object);
+            selected(&selection)
+        };
+        assert_eq!([toggled(4), toggled(2), toggled(7)], [vec![4], vec![2, 4], vec![7, 4, 2]]);
+        assert_eq!(toggled(4), [7, 2], "one of the others");
+        assert_eq!([toggled(7), toggled(2)], [vec![2], vec![]], "the active one");
+        selection = Selection { object: Some(1), others: vec![2, 3], ..Selection::default() };
+        selection.set_object(Some(2));
+        assert_eq!(selected(&selection), [2]);
+    }
+
+    #[test]
+    fn objects_that_are_gone_leave_the_selection() {
+        let mut selection = Selection { object: Some(9), others: vec![1, 8, 3], ..Selection::default() };
+        selection.retain_objects(|object| object < 10);
+        assert_eq!(selected(&selection), [9, 1, 8, 3], "negative control");
+        selection.retain_objects(|object| object < 8);
+        assert_eq!(selected(&selection), [3, 1]);
+        selection.retain_objects(|_| false);
+        assert!(selected(&selection).is_empty());
+    }
+}

@@ -1,0 +1,191 @@
+//! The selected objects that handles move together, and the pivot that they turn and scale about. Knows no screen.
+
+use super::{change::Change, object::Tool};
+use glam::Vec3;
+use lapidary_core::scene::pose::{Pose, Poses};
+use std::collections::BTreeMap;
+
+/// What objects turn and scale about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pivot {
+    /// The centre of the object that was selected last.
+    #[default]
+    Active,
+    /// The mean of the centres of all selected objects. Turns and scales about it leave it where it is, which the centre of a box
+    /// around them would not be.
+    Selection,
+    /// Each object's own centre.
+    Own,
+}
+
+impl Pivot {
+    /// All of them, each with its name and what it means.
+    pub const CHOICES: [(Self, &str, &str); 3] = [
+        (Self::Active, "Selected last", "Turns and scales all about the center of the object that was selected last"),
+        (Self::Selection, "All selected", "Turns and scales all about the middle of their centers"),
+        (Self::Own, "Each its own", "Turns and scales each object about its own center"),
+    ];
+}
+
+/// An object that can be posed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Subject {
+    /// Its index.
+    pub object: u32,
+    /// Its centre where its file has it, in metres.
+    pub center: Vec3,
+}
+
+impl Subject {
+    /// Where its centre is, in metres.
+    fn place(&self, poses: &Poses) -> Vec3 {
+        self.center + poses.of(self.object).translate
+    }
+}
+
+/// Objects that are posed together, and by what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Movable {
+    /// The one that was selected last.
+    pub active: Subject,
+    /// Those that move along.
+    pub others: Vec<Subject>,
+    /// What they turn and scale about.
+    pub pivot: Pivot,
+    /// What their handles do.
+    pub tool: Tool,
+}
+
+impl Movable {
+    fn subjects(&self) -> impl Iterator<Item = &Subject> {
+        [&self.active].into_iter().chain(&self.others)
+    }
+
+    /// Where the handles lie, in metres: at the pivot, or the active object if each has its own.
+    pub fn place(&self, poses: &Poses) -> Vec3 {
+        match self.pivot {
+            Pivot::Active | Pivot::Own => self.active.place(poses),
+            Pivot::Selection => {
+                let sum: Vec3 = self.subjects().map(|subject| subject.place(poses)).sum();
+                sum / (1 + self.others.len()) as f32
+            }
+        }
+    }
+
+    /// The objects' poses out of all.
+    pub fn poses(&self, of_all: &Poses) -> BTreeMap<u32, Pose> {
+        self.subjects().map(|subject| (subject.object, of_all.of(subject.object))).collect()
+    }
+
+    /// As much of a change as all objects can take.
+    pub fn limited(&self, change: Change, before: &Poses) -> Change {
+        change.limited(self.subjects().map(|subject| before.of(subject.object).scale))
+    }
+
+    /// The objects' poses after a change.
+    pub fn changed(&self, before: &Poses, change: Change) -> BTreeMap<u32, Pose> {
+        let common = self.place(before);
+        let changed = |subject: &Subject| {
+            let pivot = if self.pivot == Pivot::Own { subject.place(before) } else { common };
+            (subject.object, change.applied(before.of(subject.object), subject.center, pivot))
+        };
+        self.subjects().map(changed).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Affine3A;
+    use lapidary_core::scene::pose::MOST_SCALE;
+
+    const CENTERS: [Vec3; 3] = [Vec3::new(1.0, 0.5, 0.0), Vec3::new(-1.0, 0.0, 2.0), Vec3::new(0.0, 3.0, -1.0)];
+    const PIVOTS: [Pivot; 3] = [Pivot::Active, Pivot::Selection, Pivot::Own];
+    const TURN: Change = Change::Turn { axis: 1, degrees: 70.0 };
+
+    fn group(pivot: Pivot) -> Movable {
+        let [active, a, b] = [0, 1, 2].map(|object| Subject { object, center: CENTERS[object as usize] });
+        Movable { active, others: vec![a, b], pivot, tool: Tool::Turn }
+    }
+
+    /// One object as baked, one turned, one moved and scaled.
+    fn before() -> Poses {
+        let mut poses = Poses::default();
+        poses.set(1, Pose { rotate_degrees: Vec3::new(20.0, -40.0, 10.0), ..Pose::AS_BAKED });
+        poses.set(2, Pose { translate: Vec3::new(0.5, -1.0, 0.2), scale: 1.5, ..Pose::AS_BAKED });
+        poses
+    }
+
+    /// Two vertices of each object.
+    fn vertices(poses: &Poses) -> Vec<Vec3> {
+        let world_from_baked = |o: usize| -> Affine3A { poses.of(o as u32).world_from_baked(CENTERS[o]) };
+        let corners = [Vec3::new(0.1, 0.2, -0.1), Vec3::new(-0.2, 0.0, 0.1)];
+        let of_object = |o: usize| corners.map(|corner| world_from_baked(o).transform_point3(CENTERS[o] + corner));
+        (0..3).flat_map(of_object).collect()
+    }
+
+    fn after(movable: &Movable, change: Change) -> Poses {
+        let mut poses = before();
+        let changed = movable.changed(&before(), movable.limited(change, &before()));
+        changed.into_iter().for_each(|(object, pose)| poses.set(object, pose));
+        poses
+    }
+
+    /// The largest change of a distance between two vertices, against a scale of all, in metres.
+    fn deformation(poses: &Poses, scale: f32) -> f32 {
+        let (old, new) = (vertices(&before()), vertices(poses));
+        let pairs = (0..old.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+        let change = |(a, b): (usize, usize)| (new[a].distance(new[b]) - scale * old[a].distance(old[b])).abs();
+        pairs.map(change).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn a_group_turns_and_scales_as_one_about_one_pivot_and_falls_apart_about_several() {
+        for (change, scale) in [(TURN, 1.0), (Change::Scale(1.7), 1.7)] {
+            for pivot in [Pivot::Active, Pivot::Selection] {
+                let off = deformation(&after(&group(pivot), change), scale);
+                assert!(off < 1e-5, "{pivot:?}, {change:?}: {off}");
+            }
+            let off = deformation(&after(&group(Pivot::Own), change), scale);
+            assert!(off > 0.1, "negative control: each about its own, {change:?}: {off}");
+        }
+    }
+
+    #[test]
+    fn moves_take_all_by_the_same_vector_about_any_pivot() {
+        for movable in PIVOTS.map(group) {
+            let offset = Vec3::new(0.3, -0.2, 5.0);
+            let moved = after(&movable, Change::Move(offset));
+            for object in 0..3 {
+                let pose = before().of(object);
+                assert_eq!(moved.of(object), Pose { translate: pose.translate + offset, ..pose });
+            }
+        }
+    }
+
+    #[test]
+    fn the_pivot_stays_where_it_is() {
+        for (movable, moves_others) in PIVOTS.map(group).into_iter().zip([true, true, false]) {
+            let turned = after(&movable, TURN);
+            assert!(movable.place(&turned).distance(movable.place(&before())) < 1e-5, "{:?}", movable.pivot);
+            let other = movable.others[0];
+            let way = other.place(&turned).distance(other.place(&before()));
+            assert_eq!(way > 0.5, moves_others, "{:?}: {way}", movable.pivot);
+        }
+        let [active, all] = [Pivot::Active, Pivot::Selection].map(|pivot| group(pivot).place(&before()));
+        assert!(active.distance(all) > 0.5, "negative control: the pivots are different places");
+    }
+
+    #[test]
+    fn a_scale_stops_for_all_where_the_first_object_reaches_the_limit() {
+        for (factor, limit) in [(1e9, MOST_SCALE / 1.5), (0.5, 0.5)] {
+            let scaled = after(&group(Pivot::Selection), Change::Scale(factor));
+            for object in 0..3 {
+                let expected = before().of(object).scale * limit;
+                assert!(
+                    (scaled.of(object).scale / expected - 1.0).abs() < 1e-6 && scaled.of(object).validate("").is_ok()
+                );
+            }
+        }
+    }
+}
