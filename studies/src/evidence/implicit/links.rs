@@ -28,7 +28,7 @@ const RUNS: usize = 3;
 const CHECKED: usize = 7;
 
 /// A number of bins over a number of vertices. All times are in milliseconds.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 struct Row {
     vertices: usize,
     bins_side: usize,
@@ -74,6 +74,7 @@ pub fn record(measurement: &Measurement, notebook: &mut Notebook) -> Result<()> 
     notebook.record("implicit_fig4", heading, wrong_bins(&refinements), &refinements)
 }
 
+/// A closed room and the trees over its vertices.
 struct Room {
     mesh: Mesh,
     forest: VertexForest,
