@@ -90,6 +90,10 @@ fn the_evidence_of_a_small_scene_has_all_figures() {
         "fig6a_wavelets",
         "fig6b_cut_size_by_beta",
         "fig7_ladder",
+        "implicit_drag",
+        "implicit_fig11",
+        "implicit_fig4",
+        "implicit_table1",
     ];
     assert_eq!(keys(figures), expected);
     let number = |value: &serde_json::Value| value.as_f64().expect("a number");
@@ -109,6 +113,10 @@ fn the_evidence_of_a_small_scene_has_all_figures() {
     let bytes = |tree: &str| number(&row[tree]["bytes_cuts"]);
     assert!((number(&row["gain_over_geometric"]) - (1.0 - bytes("data_driven") / bytes("geometric"))).abs() < 1e-9);
     assert_eq!(row["frames"].as_array().map(Vec::len), Some(3));
+    for step in figures["implicit_drag"][0]["steps"].as_array().expect("a list") {
+        assert!(number(&step["preview"]) < number(&step["as_baked"]), "a drag of the box: {step}");
+    }
+    assert_eq!(figures["implicit_table1"].as_array().map(Vec::len), Some(6), "two rooms by three numbers of bins");
     let page = fs::read_to_string(folder.path("proof/evidence.html")).expect("a page");
     for (i, part) in page.split("src=\"").enumerate().skip(1) {
         let file = part.split('"').next().expect("a name");

@@ -9,22 +9,26 @@
 //! * [`Drag`]: bins while one object moves
 //! * [`LeafLight`]: light of the sky and of what emits, bounce by bounce
 //! * [`VertexWeights`]: values of leaves at the vertices of a mesh
-//! * [`bins`], [`links`] and [`refine`]: the link structure as the paper has it, the oracle of the walk
+//! * [`bins`], [`links`] and [`refine`]: the link structure as the paper has it, the oracle of the walk; [`all_pairs`]: what they are
+//!   held against
 //!
 //! The trees are [`crate::surfel::disc_forest::DiscForest`], over surfels by [`crate::surfel::forest::SurfelForest`].
 
+pub mod all_pairs;
 pub mod bins;
 mod direct;
 mod drag;
 mod gather;
 pub mod links;
 pub mod refine;
+mod room;
 mod vertices;
 mod views;
 
 pub use direct::{Bins, CELLS, CONSTANTS, DistanceCodes, EMPTY, WHOLE_CONSTANTS, frame_of, node_limit, node_of};
 pub use drag::Drag;
 pub use gather::{LeafLight, Lighting, Sky};
+pub use room::room_of_grids;
 pub use vertices::{Receiver, VertexWeights};
 pub use views::Views;
 

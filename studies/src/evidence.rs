@@ -1,11 +1,12 @@
-//! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), and errors against what a bake is set to,
-//! measured anew. One page and one file of figures, written again after each of them.
+//! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), errors against what a bake is set to, and the
+//! figures of implicit visibility, measured anew. One page and one file of figures, written again after each of them.
 
 mod cases;
 mod clusters;
 mod cube_map;
 mod cut_sizes;
 mod haar;
+mod implicit;
 mod ladders;
 mod notebook;
 mod scale;
@@ -56,7 +57,7 @@ pub struct EvidenceArgs {
 impl EvidenceArgs {
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        let names = [notebook::PAGE, notebook::FIGURES, "fig5-*.png", "fig7-*.png", "*-bounces.cuts"];
+        let names = [notebook::PAGE, notebook::FIGURES, "fig5-*.png", "fig7-*.png", "implicit-*.png", "*-bounces.cuts"];
         let environment = Some(Path::new(&self.env)).filter(|path| path.is_file());
         CommandFiles::default().reads(environment).reads(&self.scenes).reads(&self.data).fills(&self.out, names)
     }
@@ -103,7 +104,7 @@ struct Measurement<'a> {
 }
 
 impl Measurement<'_> {
-    /// All figures in the order of the paper, each written before the next begins.
+    /// All figures in the order of the papers, each written before the next begins.
     fn figures(&self, cases: &[Case], notebook: &mut Notebook) -> Result<()> {
         let open: Vec<_> = cases.iter().filter_map(|case| case.environment.as_ref().map(|e| (case, e))).collect();
         if let Some((case, bakes)) = open.first() {
@@ -122,6 +123,6 @@ impl Measurement<'_> {
             self.steps.begin("errors against beta, sigma, lights and vertices");
             sweeps::record(self, case, bakes, truth, notebook)?;
         }
-        Ok(())
+        implicit::record(self, cases, notebook)
     }
 }

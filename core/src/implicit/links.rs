@@ -118,6 +118,11 @@ impl Links {
         work.links
     }
 
+    /// Bytes of all links.
+    pub fn bytes(&self) -> u64 {
+        size_of_val(&self.links[..]) as u64
+    }
+
     /// The links of a node, bin by bin.
     pub fn of(&self, node: u32) -> &[Link] {
         let first = node as usize * self.bins.len();

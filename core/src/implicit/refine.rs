@@ -2,7 +2,7 @@
 
 use super::{
     gather::Sky,
-    links::{Links, UNLINKED},
+    links::{Link, Links, UNLINKED},
 };
 use crate::surfel::{
     disc_forest::DiscForest,
@@ -18,6 +18,16 @@ impl Links {
     /// Takes all links down to the leaves, from the roots on: refinement (4.2.3) and push-down (4.2.4) in one pass, as the paper
     /// proposes. Where a node and one above it have links in one bin, the shorter stays.
     pub fn refine_and_push_down(&mut self, forest: &DiscForest) {
+        self.push_down(forest, |above, below| above.distance < below.distance);
+    }
+
+    /// Push-down alone, which Fig. 4 warns of: links of nodes replace those below them, whatever their lengths.
+    pub fn push_down_unrefined(&mut self, forest: &DiscForest) {
+        self.push_down(forest, |above, _| *above != UNLINKED);
+    }
+
+    /// From the roots on, children take those links of their parent that `replaces` prefers to theirs.
+    fn push_down(&mut self, forest: &DiscForest, replaces: impl Fn(&Link, &Link) -> bool) {
         let bins = self.bins.len();
         for block in 0..forest.shape().blocks() as u32 {
             let Some(parent) = forest.shape().parent(block) else { continue };
@@ -26,7 +36,7 @@ impl Links {
             for node in forest.shape().nodes_of(block) {
                 let of_child = &mut below[(node as usize % CHILDREN) * bins..][..bins];
                 for (link, pushed) in of_child.iter_mut().zip(of_parent.iter()) {
-                    if pushed.distance < link.distance {
+                    if replaces(pushed, link) {
                         *link = *pushed;
                     }
                 }
@@ -50,7 +60,7 @@ impl Links {
 
     fn gather(&self, nodes: &[Node], node: u32, radiance: &[Vec3A], sky: Sky) -> Vec3 {
         let receiver = &nodes[node as usize];
-        let bin = |(texel, link): (usize, &super::links::Link)| {
+        let bin = |(texel, link): (usize, &Link)| {
             if *link == UNLINKED {
                 let direction = self.bins.direction_of(texel);
                 let cosine = receiver.axis.dot(direction).max(0.0);
@@ -68,40 +78,10 @@ impl Links {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::implicit::{bins::CubeBins, links::VertexForest, tests::tessellated};
+    use crate::implicit::{bins::CubeBins, links::VertexForest, room::room_of_grids};
 
     fn forest() -> VertexForest {
-        VertexForest::new(&tessellated(10))
-    }
-
-    /// The nearest leaf in each bin by linking all with all (3.1): distances.
-    fn by_all_pairs(forest: &DiscForest, leaf: usize, bins: CubeBins) -> Vec<f32> {
-        let mut nearest = vec![f32::INFINITY; bins.len()];
-        for (other, disc) in forest.discs().iter().enumerate().filter(|(other, _)| *other != leaf) {
-            let offset = disc.position - forest.discs()[leaf].position;
-            if offset != Vec3::ZERO && other != leaf {
-                let texel = bins.texel_of(offset);
-                nearest[texel] = nearest[texel].min(offset.length());
-            }
-        }
-        nearest
-    }
-
-    /// Of the bins that both have filled, the share in which both are as far, to the size of a node.
-    fn share_of_same(forest: &DiscForest, links: &Links) -> f32 {
-        let (mut same, mut all) = (0, 0);
-        for leaf in (0..forest.discs().len()).step_by(7) {
-            let node = forest.shape().leaf_nodes().iter().find(|&&n| forest.shape().span(n).start as usize == leaf);
-            let node = *node.expect("each leaf has a node");
-            for (link, nearest) in links.of(node).iter().zip(by_all_pairs(forest, leaf, links.bins)) {
-                if link.distance < f32::INFINITY && nearest < f32::INFINITY {
-                    let size = forest.node(link.node).radius + forest.node(node).radius;
-                    same += usize::from((link.distance - nearest).abs() <= 2.0 * size);
-                    all += 1;
-                }
-            }
-        }
-        same as f32 / all as f32
+        VertexForest::new(&room_of_grids(10))
     }
 
     #[test]
@@ -111,27 +91,10 @@ mod tests {
             let mut links = Links::create(&discs, CubeBins { side });
             let mut unrefined = links.clone();
             links.refine_and_push_down(&discs);
-            let share = share_of_same(&discs, &links);
-            push_down_alone(&mut unrefined, &discs);
-            let without = share_of_same(&discs, &unrefined);
-            assert!(share > 0.99, "{share}");
-            assert!(without < 0.99, "negative control: without refinement (Fig. 4), {without}");
-        }
-    }
-
-    /// Links of nodes replace those of what is below them, whatever their lengths.
-    fn push_down_alone(links: &mut Links, forest: &DiscForest) {
-        let bins = links.bins.len();
-        for block in 0..forest.shape().blocks() as u32 {
-            let Some(parent) = forest.shape().parent(block) else { continue };
-            for node in forest.shape().nodes_of(block) {
-                for texel in 0..bins {
-                    let pushed = links.links[parent as usize * bins + texel];
-                    if pushed != UNLINKED {
-                        links.links[node as usize * bins + texel] = pushed;
-                    }
-                }
-            }
+            unrefined.push_down_unrefined(&discs);
+            let [wrong, without] = [&links, &unrefined].map(|links| links.share_of_wrong(&discs, 7));
+            assert!(wrong < 0.01, "{wrong}");
+            assert!(without > 0.01, "negative control: without refinement (Fig. 4), {without}");
         }
     }
 

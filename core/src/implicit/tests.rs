@@ -52,33 +52,14 @@ pub fn furnished(surfels: u32) -> Furnished {
     with_surfels(mesh_of(&objects), surfels)
 }
 
-/// An empty closed room of 2 m whose walls are grids of `side` x `side` squares that share vertices.
-pub fn tessellated(side: u32) -> Mesh {
-    let mut mesh = Mesh::default();
-    for wall in room(Vec3::ZERO, Vec3::ONE).chunks(2) {
-        // The two triangles of a wall share their first corner and the one across.
-        let ([corner, _, right], [_, up, _]) = (wall[0], wall[1]);
-        add_grid(&mut mesh, [corner, right, up], side);
-    }
-    mesh
-}
-
-/// A grid over the parallelogram of a corner and its two neighbours.
-fn add_grid(mesh: &mut Mesh, [corner, right, up]: [Vec3; 3], side: u32) {
-    let (u, v) = (right - corner, up - corner);
-    let normal = -corner.dot(u.cross(v)).signum() * u.cross(v).normalize();
-    let first = mesh.positions.len() as u32;
-    for i in 0..=side {
-        for j in 0..=side {
-            mesh.positions.push(corner + (u * i as f32 + v * j as f32) / side as f32);
-            mesh.normals.push(normal);
-        }
-    }
-    let vertex = |i: u32, j: u32| first + i * (side + 1) + j;
-    for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
-        mesh.triangles.push([vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)]);
-        mesh.triangles.push([vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)]);
-    }
+/// A closed room of 2 m with so many boxes in it, an object each, in a cubic lattice.
+pub fn crowded(boxes: u32, surfels: u32) -> Furnished {
+    let side = (1..).find(|side: &u32| side.pow(3) >= boxes).unwrap_or(1);
+    let pitch = 1.6 / side as f32;
+    let place = |i: u32| Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
+    let at = |i: u32| cuboid((place(i) + 0.5) * pitch - 0.8, Vec3::splat(0.2 * pitch));
+    let objects: Vec<_> = std::iter::once(room(Vec3::ZERO, Vec3::ONE)).chain((0..boxes).map(at)).collect();
+    with_surfels(mesh_of(&objects), surfels)
 }
 
 fn views_of(forest: &DiscForest) -> Views {
@@ -172,20 +153,27 @@ fn compared(found: &[f32], truth: &[f32]) -> (f32, f32) {
     (mean(squares).sqrt() / average, mean(found.iter().copied()) / average)
 }
 
-#[test]
-fn light_of_a_wall_is_that_of_rays() {
-    let furnished = furnished(4096);
+/// Light of a wall by so many surfels and by rays, of about 300 leaves elsewhere.
+fn light_of_a_wall(surfels: u32) -> [Vec<f32>; 2] {
+    let furnished = furnished(surfels);
     let forest = furnished.forest.discs();
     let is_wall = |leaf: usize| forest.discs()[leaf].position.x < -0.999;
-    let leaves: Vec<usize> = (0..forest.discs().len()).step_by(13).filter(|&leaf| !is_wall(leaf)).collect();
+    let step = surfels as usize / 315;
+    let leaves: Vec<usize> = (0..forest.discs().len()).step_by(step).filter(|&leaf| !is_wall(leaf)).collect();
     let light = light(forest, &|leaf| f32::from(u8::from(is_wall(leaf))), 0.0, 0);
-    let found: Vec<f32> = leaves.iter().map(|&leaf| light.direct[leaf].x).collect();
-    let truth = by_rays(&furnished, &leaves);
-    let (error, energy) = compared(&found, &truth);
-    assert!(error < 0.08 && (energy - 1.0).abs() < 0.03, "error {error}, energy {energy}");
-    assert!(compared(&found.iter().map(|e| 1.1 * e).collect::<Vec<_>>(), &truth).1 > 1.03, "negative control");
-    let shuffled: Vec<f32> = found.iter().rev().copied().collect();
-    assert!(compared(&shuffled, &truth).0 > 0.3, "negative control: other leaves");
+    [leaves.iter().map(|&leaf| light.direct[leaf].x).collect(), by_rays(&furnished, &leaves)]
+}
+
+#[test]
+fn light_of_a_wall_is_that_of_rays() {
+    for (surfels, bound) in [(4096, 0.08), (16_384, 0.06)] {
+        let [found, truth] = light_of_a_wall(surfels);
+        let (error, energy) = compared(&found, &truth);
+        assert!(error < bound && (energy - 1.0).abs() < 0.03, "{surfels}: error {error}, energy {energy}");
+        assert!(compared(&found.iter().map(|e| 1.1 * e).collect::<Vec<_>>(), &truth).1 > 1.03, "negative control");
+        let shuffled: Vec<f32> = found.iter().rev().copied().collect();
+        assert!(compared(&shuffled, &truth).0 > 0.3, "negative control: other leaves");
+    }
 }
 
 #[test]
@@ -195,8 +183,10 @@ fn a_closed_room_hardly_sees_the_sky() {
         let views = views_of(forest);
         mean((0..views.leaves()).map(|leaf| views.share_of_sky(leaf as u32)))
     };
-    let closed = sky_of(&furnished(4096));
-    assert!(closed < 0.01, "{closed}");
+    for (surfels, bound) in [(4096, 0.01), (16_384, 0.005)] {
+        let closed = sky_of(&furnished(surfels));
+        assert!(closed < bound, "{surfels}: {closed}");
+    }
     let open = sky_of(&with_surfels(mesh_of(&[room(Vec3::ZERO, Vec3::ONE)[2..].to_vec()]), 4096));
     assert!(open > 0.1, "negative control: without a ceiling, {open}");
 }

@@ -116,8 +116,10 @@ impl<'a> Notebook<'a> {
                 p {
                     "The figures of Cheslack-Postava, Wang, Akerlund and Pellacini, "
                     em { "Fast, Realistic Lighting and Material Design using Nonlinear Cut Approximation" }
-                    " (SIGGRAPH Asia 2008), measured anew with this program, and the error against what a bake is set to. All \
-                     numbers are in " a href="evidence.json" { "evidence.json" } "."
+                    " (SIGGRAPH Asia 2008), measured anew with this program, and the error against what a bake is set to; then those \
+                     of Dong, Kautz, Theobalt and Seidel, "
+                    em { "Interactive Global Illumination Using Implicit Visibility" }
+                    " (Pacific Graphics 2007). All numbers are in " a href="evidence.json" { "evidence.json" } "."
                 }
             }
         };

@@ -39,6 +39,14 @@ pub struct MeasurementScale {
     pub light_counts: &'static [usize],
     /// Vertex budgets, as multiples of what the mesh has; 1 leaves it as it is.
     pub vertex_budgets: &'static [f64],
+    /// Squares along the walls of rooms whose links are timed: 6 (side + 1)² vertices.
+    pub room_sides: &'static [u32],
+    /// The same of the room whose links are held against all pairs.
+    pub refined_room_side: u32,
+    /// Steps of a drag.
+    pub drag_steps: u32,
+    /// Samples a pixel of light paths of posed scenes; even.
+    pub drag_spp: u32,
 }
 
 impl MeasurementScale {
@@ -61,6 +69,10 @@ impl MeasurementScale {
         sigmas: &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0],
         light_counts: &[2048, 4096, 8192, 16_384, 32_768],
         vertex_budgets: &[1.0, 1.05, 1.25, 1.75, 3.0],
+        room_sides: &[11, 16, 23, 28, 90],
+        refined_room_side: 28,
+        drag_steps: 20,
+        drag_spp: 128,
     };
 
     /// To see that it works.
@@ -82,6 +94,10 @@ impl MeasurementScale {
         sigmas: &[0.25, 1.0, 4.0],
         light_counts: &[256, 1024],
         vertex_budgets: &[1.0, 1.2],
+        room_sides: &[4, 6],
+        refined_room_side: 6,
+        drag_steps: 2,
+        drag_spp: 16,
     };
 
     /// The error bound that means as much as sigma 2 at the paper's 32,768 lights: Eq. 5 bounds the number of lights times
@@ -101,7 +117,12 @@ mod tests {
         for scale in [MeasurementScale::FULL, MeasurementScale::QUICK] {
             let counts = scale.light_counts.iter().chain([&scale.lights, &scale.sources]);
             assert!(counts.clone().all(|&n| height_of(n).is_ok()));
-            assert!(scale.cube_side.is_power_of_two() && scale.spp.is_multiple_of(2) && scale.frames > 0);
+            assert!(
+                scale.cube_side.is_power_of_two()
+                    && scale.spp.is_multiple_of(2)
+                    && scale.drag_spp.is_multiple_of(2)
+                    && scale.frames > 0
+            );
             assert!(scale.betas.iter().all(|b| (0.0..=1.0).contains(b)));
         }
         assert_eq!((MeasurementScale::sigma_for(32_768), MeasurementScale::sigma_for(8192)), (2.0, 1.0));
