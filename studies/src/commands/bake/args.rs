@@ -227,7 +227,7 @@ impl BakeArgs {
 
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        CommandFiles::default().reads([&self.scene]).writes([&self.output]).writes(&self.report)
+        CommandFiles::default().reads([&self.scene]).reads(&self.pose).writes([&self.output]).writes(&self.report)
     }
 
     /// Poses with what the animation of the scene deforms at the time that is asked for, and that time.
