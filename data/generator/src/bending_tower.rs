@@ -19,7 +19,7 @@ const JOINTS: usize = 5;
 /// How far a joint swings to each side, in degrees.
 const SWING: f32 = 15.0;
 /// Quads of the flag, and its size in metres.
-const FLAG_CELLS: [usize; 2] = [16, 10];
+const FLAG_CELLS: [usize; 2] = [12, 8];
 const FLAG_SIZE: Vec2 = vec2(0.8, 0.5);
 /// How far the flag waves to each side, in metres.
 const WAVE: f32 = 0.12;
@@ -29,9 +29,9 @@ const BLOCK: Vec3 = vec3(1.1, 0.251, 0.8);
 /// Composes the scene.
 pub fn bending_tower() -> Scene {
     let mut scene = Scene { name: "bending-tower", materials: materials(), ..Scene::default() };
-    let floor = plain_box(vec3(5.0, 0.1, 4.0), 0.25).shifted(vec3(0.0, -0.05, 0.0));
+    let floor = plain_box(vec3(5.0, 0.1, 4.0), 0.5).shifted(vec3(0.0, -0.05, 0.0));
     scene.add("Floor", floor, "Grey paint", Affine3A::IDENTITY);
-    let wall = plain_box(vec3(0.1, 2.4, 3.0), 0.2).shifted(vec3(-1.2, 1.2, 0.0));
+    let wall = plain_box(vec3(0.1, 2.4, 3.0), 0.4).shifted(vec3(-1.2, 1.2, 0.0));
     scene.add("Wall", wall, "Red paint", Affine3A::IDENTITY);
     scene.add("Tower", tower(), "White paint", Affine3A::IDENTITY);
     let tower = scene.nodes.len() - 1;

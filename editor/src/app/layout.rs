@@ -299,13 +299,16 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
     comparison::show(ui, &mut state.interface.comparison, &state.comparison.context(), actions);
 }
 
-/// What to say over the picture where it shows other light than that of its bake.
-fn words_of_preview(state: &EditorState, baked: &Baked) -> Option<&'static str> {
+/// What to say over the picture: that it is a preview, what is baked, or that it shows other light than that of its bake.
+fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str> {
     if !state.poses_since(baked).is_empty() {
         return Some("Preview: implicit visibility. Shadows of what moved are coarse; bake again for exact ones");
     }
-    let is_other = state.document.lets_through_otherwise(&baked.dataset.scene);
-    is_other.then_some("Opacity was edited; bake again for its shadows")
+    let opacity = || {
+        let is_other = state.document.lets_through_otherwise(&baked.dataset.scene);
+        is_other.then_some("Opacity was edited; bake again for its shadows")
+    };
+    state.baking.words(state.seen()).or_else(opacity)
 }
 
 /// The selected objects, if they have handles: a ground has none, nor has anything beside a selected light.
@@ -329,7 +332,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         state.requests.posed(state.poses_since(baked), baked, is_held || state.interface.timeline.playing)
     });
     let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
-    let busy = baked.and_then(|baked| state.baking.words(state.seen()).or_else(|| words_of_preview(state, baked)));
+    let busy = baked.and_then(|baked| words_over_picture(state, baked));
     let shown = state.pictures.shown().filter(|_| baked.is_some());
     let accent = ui.visuals().selection.bg_fill;
     let panel = &state.interface.comparison;
