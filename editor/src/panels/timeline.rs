@@ -117,3 +117,34 @@ fn scrub(ui: &mut Ui, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) 
     }
     ui.label(format!("of {length:.2} s"));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::{animation::Animation, import::ImportOptions};
+    use std::path::Path;
+
+    #[test]
+    fn time_goes_on_begins_anew_or_ends_and_steps_are_whole_frames() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/bending-tower/bending-tower.gltf");
+        let animation = Animation::read(&path, &ImportOptions::default()).unwrap();
+        let clips = animation.clips();
+        let at = |seconds: f32| ClipTime { clip: clips[0].name.clone(), seconds };
+        let passed = |timeline: Timeline, before: Option<ClipTime>, seconds: f32| {
+            let mut time = before;
+            let stopped = timeline.advance(&mut time, clips, seconds);
+            (time.unwrap().seconds, stopped)
+        };
+        let (looping, once) = (Timeline::default(), Timeline { looping: false, ..Timeline::default() });
+        assert_eq!(clips[0].seconds(), 2.0);
+        assert_eq!(passed(looping, None, 0.5), (0.5, false), "from rest");
+        assert_eq!(passed(looping, Some(at(1.75)), 0.5), (0.25, false));
+        assert_eq!(passed(once, Some(at(1.75)), 0.5), (2.0, true));
+        assert_eq!(passed(once, Some(at(1.0)), 0.5), (1.5, false), "negative control");
+        let gone = ClipTime { clip: "gone".into(), seconds: 1.0 };
+        assert_eq!(passed(looping, Some(gone), 0.5), (0.5, false), "of another file");
+        assert_eq!(looping.stepped(&at(0.51), &clips[0], 1.0).seconds, 13.0 / 24.0);
+        assert_eq!(looping.stepped(&at(0.0), &clips[0], -1.0).seconds, 47.0 / 24.0);
+        assert_eq!(once.stepped(&at(0.0), &clips[0], -1.0).seconds, 0.0);
+    }
+}
