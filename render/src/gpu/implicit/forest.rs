@@ -144,7 +144,8 @@ impl GpuForest {
         let (dragged, all): (&dyn Fn(u32) -> bool, &dyn Fn(u32) -> bool) =
             (&|other| objects.contains(&other), &|_| true);
         let (mut end, mut time) = (0, Duration::ZERO);
-        for own in objects.iter().map(|&object| self.leaves_of[object as usize].clone()) {
+        let own = objects.iter().filter_map(|&object| self.leaves_of.get(object as usize));
+        for own in own.filter(|own| !own.is_empty()).cloned() {
             for (leaves, objects, kept) in [(end..own.start, dragged, still), (own.clone(), all, None)] {
                 time += self.look(&Look { leaves, objects, kept, closes: true }, &self.buffers.views)?;
             }
