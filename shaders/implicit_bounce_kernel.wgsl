@@ -1,9 +1,7 @@
-// Irradiance of leaves from the nodes that they see, and from the sky in the other cells, a workgroup a leaf: E = pi/400 sum of L. Twin
-// of `LeafLight::new` in core/src/implicit/gather.rs, to rounding: sums are taken in halves.
+// Irradiance of leaves from the nodes that they see, and from the sky in the other cells, a workgroup a leaf: E = pi/n^2 sum of L over
+// n x n cells. Twin of `LeafLight::new` in core/src/implicit/gather.rs, to rounding: sums are taken in halves.
 
 const LANES: u32 = 64u;
-// The integral of the cosine over a cell.
-const CELL_WEIGHT: f32 = PI / f32(CELL_COUNT);
 
 @group(1) @binding(0) var<uniform> uniforms: LightUniforms;
 @group(1) @binding(1) var<storage, read> discs: array<Disc>;
@@ -36,16 +34,19 @@ fn bounce(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         }
     }
     if lane == 0u {
-        add(leaf, sums[0].nodes * CELL_WEIGHT, sums[0].sky * CELL_WEIGHT);
+        // The integral of the cosine over a cell.
+        let weight = PI / f32(uniforms.side * uniforms.side);
+        add(leaf, sums[0].nodes * weight, sums[0].sky * weight);
     }
 }
 
 // From every 64th cell.
 fn gathered(leaf: u32, lane: u32) -> Gathered {
     let frame = turned_frame(discs[leaf].normal, uniforms.turn);
+    let cells = uniforms.side * uniforms.side;
     var sum = Gathered();
-    for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
-        let node = views[CELL_COUNT * leaf + cell];
+    for (var cell = lane; cell < cells; cell += LANES) {
+        let node = views[cells * leaf + cell];
         if node != EMPTY {
             sum.nodes += radiance[node].xyz;
         } else if uniforms.is_first != 0u {

@@ -2,8 +2,8 @@
 
 // Radius of a disc in radii of a circle of its area.
 const OVERLAP: f32 = 1.175;
-// Most cells that a step of one in the unit disc crosses along an edge of the square.
-const STEEPEST_MAP: f32 = 0.5 * f32(SIDE) * 1.62;
+// The largest slope of the concentric map.
+const STEEPEST_MAP: f32 = 0.5 * 1.62;
 // Sine of the angle between centre and edge of a disc up to which CHORD holds.
 const WIDE: f32 = 0.7;
 // Most that the distance between the directions of centre and edge exceeds that sine.
@@ -24,7 +24,7 @@ struct SeenDisc {
     end: vec2<u32>,
 }
 
-fn seen_disc(node: ForestNode, receiver: Receiver) -> SeenDisc {
+fn seen_disc(node: ForestNode, receiver: Receiver, side: f32) -> SeenDisc {
     var disc = SeenDisc();
     disc.offset = frame_from_world(receiver.frame, node.center - receiver.position);
     let axis = frame_from_world(receiver.frame, node.axis);
@@ -42,10 +42,10 @@ fn seen_disc(node: ForestNode, receiver: Receiver) -> SeenDisc {
     disc.excess = disc.distance_sq - radius_sq;
 
     let sine = sqrt(radius_sq) * inverse;
-    let reach = select(2.0 * f32(SIDE), sine * (CHORD * STEEPEST_MAP), sine < WIDE);
-    let place = cell_coordinates(direction.xy);
-    disc.first = cell_at(place - reach + 0.5);
-    disc.end = cell_at(place + reach + 0.5);
+    let reach = select(2.0 * side, sine * (CHORD * STEEPEST_MAP * side), sine < WIDE);
+    let place = cell_coordinates(direction.xy, side);
+    disc.first = cell_at(place - reach + 0.5, side);
+    disc.end = cell_at(place + reach + 0.5, side);
     return disc;
 }
 
@@ -56,12 +56,12 @@ fn meets(direction: vec3<f32>, disc: SeenDisc) -> bool {
     return nearness > 0.0 && gap <= 0.0;
 }
 
-fn cell_at(place: vec2<f32>) -> vec2<u32> {
-    return vec2<u32>(clamp(place, vec2(0.0), vec2(f32(SIDE))));
+fn cell_at(place: vec2<f32>, side: f32) -> vec2<u32> {
+    return vec2<u32>(clamp(place, vec2(0.0), vec2(side)));
 }
 
 // A point of the square in cells, of one of the unit disc (Shirley and Chiu 1997), to 2e-3 of a cell.
-fn cell_coordinates(p: vec2<f32>) -> vec2<f32> {
+fn cell_coordinates(p: vec2<f32>, side: f32) -> vec2<f32> {
     let size = abs(p);
     let t = min(size.x, size.y) / max(max(size.x, size.y), 1.1754944e-38);
     let t_sq = t * t;
@@ -71,6 +71,6 @@ fn cell_coordinates(p: vec2<f32>) -> vec2<f32> {
     let radius = sqrt(p.x * p.x + p.y * p.y);
     let turn = radius * (2.0 * FRAC_2_PI) * angle;
     let place = select(vec2(radius, turn), vec2(turn, radius), size.y > size.x);
-    let half = 0.5 * f32(SIDE);
+    let half = 0.5 * side;
     return half + half * select(place, -place, p < vec2(0.0));
 }

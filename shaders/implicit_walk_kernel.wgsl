@@ -27,6 +27,9 @@ struct WalkUniforms {
     has_kept: u32,
     // Whether nodes are written, with holes closed, in place of keys.
     closes: u32,
+    // Cells along an edge of the square of a leaf.
+    side: u32,
+    padding: u32,
 }
 
 // What the workgroup does next.
@@ -49,7 +52,7 @@ struct Step {
 @group(1) @binding(5) var<storage, read> kept: array<u32>;
 @group(1) @binding(6) var<storage, read_write> seen: array<u32>;
 
-var<workgroup> bins: array<atomic<u32>, CELL_COUNT>;
+var<workgroup> bins: array<atomic<u32>, MOST_CELLS>;
 var<workgroup> waiting: array<u32, MOST_WAITING>;
 var<workgroup> waiting_count: atomic<u32>;
 var<workgroup> ends: array<u32, MOST_ENDS>;
@@ -60,7 +63,8 @@ var<workgroup> planned: Step;
 @compute @workgroup_size(64)
 fn walk_forest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let leaf = walk.first_leaf + workgroup_number(group);
-    for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
+    let cells = walk.side * walk.side;
+    for (var cell = lane; cell < cells; cell += LANES) {
         atomicStore(&bins[cell], EMPTY);
     }
     let receiver = Receiver(discs[leaf].position, turned_frame(discs[leaf].normal, walk.turn));
@@ -84,7 +88,7 @@ fn walk_forest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             enter(end, receiver);
         }
     }
-    write_row(CELL_COUNT * leaf, lane);
+    write_row(cells * leaf, lane);
 }
 
 // Takes blocks from those that wait, or roots, and the nodes that are to be entered.
@@ -142,11 +146,11 @@ fn node_in(block: u32, slot: u32) -> ForestNode {
 
 // Enters a node into the bins that it covers.
 fn enter(node: u32, receiver: Receiver) {
-    let disc = seen_disc(node_in(node / CHILDREN, node % CHILDREN), receiver);
+    let disc = seen_disc(node_in(node / CHILDREN, node % CHILDREN), receiver, f32(walk.side));
     let key = distance_key(disc.distance_sq, node, walk.scale);
     for (var row = disc.first.y; row < disc.end.y; row++) {
         for (var column = disc.first.x; column < disc.end.x; column++) {
-            let cell = row * SIDE + column;
+            let cell = row * walk.side + column;
             if meets(directions[cell].xyz, disc) {
                 atomicMin(&bins[cell], key);
             }
@@ -156,13 +160,14 @@ fn enter(node: u32, receiver: Receiver) {
 
 // Writes the bins of a leaf, the first of which has a number.
 fn write_row(first: u32, lane: u32) {
+    let cells = walk.side * walk.side;
     if walk.has_kept != 0u {
-        for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
+        for (var cell = lane; cell < cells; cell += LANES) {
             atomicMin(&bins[cell], kept[first + cell]);
         }
     }
     workgroupBarrier();
-    for (var cell = lane; cell < CELL_COUNT; cell += LANES) {
+    for (var cell = lane; cell < cells; cell += LANES) {
         let key = atomicLoad(&bins[cell]);
         seen[first + cell] = select(key, closed(cell, key), walk.closes != 0u);
     }
@@ -173,15 +178,15 @@ fn closed(cell: u32, key: u32) -> u32 {
     if key != EMPTY {
         return node_of(key);
     }
-    let place = vec2(cell % SIDE, cell / SIDE);
+    let place = vec2(cell % walk.side, cell / walk.side);
     let low = max(place, vec2(1u)) - 1u;
-    let high = min(place + 1u, vec2(SIDE - 1u));
+    let high = min(place + 1u, vec2(walk.side - 1u));
     var nearest = EMPTY;
     var open = 0u;
     var all = 0u;
     for (var row = low.y; row <= high.y; row++) {
         for (var column = low.x; column <= high.x; column++) {
-            let near = atomicLoad(&bins[row * SIDE + column]);
+            let near = atomicLoad(&bins[row * walk.side + column]);
             nearest = min(nearest, near);
             open += select(0u, 1u, near == EMPTY);
             all += 1u;

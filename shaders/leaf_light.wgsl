@@ -7,7 +7,8 @@ struct LightUniforms {
     turn: vec2<f32>,
     // Whether the light of what emits and of the sky is gathered, and not a bounce.
     is_first: u32,
-    padding: u32,
+    // Cells along an edge of the square of a leaf.
+    side: u32,
 }
 
 struct LeafLighting {

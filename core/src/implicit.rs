@@ -19,15 +19,17 @@ pub mod bins;
 mod direct;
 mod drag;
 mod gather;
+mod layout;
 pub mod links;
 pub mod refine;
 mod room;
 mod vertices;
 mod views;
 
-pub use direct::{Bins, CELLS, CONSTANTS, DistanceCodes, EMPTY, WHOLE_CONSTANTS, frame_of, node_limit, node_of};
+pub use direct::{Bins, CONSTANTS, DistanceCodes, EMPTY, WHOLE_CONSTANTS, node_of};
 pub use drag::Drag;
 pub use gather::{LeafLight, Lighting, Sky};
+pub use layout::BinLayout;
 pub use room::room_of_grids;
 pub use vertices::{Receiver, VertexWeights};
 pub use views::Views;

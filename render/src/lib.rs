@@ -53,6 +53,7 @@ pub use light::{
     environment::{Illumination, LightRig, SceneLighting},
     implicit::{
         Sides,
+        detail::Detail,
         seen::{CoreSight, CoreSights, LeafSight, LeafSights, SeenLight},
     },
     local::{LocalLighting, LocalRig},

@@ -1,11 +1,13 @@
 //! A scene on a renderer that shows one look after another, and repeats only what an edit changes ([`Redo`]).
 
+mod pose_rigs;
+
 use crate::{
     Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks,
     Pixels, Posing, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
     light::{
         bounce::Drift,
-        implicit::{PoseRig, PosedLight, seen::LeafSights},
+        implicit::{PoseRig, PosedLight, detail::Detail},
     },
 };
 use lapidary_core::{
@@ -13,7 +15,8 @@ use lapidary_core::{
     image::Image,
     scene::{MeshError, pose::Poses},
 };
-use std::{ops::Range, sync::Arc, thread::JoinHandle, time::Instant};
+use pose_rigs::PoseRigs;
+use std::{ops::Range, sync::Arc, time::Instant};
 
 /// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
 /// large picture with thousands of lights may.
@@ -26,10 +29,12 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     /// The scene as it is posed, which the renderer has.
     posed: Baked,
     poses: Poses,
-    /// Poses the scene and lights it so; `None` before it ever was.
-    posing: Option<PosingRigs>,
-    /// Makes that before it is needed.
-    posing_ahead: Option<JoinHandle<PosingRigs>>,
+    /// Poses the scene; `None` before it ever was.
+    posing: Option<Posing>,
+    /// Light it so.
+    pose_rigs: PoseRigs,
+    /// How finely.
+    detail: Detail,
     environment_rig: LightRig,
     local_rig: LocalRig,
     /// The state of the renderer; `None` after a failure, so that everything is set again.
@@ -96,7 +101,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
             baked,
             poses: Poses::default(),
             posing: None,
-            posing_ahead: None,
+            pose_rigs: PoseRigs::default(),
+            detail: Detail::FINEST,
             environment_rig,
             local_rig,
             lit: None,
@@ -127,7 +133,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             return Ok(false);
         }
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
-        (self.baked, self.posing, self.posing_ahead, self.lit) = (baked.clone(), None, None, None);
+        (self.baked, self.posing, self.pose_rigs, self.lit) = (baked.clone(), None, PoseRigs::default(), None);
         self.has_given(baked.clone(), Poses::default());
         Ok(true)
     }
@@ -139,21 +145,22 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.drift = Drift::default();
     }
 
-    /// Poses the objects of the scene. Where they cannot be posed so, they stay.
-    fn pose(&mut self, poses: &Poses) -> Result<(), BackendError> {
-        if self.poses == *poses {
-            return Ok(());
+    /// Poses the objects of the scene. Where they cannot be posed so, they stay. Returns whether anything changed.
+    fn pose(&mut self, poses: &Poses) -> Result<bool, BackendError> {
+        let is_as_fine = self.pose_rigs.used().is_some_and(|rig| rig.detail() == self.detail);
+        if self.poses == *poses && (poses.is_empty() || is_as_fine) {
+            return Ok(false);
         }
         let posed = self.posed(poses).map_err(BackendError::Pose)?;
         let lit = self.lit.take();
-        self.backend.pose(&posed).inspect_err(|_| self.posing = None)?;
+        self.backend.pose(&posed).inspect_err(|_| self.pose_rigs = PoseRigs::default())?;
         self.local_rig.set_poses(poses);
         self.has_given(posed, poses.clone());
         if let Some(lit) = lit {
             self.give_environment(&lit.look, &lit.environment)?;
             self.lit = Some(lit);
         }
-        Ok(())
+        Ok(true)
     }
 
     /// The scene as objects are posed. Its rigs light it as it was baked, which the light of the pose rig is added to.
@@ -161,19 +168,28 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if poses.is_empty() {
             return Ok(self.baked.clone());
         }
-        let (posing, rig) = self.posing.get_or_insert_with(|| match self.posing_ahead.take() {
-            Some(ahead) => ahead.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)),
-            None => posing_rigs(&self.baked, self.backend.sights()),
-        });
-        Ok(rig.pose(posing.posed(poses)?, poses))
+        let posed = self.posing.get_or_insert_with(|| Posing::new(&self.baked)).posed(poses)?;
+        Ok(self.pose_rigs.at(self.detail, &self.baked, || self.backend.sights()).pose(posed, poses))
     }
 
-    /// Begins to prepare, on a thread, what the first pose needs, so that it does not wait.
-    pub fn prepare_to_pose(&mut self) {
-        if self.posing.is_none() && self.posing_ahead.is_none() {
-            let (baked, sights) = (self.baked.clone(), self.backend.sights());
-            self.posing_ahead = Some(std::thread::spawn(move || posing_rigs(&baked, sights)));
-        }
+    /// Begins to prepare, on a thread, what poses need at some detail, so that they do not wait.
+    pub fn prepare_to_pose(&mut self, detail: Detail) {
+        self.pose_rigs.prepare(detail, &self.baked, || self.backend.sights());
+    }
+
+    /// Whether poses do not wait at some detail.
+    pub fn is_prepared_to_pose(&mut self, detail: Detail) -> bool {
+        self.pose_rigs.is_made(detail)
+    }
+
+    /// How finely posed objects are lit from the next look on; the finest if nothing is said.
+    pub fn set_detail(&mut self, detail: Detail) {
+        self.detail = detail;
+    }
+
+    /// How finely posed objects are lit; `None` where nothing is posed.
+    pub fn detail(&self) -> Option<Detail> {
+        self.pose_rigs.used().filter(|_| !self.poses.is_empty()).map(PoseRig::detail)
     }
 
     /// Renders a look, unless it was the last one rendered. `go_on` is asked before each band of rows, and may wait.
@@ -223,7 +239,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
     pub fn light(&mut self, look: &Look) -> Result<(), BackendError> {
-        self.pose(&look.poses)?;
+        let is_posed_anew = self.pose(&look.poses)?;
         let (known, relight) = (self.lit.take(), std::mem::take(&mut self.relight));
         let redo = match &known {
             Some(lit) if relight => Redo { appearance: Redo::between(&lit.look, look).appearance, ..Redo::ALL },
@@ -246,9 +262,9 @@ impl<B: Backend + ?Sized> LitScene<B> {
             _ => self.light_environment(&look)?,
         };
         let local = match local {
-            Some(local) if !redo.local => local,
+            Some(local) if !redo.local && !is_posed_anew => local,
             // A renderer that was given another pose has no light.
-            known => self.light_locally(&look, &environment, known.filter(|_| !redo.pose))?,
+            known => self.light_locally(&look, &environment, known.filter(|_| !is_posed_anew))?,
         };
         self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
         self.lit = Some(Lit { look, environment, local });
@@ -281,8 +297,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Gives the renderer the light of the environment, for the visibility cuts that it has.
     fn give_environment(&mut self, look: &Look, lighting: &Arc<SceneLighting>) -> Result<(), BackendError> {
-        let lighting = match self.posing.as_ref().filter(|_| !self.poses.is_empty()) {
-            Some((_, rig)) => lighting.with_replaced_cuts(rig.moved_vertices()).into(),
+        let lighting = match self.pose_rigs.used().filter(|_| !self.poses.is_empty()) {
+            Some(rig) => lighting.with_replaced_cuts(rig.moved_vertices()).into(),
             None => lighting.clone(),
         };
         let remarks = self.backend.set_light(&look.light, &lighting)?;
@@ -320,7 +336,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         environment: &Arc<SceneLighting>,
         local: &LocalLighting,
     ) -> Option<Arc<PosedLight>> {
-        let (_, rig) = self.posing.as_mut().filter(|_| !self.poses.is_empty())?;
+        let rig = self.pose_rigs.used_mut().filter(|_| !self.poses.is_empty())?;
         let environment = Some(environment).filter(|_| self.baked.dataset.settings.mode.environment());
         let lights = local.lights.iter().chain(&local.suns).cloned().collect();
         Some(rig.light(environment, lights, &look.appearance, look.shown_solution().bounces()).into())
@@ -458,13 +474,6 @@ impl<B: Backend + ?Sized> LitScene<B> {
     pub fn remarks(&mut self) -> Vec<String> {
         std::mem::take(&mut self.remarks.untold)
     }
-}
-
-/// Poses a scene, and lights it so.
-type PosingRigs = (Posing, PoseRig);
-
-fn posing_rigs(baked: &Baked, sights: Box<dyn LeafSights>) -> PosingRigs {
-    (Posing::new(baked), PoseRig::new(baked, sights))
 }
 
 /// Gives a scene to a renderer, and makes its rigs. The light rig is made at the same time as the scene, because each

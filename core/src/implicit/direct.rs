@@ -16,29 +16,26 @@ mod key;
 mod visit;
 
 pub use key::{DistanceCodes, EMPTY, node_of};
+pub(super) use visit::CELLS_OF_NODE;
 
-use super::views::{AROUND_A_HOLE, Views};
+use super::{
+    layout::BinLayout,
+    views::{AROUND_A_HOLE, Views},
+};
 use crate::{
     simd::{InstructionSet, Kernel, Lanes},
-    sphere::{concentric::HemisphereCells, frame_around},
     surfel::{
         disc_forest::DiscForest,
         forest::{
-            nodes::{Block, Disc, FLAT},
+            nodes::{Block, FLAT},
             quadtrees::CHILDREN,
         },
     },
 };
 use cover::{CellDirections, Filled, NOTHING};
-use glam::Mat3;
 use rayon::prelude::*;
 use std::ops::Range;
-use visit::{CELLS_OF_NODE, Receiver, Visits};
-
-/// Cells along an edge of the square of a leaf.
-const SIDE: usize = 20;
-/// The bins of a leaf.
-pub const CELLS: HemisphereCells = HemisphereCells { side: SIDE };
+use visit::{Receiver, Visits};
 
 /// Numbers of the walk that its kernel shares.
 pub const CONSTANTS: [(&str, f32); 7] = [
@@ -51,9 +48,8 @@ pub const CONSTANTS: [(&str, f32); 7] = [
     ("FLAT", FLAT),
 ];
 /// The same of whole numbers.
-pub const WHOLE_CONSTANTS: [(&str, u32); 8] = [
-    ("SIDE", SIDE as u32),
-    ("CELL_COUNT", CELLS.len() as u32),
+pub const WHOLE_CONSTANTS: [(&str, u32); 7] = [
+    ("MOST_CELLS", BinLayout::FINEST.cells.len() as u32),
     ("EMPTY", EMPTY),
     ("CHILDREN", CHILDREN as u32),
     ("NODE_BITS", key::NODE_BITS),
@@ -62,54 +58,48 @@ pub const WHOLE_CONSTANTS: [(&str, u32); 8] = [
     ("AROUND_A_HOLE", AROUND_A_HOLE as u32),
 ];
 
-/// The largest integral of the cosine over a node that has children, in steradians.
-pub fn node_limit() -> f32 {
-    CELLS_OF_NODE * CELLS.weight()
-}
-
-/// Tangents and normal of a leaf, which its cells are relative to. `turn` in radians turns the tangents: averages over turns hide
-/// the cells.
-pub fn frame_of(disc: &Disc, turn: f32) -> Mat3 {
-    frame_around(disc.normal) * Mat3::from_rotation_z(turn)
-}
-
-/// The nearest nodes of some leaves, cell by cell, as keys of distance and node; [`EMPTY`] where there is none. 1,600 bytes a leaf.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The nearest nodes of some leaves, cell by cell, as keys of distance and node; [`EMPTY`] where there is none. Four
+/// bytes a cell.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Bins {
     leaves: Range<u32>,
-    /// Bits of the turn of the frames.
-    turn: u32,
+    layout: BinLayout,
     keys: Vec<u32>,
 }
 
 impl Bins {
     /// What all leaves of a forest see of the objects that `objects` tells.
-    pub fn walk(forest: &DiscForest, turn: f32, objects: &dyn Fn(u32) -> bool) -> Self {
-        Self::of_leaves(forest, turn, 0..forest.discs().len() as u32, objects)
+    pub fn walk(forest: &DiscForest, layout: BinLayout, objects: &dyn Fn(u32) -> bool) -> Self {
+        Self::of_leaves(forest, layout, 0..forest.discs().len() as u32, objects)
     }
 
     /// The same of some leaves alone.
-    pub fn of_leaves(forest: &DiscForest, turn: f32, leaves: Range<u32>, objects: &dyn Fn(u32) -> bool) -> Self {
-        Self::with_instructions(forest, turn, leaves, objects, InstructionSet::widest())
+    pub fn of_leaves(
+        forest: &DiscForest,
+        layout: BinLayout,
+        leaves: Range<u32>,
+        objects: &dyn Fn(u32) -> bool,
+    ) -> Self {
+        Self::with_instructions(forest, layout, leaves, objects, InstructionSet::widest())
     }
 
     fn with_instructions(
         forest: &DiscForest,
-        turn: f32,
+        layout: BinLayout,
         leaves: Range<u32>,
         objects: &dyn Fn(u32) -> bool,
         instructions: InstructionSet,
     ) -> Self {
-        let scene = Scene::new(forest, objects);
+        let (scene, cells) = (Scene::new(forest, layout, objects), layout.cells.len());
         let discs = &forest.discs()[leaves.start as usize..leaves.end as usize];
-        let mut keys = vec![EMPTY; discs.len() * CELLS.len()];
-        let rows = keys.par_chunks_exact_mut(CELLS.len()).zip(discs).with_min_len(16);
+        let mut keys = vec![EMPTY; discs.len() * cells];
+        let rows = keys.par_chunks_exact_mut(cells).zip(discs).with_min_len(16);
         rows.for_each_init(Visits::default, |visits, (row, disc)| {
-            let receiver = Receiver { position: disc.position, frame: frame_of(disc, turn) };
+            let receiver = Receiver { position: disc.position, frame: layout.frame_of(disc) };
             let filled = instructions.run(Look { scene: &scene, receiver, visits });
-            row.copy_from_slice(&filled[..CELLS.len()]);
+            row.copy_from_slice(&filled[..cells]);
         });
-        Self { leaves, turn: turn.to_bits(), keys }
+        Self { leaves, layout, keys }
     }
 
     /// The leaves that these are of.
@@ -117,27 +107,28 @@ impl Bins {
         self.leaves.clone()
     }
 
-    /// Radians by which the frames are turned.
-    pub fn turn(&self) -> f32 {
-        f32::from_bits(self.turn)
+    /// The bins of each leaf.
+    pub fn layout(&self) -> BinLayout {
+        self.layout
     }
 
     /// The keys of a leaf, cell by cell.
     pub fn of_leaf(&self, leaf: u32) -> &[u32] {
-        let first = (leaf - self.leaves.start) as usize * CELLS.len();
-        &self.keys[first..first + CELLS.len()]
+        let cells = self.layout.cells.len();
+        let first = (leaf - self.leaves.start) as usize * cells;
+        &self.keys[first..first + cells]
     }
 
-    /// The nearer of two in each bin: what is seen of two sets of objects together. Both are of the same leaves and turn.
+    /// The nearer of two in each bin: what is seen of two sets of objects together. Both are of the same leaves and bins.
     pub fn nearer(&self, other: &Self) -> Self {
-        assert_eq!((&self.leaves, self.turn), (&other.leaves, other.turn), "the same bins");
+        assert_eq!((&self.leaves, self.layout), (&other.leaves, other.layout), "the same bins");
         let both = self.keys.par_iter().zip(&other.keys).with_min_len(1 << 16);
-        Self { keys: both.map(|(a, b)| *a.min(b)).collect(), leaves: self.leaves(), turn: self.turn }
+        Self { keys: both.map(|(a, b)| *a.min(b)).collect(), leaves: self.leaves(), layout: self.layout }
     }
 
     /// The node that each bin sees, with holes closed.
     pub fn views(self) -> Views {
-        Views::new(self.turn(), self.keys)
+        Views::new(self.layout, self.keys)
     }
 }
 
@@ -148,15 +139,23 @@ struct Scene<'a> {
     roots: Vec<Block>,
     directions: CellDirections,
     codes: DistanceCodes,
+    /// The largest integral of the cosine over a node, in steradians.
+    limit: f32,
 }
 
 impl<'a> Scene<'a> {
-    fn new(forest: &'a DiscForest, objects: &dyn Fn(u32) -> bool) -> Self {
+    fn new(forest: &'a DiscForest, layout: BinLayout, objects: &dyn Fn(u32) -> bool) -> Self {
         let mut roots = forest.blocks()[..forest.shape().root_blocks()].to_vec();
         for object in (0..forest.shape().trees().len()).filter(|&object| !objects(object as u32)) {
             roots[object / CHILDREN].area[object % CHILDREN] = 0.0;
         }
-        Self { forest, roots, directions: CellDirections::new(), codes: DistanceCodes::of(forest) }
+        Self {
+            forest,
+            roots,
+            directions: CellDirections::new(layout.cells),
+            codes: DistanceCodes::of(forest),
+            limit: layout.node_limit(),
+        }
     }
 }
 
@@ -174,7 +173,7 @@ impl Kernel for Look<'_> {
     fn run<L: Lanes>(self) -> Filled {
         let Self { scene, receiver, visits } = self;
         let blocks = scene.forest.blocks();
-        visits.find::<L>(&scene.roots, blocks, &receiver, node_limit());
+        visits.find::<L>(&scene.roots, blocks, &receiver, scene.limit);
         let mut bins = NOTHING;
         cover::fill::<L>(&mut bins, &visits.ends, blocks, &receiver, (&scene.directions, scene.codes));
         bins

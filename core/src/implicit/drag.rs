@@ -1,6 +1,6 @@
 //! What leaves see while some objects move: what they see of the others is kept.
 
-use super::{direct::Bins, views::Views};
+use super::{direct::Bins, layout::BinLayout, views::Views};
 use crate::surfel::disc_forest::DiscForest;
 use std::collections::BTreeSet;
 
@@ -14,8 +14,8 @@ pub struct Drag {
 
 impl Drag {
     /// Before some objects are moved.
-    pub fn begin(forest: &DiscForest, turn: f32, objects: BTreeSet<u32>) -> Self {
-        let still = Bins::walk(forest, turn, &|other| !objects.contains(&other));
+    pub fn begin(forest: &DiscForest, layout: BinLayout, objects: BTreeSet<u32>) -> Self {
+        let still = Bins::walk(forest, layout, &|other| !objects.contains(&other));
         Self { objects, still_views: still.clone().views(), still }
     }
 
@@ -27,11 +27,11 @@ impl Drag {
     /// What all leaves see where the objects are now: the same, bit for bit, as by a whole walk. Leaves of other objects look for
     /// the moved ones alone, their own look for everything.
     pub fn frame(&self, forest: &DiscForest) -> Views {
-        let turn = self.still.turn();
-        let moved = Bins::walk(forest, turn, &|object| self.objects.contains(&object));
+        let layout = self.still.layout();
+        let moved = Bins::walk(forest, layout, &|object| self.objects.contains(&object));
         let mut views = self.still_views.with_nearer(&self.still, &moved);
         for leaves in self.objects.iter().map(|&object| forest.leaves_of(object)) {
-            views.replace(leaves.start, &Bins::of_leaves(forest, turn, leaves, &|_| true).views());
+            views.replace(leaves.start, &Bins::of_leaves(forest, layout, leaves, &|_| true).views());
         }
         views
     }

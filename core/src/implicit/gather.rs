@@ -1,9 +1,6 @@
 //! Light from what leaves see (implicit visibility, 4.3 and 4.4): bounce by bounce, gathered by leaves and pulled up.
 
-use super::{
-    direct::{CELLS, EMPTY},
-    views::Views,
-};
+use super::{direct::EMPTY, views::Views};
 use crate::{
     surfel::disc_forest::DiscForest,
     transport::{BounceEnergy, LightTransport, Series, Surfaces},
@@ -53,7 +50,7 @@ impl LeafLight {
     }
 }
 
-/// One bounce between leaves, by what they see: radiance to irradiance, `E = π/400 Σ L`.
+/// One bounce between leaves, by what they see: radiance to irradiance, `E = π/n² Σ L` over n x n bins.
 struct LeafTransport<'a> {
     forest: &'a DiscForest,
     views: &'a Views,
@@ -71,7 +68,8 @@ impl LightTransport for LeafTransport<'_> {
         let radiance = self.forest.pull(sent);
         let seen = |&node: &u32| if node == EMPTY { Vec3A::ZERO } else { radiance[node as usize] };
         let gather = |leaf: u32| self.views.of_leaf(leaf).iter().map(seen).sum::<Vec3A>();
-        of_leaves(receivers, |leaf| Vec3::from(gather(leaf)) * CELLS.weight())
+        let weight = self.views.layout().cells.weight();
+        of_leaves(receivers, |leaf| Vec3::from(gather(leaf)) * weight)
     }
 }
 
@@ -103,11 +101,14 @@ impl Surfaces<LeafTransport<'_>> for LeafSurfaces<'_> {
 impl Views {
     /// Irradiance of each leaf from the sky in its empty bins.
     pub fn irradiance_of_sky(&self, forest: &DiscForest, sky: Sky) -> Vec<Vec3> {
+        let layout = self.layout();
+        let directions: Vec<Vec3> = (0..layout.cells.len()).map(|cell| layout.cells.direction_of(cell)).collect();
         let gather = |leaf: u32| {
-            let cells = self.directions(forest, leaf).zip(self.of_leaf(leaf));
-            cells.filter(|(_, node)| **node == EMPTY).map(|(direction, _)| sky(direction)).sum::<Vec3>()
+            let frame = layout.frame_of(&forest.discs()[leaf as usize]);
+            let empty = directions.iter().zip(self.of_leaf(leaf)).filter(|(_, node)| **node == EMPTY);
+            empty.map(|(&direction, _)| sky(frame * direction)).sum::<Vec3>()
         };
-        of_leaves(0..self.leaves(), |leaf| gather(leaf) * CELLS.weight())
+        of_leaves(0..self.leaves(), |leaf| gather(leaf) * layout.cells.weight())
     }
 }
 

@@ -63,11 +63,21 @@ pub fn crowded(boxes: u32, surfels: u32) -> Furnished {
 }
 
 fn views_of(forest: &DiscForest) -> Views {
-    Bins::walk(forest, 0.0, &|_| true).views()
+    Bins::walk(forest, BinLayout::FINEST, &|_| true).views()
 }
 
 /// The light of a forest whose leaves emit and reflect one value each.
 fn light(forest: &DiscForest, emitted: &dyn Fn(usize) -> f32, reflectance: f32, bounces: u32) -> LeafLight {
+    light_of_bins(BinLayout::FINEST, forest, emitted, reflectance, bounces)
+}
+
+fn light_of_bins(
+    layout: BinLayout,
+    forest: &DiscForest,
+    emitted: &dyn Fn(usize) -> f32,
+    reflectance: f32,
+    bounces: u32,
+) -> LeafLight {
     let leaves = forest.discs().len();
     let emitted: Vec<Vec3> = (0..leaves).map(|leaf| Vec3::splat(emitted(leaf))).collect();
     let lighting = Lighting {
@@ -76,7 +86,7 @@ fn light(forest: &DiscForest, emitted: &dyn Fn(usize) -> f32, reflectance: f32, 
         received: &vec![Vec3::ZERO; leaves],
         sky: &|_| Vec3::ZERO,
     };
-    LeafLight::new(forest, &views_of(forest), &lighting, bounces)
+    LeafLight::new(forest, &Bins::walk(forest, layout, &|_| true).views(), &lighting, bounces)
 }
 
 fn mean(values: impl ExactSizeIterator<Item = f32>) -> f32 {
@@ -86,10 +96,14 @@ fn mean(values: impl ExactSizeIterator<Item = f32>) -> f32 {
 
 /// The part of the light of one square that arrives at another, by 2,048 surfels each.
 fn form_factor(from: [[Vec3; 3]; 2], to: [[Vec3; 3]; 2]) -> f32 {
+    form_factor_by(BinLayout::FINEST, from, to)
+}
+
+fn form_factor_by(layout: BinLayout, from: [[Vec3; 3]; 2], to: [[Vec3; 3]; 2]) -> f32 {
     let Furnished { forest, .. } = with_surfels(mesh_of(&[from.to_vec(), to.to_vec()]), 4096);
     let forest = forest.discs();
     let sends = |leaf: usize| if forest.leaves_of(0).contains(&(leaf as u32)) { 1.0 } else { 0.0 };
-    let received = light(forest, &sends, 0.0, 0).direct;
+    let received = light_of_bins(layout, forest, &sends, 0.0, 0).direct;
     mean(forest.leaves_of(1).map(|leaf| received[leaf as usize].x / PI))
 }
 
@@ -129,6 +143,22 @@ fn a_furnace_is_everywhere_the_same() {
     let Furnished { forest, .. } = with_surfels(mesh_of(&[open.to_vec()]), 4096);
     let open = direct(&light(forest.discs(), &|_| 1.0, 0.0, 0));
     assert!(open < 0.9, "negative control: without a ceiling, {open}");
+}
+
+#[test]
+fn fewer_bins_see_nearly_as_well() {
+    let Furnished { forest, .. } = with_surfels(mesh_of(&[room(Vec3::ZERO, Vec3::ONE)]), 4096);
+    let direct = |side: usize| {
+        let light = light_of_bins(BinLayout::new(side), forest.discs(), &|_| 1.0, 0.0, 0);
+        mean(light.direct.iter().map(|e| e.x / PI))
+    };
+    assert!((direct(14) - 1.0).abs() < 0.01, "{}", direct(14));
+    let exchanged = |side: usize| {
+        let (from, to) = (square(1.0, false), square(0.0, true));
+        form_factor_by(BinLayout::new(side), from, to) / 0.1998 - 1.0
+    };
+    assert!(exchanged(14).abs() < 0.04, "{}", exchanged(14));
+    assert!(exchanged(8).abs() > 0.08, "negative control: {}", exchanged(8));
 }
 
 /// Irradiance of every so many leaves from a wall of radiance 1, by rays.
@@ -199,14 +229,14 @@ fn an_object_carried_away_leaves_the_scene_without_it() {
     let forest = moved.forest.discs();
     let still = forest.leaves_of(0).start..forest.leaves_of(1).end;
     // Far above the ceiling it shows at most through holes of the covering.
-    let without = Bins::of_leaves(forest, 0.0, still.clone(), &|object| object != 2);
+    let without = Bins::of_leaves(forest, BinLayout::FINEST, still.clone(), &|object| object != 2);
     let changed = |with: &Bins| {
         let bins = still.clone().flat_map(|leaf| without.of_leaf(leaf).iter().zip(with.of_leaf(leaf)));
         bins.filter(|(a, b)| **a != EMPTY && a != b).count()
     };
-    assert_eq!(changed(&Bins::of_leaves(forest, 0.0, still.clone(), &|_| true)), 0);
+    assert_eq!(changed(&Bins::of_leaves(forest, BinLayout::FINEST, still.clone(), &|_| true)), 0);
     let near = furnished(2048);
-    let with = Bins::of_leaves(near.forest.discs(), 0.0, still.clone(), &|_| true);
+    let with = Bins::of_leaves(near.forest.discs(), BinLayout::FINEST, still.clone(), &|_| true);
     assert!(changed(&with) > 1000, "negative control: where it was");
 }
 
@@ -214,21 +244,21 @@ fn an_object_carried_away_leaves_the_scene_without_it() {
 fn a_dragged_object_gives_the_bins_of_a_whole_walk() {
     let mut scene = furnished(2048);
     for objects in [BTreeSet::from([2]), [1, 2].into()] {
-        let drag = Drag::begin(scene.forest.discs(), 0.0, objects);
+        let drag = Drag::begin(scene.forest.discs(), BinLayout::FINEST, objects);
         for step in 0..3 {
             let offset = Vec3::new(-0.1 * step as f32, 0.05 * step as f32, 0.0);
             let posed: Vec<Vec3> = scene.mesh.positions.iter().map(|&p| p + offset).collect();
             scene.forest.update(&posed, &|object| drag.objects().contains(&object));
             let forest = scene.forest.discs();
-            assert_eq!(drag.frame(forest), Bins::walk(forest, 0.0, &|_| true).views(), "step {step}");
+            assert_eq!(drag.frame(forest), Bins::walk(forest, BinLayout::FINEST, &|_| true).views(), "step {step}");
         }
     }
-    let wrong = Drag::begin(scene.forest.discs(), 0.0, [1].into());
+    let wrong = Drag::begin(scene.forest.discs(), BinLayout::FINEST, [1].into());
     scene.forest.update(&scene.mesh.positions, &|object| object == 2);
     let forest = scene.forest.discs();
     assert_ne!(
         wrong.frame(forest),
-        Bins::walk(forest, 0.0, &|_| true).views(),
+        Bins::walk(forest, BinLayout::FINEST, &|_| true).views(),
         "negative control: another object has moved"
     );
 }

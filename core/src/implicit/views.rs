@@ -1,25 +1,21 @@
 //! What leaves see: a node in each cell, or the sky.
 
-use super::direct::{Bins, CELLS, EMPTY, frame_of, node_of};
-use crate::surfel::disc_forest::DiscForest;
-use glam::Vec3;
+use super::{
+    direct::{Bins, EMPTY, node_of},
+    layout::BinLayout,
+};
 use rayon::prelude::*;
-use std::sync::LazyLock;
 
 /// One empty neighbour in so many still makes a hole. With two in eight and more, real openings close as well.
 pub(super) const AROUND_A_HOLE: usize = 8;
-
-/// Unit directions of the cells in the frame of a leaf.
-static CELL_DIRECTIONS: LazyLock<Vec<Vec3>> =
-    LazyLock::new(|| (0..CELLS.len()).map(|cell| CELLS.direction_of(cell)).collect());
 
 /// The node that each cell of each leaf sees. It is what [`super::Bins`] become once all layers are in them.
 ///
 /// Discs do not cover every ray of a surface. An empty cell of which seven of the eight neighbours are filled takes the
 /// nearest of these. Along the horizon, where cells have fewer neighbours, all of them must be.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Views {
-    turn: u32,
+    layout: BinLayout,
     /// The leaf that comes first.
     first_leaf: u32,
     /// By leaf and cell; [`EMPTY`] for the sky.
@@ -27,29 +23,32 @@ pub struct Views {
 }
 
 impl Views {
-    pub(super) fn new(turn: f32, mut keys: Vec<u32>) -> Self {
-        keys.par_chunks_exact_mut(CELLS.len()).with_min_len(64).for_each(|keys| {
-            let closed = closed(keys);
-            keys.copy_from_slice(&closed);
+    pub(super) fn new(layout: BinLayout, mut keys: Vec<u32>) -> Self {
+        keys.par_chunks_exact_mut(layout.cells.len()).with_min_len(64).for_each_init(Vec::new, |found, nodes| {
+            found.clear();
+            found.extend_from_slice(nodes);
+            close(found, layout.cells.side, nodes);
         });
-        Self::of_nodes(turn, 0, keys)
+        Self::of_nodes(layout, 0, keys)
     }
 
     /// Of nodes by leaf and cell, with holes closed already. Where they do not begin with the first leaf, they can be looked up, and
     /// not be gathered.
-    pub fn of_nodes(turn: f32, first_leaf: u32, nodes: Vec<u32>) -> Self {
-        Self { turn: turn.to_bits(), first_leaf, nodes }
+    pub fn of_nodes(layout: BinLayout, first_leaf: u32, nodes: Vec<u32>) -> Self {
+        Self { layout, first_leaf, nodes }
     }
 
     /// These views of the bins of `still`, where the nearer of `moved` come before them. Leaves that see nothing new keep what they
     /// have.
     pub(super) fn with_nearer(&self, still: &Bins, moved: &Bins) -> Self {
         let mut views = self.clone();
-        views.nodes.par_chunks_exact_mut(CELLS.len()).enumerate().with_min_len(64).for_each(|(leaf, nodes)| {
+        let rows = views.nodes.par_chunks_exact_mut(self.layout.cells.len()).enumerate().with_min_len(64);
+        rows.for_each_init(Vec::new, |nearer, (leaf, nodes)| {
             let (still, moved) = (still.of_leaf(leaf as u32), moved.of_leaf(leaf as u32));
             if still.iter().zip(moved).any(|(still, moved)| moved < still) {
-                let nearer: [u32; CELLS.len()] = std::array::from_fn(|cell| still[cell].min(moved[cell]));
-                nodes.copy_from_slice(&closed(&nearer));
+                nearer.clear();
+                nearer.extend(still.iter().zip(moved).map(|(still, moved)| *still.min(moved)));
+                close(nearer, self.layout.cells.side, nodes);
             }
         });
         views
@@ -57,45 +56,47 @@ impl Views {
 
     /// Takes the views of others for the leaves from `first` on.
     pub(super) fn replace(&mut self, first: u32, others: &Self) {
-        let first = first as usize * CELLS.len();
+        let first = first as usize * self.layout.cells.len();
         self.nodes[first..first + others.nodes.len()].copy_from_slice(&others.nodes);
     }
 
     /// The nodes that a leaf sees, cell by cell; [`EMPTY`] where it sees the sky.
     pub fn of_leaf(&self, leaf: u32) -> &[u32] {
-        let first = (leaf - self.first_leaf) as usize * CELLS.len();
-        &self.nodes[first..first + CELLS.len()]
+        let cells = self.layout.cells.len();
+        let first = (leaf - self.first_leaf) as usize * cells;
+        &self.nodes[first..first + cells]
+    }
+
+    /// The bins of each leaf.
+    pub fn layout(&self) -> BinLayout {
+        self.layout
     }
 
     /// Number of leaves.
     pub fn leaves(&self) -> usize {
-        self.nodes.len() / CELLS.len()
+        self.nodes.len() / self.layout.cells.len()
     }
 
     /// The part of the hemisphere, by cosine, in which a leaf sees the sky.
     pub fn share_of_sky(&self, leaf: u32) -> f32 {
         let empty = self.of_leaf(leaf).iter().filter(|&&node| node == EMPTY).count();
-        empty as f32 / CELLS.len() as f32
-    }
-
-    /// Unit directions in the world of the cells of a leaf.
-    pub fn directions(&self, forest: &DiscForest, leaf: u32) -> impl Iterator<Item = Vec3> + use<> {
-        let frame = frame_of(&forest.discs()[leaf as usize], f32::from_bits(self.turn));
-        CELL_DIRECTIONS.iter().map(move |&direction| frame * direction)
+        empty as f32 / self.layout.cells.len() as f32
     }
 }
 
 /// The nodes of keys, with holes closed.
-fn closed(keys: &[u32]) -> [u32; CELLS.len()] {
-    std::array::from_fn(|cell| match keys[cell] {
-        EMPTY => nearest_around(keys, cell).map_or(EMPTY, node_of),
-        key => node_of(key),
-    })
+fn close(keys: &[u32], side: usize, nodes: &mut [u32]) {
+    for (cell, (node, &key)) in nodes.iter_mut().zip(keys).enumerate() {
+        *node = match key {
+            EMPTY => nearest_around(keys, side, cell).map_or(EMPTY, node_of),
+            key => node_of(key),
+        };
+    }
 }
 
 /// The nearest of the neighbours of a hole; `None` for an opening.
-fn nearest_around(keys: &[u32], cell: usize) -> Option<u32> {
-    let side = CELLS.side as isize;
+fn nearest_around(keys: &[u32], side: usize, cell: usize) -> Option<u32> {
+    let side = side as isize;
     let (row, column) = (cell as isize / side, cell as isize % side);
     let (mut nearest, mut open, mut all) = (EMPTY, 0, 0);
     for (dy, dx) in [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)] {
@@ -115,9 +116,10 @@ mod tests {
     use super::*;
 
     fn views(open: &[usize]) -> Views {
-        let mut keys: Vec<u32> = (0..CELLS.len() as u32).map(|cell| (1 + cell % 7) << 20 | cell).collect();
+        let mut keys: Vec<u32> =
+            (0..BinLayout::FINEST.cells.len() as u32).map(|cell| (1 + cell % 7) << 20 | cell).collect();
         open.iter().for_each(|&cell| keys[cell] = EMPTY);
-        Views::new(0.0, keys)
+        Views::new(BinLayout::FINEST, keys)
     }
 
     #[test]

@@ -17,7 +17,7 @@ use super::{
     shaders::{IMPLICIT_BOUNCE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE, IMPLICIT_WALK},
 };
 use crate::backend::BackendError;
-use lapidary_core::surfel::forest::SurfelForest;
+use lapidary_core::{implicit::BinLayout, surfel::forest::SurfelForest};
 use std::{sync::Arc, time::Duration};
 
 /// An adapter that finds what the leaves of forests see.
@@ -81,13 +81,12 @@ impl GpuImplicit {
         &self.gpu.info.name
     }
 
-    /// Takes a forest with at least one leaf, on a mesh of so many vertices, and its pose. `turn` in radians turns the frames of its
-    /// leaves.
+    /// Takes a forest with at least one leaf, on a mesh of so many vertices, and its pose.
     ///
     /// # Errors
     /// A forest beyond the limits of the adapter, or a lost device.
-    pub fn forest(&self, forest: &SurfelForest, vertices: usize, turn: f32) -> Result<GpuForest, BackendError> {
-        GpuForest::new(self.clone(), forest, vertices, turn)
+    pub fn forest(&self, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Result<GpuForest, BackendError> {
+        GpuForest::new(self.clone(), forest, vertices, layout)
     }
 }
 

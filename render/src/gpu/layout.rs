@@ -209,6 +209,8 @@ pub struct WalkUniforms {
     pub turn: [f32; 2],
     pub has_kept: u32,
     pub closes: u32,
+    pub side: u32,
+    pub padding: u32,
 }
 
 /// `LightUniforms` of `leaf_light.wgsl`.
@@ -218,7 +220,7 @@ pub struct LightUniforms {
     /// Cosine and sine.
     pub turn: [f32; 2],
     pub is_first: u32,
-    pub padding: u32,
+    pub side: u32,
 }
 
 /// `LeafLighting` of `leaf_light.wgsl`. Colours are padded to 16 bytes.

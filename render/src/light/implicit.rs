@@ -7,6 +7,7 @@
 
 mod covered;
 mod cuts;
+pub(crate) mod detail;
 pub(crate) mod seen;
 mod sky;
 mod vertices;
@@ -20,6 +21,7 @@ use crate::{
     },
 };
 use covered::{Covered, Open};
+use detail::Detail;
 use glam::Vec3;
 use lapidary_core::{
     implicit::Lighting,
@@ -32,17 +34,8 @@ use sky::SkyGrid;
 use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use vertices::VertexLeaves;
 
-/// Leaves of the surfel forest.
-pub const SURFELS: u32 = 8192;
-
 /// Samples of an area light along each of its sides, at each leaf.
 const AREA_SAMPLES: u32 = 2;
-
-/// Most bounces that are followed.
-const MOST_BOUNCES: u32 = 3;
-
-/// Of the bins about the normals of the leaves. It stays, so that what has not changed is the same to the bit.
-const TURN: f32 = 0.0;
 
 /// The most that the light of a vertex may grow.
 const MOST_GROWTH: f32 = 2.0;
@@ -81,6 +74,7 @@ pub struct PosedLight {
 
 /// Lights a scene under one pose after another.
 pub struct PoseRig {
+    detail: Detail,
     as_baked: Seen,
     /// Light of the vertices as baked, and what it was found of: a drag does not change it.
     lit_as_baked: Option<(Lit, [Sides; 2])>,
@@ -141,14 +135,15 @@ impl Seen {
 }
 
 impl PoseRig {
-    /// For a scene as it was baked, whose leaves look by the cores or an adapter; takes some tenths of a second.
-    pub fn new(baked: &Baked, sights: Box<dyn LeafSights>) -> Self {
+    /// For a scene as it was baked, whose leaves look by the cores or an adapter; takes some tenths of a second or, for
+    /// the finest, some seconds.
+    pub fn new(baked: &Baked, sights: Box<dyn LeafSights>, detail: Detail) -> Self {
         let dataset = &baked.dataset;
-        let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, SURFELS);
+        let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, detail.surfels());
         let vertices = VertexLeaves::new(forest.discs(), dataset);
         let covered = Covered::new(dataset, &forest);
         let seen = |positions: &[Vec3]| {
-            let mut sight = sights.sight(&forest, positions.len(), TURN);
+            let mut sight = sights.sight(&forest, positions.len(), detail.layout());
             sight.look(&forest, positions, &BTreeSet::new());
             Seen {
                 points: LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES),
@@ -160,6 +155,7 @@ impl PoseRig {
         };
         let positions = &dataset.scene.mesh.positions;
         Self {
+            detail,
             posed: seen(positions),
             as_baked: seen(positions),
             lit_as_baked: None,
@@ -176,15 +172,22 @@ impl PoseRig {
         let mesh = &posed.dataset.scene.mesh;
         let changed: BTreeSet<u32> = self.poses.differing(poses).collect();
         let seen = &mut self.posed;
-        seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
-        seen.sight.look(&seen.forest, &mesh.positions, &changed);
-        seen.points.pose(&posed, seen.forest.surfels().collect());
-        seen.open = self.covered.open(&self.vertices, &self.covered.left(poses, mesh));
-        (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
+        if !changed.is_empty() {
+            seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
+            seen.sight.look(&seen.forest, &mesh.positions, &changed);
+            seen.points.pose(&posed, seen.forest.surfels().collect());
+            seen.open = self.covered.open(&self.vertices, &self.covered.left(poses, mesh));
+            (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
+        }
         let forest = seen.forest.discs();
         let views = seen.sight.views(forest, leaves_of(forest, poses));
-        let cuts = cuts::of_moved(&posed.dataset, (forest, &views, TURN), &self.vertices, &self.is_moved);
+        let cuts = cuts::of_moved(&posed.dataset, (forest, &views), &self.vertices, &self.is_moved);
         posed.with_cuts(cuts)
+    }
+
+    /// How finely it looks.
+    pub fn detail(&self) -> Detail {
+        self.detail
     }
 
     /// By vertex, whether it is elsewhere than it was baked.
@@ -192,7 +195,8 @@ impl PoseRig {
         &self.is_moved
     }
 
-    /// The light of the posed scene under an environment, if it is shown, and local lights, with as many bounces as the picture has.
+    /// The light of the posed scene under an environment, if it is shown, and local lights, with as many bounces as the picture
+    /// has, or as the detail follows.
     pub fn light(
         &mut self,
         environment: Option<&Arc<SceneLighting>>,
@@ -203,7 +207,7 @@ impl PoseRig {
         if !is_same(self.sky.0.as_ref(), environment) {
             self.sky = (environment.cloned(), SkyGrid::new(environment.map(|lighting| &**lighting)));
         }
-        let (sky, bounces) = (&self.sky.1, bounces.min(MOST_BOUNCES));
+        let (sky, bounces) = (&self.sky.1, bounces.min(self.detail.bounces()));
         let by = Lit { environment: environment.cloned(), lights, appearance: appearance.clone(), bounces };
         let [posed_sky, posed_bounce] = self.posed.lit(sky, &by, &self.vertices);
         let known = self.lit_as_baked.take().filter(|(known, _)| known.is_same(&by));

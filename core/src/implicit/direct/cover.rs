@@ -6,15 +6,15 @@
 //! grow by half a cell, and parallel squares exchange 2 % more.
 
 use super::{
-    CELLS, SIDE,
+    BinLayout,
     key::{DistanceCodes, EMPTY},
     visit::{GRAZING, Receiver, visible_share},
 };
 use crate::{
     simd::{Lanes, Vec3x8},
+    sphere::concentric::HemisphereCells,
     surfel::forest::{nodes::Block, quadtrees::CHILDREN},
 };
-use glam::Vec3;
 use std::f32::consts::{FRAC_2_PI, PI};
 
 /// Radius of a disc in radii of a circle of its area. Discs reach over outlines and leave holes between them, and this is where both
@@ -23,32 +23,39 @@ use std::f32::consts::{FRAC_2_PI, PI};
 pub const OVERLAP: f32 = 1.175;
 /// Cells tested at once.
 const LANES: usize = 8;
-/// Cells with a margin, so that eight can be read from any.
-pub const PADDED: usize = CELLS.len() + LANES;
+/// The most cells with a margin, so that eight can be read from any.
+pub const PADDED: usize = BinLayout::FINEST.cells.len() + LANES;
 
-/// Most cells that a step of one in the unit disc crosses along an edge of the square: half of the side times
-/// `√(1 + (4/π)²)`, the largest slope of the concentric map.
-pub const STEEPEST: f32 = 0.5 * SIDE as f32 * 1.62;
+/// The largest slope of the concentric map: how far a step of one in the unit disc leads in the square, half of
+/// `√(1 + (4/π)²)`.
+pub const STEEPEST: f32 = 0.5 * 1.62;
 /// Sine of the angle between centre and edge of a disc up to which [`CHORD`] holds; larger ones are looked for everywhere.
 pub const WIDE: f32 = 0.7;
 /// Most that the distance between the directions of centre and edge exceeds that sine.
 pub const CHORD: f32 = 1.09;
 
 /// Directions at the middles of the cells in the frame of a receiver. Those of the margin are zero, which meets no disc.
-pub struct CellDirections([[f32; PADDED]; 3]);
+pub struct CellDirections {
+    side: usize,
+    directions: [[f32; PADDED]; 3],
+}
 
 impl CellDirections {
     /// Of all cells.
-    pub fn new() -> Self {
-        let of_cell = |cell: usize| if cell < CELLS.len() { CELLS.direction_of(cell) } else { Vec3::ZERO };
-        Self(std::array::from_fn(|axis| std::array::from_fn(|cell| of_cell(cell)[axis])))
+    pub fn new(cells: HemisphereCells) -> Self {
+        let mut directions = [[0.0; PADDED]; 3];
+        for cell in 0..cells.len() {
+            let direction = cells.direction_of(cell);
+            (0..3).for_each(|axis| directions[axis][cell] = direction[axis]);
+        }
+        Self { side: cells.side, directions }
     }
 
     #[inline(always)]
     fn eight<L: Lanes>(&self, first: usize) -> Vec3x8<L> {
         let part = |axis: usize| {
             let mut eight = [0.0; LANES];
-            eight.copy_from_slice(&self.0[axis][first..first + LANES]);
+            eight.copy_from_slice(&self.directions[axis][first..first + LANES]);
             L::new(eight)
         };
         Vec3x8 { x: part(0), y: part(1), z: part(2) }
@@ -71,7 +78,7 @@ pub fn fill<L: Lanes>(
     (directions, codes): (&CellDirections, DistanceCodes),
 ) {
     for eight in nodes.chunks(LANES) {
-        let discs = Discs::<L>::new(eight, blocks).seen_from(receiver);
+        let discs = Discs::<L>::new(eight, blocks).seen_from(receiver, directions.side as f32);
         for (lane, &node) in eight.iter().enumerate() {
             let key = codes.key(discs.distance_sq[lane], node);
             discs.enter::<L>(lane, key, bins, directions);
@@ -106,9 +113,9 @@ impl<L: Lanes> Discs<L> {
         Self { center: vector(0), axis: vector(3), coherence: L::new(rows[6]), area: L::new(rows[7]) }
     }
 
-    /// In the frame of a receiver.
+    /// In the frame of a receiver with `side` cells along an edge of its square.
     #[inline(always)]
-    fn seen_from(self, receiver: &Receiver) -> Seen {
+    fn seen_from(self, receiver: &Receiver, side: f32) -> Seen {
         let offset = local(self.center - Vec3x8::splat(receiver.position), receiver);
         let axis = local(self.axis, receiver);
         let distance_sq = offset.dot(offset);
@@ -128,9 +135,9 @@ impl<L: Lanes> Discs<L> {
         let radius_sq = L::splat(OVERLAP * OVERLAP / PI) * area;
 
         let sine = radius_sq.sqrt() * inverse;
-        let wide = L::splat(2.0 * SIDE as f32);
-        let reach = sine.simd_lt(L::splat(WIDE)).select(sine * L::splat(CHORD * STEEPEST), wide);
-        let [x, y] = cell_coordinates(direction.x, direction.y);
+        let wide = L::splat(2.0 * side);
+        let reach = sine.simd_lt(L::splat(WIDE)).select(sine * L::splat(CHORD * STEEPEST * side), wide);
+        let [x, y] = cell_coordinates(direction.x, direction.y, side);
         Seen {
             offset: to_arrays(offset),
             plane: to_arrays(normal * scale),
@@ -167,10 +174,10 @@ impl Seen {
             z: L::splat(of[2][lane]),
         };
         let (offset, plane, excess) = (one(&self.offset), one(&self.plane), L::splat(self.excess[lane]));
-        let [columns, rows] = self.place.map(|place| Span::around(place[lane], self.reach[lane]));
+        let [columns, rows] = self.place.map(|place| Span::around(place[lane], self.reach[lane], directions.side));
         for row in rows.first..rows.end {
             for column in (columns.first..columns.end).step_by(LANES) {
-                let first = row * SIDE + column;
+                let first = row * directions.side + column;
                 let direction = directions.eight::<L>(first);
                 let nearness = direction.dot(plane);
                 let gap = L::splat(1.0) + nearness * (nearness * excess - L::splat(2.0) * direction.dot(offset));
@@ -196,11 +203,11 @@ struct Span {
 
 impl Span {
     #[inline(always)]
-    fn around(place: f32, reach: f32) -> Self {
+    fn around(place: f32, reach: f32, side: usize) -> Self {
         // As conversions clamp, neither end is negative.
         let first = (place - reach + 0.5) as usize;
         let end = (place + reach + 0.5) as usize;
-        Self { first: first.min(SIDE), end: end.min(SIDE) }
+        Self { first: first.min(side), end: end.min(side) }
     }
 }
 
@@ -220,7 +227,7 @@ fn to_arrays<L: Lanes>(v: Vec3x8<L>) -> [[f32; LANES]; 3] {
 /// [`crate::sphere::concentric::square_from_disc`] in cells, for eight at a time. The arctangent is good to 2e-3 of a cell, which
 /// is enough to find the cell of a centre.
 #[inline(always)]
-fn cell_coordinates<L: Lanes>(x: L, y: L) -> [L; 2] {
+fn cell_coordinates<L: Lanes>(x: L, y: L, side: f32) -> [L; 2] {
     let (long, short) = (x.abs().fast_max(y.abs()), x.abs().fast_min(y.abs()));
     let t = short / long.at_least(f32::MIN_POSITIVE);
     let t_sq = t * t;
@@ -232,7 +239,7 @@ fn cell_coordinates<L: Lanes>(x: L, y: L) -> [L; 2] {
     let radius = (x * x + y * y).sqrt();
     let turn = radius * L::splat(2.0 * FRAC_2_PI) * angle;
     let is_steep = y.abs().simd_gt(x.abs());
-    let half = L::splat(0.5 * SIDE as f32);
+    let half = L::splat(0.5 * side);
     let place = |size: L, of: L| half + half * of.simd_lt(L::splat(0.0)).select(-size, size);
     [place(is_steep.select(turn, radius), x), place(is_steep.select(radius, turn), y)]
 }

@@ -2,7 +2,7 @@ use super::*;
 use crate::{
     implicit::tests::{Furnished, furnished},
     sphere::uniform_direction,
-    surfel::forest::quadtrees::Slot,
+    surfel::forest::{nodes::Disc, quadtrees::Slot},
     threads::on_threads,
 };
 use glam::Vec3;
@@ -24,8 +24,8 @@ fn scattered(count: usize) -> DiscForest {
 /// The keys of a receiver by testing the ray of every cell with every disc.
 fn by_every_ray(forest: &DiscForest, overlap: f32) -> Vec<u32> {
     let (receiver, codes) = (forest.discs()[0], DistanceCodes::of(forest));
-    let frame = frame_of(&receiver, 0.0);
-    let mut keys = vec![EMPTY; CELLS.len()];
+    let frame = BinLayout::FINEST.frame_of(&receiver);
+    let mut keys = vec![EMPTY; BinLayout::FINEST.cells.len()];
     for (node, disc) in forest.discs().iter().enumerate().skip(1) {
         let offset = disc.position - receiver.position;
         if !(offset.dot(receiver.normal) > 0.0 && offset.dot(disc.normal) < 0.0) {
@@ -33,7 +33,7 @@ fn by_every_ray(forest: &DiscForest, overlap: f32) -> Vec<u32> {
         }
         let key = codes.key(offset.length_squared(), node as u32);
         for (cell, bin) in keys.iter_mut().enumerate() {
-            let ray = frame * CELLS.direction_of(cell);
+            let ray = frame * BinLayout::FINEST.cells.direction_of(cell);
             let distance = offset.dot(disc.normal) / ray.dot(disc.normal);
             let meets = distance > 0.0 && (ray * distance).distance(offset) <= overlap * (disc.area / PI).sqrt();
             if meets {
@@ -52,13 +52,13 @@ fn differing(a: &[u32], b: &[u32]) -> usize {
 fn a_disc_enters_the_cells_whose_rays_meet_it_and_no_others() {
     for count in [1, 5, 40, 400] {
         let forest = scattered(count);
-        let bins = Bins::of_leaves(&forest, 0.0, 0..1, &|_| true);
+        let bins = Bins::of_leaves(&forest, BinLayout::FINEST, 0..1, &|_| true);
         let differ = differing(bins.of_leaf(0), &by_every_ray(&forest, cover::OVERLAP));
         assert!(differ <= 2, "rounding along edges only: {differ} of 400 with {count} discs");
     }
     let forest = scattered(400);
     let differ = differing(
-        Bins::of_leaves(&forest, 0.0, 0..1, &|_| true).of_leaf(0),
+        Bins::of_leaves(&forest, BinLayout::FINEST, 0..1, &|_| true).of_leaf(0),
         &by_every_ray(&forest, 1.2 * cover::OVERLAP),
     );
     assert!(differ > 5, "negative control: larger discs, {differ}");
@@ -68,22 +68,25 @@ fn a_disc_enters_the_cells_whose_rays_meet_it_and_no_others() {
 fn bins_depend_neither_on_instructions_nor_on_threads() {
     let Furnished { forest, .. } = furnished(1024);
     let forest = forest.discs();
-    let bins = Bins::walk(forest, 0.3, &|_| true);
+    let bins = Bins::walk(forest, BinLayout::FINEST.turned(0.3), &|_| true);
     for instructions in InstructionSet::available() {
-        assert_eq!(Bins::with_instructions(forest, 0.3, 0..1024, &|_| true, instructions), bins);
+        assert_eq!(
+            Bins::with_instructions(forest, BinLayout::FINEST.turned(0.3), 0..1024, &|_| true, instructions),
+            bins
+        );
     }
     for threads in [1, 3] {
-        assert_eq!(on_threads(threads, || Bins::walk(forest, 0.3, &|_| true)), bins);
+        assert_eq!(on_threads(threads, || Bins::walk(forest, BinLayout::FINEST.turned(0.3), &|_| true)), bins);
     }
-    assert_ne!(Bins::walk(forest, 0.4, &|_| true), bins, "negative control: another turn");
+    assert_ne!(Bins::walk(forest, BinLayout::FINEST.turned(0.4), &|_| true), bins, "negative control: another turn");
 }
 
 #[test]
 fn layers_together_are_the_whole_walk() {
     let Furnished { forest, .. } = furnished(1024);
     let forest = forest.discs();
-    let layer = |of: u32| Bins::walk(forest, 0.0, &move |object| object == of);
-    let whole = Bins::walk(forest, 0.0, &|_| true);
+    let layer = |of: u32| Bins::walk(forest, BinLayout::FINEST, &move |object| object == of);
+    let whole = Bins::walk(forest, BinLayout::FINEST, &|_| true);
     assert_eq!(layer(0).nearer(&layer(1)).nearer(&layer(2)), whole);
     assert_ne!(layer(0).nearer(&layer(1)), whole, "negative control: one layer is missing");
 }
@@ -92,15 +95,15 @@ fn layers_together_are_the_whole_walk() {
 fn some_leaves_alone_see_what_they_see_among_all() {
     let Furnished { forest, .. } = furnished(1024);
     let forest = forest.discs();
-    let whole = Bins::walk(forest, 0.0, &|_| true);
-    let some = Bins::of_leaves(forest, 0.0, 100..200, &|_| true);
+    let whole = Bins::walk(forest, BinLayout::FINEST, &|_| true);
+    let some = Bins::of_leaves(forest, BinLayout::FINEST, 100..200, &|_| true);
     assert!((100..200).all(|leaf| some.of_leaf(leaf) == whole.of_leaf(leaf)));
 }
 
 /// The nearest leaf in each cell by testing all leaves (implicit visibility, 3.1).
 fn by_all_leaves(forest: &DiscForest, leaf: usize) -> Vec<u32> {
     let alone = DiscForest::new(&vec![1; forest.discs().len()], forest.discs().to_vec());
-    Bins::of_leaves(&alone, 0.0, leaf as u32..leaf as u32 + 1, &|_| true)
+    Bins::of_leaves(&alone, BinLayout::FINEST, leaf as u32..leaf as u32 + 1, &|_| true)
         .of_leaf(leaf as u32)
         .iter()
         .map(|&key| node_of(key))
@@ -128,9 +131,9 @@ fn share_of_same(forest: &DiscForest, bins: &Bins) -> f32 {
 fn the_nearest_in_each_bin_is_that_of_all_leaves() {
     let Furnished { forest, .. } = furnished(1024);
     let forest = forest.discs();
-    let share = share_of_same(forest, &Bins::walk(forest, 0.0, &|_| true));
+    let share = share_of_same(forest, &Bins::walk(forest, BinLayout::FINEST, &|_| true));
     assert!(share > 0.99, "{share}");
-    let without = share_of_same(forest, &Bins::walk(forest, 0.0, &|object| object == 0));
+    let without = share_of_same(forest, &Bins::walk(forest, BinLayout::FINEST, &|object| object == 0));
     assert!(without < 0.97, "negative control: without what stands in the room, {without}");
 }
 
@@ -138,7 +141,7 @@ fn the_nearest_in_each_bin_is_that_of_all_leaves() {
 fn distant_objects_are_seen_as_nodes() {
     let Furnished { forest, .. } = furnished(4096);
     let forest = forest.discs();
-    let bins = Bins::walk(forest, 0.0, &|_| true);
+    let bins = Bins::walk(forest, BinLayout::FINEST, &|_| true);
     let keys = (0..4096).flat_map(|leaf| bins.of_leaf(leaf)).filter(|&&key| key != EMPTY);
     let inner = keys.filter(|&&key| matches!(forest.shape().slot(node_of(key)), Slot::Inner(_))).count();
     assert!(inner > 4096 * 40, "{inner} bins of 1.6 million");

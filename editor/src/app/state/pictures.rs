@@ -29,7 +29,7 @@ type Written = Result<PathBuf, String>;
 /// How long a picture of other means takes to appear, in seconds.
 const FADE_SECONDS: f64 = 0.15;
 
-/// The last picture whose light was found by other means than that of the present one: a tier goes over into the next.
+/// The last picture whose light was found by other means than that of the present one, or less finely: it goes over into the next.
 struct Fading {
     texture: TextureHandle,
     size: [u32; 2],
@@ -93,7 +93,7 @@ impl Pictures {
     pub(in crate::app) fn show(&mut self, ctx: &Context, frame: RenderedFrame) {
         let pixels: &[u8] = frame.pixels.as_flattened();
         let image = ColorImage::from_rgba_unmultiplied(frame.size.map(|s| s as usize), pixels);
-        let before = self.shown.as_ref().filter(|shown| shown.tier != frame.tier).map(|shown| shown.size);
+        let before = self.shown.as_ref().filter(|shown| fades(shown, &frame)).map(|shown| shown.size);
         if let Some((texture, size)) = self.texture.take_if(|_| before.is_some()).zip(before) {
             self.fading = Some(Fading { texture, size, since: ctx.input(|input| input.time) });
         }
@@ -103,4 +103,9 @@ impl Pictures {
         }
         self.shown = Some(frame);
     }
+}
+
+/// Whether a picture goes over into the next. It does not where the next is coarser: then something has just begun to move.
+fn fades(shown: &RenderedFrame, next: &RenderedFrame) -> bool {
+    shown.tier != next.tier || shown.detail < next.detail
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::{jobs::budget::Pace, panels::bake::remedy_control};
 use glam::Vec2;
 use lapidary_core::{camera::Camera, scene::pose::Poses};
-use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, Remedy, View};
+use lapidary_render::{BackendError, BackendFactory, Baked, Detail, LitScene, Look, PictureStats, Redo, Remedy, View};
 use lapidary_studies::jobs::panic_text;
 use std::{
     ops::Range,
@@ -28,7 +28,11 @@ const HELD_WAIT: Duration = Duration::from_millis(100);
 /// ones.
 const FIRST_SHARE: f32 = 0.9;
 
-/// Share of the frame time that the picture has at least, however long its light takes.
+/// How soon a pose is lit more finely when that is prepared.
+const FINER_WAIT: Duration = Duration::from_millis(50);
+
+/// Share of the frame time that the picture has at least, however long its light takes. That of posed objects is as fine as fits the
+/// rest.
 const PICTURE_SHARE: f32 = 0.4;
 
 /// Share of the frame time for pixels that nothing on the lattice resembles.
@@ -86,6 +90,8 @@ pub struct Worker {
     seen_from: Option<(Camera, [u32; 2], Poses)>,
     /// Whether the picture replaces that of another bake of the scene, which stays on the screen until it has a whole sample.
     replaces: bool,
+    /// How finely posed objects are lit while something moves.
+    drag_detail: Detail,
     /// What its light left of the frame time, in milliseconds.
     budget_ms: f32,
     /// Distance of the lattice that was shown of the wanted look, in pixels of the full picture.
@@ -122,6 +128,7 @@ impl Worker {
             begun: None,
             seen_from: None,
             replaces: false,
+            drag_detail: Detail::OF_A_DRAG,
             budget_ms: 0.0,
             shown_apart: None,
             sketch_pace: SketchPace::default(),
@@ -195,6 +202,9 @@ impl Worker {
     }
 
     fn patience(&self) -> Option<Duration> {
+        if self.stage == PictureStage::Rest && self.may_be_finer() {
+            return Some(FINER_WAIT);
+        }
         if self.stage == PictureStage::Rest && !self.reads.is_empty() {
             return Some(Duration::ZERO);
         }
@@ -255,9 +265,13 @@ impl Worker {
             self.publish(&request)?;
         }
         if request.may_pose && self.begun.as_ref().is_some_and(|begun| begun.complete > 0) {
-            self.scene.iter_mut().for_each(LitScene::prepare_to_pose);
+            self.scene.iter_mut().for_each(|scene| scene.prepare_to_pose(self.drag_detail));
+        }
+        if self.refine(&request)? {
+            return Ok(());
         }
         match self.stage {
+            PictureStage::Rest if self.may_be_finer() => Ok(()),
             PictureStage::Rest => self.answer_reads(),
             PictureStage::Begin => self.begin_any(&request),
             _ if self.waits() => Ok(()),
@@ -276,11 +290,15 @@ impl Worker {
         self.begun = None;
         self.replaces = false;
         let start = Instant::now();
+        let is_prepared = self.scene.as_mut().is_some_and(|scene| scene.is_prepared_to_pose(self.drag_detail));
         if let Some(baked) = &request.baked {
             self.light(baked, &request.look)?;
         }
-        let budget = request.frame_budget_ms;
-        self.budget_ms = (budget - millis_since(start) as f32).max(PICTURE_SHARE * budget);
+        let (budget, millis) = (request.frame_budget_ms, millis_since(start));
+        self.budget_ms = (budget - millis as f32).max(PICTURE_SHARE * budget);
+        if is_prepared && self.seen_from.as_ref().is_some_and(|(_, _, poses)| *poses != request.look.poses) {
+            self.adapt_detail(millis, f64::from((1.0 - PICTURE_SHARE) * budget));
+        }
         let full = request.look.view.size;
         if request.baked.is_none() || full.contains(&0) {
             self.stage = PictureStage::Rest;
@@ -291,6 +309,47 @@ impl Worker {
         self.replaces &= stays;
         let size = if stays { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * self.budget_ms) };
         self.begin(request, size)
+    }
+
+    /// Chooses how finely the next steps of a drag are lit, by the milliseconds that the light of the last one took and may take. What
+    /// they need is made while the drag goes on as it is.
+    fn adapt_detail(&mut self, millis: f64, budget: f64) {
+        let Some((scene, detail)) = self.scene.as_mut().and_then(|scene| scene.detail().map(|d| (scene, d))) else {
+            return;
+        };
+        let wanted = detail.within(millis, budget);
+        scene.prepare_to_pose(wanted);
+        if scene.is_prepared_to_pose(wanted) {
+            self.drag_detail = wanted;
+        }
+    }
+
+    /// Whether posed objects are lit less finely than can be, and nothing moves.
+    fn may_be_finer(&self) -> bool {
+        let is_moving = self.wanted.as_ref().is_none_or(|request| request.moving);
+        let is_coarse = self.scene.as_ref().and_then(LitScene::detail).is_some_and(|detail| detail != Detail::FINEST);
+        is_coarse && !is_moving && !self.shared.held.load(SeqCst)
+    }
+
+    /// Lights posed objects as finely as can be once the full picture is due. Returns whether it has begun so.
+    fn refine(&mut self, request: &RenderRequest) -> Result<bool, BackendError> {
+        let is_due = match self.stage {
+            PictureStage::Rest | PictureStage::Full { .. } => self.begun.is_some(),
+            PictureStage::Settle { .. } => self.stage.settled(Instant::now()),
+            PictureStage::Begin | PictureStage::Sketch => false,
+        };
+        if !is_due || !self.may_be_finer() {
+            return Ok(false);
+        }
+        let Some(scene) = &mut self.scene else { return Ok(false) };
+        scene.prepare_to_pose(Detail::FINEST);
+        if !scene.is_prepared_to_pose(Detail::FINEST) {
+            return Ok(false);
+        }
+        scene.set_detail(Detail::FINEST);
+        scene.light(&request.look)?;
+        self.begin(request, request.look.view.size)?;
+        Ok(true)
     }
 
     /// Some tiles of the first sample, and shows it when that is due.
@@ -357,6 +416,7 @@ impl Worker {
             }
             None => self.scene.insert(LitScene::new((self.factory)()?, baked.clone())?.keep_unseen_changes()),
         };
+        scene.set_detail(self.drag_detail);
         scene.light(look)?;
         scene.remarks().into_iter().for_each(|remark| self.outbox.event(RenderEvent::Remark(remark)));
         Ok(())
@@ -425,7 +485,7 @@ impl Worker {
         let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
         let Some((lighting, local)) = scene.environment().cloned().zip(scene.local().cloned()) else { return Ok(()) };
         let (dataset, light_revision) = (scene.baked().dataset.clone(), self.lights_before + scene.light_revision());
-        let (is_sketch, tier) = (begun.complete == 0, scene.tier());
+        let (is_sketch, tier, detail) = (begun.complete == 0, scene.tier(), scene.detail());
         if is_sketch {
             let shaded = self.sketch_pace.pixels_within(f64::from(HOLES_SHARE * self.budget_ms));
             begun.holes = scene.fill(shaded)?;
@@ -436,6 +496,7 @@ impl Worker {
             pixels: backend.display(&request.look.post, begun.complete)?,
             size: begun.size,
             tier,
+            detail,
             full_size: begun.full_size,
             samples: begun.complete,
             of_samples: request.look.view.aa.max(1),

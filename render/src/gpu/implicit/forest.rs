@@ -14,7 +14,7 @@ use crate::{
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::Vec3;
 use lapidary_core::{
-    implicit::{CELLS, DistanceCodes, Views, node_limit},
+    implicit::{BinLayout, DistanceCodes, Views},
     surfel::{
         disc_forest::DiscForest,
         forest::{self, SurfelForest},
@@ -30,8 +30,8 @@ const LEAVES_PER_GROUP: u32 = 64;
 pub struct GpuForest {
     pub(super) on: GpuImplicit,
     pub(super) buffers: Buffers,
-    /// Radians by which the frames of the leaves are turned.
-    pub(super) turn: f32,
+    /// The bins of each leaf.
+    pub(super) layout: BinLayout,
     /// The leaves of each object.
     leaves_of: Vec<Range<u32>>,
     pub(super) leaves: u32,
@@ -79,24 +79,25 @@ impl GpuForest {
         on: GpuImplicit,
         forest: &SurfelForest,
         vertices: usize,
-        turn: f32,
+        layout: BinLayout,
     ) -> Result<Self, BackendError> {
         let discs = forest.discs();
         assert!(!discs.discs().is_empty(), "a forest with a leaf");
-        let buffers = Buffers::new(&on.gpu, forest, vertices)?;
+        let buffers = Buffers::new(&on.gpu, forest, vertices, layout)?;
         let (leaves, nodes) = (discs.discs().len() as u32, discs.shape().nodes() as u32);
         let walk = WalkUniforms {
             root_blocks: discs.shape().root_blocks() as u32,
-            limit: node_limit(),
+            limit: layout.node_limit(),
             scale: DistanceCodes::of(discs).scale(),
-            turn: cos_sin(turn),
+            turn: cos_sin(layout.turn),
+            side: layout.cells.side as u32,
             ..Zeroable::zeroed()
         };
         let light = LightBuffers::new(&on.gpu, leaves, nodes);
         on.gpu.check()?;
         Ok(Self {
             buffers,
-            turn,
+            layout,
             leaves_of: discs.shape().trees().iter().map(|tree| tree.leaves.clone()).collect(),
             leaves,
             nodes,
@@ -161,7 +162,8 @@ impl GpuForest {
         if self.dragged.as_ref() == Some(objects) {
             return Ok(());
         }
-        let still = self.buffers.still.take().unwrap_or_else(|| cells_of(&self.on.gpu, "still bins", self.leaves));
+        let still = self.buffers.still.take();
+        let still = still.unwrap_or_else(|| cells_of(&self.on.gpu, "still bins", self.leaves, self.layout));
         let look =
             Look { leaves: 0..self.leaves, objects: &|other| !objects.contains(&other), kept: None, closes: false };
         self.look(&look, &still)?;
@@ -190,9 +192,10 @@ impl GpuForest {
     /// # Errors
     /// A lost device.
     pub fn views(&self, leaves: Range<u32>) -> Result<Views, BackendError> {
-        let cells = leaves.start as usize * CELLS.len()..leaves.end as usize * CELLS.len();
+        let each = self.layout.cells.len();
+        let cells = leaves.start as usize * each..leaves.end as usize * each;
         let nodes = if cells.is_empty() { vec![] } else { read_range(&self.on.gpu, &self.buffers.views, cells)? };
-        Ok(Views::of_nodes(self.turn, leaves.start, nodes))
+        Ok(Views::of_nodes(self.layout, leaves.start, nodes))
     }
 
     /// How long the last work of each kind took.
@@ -209,16 +212,16 @@ impl GpuForest {
 }
 
 impl Buffers {
-    fn new(gpu: &GpuDevice, forest: &SurfelForest, vertices: usize) -> Result<Self, BackendError> {
+    fn new(gpu: &GpuDevice, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Result<Self, BackendError> {
         let (discs, shape) = (forest.discs(), forest.discs().shape());
         let (limit, bytes) = (gpu.max_storage_bytes(), |count: usize, size: usize| count as u64 * size as u64);
-        let cells = bytes(discs.discs().len() * CELLS.len(), size_of::<u32>());
-        gpu.within("the bins of the surfels", "bytes", cells, limit, Remedy::Cpu)?;
+        let all = bytes(discs.discs().len() * layout.cells.len(), size_of::<u32>());
+        gpu.within("the bins of the surfels", "bytes", all, limit, Remedy::Cpu)?;
         gpu.within("the vertices", "bytes", bytes(vertices, size_of::<Vec3>()), limit, Remedy::FewerVertices)?;
         let spans: Vec<[u32; 2]> =
             (0..shape.nodes() as u32).map(|node| shape.span(node)).map(|s| [s.start, s.end]).collect();
         let directions: Vec<[f32; 4]> =
-            (0..CELLS.len()).map(|cell| CELLS.direction_of(cell).extend(0.0).to_array()).collect();
+            (0..layout.cells.len()).map(|cell| layout.cells.direction_of(cell).extend(0.0).to_array()).collect();
         let riders: Vec<Rider> = forest.riders().iter().map(packed_rider).collect();
         Ok(Self {
             positions: storage(gpu, "posed vertices", cast_slice(&vec![Vec3::ZERO; vertices])),
@@ -229,7 +232,7 @@ impl Buffers {
             directions: storage(gpu, "directions of cells", cast_slice(&directions)),
             walk: uniform(gpu, "walk", bytes_of(&WalkUniforms::zeroed())),
             walked: storage(gpu, "walked objects", cast_slice(&bits(shape.trees().len(), &|_| true))),
-            views: cells_of(gpu, "views", discs.discs().len() as u32),
+            views: cells_of(gpu, "views", discs.discs().len() as u32, layout),
             still: None,
             nothing: storage(gpu, "no layer", &[0; 4]),
         })
@@ -269,8 +272,8 @@ pub(super) fn packed_discs(forest: &DiscForest) -> Vec<Disc> {
 }
 
 /// A word for each cell of each leaf.
-fn cells_of(gpu: &GpuDevice, label: &str, leaves: u32) -> wgpu::Buffer {
-    written(gpu, label, u64::from(leaves) * (CELLS.len() * size_of::<u32>()) as u64)
+fn cells_of(gpu: &GpuDevice, label: &str, leaves: u32, layout: BinLayout) -> wgpu::Buffer {
+    written(gpu, label, u64::from(leaves) * (layout.cells.len() * size_of::<u32>()) as u64)
 }
 
 /// A storage buffer that kernels write and that is read back.

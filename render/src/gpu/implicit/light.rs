@@ -17,7 +17,7 @@ use crate::{
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::{Vec3, Vec4};
 use lapidary_core::{
-    implicit::{Lighting, Sky},
+    implicit::{BinLayout, Lighting, Sky},
     sphere::octahedron,
 };
 
@@ -70,7 +70,8 @@ impl GpuForest {
     /// One bounce, or before all of them the light of what emits and of the sky.
     fn gather(&mut self, is_first: bool) -> Result<(), BackendError> {
         let (GpuImplicit { gpu, kernels }, b, l) = (&self.on, &self.buffers, &self.light);
-        let uniforms = LightUniforms { turn: cos_sin(self.turn), is_first: u32::from(is_first), padding: 0 };
+        let BinLayout { cells, turn } = self.layout;
+        let uniforms = LightUniforms { turn: cos_sin(turn), is_first: u32::from(is_first), side: cells.side as u32 };
         gpu.queue.write_buffer(&l.uniforms, 0, bytes_of(&uniforms));
         let pull = [&l.uniforms, &b.discs, &b.spans, &l.lighting, &l.irradiance, &l.radiance];
         let bounce = [&l.uniforms, &b.discs, &b.views, &b.directions, &l.radiance, &l.lighting, &l.sky, &l.irradiance];

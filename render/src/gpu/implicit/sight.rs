@@ -7,18 +7,18 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    implicit::{Lighting, Views},
+    implicit::{BinLayout, Lighting, Views},
     surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
 impl LeafSights for GpuImplicit {
     /// The cores look for a forest that the adapter does not take.
-    fn sight(&self, forest: &SurfelForest, vertices: usize, turn: f32) -> Box<dyn LeafSight> {
+    fn sight(&self, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Box<dyn LeafSight> {
         let is_empty = forest.discs().discs().is_empty();
-        match (!is_empty).then(|| self.forest(forest, vertices, turn)) {
-            Some(Ok(gpu)) => Box::new(GpuSight { gpu: Some(gpu), cores: CoreSight::new(turn) }),
-            _ => Box::new(CoreSight::new(turn)),
+        match (!is_empty).then(|| self.forest(forest, vertices, layout)) {
+            Some(Ok(gpu)) => Box::new(GpuSight { gpu: Some(gpu), cores: CoreSight::new(layout) }),
+            _ => Box::new(CoreSight::new(layout)),
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::{
     Appearance, Baked, CoreSights, LeafSights, Renderer,
     light::implicit::{
         PoseRig, PosedLight,
+        detail::Detail,
         tests::{blocked, posed, sky},
     },
     test_scenes::white,
@@ -16,7 +17,7 @@ use crate::{
 use bytemuck::{Pod, bytes_of};
 use glam::{Mat3, Vec3};
 use lapidary_core::{
-    implicit::{Bins, CELLS, Drag, EMPTY, LeafLight, Lighting, node_of},
+    implicit::{BinLayout, Bins, Drag, EMPTY, LeafLight, Lighting, node_of},
     scene::{
         Mesh,
         pose::{Pose, Poses},
@@ -30,7 +31,7 @@ use std::{
     sync::{Arc, MutexGuard},
 };
 
-const TURN: f32 = 0.3;
+const LAYOUT: BinLayout = BinLayout::FINEST.turned(0.3);
 
 /// A room of 2 m without a ceiling, with a turned box, a sheet seen from both sides, and an object without triangles in it.
 struct Case {
@@ -83,7 +84,7 @@ fn nodes_of(forest: &GpuForest) -> (Vec<Disc>, Vec<Block>) {
 fn keys_of(forest: &GpuForest, objects: &dyn Fn(u32) -> bool) -> Vec<u32> {
     let look = Look { leaves: 0..forest.leaves, objects, kept: None, closes: false };
     forest.look(&look, &forest.buffers.views).unwrap();
-    read_range(&forest.on.gpu, &forest.buffers.views, 0..forest.leaves as usize * CELLS.len()).unwrap()
+    read_range(&forest.on.gpu, &forest.buffers.views, 0..forest.leaves as usize * forest.layout.cells.len()).unwrap()
 }
 
 fn keys(bins: &Bins) -> Vec<u32> {
@@ -116,7 +117,7 @@ fn same_numbers<T: Pod + PartialEq>(adapter: &GpuImplicit, found: &[T], expected
 fn discs_and_nodes_have_the_bits_of_the_twin() {
     let Some((_one_at_a_time, adapter)) = adapter() else { return };
     let mut case = Case::new(1024);
-    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), LAYOUT).unwrap();
     let baked = nodes_of(&gpu);
     for by in [Vec3::ZERO, Vec3::new(-0.4, 0.2, 0.1)] {
         let posed = case.posed(by);
@@ -141,24 +142,41 @@ fn keys_are_those_of_the_twin() {
     let Some((_one_at_a_time, adapter)) = adapter() else { return };
     let case = Case::new(1024);
     let discs = case.forest.discs();
-    let gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
-    let bins = keys(&Bins::walk(discs, TURN, &|_| true));
+    let gpu = adapter.forest(&case.forest, case.mesh.positions.len(), LAYOUT).unwrap();
+    let bins = keys(&Bins::walk(discs, LAYOUT, &|_| true));
     same("whole", &adapter, &keys_of(&gpu, &|_| true), &bins);
     let layer = |object: u32| object == 1 || object == 3;
-    same("layer", &adapter, &keys_of(&gpu, &layer), &keys(&Bins::walk(discs, TURN, &layer)));
+    same("layer", &adapter, &keys_of(&gpu, &layer), &keys(&Bins::walk(discs, LAYOUT, &layer)));
     let apart = |found: &[u32]| differing(found, &bins) * 50 > bins.len();
-    assert!(apart(&keys(&Bins::walk(discs, TURN + 0.1, &|_| true))), "negative control: another turn");
-    assert!(apart(&keys(&Bins::walk(discs, TURN, &layer))), "negative control: another layer");
+    assert!(apart(&keys(&Bins::walk(discs, LAYOUT.turned(0.4), &|_| true))), "negative control: another turn");
+    assert!(apart(&keys(&Bins::walk(discs, LAYOUT, &layer))), "negative control: another layer");
     let unrefined = gpu.with_limit(100.0);
     assert!(apart(&keys_of(&unrefined, &|_| true)), "negative control: without refinement");
+}
+
+#[test]
+fn fewer_bins_are_those_of_the_twin() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let case = Case::new(512);
+    let (discs, layout) = (case.forest.discs(), BinLayout::new(14).turned(0.3));
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), layout).unwrap();
+    let bins = Bins::walk(discs, layout, &|_| true);
+    same("fewer bins", &adapter, &keys_of(&gpu, &|_| true), &keys(&bins));
+    gpu.walk().unwrap();
+    let (found, expected) = (gpu.views(0..gpu.leaves).unwrap(), bins.views());
+    let nodes: [Vec<u32>; 2] =
+        [&found, &expected].map(|views| (0..gpu.leaves).flat_map(|leaf| views.of_leaf(leaf)).copied().collect());
+    same("fewer bins, closed", &adapter, &nodes[0], &nodes[1]);
+    let other = keys(&Bins::walk(discs, layout.turned(0.4), &|_| true));
+    assert!(differing(&nodes[0], &other) * 50 > other.len(), "negative control: another turn");
 }
 
 #[test]
 fn views_of_poses_and_of_a_drag_are_those_of_the_twin() {
     let Some((_one_at_a_time, adapter)) = adapter() else { return };
     let mut case = Case::new(512);
-    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
-    let drag = Drag::begin(case.forest.discs(), TURN, [1].into());
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), LAYOUT).unwrap();
+    let drag = Drag::begin(case.forest.discs(), LAYOUT, [1].into());
     let mut last = Vec::new();
     for step in 0..2 {
         let posed = case.posed(Vec3::new(-0.2 * step as f32, 0.1, 0.1));
@@ -179,7 +197,7 @@ fn views_of_poses_and_of_a_drag_are_those_of_the_twin() {
     }
     let own = case.forest.discs().leaves_of(1);
     let some = gpu.views(own.clone()).unwrap();
-    assert_eq!(some.of_leaf(own.start), &last[own.start as usize * CELLS.len()..][..CELLS.len()]);
+    assert_eq!(some.of_leaf(own.start), &last[own.start as usize * LAYOUT.cells.len()..][..LAYOUT.cells.len()]);
     assert_eq!(gpu.views(3..3).unwrap().leaves(), 0);
 }
 
@@ -199,7 +217,7 @@ fn light_is_that_of_the_twin() {
     let Some((_one_at_a_time, adapter)) = adapter() else { return };
     let case = Case::new(1024);
     let discs = case.forest.discs();
-    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), TURN).unwrap();
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), LAYOUT).unwrap();
     gpu.walk().unwrap();
     let views = gpu.views(0..gpu.leaves).unwrap();
     let values = |seed: u64, most: f32| -> Vec<Vec3> {
@@ -228,10 +246,10 @@ fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
     let Some((_one_at_a_time, adapter)) = adapter() else { return };
     let mesh = scene_of(&cuboid(Vec3::ZERO, Vec3::ONE)).mesh;
     let forest = SurfelForest::new(&mesh, &vec![false; mesh.triangles.len()], 256);
-    let mut gpu = adapter.forest(&forest, mesh.positions.len(), 0.0).unwrap();
+    let mut gpu = adapter.forest(&forest, mesh.positions.len(), BinLayout::FINEST).unwrap();
     gpu.walk().unwrap();
     let views = gpu.views(0..256).unwrap();
-    assert!(views == Bins::walk(forest.discs(), 0.0, &|_| true).views());
+    assert!(views == Bins::walk(forest.discs(), BinLayout::FINEST, &|_| true).views());
     assert!(
         (0..256).all(|leaf| views.of_leaf(leaf).iter().all(|&node| node == EMPTY)),
         "a convex thing sees itself nowhere"
@@ -242,7 +260,7 @@ fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
 fn shown(sights: Box<dyn LeafSights>, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
     let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
     let appearance = Appearance::of(&baked.dataset.scene);
-    let mut rig = PoseRig::new(baked, sights);
+    let mut rig = PoseRig::new(baked, sights, Detail::OF_A_DRAG);
     let show = |poses| {
         let posed = rig.pose(baked.posed(poses).unwrap(), poses);
         (posed.dataset.cuts.nodes().to_vec(), rig.light(Some(&lighting), Vec::new(), &appearance, 2))
@@ -275,11 +293,11 @@ fn the_cores_go_on_where_an_adapter_fails() {
     let Some((_one_at_a_time, adapter)) = adapter() else { return };
     let case = Case::new(256);
     let discs = case.forest.discs();
-    let mut sight = adapter.sight(&case.forest, case.mesh.positions.len(), TURN);
+    let mut sight = adapter.sight(&case.forest, case.mesh.positions.len(), LAYOUT);
     sight.look(&case.forest, &case.mesh.positions, &BTreeSet::new());
     let seen = sight.views(discs, 0..256).into_owned();
     adapter.gpu.device.destroy();
-    assert!(adapter.forest(&case.forest, 8, TURN).is_err(), "it has failed");
+    assert!(adapter.forest(&case.forest, 8, LAYOUT).is_err(), "it has failed");
     assert!(*sight.views(discs, 0..256) == seen, "by the cores");
     sight.look(&case.forest, &case.mesh.positions, &[1].into());
     assert!(*sight.views(discs, 0..256) == seen);

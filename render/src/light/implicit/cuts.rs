@@ -5,7 +5,7 @@ use glam::Vec3;
 use lapidary_core::{
     cut::{CutSelector, packed::PackedCuts},
     dataset::Dataset,
-    implicit::{CELLS, EMPTY, Views, frame_of},
+    implicit::{EMPTY, Views},
     ray::OPEN,
     surfel::disc_forest::DiscForest,
 };
@@ -23,10 +23,10 @@ struct Sight {
     above: Vec<f32>,
 }
 
-/// The cuts of a dataset, with new ones for the vertices of `is_moved`. Bins are turned by `turn`.
+/// The cuts of a dataset, with new ones for the vertices of `is_moved`.
 pub fn of_moved(
     dataset: &Dataset,
-    (forest, views, turn): (&DiscForest, &Views, f32),
+    (forest, views): (&DiscForest, &Views),
     vertices: &VertexLeaves,
     is_moved: &[bool],
 ) -> PackedCuts {
@@ -38,7 +38,7 @@ pub fn of_moved(
     let mut leaves: Vec<u32> = moved.iter().flat_map(|&vertex| vertices.of(vertex)).map(|(leaf, _)| leaf).collect();
     leaves.sort_unstable();
     leaves.dedup();
-    let sight = |&leaf: &u32| (leaf, sight(forest, views, turn, leaf, &directions));
+    let sight = |&leaf: &u32| (leaf, sight(forest, views, leaf, &directions));
     let sights: HashMap<u32, Sight> = leaves.par_iter().map(sight).collect();
     let criterion = dataset.settings.criterion.of_means(tree.len() / nodes);
     let buffers = || (CutSelector::new(nodes.ilog2(), criterion), [vec![0.0; nodes], vec![0.0; nodes]]);
@@ -57,13 +57,13 @@ pub fn of_moved(
     dataset.cuts.with(moved.into_iter().zip(cuts))
 }
 
-fn sight(forest: &DiscForest, views: &Views, turn: f32, leaf: u32, directions: &[Vec3]) -> Sight {
-    let local_from_world = frame_of(&forest.discs()[leaf as usize], turn).transpose();
+fn sight(forest: &DiscForest, views: &Views, leaf: u32, directions: &[Vec3]) -> Sight {
+    let local_from_world = views.layout().frame_of(&forest.discs()[leaf as usize]).transpose();
     let nodes = views.of_leaf(leaf);
     let seen = |direction: &Vec3| {
         let local = local_from_world * *direction;
         let is_above = local.z > 0.0;
-        let is_sky = is_above && nodes[CELLS.cell_of(local)] == EMPTY;
+        let is_sky = is_above && nodes[views.layout().cells.cell_of(local)] == EMPTY;
         [is_sky, is_above].map(|is| f32::from(u8::from(is)))
     };
     let (sky, above) = directions.iter().map(seen).map(|[sky, above]| (sky, above)).unzip();

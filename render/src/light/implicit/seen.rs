@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use lapidary_core::{
-    implicit::{Bins, Drag, LeafLight, Lighting, Views},
+    implicit::{BinLayout, Bins, Drag, LeafLight, Lighting, Views},
     surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
@@ -34,8 +34,8 @@ pub trait LeafSight: Send {
 
 /// What looks for leaves: the cores or an adapter.
 pub trait LeafSights: Send {
-    /// For a forest on a mesh of so many vertices. `turn` in radians turns the frames of the leaves.
-    fn sight(&self, forest: &SurfelForest, vertices: usize, turn: f32) -> Box<dyn LeafSight>;
+    /// For a forest on a mesh of so many vertices.
+    fn sight(&self, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Box<dyn LeafSight>;
 }
 
 /// The cores.
@@ -43,14 +43,14 @@ pub trait LeafSights: Send {
 pub struct CoreSights;
 
 impl LeafSights for CoreSights {
-    fn sight(&self, _: &SurfelForest, _: usize, turn: f32) -> Box<dyn LeafSight> {
-        Box::new(CoreSight::new(turn))
+    fn sight(&self, _: &SurfelForest, _: usize, layout: BinLayout) -> Box<dyn LeafSight> {
+        Box::new(CoreSight::new(layout))
     }
 }
 
 /// What leaves see, found by the cores.
 pub struct CoreSight {
-    turn: f32,
+    layout: BinLayout,
     views: Views,
     /// While the same objects move: what is seen of the others.
     drag: Option<Drag>,
@@ -58,17 +58,17 @@ pub struct CoreSight {
 
 impl CoreSight {
     /// Before the first look.
-    pub fn new(turn: f32) -> Self {
-        Self { turn, views: Views::of_nodes(turn, 0, Vec::new()), drag: None }
+    pub fn new(layout: BinLayout) -> Self {
+        Self { layout, views: Views::of_nodes(layout, 0, Vec::new()), drag: None }
     }
 
     /// Looks anew, as [`LeafSight::look`].
     pub fn see(&mut self, forest: &DiscForest, changed: &BTreeSet<u32>) {
         let known = self.drag.take().filter(|drag| drag.objects() == changed);
         self.views = if changed.is_empty() {
-            Bins::walk(forest, self.turn, &|_| true).views()
+            Bins::walk(forest, self.layout, &|_| true).views()
         } else {
-            let begin = || Drag::begin(forest, self.turn, changed.clone());
+            let begin = || Drag::begin(forest, self.layout, changed.clone());
             self.drag.insert(known.unwrap_or_else(begin)).frame(forest)
         };
     }

@@ -50,6 +50,7 @@ fn picture(dataset: &Dataset, look: impl FnOnce(&mut Look)) -> Image {
     let mut seen = Look::under_environment(&dataset.scene, from_above(48), sky());
     look(&mut seen);
     let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), dataset.clone().into()).unwrap();
+    scene.set_detail(Detail::OF_A_DRAG);
     scene.show_whole(&seen).unwrap().image
 }
 
@@ -65,6 +66,25 @@ fn a_preview_is_close_to_a_bake_of_the_posed_scene_and_the_bake_as_it_was_is_not
         let (near, before) = (rel_rmse(&preview, &truth), rel_rmse(&picture(&as_baked, |_| ()), &truth));
         assert!(near < 0.08 && before > 2.5 * near, "{near}, negative control {before}");
     }
+}
+
+#[test]
+fn a_pose_that_is_lit_more_finely_has_the_bits_of_that_detail() {
+    let as_baked = blocked(white(), 8);
+    let [coarse, fine, ..] = Detail::LADDER;
+    let mut look = Look::under_environment(&as_baked.scene, from_above(24), sky());
+    look.poses = posed(Pose { translate: Vec3::new(0.7, -0.2, 0.4), ..Pose::AS_BAKED });
+    let begin = || LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.clone().into()).unwrap();
+    let at = |scene: &mut LitScene, detail| {
+        scene.set_detail(detail);
+        let picture = scene.show_whole(&look).unwrap().image;
+        assert_eq!(scene.detail(), Some(detail));
+        picture
+    };
+    let mut scene = begin();
+    let pictures = [coarse, fine, coarse].map(|detail| at(&mut scene, detail));
+    assert!(pictures[1] == at(&mut begin(), fine) && pictures[0] == pictures[2]);
+    assert!(pictures[0] != pictures[1], "negative control");
 }
 
 #[test]
@@ -86,7 +106,7 @@ fn what_an_object_lay_on_is_lit_when_it_is_lifted_and_stays_dark_while_it_lies()
     assert!(near < 0.06 && dark > 2.5 * near, "{near}, negative control {dark}: the cuts of the bake");
     let baked = Baked::from(as_baked.clone());
     let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
-    let mut rig = PoseRig::new(&baked, Box::new(CoreSights));
+    let mut rig = PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG);
     let light = rig.light(Some(&lighting), Vec::new(), &Appearance::of(&as_baked.scene), 1);
     assert!(light.uncovered.front.iter().all(|rest| *rest == Vec3::ZERO), "it lies where it lay");
     let mut at_the_middle = |x: f32| {
@@ -122,7 +142,7 @@ fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
     let lighting = Arc::new(renderer.lighting(&sky(), 64));
     let lamp = [point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)];
     let appearance = Appearance::of(&baked.dataset.scene);
-    let mut rig = PoseRig::new(&baked, Box::new(CoreSights));
+    let mut rig = PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG);
     let as_it_is = rig.light(Some(&lighting), lamp.to_vec(), &appearance, 2);
     let all = |sides: &Sides, value| sides.front.iter().chain(&sides.back).all(|found| *found == value);
     assert!(all(&as_it_is.growth, Vec3::ZERO) && all(&as_it_is.bounce, Vec3::ZERO));
@@ -147,11 +167,11 @@ fn a_drag_gives_the_bits_of_its_last_pose() {
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let mut both = at(0.4);
     both.set(0, Pose { translate: Vec3::Y * -0.1, ..Pose::AS_BAKED });
-    let mut dragged = PoseRig::new(&baked, Box::new(CoreSights));
+    let mut dragged = PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG);
     let mut last = None;
     for poses in [at(0.1), at(0.9), both.clone(), at(0.4), at(0.3)] {
         let now = shown(&mut dragged, &poses);
-        assert!(now == shown(&mut PoseRig::new(&baked, Box::new(CoreSights)), &poses));
+        assert!(now == shown(&mut PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG), &poses));
         assert!(last.as_ref() != Some(&now), "negative control: another pose");
         last = Some(now);
     }

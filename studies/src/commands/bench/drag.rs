@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Result, anyhow};
 use glam::Vec3;
 use lapidary_core::scene::pose::{Objects, Pose, Poses};
-use lapidary_render::{BackendError, LitScene, Look, STRIDES, Tiles};
+use lapidary_render::{BackendError, Detail, LitScene, Look, STRIDES, Tiles};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -21,6 +21,18 @@ struct Drag {
     size: [u32; 2],
     vertices: usize,
     steps: u32,
+    /// From the coarsest detail to the finest.
+    details: Vec<Detailed>,
+}
+
+/// Figures of one detail.
+#[derive(Debug, Serialize)]
+struct Detailed {
+    surfels: u32,
+    /// Of each surfel.
+    bins: usize,
+    /// Most that are followed.
+    bounces: u32,
     /// From the first step to the light of its picture.
     pick_up_milliseconds: f64,
     /// From a step to the light of its picture: the median.
@@ -31,7 +43,7 @@ struct Drag {
     pictures_per_second: f64,
 }
 
-/// Drags an object by half the width of its box in `steps` steps, and prints.
+/// Drags an object by half the width of its box in `steps` steps at each detail, and prints.
 ///
 /// # Errors
 /// An object that is not there, or no adapter where one is asked for.
@@ -48,27 +60,44 @@ pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOptio
     let places = vertices.vertices(index as u32).iter().map(|&vertex| scene.mesh.positions[vertex as usize].x);
     let (least, most) = places.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let step = 0.5 * (most - least).max(0.0) / steps as f32;
-    let mut times = (1..=steps).map(|i| {
-        let mut poses = Poses::default();
-        poses.set(index as u32, Pose { translate: Vec3::X * step * i as f32, ..Pose::AS_BAKED });
-        picture(&mut on, &Look { poses, ..look.clone() })
-    });
-    let (pick_up, _) = times.next().expect("at least one step")?;
-    let times = times.collect::<Result<Vec<_>, _>>()?;
-    let (light, sketch): (Vec<_>, Vec<_>) = times.into_iter().unzip();
-    let [light, sketch] = [light, sketch].map(median);
+    let looks: Vec<Look> = (1..=steps)
+        .map(|i| {
+            let mut poses = Poses::default();
+            poses.set(index as u32, Pose { translate: Vec3::X * step * i as f32, ..Pose::AS_BAKED });
+            Look { poses, ..look.clone() }
+        })
+        .collect();
+    let details = Detail::LADDER.into_iter().map(|detail| Detailed::measure(&mut on, detail, &looks));
     let drag = Drag {
+        details: details.collect::<Result<_, _>>()?,
         adapter: on.backend().name(),
         object: object.into(),
         size: look.view.size,
         vertices: scene.mesh.positions.len(),
         steps,
-        pick_up_milliseconds: 1e3 * pick_up.as_secs_f64(),
-        light_milliseconds: light,
-        sketch_milliseconds: sketch,
-        pictures_per_second: 1e3 / (light + sketch),
     };
     print_out(&if json { json_text(&drag)? } else { text(&drag) })
+}
+
+impl Detailed {
+    /// Shows one look after another.
+    fn measure(on: &mut LitScene, detail: Detail, looks: &[Look]) -> Result<Self, BackendError> {
+        on.set_detail(detail);
+        let mut times = looks.iter().map(|look| picture(on, look));
+        let (pick_up, _) = times.next().expect("at least one step")?;
+        let times = times.collect::<Result<Vec<_>, _>>()?;
+        let (light, sketch): (Vec<_>, Vec<_>) = times.into_iter().unzip();
+        let [light, sketch] = [light, sketch].map(median);
+        Ok(Self {
+            surfels: detail.surfels(),
+            bins: detail.layout().cells.len(),
+            bounces: detail.bounces(),
+            pick_up_milliseconds: 1e3 * pick_up.as_secs_f64(),
+            light_milliseconds: light,
+            sketch_milliseconds: sketch,
+            pictures_per_second: 1e3 / (light + sketch),
+        })
+    }
 }
 
 /// Times from a look to its light, and from there to a coarse picture.
@@ -85,12 +114,16 @@ fn picture(scene: &mut LitScene, look: &Look) -> Result<(Duration, Duration), Ba
 }
 
 fn text(drag: &Drag) -> String {
-    let Drag { adapter, object, size: [width, height], vertices, steps, .. } = drag;
-    let Drag { pick_up_milliseconds: first, light_milliseconds: light, sketch_milliseconds: sketch, .. } = drag;
-    let rate = drag.pictures_per_second;
-    format!(
-        "{adapter}: {width} x {height}, {vertices} vertices, \"{object}\" dragged in {steps} steps\n\
-         light of the first step in {first:.0} ms, then in {light:.0} ms, coarse picture in {sketch:.0} ms: \
-         {rate:.1} pictures a second\n"
-    )
+    let Drag { adapter, object, size: [width, height], vertices, steps, details } = drag;
+    let mut text =
+        format!("{adapter}: {width} x {height}, {vertices} vertices, \"{object}\" dragged in {steps} steps\n");
+    for detail in details {
+        let Detailed { surfels, bins, bounces, pick_up_milliseconds: first, light_milliseconds: light, .. } = detail;
+        let Detailed { sketch_milliseconds: sketch, pictures_per_second: rate, .. } = detail;
+        text += &format!(
+            "{surfels:>6} surfels, {bins} bins, {bounces} bounces: first step {first:.0} ms, then light {light:.0} ms and \
+             coarse picture {sketch:.0} ms, {rate:.1} pictures a second\n"
+        );
+    }
+    text
 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use glam::{Vec3, Vec3A};
 use lapidary_core::{
     dataset::Dataset,
-    implicit::{Bins, LeafLight, Lighting, Views},
+    implicit::{BinLayout, Bins, LeafLight, Lighting, Views},
     surfel::forest::SurfelForest,
 };
 use lapidary_render::{
@@ -89,7 +89,7 @@ impl<'a> Posed<'a> {
     fn frame_by_cores(&self, forest: &mut SurfelForest) -> Times {
         let (update, ()) = timed(|| forest.update(self.positions, &|_| true));
         let discs = forest.discs();
-        let (walk, views): (_, Views) = timed(|| Bins::walk(discs, 0.0, &|_| true).views());
+        let (walk, views): (_, Views) = timed(|| Bins::walk(discs, BinLayout::FINEST, &|_| true).views());
         let (light, _) = timed(|| LeafLight::new(discs, &views, &self.lighting(), BOUNCES));
         // Once for what emits, and once a bounce.
         let sent = vec![Vec3A::ONE; self.grey.len()];
@@ -98,7 +98,7 @@ impl<'a> Posed<'a> {
     }
 
     fn on_adapter(&self, adapter: &GpuImplicit, frames: u32) -> Result<Vec<Times>, BackendError> {
-        let mut forest = adapter.forest(&self.forest, self.positions.len(), 0.0)?;
+        let mut forest = adapter.forest(&self.forest, self.positions.len(), BinLayout::FINEST)?;
         (0..=frames).map(|_| self.frame_on_adapter(&mut forest)).skip(1).collect()
     }
 

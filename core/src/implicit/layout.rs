@@ -1,0 +1,45 @@
+//! The bins of a leaf.
+
+use super::direct::CELLS_OF_NODE;
+use crate::{
+    sphere::{concentric::HemisphereCells, frame_around},
+    surfel::forest::nodes::Disc,
+};
+use glam::Mat3;
+
+/// How the hemisphere of each leaf is divided into bins: cells of equal cosine weight in the leaf's own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BinLayout {
+    /// The bins.
+    pub cells: HemisphereCells,
+    /// Radians by which the tangents of leaves are turned: averages over turns hide the cells.
+    pub turn: f32,
+}
+
+impl BinLayout {
+    /// The most cells along an edge of the square.
+    pub const MOST_SIDE: usize = 20;
+    /// The most bins.
+    pub const FINEST: Self = Self::new(Self::MOST_SIDE);
+
+    /// With `side` x `side` bins, 1 to [`Self::MOST_SIDE`] along an edge.
+    pub const fn new(side: usize) -> Self {
+        assert!(0 < side && side <= Self::MOST_SIDE, "one bin or more, and not more than fit");
+        Self { cells: HemisphereCells { side }, turn: 0.0 }
+    }
+
+    /// The same bins, turned by an angle in radians.
+    pub const fn turned(self, turn: f32) -> Self {
+        Self { turn, ..self }
+    }
+
+    /// Tangents and normal of a leaf, which its bins are relative to.
+    pub fn frame_of(self, disc: &Disc) -> Mat3 {
+        frame_around(disc.normal) * Mat3::from_rotation_z(self.turn)
+    }
+
+    /// The largest integral of the cosine over a node that has children, in steradians.
+    pub fn node_limit(self) -> f32 {
+        CELLS_OF_NODE * self.cells.weight()
+    }
+}

@@ -1,0 +1,112 @@
+//! What lights a posed scene, at one detail or another.
+
+use crate::{
+    baked::Baked,
+    light::implicit::{PoseRig, detail::Detail, seen::LeafSights},
+};
+use std::thread::JoinHandle;
+
+/// Rigs by detail, made on a thread before they are needed. The one used last and one beside it are kept.
+#[derive(Default)]
+pub struct PoseRigs {
+    /// The one used last comes first.
+    made: Vec<PoseRig>,
+    in_the_making: Option<(Detail, JoinHandle<PoseRig>)>,
+}
+
+impl PoseRigs {
+    /// Begins to make one on a thread. One is made at a time: it does nothing while that is another.
+    pub fn prepare(&mut self, detail: Detail, baked: &Baked, sights: impl FnOnce() -> Box<dyn LeafSights>) {
+        if !self.is_made(detail) && self.in_the_making.is_none() {
+            let (baked, sights) = (baked.clone(), sights());
+            let made = std::thread::spawn(move || PoseRig::new(&baked, sights, detail));
+            self.in_the_making = Some((detail, made));
+        }
+    }
+
+    /// Whether one can be used at once.
+    pub fn is_made(&mut self, detail: Detail) -> bool {
+        if let Some((_, made)) = self.in_the_making.take_if(|(_, making)| making.is_finished()) {
+            self.keep(joined(made));
+        }
+        self.made.iter().any(|rig| rig.detail() == detail)
+    }
+
+    /// The rig of a detail, which is made or awaited if it is not there.
+    pub fn at(&mut self, detail: Detail, baked: &Baked, sights: impl FnOnce() -> Box<dyn LeafSights>) -> &mut PoseRig {
+        if !self.is_made(detail) {
+            let making = self.in_the_making.take_if(|(of, _)| *of == detail);
+            let rig = making.map_or_else(|| PoseRig::new(baked, sights(), detail), |(_, made)| joined(made));
+            self.keep(rig);
+        }
+        self.made.sort_by_key(|rig| rig.detail() != detail);
+        &mut self.made[0]
+    }
+
+    fn keep(&mut self, rig: PoseRig) {
+        self.made.truncate(1);
+        self.made.push(rig);
+    }
+
+    /// The one used last.
+    pub fn used(&self) -> Option<&PoseRig> {
+        self.made.first()
+    }
+
+    /// The one used last.
+    pub fn used_mut(&mut self) -> Option<&mut PoseRig> {
+        self.made.first_mut()
+    }
+}
+
+fn joined(made: JoinHandle<PoseRig>) -> PoseRig {
+    made.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::implicit::{
+        seen::CoreSights,
+        tests::{blocked, posed},
+    };
+    use crate::test_scenes::white;
+    use lapidary_core::scene::pose::Pose;
+
+    fn cores() -> Box<dyn LeafSights> {
+        Box::new(CoreSights)
+    }
+
+    fn no_more() -> Box<dyn LeafSights> {
+        panic!("it is made already")
+    }
+
+    #[test]
+    fn the_one_in_use_and_the_newest_are_kept() {
+        let baked = Baked::from(blocked(white(), 4));
+        let [a, b, c, ..] = Detail::LADDER;
+        let mut rigs = PoseRigs::default();
+        assert!(rigs.used().is_none() && rigs.at(a, &baked, cores).detail() == a);
+        rigs.at(b, &baked, cores);
+        assert!([a, b].into_iter().all(|detail| rigs.at(detail, &baked, no_more).detail() == detail));
+        rigs.at(c, &baked, cores);
+        let made = Detail::LADDER.map(|detail| rigs.is_made(detail));
+        assert_eq!(made, [false, true, true, false, false], "the one that was not used last is gone");
+    }
+
+    #[test]
+    fn one_is_made_on_a_thread_and_is_that_of_its_detail() {
+        let baked = Baked::from(blocked(white(), 4));
+        let (mut rigs, detail) = (PoseRigs::default(), Detail::LADDER[0]);
+        rigs.prepare(detail, &baked, cores);
+        rigs.prepare(detail, &baked, no_more);
+        let poses = posed(Pose { translate: glam::Vec3::X, ..Pose::AS_BAKED });
+        let moved = |rig: &mut PoseRig| {
+            rig.pose(baked.posed(&poses).unwrap(), &poses);
+            rig.moved_vertices().to_vec()
+        };
+        let ahead = moved(rigs.at(detail, &baked, no_more));
+        assert!(ahead == moved(&mut PoseRig::new(&baked, cores(), detail)) && ahead.contains(&true));
+        assert!(!rigs.is_made(Detail::FINEST), "negative control");
+    }
+}
