@@ -6,7 +6,7 @@ mod fake;
 use super::*;
 use fake::{Fake, Log, Shared};
 use glam::Vec3;
-use lapidary_core::{lights::Light, material::Material, test_scenes};
+use lapidary_core::{lights::Light, material::Material, scene::pose::Pose, test_scenes};
 use lapidary_render::{
     Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, Illumination, LitScene, Post,
     STRIDES, Solution, Tiles, View, share_of_lattice, test_looks::plain_look,
@@ -377,8 +377,7 @@ fn the_picture_is_read_when_it_is_complete_and_not_at_all_without_a_scene() {
 
 #[test]
 fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
-    let factory = || -> Result<Box<dyn Backend>, BackendError> { Ok(Box::new(CpuBackend::new())) };
-    let mut thread = RenderThread::start(Arc::new(factory), silent());
+    let mut thread = on_cores();
     let mut request = request(3);
     let dataset = request.baked.clone().unwrap().dataset;
     request.look.appearance = Appearance::of(&dataset.scene);
@@ -394,4 +393,54 @@ fn the_picture_of_the_cpu_is_that_of_the_headless_renderer() {
     assert!(picture.coverage.iter().any(|&c| c > 0.0) && picture.coverage.contains(&0.0));
     request.look.view.aa = 1;
     assert!(picture.image != headless.show_whole(&request.look).unwrap().image, "negative control");
+}
+
+fn on_cores() -> RenderThread {
+    let factory = || -> Result<Box<dyn Backend>, BackendError> { Ok(Box::new(CpuBackend::new())) };
+    RenderThread::start(Arc::new(factory), silent())
+}
+
+/// One sample of a scene, and time enough for it.
+fn unhurried() -> RenderRequest {
+    let mut request = RenderRequest { frame_budget_ms: 1e4, ..request(1) };
+    request.look.appearance = Appearance::of(&dataset().scene);
+    request
+}
+
+/// The same in a drag of its object, elsewhere by so many metres.
+fn dragged(still: &RenderRequest, x: f32) -> RenderRequest {
+    let mut request = RenderRequest { moving: true, ..still.clone() };
+    request.look.poses.set(0, Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
+    request
+}
+
+#[test]
+fn a_pose_is_lit_coarsely_while_it_is_dragged_and_as_finely_as_can_be_at_rest() {
+    let (mut thread, still) = (on_cores(), unhurried());
+    thread.request(dragged(&still, 0.1));
+    assert_eq!(complete(&mut thread).detail, Some(Detail::OF_A_DRAG));
+    thread.request(RenderRequest { moving: false, ..dragged(&still, 0.1) });
+    let fine = wait_for("the finest", || thread.frames().filter(|f| f.detail == Some(Detail::FINEST)));
+    assert!(fine.full_size && fine.samples == fine.of_samples);
+    thread.request(dragged(&still, 0.2));
+    let coarse = complete(&mut thread).detail;
+    assert!(coarse.is_some_and(|detail| detail < Detail::FINEST), "negative control: {coarse:?}");
+    thread.request(still);
+    assert_eq!(complete(&mut thread).detail, None, "nothing is posed");
+}
+
+#[test]
+fn a_pose_is_lit_more_coarsely_where_the_frame_time_does_not_suffice() {
+    let (mut thread, still) = (on_cores(), unhurried());
+    let mut x = 0.0;
+    let mut drag_until = |detail: Detail, frame_budget_ms: f32| {
+        wait_for("another detail", || {
+            x += 0.01;
+            thread.request(RenderRequest { frame_budget_ms, ..dragged(&still, x) });
+            let step = wait_for("a step", || thread.frames());
+            (step.detail == Some(detail)).then_some(())
+        });
+    };
+    drag_until(Detail::LADDER[0], 0.01);
+    drag_until(Detail::FINEST, 1e4);
 }

@@ -271,7 +271,7 @@ impl Worker {
             return Ok(());
         }
         match self.stage {
-            PictureStage::Rest if self.may_be_finer() => Ok(()),
+            PictureStage::Rest if self.may_be_finer() && !self.must_wait() => Ok(()),
             PictureStage::Rest => self.answer_reads(),
             PictureStage::Begin => self.begin_any(&request),
             _ if self.waits() => Ok(()),
@@ -328,7 +328,12 @@ impl Worker {
     fn may_be_finer(&self) -> bool {
         let is_moving = self.wanted.as_ref().is_none_or(|request| request.moving);
         let is_coarse = self.scene.as_ref().and_then(LitScene::detail).is_some_and(|detail| detail != Detail::FINEST);
-        is_coarse && !is_moving && !self.shared.held.load(SeqCst)
+        is_coarse && !is_moving
+    }
+
+    /// Whether other work needs the cores, or a better picture is on its way.
+    fn must_wait(&self) -> bool {
+        self.shared.held.load(SeqCst) || self.shared.is_preview.load(SeqCst)
     }
 
     /// Lights posed objects as finely as can be once the full picture is due. Returns whether it has begun so.
@@ -338,7 +343,7 @@ impl Worker {
             PictureStage::Settle { .. } => self.stage.settled(Instant::now()),
             PictureStage::Begin | PictureStage::Sketch => false,
         };
-        if !is_due || !self.may_be_finer() {
+        if !is_due || !self.may_be_finer() || self.must_wait() {
             return Ok(false);
         }
         let Some(scene) = &mut self.scene else { return Ok(false) };
