@@ -4,6 +4,7 @@ use crate::common::Folder;
 use glam::{DVec3, Vec3};
 use lapidary_core::{cut::packed::PackedCuts, image::Image, meshless::Transport};
 use serde_json::Value;
+use std::sync::Arc;
 
 /// Few sources, but fine cuts over them.
 const BAKE: &str = "--mode indirect --sources 4096 --source-sigma 1 --lights 256 --pilot-clusters 64 \
@@ -84,7 +85,7 @@ fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
         (row["bounces"].as_u64(), figure("error"), figure("energy"))
     };
     let mut turned = folder.dataset("box.cuts");
-    let bake = turned.meshless.as_mut().expect("a basis");
+    let bake = Arc::make_mut(turned.meshless.as_mut().expect("a basis"));
     let (transport, size) = (&bake.transport, [bake.transport.receivers(), bake.transport.senders()]);
     let mut links = transport.packed().to_vec();
     links.iter_mut().for_each(|link| link.vector.rotate_left(1));

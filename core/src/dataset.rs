@@ -62,13 +62,13 @@ use crate::{
     ground::Ground,
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
-    scene::{Scene, placed, pose::Poses},
+    scene::{Mesh, Scene, placed, pose::Poses},
     shot::Shot,
     sources::IndirectBake,
 };
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 /// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
@@ -98,8 +98,8 @@ pub struct Dataset {
     pub cuts: PackedCuts,
     /// Surface sources and their cuts, if they were baked.
     pub indirect: Option<IndirectBake>,
-    /// The meshless basis and its light transport, if they were baked.
-    pub meshless: Option<MeshlessBake>,
+    /// The meshless basis and its light transport, if they were baked; shared, since they are large and stay when objects are posed.
+    pub meshless: Option<Arc<MeshlessBake>>,
     /// Settings of its bake.
     pub settings: BakeSettings,
     /// Hash of the scene as imported, hexadecimal.
@@ -109,6 +109,23 @@ pub struct Dataset {
 }
 
 impl Dataset {
+    /// The same with another mesh of as many vertices and triangles.
+    #[must_use]
+    pub fn with_mesh(&self, mesh: Mesh) -> Self {
+        Self {
+            scene: self.scene.with_mesh(mesh),
+            two_sided: self.two_sided.clone(),
+            vertex_valid: self.vertex_valid.clone(),
+            tree: self.tree.clone(),
+            cuts: self.cuts.clone(),
+            indirect: self.indirect.clone(),
+            meshless: self.meshless.clone(),
+            settings: self.settings.clone(),
+            scene_hash: self.scene_hash.clone(),
+            report: self.report.clone(),
+        }
+    }
+
     /// Interpolation weights of three vertices. `barycentric` are those of the second and third; the shares of buried
     /// vertices go to the others.
     pub fn interpolation_weights(&self, vertices: [u32; 3], barycentric: Vec2) -> [f32; 3] {

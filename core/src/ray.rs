@@ -111,18 +111,20 @@ impl Intersector {
 
     fn parted(mesh: &Mesh, opacities: &Opacities, build: Build) -> Self {
         let thin = opacities.thin();
+        let all = 0..mesh.triangles.len() as u32;
         if thin.iter().all(Option::is_none) {
-            return Self::made(mesh, build, |_| true);
+            return Self::made(mesh, build, all.collect());
         }
         let material = |t: u32| opacities.material(mesh, t);
         let is_thin = |t: u32| thin[material(t) as usize].is_some();
-        let veils = Veils::new(mesh, Self::made(mesh, build, is_thin), material, &thin);
-        Self { veils: Some(Box::new(veils)), ..Self::made(mesh, build, |t| !is_thin(t)) }
+        let (thin_ones, solid) = all.partition(|&t| is_thin(t));
+        let veils = Veils::new(mesh, Self::made(mesh, build, thin_ones), material, &thin);
+        Self { veils: Some(Box::new(veils)), ..Self::made(mesh, build, solid) }
     }
 
-    /// Of the triangles that `is_part` tells.
-    fn made(mesh: &Mesh, build: Build, is_part: impl Fn(u32) -> bool) -> Self {
-        let mut distinct = distinct_triangles(mesh, is_part);
+    /// Of some triangles, in ascending order.
+    fn made(mesh: &Mesh, build: Build, triangles: Vec<u32>) -> Self {
+        let mut distinct = distinct_triangles(mesh, triangles);
         let bounds = mesh.bounds();
         distinct.sort_by_cached_key(|&t| mesh.shell_of_ground(t, bounds));
         let shells = distinct.chunk_by(|&a, &b| mesh.shell_of_ground(a, bounds) == mesh.shell_of_ground(b, bounds));
@@ -134,7 +136,7 @@ impl Intersector {
         let mut built = 0;
         for shell in shells {
             let of_shell = build(&shell.par_iter().map(triangle).collect::<Vec<Triangle>>());
-            bvh = hierarchy::joined(bvh, built, of_shell);
+            bvh = hierarchy::joined(&bvh, built, &of_shell);
             built += shell.len() as u32;
         }
         widen_boxes(&mut bvh, bounds);
@@ -297,20 +299,19 @@ impl Intersector {
 
 /// The triangles but for later copies of others, which no ray would tell apart: of triangles at the same distance the first
 /// counts. Building takes a time that grows with the square of copies in one place.
-fn distinct_triangles(mesh: &Mesh, is_part: impl Fn(u32) -> bool) -> Vec<u32> {
+fn distinct_triangles(mesh: &Mesh, part: Vec<u32>) -> Vec<u32> {
     let corners = |t: u32| mesh.corners(t as usize).map(|corner| corner.to_array().map(f32::to_bits));
     let mix = |hash: u64, bits: u32| (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     let hash = |t: u32| (corners(t).as_flattened().iter().fold(0, |h, &bits| mix(h, bits)), t);
-    let part: Vec<u32> = (0..mesh.triangles.len() as u32).filter(|&t| is_part(t)).collect();
     let mut hashed: Vec<(u64, u32)> = part.par_iter().map(|&t| hash(t)).collect();
     hashed.par_sort_unstable();
-    let mut is_copy = vec![false; mesh.triangles.len()];
+    let mut copies = HashSet::new();
     // Equal triangles have equal hashes and stand side by side, the first before its copies.
     for alike in hashed.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
         let mut known = HashSet::new();
-        alike.iter().for_each(|&(_, t)| is_copy[t as usize] = !known.insert(corners(t)));
+        copies.extend(alike.iter().map(|&(_, t)| t).filter(|&t| !known.insert(corners(t))));
     }
-    part.into_iter().filter(|&t| !is_copy[t as usize]).collect()
+    part.into_iter().filter(|t| !copies.contains(t)).collect()
 }
 
 /// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes. Rays begin in

@@ -94,6 +94,23 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The same with another mesh, of the same objects and materials.
+    #[must_use]
+    pub fn with_mesh(&self, mesh: Mesh) -> Self {
+        Self {
+            mesh,
+            materials: self.materials.clone(),
+            textures: self.textures.clone(),
+            objects: self.objects.clone(),
+            cameras: self.cameras.clone(),
+            lights: self.lights.clone(),
+            variants: self.variants.clone(),
+            part_opacities: self.part_opacities.clone(),
+            placed: self.placed.clone(),
+            clip_time: self.clip_time.clone(),
+        }
+    }
+
     /// The camera of a name.
     ///
     /// # Errors

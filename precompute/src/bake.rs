@@ -49,6 +49,7 @@ use lapidary_core::{
 };
 use std::{
     path::{Path, PathBuf},
+    sync::Arc,
     time::Instant,
 };
 
@@ -240,7 +241,7 @@ impl<'a> Begun<'a> {
             tree,
             cuts: packed.cuts,
             indirect: bounces.indirect,
-            meshless: bounces.meshless,
+            meshless: bounces.meshless.map(Arc::new),
             settings: settings.into_settings(),
             scene_hash: hash,
             report,

@@ -185,7 +185,7 @@ pub trait Backend: Send {
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError>;
 
     /// Takes the scene that it has as it is posed now: the same one, with vertices elsewhere and other visibility cuts for these.
-    /// Materials stay; the light is to be set again, and until then pictures are black.
+    /// Materials stay; the light is to be set again before a picture is made.
     ///
     /// # Errors
     /// Cuts beyond the adapter's limits, or a lost device; no picture is made then before a scene is set.

@@ -7,7 +7,7 @@ use lapidary_core::{
     opacity::Opacities,
     ray::{Intersector, Posable},
     scene::{
-        MeshError, Scene,
+        MeshError,
         pose::{Objects, Poses},
     },
 };
@@ -163,8 +163,11 @@ impl Posing {
         let (posed, hierarchies) = (rays.posable.posed(&mesh), Rays::default());
         let place = if rays.is_thorough { &hierarchies.thorough } else { &hierarchies.quick };
         place.get_or_init(|| posed);
-        let dataset = Dataset { scene: Scene { mesh, ..baked.scene.clone() }, ..(*baked).clone() };
-        Ok(Baked { dataset: dataset.into(), rays: hierarchies.into(), patches: self.baked.patches.clone() })
+        Ok(Baked {
+            dataset: baked.with_mesh(mesh).into(),
+            rays: hierarchies.into(),
+            patches: self.baked.patches.clone(),
+        })
     }
 
     fn rays(&mut self, moving: BTreeSet<u32>) -> &PosableRays {

@@ -145,7 +145,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.drift = Drift::default();
     }
 
-    /// Poses the objects of the scene. Where they cannot be posed so, they stay. Returns whether anything changed.
+    /// Poses the objects of the scene. Returns whether anything changed; where they cannot be
+    /// posed so, nothing does.
     fn pose(&mut self, poses: &Poses) -> Result<bool, BackendError> {
         let is_as_fine = self.pose_rigs.used().is_some_and(|rig| rig.detail() == self.detail);
         if self.poses == *poses && (poses.is_empty() || is_as_fine) {

@@ -344,7 +344,7 @@ pub(crate) fn linked(normal: Vec3, link: Vec3) -> Dataset {
     let on_floor = Surfel { position: Vec3::ZERO, normal, place };
     let basis = Basis::new(&[vec![on_wall, on_floor]], 20.0, 1).unwrap();
     let transport = Transport::from_rows(&[Vec::new(), vec![(0, link)]], 2);
-    dataset.meshless = Some(MeshlessBake { basis, transport });
+    dataset.meshless = Some(MeshlessBake { basis, transport }.into());
     dataset
 }
 

@@ -180,8 +180,9 @@ impl PackedCuts {
         self.offsets.par_iter().enumerate().find_map_first(check).map_or(Ok(()), Err)
     }
 
-    /// Appends a cut and returns its first texel.
+    /// Appends a cut and returns its first texel. Cuts that were replaced lie behind the stored ones, so that none may follow.
     pub fn push_cut(&mut self, cut: &[u16]) -> u32 {
+        assert!(self.others.is_empty(), "no cut was replaced before the last one is stored");
         append(Arc::make_mut(&mut self.stored), cut)
     }
 

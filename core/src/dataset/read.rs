@@ -15,7 +15,7 @@ use crate::{
     texture::Texture,
 };
 use safetensors::Dtype;
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 impl Dataset {
     /// Reads and checks a dataset.
@@ -67,7 +67,7 @@ impl Reader<'_> {
             tree,
             cuts,
             indirect,
-            meshless,
+            meshless: meshless.map(Arc::new),
             settings: header.settings,
             scene_hash: header.scene_hash,
             report: header.report,

@@ -308,7 +308,7 @@ fn with_meshless() -> Dataset {
     let basis = Basis::new(&levels, 1.0, 1).unwrap();
     let rows = [vec![(1, Vec3::Y)], vec![], vec![(0, Vec3::X), (1, -Vec3::Z)], vec![], vec![(0, Vec3::ONE)]];
     let transport = Transport::from_rows(&rows, 2);
-    Dataset { meshless: Some(MeshlessBake { basis, transport }), ..dataset() }
+    Dataset { meshless: Some(MeshlessBake { basis, transport }.into()), ..dataset() }
 }
 
 #[test]

@@ -90,7 +90,7 @@ impl Dataset {
         ];
         tensors.extend(cut_tensors(["cuts", "cut_offsets"], &self.cuts));
         tensors.extend(self.indirect.iter().flat_map(indirect::tensors));
-        tensors.extend(self.meshless.iter().flat_map(meshless::tensors));
+        tensors.extend(self.meshless.as_deref().into_iter().flat_map(meshless::tensors));
         for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {
             tensors.push(Tensor {
                 name: name.into(),

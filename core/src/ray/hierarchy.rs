@@ -61,9 +61,9 @@ pub(super) fn build_quickly(triangles: &[Triangle]) -> Bvh2 {
 
 /// Two hierarchies as one, the triangles of the second after the `triangles` of the first. What is far larger than the rest, as a ground is,
 /// would spoil the curve along which neighbours are merged.
-pub(super) fn joined(a: Bvh2, triangles: u32, b: Bvh2) -> Bvh2 {
+pub(super) fn joined(a: &Bvh2, triangles: u32, b: &Bvh2) -> Bvh2 {
     let (Some(root_a), Some(root_b)) = (a.nodes.first(), b.nodes.first()) else {
-        return if a.nodes.is_empty() { b } else { a };
+        return if a.nodes.is_empty() { b.clone() } else { a.clone() };
     };
     // With spatial splits a triangle may stand in several leaves.
     let (nodes_a, places_a) = (a.nodes.len() as u32, a.primitive_indices.len() as u32);
@@ -138,7 +138,7 @@ mod tests {
     fn joined_hierarchies_hold_the_triangles_of_both() {
         let walls = room(4);
         let (first, second) = walls.split_at(70);
-        let both = joined(build(first), 70, build(second));
+        let both = joined(&build(first), 70, &build(second));
         let mut indices = both.primitive_indices.clone();
         indices.sort_unstable();
         assert_eq!(indices, (0..walls.len() as u32).collect::<Vec<_>>());
@@ -158,7 +158,7 @@ mod tests {
         }
         let leaves: u32 = both.nodes.iter().map(|node| node.prim_count).sum();
         assert_eq!(leaves as usize, walls.len());
-        assert_eq!(joined(build(&[]), 0, build(first)).nodes.len(), build(first).nodes.len());
+        assert_eq!(joined(&build(&[]), 0, &build(first)).nodes.len(), build(first).nodes.len());
     }
 
     #[test]

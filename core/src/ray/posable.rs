@@ -7,7 +7,8 @@ use super::{Intersector, LeafBlocks, Veils, hierarchy, widen_boxes};
 use crate::{bounds::Bounds, opacity::Opacities, scene::Mesh};
 use glam::Vec3;
 use obvhs::aabb::Aabb;
-use std::collections::BTreeSet;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Casts rays on a scene under one pose after another.
 pub struct Posable {
@@ -21,6 +22,8 @@ pub struct Posable {
 struct Layer {
     /// As baked; the triangles of what moves are points, which no ray meets.
     still: Intersector,
+    /// Of the whole scene as baked.
+    bounds: Bounds,
     /// One for each object that moves, as baked.
     moving: Vec<Intersector>,
 }
@@ -53,27 +56,59 @@ impl Layer {
     /// Of the triangles that `is_part` tells.
     fn new(baked: &Intersector, mesh: &Mesh, moving: &BTreeSet<u32>, is_part: impl Fn(u32) -> bool) -> Self {
         let object = |t: u32| mesh.triangle_object[t as usize];
-        let made = |is_one: &dyn Fn(u32) -> bool| Intersector::made(mesh, hierarchy::build_quickly, is_one);
+        let made = |triangles| Intersector::made(mesh, hierarchy::build_quickly, triangles);
         let still = baked.without(|t| moving.contains(&object(t)));
         // A hierarchy leaves copies of triangles out: one that stays may be the copy of one that moves.
         let mut is_known = vec![false; mesh.triangles.len()];
         baked.leaf_ids.iter().for_each(|&t| is_known[t as usize] = true);
-        let copies = made(&|t| is_part(t) && !is_known[t as usize] && !moving.contains(&object(t)));
-        let of_object = |&moved: &u32| made(&|t| is_part(t) && object(t) == moved);
-        Self { still: still.joined(copies), moving: moving.iter().map(of_object).collect() }
+        let mut copies = Vec::new();
+        let mut of_moving: BTreeMap<u32, Vec<u32>> = moving.iter().map(|&object| (object, Vec::new())).collect();
+        for t in (0..mesh.triangles.len() as u32).filter(|&t| is_part(t)) {
+            match of_moving.get_mut(&object(t)) {
+                Some(triangles) => triangles.push(t),
+                None if !is_known[t as usize] => copies.push(t),
+                None => {}
+            }
+        }
+        let moving = of_moving.into_values().filter(|triangles| !triangles.is_empty()).map(made).collect();
+        Self { still: still.joined(&made(copies)), bounds: mesh.bounds(), moving }
     }
 
     fn posed(&self, posed: &Mesh, bounds: Bounds) -> Intersector {
-        let mut joined: Option<Intersector> = None;
-        for object in self.moving.iter().filter(|object| !object.leaf_ids.is_empty()) {
-            let object = object.refitted(posed, bounds);
-            joined = Some(joined.as_ref().unwrap_or(&self.still).joined(object));
+        let widened = self.still.widened(self.bounds, bounds);
+        let still = widened.as_ref().unwrap_or(&self.still);
+        let moved: Vec<Intersector> = self.moving.par_iter().map(|object| object.refitted(posed, bounds)).collect();
+        match all_joined(moved) {
+            Some(moved) => still.joined(&moved),
+            None => still.copied(),
         }
-        joined.unwrap_or_else(|| self.still.without(|_| false))
     }
 }
 
+/// Hierarchies as one, joined two by two: each is copied as often as the tree over them is high.
+fn all_joined(mut hierarchies: Vec<Intersector>) -> Option<Intersector> {
+    while hierarchies.len() > 1 {
+        let pairs = hierarchies.par_chunks(2);
+        hierarchies = pairs.map(|pair| pair.get(1).map_or_else(|| pair[0].copied(), |b| pair[0].joined(b))).collect();
+    }
+    hierarchies.pop()
+}
+
 impl Intersector {
+    fn copied(&self) -> Self {
+        self.without(|_| false)
+    }
+
+    /// The same for rays that begin in `now`, unless its boxes, which are as wide as rays that begin in `before` ask, will do.
+    fn widened(&self, before: Bounds, now: Bounds) -> Option<Self> {
+        if before.min.cmple(now.min).all() && before.max.cmpge(now.max).all() {
+            return None;
+        }
+        let mut wide = self.copied();
+        widen_boxes(&mut wide.bvh, now);
+        Some(wide)
+    }
+
     /// The same where some triangles are points in place.
     fn without(&self, is_left_out: impl Fn(u32) -> bool) -> Self {
         let kept = |(&[a, b, c], &t): (&[Vec3; 3], &u32)| if is_left_out(t) { [a; 3] } else { [a, b, c] };
@@ -97,14 +132,14 @@ impl Intersector {
     }
 
     /// This hierarchy and another one as one.
-    fn joined(&self, other: Self) -> Self {
+    fn joined(&self, other: &Self) -> Self {
         if other.leaf_ids.is_empty() {
-            return self.without(|_| false);
+            return self.copied();
         }
         let places = self.leaf_ids.len() as u32;
         Self {
             blocks: self.blocks.joined(&other.blocks),
-            bvh: hierarchy::joined(self.bvh.clone(), places, other.bvh),
+            bvh: hierarchy::joined(&self.bvh, places, &other.bvh),
             leaf_triangles: [&self.leaf_triangles[..], &other.leaf_triangles].concat(),
             leaf_ids: [&self.leaf_ids[..], &other.leaf_ids].concat(),
             veils: None,
@@ -175,6 +210,40 @@ mod tests {
             };
             assert_eq!(seen(&posed), seen(&built), "in batches, through thin surfaces");
         }
+    }
+
+    #[test]
+    fn many_objects_are_met_as_few_are() {
+        let scene: Scene = cubes(40);
+        let (objects, opacities) = (Objects::of(&scene), Opacities::of_scene(&scene));
+        let all: Vec<(u32, Pose)> = (0..40).map(|object| (object, pose(0.01 * object as f32, 9.0, 1.1))).collect();
+        let mesh = moved(&all).pose(&scene.mesh, &objects).unwrap();
+        let posable = Posable::new(&Intersector::of_scene(&scene), &scene.mesh, &opacities, &(0..39).collect());
+        let still_one = moved(&all[..39]).pose(&scene.mesh, &objects).unwrap();
+        let (posed, built) = (posable.posed(&still_one), Intersector::new(&still_one));
+        assert_eq!(differ(&met(&posed), &met(&built)), 0);
+        assert!(differ(&met(&posed), &met(&Intersector::new(&mesh))) > 0, "negative control: one more has moved");
+        assert!(posed.bvh.max_depth < 40, "the tree over them is no chain: {}", posed.bvh.max_depth);
+    }
+
+    #[test]
+    fn boxes_are_as_wide_as_rays_from_far_away_ask() {
+        let scene = cubes(2);
+        let posable =
+            Posable::new(&Intersector::of_scene(&scene), &scene.mesh, &Opacities::of_scene(&scene), &[0].into());
+        let least_margin = |x: f32| {
+            let mesh = moved(&[(0, pose(x, 0.0, 1.0))]).pose(&scene.mesh, &Objects::of(&scene)).unwrap();
+            let rays = posable.posed(&mesh);
+            let margin = |node: &obvhs::bvh2::node::Bvh2Node| {
+                let first = node.first_index as usize;
+                let corners = rays.leaf_triangles[first..first + node.prim_count as usize].as_flattened();
+                let least = corners.iter().copied().reduce(Vec3::min).unwrap();
+                (least - Vec3::from(node.aabb.min)).min_element()
+            };
+            rays.bvh.nodes.iter().filter(|node| node.is_leaf()).map(margin).fold(f32::INFINITY, f32::min)
+        };
+        assert!(least_margin(1000.0) > 3e-3);
+        assert!(least_margin(0.1) < 1e-4, "negative control");
     }
 
     #[test]

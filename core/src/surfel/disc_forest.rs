@@ -94,8 +94,9 @@ impl DiscForest {
             .for_each(|&node| nodes[node as usize] = leaves[self.shape.span(node).start as usize]);
         for block in (0..self.shape.blocks() as u32).rev() {
             if let Some(parent) = self.shape.parent(block) {
-                let share =
-                    |node: u32| self.blocks[block as usize].area[node as usize % CHILDREN] / self.node(parent).area;
+                let whole = self.node(parent).area;
+                let area = |node: u32| self.blocks[block as usize].area[node as usize % CHILDREN];
+                let share = |node: u32| if whole > 0.0 { area(node) / whole } else { 0.0 };
                 let weighted = self.shape.nodes_of(block).map(|node| nodes[node as usize] * share(node));
                 nodes[parent as usize] = weighted.fold(T::default(), |sum, value| sum + value);
             }
@@ -156,5 +157,15 @@ mod tests {
         assert!((nodes[0] - mean(0..60, &by_area)).abs() < 1e-4);
         assert!((nodes[1] - mean(60..100, &by_area)).abs() < 1e-4);
         assert!((nodes[0] - mean(0..60, &|_| 1.0)).abs() > 1e-3, "negative control: areas differ");
+    }
+
+    #[test]
+    fn discs_without_area_are_left_out_of_what_is_pulled_up() {
+        let mut forest = forest();
+        forest.update(&|_| true, &|leaf, disc| if leaf < 30 { Disc { area: 0.0, ..disc } } else { disc });
+        let nodes = forest.pull(&[1.0; 100]);
+        assert!((nodes[0] - 1.0).abs() < 1e-4 && nodes.iter().all(|value| value.is_finite()));
+        let without = (0..forest.shape().nodes() as u32).filter(|&node| forest.node(node).area == 0.0).count();
+        assert!(without > 10, "negative control: inner nodes have none, {without}");
     }
 }

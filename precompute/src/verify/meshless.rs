@@ -36,7 +36,7 @@ pub struct MeshlessVerification {
 
 /// Verifies at most `count` functions; `None` without a meshless basis.
 pub(super) fn verify(dataset: &Dataset, intersector: &Intersector, count: usize) -> Option<MeshlessVerification> {
-    let bake = dataset.meshless.as_ref()?;
+    let bake = dataset.meshless.as_deref()?;
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &black);
     let mut random = fastrand::Rng::with_seed(super::seed(dataset));
@@ -138,7 +138,7 @@ mod tests {
     /// With other links of the same layout.
     fn damaged(dataset: &Dataset, damage: impl Fn(usize, PackedLink) -> PackedLink) -> Dataset {
         let mut damaged = dataset.clone();
-        let transport = &mut damaged.meshless.as_mut().unwrap().transport;
+        let transport = &mut Arc::make_mut(damaged.meshless.as_mut().unwrap()).transport;
         let links = transport.packed().iter().enumerate().map(|(i, &link)| damage(i, link)).collect();
         let size = [transport.receivers(), transport.senders()];
         *transport = Transport::from_parts(size, transport.scale(), transport.offsets().to_vec(), links).unwrap();

@@ -16,7 +16,7 @@ pub fn refusal(dataset: &Dataset) -> String {
 fn a_damaged_meshless_basis_is_named() {
     let error_of = |change: &dyn Fn(&mut MeshlessBake)| {
         let mut dataset = with_meshless();
-        change(dataset.meshless.as_mut().unwrap());
+        change(Arc::make_mut(dataset.meshless.as_mut().unwrap()));
         refusal(&dataset)
     };
     let changed = |bake: &MeshlessBake, change: &dyn Fn(&mut Surfel)| {

@@ -37,7 +37,7 @@ pub struct GpuForest {
     pub(super) leaves: u32,
     pub(super) nodes: u32,
     walk: WalkUniforms,
-    /// The object that moves while bins of all others are kept.
+    /// The objects that move while bins of all others are kept.
     dragged: Option<BTreeSet<u32>>,
     pub(super) light: LightBuffers,
     pub(super) times: ForestTimes,

@@ -201,9 +201,11 @@ fn views_of_poses_and_of_a_drag_are_those_of_the_twin() {
     assert_eq!(gpu.views(3..3).unwrap().leaves(), 0);
 }
 
-/// Most that a value differs from another.
+/// Most that a value differs from another; infinite for what is not a number.
 fn farthest(found: &[Vec3], expected: &[Vec3]) -> f32 {
-    found.iter().zip(expected).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
+    assert_eq!(found.len(), expected.len());
+    let apart = |(a, b): (&Vec3, &Vec3)| if a.is_finite() { (*a - *b).abs().max_element() } else { f32::INFINITY };
+    found.iter().zip(expected).map(apart).fold(0.0, f32::max)
 }
 
 /// The same in means of the other values.
@@ -242,18 +244,44 @@ fn light_is_that_of_the_twin() {
 }
 
 #[test]
+fn an_object_that_has_shrunk_to_a_point_is_nothing_as_for_the_twin() {
+    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let mut case = Case::new(512);
+    let mut gpu = adapter.forest(&case.forest, case.mesh.positions.len(), LAYOUT).unwrap();
+    let mut light = |positions: &[Vec3]| {
+        case.forest.update(positions, &|_| true);
+        gpu.update(positions).unwrap();
+        gpu.walk().unwrap();
+        let bright = vec![Vec3::splat(0.5); gpu.leaves as usize];
+        let lighting = Lighting { reflectance: &bright, emitted: &bright, received: &bright, sky: &|_| Vec3::ZERO };
+        let views = gpu.views(0..gpu.leaves).unwrap();
+        let twin = LeafLight::new(case.forest.discs(), &views, &lighting, 2).bounced;
+        (gpu.light(&lighting, 2).unwrap().bounced, twin)
+    };
+    let (_, whole) = light(&case.mesh.positions);
+    let mut shrunk = case.mesh.positions.clone();
+    let of_box = case.mesh.triangles.iter().zip(&case.mesh.triangle_object).filter(|(_, object)| **object == 1);
+    of_box.for_each(|(corners, _)| corners.iter().for_each(|&v| shrunk[v as usize] = Vec3::new(0.3, -0.5, 0.0)));
+    let (found, twin) = light(&shrunk);
+    assert!(worst(&found, &twin) < 1e-5, "{}", worst(&found, &twin));
+    assert!(worst(&found, &whole) > 0.1, "negative control: the box as it was");
+}
+
+#[test]
 fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
     let Some((_one_at_a_time, adapter)) = adapter() else { return };
-    let mesh = scene_of(&cuboid(Vec3::ZERO, Vec3::ONE)).mesh;
-    let forest = SurfelForest::new(&mesh, &vec![false; mesh.triangles.len()], 256);
-    let mut gpu = adapter.forest(&forest, mesh.positions.len(), BinLayout::FINEST).unwrap();
-    gpu.walk().unwrap();
-    let views = gpu.views(0..256).unwrap();
-    assert!(views == Bins::walk(forest.discs(), BinLayout::FINEST, &|_| true).views());
-    assert!(
-        (0..256).all(|leaf| views.of_leaf(leaf).iter().all(|&node| node == EMPTY)),
-        "a convex thing sees itself nowhere"
-    );
+    let sees_something = |parts: &[Vec<[Vec3; 3]>]| {
+        let mesh = scene_of(&parts.concat()).mesh;
+        let forest = SurfelForest::new(&mesh, &vec![false; mesh.triangles.len()], 256);
+        let mut gpu = adapter.forest(&forest, mesh.positions.len(), BinLayout::FINEST).unwrap();
+        gpu.walk().unwrap();
+        let views = gpu.views(0..256).unwrap();
+        assert!(views == Bins::walk(forest.discs(), BinLayout::FINEST, &|_| true).views());
+        (0..256).any(|leaf| views.of_leaf(leaf).iter().any(|&node| node != EMPTY))
+    };
+    let cube = |x: f32| cuboid(Vec3::X * x, Vec3::ONE).to_vec();
+    assert!(!sees_something(&[cube(0.0)]), "a convex thing sees itself nowhere");
+    assert!(sees_something(&[cube(0.0), cube(3.0)]), "negative control: another one");
 }
 
 /// What a rig shows of some poses, one after another: its cuts, and the light.
@@ -278,11 +306,13 @@ fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
         [Box::new(adapter) as Box<dyn LeafSights>, Box::new(CoreSights)].map(|sights| shown(sights, &baked, &poses));
     for ((cuts, light), (of_cores, of_twin)) in found.iter().zip(&expected) {
         assert!(cuts == of_cores);
-        for (found, expected) in [(&light.growth, &of_twin.growth), (&light.bounce, &of_twin.bounce)] {
-            let differ = farthest(&found.front, &expected.front);
-            println!("light of a pose differs by {differ}");
-            assert!(differ < 1e-4);
-        }
+        let sides = |light: &PosedLight| {
+            [&light.growth, &light.uncovered, &light.bounce]
+                .map(|sides| [sides.front.clone(), sides.back.clone()].concat())
+        };
+        let differ = sides(light).iter().zip(sides(of_twin)).map(|(a, b)| farthest(a, &b)).fold(0.0, f32::max);
+        println!("light of a pose differs by {differ}");
+        assert!(differ < 1e-4);
     }
     let growth = |pose: usize| &expected[pose].1.growth.front;
     assert!(farthest(growth(0), growth(1)) > 0.1 && expected[0].0 != expected[1].0, "negative control: another pose");

@@ -51,7 +51,7 @@ fn scene_with_basis() -> Dataset {
     let every = |n: usize| points.iter().step_by(n).copied().collect::<Vec<_>>();
     let basis = Basis::new(&[every(37), every(7), every(1)], 1.0, 1).unwrap();
     let transport = Transport::from_rows(&vec![Vec::new(); basis.len()], basis.senders().len());
-    dataset.meshless = Some(MeshlessBake { basis, transport });
+    dataset.meshless = Some(MeshlessBake { basis, transport }.into());
     dataset
 }
 
@@ -317,7 +317,7 @@ fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
     let mut dataset = linked_floor_and_wall();
     // The floor lights the wall too, so that its sources have more to send.
     let rows = [vec![(1, Vec3::new(0.3, -0.2, 0.0))], vec![(0, Vec3::new(-0.3, 0.2, 0.05))]];
-    dataset.meshless.as_mut().unwrap().transport = Transport::from_rows(&rows, 2);
+    Arc::make_mut(dataset.meshless.as_mut().unwrap()).transport = Transport::from_rows(&rows, 2);
     let renderer = Renderer::new(dataset);
     let baked = renderer.dataset().clone().into();
     gpu.set_scene(&baked).unwrap();

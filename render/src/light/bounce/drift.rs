@@ -92,7 +92,7 @@ struct BasisPoints {
 impl BasisPoints {
     fn new(baked: &Baked) -> Option<Self> {
         let dataset = &baked.dataset;
-        let MeshlessBake { basis, transport } = dataset.meshless.as_ref()?;
+        let MeshlessBake { basis, transport } = dataset.meshless.as_deref()?;
         let (mesh, patches) = (&dataset.scene.mesh, baked.patches());
         let of_vertices = |vertices: &[u32]| vertices.iter().fold(0, |bits, &v| bits | 1 << patches[v as usize]);
         let fronts = (0..).zip(mesh.positions.iter().copied().zip(mesh.normals.iter().copied()));

@@ -146,7 +146,7 @@ mod tests {
         let basis = Basis::new(&[coarse, fine], 1.0, 1).unwrap();
         let link = |y: f32| vec![(0, Vec3::new(0.1, y, 0.0))];
         let transport = Transport::from_rows(&[Vec::new(), link(-0.9), link(-0.5), link(-0.2)], 2);
-        dataset.meshless = Some(MeshlessBake { basis, transport });
+        dataset.meshless = Some(MeshlessBake { basis, transport }.into());
         let coefficients = [0.0, 2.0, -3.0, 4.0].map(|x| Mat3A::IDENTITY * x).to_vec();
         MeshlessLight::new(&dataset.into(), coefficients).unwrap()
     }

@@ -37,7 +37,7 @@ impl MeshlessRig {
     /// For a dataset with the materials of its bake and without light; `None` if it has no meshless basis.
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
-        let bake = dataset.meshless.as_ref()?;
+        let bake = dataset.meshless.as_deref()?;
         let normals = |sender: &Surfel| dataset.scene.mesh.shading_normal(sender);
         let solver = Solver::receiving_by(bake, bake.basis.sender_points().par_iter().map(normals).collect());
         let offset = offset::TRANSPORT * dataset.scene.mesh.bounds().diagonal();
@@ -83,7 +83,7 @@ impl MeshlessRig {
         let dataset = self.solve()?;
         let solved = self.solved.as_ref()?;
         if self.at_sources.is_none() {
-            let MeshlessBake { basis, transport } = dataset.meshless.as_ref()?;
+            let MeshlessBake { basis, transport } = dataset.meshless.as_deref()?;
             let points: Vec<_> = sources.iter().map(|s| (s.position, s.normal)).collect();
             self.at_sources = Some(Flattening::new(basis, transport, &points));
         }
@@ -102,7 +102,7 @@ impl MeshlessRig {
     fn solve(&mut self) -> Option<Arc<Dataset>> {
         let dataset = self.dataset.clone();
         if self.solved.is_none() {
-            let bake = dataset.meshless.as_ref()?;
+            let bake = dataset.meshless.as_deref()?;
             let (mut direct, albedo) = self.samples.fit(&self.solver, &self.lit.irradiance(), self.lit.albedo());
             let environment = self.environment.iter().flatten();
             direct.iter_mut().zip(environment).for_each(|(sum, part)| *sum += part);
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn senders_have_the_light_of_the_finer_points_under_them() {
         let mut dataset = linked_floor_and_wall();
-        let meshless = dataset.meshless.as_mut().unwrap();
+        let meshless = Arc::make_mut(dataset.meshless.as_mut().unwrap());
         let [wall, floor] = [0, 1].map(|i| meshless.basis.points()[i]);
         let aside = |z: f32| Surfel { position: wall.position + Vec3::Z * z, ..wall };
         let finer = [-0.5, 0.5].map(aside);
@@ -255,7 +255,7 @@ mod tests {
         let over_the_wall = Light { position: Vec3::new(-3.0, 5.0, 0.0), ..lamp(3.0)[0].clone() };
         let means = |wall_normal: Vec3| {
             let mut dataset = linked(Vec3::Y, LINK);
-            let meshless = dataset.meshless.as_mut().unwrap();
+            let meshless = Arc::make_mut(dataset.meshless.as_mut().unwrap());
             meshless.transport = Transport::from_rows(&[vec![(1, BACK)], vec![(0, LINK)]], 2);
             dataset.scene.mesh.normals.iter_mut().filter(|n| **n == Vec3::X).for_each(|n| *n = wall_normal);
             let mut rig = MeshlessRig::new(&Baked::from(dataset)).unwrap();

@@ -12,8 +12,8 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Depth of the nodes whose visibility is looked up: 2,048 directions, some for each cell.
-const DEPTH: u32 = 11;
+/// Directions that are looked up for each bin at least.
+const DIRECTIONS_OF_A_BIN: usize = 4;
 
 /// What a leaf sees along each direction.
 struct Sight {
@@ -30,8 +30,8 @@ pub fn of_moved(
     vertices: &VertexLeaves,
     is_moved: &[bool],
 ) -> PackedCuts {
-    let (tree, height) = (&dataset.tree, dataset.tree.height());
-    let nodes = 1 << height.min(DEPTH);
+    let tree = &dataset.tree;
+    let nodes = (DIRECTIONS_OF_A_BIN * views.layout().cells.len()).next_power_of_two().min(tree.len());
     let directions: Vec<Vec3> =
         (nodes..2 * nodes).map(|node| tree.mean_directions()[node].normalize_or_zero()).collect();
     let moved: Vec<u32> = (0..is_moved.len() as u32).filter(|&vertex| is_moved[vertex as usize]).collect();

@@ -13,7 +13,7 @@ fn lamp(intensity: f32) -> Arc<[Light]> {
 fn linked_both_ways() -> Dataset {
     let mut dataset = linked_floor_and_wall();
     let rows = [vec![(1, Vec3::new(0.3, -0.2, 0.0))], vec![(0, Vec3::new(-0.3, 0.2, 0.05))]];
-    dataset.meshless.as_mut().unwrap().transport = Transport::from_rows(&rows, 2);
+    Arc::make_mut(dataset.meshless.as_mut().unwrap()).transport = Transport::from_rows(&rows, 2);
     dataset
 }
 
