@@ -138,7 +138,7 @@ mod tests {
     /// With other links of the same layout.
     fn damaged(dataset: &Dataset, damage: impl Fn(usize, PackedLink) -> PackedLink) -> Dataset {
         let mut damaged = dataset.clone();
-        let transport = &mut Arc::make_mut(damaged.meshless.as_mut().unwrap()).transport;
+        let transport = &mut std::sync::Arc::make_mut(damaged.meshless.as_mut().unwrap()).transport;
         let links = transport.packed().iter().enumerate().map(|(i, &link)| damage(i, link)).collect();
         let size = [transport.receivers(), transport.senders()];
         *transport = Transport::from_parts(size, transport.scale(), transport.offsets().to_vec(), links).unwrap();

@@ -4,7 +4,10 @@ use crate::{
     appearance::Appearance,
     backend::{Backend, BackendError, PictureStats},
     baked::Baked,
-    cpu::{picture::Picture, sketch::Sketch},
+    cpu::{
+        picture::Picture,
+        sketch::{Moved, Sketch},
+    },
     light::{
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
@@ -40,7 +43,7 @@ pub struct CpuBackend {
     /// The last remark on too many lights.
     remark: Option<String>,
     blur: BlurCache,
-    sketch: Sketch,
+    pub(super) sketch: Sketch,
     begun: Option<Begun>,
 }
 
@@ -141,11 +144,10 @@ impl CpuBackend {
         Self::default()
     }
 
-    /// Forgets all but the scene.
-    fn forget(&mut self) {
+    /// Forgets all but the scene and what pixels see.
+    fn forget_light(&mut self) {
         (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
         self.remark = None;
-        self.sketch.forget();
     }
 
     /// The picture that was begun, with what samples and paints its pixels.
@@ -174,13 +176,17 @@ impl Backend for CpuBackend {
 
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
         self.renderer = Some(Renderer::new(baked.clone()));
-        self.forget();
+        self.forget_light();
+        self.sketch.forget();
         Ok(())
     }
 
     fn pose(&mut self, posed: &Baked) -> Result<(), BackendError> {
-        self.renderer = self.renderer.take().map(|renderer| renderer.posed(posed.clone()));
-        self.forget();
+        if let Some(renderer) = self.renderer.take() {
+            self.sketch.pose(&Moved::between(&renderer.dataset.scene.mesh, &posed.dataset.scene.mesh));
+            self.renderer = Some(renderer.posed(posed.clone()));
+        }
+        self.forget_light();
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 
 mod filter;
 mod history;
+mod moved;
 
 use crate::{
     appearance::Appearance,
@@ -13,6 +14,7 @@ use crate::{
 use filter::{Filter, Hole};
 use history::History;
 use lapidary_core::{camera::Camera, image::Region, ray::Hit};
+pub(crate) use moved::Moved;
 use rayon::prelude::*;
 
 /// What pixels see, kept while the camera stays, and how far the lattices of each tile are.
@@ -21,6 +23,8 @@ pub(crate) struct Sketch {
     seen_by: Option<(Camera, [u32; 2])>,
     /// Those of one tile after another.
     guides: Vec<Guide>,
+    /// Whether they are to be looked up again, since something there was posed anew.
+    stale: Vec<bool>,
     /// For each tile, the number of the last change of materials that its guides have; `None` before it was looked at.
     looked: Vec<Option<u64>>,
     /// For each tile, the finest lattice that all of its pixels have; `None` before the first.
@@ -37,6 +41,28 @@ impl Sketch {
     /// Another scene.
     pub fn forget(&mut self) {
         *self = Self { changes: self.changes, ..Self::default() };
+    }
+
+    /// The scene with objects elsewhere: only pixels that saw one, or may see one now, look again.
+    pub fn pose(&mut self, moved: &Moved) {
+        self.history = None;
+        let Some((camera, size)) = &self.seen_by else { return };
+        let tiles = Tiles::of(*size);
+        let rectangles = moved.rectangles(camera, *size);
+        if rectangles.contains(&[[0, 0], *size]) {
+            return self.stale.fill(true);
+        }
+        for [[left, top], [right, bottom]] in rectangles {
+            for (x, y) in (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y))) {
+                let (tile, place) = tiles.place(x, y);
+                if let Some(stale) = self.stale.get_mut(tile * Tiles::MOST_PIXELS + place) {
+                    *stale = true;
+                }
+            }
+        }
+        let sees_moved =
+            |guide: &Guide| guide.material != Guide::BACKGROUND && moved.contains(guide.triangle & !Guide::FROM_BEHIND);
+        self.stale.par_iter_mut().zip(&self.guides).for_each(|(stale, guide)| *stale |= sees_moved(guide));
     }
 
     /// Another appearance after `old`: what the pixels of changed materials look like is looked up again.
@@ -57,6 +83,7 @@ impl Sketch {
             self.remember(last);
             self.seen_by = Some((camera.clone(), size));
             self.looked = vec![None; count];
+            self.stale.fill(false);
         } else {
             self.history = None;
         }
@@ -105,18 +132,22 @@ impl Sketch {
         tiles: &[u32],
     ) {
         let (all, materials) = (self.tiles(), MaterialChanges { last: self.changes, of: &self.changed });
-        self.guides.resize(all.count() as usize * Tiles::MOST_PIXELS, Guide::unlit(Guide::BACKGROUND));
+        let pixels = all.count() as usize * Tiles::MOST_PIXELS;
+        self.guides.resize(pixels, Guide::unlit(Guide::BACKGROUND));
+        self.stale.resize(pixels, false);
         let wanted: Vec<bool> = mask(all.count(), tiles);
-        let shade_tile =
-            |painter: &mut Painter<'a>, (tile, (guides, looked)): (usize, (&mut [Guide], &mut Option<u64>))| {
-                let mut work = TileWork { tiles: all, region: all.region(tile as u32), guides, sampler, patches };
-                work.look(*looked, &materials);
-                *looked = Some(materials.last);
-                work.shade(picture, painter, stride, self.strides[tile].is_none())
-            };
+        type Known<'k> = ((&'k mut [Guide], &'k mut [bool]), &'k mut Option<u64>);
+        let shade_tile = |painter: &mut Painter<'a>, (tile, ((guides, stale), looked)): (usize, Known)| {
+            let region = all.region(tile as u32);
+            let mut work = TileWork { tiles: all, region, guides, stale, sampler, patches };
+            work.look(*looked, &materials);
+            *looked = Some(materials.last);
+            work.shade(picture, painter, stride, self.strides[tile].is_none())
+        };
         let shaded: Vec<Vec<FirstSample>> = self
             .guides
             .par_chunks_mut(Tiles::MOST_PIXELS)
+            .zip(self.stale.par_chunks_mut(Tiles::MOST_PIXELS))
             .zip(&mut self.looked)
             .enumerate()
             .filter(|(tile, _)| wanted[*tile])
@@ -189,6 +220,7 @@ struct TileWork<'t, 's, 'a> {
     tiles: Tiles,
     region: Region,
     guides: &'t mut [Guide],
+    stale: &'t mut [bool],
     sampler: &'s PixelSampler<'a>,
     patches: Option<&'s [u8]>,
 }
@@ -196,14 +228,13 @@ struct TileWork<'t, 's, 'a> {
 impl TileWork<'_, '_, '_> {
     /// Finds out what the pixels see, as far as that is not known or its material has changed since.
     fn look(&mut self, looked: Option<u64>, materials: &MaterialChanges) {
-        if looked == Some(materials.last) {
-            return;
+        let is_unknown = |&[x, y]: &[u32; 2]| looked.is_none() || self.stale[self.tiles.place(x, y).1];
+        let near: Vec<[u32; 2]> = by_blocks(self.region).filter(is_unknown).collect();
+        for (&[x, y], hit) in near.iter().zip(self.sampler.hits(&near, 0)) {
+            self.guides[self.tiles.place(x, y).1] = looked_up(self.sampler, hit, x, y);
         }
-        if looked.is_none() {
-            let near: Vec<[u32; 2]> = by_blocks(self.region).collect();
-            for (&[x, y], hit) in near.iter().zip(self.sampler.hits(&near, 0)) {
-                self.guides[self.tiles.place(x, y).1] = looked_up(self.sampler, hit, x, y);
-            }
+        self.stale.fill(false);
+        if looked.is_none_or(|looked| looked == materials.last) {
             return;
         }
         for (x, y) in pixels(self.region) {

@@ -31,7 +31,7 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let parts = |dataset: &Dataset| {
         let bake = dataset.meshless.clone().unwrap();
-        (bake.basis.points().to_vec(), bake.transport)
+        (bake.basis.points().to_vec(), bake.transport.clone())
     };
     let job = |name| indirect_job(folder.path(), name, BakeParts::MESHLESS);
     let whole = bake(interior(), &job("a.cuts"), &Silent).unwrap();
@@ -73,7 +73,7 @@ fn chunks_about_another_room_are_not_used_when_the_camera_has_moved() {
     let job = |name| searching(indirect_job(folder.path(), name, BakeParts::ALL));
     let parts = |dataset: &Dataset| {
         let meshless = dataset.meshless.clone().unwrap();
-        (indirect_contents(dataset), meshless.basis.points().to_vec(), meshless.transport)
+        (indirect_contents(dataset), meshless.basis.points().to_vec(), meshless.transport.clone())
     };
     let whole = bake(rooms(second), &job("a.cuts"), &Silent).unwrap();
     let job = job("b.cuts");

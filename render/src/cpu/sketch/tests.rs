@@ -2,8 +2,8 @@
 
 use super::by_blocks;
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Renderer, STRIDES, Stale, Tiles, View,
-    ViewMode,
+    Appearance, Backend, Background, Baked, BrdfSampling, CpuBackend, Illumination, Renderer, STRIDES, Stale, Tiles,
+    View, ViewMode,
     test_scenes::{dataset, from_the_side, illumination, mesh, rel_rmse, white},
 };
 use glam::{UVec2, Vec2, Vec3};
@@ -12,7 +12,10 @@ use lapidary_core::{
     dataset::Dataset,
     image::{Image, Region},
     material::{BrdfModel, Material},
-    scene::Mesh,
+    scene::{
+        Mesh, Object,
+        pose::{Pose, Poses},
+    },
 };
 use std::sync::Arc;
 
@@ -325,5 +328,37 @@ fn blocks_hold_each_pixel_of_a_region_once() {
         pixels.sort_unstable_by_key(|&[x, y]| (y, x));
         let rows: Vec<[u32; 2]> = region.rows().flat_map(|y| region.columns().map(move |x| [x, y])).collect();
         assert_eq!(pixels, rows);
+    }
+}
+
+#[test]
+fn posed_objects_are_looked_up_where_they_were_and_where_they_are() {
+    let dataset = scene(|mesh| {
+        let blocker = mesh.triangles.len() - 4;
+        mesh.triangle_object[blocker..].fill(1);
+    });
+    let mut dataset = Arc::unwrap_or_clone(dataset);
+    dataset.scene.objects.push(Object { name: "blocker".into() });
+    let baked = Baked::from(dataset);
+    let at = |x: f32, degrees: f32| {
+        let mut poses = Poses::default();
+        poses.set(1, Pose { translate: Vec3::X * x, rotate_degrees: Vec3::Z * degrees, scale: 1.0 });
+        baked.posed(&poses).unwrap()
+    };
+    let relit = |backend: &mut CpuBackend, posed: &Baked| {
+        let lighting = Renderer::new(posed.clone()).lighting(&light(), 64);
+        backend.set_light(&light(), &lighting.into()).unwrap();
+        sketched(backend, &view(), STRIDES[3])
+    };
+    let mut dragged = lit(&baked.dataset);
+    let mut last = sketched(&mut dragged, &view(), STRIDES[3]);
+    for posed in [at(0.1, 0.0), at(0.4, 20.0), at(5.0, 0.0), at(0.0, 0.0)] {
+        dragged.pose(&posed).unwrap();
+        let stale = dragged.sketch.stale.iter().filter(|stale| **stale).count();
+        assert!(stale > 0 && stale < 150 * 110 / 2, "{stale} pixels look again");
+        let now = relit(&mut dragged, &posed);
+        assert!(now == relit(&mut lit(&posed.dataset), &posed), "as where nothing was known");
+        assert!(now != last, "negative control: another pose");
+        last = now;
     }
 }

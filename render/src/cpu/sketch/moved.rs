@@ -1,0 +1,118 @@
+//! Which pixels see something else when objects are posed anew.
+
+use crate::shade::wireframe::Screen;
+use glam::{Vec2, Vec3};
+use lapidary_core::{bounds::Bounds, camera::Camera, scene::Mesh};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Pixels around the box of an object that count as it does: samples lie beside the middles of pixels.
+const MARGIN: f32 = 2.0;
+
+/// What is elsewhere in one mesh than in another that has the same triangles.
+pub struct Moved {
+    is_moved: Vec<bool>,
+    /// Around the moved triangles of each object, where they are now.
+    boxes: Vec<Bounds>,
+}
+
+impl Moved {
+    /// Between two poses of a scene.
+    pub fn between(before: &Mesh, now: &Mesh) -> Self {
+        let is_vertex_moved = |v: &u32| {
+            let v = *v as usize;
+            (before.positions[v], before.normals[v]) != (now.positions[v], now.normals[v])
+        };
+        let is_moved: Vec<bool> = now.triangles.par_iter().map(|corners| corners.iter().any(is_vertex_moved)).collect();
+        let mut boxes: BTreeMap<u32, Bounds> = BTreeMap::new();
+        for triangle in (0..is_moved.len()).filter(|&triangle| is_moved[triangle]) {
+            let own = Bounds::around(now.corners(triangle));
+            let all = boxes.entry(now.triangle_object[triangle]).or_insert(own);
+            *all = Bounds::around([all.min, all.max, own.min, own.max]);
+        }
+        Self { is_moved, boxes: boxes.into_values().collect() }
+    }
+
+    /// Whether a triangle is elsewhere, or is new.
+    pub fn contains(&self, triangle: u32) -> bool {
+        self.is_moved.get(triangle as usize).copied().unwrap_or(true)
+    }
+
+    /// Rectangles of pixels, from and up to columns and rows, outside of which nothing is seen that has moved there.
+    pub fn rectangles(&self, camera: &Camera, size: [u32; 2]) -> Vec<[[u32; 2]; 2]> {
+        let screen = Screen::new(camera, size);
+        self.boxes.iter().map(|bounds| rectangle(&screen, bounds, size)).collect()
+    }
+}
+
+/// Around a box; the whole picture if part of it is beside or behind the eye.
+fn rectangle(screen: &Screen, bounds: &Bounds, size: [u32; 2]) -> [[u32; 2]; 2] {
+    let corner = |i: u32| {
+        let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
+        screen.project(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
+    };
+    let corners: [Vec3; 8] = std::array::from_fn(|i| corner(i as u32));
+    if corners.iter().any(|corner| !(corner.z > 0.0)) {
+        return [[0, 0], size];
+    }
+    let places = corners.map(|corner| corner.truncate() / corner.z);
+    let low = places.into_iter().fold(Vec2::INFINITY, Vec2::min) - MARGIN;
+    let high = places.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max) + MARGIN;
+    // Conversions clamp: what lies outside of the picture makes an empty rectangle.
+    let within = |place: Vec2| [(place.x as u32).min(size[0]), (place.y as u32).min(size[1])];
+    [within(low), within(high.ceil())]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::test_scenes::cubes;
+
+    const SIZE: [u32; 2] = [200, 100];
+
+    fn camera(distance: f32) -> Camera {
+        Camera::look_at(Vec3::new(0.0, 0.0, distance), Vec3::ZERO, 40.0)
+    }
+
+    #[test]
+    fn moved_triangles_lie_in_the_rectangle_of_their_object() {
+        let before = cubes(3).mesh;
+        let mut now = before.clone();
+        let of_one = |t: &usize| before.triangle_object[*t] == 1;
+        let vertices = (0..before.triangles.len()).filter(of_one).flat_map(|t| before.triangles[t]);
+        let mut vertices: Vec<u32> = vertices.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices.iter().for_each(|&v| now.positions[v as usize] += Vec3::new(0.3, 0.1, 0.0));
+        let moved = Moved::between(&before, &now);
+        let objects =
+            (0..now.triangles.len() as u32).filter(|&t| moved.contains(t)).map(|t| now.triangle_object[t as usize]);
+        let objects: Vec<u32> = objects.collect();
+        assert!(objects.len() == 12 && objects.iter().all(|&object| object == 1));
+        let camera = camera(20.0);
+        let [[[left, top], [right, bottom]]] = moved.rectangles(&camera, SIZE)[..] else { panic!("one object") };
+        let screen = Screen::new(&camera, SIZE);
+        let is_in = |v: u32| {
+            let p = screen.project(now.positions[v as usize]);
+            let (x, y) = ((p.x / p.z) as u32, (p.y / p.z) as u32);
+            (left..right).contains(&x) && (top..bottom).contains(&y)
+        };
+        assert!(vertices.iter().all(|&v| is_in(v)));
+        assert!(
+            (right - left) * (bottom - top) < SIZE[0] * SIZE[1] / 8,
+            "negative control: it is no larger than needed"
+        );
+        assert!(Moved::between(&now, &now).rectangles(&camera, SIZE).is_empty());
+    }
+
+    #[test]
+    fn what_reaches_behind_the_eye_may_be_anywhere_and_what_is_aside_nowhere() {
+        let around = |center: Vec3, half: f32| Bounds { min: center - half, max: center + half };
+        let of = |bounds: Bounds| rectangle(&Screen::new(&camera(3.0), SIZE), &bounds, SIZE);
+        assert_eq!(of(around(Vec3::Z * 3.0, 0.5)), [[0, 0], SIZE]);
+        let [[left, _], [right, _]] = of(around(Vec3::X * 50.0, 0.5));
+        assert!(left >= right, "right of the picture");
+        let [[left, _], [right, _]] = of(around(Vec3::X * -50.0, 0.5));
+        assert!(left >= right, "left of it");
+    }
+}
