@@ -223,6 +223,14 @@ pub enum MeshError {
         /// Vertices of the object.
         expected: usize,
     },
+    /// More objects than can be moved one by one.
+    #[error("the scene has {found} objects, and at most {most} can be posed; join some of them")]
+    TooManyObjects {
+        /// How many there are.
+        found: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// The ground shares vertices with the scene, or begins nowhere.
     #[error("the ground of the mesh is not apart from the rest; the file is damaged, bake the scene again")]
     Ground,
@@ -254,6 +262,17 @@ fn check_numbers(array: &'static str, sizes: impl Iterator<Item = f32>) -> Resul
 }
 
 impl Mesh {
+    /// By vertex, the object that it goes with: the first of those of its triangles, or `u32::MAX` without triangles.
+    pub fn owners(&self) -> Vec<u32> {
+        let mut owners = vec![u32::MAX; self.positions.len()];
+        for (corners, &object) in self.triangles.iter().zip(&self.triangle_object) {
+            for &vertex in corners {
+                owners[vertex as usize] = object.min(owners[vertex as usize]);
+            }
+        }
+        owners
+    }
+
     /// Bounds of all vertices but those of the ground.
     pub fn bounds(&self) -> Bounds {
         Bounds::around(self.positions[..self.vertices_of_scene()].iter().copied())

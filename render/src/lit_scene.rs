@@ -7,7 +7,7 @@ use crate::{
     Pixels, Posing, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
     light::{
         bounce::Drift,
-        implicit::{PoseRig, PosedLight, detail::Detail},
+        implicit::{self, PoseRig, PosedLight, detail::Detail},
     },
 };
 use lapidary_core::{
@@ -169,12 +169,21 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if poses.is_empty() {
             return Ok(self.baked.clone());
         }
+        self.check_objects()?;
         let posed = self.posing.get_or_insert_with(|| Posing::new(&self.baked)).posed(poses)?;
         Ok(self.pose_rigs.at(self.detail, &self.baked, || self.backend.sights()).pose(posed, poses))
     }
 
+    fn check_objects(&self) -> Result<(), MeshError> {
+        let (found, most) = (self.baked.dataset.scene.objects.len(), implicit::MOST_OBJECTS);
+        if found <= most { Ok(()) } else { Err(MeshError::TooManyObjects { found, most }) }
+    }
+
     /// Begins to prepare, on a thread, what poses need at some detail, so that they do not wait.
     pub fn prepare_to_pose(&mut self, detail: Detail) {
+        if self.check_objects().is_err() {
+            return;
+        }
         self.pose_rigs.prepare(detail, &self.baked, || self.backend.sights());
     }
 

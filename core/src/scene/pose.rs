@@ -196,14 +196,7 @@ pub struct Objects {
 impl Objects {
     /// Those of a scene, as it was baked. A vertex of several objects goes to the first of them.
     pub fn of(scene: &Scene) -> Self {
-        let Mesh { positions, triangles, triangle_object, .. } = &scene.mesh;
-        let mut owner = vec![u32::MAX; positions.len()];
-        for (corners, &object) in triangles.iter().zip(triangle_object) {
-            for &vertex in corners {
-                let owner = &mut owner[vertex as usize];
-                *owner = object.min(*owner);
-            }
-        }
+        let (positions, owner) = (&scene.mesh.positions, scene.mesh.owners());
         let mut vertices: Vec<u32> = (0..positions.len() as u32).filter(|&v| owner[v as usize] != u32::MAX).collect();
         vertices.sort_by_key(|&vertex| owner[vertex as usize]);
         let start = |object: u32| vertices.partition_point(|&vertex| owner[vertex as usize] < object);

@@ -54,12 +54,17 @@ use lapidary_core::{
     opacity::Opacities,
 };
 use picture::Picture;
-use std::{ops::Range, sync::Arc};
+use std::{
+    ops::Range,
+    sync::{Arc, OnceLock},
+};
 use wgpu::util::DeviceExt;
 
 /// The renderer on one adapter.
 pub struct GpuBackend {
     gpu: GpuDevice,
+    /// Kernels of implicit visibility, once something was posed.
+    implicit: OnceLock<GpuImplicit>,
     passes: Passes,
     shaders: Shaders,
     frame: wgpu::Buffer,
@@ -158,6 +163,7 @@ impl GpuBackend {
             magma,
             local_lights: DirectLights::new(&gpu),
             gpu,
+            implicit: OnceLock::new(),
             passes,
             shaders,
             scene: None,
@@ -181,7 +187,11 @@ impl GpuBackend {
     /// # Errors
     /// A driver that refuses.
     pub fn implicit(&self) -> Result<GpuImplicit, BackendError> {
-        GpuImplicit::on(self.gpu.clone())
+        if let Some(known) = self.implicit.get() {
+            return Ok(known.clone());
+        }
+        let made = GpuImplicit::on(self.gpu.clone())?;
+        Ok(self.implicit.get_or_init(|| made).clone())
     }
 
     /// Builds the passes anew if materials have other models than they are compiled for, or the first lets light through. Where

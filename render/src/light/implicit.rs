@@ -34,6 +34,9 @@ use sky::SkyGrid;
 use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use vertices::VertexLeaves;
 
+/// Most objects of a scene of which some are posed. Each has a tree of surfels, and every surfel looks at the root of each.
+pub const MOST_OBJECTS: usize = 65_536;
+
 /// Samples of an area light along each of its sides, at each leaf.
 const AREA_SAMPLES: u32 = 2;
 
@@ -253,13 +256,7 @@ fn combined(now: &Sides, before: &Sides, combine: impl Fn(usize, Vec3, Vec3) -> 
 }
 
 fn moved_vertices(mesh: &Mesh, poses: &Poses) -> Arc<[bool]> {
-    let mut is_moved = vec![false; mesh.positions.len()];
-    for (corners, &object) in mesh.triangles.iter().zip(&mesh.triangle_object) {
-        if !poses.is_as_baked(object) {
-            corners.iter().for_each(|&vertex| is_moved[vertex as usize] = true);
-        }
-    }
-    is_moved.into()
+    mesh.owners().into_iter().map(|object| !poses.is_as_baked(object)).collect()
 }
 
 #[cfg(test)]

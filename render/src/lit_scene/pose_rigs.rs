@@ -9,8 +9,8 @@ use std::thread::JoinHandle;
 /// Rigs by detail, made on a thread before they are needed. The one used last and one beside it are kept.
 #[derive(Default)]
 pub struct PoseRigs {
-    /// The one used last comes first.
-    made: Vec<PoseRig>,
+    used: Option<PoseRig>,
+    beside: Option<PoseRig>,
     in_the_making: Option<(Detail, JoinHandle<PoseRig>)>,
 }
 
@@ -27,35 +27,32 @@ impl PoseRigs {
     /// Whether one can be used at once.
     pub fn is_made(&mut self, detail: Detail) -> bool {
         if let Some((_, made)) = self.in_the_making.take_if(|(_, making)| making.is_finished()) {
-            self.keep(joined(made));
+            self.beside = Some(joined(made));
         }
-        self.made.iter().any(|rig| rig.detail() == detail)
+        [&self.used, &self.beside].into_iter().flatten().any(|rig| rig.detail() == detail)
     }
 
-    /// The rig of a detail, which is made or awaited if it is not there.
+    /// The rig of a detail to use, which is made or awaited if it is not there.
     pub fn at(&mut self, detail: Detail, baked: &Baked, sights: impl FnOnce() -> Box<dyn LeafSights>) -> &mut PoseRig {
         if !self.is_made(detail) {
             let making = self.in_the_making.take_if(|(of, _)| *of == detail);
-            let rig = making.map_or_else(|| PoseRig::new(baked, sights(), detail), |(_, made)| joined(made));
-            self.keep(rig);
+            let made = making.map_or_else(|| PoseRig::new(baked, sights(), detail), |(_, made)| joined(made));
+            self.beside = Some(made);
         }
-        self.made.sort_by_key(|rig| rig.detail() != detail);
-        &mut self.made[0]
-    }
-
-    fn keep(&mut self, rig: PoseRig) {
-        self.made.truncate(1);
-        self.made.push(rig);
+        if self.used.as_ref().is_none_or(|rig| rig.detail() != detail) {
+            std::mem::swap(&mut self.used, &mut self.beside);
+        }
+        self.used.as_mut().expect("one of them is of that detail")
     }
 
     /// The one used last.
     pub fn used(&self) -> Option<&PoseRig> {
-        self.made.first()
+        self.used.as_ref()
     }
 
     /// The one used last.
     pub fn used_mut(&mut self) -> Option<&mut PoseRig> {
-        self.made.first_mut()
+        self.used.as_mut()
     }
 }
 
@@ -100,6 +97,7 @@ mod tests {
         let (mut rigs, detail) = (PoseRigs::default(), Detail::LADDER[0]);
         rigs.prepare(detail, &baked, cores);
         rigs.prepare(detail, &baked, no_more);
+        assert!(rigs.used().is_none(), "it is not used before it is asked for");
         let poses = posed(Pose { translate: glam::Vec3::X, ..Pose::AS_BAKED });
         let moved = |rig: &mut PoseRig| {
             rig.pose(baked.posed(&poses).unwrap(), &poses);

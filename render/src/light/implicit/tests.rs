@@ -202,3 +202,35 @@ fn a_floor_bounces_its_light_to_what_moved() {
     let (with, without) = (crate::test_scenes::mean(&below(true)), crate::test_scenes::mean(&below(false)));
     assert!(with > 1.05 * without, "{with} {without}");
 }
+
+#[test]
+fn a_vertex_of_two_objects_goes_with_the_first_and_only_then_has_moved() {
+    let mut as_baked = blocked(white(), 4);
+    let shared = as_baked.scene.mesh.triangles[0][0];
+    let last = as_baked.scene.mesh.triangles.len() - 1;
+    as_baked.scene.mesh.triangles[last][0] = shared;
+    let baked = Baked::from(as_baked);
+    let poses = posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED });
+    let mut rig = PoseRig::new(&baked, Box::new(CoreSights), Detail::LADDER[0]);
+    let now = rig.pose(baked.posed(&poses).unwrap(), &poses).dataset;
+    let place = |of: &Dataset, vertex: u32| of.scene.mesh.positions[vertex as usize];
+    let own = now.scene.mesh.triangles[last][1];
+    assert_eq!(place(&now, shared), place(&baked.dataset, shared));
+    assert!(!rig.moved_vertices()[shared as usize] && rig.moved_vertices()[own as usize], "negative control");
+    assert_eq!(now.scene.mesh.owners()[shared as usize], 0);
+}
+
+#[test]
+fn too_many_objects_are_refused_and_shown_as_they_were_baked() {
+    let mut as_baked = blocked(white(), 4);
+    as_baked.scene.objects.resize(MOST_OBJECTS + 1, Object { name: "one of many".into() });
+    let mut look = Look::under_environment(&as_baked.scene, from_above(16), sky());
+    let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.into()).unwrap();
+    let before = scene.show_whole(&look).unwrap().image;
+    let still = std::mem::replace(&mut look.poses, posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED }));
+    scene.prepare_to_pose(Detail::LADDER[0]);
+    let refusal = scene.show_whole(&look).unwrap_err().to_string();
+    assert!(refusal.contains("65537 objects, and at most 65536") && refusal.contains("join"), "{refusal}");
+    look.poses = still;
+    assert!(scene.show_whole(&look).unwrap().image == before);
+}

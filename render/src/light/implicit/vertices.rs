@@ -18,20 +18,17 @@ impl VertexLeaves {
     /// For the vertices of a dataset, on its forest as baked.
     pub fn new(forest: &DiscForest, dataset: &Dataset) -> Self {
         let mesh = &dataset.scene.mesh;
-        let mut object_of = vec![0; mesh.positions.len()];
         let mut is_two_sided = vec![false; mesh.positions.len()];
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            for &vertex in corners {
-                object_of[vertex as usize] = mesh.triangle_object[t];
-                is_two_sided[vertex as usize] |= dataset.two_sided[t];
-            }
+        for (corners, is_sheet) in mesh.triangles.iter().zip(&dataset.two_sided) {
+            corners.iter().for_each(|&vertex| is_two_sided[vertex as usize] |= is_sheet);
         }
+        let owners = mesh.owners();
         let receiver = |(v, &object): (usize, &u32), side: f32| Receiver {
             object,
             position: mesh.positions[v],
             normal: mesh.normals[v] * side,
         };
-        let all = || object_of.iter().enumerate();
+        let all = || owners.iter().enumerate();
         let front: Vec<_> = all().map(|at| Some(receiver(at, 1.0))).collect();
         let back: Vec<_> = all().map(|at| is_two_sided[at.0].then(|| receiver(at, -1.0))).collect();
         let [front, back] = [front, back].map(|receivers| VertexWeights::new(forest, &receivers));
