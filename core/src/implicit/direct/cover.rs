@@ -15,6 +15,7 @@ use crate::{
     sphere::concentric::HemisphereCells,
     surfel::forest::{nodes::Block, quadtrees::CHILDREN},
 };
+use glam::Vec3;
 use std::f32::consts::{FRAC_2_PI, PI};
 
 /// Radius of a disc in radii of a circle of its area. Discs reach over outlines and leave holes between them, and this is where both
@@ -43,12 +44,9 @@ pub struct CellDirections {
 impl CellDirections {
     /// Of all cells.
     pub fn new(cells: HemisphereCells) -> Self {
-        let mut directions = [[0.0; PADDED]; 3];
-        for cell in 0..cells.len() {
-            let direction = cells.direction_of(cell);
-            (0..3).for_each(|axis| directions[axis][cell] = direction[axis]);
-        }
-        Self { side: cells.side, directions }
+        let of_cell = |cell: usize| if cell < cells.len() { cells.direction_of(cell) } else { Vec3::ZERO };
+        let of_all: [Vec3; PADDED] = std::array::from_fn(of_cell);
+        Self { side: cells.side, directions: [0, 1, 2].map(|axis| of_all.map(|direction| direction[axis])) }
     }
 
     #[inline(always)]
