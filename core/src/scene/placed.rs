@@ -4,7 +4,7 @@
 
 use super::{
     Mesh, MeshError, Scene,
-    pose::{Objects, Pose, Poses},
+    pose::{Objects, Pose, PosedVertices, Poses},
 };
 use crate::animation::ClipTime;
 use glam::{Affine3A, Vec3};
@@ -128,13 +128,23 @@ pub fn hash(poses: &Poses, time: Option<&ClipTime>) -> Option<String> {
     (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
 }
 
+/// A hash of the vertices that an animation deforms, as hexadecimal; `None` if there are none. They depend on keyframes, which neither
+/// the scene nor [`hash`] has.
+pub fn deformed_hash(poses: &Poses) -> Option<String> {
+    let mut hasher = blake3::Hasher::new();
+    for (object, deformed) in poses.moved().filter_map(|object| Some((object, poses.deformed(object)?))) {
+        let PosedVertices { positions, normals, tangents } = deformed.vertices();
+        hasher.update(&object.to_le_bytes()).update(&(positions.len() as u64).to_le_bytes());
+        hasher.update(bytemuck::cast_slice(positions));
+        hasher.update(bytemuck::cast_slice(normals)).update(bytemuck::cast_slice(tangents));
+    }
+    (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        scene::pose::{DeformedObject, PosedVertices},
-        test_scenes::cubes,
-    };
+    use crate::{scene::pose::DeformedObject, test_scenes::cubes};
 
     fn pose(x: f32, degrees: f32, scale: f32) -> Pose {
         let rotate_degrees = Vec3::new(degrees, -0.5 * degrees, 2.0 * degrees);
@@ -213,6 +223,14 @@ mod tests {
         let at = |seconds| ClipTime { clip: "walk".into(), seconds };
         assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, Some(&at(2.0))));
         assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, None));
+        let deformed = |object, x| {
+            let mut poses = one.clone();
+            poses.deform(object, Some(slid(&cubes(2), object, x)));
+            deformed_hash(&poses)
+        };
+        assert!(deformed(0, 1.0).is_some() && deformed(0, 1.0) == deformed(0, 1.0));
+        assert!(deformed(0, 1.0) != deformed(0, 1.5) && deformed(0, 1.0) != deformed(1, 1.0));
+        assert_eq!(deformed_hash(&one), None);
     }
 
     #[test]
