@@ -231,6 +231,7 @@ mod tests {
         assert!(deformed(0, 1.0).is_some() && deformed(0, 1.0) == deformed(0, 1.0));
         assert!(deformed(0, 1.0) != deformed(0, 1.5) && deformed(0, 1.0) != deformed(1, 1.0));
         assert_eq!(deformed_hash(&one), None);
+        assert_eq!(one.clone().at(at(1.0)), one, "nothing is deformed");
     }
 
     #[test]
