@@ -1,6 +1,6 @@
 //! Animations, from end to end: pictures at a time of a clip, references of the same, and sequences.
 
-use crate::common::Folder;
+use crate::common::{Folder, read};
 use lapidary_core::image::Image;
 
 const TOWER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/bending-tower/bending-tower.gltf");
@@ -29,6 +29,9 @@ fn a_picture_at_a_time_is_close_to_its_reference_and_the_baked_one_is_not() {
     render(&format!("{} --out bent.exr --stats bent.json", at("0.5")));
     folder.succeed(&format!("reference a.cuts {VIEW} {} --out reference.exr", at("0.5")));
     assert_eq!(folder.json("bent.json")["tier"], "implicit");
+    let tells = |file: &str, what: &str| read(&folder.path(file)).windows(what.len()).any(|at| at == what.as_bytes());
+    assert!(tells("bent.exr", "lapidary.clip.seconds") && tells("bent.exr", "Bend"));
+    assert!(!tells("baked.exr", "lapidary.clip"), "negative control");
     let error = |picture: &str| {
         folder.succeed(&format!("compare {picture} reference.exr --json m.json"));
         folder.json("m.json")["rel_rmse"].as_f64().expect("a number")

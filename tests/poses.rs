@@ -50,6 +50,22 @@ fn a_scene_as_baked_is_the_same_picture_by_cuts() {
 }
 
 #[test]
+fn a_sequence_goes_on_only_with_a_bake_of_the_same_poses() {
+    let folder = baked();
+    let bake = |pose: &str| folder.bake("a.cuts", &format!("--pose {pose}.json"));
+    let sequence =
+        |more: &str| format!("sequence a.cuts {VIEW} --backend cpu --turn camera --frames 2 --out f.#.exr {more}");
+    bake("moved");
+    folder.succeed(&sequence(""));
+    std::fs::remove_file(folder.path("f.2.exr")).expect("a frame");
+    bake("as-baked");
+    let refused = folder.fail(&sequence("--resume"));
+    assert!(refused.contains("their bake.poses differs"), "{refused}");
+    bake("moved");
+    folder.succeed(&sequence("--resume"));
+}
+
+#[test]
 fn a_pose_that_cannot_be_is_told_and_nothing_is_written() {
     let folder = baked();
     folder.write("unknown.json", r#"{"objects": {"bx": {"scale": 2}}}"#.into());

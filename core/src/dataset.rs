@@ -333,7 +333,8 @@ pub fn scene_hash(scene: &Scene) -> String {
 }
 
 /// Hash of a scene as its file has it, with what its surfaces let through and where its objects are placed, by themselves and at a
-/// time of an animation: all that a bake depends on beside its settings. `scene` needs no mesh.
+/// time of an animation: all that a bake depends on beside its settings and the keyframes, see [`placed::deformed_hash`]. `scene` needs
+/// no mesh.
 pub fn bake_hash(scene_hash: &str, scene: &Scene, poses: &Poses, time: Option<&ClipTime>) -> String {
     let parts =
         [Some(scene_hash.into()), scene.opacity_hash(), placed::hash(poses, time).map(|hash| format!("posed-{hash}"))];

@@ -87,7 +87,7 @@ pub struct Scene {
     pub variants: Variants,
     /// Parts that let through other light than their materials, as a bake of them takes it; a file has none.
     pub part_opacities: Vec<PartOpacity>,
-    /// Objects that a bake has elsewhere than its file; a file has none.
+    /// Objects that a bake has elsewhere than its file, or deformed; a file has none.
     pub placed: Vec<Placed>,
     /// The time of an animation that a bake has it at; `None` at rest, as a file is.
     pub clip_time: Option<ClipTime>,

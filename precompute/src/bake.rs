@@ -14,7 +14,7 @@ pub use job::BakeJob;
 pub use phases::geometry::{Geometry, tessellation_units};
 
 use self::{
-    checkpoint::{Checkpoint, Places, Series, Work},
+    checkpoint::{Checkpoint, Content, Places, Series, Work},
     clock::Clock,
     phases::{
         bounces::bake_bounces,
@@ -45,7 +45,7 @@ use lapidary_core::{
     memory::{peak, resident},
     output::check_output,
     ray::RayDevices,
-    scene::Scene,
+    scene::{Scene, placed::deformed_hash},
 };
 use std::{
     path::{Path, PathBuf},
@@ -134,7 +134,7 @@ pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeErro
     let content = bake_hash(&hash, &scene.scene, &scene.scene.placed_poses(), scene.scene.clip_time.as_ref());
     let geometry = Geometry::of_dataset(scene);
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
-    let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of(&content, &settings, points));
+    let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of_scene(&content, &settings, points));
     let tree = tree.ok_or_else(|| checkpoint.foreign_scene())?;
     let begun = Begun { settings, hash, geometry, tree, audit, checkpoint, devices: None, estimated_memory: None };
     let (dataset, checkpoint) = begun.dataset(warnings, Clock::new(&remarks, 0.0))?;
@@ -192,7 +192,10 @@ impl<'a> Begun<'a> {
             check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
         }
         let hash = scene_hash(&scene);
-        let content = bake_hash(&hash, &scene, &job.poses, job.clip_time.as_ref());
+        let content = Content {
+            scene_hash: bake_hash(&hash, &scene, &job.poses, job.clip_time.as_ref()),
+            deformed_hash: deformed_hash(&job.poses),
+        };
         scene.place(&job.poses).map_err(BakeError::Pose)?;
         scene.clip_time.clone_from(&job.clip_time);
         let vertices = most_vertices(scene.mesh.positions.len(), &settings);
@@ -211,7 +214,7 @@ impl<'a> Begun<'a> {
             Geometry::new(scene, stored, settings.max_vertices, &settings.shots, observer)
         })?;
         cancelled(observer)?;
-        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, &content, resumed, devices, clock)?;
+        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, content, resumed, devices, clock)?;
         Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint, devices, estimated_memory })
     }
 

@@ -1,22 +1,22 @@
-//! Objects that a bake has elsewhere than the file of its scene.
+//! Objects that a bake has elsewhere, or deformed, beside the file of its scene.
 //!
 //! Poses of a document are relative to the file, those of a picture to the bake that it is made from.
 
 use super::{
     Mesh, MeshError, Scene,
-    pose::{Objects, Pose, Poses},
+    pose::{Objects, Pose, PosedVertices, Poses},
 };
 use crate::animation::ClipTime;
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// An object of a bake that is not where its file has it.
+/// An object of a bake that is not where its file has it, or is deformed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placed {
     /// Its index.
     pub object: u32,
-    /// Relative to the file.
+    /// Relative to the file; that of an object that is only deformed is [`Pose::AS_BAKED`].
     pub pose: Pose,
     /// The centre of its box as its file has it, in metres.
     pub center: Vec3,
@@ -63,8 +63,8 @@ impl Scene {
         let before = Objects::of(self);
         self.mesh = poses.pose(&self.mesh, &before)?;
         let after = Objects::of(self);
-        let by_themselves = poses.without_deformed();
-        let moved = by_themselves.moved().filter(|&object| (object as usize) < before.len());
+        // What is only deformed has another box than in its file, and turns about that of the file all the same.
+        let moved = poses.moved().filter(|&object| (object as usize) < before.len());
         let placed = |object| Placed {
             object,
             pose: poses.of(object),
@@ -101,7 +101,7 @@ impl Scene {
         mesh
     }
 
-    /// The centre of an object as its file has it, if it is elsewhere.
+    /// The centre of an object as its file has it, if it is elsewhere or deformed.
     pub fn center_in_file(&self, object: u32) -> Option<Vec3> {
         self.placed.iter().find(|placed| placed.object == object).map(|placed| placed.center)
     }
@@ -128,10 +128,23 @@ pub fn hash(poses: &Poses, time: Option<&ClipTime>) -> Option<String> {
     (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
 }
 
+/// A hash of the vertices that an animation deforms, as hexadecimal; `None` if there are none. They depend on keyframes, which neither
+/// the scene nor [`hash`] has.
+pub fn deformed_hash(poses: &Poses) -> Option<String> {
+    let mut hasher = blake3::Hasher::new();
+    for (object, deformed) in poses.moved().filter_map(|object| Some((object, poses.deformed(object)?))) {
+        let PosedVertices { positions, normals, tangents } = deformed.vertices();
+        hasher.update(&object.to_le_bytes()).update(&(positions.len() as u64).to_le_bytes());
+        hasher.update(bytemuck::cast_slice(positions));
+        hasher.update(bytemuck::cast_slice(normals)).update(bytemuck::cast_slice(tangents));
+    }
+    (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::cubes;
+    use crate::{scene::pose::DeformedObject, test_scenes::cubes};
 
     fn pose(x: f32, degrees: f32, scale: f32) -> Pose {
         let rotate_degrees = Vec3::new(degrees, -0.5 * degrees, 2.0 * degrees);
@@ -162,6 +175,43 @@ mod tests {
         assert_eq!((baked.placed_poses(), baked.center_in_file(1)), (baked_so, None));
     }
 
+    /// What an animation makes of a cube that slides and grows.
+    fn slid(scene: &Scene, object: u32, x: f32) -> DeformedObject {
+        let (mesh, objects) = (&scene.mesh, Objects::of(scene));
+        let mut vertices = PosedVertices::default();
+        for vertex in objects.vertices(object).iter().map(|&vertex| vertex as usize) {
+            vertices.positions.push(mesh.positions[vertex] * Vec3::new(1.0, 1.2, 1.0) + Vec3::X * x);
+            vertices.normals.push(mesh.normals[vertex]);
+            vertices.tangents.push(mesh.tangents[vertex]);
+        }
+        DeformedObject::new(vertices, [0, 0, x.to_bits()])
+    }
+
+    #[test]
+    fn an_object_that_was_baked_deformed_turns_about_its_center_at_rest() {
+        let file = cubes(3);
+        let mut at_that_time = Poses::default();
+        at_that_time.deform(1, Some(slid(&file, 1, 2.0)));
+        let mut baked = file.clone();
+        baked.place(&at_that_time).unwrap();
+        assert!(baked.placed_poses().is_empty() && baked.poses_since_baked(&Poses::default()).is_empty());
+        assert_eq!(baked.center_in_file(1), Some(Objects::of(&file).center(1)));
+        assert_eq!(baked.unplaced(), baked.mesh, "to the bit");
+        let turned = poses([(1, pose(0.1, 90.0, 1.1)), (2, pose(0.2, 30.0, 1.0))]);
+        let shown = baked.poses_since_baked(&turned).pose(&baked.mesh, &Objects::of(&baked)).unwrap();
+        let mut again = file.clone();
+        let mut both = turned.clone();
+        both.deform(1, at_that_time.deformed(1).cloned());
+        again.place(&both).unwrap();
+        let apart = |mesh: &Mesh| {
+            let places = mesh.positions.iter().zip(&again.mesh.positions);
+            places.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+        };
+        assert!(apart(&shown) < 1e-5, "{}", apart(&shown));
+        let about_its_box = turned.pose(&baked.mesh, &Objects::of(&baked)).unwrap();
+        assert!(apart(&about_its_box) > 1.0, "negative control");
+    }
+
     #[test]
     fn a_scene_is_told_apart_by_its_poses() {
         let (one, other) = (
@@ -173,6 +223,15 @@ mod tests {
         let at = |seconds| ClipTime { clip: "walk".into(), seconds };
         assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, Some(&at(2.0))));
         assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, None));
+        let deformed = |object, x| {
+            let mut poses = one.clone();
+            poses.deform(object, Some(slid(&cubes(2), object, x)));
+            deformed_hash(&poses)
+        };
+        assert!(deformed(0, 1.0).is_some() && deformed(0, 1.0) == deformed(0, 1.0));
+        assert!(deformed(0, 1.0) != deformed(0, 1.5) && deformed(0, 1.0) != deformed(1, 1.0));
+        assert_eq!(deformed_hash(&one), None);
+        assert_eq!(one.clone().at(at(1.0)), one, "nothing is deformed");
     }
 
     #[test]

@@ -12,7 +12,7 @@ pub use file::{PoseError, PoseFileError};
 pub use similarity::Similarity;
 
 use super::{Mesh, MeshError, Scene};
-use crate::bounds::Bounds;
+use crate::{animation::ClipTime, bounds::Bounds};
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -70,6 +70,7 @@ impl Pose {
 pub struct Poses {
     of_object: BTreeMap<u32, Pose>,
     deformed: BTreeMap<u32, DeformedObject>,
+    clip_time: Option<ClipTime>,
 }
 
 impl Poses {
@@ -99,6 +100,17 @@ impl Poses {
             Some(deformed) => self.deformed.insert(object, deformed),
             None => self.deformed.remove(&object),
         };
+        self.clip_time = None;
+    }
+
+    /// When in an animation the deformed objects are as they are, if that is known.
+    pub fn clip_time(&self) -> Option<&ClipTime> {
+        self.clip_time.as_ref()
+    }
+
+    /// The same, known to be deformed as at a time of an animation, if anything is deformed. Other deformed objects are of no known time.
+    pub fn at(self, time: ClipTime) -> Self {
+        Self { clip_time: Some(time).filter(|_| !self.deformed.is_empty()), ..self }
     }
 
     /// The same without deformed objects.
@@ -131,7 +143,7 @@ impl Poses {
     pub fn renumbered(&self, number: impl Fn(u32) -> Option<u32>) -> Self {
         let of_object = self.of_object.iter().filter_map(|(&object, &pose)| Some((number(object)?, pose))).collect();
         let deformed = self.deformed.iter().filter_map(|(&object, shape)| Some((number(object)?, shape.clone())));
-        Self { of_object, deformed: deformed.collect() }
+        Self { of_object, deformed: deformed.collect(), clip_time: None }
     }
 
     /// The objects that are elsewhere, by index.

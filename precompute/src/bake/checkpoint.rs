@@ -15,6 +15,7 @@ mod work;
 
 pub use chunk::Chunk;
 pub use identity::Places;
+pub use manifest::Content;
 pub use work::{Work, shards_beside};
 
 use super::settings::ResolvedBake;
@@ -75,12 +76,13 @@ pub enum Leftover {
     Fitting,
 }
 
-/// What an interrupted bake left beside `output`, judged for a bake of this scene with these settings.
+/// What an interrupted bake left beside `output`, judged for a bake of this scene with these settings. What an animation deforms is known
+/// to the bake alone, which refuses chunks of other keyframes.
 pub fn leftover(output: &Path, scene_hash: &str, settings: &ResolvedBake) -> Leftover {
-    match Checkpoint::open(output, &Work::All, scene_hash, settings) {
-        Ok(Some(_)) => Leftover::Fitting,
+    match manifest_in(&Checkpoint::folder_of(output)) {
+        Ok(Some(manifest)) if manifest.is_of_scene(scene_hash, settings) => Leftover::Fitting,
         Ok(None) => Leftover::Nothing,
-        Err(_) => Leftover::OfAnother,
+        Ok(Some(_)) | Err(_) => Leftover::OfAnother,
     }
 }
 
@@ -117,7 +119,7 @@ impl Checkpoint {
     pub fn create(
         output: &Path,
         work: &Work,
-        scene_hash: &str,
+        content: Content,
         settings: &BakeSettings,
         points: usize,
         chunks: usize,
@@ -129,7 +131,7 @@ impl Checkpoint {
         } else {
             fs::create_dir(&folder).map_err(|e| io_error("write", &folder, e))?;
         }
-        let manifest = Manifest::new(scene_hash, settings, points, chunks, tree_order);
+        let manifest = Manifest::new(content, settings, points, chunks, tree_order);
         let checkpoint = Self { folder, manifest, known: Vec::new(), work: work.clone() };
         // Signed first: what has a manifest is gone on with.
         checkpoint.sign()?;
@@ -144,12 +146,12 @@ impl Checkpoint {
     pub fn open(
         output: &Path,
         work: &Work,
-        scene_hash: &str,
+        content: &Content,
         settings: &BakeSettings,
     ) -> Result<Option<Self>, CheckpointError> {
         let folder = work.folder_of(output);
         let Some(manifest) = manifest_in(&folder)? else { return Ok(None) };
-        if !manifest.is_of(scene_hash, settings) {
+        if !manifest.is_of(content, settings) {
             return Err(CheckpointError::Mismatch { path: folder });
         }
         let known = vec![(folder.clone(), None)];
@@ -186,9 +188,9 @@ impl Checkpoint {
         Ok(Self { folder: known[0].0.clone(), manifest, known, work: Work::Merge(shards) })
     }
 
-    /// Whether it is of a bake of this scene with these settings and so many bake points.
-    pub fn is_of(&self, scene_hash: &str, settings: &BakeSettings, points: usize) -> bool {
-        self.manifest.is_of(scene_hash, settings) && self.points() == points
+    /// Whether it is of a bake of this scene with these settings and so many bake points, whatever an animation made of it.
+    pub fn is_of_scene(&self, scene_hash: &str, settings: &BakeSettings, points: usize) -> bool {
+        self.manifest.is_of_scene(scene_hash, settings) && self.points() == points
     }
 
     /// Number of bake points in all chunks.

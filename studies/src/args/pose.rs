@@ -102,8 +102,8 @@ impl PoseArgs {
         let poses = self.objects.read(scene)?;
         match self.time {
             Some(seconds) => {
-                let (animation, clip) = self.clip.bind(scene, options, console)?;
-                Ok(animation.poses_at(clip, seconds, &poses)?)
+                let motion = self.clip.played(Times::at(seconds), Playback::Once, scene, options, console)?;
+                Ok(motion.moment(0, 1).poses(&poses)?)
             }
             None => self.clip.must_be_absent().map(|()| poses),
         }
@@ -123,9 +123,8 @@ impl MotionArgs {
     pub fn read(&self, scene: &Scene, options: &ImportOptions, console: Console) -> Result<(Poses, Option<Motion>)> {
         let poses = self.objects.read(scene)?;
         let Some(times) = self.times()? else { return self.clip.must_be_absent().map(|()| (poses, None)) };
-        let (animation, clip) = self.clip.bind(scene, options, console)?;
         let playback = if self.looped { Playback::Loop } else { Playback::Once };
-        Ok((poses, Some(Motion { animation: animation.into(), clip, times, playback })))
+        Ok((poses, Some(self.clip.played(times, playback, scene, options, console)?)))
     }
 
     fn times(&self) -> Result<Option<Times>> {
@@ -135,7 +134,8 @@ impl MotionArgs {
             (Some(TimeSpan { to: Some(_), .. }), Some(_)) => {
                 bail!("--time FROM..TO says how fast the animation plays; leave --fps out, or give --time FROM alone")
             }
-            (Some(TimeSpan { from, to }), None) => Times::Span { from, to: to.unwrap_or(from) },
+            (Some(TimeSpan { from, to: Some(to) }), None) => Times::Span { from, to },
+            (Some(TimeSpan { from, to: None }), None) => Times::at(from),
             (time, Some(fps)) => Times::Rate { from: time.map_or(0.0, |time| time.from), fps },
         }))
     }
@@ -156,15 +156,22 @@ impl ClipArgs {
         files.reads(&self.animation)
     }
 
-    /// The animation of a scene, and the index of the clip.
-    fn bind(&self, scene: &Scene, options: &ImportOptions, console: Console) -> Result<(BoundAnimation, usize)> {
+    /// The clip of the animation, bound to a scene.
+    fn played(
+        &self,
+        times: Times,
+        playback: Playback,
+        scene: &Scene,
+        options: &ImportOptions,
+        console: Console,
+    ) -> Result<Motion> {
         let Some(path) = &self.animation else {
             bail!("a dataset holds no animation; add --animation FILE.gltf, the file that it was baked of");
         };
         let animation = Animation::read(path, options)?;
         let clip = animation.clip(self.clip.as_deref())?;
         animation.warnings().iter().for_each(|warning| console.warning(warning));
-        Ok((BoundAnimation::new(animation, scene)?, clip))
+        Ok(Motion { animation: BoundAnimation::new(animation, scene)?.into(), clip, times, playback })
     }
 
     /// Refuses options of an animation at no time.

@@ -17,6 +17,18 @@ use passes::PassesArgs;
 use std::time::Duration;
 use suite::SuiteArgs;
 
+/// Options about the picture of a dataset, by name or by group.
+const PICTURE: [&str; 8] = [
+    "EnvironmentArgs",
+    "LocalLightArgs",
+    "CameraArgs",
+    "roughness",
+    "base_color",
+    "metalness",
+    "material",
+    "allow_outside",
+];
+
 /// Options of `bench`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
@@ -26,7 +38,14 @@ pub struct BenchArgs {
     #[command(flatten)]
     suite: SuiteArgs,
     /// Measure implicit visibility with these numbers of surfels, separated by commas, in place of frames
-    #[arg(long, value_name = "N,..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(64..=65_536))]
+    #[arg(
+        long,
+        value_name = "N,..",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u32).range(64..=65_536),
+        conflicts_with_all = PICTURE,
+        conflicts_with_all = ["drag", "illum_cuts"]
+    )]
     surfels: Vec<u32>,
     #[command(flatten)]
     passes: PassesArgs,
@@ -110,7 +129,9 @@ mod tests {
         let bench = |text: &str| parsed(text).map(|options| options.bench);
         assert!(bench("a.cuts --size 8x6 --env none --frames 1").is_ok_and(|bench| bench.view.0.is_some()));
         assert!(bench("--suite --save new.json --json").is_ok_and(|bench| bench.view.0.is_none()));
-        assert!(bench("a.cuts --surfels 1024,4096").is_ok_and(|bench| bench.surfels == [1024, 4096]));
+        let surfels = bench("a.cuts --surfels 1024,4096 --frames 3 --backend cpu --json");
+        assert!(surfels.is_ok_and(|bench| bench.surfels == [1024, 4096]));
+        assert!(bench("a.cuts --drag o --env none --size 8x6 --roughness 1").is_ok());
         let refused = [
             "",
             "--json",
@@ -122,6 +143,14 @@ mod tests {
             "--suite --lights none",
             "--suite --surfels 1024",
             "a.cuts --surfels 3",
+            "a.cuts --surfels 1024 --drag o",
+            "a.cuts --surfels 1024 --illum-cuts 256",
+            "a.cuts --surfels 1024 --env none",
+            "a.cuts --surfels 1024 --lights none",
+            "a.cuts --surfels 1024 --size 8x6",
+            "a.cuts --surfels 1024 --roughness 1",
+            "a.cuts --surfels 1024 --material gold.json",
+            "a.cuts --drag o --illum-cuts 256",
             "--save new.json",
             "a.cuts --save new.json",
             "a.cuts --baseline old.json",

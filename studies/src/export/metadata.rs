@@ -2,8 +2,10 @@
 
 use super::Taken;
 use lapidary_core::{
+    animation::ClipTime,
     dataset::Dataset,
     image::{Layer, LayeredImage, MetaValue, Metadata},
+    scene::{Scene, pose::Poses},
 };
 use lapidary_render::{Look, RenderStats};
 use serde_json::{Map, Value, json};
@@ -41,17 +43,24 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
     }) else {
         unreachable!("braces make an object")
     };
-    if !look.poses.is_empty() {
-        settings.insert("poses".into(), poses(look, dataset));
-    }
+    let scene = &dataset.scene;
+    settings.extend(posed("bake.", &scene.placed_poses(), scene.clip_time.as_ref(), scene));
+    settings.extend(posed("", &look.poses, look.poses.clip_time(), scene));
     settings
 }
 
-/// The poses of objects by their index and name.
-fn poses(look: &Look, dataset: &Dataset) -> Value {
-    let name = |object: u32| dataset.scene.objects.get(object as usize).map_or("", |object| &object.name);
-    let pose = |object| json!({ "object": object, "name": name(object), "pose": look.poses.of(object) });
-    look.poses.moved().map(pose).collect()
+/// Where objects are by themselves, and the time of the animation that deforms them: nothing if all are as they were. The poses of a
+/// bake are relative to its file, those of a look to the bake.
+fn posed(prefix: &str, poses: &Poses, time: Option<&ClipTime>, scene: &Scene) -> Vec<(String, Value)> {
+    let name = |object: u32| scene.objects.get(object as usize).map_or("", |object| &object.name);
+    let by_themselves = poses.without_deformed();
+    let pose = |object| json!({ "object": object, "name": name(object), "pose": poses.of(object) });
+    let all: Vec<Value> = by_themselves.moved().map(pose).collect();
+    let poses = (!all.is_empty()).then(|| ("poses", all.into()));
+    let time =
+        time.map(|ClipTime { clip, seconds }| [("clip", json!(clip)), ("clip.seconds", json!(number(*seconds)))]);
+    let entries = poses.into_iter().chain(time.into_iter().flatten());
+    entries.map(|(name, value)| (format!("{prefix}{name}"), value)).collect()
 }
 
 /// A number with the digits that it has as a float of 32 bits, and no more.
@@ -97,4 +106,52 @@ fn vector(value: &Value) -> Option<glam::Vec3> {
     let [x, y, z] = value.as_array()?.as_slice() else { return None };
     let part = |value: &Value| value.as_f64().map(|number| number as f32);
     Some(glam::Vec3::new(part(x)?, part(y)?, part(z)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use lapidary_core::{
+        scene::pose::{DeformedObject, Pose, PosedVertices},
+        test_scenes,
+    };
+    use lapidary_render::test_looks::look;
+
+    fn moved(x: f32) -> Poses {
+        let mut poses = Poses::default();
+        poses.set(0, Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
+        poses
+    }
+
+    fn deformed() -> Poses {
+        let mesh = test_scenes::dataset(&["a"], &[]).scene.mesh;
+        let vertices = PosedVertices { positions: mesh.positions, normals: mesh.normals, tangents: mesh.tangents };
+        let mut poses = Poses::default();
+        poses.deform(0, Some(DeformedObject::new(vertices, [0, 0, 1])));
+        poses
+    }
+
+    fn time(seconds: f32) -> ClipTime {
+        ClipTime { clip: "walk".into(), seconds }
+    }
+
+    #[test]
+    fn poses_and_times_of_bake_and_look_are_told() {
+        let mut dataset = test_scenes::dataset(&["a"], &[]);
+        let as_baked = settings(&look(), &dataset);
+        dataset.scene.place(&moved(2.0)).unwrap();
+        dataset.scene.clip_time = Some(time(0.1));
+        let all = settings(&Look { poses: deformed().at(time(0.7)), ..look() }, &dataset);
+        assert_eq!(
+            (&all["bake.poses"][0]["name"], &all["bake.poses"][0]["pose"]["translate"][0]),
+            (&json!("o"), &json!(2.0))
+        );
+        assert_eq!((&all["bake.clip"], &all["bake.clip.seconds"]), (&json!("walk"), &json!(0.1)));
+        assert_eq!((&all["clip"], &all["clip.seconds"], all.get("poses")), (&json!("walk"), &json!(0.7), None));
+        let moved_look = Look { poses: moved(1.0), ..look() };
+        assert_eq!(settings(&moved_look, &dataset)["poses"][0]["pose"]["translate"][0], 1.0);
+        let others: Vec<&String> = all.keys().filter(|name| !as_baked.contains_key(*name)).collect();
+        assert_eq!(others.len(), 5, "{others:?}");
+    }
 }

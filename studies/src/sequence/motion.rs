@@ -1,7 +1,7 @@
 //! The animation of a file, played over the frames of a sequence.
 
 use lapidary_core::{
-    animation::{AnimationError, BoundAnimation, Playback},
+    animation::{AnimationError, BoundAnimation, ClipTime, Playback},
     scene::pose::Poses,
 };
 use std::sync::Arc;
@@ -36,6 +36,13 @@ pub enum Times {
         /// Frames a second, above 0.
         fps: f32,
     },
+}
+
+impl Times {
+    /// One time for all frames.
+    pub fn at(seconds: f32) -> Self {
+        Self::Span { from: seconds, to: seconds }
+    }
 }
 
 /// The animation at one of the frames.
@@ -84,7 +91,8 @@ impl Moment {
     /// # Errors
     /// Vertices out of reach.
     pub fn poses(&self, poses: &Poses) -> Result<Poses, AnimationError> {
-        self.motion.animation.poses_at(self.motion.clip, self.seconds, poses)
+        let time = ClipTime { clip: self.motion.clip().name.clone(), seconds: self.seconds };
+        Ok(self.motion.animation.poses_at(self.motion.clip, self.seconds, poses)?.at(time))
     }
 }
 
@@ -125,7 +133,9 @@ mod tests {
         let settings = |motion| SequenceSettings { frames: 3, turn: None, motion: Some(motion), ..Default::default() };
         let frames = plan(&look(), &settings(motion.clone())).unwrap();
         let poses: Vec<Poses> = frames.iter().map(|frame| frame.posed().unwrap().poses).collect();
-        assert_eq!(poses[1], motion.animation.poses_at(0, 0.5, &Poses::default()).unwrap());
+        let time = ClipTime { clip: "Bend".into(), seconds: 0.5 };
+        assert_eq!(poses[1], motion.animation.poses_at(0, 0.5, &Poses::default()).unwrap().at(time.clone()));
+        assert_eq!((poses[1].clip_time(), poses[0].clip_time()), (Some(&time), None));
         assert!(poses[0].is_empty() && poses[1] != poses[2], "negative control");
         assert_eq!(frames[1].caption(), ["frame 2", "time@Bend 0.5"]);
         let still = Motion { times: Times::Span { from: 1.0, to: 1.0 }, ..motion };

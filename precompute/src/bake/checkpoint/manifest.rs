@@ -4,6 +4,23 @@ use crate::errors::ManifestError;
 use lapidary_core::{dataset::BakeSettings, light_tree::is_permutation};
 use serde::{Deserialize, Serialize};
 
+/// What a bake is of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Content {
+    /// See [`lapidary_core::dataset::bake_hash`].
+    pub scene_hash: String,
+    /// See [`lapidary_core::scene::placed::deformed_hash`].
+    pub deformed_hash: Option<String>,
+}
+
+#[cfg(test)]
+impl Content {
+    /// Of a scene without an animation.
+    pub fn still(scene_hash: &str) -> Self {
+        Self { scene_hash: scene_hash.into(), deformed_hash: None }
+    }
+}
+
 /// Name of its file.
 pub const FILE: &str = "bake.json";
 
@@ -16,6 +33,8 @@ const VERSION: u32 = 15;
 pub struct Manifest {
     version: u32,
     scene_hash: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    deformed_hash: Option<String>,
     settings: BakeSettings,
     /// Number of bake points.
     pub points: usize,
@@ -35,10 +54,11 @@ struct Sealed {
 
 impl Manifest {
     /// That of a bake. The number of chunks is brought into its range.
-    pub fn new(scene_hash: &str, settings: &BakeSettings, points: usize, chunks: usize, tree_order: &[u32]) -> Self {
+    pub fn new(content: Content, settings: &BakeSettings, points: usize, chunks: usize, tree_order: &[u32]) -> Self {
         Self {
             version: VERSION,
-            scene_hash: scene_hash.into(),
+            scene_hash: content.scene_hash,
+            deformed_hash: content.deformed_hash,
             settings: settings.of_content(),
             points,
             chunks: chunks.clamp(1, points.max(1)),
@@ -46,8 +66,13 @@ impl Manifest {
         }
     }
 
-    /// Whether it is of a bake of this scene with these settings.
-    pub fn is_of(&self, scene_hash: &str, settings: &BakeSettings) -> bool {
+    /// Whether it is of a bake of this content with these settings.
+    pub fn is_of(&self, content: &Content, settings: &BakeSettings) -> bool {
+        self.is_of_scene(&content.scene_hash, settings) && self.deformed_hash == content.deformed_hash
+    }
+
+    /// Whether it is of a bake of this scene with these settings, whatever an animation made of it.
+    pub fn is_of_scene(&self, scene_hash: &str, settings: &BakeSettings) -> bool {
         self.version == VERSION && self.scene_hash == scene_hash && self.settings == settings.of_content()
     }
 
@@ -98,7 +123,7 @@ mod tests {
 
     fn manifest() -> Manifest {
         let settings = BakeSettings { lights: 4, beta: 0.1, ..Default::default() };
-        Manifest::new("hash", &settings, 10, 3, &[2, 0, 3, 1])
+        Manifest::new(Content::still("hash"), &settings, 10, 3, &[2, 0, 3, 1])
     }
 
     #[test]

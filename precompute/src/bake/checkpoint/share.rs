@@ -1,7 +1,7 @@
 //! What the folder of a share has beside its chunks: `shard.json` says which shard it is, and `scene.cuts` of the first holds
 //! the tessellated scene, with cuts that see nothing, once its share is complete.
 
-use super::{Checkpoint, Work, io_error, manifest};
+use super::{Checkpoint, Content, Work, io_error, manifest};
 use crate::{
     errors::{BakeError, CheckpointError, ShardError},
     shard::Shard,
@@ -59,11 +59,11 @@ impl Checkpoint {
     pub fn open_share(
         output: &Path,
         shard: Shard,
-        scene_hash: &str,
+        content: &Content,
         settings: &BakeSettings,
     ) -> Result<Option<Self>, BakeError> {
         let folder = shard.folder_of(output);
-        let opened = Self::open(output, &Work::Share(shard), scene_hash, settings);
+        let opened = Self::open(output, &Work::Share(shard), content, settings);
         let Some(share) = opened.map_err(|reason| of_no_use(shard, &folder, reason))? else { return Ok(None) };
         if check_signature(shard, &folder)?.is_none() {
             share.sign()?;

@@ -2,18 +2,22 @@ use super::*;
 use crate::bake::settings::resolve;
 use lapidary_core::surfel::Surfel;
 
+fn content() -> Content {
+    Content::still("hash")
+}
+
 fn settings() -> BakeSettings {
     BakeSettings { lights: 2, ..Default::default() }
 }
 
 fn created(output: &Path) -> Checkpoint {
-    Checkpoint::create(output, &Work::All, "hash", &settings(), 10, 3, &[0, 1]).unwrap()
+    Checkpoint::create(output, &Work::All, content(), &settings(), 10, 3, &[0, 1]).unwrap()
 }
 
 /// A checkpoint of ten points in three chunks, opened to be resumed.
 pub fn reopened(output: &Path) -> Checkpoint {
     created(output);
-    Checkpoint::open(output, &Work::All, "hash", &settings()).unwrap().unwrap()
+    Checkpoint::open(output, &Work::All, &content(), &settings()).unwrap().unwrap()
 }
 
 /// Cuts of one node.
@@ -48,9 +52,10 @@ fn chunks_of_another_bake_are_not_read() {
     let folder = tempfile::tempdir().unwrap();
     let [output, other] = ["a.cuts", "b.cuts"].map(|name| folder.path().join(name));
     let checkpoint = reopened(&output);
-    Checkpoint::create(&other, &Work::All, "hash", &BakeSettings { beta: 0.4, ..settings() }, 10, 3, &[0, 1]).unwrap();
+    Checkpoint::create(&other, &Work::All, content(), &BakeSettings { beta: 0.4, ..settings() }, 10, 3, &[0, 1])
+        .unwrap();
     let other_settings = BakeSettings { beta: 0.4, ..settings() };
-    let of_other = Checkpoint::open(&other, &Work::All, "hash", &other_settings).unwrap().unwrap();
+    let of_other = Checkpoint::open(&other, &Work::All, &content(), &other_settings).unwrap().unwrap();
     of_other.series(Series::Environment, Places::of_scene()).store(0, &chunk()).unwrap();
     let name = Series::Environment.file_name(0);
     fs::copy(Checkpoint::folder_of(&other).join(&name), Checkpoint::folder_of(&output).join(&name)).unwrap();
@@ -80,7 +85,7 @@ fn nothing_is_read_unless_a_bake_resumes() {
     let kept = fresh.series(Series::Environment, Places::of_scene());
     kept.store(0, &chunk()).unwrap();
     assert_eq!(kept.load(0, 3, 1), None);
-    let resumed = Checkpoint::open(&output, &Work::All, "hash", &settings()).unwrap().unwrap();
+    let resumed = Checkpoint::open(&output, &Work::All, &content(), &settings()).unwrap().unwrap();
     assert!(resumed.series(Series::Environment, Places::of_scene()).load(0, 3, 1).is_some(), "negative control");
     drop(created(&output));
     assert_eq!(fs::read_dir(Checkpoint::folder_of(&output)).unwrap().count(), 1, "the manifest alone");
@@ -91,16 +96,22 @@ fn a_checkpoint_of_another_bake_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("a.cuts");
     let settings = resolve(settings()).unwrap();
-    assert!(Checkpoint::open(&output, &Work::All, "hash", &settings).unwrap().is_none());
+    assert!(Checkpoint::open(&output, &Work::All, &content(), &settings).unwrap().is_none());
     assert_eq!(leftover(&output, "hash", &settings), Leftover::Nothing);
     created(&output);
-    assert!(matches!(Checkpoint::open(&output, &Work::All, "other", &settings), Err(CheckpointError::Mismatch { .. })));
+    assert!(matches!(
+        Checkpoint::open(&output, &Work::All, &Content::still("other"), &settings),
+        Err(CheckpointError::Mismatch { .. })
+    ));
     let other = resolve(BakeSettings { beta: 0.4, ..settings.clone().into_settings() }).unwrap();
-    assert!(matches!(Checkpoint::open(&output, &Work::All, "hash", &other), Err(CheckpointError::Mismatch { .. })));
+    assert!(matches!(Checkpoint::open(&output, &Work::All, &content(), &other), Err(CheckpointError::Mismatch { .. })));
     assert_eq!(leftover(&output, "hash", &other), Leftover::OfAnother);
     assert_eq!(leftover(&output, "hash", &settings), Leftover::Fitting);
     fs::write(Checkpoint::folder_of(&output).join(manifest::FILE), "{}").unwrap();
-    assert!(matches!(Checkpoint::open(&output, &Work::All, "hash", &settings), Err(CheckpointError::Damaged { .. })));
+    assert!(matches!(
+        Checkpoint::open(&output, &Work::All, &content(), &settings),
+        Err(CheckpointError::Damaged { .. })
+    ));
 }
 
 #[test]
@@ -112,7 +123,7 @@ fn what_no_bake_has_put_there_stays() {
         let checkpoint = created(&output);
         fs::write(partial.join(foreign), "mine").unwrap();
         assert_eq!(checkpoint.remove().unwrap(), Some(partial.join(foreign)), "it is told");
-        let again = Checkpoint::create(&output, &Work::All, "hash", &settings(), 10, 3, &[0, 1]);
+        let again = Checkpoint::create(&output, &Work::All, content(), &settings(), 10, 3, &[0, 1]);
         assert!(
             matches!(again, Err(CheckpointError::Foreign { .. }))
                 && Checkpoint::is_left(&Checkpoint::folder_of(&output)).is_err()
@@ -136,7 +147,7 @@ fn a_link_in_place_of_the_folder_is_not_followed() {
     fs::create_dir(&elsewhere).unwrap();
     fs::write(elsewhere.join("chunk-00000.bin"), "mine").unwrap();
     std::os::unix::fs::symlink(&elsewhere, Checkpoint::folder_of(&output)).unwrap();
-    let refused = Checkpoint::create(&output, &Work::All, "hash", &settings(), 10, 3, &[0, 1]);
+    let refused = Checkpoint::create(&output, &Work::All, content(), &settings(), 10, 3, &[0, 1]);
     assert!(matches!(refused, Err(CheckpointError::Foreign { .. })));
     assert!(elsewhere.join("chunk-00000.bin").exists());
 }

@@ -4,7 +4,7 @@
 use super::geometry::Geometry;
 use crate::{
     bake::{
-        checkpoint::{Checkpoint, Work},
+        checkpoint::{Checkpoint, Content, Work},
         clock::Clock,
         job::BakeJob,
         settings::ResolvedBake,
@@ -32,7 +32,7 @@ pub fn checkpoint_and_tree(
     geometry: &Geometry,
     job: &BakeJob,
     work: &Work,
-    hash: &str,
+    content: Content,
     resumed: Option<Checkpoint>,
     devices: Option<&dyn RayDevices>,
     clock: &mut Clock,
@@ -54,7 +54,7 @@ pub fn checkpoint_and_tree(
     let checkpoint = Checkpoint::create(
         &job.output,
         work,
-        hash,
+        content,
         settings,
         points,
         work.chunks(chunks.min(points.max(1))),

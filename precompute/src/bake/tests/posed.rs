@@ -1,9 +1,17 @@
 //! Bakes of scenes whose objects are not where their file has them.
 
 use super::*;
-use lapidary_core::scene::{
-    Object,
-    pose::{Objects, Pose, Poses},
+use crate::{
+    errors::{CheckpointError, ShardError},
+    shard::Shard,
+};
+use lapidary_core::{
+    animation::{Animation, BoundAnimation, ClipTime},
+    import::{ImportOptions, import},
+    scene::{
+        Mesh, Object,
+        pose::{DeformedObject, Objects, Pose, PosedVertices, Poses},
+    },
 };
 
 /// A floor and a block, an object of its own.
@@ -52,4 +60,79 @@ fn a_bake_goes_on_only_with_the_poses_that_it_began_with() {
     far.set(1, Pose { translate: Vec3::X * 1e30, ..Pose::AS_BAKED });
     let out_of_reach = bake(of_two(), &BakeJob { poses: far, ..job }, &Silent).unwrap_err();
     assert!(out_of_reach.to_string().contains("cannot be posed"), "{out_of_reach}");
+}
+
+/// The block where keyframes of an animation have it.
+fn slid(x: f32) -> Poses {
+    let (mesh, objects) = (of_two().mesh, Objects::of(&of_two()));
+    let block = || objects.vertices(1).iter().map(|&vertex| vertex as usize);
+    let vertices = PosedVertices {
+        positions: block().map(|vertex| mesh.positions[vertex] + Vec3::X * x).collect(),
+        normals: block().map(|vertex| mesh.normals[vertex]).collect(),
+        tangents: block().map(|vertex| mesh.tangents[vertex]).collect(),
+    };
+    let mut poses = Poses::default();
+    poses.deform(1, Some(DeformedObject::new(vertices, [0, 0, 1])));
+    poses
+}
+
+/// At one time of a clip that slides the block so far.
+fn sliding(x: f32, job: BakeJob) -> BakeJob {
+    BakeJob { poses: slid(x), clip_time: Some(ClipTime { clip: "slide".into(), seconds: 0.5 }), ..job }
+}
+
+#[test]
+fn chunks_of_other_keyframes_are_not_mixed() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = BakeJob { chunks: Some(5), ..job(folder.path(), "a.cuts") };
+    assert!(bake(of_two(), &sliding(0.5, job.clone()), &CancelIn::phase(Phase::Visibility)).is_err());
+    let resume = |x| bake(of_two(), &BakeJob { resume: true, ..sliding(x, job.clone()) }, &Silent);
+    let refused = resume(0.6).unwrap_err();
+    assert!(matches!(refused, BakeError::Checkpoint(CheckpointError::Mismatch { .. })), "{refused}");
+    assert!(resume(0.5).is_ok(), "negative control");
+    let share = |index, x| {
+        let shard = Shard::new(index, 2).unwrap();
+        bake_shard(of_two(), &sliding(x, job.clone()), shard, None, &Silent).unwrap();
+    };
+    share(1, 0.5);
+    share(2, 0.6);
+    let refused = merge(&job.output, &Silent).unwrap_err();
+    assert!(matches!(refused, BakeError::Shard(ShardError::OfAnother { .. })), "{refused}");
+    std::fs::remove_dir_all(Shard::new(2, 2).unwrap().folder_of(&job.output)).unwrap();
+    share(2, 0.5);
+    let merged = merge(&job.output, &Silent).unwrap();
+    assert_eq!(contents(&merged), contents(&bake(of_two(), &sliding(0.5, job), &Silent).unwrap()));
+}
+
+#[test]
+fn an_object_that_was_baked_in_an_animation_is_shown_where_the_next_bake_has_it() {
+    const TOWER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/bending-tower/bending-tower.gltf");
+    let (folder, scene) = (tempfile::tempdir().unwrap(), import(Path::new(TOWER)).unwrap().scene);
+    let bound = |scene: &Scene| {
+        BoundAnimation::new(Animation::read(Path::new(TOWER), &ImportOptions::default()).unwrap(), scene).unwrap()
+    };
+    let clip = bound(&scene).animation().clip(Some("Block")).unwrap();
+    let block = scene.objects.iter().position(|object| object.name == "Block").unwrap() as u32;
+    let baked = |seconds: f32, poses: &Poses| {
+        let job = with(job(folder.path(), "a.cuts"), |settings| settings.max_vertices = None);
+        let poses = bound(&scene).poses_at(clip, seconds, poses).unwrap();
+        let clip_time = Some(ClipTime { clip: "Block".into(), seconds });
+        bake(scene.clone(), &BakeJob { poses, clip_time, ..job }, &Silent).unwrap().scene
+    };
+    let before = baked(1.0, &Poses::default());
+    let mut turned = Poses::default();
+    turned.set(block, Pose { rotate_degrees: Vec3::Y * 90.0, ..Pose::AS_BAKED });
+    let shown = |seconds: f32, poses: &Poses| {
+        let since = bound(&before).poses_at(clip, seconds, &before.poses_since_baked(poses)).unwrap();
+        since.pose(&before.mesh, &Objects::of(&before)).unwrap()
+    };
+    let apart =
+        |a: &Mesh, b: &Mesh| a.positions.iter().zip(&b.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    for seconds in [1.0, 0.4] {
+        let again = baked(seconds, &turned).mesh;
+        assert!(apart(&shown(seconds, &turned), &again) < 1e-4, "{seconds} s");
+        assert!(apart(&shown(seconds, &Poses::default()), &again) > 0.1, "negative control: not turned");
+    }
+    let about_its_box = turned.pose(&before.mesh, &Objects::of(&before)).unwrap();
+    assert!(apart(&about_its_box, &baked(1.0, &turned).mesh) > 0.1, "negative control: another center");
 }

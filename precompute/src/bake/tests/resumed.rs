@@ -3,7 +3,7 @@
 use super::*;
 use crate::errors::CheckpointError;
 use crate::{
-    bake::checkpoint::{Places, Series, Work},
+    bake::checkpoint::{Content, Places, Series, Work},
     meshless::transport::steps::KeepsRows,
 };
 use lapidary_core::camera::Camera;
@@ -47,7 +47,8 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
 
     // Negative control: what was kept is used.
     interrupted();
-    let checkpoint = Checkpoint::open(&job.output, &Work::All, &whole.scene_hash, &job.settings).unwrap().unwrap();
+    let content = Content::still(&whole.scene_hash);
+    let checkpoint = Checkpoint::open(&job.output, &Work::All, &content, &job.settings).unwrap().unwrap();
     let coarsest = whole.report.meshless.as_ref().unwrap().gathered[0];
     let basis = &whole.meshless.as_ref().unwrap().basis;
     let kept = checkpoint.series(Series::Transport, Places::of(basis.points(), basis.radii()));
@@ -103,7 +104,16 @@ fn a_checkpoint_of_other_points_is_discarded_aloud() {
     let told = Told::default();
     let whole = bake(scene(), &resume, &told).unwrap();
     assert!(told.all().is_empty(), "negative control: {:?}", told.all());
-    Checkpoint::create(&job.output, &Work::All, &whole.scene_hash, &job.settings, 1, 1, whole.tree.order()).unwrap();
+    Checkpoint::create(
+        &job.output,
+        &Work::All,
+        Content::still(&whole.scene_hash),
+        &job.settings,
+        1,
+        1,
+        whole.tree.order(),
+    )
+    .unwrap();
     let again = bake(scene(), &resume, &told).unwrap();
     assert!(told.all().join("").contains("is discarded"), "{:?}", told.all());
     assert_eq!(contents(&again), contents(&whole));

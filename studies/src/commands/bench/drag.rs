@@ -7,7 +7,10 @@ use crate::{
 };
 use anyhow::{Result, anyhow};
 use glam::Vec3;
-use lapidary_core::scene::pose::{Objects, Pose, Poses};
+use lapidary_core::scene::{
+    Scene,
+    pose::{Objects, Pose, Poses},
+};
 use lapidary_render::{BackendError, Detail, LitScene, Look, STRIDES, Tiles};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -43,7 +46,7 @@ struct Detailed {
     pictures_per_second: f64,
 }
 
-/// Drags an object by half the width of its box in `steps` steps at each detail, and prints.
+/// Drags an object by half the width of its box at each detail, in one step that picks it up and `steps` more, and prints.
 ///
 /// # Errors
 /// An object that is not there, or no adapter where one is asked for.
@@ -56,17 +59,7 @@ pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOptio
     let mut on = LitScene::new(backend.open()?, viewed.baked.clone())?;
     let look = viewed.look()?;
     picture(&mut on, &look)?;
-    let vertices = Objects::of(scene);
-    let places = vertices.vertices(index as u32).iter().map(|&vertex| scene.mesh.positions[vertex as usize].x);
-    let (least, most) = places.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    let step = 0.5 * (most - least).max(0.0) / steps as f32;
-    let looks: Vec<Look> = (1..=steps)
-        .map(|i| {
-            let mut poses = Poses::default();
-            poses.set(index as u32, Pose { translate: Vec3::X * step * i as f32, ..Pose::AS_BAKED });
-            Look { poses, ..look.clone() }
-        })
-        .collect();
+    let looks = dragged(scene, index as u32, &look, steps);
     let details = Detail::LADDER.into_iter().map(|detail| Detailed::measure(&mut on, detail, &looks));
     let drag = Drag {
         details: details.collect::<Result<_, _>>()?,
@@ -79,8 +72,22 @@ pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOptio
     print_out(&if json { json_text(&drag)? } else { text(&drag) })
 }
 
+/// The looks of the step that picks an object up, and of `steps` more.
+fn dragged(scene: &Scene, object: u32, look: &Look, steps: u32) -> Vec<Look> {
+    let vertices = Objects::of(scene);
+    let places = vertices.vertices(object).iter().map(|&vertex| scene.mesh.positions[vertex as usize].x);
+    let (least, most) = places.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let step = 0.5 * (most - least).max(0.0) / (steps + 1) as f32;
+    let at = |i: u32| {
+        let mut poses = Poses::default();
+        poses.set(object, Pose { translate: Vec3::X * step * i as f32, ..Pose::AS_BAKED });
+        Look { poses, ..look.clone() }
+    };
+    (1..=steps + 1).map(at).collect()
+}
+
 impl Detailed {
-    /// Shows one look after another.
+    /// Shows one look after another, at least two.
     fn measure(on: &mut LitScene, detail: Detail, looks: &[Look]) -> Result<Self, BackendError> {
         on.set_detail(detail);
         let mut times = looks.iter().map(|look| picture(on, look));
@@ -126,4 +133,27 @@ fn text(drag: &Drag) -> String {
         );
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::test_scenes::dataset;
+    use lapidary_render::{Appearance, Backend, Baked, CpuBackend, test_looks};
+
+    #[test]
+    fn one_step_after_the_pick_up_is_enough_for_all_figures() {
+        let baked = Baked::from(dataset(&["a"], &[]));
+        let scene = &baked.dataset.scene;
+        let look = Look { appearance: Appearance::of(scene), ..test_looks::look() };
+        let looks = dragged(scene, 0, &look, 1);
+        let places: Vec<Vec3> = looks.iter().map(|look| look.poses.of(0).translate).collect();
+        assert_eq!(places, [Vec3::X * 0.25, Vec3::X * 0.5]);
+        let mut on = LitScene::new(Box::new(CpuBackend::new()) as Box<dyn Backend>, baked.clone()).unwrap();
+        picture(&mut on, &look).unwrap();
+        let Detailed { pick_up_milliseconds, light_milliseconds, sketch_milliseconds, pictures_per_second, .. } =
+            Detailed::measure(&mut on, Detail::LADDER[0], &looks).unwrap();
+        assert!(pick_up_milliseconds > 0.0 && light_milliseconds > 0.0 && sketch_milliseconds > 0.0);
+        assert!(pictures_per_second > 0.0 && pictures_per_second.is_finite());
+    }
 }

@@ -28,7 +28,7 @@ pub struct PassesArgs {
     /// Frames whose median is taken, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) frames: u32,
-    /// Drag this object by half its width in so many frames, and measure how long pictures take meanwhile
+    /// Drag this object by half its width in so many frames after one that picks it up, and measure how long pictures take meanwhile
     #[arg(long, value_name = "OBJECT", conflicts_with = "illum_cuts")]
     drag: Option<String>,
     /// What renders

@@ -9,6 +9,7 @@ mod meter;
 mod report;
 mod scenes;
 
+use super::PICTURE;
 use crate::{
     bundled::DataFolder,
     outputs::CommandFiles,
@@ -28,7 +29,7 @@ use std::{path::PathBuf, time::Instant};
 #[command(next_help_heading = "Suite on the bundled scenes")]
 pub struct SuiteArgs {
     /// Measure bake, frame, drag, rotation and lit cuts on the bundled scenes, on the CPU, in place of a dataset's frames
-    #[arg(long, conflicts_with_all = SINGLE_DATASET)]
+    #[arg(long, conflicts_with_all = PICTURE, conflicts_with_all = ["file", "surfels", "PassesArgs"])]
     suite: bool,
     /// Baseline to compare with [default: the one that comes with this version]
     #[arg(long, value_name = "FILE.json", requires = "suite", conflicts_with = "file")]
@@ -40,21 +41,6 @@ pub struct SuiteArgs {
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
 }
-
-/// Options that are about one dataset, by name or by group.
-const SINGLE_DATASET: [&str; 11] = [
-    "file",
-    "surfels",
-    "PassesArgs",
-    "EnvironmentArgs",
-    "LocalLightArgs",
-    "CameraArgs",
-    "roughness",
-    "base_color",
-    "metalness",
-    "material",
-    "allow_outside",
-];
 
 impl SuiteArgs {
     /// What it reads and writes.

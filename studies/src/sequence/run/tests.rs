@@ -1,6 +1,11 @@
 use super::*;
 use crate::sequence::{SequenceSettings, plan};
-use lapidary_core::test_scenes;
+use glam::Vec3;
+use lapidary_core::{
+    animation::ClipTime,
+    scene::pose::{Pose, Poses},
+    test_scenes,
+};
 use lapidary_render::{Appearance, Baked, CpuBackend, View};
 use lapidary_render::{Look, test_looks::look};
 use std::{
@@ -118,6 +123,26 @@ fn what_is_there_is_neither_replaced_nor_mixed_with_another_sequence() {
     assert_eq!(fs::read(folder.join("f.02.exr")).unwrap(), before);
     task.existing = Existing::Overwrite;
     assert_eq!(run(&task, &baked, &Stop::never()).unwrap().rendered, 3);
+}
+
+#[test]
+fn frames_of_bakes_that_are_placed_otherwise_are_not_mixed() {
+    let folder = tempfile::tempdir().unwrap();
+    let placed = |x: f32, seconds: f32| {
+        let mut dataset = test_scenes::dataset(&["a"], &[]);
+        let mut poses = Poses::default();
+        poses.set(0, Pose { translate: Vec3::Y * x, ..Pose::AS_BAKED });
+        dataset.scene.place(&poses).unwrap();
+        dataset.scene.clip_time = Some(ClipTime { clip: "walk".into(), seconds });
+        Baked::from(dataset)
+    };
+    let task = task(&placed(0.1, 1.0), folder.path(), "intensity=1..3", 2);
+    run(&task, &placed(0.1, 1.0), &Stop::never()).unwrap();
+    let resume = SequenceTask { existing: Existing::Resume, ..task };
+    let refused = |baked: &Baked| resume.prepare(&baked.dataset).unwrap_err().to_string();
+    assert!(refused(&placed(0.2, 1.0)).contains("their bake.poses differs"));
+    assert!(refused(&placed(0.1, 2.0)).contains("their bake.clip.seconds differs"));
+    assert!(resume.prepare(&placed(0.1, 1.0).dataset).is_ok(), "negative control");
 }
 
 #[test]
