@@ -2,7 +2,11 @@
 //! limits and no optional feature. Where the adapter has more room, it is used.
 
 use crate::{backend::BackendError, remedy::Remedy};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    thread::ThreadId,
+};
 
 /// A device and its queue. Copies are of the same device.
 #[derive(Clone)]
@@ -11,13 +15,16 @@ pub struct GpuDevice {
     pub queue: wgpu::Queue,
     pub limits: wgpu::Limits,
     pub info: wgpu::AdapterInfo,
-    trouble: Arc<Mutex<Option<Trouble>>>,
+    troubles: Arc<Mutex<Troubles>>,
 }
 
-/// Reports of the driver since the last call.
-enum Trouble {
-    Lost(String),
-    Error(String),
+/// Reports of the driver.
+#[derive(Default)]
+struct Troubles {
+    /// Why the device is lost.
+    lost: Option<String>,
+    /// The first error of each thread since it asked: the driver tells it to the one whose call it was.
+    errors: HashMap<ThreadId, String>,
 }
 
 /// How much room to ask for.
@@ -42,9 +49,9 @@ impl GpuDevice {
             wgpu::DeviceDescriptor { label: Some("lapidary"), required_limits: limits.clone(), ..Default::default() };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| BackendError::Driver(e.to_string()))?;
-        let trouble = Arc::new(Mutex::new(None));
-        report_trouble(&device, &trouble);
-        Ok(Self { device, queue, limits, info: adapter.get_info(), trouble })
+        let troubles = Arc::default();
+        report_troubles(&device, &troubles);
+        Ok(Self { device, queue, limits, info: adapter.get_info(), troubles })
     }
 
     /// Waits for all submitted work.
@@ -57,20 +64,17 @@ impl GpuDevice {
         polled.map(|_| ()).map_err(|e| BackendError::Driver(e.to_string()))
     }
 
-    /// Errors since the last call; the loss of the device at each.
+    /// Errors of this thread since its last call; the loss of the device at each.
     ///
     /// # Errors
     /// A lost device, or what the driver reported.
     pub fn check(&self) -> Result<(), BackendError> {
-        let mut slot = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
-        match slot.take() {
-            None => Ok(()),
-            Some(Trouble::Lost(reason)) => {
-                // It stays lost, for all copies.
-                *slot = Some(Trouble::Lost(reason.clone()));
-                Err(BackendError::DeviceLost { reason })
-            }
-            Some(Trouble::Error(message)) => Err(BackendError::Driver(message)),
+        let mut troubles = locked(&self.troubles);
+        let error = troubles.errors.remove(&std::thread::current().id());
+        match (&troubles.lost, error) {
+            (Some(reason), _) => Err(BackendError::DeviceLost { reason: reason.clone() }),
+            (None, Some(message)) => Err(BackendError::Driver(message)),
+            (None, None) => Ok(()),
         }
     }
 
@@ -138,17 +142,51 @@ fn wanted_limits(adapter: &wgpu::Limits, room: Room) -> wgpu::Limits {
     }
 }
 
-fn report_trouble(device: &wgpu::Device, trouble: &Arc<Mutex<Option<Trouble>>>) {
-    let slot = trouble.clone();
+fn locked(troubles: &Mutex<Troubles>) -> MutexGuard<'_, Troubles> {
+    troubles.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn report_troubles(device: &wgpu::Device, troubles: &Arc<Mutex<Troubles>>) {
+    let lost = troubles.clone();
     device.set_device_lost_callback(move |reason, message| {
         // Dropping the device is no loss.
         if reason != wgpu::DeviceLostReason::Destroyed {
-            *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(Trouble::Lost(message));
+            locked(&lost).lost = Some(message);
         }
     });
-    let slot = trouble.clone();
+    let errors = troubles.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
-        slot.get_or_insert(Trouble::Error(error.to_string()));
+        locked(&errors).errors.entry(std::thread::current().id()).or_insert_with(|| error.to_string());
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::tests::twin::on_adapter;
+
+    #[test]
+    fn each_thread_is_told_its_own_errors() {
+        let Some((_one_at_a_time, gpu)) = on_adapter(|| GpuDevice::new(Room::Defaults)) else { return };
+        let fails = |gpu: &GpuDevice| {
+            let size = 2 * gpu.limits.max_buffer_size;
+            let usage = wgpu::BufferUsages::STORAGE;
+            let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage,
+                mapped_at_creation: false,
+            });
+        };
+        let other = gpu.clone();
+        let of_other = std::thread::spawn(move || {
+            fails(&other);
+            other.check()
+        });
+        assert!(matches!(of_other.join().unwrap(), Err(BackendError::Driver(_))));
+        assert!(gpu.check().is_ok(), "the error of another thread");
+        fails(&gpu);
+        assert!(matches!(gpu.check(), Err(BackendError::Driver(_))), "negative control");
+        assert!(gpu.check().is_ok(), "it is told once");
+    }
 }
