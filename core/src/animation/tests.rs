@@ -1,6 +1,8 @@
 //! Animations of files that the tests write, against answers that are known.
 
 mod bad_input;
+mod channels;
+mod damage;
 mod file;
 
 use super::*;
