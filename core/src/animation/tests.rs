@@ -4,6 +4,7 @@ mod bad_input;
 mod channels;
 mod damage;
 mod file;
+mod sheets;
 
 use super::*;
 use crate::{
