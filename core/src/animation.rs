@@ -6,7 +6,7 @@
 //! From a time to a mesh:
 //! * `keyframes`: values of a channel; `clip`: what a clip does to the nodes
 //! * `nodes`: the hierarchy; `skin`: joints; `surface`: vertices on their way into the world; `shape`: all of these together
-//! * `nearest` and `binding`: from the vertices of the file to those of the bake
+//! * `nearest` and `binding`: from the vertices of the file to those of the bake; `sheets`: where that cannot be told
 
 mod binding;
 mod bound;
@@ -15,6 +15,7 @@ pub(crate) mod keyframes;
 mod nearest;
 pub(crate) mod nodes;
 pub(crate) mod shape;
+mod sheets;
 pub(crate) mod skin;
 pub(crate) mod surface;
 
@@ -147,8 +148,9 @@ impl Animation {
         if !import::is_gltf(path) {
             return Err(AnimationError::NoGltf { path: path.into() });
         }
-        let animation = import::animation(path, options)?;
+        let mut animation = import::animation(path, options)?;
         animation.clip(None).map(drop)?;
+        animation.warnings.extend(sheets::remark(&animation));
         Ok(animation)
     }
 

@@ -7,14 +7,11 @@
 use super::{
     nearest::{NearestPoint, NearestPoints, blend},
     shape::{Posture, Shape},
-    surface::Surface,
+    surface::{BATCH, Surface},
 };
-use crate::scene::{Mesh, pose::PosedVertices};
+use crate::scene::{Mesh, is_within_reach, pose::PosedVertices};
 use glam::{Mat3, Vec3, Vec4};
 use rayon::prelude::*;
-
-/// Fewest vertices that are worth a thread.
-const BATCH: usize = 1024;
 
 /// An object that can move.
 #[derive(Debug)]
@@ -41,9 +38,10 @@ struct BoundVertex {
 
 impl BoundObject {
     /// Binds the `vertices` of an object of the mesh to its shapes. Also returns how far the farthest vertex is from them in metres:
-    /// infinitely far if they have no triangles.
+    /// infinitely far if they have no triangles, or if it is nowhere.
     pub fn new(object: u32, shapes: &[Shape], at_rest: &Posture, mesh: &Mesh, vertices: &[u32]) -> (Self, f32) {
-        let (at_rest, triangles) = (posed(shapes, at_rest), triangles(shapes));
+        let at_rest = posed(shapes, at_rest);
+        let triangles = triangles_within_reach(shapes, &at_rest);
         let points = NearestPoints::new(&at_rest, &triangles);
         let bind = |&vertex: &u32| {
             let vertex = vertex as usize;
@@ -56,7 +54,10 @@ impl BoundObject {
             Some((bound, nearest.distance))
         };
         let bound: Vec<_> = vertices.par_iter().with_min_len(BATCH).map(bind).collect();
-        let distance = |of: &Option<(BoundVertex, f32)>| of.map_or(f32::INFINITY, |(_, distance)| distance);
+        let distance = |of: &Option<(BoundVertex, f32)>| match of {
+            Some((_, distance)) if *distance >= 0.0 => *distance,
+            _ => f32::INFINITY,
+        };
         let farthest = bound.iter().map(distance).fold(0.0, f32::max);
         let vertices = bound.into_iter().flatten().map(|(vertex, _)| vertex).collect();
         (Self { object, at_rest, vertices }, farthest)
@@ -113,13 +114,13 @@ impl BoundVertex {
 
 impl Surface {
     /// From each vertex to where it is on another surface.
-    fn shifts_to(&self, other: &Self) -> Vec<Vec3> {
+    pub fn shifts_to(&self, other: &Self) -> Vec<Vec3> {
         self.positions.iter().zip(&other.positions).map(|(before, now)| *now - *before).collect()
     }
 }
 
 /// The vertices of shapes in a posture, one shape after another.
-fn posed(shapes: &[Shape], posture: &Posture) -> Surface {
+pub fn posed(shapes: &[Shape], posture: &Posture) -> Surface {
     let mut all = Surface::default();
     for surface in shapes.iter().map(|shape| shape.posed(posture)) {
         all.positions.extend(surface.positions);
@@ -128,14 +129,15 @@ fn posed(shapes: &[Shape], posture: &Posture) -> Surface {
     all
 }
 
-/// The triangles of shapes, as [`posed`] orders their vertices.
-fn triangles(shapes: &[Shape]) -> Vec<[u32; 3]> {
+/// The triangles of shapes, as [`posed`] orders their vertices. Those out of reach are in no scene, and in no hierarchy of boxes.
+pub fn triangles_within_reach(shapes: &[Shape], surface: &Surface) -> Vec<[u32; 3]> {
     let mut all = Vec::new();
     let mut base = 0;
     for shape in shapes {
         all.extend(shape.triangles.iter().map(|corners| corners.map(|corner| base + corner)));
         base += shape.surface.positions.len() as u32;
     }
+    all.retain(|corners| corners.iter().all(|&corner| is_within_reach(surface.positions[corner as usize])));
     all
 }
 

@@ -5,12 +5,13 @@ use super::{
     nodes::{NodeState, Nodes},
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// The least size of a node along an axis, relative to its mesh: a scale of zero would leave no normals.
 pub const LEAST_SCALE: f32 = 1e-4;
 
 /// What a channel changes of its node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Property {
     /// Where it is in its parent.
     Translation,
@@ -29,8 +30,8 @@ pub struct Channel {
     pub node: usize,
     /// What changes.
     pub property: Property,
-    /// Its values.
-    pub keys: Keyframes,
+    /// Its values; channels may share them.
+    pub keys: Arc<Keyframes>,
 }
 
 impl Channel {
@@ -80,7 +81,7 @@ pub enum Playback {
 /// A named animation.
 #[derive(Clone, Debug)]
 pub struct Clip {
-    /// From the file, or made up from its place there.
+    /// From the file, or made up from its place there. No other clip of the file has it: equal names are numbered.
     pub name: String,
     channels: Vec<Channel>,
 }

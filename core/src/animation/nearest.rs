@@ -13,6 +13,9 @@ use std::time::Duration;
 /// Triangles this much farther than the nearest one count as near, relative to the diagonal of the surface: they meet there.
 const TIE: f32 = 1e-6;
 
+/// How much less a normal may agree with the one that was asked for than the best does, as a cosine, and still face the same way.
+const SAME_WAY: f32 = 1e-3;
+
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestPoint {
@@ -46,39 +49,64 @@ impl<'a> NearestPoints<'a> {
     /// The point nearest to a place; where triangles meet, that of the one whose normal is nearest to `normal`. `None` if there are no
     /// triangles.
     pub fn find(&self, place: Vec3, normal: Vec3) -> Option<NearestPoint> {
-        let nodes = &self.hierarchy.nodes;
         let mut found: Option<NearestPoint> = None;
+        self.visit(place, |triangle| {
+            let point = self.point(triangle, place, normal);
+            let is_better = |known: &NearestPoint| {
+                point.distance + self.tie < known.distance
+                    || (point.distance <= known.distance + self.tie && point.agreement > known.agreement + SAME_WAY)
+            };
+            if found.as_ref().is_none_or(is_better) {
+                found = Some(point);
+            }
+            found.map_or(f32::INFINITY, |found| found.distance + self.tie)
+        });
+        found
+    }
+
+    /// All points that are as near as that of [`Self::find`] and face the same way.
+    pub fn meeting(&self, place: Vec3, normal: Vec3) -> Vec<NearestPoint> {
+        let Some(nearest) = self.find(place, normal) else { return Vec::new() };
+        let (reach, mut meeting) = (nearest.distance + self.tie, Vec::new());
+        self.visit(place, |triangle| {
+            let point = self.point(triangle, place, normal);
+            if point.distance <= reach && point.agreement >= nearest.agreement - SAME_WAY {
+                meeting.push(point);
+            }
+            reach
+        });
+        meeting
+    }
+
+    /// Calls `each` with triangles, the nearest boxes first. It returns how far away the others may be.
+    fn visit(&self, place: Vec3, mut each: impl FnMut(usize) -> f32) {
+        let nodes = &self.hierarchy.nodes;
+        let mut reach = f32::INFINITY;
         let mut pending: Vec<(f32, usize)> =
             nodes.first().map(|root| (distance_to(&root.aabb, place), 0)).into_iter().collect();
         while let Some((distance, index)) = pending.pop() {
-            if found.is_some_and(|found| distance > found.distance + self.tie) {
+            if distance > reach {
                 continue;
             }
             let (node, first) = (&nodes[index], nodes[index].first_index as usize);
             if node.is_leaf() {
                 let triangles = &self.hierarchy.primitive_indices[first..first + node.prim_count as usize];
-                triangles.iter().for_each(|&t| self.consider(t as usize, place, normal, &mut found));
+                triangles.iter().for_each(|&triangle| reach = each(triangle as usize));
             } else {
                 let mut children = [first, first + 1].map(|child| (distance_to(&nodes[child].aabb, place), child));
                 children.sort_by(|a, b| b.0.total_cmp(&a.0));
                 pending.extend(children);
             }
         }
-        found
     }
 
-    fn consider(&self, triangle: usize, place: Vec3, normal: Vec3, found: &mut Option<NearestPoint>) {
+    /// The point of a triangle that is nearest to a place.
+    fn point(&self, triangle: usize, place: Vec3, normal: Vec3) -> NearestPoint {
         let corners = self.triangles[triangle];
         let weights = nearest_weights(self.surface.corners(corners), place);
         let distance = self.surface.position(corners, weights).distance(place);
         let agreement = self.surface.normal(corners, weights).dot(normal);
-        let is_better = |known: &NearestPoint| {
-            distance + self.tie < known.distance
-                || (distance <= known.distance + self.tie && agreement > known.agreement + 1e-3)
-        };
-        if found.as_ref().is_none_or(is_better) {
-            *found = Some(NearestPoint { triangle, weights, distance, agreement });
-        }
+        NearestPoint { triangle, weights, distance, agreement }
     }
 }
 

@@ -5,7 +5,11 @@ use super::{
     skin::{Influences, Skin},
     surface::{MorphTarget, Surface},
 };
-use glam::Mat4;
+use crate::sphere::fibonacci_directions;
+use glam::{Mat4, Vec3};
+
+/// Its multiples have fractions that are far from one another.
+const GOLDEN_RATIO: f32 = 1.618_034;
 
 /// What changes the vertices of a primitive beside its node.
 #[derive(Clone, Debug, Default)]
@@ -46,6 +50,21 @@ impl Posture {
         let world_from_nodes = nodes.world_from_nodes(&state);
         let joints = skins.iter().map(|skin| skin.world_from_mesh(&world_from_nodes)).collect();
         Self { world_from_nodes, joints, weights: state.weights }
+    }
+
+    /// With each joint moved by a distance in metres in a direction of its own, and each morph target changed by a weight of its own.
+    pub fn trial(&self, distance: f32) -> Self {
+        let mut trial = self.clone();
+        for joints in &mut trial.joints {
+            let directions = fibonacci_directions(joints.len());
+            let moved =
+                |(joint, direction): (&mut Mat4, Vec3)| *joint = Mat4::from_translation(distance * direction) * *joint;
+            joints.iter_mut().zip(directions).for_each(moved);
+        }
+        for weights in &mut trial.weights {
+            (1..).zip(weights).for_each(|(k, weight)| *weight += 0.5 + (k as f32 * GOLDEN_RATIO).fract());
+        }
+        trial
     }
 
     /// From a node into the world.

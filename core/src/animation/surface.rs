@@ -6,7 +6,7 @@ use glam::{Mat3, Mat4, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Fewest vertices that are worth a thread.
-const BATCH: usize = 1024;
+pub const BATCH: usize = 1024;
 
 /// Vertices. Arrays have one length, except that tangents may be left out as a whole.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,7 +1,10 @@
 //! Animations of files that the tests write, against answers that are known.
 
 mod bad_input;
+mod channels;
+mod damage;
 mod file;
+mod sheets;
 
 use super::*;
 use crate::{
@@ -96,9 +99,10 @@ fn at(bound: &BoundAnimation, seconds: f32, scene: &Scene) -> Mesh {
     posed(&bound.poses_at(0, seconds, &Poses::default()).unwrap(), scene)
 }
 
-/// The largest distance between places of two lists.
+/// The largest distance between places of two lists; NaN if one of them is.
 fn farthest(a: &[Vec3], b: impl IntoIterator<Item = Vec3>) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a.distance(b)).fold(0.0, f32::max)
+    let larger = |most: f32, distance: f32| if most > distance || most.is_nan() { most } else { distance };
+    a.iter().zip(b).map(|(a, b)| a.distance(b)).fold(0.0, larger)
 }
 
 #[test]

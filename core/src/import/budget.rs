@@ -37,8 +37,13 @@ impl OverBudget {
         Self { needed, limit }
     }
 
+    /// What is needed, and what there is.
+    pub fn megabytes(self) -> [u64; 2] {
+        memory::in_megabytes(self.needed, self.limit)
+    }
+
     pub fn at(self, path: &Path) -> ImportError {
-        let [needed, available] = memory::in_megabytes(self.needed, self.limit);
+        let [needed, available] = self.megabytes();
         ImportError::Memory { path: path.into(), needed, available }
     }
 }

@@ -26,6 +26,7 @@ mod hierarchy;
 mod layers;
 mod lights;
 mod materials;
+mod pointers;
 mod primitive;
 mod scene_file;
 mod variants;
@@ -33,7 +34,7 @@ mod variants;
 pub(crate) use buffers::percent_decoded;
 
 /// Extensions that are honoured; others are named in a warning.
-const EXTENSIONS: [&str; 10] = [
+const EXTENSIONS: [&str; 11] = [
     lights::EXTENSION,
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -44,6 +45,8 @@ const EXTENSIONS: [&str; 10] = [
     layers::EXTENSIONS[3],
     layers::EXTENSIONS[4],
     variants::EXTENSION,
+    // What it moves stays at rest, which is told.
+    pointers::EXTENSION,
 ];
 
 /// Reads a scene as it is at rest.
@@ -51,6 +54,10 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
     let failed = |trouble: Trouble| trouble.at(path, "glTF");
     let file = SceneFile::open(bytes, path, &mut files, variant)?;
     let (gltf, buffers) = (&file.gltf, &file.buffers);
+    // They are checked, and not kept.
+    let clips = Clips::read(&file, &mut files.budget.clone());
+    let remarks: Vec<String> = clips.remarks_of_broken().chain(clips.remarks_of_channels()).collect();
+    drop(clips);
     let mut library = TextureLibrary::new(files);
     let mut source = Source::default();
     source.variants.names.clone_from(&file.variants.names);
@@ -72,12 +79,11 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
         }
     }
     file.add_objects(&mut source, |source, node, primitive, part| {
-        let read = Primitive::read(primitive, buffers).map_err(|reason| failed(reason.into()))?;
-        read.check_indices().map_err(|source| ImportError::Mesh { path: path.into(), source })?;
+        let read = file.primitive(primitive, path)?;
         read.add_to(source, &file.deformation(node, primitive, &mut notes), node.index(), &at_rest, part);
         Ok(())
     })?;
-    source.warnings.extend(Clips::read(gltf, &file.nodes, buffers).remarks());
+    source.warnings.extend(remarks);
     notes.warn(&mut source.warnings);
     warn_of_extensions(gltf, &mut source.warnings);
     library.finish(&mut source);
@@ -87,15 +93,16 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
 /// Reads what moves in a file, without materials and pictures.
 pub(super) fn read_animation(bytes: &[u8], path: &Path, mut files: Files) -> Result<Animation, ImportError> {
     let file = SceneFile::open(bytes, path, &mut files, None)?;
-    let Clips { playable: clips, broken } = Clips::read(&file.gltf, &file.nodes, &file.buffers);
+    let clips = Clips::read(&file, &mut files.budget);
+    let mut warnings: Vec<String> = clips.remarks_of_channels().collect();
+    let Clips { playable: clips, broken, .. } = clips;
     let moving = file.moving(&clips);
     let (mut shapes, mut notes) = (Vec::new(), Notes::default());
     let materials = file.gltf.materials().map(|_| Material::default()).collect();
     let mut source = Source { materials, ..Source::default() };
     file.add_objects(&mut source, |_, node, primitive, part| {
         if moving.reaches(node, primitive) {
-            let parsed = |reason: String| Trouble::from(reason).at(path, "glTF");
-            let Primitive { mut surface, triangles, .. } = Primitive::read(primitive, &file.buffers).map_err(parsed)?;
+            let Primitive { mut surface, triangles, .. } = file.primitive(primitive, path)?;
             surface.tangents.clear();
             let deformation = file.deformation(node, primitive, &mut notes);
             shapes.push(Shape { object: part.object, node: node.index(), surface, triangles, deformation });
@@ -104,16 +111,17 @@ pub(super) fn read_animation(bytes: &[u8], path: &Path, mut files: Files) -> Res
     })?;
     shapes.sort_by_key(|shape| shape.object);
     let objects = source.objects.into_iter().map(|object| object.name).collect();
-    let mut warnings = Vec::new();
     notes.warn(&mut warnings);
     let skins = file.skins.into_iter().map(Result::unwrap_or_default).collect();
     Ok(Animation { path: path.into(), nodes: file.nodes, skins, clips, broken, shapes, objects, warnings })
 }
 
-/// Parses and validates. The validation of the `gltf` crate looks up accessors of attributes before it checks their
+/// Parses and validates. Returns the animations whose channels that move no node were removed, too. The validation of the `gltf` crate looks up accessors of attributes before it checks their
 /// indices, so these are checked first.
-fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
-    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| e.to_string())?;
+fn parse(bytes: &[u8]) -> Result<(gltf::Gltf, Vec<usize>), String> {
+    let parsed = gltf::Gltf::from_slice_without_validation(bytes).map(|gltf| (gltf, Vec::new()));
+    let parsed = parsed.or_else(|error| pointers::parse_without(bytes).ok_or(error));
+    let (gltf::Gltf { document, blob }, pointing) = parsed.map_err(|e| e.to_string())?;
     let mut json = document.into_json();
     // Read here; the crate would refuse a file that requires it.
     json.extensions_required.retain(|e| !EXTENSIONS.contains(&e.as_str()));
@@ -122,7 +130,7 @@ fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
         return Err(format!("a mesh refers to accessor {bad}, but there are {}", json.accessors.len()));
     }
     let document = gltf::Document::from_json(json).map_err(|e| e.to_string())?;
-    Ok(gltf::Gltf { document, blob })
+    Ok((gltf::Gltf { document, blob }, pointing))
 }
 
 /// Checks that all extensions that a file requires are read.

@@ -21,6 +21,14 @@ const TARGET_VERTEX: u64 = 36;
 /// Peak bytes of a vertex in a set of joints and weights.
 const SET_VERTEX: u64 = 40;
 
+/// Peak bytes of a joint: its node, and its matrices in the skin and in postures.
+const JOINT: u64 = 300;
+
+/// Bytes that the skins of a file take.
+pub(super) fn bytes_of_skins(gltf: &gltf::Document) -> u64 {
+    gltf.skins().map(|skin| skin.joints().count() as u64 * JOINT).sum()
+}
+
 /// All skins of a file by index. A skin that cannot be used says why.
 pub(super) fn skins(gltf: &gltf::Document, buffers: &Buffers) -> Vec<Result<Skin, String>> {
     gltf.skins().map(|skin| read_skin(&skin, buffers)).collect()
@@ -34,8 +42,7 @@ fn read_skin(skin: &gltf::Skin, buffers: &Buffers) -> Result<Skin, String> {
     if accessor.count() < joints.len() {
         return Err(format!("it has {} inverse bind matrices for {} joints", accessor.count(), joints.len()));
     }
-    let columns = buffers.matrices(&accessor)?;
-    let joints_from_mesh: Vec<Mat4> = columns.into_iter().take(joints.len()).collect();
+    let joints_from_mesh = buffers.matrices(&accessor, joints.len())?;
     match joints_from_mesh.iter().position(|matrix| !matrix.is_finite()) {
         Some(joint) => Err(format!("the inverse bind matrix of joint {joint} holds no numbers")),
         None => Ok(Skin { joints, joints_from_mesh }),
@@ -114,16 +121,12 @@ fn targets(primitive: &gltf::Primitive, vertices: usize, buffers: &Buffers) -> R
 }
 
 impl Buffers {
-    fn matrices(&self, accessor: &gltf::Accessor) -> Result<Vec<Mat4>, String> {
+    /// The first matrices of an accessor.
+    fn matrices(&self, accessor: &gltf::Accessor, count: usize) -> Result<Vec<Mat4>, String> {
         self.check(accessor, &[DataType::F32], Dimensions::Mat4)?;
-        let view = accessor.view().ok_or("its inverse bind matrices have no data")?;
-        let (bytes, stride) = (self.view(&view)?, view.stride().unwrap_or(64));
-        let matrix = |index: usize| {
-            let stored = &bytes[accessor.offset() + index * stride..][..64];
-            let mut numbers = stored.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-            Mat4::from_cols_array(&[0.0; 16].map(|_: f32| numbers.next().unwrap_or_default()))
-        };
-        Ok((0..accessor.count()).map(matrix).collect())
+        let stored = Iter::<[[f32; 4]; 4]>::new(accessor.clone(), |buffer| self.slice(&buffer));
+        let stored = stored.ok_or("its inverse bind matrices have no data")?;
+        Ok(stored.take(count).map(|columns| Mat4::from_cols_array_2d(&columns)).collect())
     }
 
     fn differences(&self, accessor: &gltf::Accessor, vertices: usize) -> Result<Vec<Vec3>, String> {

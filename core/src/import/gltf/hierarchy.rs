@@ -8,6 +8,9 @@ use gltf::scene::Transform as Stored;
 /// How far the length of a rotation squared may be from 1 before it is told.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
+/// Peak bytes of the weight of a morph target of a node: in the node, and in three postures.
+const WEIGHT: u64 = 16;
+
 /// All nodes, and which of them stand in a scene.
 pub(super) struct Hierarchy {
     pub nodes: Nodes,
@@ -17,7 +20,21 @@ pub(super) struct Hierarchy {
     pub turned: Vec<String>,
 }
 
+/// Bytes that the weights of all nodes take.
+pub(super) fn bytes_of_weights(gltf: &gltf::Document) -> u64 {
+    let targets = targets_of_meshes(gltf);
+    let of_nodes = gltf.nodes().filter_map(|node| node.mesh()).map(|mesh| targets[mesh.index()] as u64);
+    of_nodes.sum::<u64>().saturating_mul(WEIGHT)
+}
+
+/// How many morph targets each mesh has.
+fn targets_of_meshes(gltf: &gltf::Document) -> Vec<usize> {
+    let of_mesh = |mesh: gltf::Mesh| mesh.primitives().map(|primitive| primitive.morph_targets().count()).max();
+    gltf.meshes().map(|mesh| of_mesh(mesh).unwrap_or(0)).collect()
+}
+
 pub(super) fn read(gltf: &gltf::Document) -> Hierarchy {
+    let targets = targets_of_meshes(gltf);
     let mut visit = Visit::new(gltf);
     let mut roots: Vec<usize> = gltf.scenes().flat_map(|s| s.nodes()).map(|node| node.index()).collect();
     let above = visit.top();
@@ -29,7 +46,8 @@ pub(super) fn read(gltf: &gltf::Document) -> Hierarchy {
     // Joints may stand outside the scenes, and in cycles.
     visit.below(above);
     visit.below((0..visit.children.len()).collect());
-    let read: Vec<(Node, bool)> = gltf.nodes().map(|node| read_node(&node, visit.parents[node.index()])).collect();
+    let read: Vec<(Node, bool)> =
+        gltf.nodes().map(|node| read_node(&node, visit.parents[node.index()], &targets)).collect();
     let is_turned = |index: &usize| read[*index].1;
     let names: Vec<_> = gltf.nodes().collect();
     let turned = order.iter().filter(|index| is_turned(index)).map(|&index| node_name(&names[index])).collect();
@@ -75,10 +93,10 @@ impl Visit {
 }
 
 /// A node, and whether its rotation was normalised. The format wants unit quaternions; those without a direction turn nothing.
-fn read_node(node: &gltf::Node, parent: Option<usize>) -> (Node, bool) {
+fn read_node(node: &gltf::Node, parent: Option<usize>, targets: &[usize]) -> (Node, bool) {
     let matrix = Mat4::from_cols_array_2d(&node.transform().matrix());
     let weights = node.weights().or(node.mesh().and_then(|mesh| mesh.weights())).unwrap_or_default();
-    let weights = completed(weights, node);
+    let weights = completed(weights, node.mesh().map_or(0, |mesh| targets[mesh.index()]));
     let made = |at_rest, parent_from_node| Node { parent, at_rest, parent_from_node, weights };
     match node.transform() {
         Stored::Matrix { .. } => (made(decomposed(matrix), matrix), false),
@@ -100,9 +118,8 @@ fn decomposed(matrix: Mat4) -> Transform {
     Transform { translation, rotation, scale }
 }
 
-/// One weight for each morph target; those that are missing or no numbers are 0.
-fn completed(weights: &[f32], node: &gltf::Node) -> Vec<f32> {
-    let targets = node.mesh().and_then(|mesh| mesh.primitives().map(|p| p.morph_targets().count()).max());
+/// One weight for each of so many morph targets; those that are missing or no numbers are 0.
+fn completed(weights: &[f32], targets: usize) -> Vec<f32> {
     let weight = |k: usize| weights.get(k).copied().filter(|weight| weight.is_finite()).unwrap_or(0.0);
-    (0..targets.unwrap_or(0)).map(weight).collect()
+    (0..targets).map(weight).collect()
 }

@@ -32,8 +32,12 @@ impl Primitive {
         })
     }
 
-    pub fn check_indices(&self) -> Result<(), MeshError> {
+    /// Checks that positions are finite and that triangles have vertices.
+    pub fn check(&self) -> Result<(), MeshError> {
         let count = self.surface.positions.len();
+        if let Some(index) = self.surface.positions.iter().position(|place| !place.is_finite()) {
+            return Err(MeshError::NotFinite { array: "position", index });
+        }
         for (triangle, corners) in self.triangles.iter().enumerate() {
             if let Some(&index) = corners.iter().find(|&&c| c as usize >= count) {
                 return Err(MeshError::Index { triangle, array: "vertex", index, count });

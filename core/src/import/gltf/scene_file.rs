@@ -10,6 +10,7 @@ use super::{
     check_extensions, check_glb_header, deformations,
     hierarchy::{self, Hierarchy},
     is_surface, json_of, materials, no_variant, node_name, parse,
+    primitive::Primitive,
     variants::{self, FileVariants},
 };
 use crate::{
@@ -23,7 +24,7 @@ use crate::{
     parts::Part,
 };
 use gltf::mesh::{Mode, Semantic};
-use std::path::Path;
+use std::{collections::HashSet, path::Path};
 
 /// A file that was parsed, with its buffers and its nodes.
 pub(super) struct SceneFile {
@@ -36,6 +37,8 @@ pub(super) struct SceneFile {
     /// Nodes whose rotation was normalised.
     pub turned: Vec<String>,
     pub skins: Vec<Result<Skin, String>>,
+    /// Animations that had channels that move no node.
+    pub pointing: HashSet<usize>,
 }
 
 impl SceneFile {
@@ -45,13 +48,16 @@ impl SceneFile {
         check_glb_header(bytes).map_err(parse_error)?;
         files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
         check_extensions(bytes, path)?;
-        let gltf = parse(bytes).map_err(parse_error)?;
+        let (gltf, pointing) = parse(bytes).map_err(parse_error)?;
+        let bytes_of_nodes = hierarchy::bytes_of_weights(&gltf).saturating_add(deformations::bytes_of_skins(&gltf));
+        files.budget.take(bytes_of_nodes).map_err(|over| over.at(path))?;
         let variants = FileVariants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
         let buffers = Buffers::load(&gltf, files).map_err(failed)?;
         let hierarchy = hierarchy::read(&gltf);
         let skins = deformations::skins(&gltf, &buffers);
         let Hierarchy { nodes, order, turned } = hierarchy;
-        let file = Self { gltf, buffers, variants, nodes, order, turned, skins };
+        let pointing = pointing.into_iter().collect();
+        let file = Self { gltf, buffers, variants, nodes, order, turned, skins, pointing };
         file.check_size(files, path)?;
         Ok(file)
     }
@@ -102,6 +108,14 @@ impl SceneFile {
             }
         }
         Ok(())
+    }
+
+    /// The vertices and triangles of a primitive.
+    pub fn primitive(&self, primitive: &gltf::Primitive, path: &Path) -> Result<Primitive, ImportError> {
+        let parse_error = |reason: String| Trouble::from(reason).at(path, "glTF");
+        let read = Primitive::read(primitive, &self.buffers).map_err(parse_error)?;
+        read.check().map_err(|source| ImportError::Mesh { path: path.into(), source })?;
+        Ok(read)
     }
 
     /// What deforms a primitive, as far as it can be used.

@@ -1,0 +1,57 @@
+//! Sheets of one object that are in one place at rest and move apart. A vertex of the bake could be bound to either there: nothing
+//! tells which one it is from.
+//!
+//! They are found by a trial. Joints and morph targets change each in a way of its own, and points of triangles that meet must move
+//! as one then.
+
+use super::{
+    Animation,
+    binding::{posed, triangles_within_reach},
+    nearest::{NearestPoint, NearestPoints, blend},
+    shape::{Posture, Shape},
+    surface::BATCH,
+};
+use crate::{bounds::Bounds, import::listed, scene::is_within_reach};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// How far the trial moves joints, relative to the diagonal of an object.
+const TRIAL: f32 = 1e-2;
+
+/// How far points that meet may move apart then, relative to the diagonal: a tenth of what two joints do.
+const MOST_APART: f32 = 1e-3;
+
+/// What is told of objects with such sheets.
+pub fn remark(animation: &Animation) -> Option<String> {
+    let at_rest = animation.posture(animation.nodes.at_rest());
+    let objects = animation.moving_objects().filter(|&object| meet_and_part(animation.shapes_of(object), &at_rest));
+    let names: Vec<String> = objects.map(|object| animation.objects[object as usize].clone()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the objects {} have surfaces that are in one place at rest and move apart, and may follow one another's \
+             motion; move them apart at rest, or make them objects of their own",
+            listed(&names)
+        )
+    })
+}
+
+/// Whether triangles of an object meet at rest, face one way there, and move apart.
+fn meet_and_part(shapes: &[Shape], at_rest: &Posture) -> bool {
+    let is_deformed = |shape: &Shape| shape.deformation.skin.is_some() || !shape.deformation.targets.is_empty();
+    if !shapes.iter().any(is_deformed) {
+        return false;
+    }
+    let surface = posed(shapes, at_rest);
+    let triangles = triangles_within_reach(shapes, &surface);
+    let diagonal =
+        Bounds::around(triangles.iter().flatten().map(|&vertex| surface.positions[vertex as usize])).diagonal();
+    let shifts = surface.shifts_to(&posed(shapes, &at_rest.trial(TRIAL * diagonal)));
+    let points = NearestPoints::new(&surface, &triangles);
+    let shift = |point: &NearestPoint| blend(&shifts, triangles[point.triangle], point.weights);
+    let parts = |(place, normal): (&Vec3, &Vec3)| {
+        let shifts: Vec<Vec3> = points.meeting(*place, *normal).iter().map(shift).collect();
+        shifts.iter().any(|shift| !(shift.distance(shifts[0]) <= MOST_APART * diagonal))
+    };
+    let vertices = surface.positions.par_iter().zip(&surface.normals).with_min_len(BATCH);
+    vertices.filter(|(place, _)| is_within_reach(**place)).any(parts)
+}
