@@ -6,6 +6,7 @@ mod edit;
 mod history;
 pub mod library;
 pub mod lights;
+pub mod objects;
 pub mod parts;
 mod path_list;
 pub mod recent;
@@ -349,7 +350,7 @@ impl Document {
         let document = Self {
             scene: path,
             materials: scene.materials.clone(),
-            objects: scene.objects.iter().map(|object| object.name.clone()).collect(),
+            objects: objects::names_of(scene),
             textures: scene.textures.iter().map(entry).collect(),
             lights: scene.lights.clone(),
             bake: proposed_bake(scene),

@@ -13,6 +13,7 @@ mod hands;
 mod kept;
 mod lights;
 mod materials;
+mod objects;
 mod panels;
 mod parts;
 mod poses;
