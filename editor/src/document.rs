@@ -36,6 +36,7 @@ use lapidary_core::{
 use lapidary_precompute::Preset;
 use lapidary_render::{Appearance, Background, BasisView, BrdfSampling, Post, Solution, ViewMode};
 use lapidary_studies::ladder::Cuts;
+use objects::ObjectNumbers;
 use parts::Assignment;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -368,13 +369,17 @@ impl Document {
         let views = dataset.shot_views();
         document.camera = views.first().cloned().unwrap_or(document.camera);
         document.bookmarks.extend(views.into_iter().filter(|view| !dataset.scene.cameras.contains(view)));
-        let poses = dataset.scene.placed_poses();
+        Self { dataset: Some(dataset_path), ..document.as_baked(dataset) }
+    }
+
+    /// With the settings, the poses and the time of a bake of its scene.
+    pub fn as_baked(self, dataset: &Dataset) -> Self {
+        let numbers = ObjectNumbers::between(&objects::names_of(&dataset.scene), &self.objects);
         Self {
-            dataset: Some(dataset_path),
             bake: dataset.settings.clone(),
-            poses,
+            poses: dataset.scene.placed_poses().renumbered(|object| numbers.of(object)),
             clip_time: dataset.scene.clip_time.clone(),
-            ..document
+            ..self
         }
     }
 

@@ -378,12 +378,20 @@ impl EditorState {
         baked.map_or_else(Vec::new, |baked| stale_reasons(&self.document, &baked.dataset, hash))
     }
 
-    /// The scene file has changed. Its bake is out of date, unless only appearances were changed.
+    /// The scene file has changed. Its bake is out of date, unless only appearances or animations were changed.
     pub(super) fn scene_changed(&mut self, path: &Path, source: Imported) {
-        let hash = self.scene.source.as_ref().map(|source| &source.hash);
-        if self.document.scene.as_deref() != Some(path) || hash == Some(&source.hash) {
+        if self.document.scene.as_deref() != Some(path) {
             return;
         }
+        match self.scene.source.as_mut().filter(|known| known.hash == source.hash) {
+            // What was tried of its mesh stays known.
+            Some(known) => (known.scene, known.animation) = (source.scene, source.animation),
+            None => self.take_changed(path, source),
+        }
+        self.drop_lost_clip();
+    }
+
+    fn take_changed(&mut self, path: &Path, source: Imported) {
         self.messages.warning(format!("The scene file has changed; bake it again to see it ({})", path.display()));
         let output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
         self.scene.bake_output = output.or_else(|| Some(path.with_extension("cuts")));

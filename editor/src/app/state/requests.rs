@@ -6,7 +6,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    animation::{Animation, BoundAnimation},
+    animation::{Animation, BoundAnimation, ClipTime},
     scene::pose::{Objects, Poses},
 };
 use lapidary_render::{Assigned, Baked};
@@ -26,6 +26,8 @@ pub struct Requests {
     posed: RefCell<Option<Posed>>,
     /// The animation of the scene, bound to its bake.
     bound: RefCell<Option<Bound>>,
+    /// Where objects were at the time that was asked for last.
+    in_time: RefCell<Option<InTime>>,
     /// The objects of the scene as it was baked.
     objects: RefCell<Option<(Baked, Objects)>>,
 }
@@ -35,6 +37,15 @@ struct Bound {
     baked: Baked,
     animation: Arc<Animation>,
     bound: Result<Arc<BoundAnimation>, String>,
+}
+
+/// Where objects are at a time of an animation, relative to a bake, and what that was found of.
+struct InTime {
+    baked: Baked,
+    animation: Option<Arc<Animation>>,
+    of_file: Poses,
+    time: Option<ClipTime>,
+    found: Result<Poses, String>,
 }
 
 /// A scene and where its objects are.
@@ -81,6 +92,54 @@ impl Requests {
             *known = Some(Bound { baked: baked.clone(), animation: animation.clone(), bound });
         }
         known.as_ref().map_or_else(|| Err(String::new()), |known| known.bound.clone())
+    }
+
+    /// Where a document has objects, relative to a bake: by themselves, and at its time of an animation.
+    ///
+    /// # Errors
+    /// In words, why they are nowhere at that time.
+    pub fn in_time(
+        &self,
+        document: &Document,
+        animation: Option<&Arc<Animation>>,
+        baked: &Baked,
+    ) -> Result<Poses, String> {
+        let mut known = self.in_time.borrow_mut();
+        let is_same = |known: &InTime| {
+            let animations = [known.animation.as_ref(), animation].map(|animation| animation.map(Arc::as_ptr));
+            known.baked.is_same(baked)
+                && animations[0] == animations[1]
+                && known.of_file == document.poses
+                && known.time == document.clip_time
+        };
+        if let Some(known) = known.as_ref().filter(|known| is_same(known)) {
+            return known.found.clone();
+        }
+        let found = self.find_in_time(document, animation, baked);
+        *known = Some(InTime {
+            baked: baked.clone(),
+            animation: animation.cloned(),
+            of_file: document.poses.clone(),
+            time: document.clip_time.clone(),
+            found: found.clone(),
+        });
+        found
+    }
+
+    fn find_in_time(
+        &self,
+        document: &Document,
+        animation: Option<&Arc<Animation>>,
+        baked: &Baked,
+    ) -> Result<Poses, String> {
+        let (scene, time) = (&baked.dataset.scene, document.clip_time.as_ref());
+        let poses = scene.poses_since_baked(&document.poses);
+        let is_at_rest = time.is_none() && scene.clip_time.is_none();
+        let Some(animation) = animation.filter(|_| !is_at_rest) else { return Ok(poses) };
+        let bound = self.bound(animation, baked)?;
+        let Some(ClipTime { clip, seconds }) = time else { return Ok(bound.poses_at_rest(&poses)) };
+        let posed = animation.clip(Some(clip)).and_then(|clip| bound.poses_at(clip, *seconds, &poses));
+        posed.map_err(|error| error.to_string())
     }
 
     /// The scene under some poses, to be pointed at. While a button is held it is that of before: posing takes longer than
