@@ -5,6 +5,7 @@ use crate::{actions::Action, app::state::EditorState, document::Edit};
 use glam::Vec3;
 use lapidary_core::{dataset::Dataset, scene::pose::Pose};
 use lapidary_render::Tier;
+use std::cell::Cell;
 
 const PYRAMID: u32 = 1;
 
@@ -52,6 +53,31 @@ fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_pictu
     assert!(!window.shows(words));
     window.perform(Action::Redo);
     window.wait("the posed picture", |s| pixels(s) == posed);
+}
+
+#[test]
+fn the_picture_as_baked_goes_over_into_that_of_a_posed_object() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    wait_for_picture(&mut window);
+    let (ctx, as_baked) = (window.0.ctx.clone(), window.0.state().pictures.texture().unwrap().id());
+    assert!(window.0.state().pictures.faded(&ctx).is_none(), "negative control: nothing was before it");
+    pose(&mut window, Pose { translate: Vec3::new(0.4, 0.3, 0.0), ..Pose::AS_BAKED });
+    let of = |s: &EditorState, tier| s.pictures.shown().is_some_and(|shown| shown.tier == tier);
+    // The window's time goes on by more than a fade with each frame.
+    let faded = Cell::new(None);
+    window.wait("the preview", |s| {
+        faded.set(s.pictures.faded(&ctx));
+        of(s, Tier::Implicit)
+    });
+    let before = faded.get().unwrap();
+    assert_eq!((before.texture, before.opacity), (as_baked, 1.0));
+    assert_ne!(window.0.state().pictures.texture().unwrap().id(), as_baked);
+    wait_for_picture(&mut window);
+    window.0.run_steps(2);
+    assert!(window.0.state().pictures.faded(&ctx).is_none(), "it is gone");
 }
 
 #[test]
