@@ -30,11 +30,7 @@ use crate::{
         view::{self, ViewContext},
     },
     preferences::Preferences,
-    viewport::{
-        self, ViewportContext, ViewportResponse,
-        compare::Compared,
-        gizmo::{Movable, Subject},
-    },
+    viewport::{self, ViewportContext, ViewportResponse, compare::Compared, gizmo::Movable},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{lights::Light, material::Material};
@@ -313,10 +309,8 @@ pub(super) fn movable(state: &EditorState) -> Option<Movable> {
     let baked = state.scene.rendered().filter(|_| state.selected_light().is_none())?;
     let can_be_posed =
         |object: u32| (object as usize) < state.document.objects.len() && state.ground_object() != Some(object);
-    let subject = |object: u32| {
-        let center = state.requests.center(baked, object).filter(|_| can_be_posed(object))?;
-        Some(Subject { object, center })
-    };
+    let poses = state.poses_since(baked);
+    let subject = |object: u32| state.requests.subject(baked, &poses, object).filter(|_| can_be_posed(object));
     let others = state.selection.others.iter().filter_map(|&object| subject(object)).collect();
     Some(Movable { active: subject(active)?, others, pivot: state.interface.scene.pivot, tool })
 }

@@ -3,11 +3,16 @@
 use crate::{
     document::{Document, parts::Assignment},
     jobs::render_thread::RenderRequest,
+    viewport::gizmo::Subject,
 };
 use glam::Vec3;
 use lapidary_core::{
     animation::{Animation, BoundAnimation, ClipTime},
-    scene::pose::{Objects, Poses},
+    bounds::Bounds,
+    scene::{
+        Scene,
+        pose::{Objects, Poses},
+    },
 };
 use lapidary_render::{Assigned, Baked};
 use std::{cell::RefCell, sync::Arc};
@@ -161,16 +166,24 @@ impl Requests {
         posed
     }
 
-    /// The centre of an object where its file has it, in metres; `None` if it has no vertices.
-    pub fn center(&self, baked: &Baked, object: u32) -> Option<Vec3> {
+    /// An object for handles, under poses relative to a bake; `None` if it has no vertices.
+    pub fn subject(&self, baked: &Baked, poses: &Poses, object: u32) -> Option<Subject> {
         let mut known = self.objects.borrow_mut();
         if !known.as_ref().is_some_and(|(of, _)| of.is_same(baked)) {
             *known = Some((baked.clone(), Objects::of(&baked.dataset.scene)));
         }
         let objects = &known.as_ref()?.1;
-        let in_file = baked.dataset.scene.center_in_file(object);
-        let has_any = (object as usize) < objects.len() && !objects.vertices(object).is_empty();
-        has_any.then(|| in_file.unwrap_or_else(|| objects.center(object)))
+        if (object as usize) >= objects.len() || objects.vertices(object).is_empty() {
+            return None;
+        }
+        let (scene, as_baked) = (&baked.dataset.scene, objects.center(object));
+        let center = scene.center_in_file(object).unwrap_or(as_baked);
+        let middle = match poses.deformed(object) {
+            Some(deformed) => Some(Bounds::around(deformed.vertices().positions.iter().copied()).center()),
+            None => scene.clip_time.as_ref().map(|_| as_baked),
+        };
+        let middle = middle.map_or(center, |middle| without_pose(scene, object, middle));
+        Some(Subject { object, center, middle })
     }
 
     /// The last request to the render thread.
@@ -182,4 +195,10 @@ impl Requests {
     pub fn forget(&mut self) {
         self.is_forgotten = true;
     }
+}
+
+/// A place of an object as baked, in metres, where it would be without the pose that it was baked in.
+fn without_pose(scene: &Scene, object: u32, place: Vec3) -> Vec3 {
+    let placed = scene.placed.iter().find(|placed| placed.object == object);
+    placed.map_or(place, |placed| placed.pose.world_from_baked(placed.center).inverse().transform_point3(place))
 }

@@ -3,9 +3,10 @@
 use super::{Place, Window, few_lights};
 use crate::{
     actions::Action,
-    app::{opening::Target, state::EditorState},
+    app::{layout::movable, opening::Target, state::EditorState},
     document::{Document, Edit},
     jobs::{Imported, render_thread::RenderRequest},
+    viewport::gizmo::Tool,
 };
 use egui::{Event, Key, PointerButton};
 use egui_kittest::kittest::Queryable;
@@ -177,6 +178,7 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
     window.perform(Action::ClipTime(at(0.5)));
+    window.wait("a picture", |s| s.pictures.shown().is_some());
     let is_moving =
         |window: &Window| window.0.state().requests.last_sent().is_some_and(|sent: &RenderRequest| sent.moving);
     let button =
@@ -190,6 +192,35 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
     assert_ne!(seconds(window.0.state()), 0.5);
     window.frame_of([button(beside, false)]);
     assert!(!is_moving(&window));
+}
+
+/// Where the handles of the pyramid lie.
+fn handles(window: &mut Window) -> Vec3 {
+    window.0.run_steps(2);
+    let state = window.0.state();
+    movable(state).unwrap().place(&state.document.poses)
+}
+
+#[test]
+fn handles_lie_where_an_animation_takes_their_object_whatever_was_baked() {
+    let place = Place::new();
+    let mut window = opened(&sliding(&place, Some(0.5)), &place);
+    window.perform(Action::SelectObject(Some(PYRAMID_OBJECT)));
+    window.0.state_mut().interface.tool = Some(Tool::Turn);
+    let turned = Pose { rotate_degrees: Vec3::Y * 90.0, translate: Vec3::Y * 0.2, ..Pose::AS_BAKED };
+    for baked_at in [None, at(1.0), at(0.5)] {
+        if baked_at.is_some() {
+            window.perform(Action::ClipTime(baked_at));
+            bake(&mut window);
+        }
+        for time in [None, at(0.5), at(1.0)] {
+            window.perform(Action::ClipTime(time.clone()));
+            let (shown, found) = (middle_shown(window.0.state()), handles(&mut window));
+            assert!(found.distance(shown) < 1e-4, "at {time:?}: {found} in place of {shown}");
+        }
+        window.perform(Action::Edit { edit: Edit::pose(PYRAMID_OBJECT, turned), label: "Turn object" });
+    }
+    assert!(handles(&mut window).distance(Vec3::new(0.0, 0.5, 0.0)) > 0.1, "negative control: its place at rest");
 }
 
 #[test]
