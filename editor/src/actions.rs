@@ -18,6 +18,8 @@ pub enum Action {
     },
     /// A slider was let go or a text field left: the next edit is a new step of undo.
     EndGesture,
+    /// Play the animation, or stop.
+    Play,
     /// Take back the last edit.
     Undo,
     /// Do the last undone edit again.

@@ -1,6 +1,7 @@
 //! The window. [`EditorState`] is its state and behaviour without a window, so that tests can run it; [`start`] opens
 //! one.
 
+mod animations;
 mod baking;
 mod camera;
 mod comparison;

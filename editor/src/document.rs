@@ -6,6 +6,7 @@ mod edit;
 mod history;
 pub mod library;
 pub mod lights;
+pub mod objects;
 pub mod parts;
 mod path_list;
 pub mod recent;
@@ -35,6 +36,7 @@ use lapidary_core::{
 use lapidary_precompute::Preset;
 use lapidary_render::{Appearance, Background, BasisView, BrdfSampling, Post, Solution, ViewMode};
 use lapidary_studies::ladder::Cuts;
+use objects::ObjectNumbers;
 use parts::Assignment;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -349,7 +351,7 @@ impl Document {
         let document = Self {
             scene: path,
             materials: scene.materials.clone(),
-            objects: scene.objects.iter().map(|object| object.name.clone()).collect(),
+            objects: objects::names_of(scene),
             textures: scene.textures.iter().map(entry).collect(),
             lights: scene.lights.clone(),
             bake: proposed_bake(scene),
@@ -367,13 +369,17 @@ impl Document {
         let views = dataset.shot_views();
         document.camera = views.first().cloned().unwrap_or(document.camera);
         document.bookmarks.extend(views.into_iter().filter(|view| !dataset.scene.cameras.contains(view)));
-        let poses = dataset.scene.placed_poses();
+        Self { dataset: Some(dataset_path), ..document.as_baked(dataset) }
+    }
+
+    /// With the settings, the poses and the time of a bake of its scene.
+    pub fn as_baked(self, dataset: &Dataset) -> Self {
+        let numbers = ObjectNumbers::between(&objects::names_of(&dataset.scene), &self.objects);
         Self {
-            dataset: Some(dataset_path),
             bake: dataset.settings.clone(),
-            poses,
+            poses: dataset.scene.placed_poses().renumbered(|object| numbers.of(object)),
             clip_time: dataset.scene.clip_time.clone(),
-            ..document
+            ..self
         }
     }
 

@@ -15,6 +15,9 @@ use std::sync::{
 /// How far a vertex may be from the surface of the file, relative to the diagonal of the scene, before that is another shape.
 const MOST_DISTANCE: f32 = 1e-3;
 
+/// Stands for the index of a clip where the file is at rest.
+const AT_REST: u32 = u32::MAX;
+
 /// Tells bound animations apart, so that poses of one are never taken for those of another.
 static NEXT: AtomicU32 = AtomicU32::new(0);
 
@@ -83,18 +86,34 @@ impl BoundAnimation {
         let clip = self.clips().get(clip).ok_or_else(|| self.animation.no_clip(&format!("number {index}")))?;
         let seconds = clip.time_at(seconds, super::Playback::Once);
         let posture = self.animation.posture(clip.state_at(seconds, &self.animation.nodes));
-        let mut posed = poses.without_deformed();
-        let deformed: Vec<_> = self.objects.par_iter().map(|object| self.deformed(object, &posture)).collect();
-        for (object, vertices) in self.objects.iter().zip(deformed).filter_map(|(o, v)| Some((o.object, v?))) {
-            if !vertices.positions.iter().all(|place| is_within_reach(*place)) {
+        let posed = self.poses_in(&posture, [number, index as u32, seconds.to_bits()], poses);
+        let are_within_reach =
+            |deformed: &DeformedObject| deformed.vertices().positions.iter().all(|place| is_within_reach(*place));
+        match self.objects().find(|&object| !posed.deformed(object).is_none_or(are_within_reach)) {
+            Some(object) => {
                 let object = self.animation.objects[object as usize].clone();
                 let (path, clip) = (self.animation.path.clone(), clip.name.clone());
-                return Err(AnimationError::OutOfReach { path, clip, object, seconds });
+                Err(AnimationError::OutOfReach { path, clip, object, seconds })
             }
-            let revision = [number, index as u32, seconds.to_bits()];
-            posed.deform(object, Some(DeformedObject::new(vertices, revision)));
+            None => Ok(posed),
         }
-        Ok(posed)
+    }
+
+    /// `poses` with objects as their file has them at rest, where they were baked at a time of a clip. Poses of the objects by
+    /// themselves stay.
+    pub fn poses_at_rest(&self, poses: &Poses) -> Poses {
+        let posture = self.animation.posture(self.animation.nodes.at_rest());
+        self.poses_in(&posture, [self.number, AT_REST, 0], poses)
+    }
+
+    /// `poses` with objects deformed as in a posture, of which there is one for each revision.
+    fn poses_in(&self, posture: &Posture, revision: [u32; 3], poses: &Poses) -> Poses {
+        let mut posed = poses.without_deformed();
+        let deformed: Vec<_> = self.objects.par_iter().map(|object| self.deformed(object, posture)).collect();
+        for (object, vertices) in self.objects.iter().zip(deformed) {
+            posed.deform(object.object, vertices.map(|vertices| DeformedObject::new(vertices, revision)));
+        }
+        posed
     }
 
     fn deformed(&self, object: &BoundObject, posture: &Posture) -> Option<PosedVertices> {

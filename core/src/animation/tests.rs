@@ -388,4 +388,11 @@ fn an_animation_plays_from_a_bake_of_another_time_and_place() {
         assert!(farthest(&now(seconds, poses).positions, expected.positions.clone()) < 1e-4);
         assert!(farthest(&now(0.2, poses).positions, expected.positions) > 0.1, "negative control: another time");
     }
+    let at_rest = |poses: &Poses| posed(&again.poses_at_rest(&baked.poses_since_baked(poses)), &baked).positions;
+    for poses in [&elsewhere, &Poses::default()] {
+        let expected = posed(poses, &scene).positions;
+        assert!(farthest(&at_rest(poses), expected.clone()) < 1e-4);
+        assert!(farthest(&now(0.4, poses).positions, expected) > 0.1, "negative control: as baked");
+    }
+    assert!(of_file.poses_at_rest(&Poses::default()).is_empty(), "it was baked at rest");
 }

@@ -11,6 +11,7 @@ use super::{
 use crate::{
     document::{
         Document, TextureEntry,
+        objects::ObjectNumbers,
         parts::{OwnMaterials, Renumbering},
     },
     jobs::{
@@ -122,13 +123,15 @@ impl EditorState {
         if !self.may_write(&output, Written::Dataset) {
             return;
         }
-        let (poses, clip_time) = match self.poses_to_bake(&source) {
+        // Of another version than the bake that is seen, it may have its objects in another order.
+        let document = self.document.with_objects_of(&source.scene).into_owned();
+        let (poses, clip_time) = match poses_to_bake(&document, &source) {
             Ok(poses) => poses,
             Err(error) => return self.messages.error(error),
         };
         let Imported { mut scene, import_secs, report, .. } = source;
-        if self.document.lets_through_otherwise(&scene) {
-            self.document.give_opacities(Arc::make_mut(&mut scene));
+        if document.lets_through_otherwise(&scene) {
+            document.give_opacities(Arc::make_mut(&mut scene));
         }
         let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
         let (inputs, warnings) = (report.files, report.warnings);
@@ -168,19 +171,6 @@ impl EditorState {
             has_ground,
             by_itself: or_afresh,
         });
-    }
-
-    /// Where a bake has the objects, relative to the file, and the time of the animation that it is at.
-    fn poses_to_bake(&self, source: &Imported) -> Result<(Poses, Option<ClipTime>), String> {
-        let poses = self.document.poses.clone();
-        let Some((animation, time)) = source.animation.as_ref().zip(self.document.clip_time.clone()) else {
-            return Ok((poses, None));
-        };
-        let posed = BoundAnimation::new(animation.clone(), &source.scene).and_then(|bound| {
-            let clip = animation.clip(Some(&time.clip))?;
-            bound.poses_at(clip, time.seconds, &poses)
-        });
-        posed.map(|poses| (poses, Some(time))).map_err(|error| error.to_string())
     }
 
     /// A long bake begins with a draft if it brings light that cannot be seen yet.
@@ -267,12 +257,9 @@ impl EditorState {
         };
         let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
         let Ok(settings) = resolve(self.document.bake.clone()) else { return Leftover::OfAnother };
-        let content = bake_hash(
-            &source.hash,
-            &self.document.opacities_for(&source.scene),
-            &self.document.poses,
-            self.document.clip_time.as_ref(),
-        );
+        let document = self.document.with_objects_of(&source.scene);
+        let opacities = document.opacities_for(&source.scene);
+        let content = bake_hash(&source.hash, &opacities, &document.poses, document.clip_time.as_ref());
         let looked = Looked { output, scene_hash: content, settings, written };
         let known = self.baking.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {
@@ -294,9 +281,6 @@ impl EditorState {
         let changed = self.scene.source.as_ref().filter(|source| source.hash != baked.dataset.scene_hash);
         let preview = changed.map(|source| source.unshadowed(self.document.bake.ground));
         self.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
-        let objects = baked.dataset.scene.objects.len();
-        self.selection.retain_objects(|object| (object as usize) < objects);
-        self.selection.part = self.selection.part.filter(|part| (part.object as usize) < objects);
         // The hierarchies are for the picture, and no guests.
         baked.begin();
         (self.scene.baked, self.scene.preview) = (Some(baked), preview);
@@ -359,7 +343,9 @@ impl EditorState {
         if let Some(index) = shown {
             self.document.hidden_ground = Some(self.document.materials.remove(index));
         }
-        fit_materials(&mut self.document, next);
+        let numbers = fit_materials(&mut self.document, next);
+        self.history.renumber_objects(&numbers);
+        self.selection.renumber_objects(&numbers);
         let place = ground_of(next).and_then(|index| self.document.materials.get_mut(index));
         if let Some((place, kept)) = place.zip(self.document.hidden_ground.take_if(|_| ground_of(next).is_some())) {
             *place = kept;
@@ -392,12 +378,20 @@ impl EditorState {
         baked.map_or_else(Vec::new, |baked| stale_reasons(&self.document, &baked.dataset, hash))
     }
 
-    /// The scene file has changed. Its bake is out of date, unless only appearances were changed.
+    /// The scene file has changed. Its bake is out of date, unless only appearances or animations were changed.
     pub(super) fn scene_changed(&mut self, path: &Path, source: Imported) {
-        let hash = self.scene.source.as_ref().map(|source| &source.hash);
-        if self.document.scene.as_deref() != Some(path) || hash == Some(&source.hash) {
+        if self.document.scene.as_deref() != Some(path) {
             return;
         }
+        match self.scene.source.as_mut().filter(|known| known.hash == source.hash) {
+            // What was tried of its mesh stays known.
+            Some(known) => (known.scene, known.animation) = (source.scene, source.animation),
+            None => self.take_changed(path, source),
+        }
+        self.drop_lost_clip();
+    }
+
+    fn take_changed(&mut self, path: &Path, source: Imported) {
         self.messages.warning(format!("The scene file has changed; bake it again to see it ({})", path.display()));
         let output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
         self.scene.bake_output = output.or_else(|| Some(path.with_extension("cuts")));
@@ -432,6 +426,19 @@ impl EditorState {
     }
 }
 
+/// Where a bake of a document has the objects, relative to the file, and the time of the animation that it is at.
+fn poses_to_bake(document: &Document, source: &Imported) -> Result<(Poses, Option<ClipTime>), String> {
+    let poses = document.poses.clone();
+    let Some((animation, time)) = source.animation.as_ref().zip(document.clip_time.clone()) else {
+        return Ok((poses, None));
+    };
+    let posed = BoundAnimation::new(animation.clone(), &source.scene).and_then(|bound| {
+        let clip = animation.clip(Some(&time.clip))?;
+        bound.poses_at(clip, time.seconds, &poses)
+    });
+    posed.map(|poses| (poses, Some(time))).map_err(|error| error.to_string())
+}
+
 /// Time of the last change of the folder that an interrupted bake leaves beside its output, if there is one.
 fn checkpoint_time(output: &Path) -> Option<SystemTime> {
     let mut folder = output.as_os_str().to_owned();
@@ -440,8 +447,8 @@ fn checkpoint_time(output: &Path) -> Option<SystemTime> {
 }
 
 /// A scene that was changed in another program may have other materials. Materials that the document lacks are added,
-/// so that there are as many as the mesh refers to.
-pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) {
+/// so that there are as many as the mesh refers to. Returns the numbers of its objects.
+pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) -> ObjectNumbers {
     let materials = &dataset.scene.materials;
     let added = document.materials.split_off(document.own_materials());
     document.materials.truncate(materials.len());
@@ -454,7 +461,7 @@ pub(super) fn fit_materials(document: &mut Document, dataset: &Dataset) {
         }
     }
     document.materials.extend(added);
-    document.take_objects(&dataset.scene);
+    document.take_objects(&dataset.scene)
 }
 
 /// Takes over the textures of a scene, by name, first at the same index. They replace their stand-ins; new ones are

@@ -161,6 +161,7 @@ impl EditorState {
             unknown,
             first_view,
         };
+        self.interface.timeline.playing = false;
         self.interface.lights.forget_document();
         self.interface.material.forget_document();
         self.selection =
@@ -170,6 +171,7 @@ impl EditorState {
         self.requests.forget();
         let name = self.title();
         self.messages.warnings(&name, &warnings);
+        self.drop_lost_clip();
         recent.into_iter().for_each(|path| self.remember(&path));
         if lacks_bake && self.preferences.bakes_scenes && self.scene.source.is_some() {
             let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() == Leftover::Fitting);

@@ -19,9 +19,7 @@ impl EditorState {
         }
         self.note_window_size(&ctx);
         self.collect(&ctx);
-        let is_held = ctx.input(|input| input.pointer.any_down());
-        let posed = self.scene.rendered().map(|baked| self.requests.posed(self.poses_since(baked), baked, is_held));
-        self.bounds.update(posed.as_ref(), self.selection.objects());
+        self.bounds.update(self.posed(&ctx).as_ref(), self.selection.objects());
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
         let laid = layout::show(ui, self, &mut actions);

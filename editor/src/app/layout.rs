@@ -30,11 +30,7 @@ use crate::{
         view::{self, ViewContext},
     },
     preferences::Preferences,
-    viewport::{
-        self, ViewportContext, ViewportResponse,
-        compare::Compared,
-        gizmo::{Movable, Subject},
-    },
+    viewport::{self, ViewportContext, ViewportResponse, compare::Compared, gizmo::Movable},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{lights::Light, material::Material};
@@ -67,9 +63,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         Panel::top("tools").show(ui, |ui| toolbar::show(ui, state, actions));
         Some(if side_panels::are_strips(ui.ctx()) { show_strips(ui, state) } else { show_columns(ui, state, actions) })
     };
-    if !state.interface.panels_hidden {
-        show_timeline(ui, state, actions);
-    }
+    let is_scrubbing = !state.interface.panels_hidden && show_timeline(ui, state, actions);
     if state.interface.comparison.open {
         // Its height does not depend on its contents: another size of the viewport would restart the reference.
         let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
@@ -84,6 +78,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         Some(rects) => drag_edges(ui, rects, state, actions),
         None => {}
     }
+    viewport.moving |= is_scrubbing;
     viewport.size_px = state.interface.settled_size(ui.ctx(), viewport.size_px);
     state.interface.viewport_size = viewport.size_px;
     if state.interface.keys_open {
@@ -283,16 +278,13 @@ fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
     state.library.entries().into_iter().map(with_picture).collect()
 }
 
-/// Shows the timeline where the scene has clips.
-fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let Some(animation) = state.animation().cloned() else { return };
-    let bound = state.scene.rendered().map(|baked| state.requests.bound(&animation, baked));
-    let context = TimelineContext {
-        clips: animation.clips(),
-        time: state.document.clip_time.as_ref(),
-        trouble: bound.and_then(Result::err),
-    };
-    Panel::bottom("timeline").show(ui, |ui| timeline::show(ui, &mut state.interface.timeline, &context, actions));
+/// Shows the timeline where the scene has clips. Returns whether its place is dragged.
+fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> bool {
+    let Some(animation) = state.animation().cloned() else { return false };
+    let trouble = state.trouble_in_time();
+    let context = TimelineContext { clips: animation.clips(), time: state.document.clip_time.as_ref(), trouble };
+    let timeline = &mut state.interface.timeline;
+    Panel::bottom("timeline").show(ui, |ui| timeline::show(ui, timeline, &context, actions)).inner
 }
 
 fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
@@ -317,20 +309,15 @@ pub(super) fn movable(state: &EditorState) -> Option<Movable> {
     let baked = state.scene.rendered().filter(|_| state.selected_light().is_none())?;
     let can_be_posed =
         |object: u32| (object as usize) < state.document.objects.len() && state.ground_object() != Some(object);
-    let subject = |object: u32| {
-        let center = state.requests.center(baked, object).filter(|_| can_be_posed(object))?;
-        Some(Subject { object, center })
-    };
+    let poses = state.poses_since(baked);
+    let subject = |object: u32| state.requests.subject(baked, &poses, object).filter(|_| can_be_posed(object));
     let others = state.selection.others.iter().filter_map(|&object| subject(object)).collect();
     Some(Movable { active: subject(active)?, others, pivot: state.interface.scene.pivot, tool })
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
     let baked = state.scene.rendered();
-    let is_held = ui.input(|input| input.pointer.any_down());
-    let posed = baked.map(|baked| {
-        state.requests.posed(state.poses_since(baked), baked, is_held || state.interface.timeline.playing)
-    });
+    let posed = state.posed(ui.ctx());
     let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
     let busy = baked.and_then(|baked| words_over_picture(state, baked));
     let shown = state.pictures.shown().filter(|_| baked.is_some());

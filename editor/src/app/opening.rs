@@ -7,7 +7,6 @@ use crate::{
         Document,
         autosave::Recovery,
         parts::{OwnMaterials, Renumbering},
-        proposed_bake,
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
@@ -290,10 +289,7 @@ impl Reader<'_> {
                 Document::of_dataset(&baked.dataset, output.clone(), Some(path.into()))
             }
             // The look is that of the scene as it is now. The file is not named: another machine would look for it in vain.
-            Some((kept, _)) => {
-                let bake = kept.dataset.settings.clone();
-                Document { bake, ..Document::of_scene(&source.scene, Some(path.into())) }
-            }
+            Some((kept, _)) => Document::of_scene(&source.scene, Some(path.into())).as_baked(&kept.dataset),
             None => Document::of_scene(&source.scene, Some(path.into())),
         };
         Ok(Ready { recent: Some(path.into()), bake_output: Some(output), ..found.ready(document, source, warnings) })
@@ -304,12 +300,14 @@ impl Reader<'_> {
         let output = kept_in(self.bakes, scene, &source.hash);
         let mut warnings = source.report.warnings.clone();
         let found = self.bakes_of(&source, scene, &output, &mut warnings);
-        // A bake of other settings is one that the user asked for.
-        let whole = found.whole.as_ref().map(|(baked, _)| &baked.dataset);
-        let bake = whole.map_or_else(|| proposed_bake(&source.scene), |dataset| dataset.settings.clone());
+        let document = Document::of_scene(&source.scene, Some(scene.into()));
+        // A bake of other settings, poses or times is one that the user asked for.
+        let document = match &found.whole {
+            Some((baked, _)) => document.as_baked(&baked.dataset),
+            None => document,
+        };
         // Named before it is there, so that a session finds it later.
-        let dataset = Some(output.clone());
-        let document = Document { bake, dataset, ..Document::of_scene(&source.scene, Some(scene.into())) };
+        let document = Document { dataset: Some(output.clone()), ..document };
         Ok(Ready { bake_output: Some(output), ..found.ready(document, source, warnings) })
     }
 

@@ -30,6 +30,7 @@ impl EditorState {
             Action::Undo => self.undo(),
             Action::Redo => self.redo(),
             Action::ClipTime(time) => self.document.clip_time = time,
+            Action::Play => self.toggle_playing(),
             Action::Camera(camera) => self.document.camera = camera,
             Action::FrameSelection => self.frame_selection(),
             Action::FrameAll => self.frame_all(),
@@ -165,10 +166,7 @@ impl EditorState {
                 self.interface.tool = tool;
                 return;
             }
-            Command::Play => {
-                self.interface.timeline.playing = !self.interface.timeline.playing && self.animation().is_some();
-                return;
-            }
+            Command::Play => Action::Play,
             Command::TogglePanels => {
                 self.interface.panels_hidden = !self.interface.panels_hidden;
                 return;

@@ -11,19 +11,17 @@ use crate::{
     viewport::ViewportResponse,
 };
 use egui::Context;
-use lapidary_core::{
-    animation::{Animation, ClipTime},
-    environment::Environment,
-    scene::pose::Poses,
-};
+use lapidary_core::environment::Environment;
 use lapidary_render::{Appearance, Baked, Bounces, Components, Illumination, Look, View};
 use std::sync::Arc;
 
 impl EditorState {
     /// Asks for a picture of the document as it is now, in the size of the viewport.
     pub(super) fn request_picture(&mut self, ctx: &Context, viewport: ViewportResponse) {
-        let moving = viewport.moving || self.interface.timeline.playing || self.is_editing_by_pointer(ctx);
-        self.baking.hold(moving);
+        let is_dragging = viewport.moving || self.is_editing_by_pointer(ctx);
+        // A clip may play for hours.
+        self.baking.hold(is_dragging);
+        let moving = is_dragging || self.interface.timeline.playing;
         self.render.set_preview(self.seen() == Seen::Unshadowed && self.baking.progress().is_some());
         let Some(look) = self.look(viewport.size_px) else { return };
         let request = RenderRequest {
@@ -62,33 +60,6 @@ impl EditorState {
             view: view_of(document, size),
             post: document.view.post,
         })
-    }
-
-    /// What moves in the scene file.
-    pub(super) fn animation(&self) -> Option<&Arc<Animation>> {
-        self.scene.source.as_ref()?.animation.as_ref()
-    }
-
-    /// Where the document has objects, relative to a bake: by themselves, and at its time of an animation.
-    pub(super) fn poses_since(&self, baked: &Baked) -> Poses {
-        let poses = baked.dataset.scene.poses_since_baked(&self.document.poses);
-        self.poses_in_time(baked, &poses).unwrap_or(poses)
-    }
-
-    /// Poses with what an animation deforms; `None` without one, or where it does not fit.
-    fn poses_in_time(&self, baked: &Baked, poses: &Poses) -> Option<Poses> {
-        let (animation, ClipTime { clip, seconds }) = self.animation().zip(self.document.clip_time.as_ref())?;
-        let (clip, bound) = (animation.clip(Some(clip)).ok()?, self.requests.bound(animation, baked).ok()?);
-        bound.poses_at(clip, *seconds, poses).ok()
-    }
-
-    /// Goes on in time where the animation plays.
-    pub(super) fn play(&mut self, ctx: &Context) {
-        let Some(animation) = self.animation().filter(|_| self.interface.timeline.playing).cloned() else { return };
-        let passed = ctx.input(|input| input.stable_dt);
-        let stopped = self.interface.timeline.advance(&mut self.document.clip_time, animation.clips(), passed);
-        self.interface.timeline.playing = !stopped;
-        ctx.request_repaint();
     }
 
     /// Whether a button is held and has changed the document, as in a drag of a slider.

@@ -1,6 +1,7 @@
 //! The window without a window: files are opened, edited, saved and found again, and questions are asked when they must be.
 
 mod actual_window;
+mod animations;
 mod bounces;
 mod brdfs;
 mod comparison;
@@ -13,6 +14,7 @@ mod hands;
 mod kept;
 mod lights;
 mod materials;
+mod objects;
 mod panels;
 mod parts;
 mod poses;

@@ -2,13 +2,14 @@
 
 use super::{
     ComponentSettings, Document, EnvironmentSettings, ViewSettings,
+    objects::ObjectNumbers,
     parts::{Assignment, Renumbering, renumber},
 };
 use lapidary_core::{camera::Camera, dataset::BakeSettings, lights::Light, material::Material, scene::pose::Pose};
 use lapidary_render::Solution;
 use std::{
     collections::BTreeMap,
-    mem::{discriminant, swap},
+    mem::{discriminant, swap, take},
 };
 
 /// One change to a document.
@@ -93,7 +94,10 @@ impl Edit {
             Self::Material { index, .. } => *index < document.materials.len(),
             Self::Light { index, .. } => *index < document.lights.len(),
             Self::Added { material, .. } => material.is_some() || document.added > 0,
-            Self::Poses(poses) => poses.keys().all(|&object| (object as usize) < document.objects.len()),
+            // Those of objects that are gone have none.
+            Self::Poses(poses) => {
+                !poses.is_empty() && poses.keys().all(|&object| (object as usize) < document.objects.len())
+            }
             _ => true,
         }
     }
@@ -133,6 +137,18 @@ impl Edit {
             Self::Material { index, .. } => *index = renumbering.of(*index),
             Self::Assigned(assigned) | Self::Added { assigned, .. } => renumber(assigned, renumbering),
             Self::View(view) => view.renumber_materials(renumbering),
+            _ => {}
+        }
+    }
+
+    /// Gives the objects that it names other numbers, and leaves out those that are gone.
+    pub fn renumber_objects(&mut self, numbers: &ObjectNumbers) {
+        match self {
+            Self::Poses(poses) => {
+                let found = take(poses).into_iter().filter_map(|(object, pose)| Some((numbers.of(object)?, pose)));
+                *poses = found.collect();
+            }
+            Self::Assigned(assigned) | Self::Added { assigned, .. } => numbers.renumber(assigned),
             _ => {}
         }
     }

@@ -1,6 +1,6 @@
 //! Undo and redo: a list of edits, each of which holds the value that the document does not have at the moment.
 
-use super::{Document, Edit, parts::Renumbering};
+use super::{Document, Edit, objects::ObjectNumbers, parts::Renumbering};
 use lapidary_core::material::Material;
 use std::collections::VecDeque;
 
@@ -98,6 +98,11 @@ impl History {
     /// Gives the materials that its steps name other numbers.
     pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
         self.edits_mut().for_each(|edit| edit.renumber_materials(renumbering));
+    }
+
+    /// Gives the objects that its steps name other numbers. A step of objects that are all gone is passed over by undo.
+    pub fn renumber_objects(&mut self, numbers: &ObjectNumbers) {
+        self.edits_mut().for_each(|edit| edit.renumber_objects(numbers));
     }
 
     fn edits_mut(&mut self) -> impl Iterator<Item = &mut Edit> {

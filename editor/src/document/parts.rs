@@ -108,31 +108,6 @@ impl Document {
         [name.to_owned()].into_iter().filter(|name| !name.is_empty()).chain(numbered).find(is_free).unwrap_or_default()
     }
 
-    /// Takes the objects of another version of the scene. Parts are found again by the name of their object, first at the same
-    /// place.
-    pub fn take_objects(&mut self, scene: &Scene) {
-        let names: Vec<String> = scene.objects.iter().map(|object| object.name.clone()).collect();
-        if names == self.objects {
-            return;
-        }
-        let before = std::mem::replace(&mut self.objects, names);
-        let assigned = std::mem::take(&mut self.assigned);
-        let found = assigned.into_iter().filter_map(|(part, material)| {
-            let object = self.object_called(before.get(part.object as usize)?, part.object)?;
-            Some((Part { object, ..part }, material))
-        });
-        self.assigned = found.collect();
-        let number = |object: u32| self.object_called(before.get(object as usize)?, object);
-        self.poses = self.poses.renumbered(number);
-    }
-
-    /// The object of a name, first that at `place`.
-    pub fn object_called(&self, name: &str, place: u32) -> Option<u32> {
-        let is_there = self.objects.get(place as usize).is_some_and(|known| known == name);
-        let found = || self.objects.iter().position(|known| known == name).map(|found| found as u32);
-        if is_there { Some(place) } else { found() }
-    }
-
     /// Gives the indices of materials that the document holds other numbers.
     pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
         renumber(&mut self.assigned, renumbering);
@@ -279,15 +254,6 @@ mod tests {
         let document = document();
         let names = ["Brass", "Brass 2", "Wood", "Gold", ""].map(|name| document.free_name(name));
         assert_eq!(names, ["Brass 3", "Brass 3", "Wood 2", "Gold", "Material 2"]);
-    }
-
-    #[test]
-    fn parts_are_found_again_by_the_name_of_their_object() {
-        let mut document = document();
-        document.assigned = [(part(0, 0), 2), (part(1, 1), 0)].into();
-        let objects = |names: &[&str]| names.iter().map(|&name| Object { name: name.into() }).collect();
-        document.take_objects(&Scene { objects: objects(&["Floor", "Knob"]), ..Default::default() });
-        assert_eq!(document.assigned, [(part(1, 0), 2)].into(), "the door is gone");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The timeline: which clip of the scene file plays, and where it is.
 
 use crate::actions::Action;
-use egui::{Button, ComboBox, DragValue, Slider, Ui};
+use egui::{Button, ComboBox, DragValue, Label, RichText, Slider, Ui};
 use lapidary_core::animation::{Clip, ClipTime, Playback};
 
 /// Frames a second at first, as films have them.
@@ -25,11 +25,20 @@ impl Default for Timeline {
 }
 
 impl Timeline {
+    /// Plays, or stops. At its end a clip that does not loop begins anew.
+    pub fn toggle(&mut self, time: &mut Option<ClipTime>, clips: &[Clip]) {
+        self.playing = !self.playing;
+        let is_over = |time: &ClipTime| clip_of(time, clips).is_some_and(|clip| time.seconds >= clip.seconds());
+        if let Some(time) = time.as_mut().filter(|time| self.playing && !self.looping && is_over(time)) {
+            time.seconds = 0.0;
+        }
+    }
+
     /// Lets `passed` seconds go by; at rest the first clip begins. Returns whether the end was reached.
     pub fn advance(&self, time: &mut Option<ClipTime>, clips: &[Clip], passed: f32) -> bool {
-        let before = time.take().filter(|time| clips.iter().any(|clip| clip.name == time.clip));
+        let before = time.take().filter(|time| clip_of(time, clips).is_some());
         let Some(before) = before.or_else(|| beginning(clips)) else { return true };
-        let clip = clips.iter().find(|clip| clip.name == before.clip);
+        let clip = clip_of(&before, clips);
         let (wanted, mode) = (before.seconds + passed, if self.looping { Playback::Loop } else { Playback::Once });
         let seconds = clip.map_or(0.0, |clip| clip.time_at(wanted, mode));
         *time = Some(ClipTime { seconds, ..before });
@@ -44,6 +53,10 @@ impl Timeline {
     }
 }
 
+fn clip_of<'a>(time: &ClipTime, clips: &'a [Clip]) -> Option<&'a Clip> {
+    clips.iter().find(|clip| clip.name == time.clip)
+}
+
 /// The beginning of the first clip.
 fn beginning(clips: &[Clip]) -> Option<ClipTime> {
     clips.first().map(|clip| ClipTime { clip: clip.name.clone(), seconds: 0.0 })
@@ -55,26 +68,30 @@ pub struct TimelineContext<'a> {
     pub clips: &'a [Clip],
     /// What is shown; `None` at rest.
     pub time: Option<&'a ClipTime>,
-    /// Why nothing plays, in words.
+    /// Why the time is not seen, in words.
     pub trouble: Option<String>,
 }
 
-/// Shows the timeline.
-pub fn show(ui: &mut Ui, timeline: &mut Timeline, context: &TimelineContext, actions: &mut Vec<Action>) {
-    ui.horizontal(|ui| {
-        if let Some(trouble) = &context.trouble {
-            ui.colored_label(ui.visuals().warn_fg_color, trouble);
-            return;
-        }
-        choose_clip(ui, context, actions);
-        let shown = context.time.cloned().or_else(|| beginning(context.clips)).unwrap_or_default();
-        let Some(clip) = context.clips.iter().find(|clip| clip.name == shown.clip) else { return };
-        transport(ui, timeline, &shown, clip, actions);
-        scrub(ui, &shown, clip, actions);
-        ui.checkbox(&mut timeline.looping, "Loop");
-        let rate = DragValue::new(&mut timeline.frames_per_second).range(1.0..=240.0).max_decimals(2).suffix(" fps");
-        ui.add(rate).on_hover_text("Frames a second, for steps of one frame");
-    });
+/// Shows the timeline. Returns whether its place is dragged.
+pub fn show(ui: &mut Ui, timeline: &mut Timeline, context: &TimelineContext, actions: &mut Vec<Action>) -> bool {
+    let is_scrubbing = ui.horizontal(|ui| show_controls(ui, timeline, context, actions)).inner;
+    if let Some(trouble) = &context.trouble {
+        let text = RichText::new(trouble).color(ui.visuals().warn_fg_color);
+        ui.add(Label::new(text).wrap());
+    }
+    is_scrubbing
+}
+
+fn show_controls(ui: &mut Ui, timeline: &mut Timeline, context: &TimelineContext, actions: &mut Vec<Action>) -> bool {
+    choose_clip(ui, context, actions);
+    let shown = context.time.cloned().or_else(|| beginning(context.clips)).unwrap_or_default();
+    let Some(clip) = clip_of(&shown, context.clips) else { return false };
+    transport(ui, timeline, &shown, clip, actions);
+    let is_scrubbing = scrub(ui, &shown, clip, actions);
+    ui.checkbox(&mut timeline.looping, "Loop");
+    let rate = DragValue::new(&mut timeline.frames_per_second).range(1.0..=240.0).max_decimals(2).suffix(" fps");
+    ui.add(rate).on_hover_text("Frames a second, for steps of one frame");
+    is_scrubbing
 }
 
 fn choose_clip(ui: &mut Ui, context: &TimelineContext, actions: &mut Vec<Action>) {
@@ -92,7 +109,7 @@ fn choose_clip(ui: &mut Ui, context: &TimelineContext, actions: &mut Vec<Action>
 }
 
 /// Buttons to begin, step and play.
-fn transport(ui: &mut Ui, timeline: &mut Timeline, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) {
+fn transport(ui: &mut Ui, timeline: &Timeline, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) {
     let mut go = |ui: &mut Ui, label: &str, help: &str, time: ClipTime| {
         if ui.add(Button::new(label)).on_hover_text(help).clicked() {
             actions.push(Action::ClipTime(Some(time)));
@@ -103,19 +120,21 @@ fn transport(ui: &mut Ui, timeline: &mut Timeline, shown: &ClipTime, clip: &Clip
     go(ui, ">", "One frame on", timeline.stepped(shown, clip, 1.0));
     let label = if timeline.playing { "Stop" } else { "Play" };
     if ui.button(label).on_hover_text("Plays the clip, or stops (Space)").clicked() {
-        timeline.playing = !timeline.playing;
+        actions.push(Action::Play);
     }
 }
 
-/// The place in the clip, to be dragged.
-fn scrub(ui: &mut Ui, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) {
+/// The place in the clip. Returns whether it is dragged.
+fn scrub(ui: &mut Ui, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) -> bool {
     let (mut seconds, length) = (shown.seconds, clip.seconds());
     ui.spacing_mut().slider_width = (ui.available_width() - 320.0).max(80.0);
     let slider = Slider::new(&mut seconds, 0.0..=length.max(f32::MIN_POSITIVE)).fixed_decimals(2).suffix(" s");
-    if ui.add_enabled(length > 0.0, slider).changed() {
+    let response = ui.add_enabled(length > 0.0, slider).accessible_name("Place in the clip");
+    if response.changed() {
         actions.push(Action::ClipTime(Some(ClipTime { seconds, ..shown.clone() })));
     }
     ui.label(format!("of {length:.2} s"));
+    response.dragged()
 }
 
 #[cfg(test)]
@@ -141,6 +160,14 @@ mod tests {
         assert_eq!(passed(looping, Some(at(1.75)), 0.5), (0.25, false));
         assert_eq!(passed(once, Some(at(1.75)), 0.5), (2.0, true));
         assert_eq!(passed(once, Some(at(1.0)), 0.5), (1.5, false), "negative control");
+        let begun = |timeline: Timeline, seconds: f32| {
+            let (mut timeline, mut time) = (timeline, Some(at(seconds)));
+            timeline.toggle(&mut time, clips);
+            (timeline.playing, time.unwrap().seconds)
+        };
+        assert_eq!([begun(once, 2.0), begun(once, 1.5)], [(true, 0.0), (true, 1.5)], "at its end it begins anew");
+        assert_eq!(begun(looping, 2.0), (true, 2.0));
+        assert_eq!(begun(Timeline { playing: true, ..once }, 2.0), (false, 2.0), "stopped");
         let gone = ClipTime { clip: "gone".into(), seconds: 1.0 };
         assert_eq!(passed(looping, Some(gone), 0.5), (0.5, false), "of another file");
         assert_eq!(looping.stepped(&at(0.51), &clips[0], 1.0).seconds, 13.0 / 24.0);

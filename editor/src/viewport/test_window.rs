@@ -83,7 +83,7 @@ impl App {
         let (active, tool) = self.selected.zip(self.tool)?;
         let subject = |object| {
             let center = pick::object_bounds(&self.mesh, object)?.center();
-            Some(gizmo::Subject { object, center })
+            Some(gizmo::Subject { object, center, middle: center })
         };
         let others = self.others.iter().filter_map(|&object| subject(object)).collect();
         Some(gizmo::Movable { active: subject(active)?, others, pivot: self.pivot, tool })

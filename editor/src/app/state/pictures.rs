@@ -2,6 +2,7 @@
 
 use crate::jobs::render_thread::RenderedFrame;
 use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
+use lapidary_render::{Detail, Tier};
 use std::{
     path::PathBuf,
     sync::mpsc::{Receiver, Sender, channel},
@@ -83,17 +84,16 @@ impl Pictures {
     /// What is left of the picture before, as long as anything is; it wants another frame then.
     pub fn faded(&self, ctx: &Context) -> Option<Faded> {
         let Fading { texture, size, since } = self.fading.as_ref()?;
-        let opacity = 1.0 - (ctx.input(|input| input.time) - since) / FADE_SECONDS;
-        (opacity > 0.0).then(|| {
-            ctx.request_repaint();
-            Faded { texture: texture.id(), size: *size, opacity: opacity as f32 }
-        })
+        let opacity = left_after(ctx.input(|input| input.time) - since)?;
+        ctx.request_repaint();
+        Some(Faded { texture: texture.id(), size: *size, opacity })
     }
 
     pub(in crate::app) fn show(&mut self, ctx: &Context, frame: RenderedFrame) {
         let pixels: &[u8] = frame.pixels.as_flattened();
         let image = ColorImage::from_rgba_unmultiplied(frame.size.map(|s| s as usize), pixels);
-        let before = self.shown.as_ref().filter(|shown| fades(shown, &frame)).map(|shown| shown.size);
+        let means = |frame: &RenderedFrame| (frame.tier, frame.detail);
+        let before = self.shown.as_ref().filter(|shown| fades(means(shown), means(&frame))).map(|shown| shown.size);
         if let Some((texture, size)) = self.texture.take_if(|_| before.is_some()).zip(before) {
             self.fading = Some(Fading { texture, size, since: ctx.input(|input| input.time) });
         }
@@ -105,7 +105,38 @@ impl Pictures {
     }
 }
 
+/// By what the light of a picture was found, and how finely that of posed objects.
+type Means = (Tier, Option<Detail>);
+
 /// Whether a picture goes over into the next. It does not where the next is coarser: then something has just begun to move.
-fn fades(shown: &RenderedFrame, next: &RenderedFrame) -> bool {
-    shown.tier != next.tier || shown.detail < next.detail
+fn fades(shown: Means, next: Means) -> bool {
+    shown.0 != next.0 || shown.1 < next.1
+}
+
+/// How much of a picture is left when it has faded for some seconds, if anything is.
+fn left_after(seconds: f64) -> Option<f32> {
+    let left = 1.0 - seconds / FADE_SECONDS;
+    (left > 0.0).then_some(left as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_goes_over_into_one_of_other_means_or_a_finer_one() {
+        let posed = |detail| (Tier::Implicit, Some(detail));
+        let ([coarsest, .., finest], cuts) = (Detail::LADDER.map(posed), (Tier::Cuts, None));
+        assert!(fades(cuts, coarsest) && fades(finest, cuts) && fades(coarsest, finest));
+        assert!(!fades(finest, coarsest), "something begins to move");
+        assert!(!fades(cuts, cuts) && !fades(finest, finest), "more samples of the same");
+    }
+
+    #[test]
+    fn a_fading_picture_lasts_long_enough_to_be_seen_and_less_than_a_quarter_of_a_second() {
+        assert_eq!(left_after(0.0), Some(1.0));
+        let two_frames = left_after(2.0 / 60.0).unwrap();
+        assert!((0.5..1.0).contains(&two_frames), "{two_frames}");
+        assert_eq!(left_after(0.25), None);
+    }
 }

@@ -1,5 +1,6 @@
 //! What is selected.
 
+use crate::document::objects::ObjectNumbers;
 use lapidary_core::parts::Part;
 
 /// The selection.
@@ -46,6 +47,16 @@ impl Selection {
         self.others.retain(|&other| is_kept(other));
         self.object = self.object.filter(|&object| is_kept(object)).or_else(|| self.others.pop());
     }
+
+    /// Gives objects other numbers, and takes away those that are gone.
+    pub fn renumber_objects(&mut self, numbers: &ObjectNumbers) {
+        self.retain_objects(|object| numbers.of(object).is_some());
+        self.object
+            .iter_mut()
+            .chain(&mut self.others)
+            .for_each(|object| *object = numbers.of(*object).unwrap_or(*object));
+        self.part = self.part.and_then(|part| numbers.of_part(part));
+    }
 }
 
 #[cfg(test)]
@@ -69,6 +80,21 @@ mod tests {
         selection = Selection { object: Some(1), others: vec![2, 3], ..Selection::default() };
         selection.set_object(Some(2));
         assert_eq!(selected(&selection), [2]);
+    }
+
+    #[test]
+    fn a_selection_follows_its_objects_to_other_numbers() {
+        let part = |object| Some(Part { object, material: 1 });
+        let mut selection = Selection { object: Some(2), others: vec![1, 0], part: part(2), ..Selection::default() };
+        let renumbered = |selection: &mut Selection, before: &[&str], now: &[&str]| {
+            let [before, now] = [before, now].map(|names| names.iter().copied().map(String::from).collect::<Vec<_>>());
+            selection.renumber_objects(&ObjectNumbers::between(&before, &now));
+            (selected(selection), selection.part)
+        };
+        let moved = renumbered(&mut selection, &["floor", "lid", "pot"], &["rug", "pot", "floor", "lid"]);
+        assert_eq!(moved, (vec![1, 3, 2], part(1)));
+        let fewer = renumbered(&mut selection, &["rug", "pot", "floor", "lid"], &["lid", "floor"]);
+        assert_eq!(fewer, (vec![1, 0], None), "the pot is gone, and the floor was selected after the lid");
     }
 
     #[test]

@@ -7,7 +7,10 @@ use crate::{
     jobs::Imported,
 };
 use glam::Vec3;
-use lapidary_core::dataset::{BakeSettings, Dataset};
+use lapidary_core::{
+    dataset::{BakeSettings, Dataset},
+    scene::pose::Pose,
+};
 
 /// Opens the scene and bakes it as if that had begun by itself, with few lights.
 fn baked_by_itself(place: &Place) -> super::Window {
@@ -125,6 +128,23 @@ fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
     assert_eq!((again.0.state().seen(), color(&again)), (Seen::Whole, Vec3::Z), "colours make no bake stale");
+}
+
+#[test]
+fn a_posed_bake_that_is_kept_is_seen_as_it_was_baked() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().document.bake = few_lights();
+    let moved = Pose { translate: Vec3::X * 0.2, ..Pose::AS_BAKED };
+    window.0.state_mut().document.poses.set(1, moved);
+    window.0.state_mut().bake_by_itself(false, false);
+    window.wait("the bake", |s| s.baking.progress().is_none());
+    let mut again = place.window();
+    again.open(&place.path("scene.obj"));
+    let state = again.0.state();
+    assert_eq!((state.seen(), state.document.poses.of(1)), (Seen::Whole, moved));
+    assert!(state.poses_since(state.scene.shown().unwrap()).is_empty());
 }
 
 #[test]

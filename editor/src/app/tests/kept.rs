@@ -119,7 +119,7 @@ fn a_damaged_scene_does_not_keep_a_session_from_opening() {
 
 /// Stops a bake when the first chunk of cuts is there.
 #[derive(Default)]
-struct StopsInVisibility {
+pub struct StopsInVisibility {
     tracing: AtomicBool,
     advanced: AtomicBool,
 }

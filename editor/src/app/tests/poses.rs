@@ -3,9 +3,9 @@
 use super::{Place, Window, few_lights};
 use crate::{actions::Action, app::state::EditorState, document::Edit};
 use glam::Vec3;
-use lapidary_core::{animation::ClipTime, dataset::Dataset, scene::pose::Pose};
+use lapidary_core::{dataset::Dataset, scene::pose::Pose};
 use lapidary_render::Tier;
-use std::path::Path;
+use std::cell::Cell;
 
 const PYRAMID: u32 = 1;
 
@@ -56,6 +56,31 @@ fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_pictu
 }
 
 #[test]
+fn the_picture_as_baked_goes_over_into_that_of_a_posed_object() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    wait_for_picture(&mut window);
+    let (ctx, as_baked) = (window.0.ctx.clone(), window.0.state().pictures.texture().unwrap().id());
+    assert!(window.0.state().pictures.faded(&ctx).is_none(), "negative control: nothing was before it");
+    pose(&mut window, Pose { translate: Vec3::new(0.4, 0.3, 0.0), ..Pose::AS_BAKED });
+    let of = |s: &EditorState, tier| s.pictures.shown().is_some_and(|shown| shown.tier == tier);
+    // The window's time goes on by more than a fade with each frame.
+    let faded = Cell::new(None);
+    window.wait("the preview", |s| {
+        faded.set(s.pictures.faded(&ctx));
+        of(s, Tier::Implicit)
+    });
+    let before = faded.get().unwrap();
+    assert_eq!((before.texture, before.opacity), (as_baked, 1.0));
+    assert_ne!(window.0.state().pictures.texture().unwrap().id(), as_baked);
+    wait_for_picture(&mut window);
+    window.0.run_steps(2);
+    assert!(window.0.state().pictures.faded(&ctx).is_none(), "it is gone");
+}
+
+#[test]
 fn an_object_is_selected_and_framed_where_it_is() {
     let place = Place::new();
     place.bake();
@@ -100,38 +125,4 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     wait_for_picture(&mut alone);
     assert_eq!(alone.0.state().document.poses.of(PYRAMID), moved);
     assert!(!alone.shows(words), "as it was baked");
-}
-
-#[test]
-fn a_clip_plays_on_its_timeline_and_sessions_keep_its_time() {
-    let place = Place::new();
-    for name in ["bending-tower.gltf", "bending-tower.bin"] {
-        let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/bending-tower").join(name);
-        std::fs::copy(bundled, place.path(name)).unwrap();
-    }
-    let mut window = place.window();
-    window.open(&place.path("bending-tower.gltf"));
-    assert!(window.shows("Play"));
-    let at = |seconds| Some(ClipTime { clip: "Block".into(), seconds });
-    window.perform(Action::ClipTime(at(0.5)));
-    let moved = |s: &EditorState| {
-        let baked = s.scene.rendered().unwrap();
-        s.poses_since(baked).moved().map(|object| s.document.objects[object as usize].clone()).collect::<Vec<_>>()
-    };
-    assert_eq!(moved(window.0.state()), ["Block"]);
-    assert!(window.shows("Preview: implicit visibility"));
-    window.0.state_mut().interface.timeline.playing = true;
-    window.wait("time to go by", |s| s.document.clip_time.as_ref().is_some_and(|time| time.seconds > 0.55));
-    window.0.state_mut().interface.timeline.playing = false;
-    window.perform(Action::ClipTime(at(1.25)));
-    let session = place.path("tower.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
-    window.perform(Action::ClipTime(None));
-    assert!(moved(window.0.state()).is_empty(), "negative control: at rest");
-    let mut again = place.window();
-    again.open(&session);
-    assert_eq!(again.0.state().document.clip_time, at(1.25));
-    let mut other = place.window();
-    other.open(&place.path("scene.obj"));
-    assert!(!other.shows("Play"), "nothing moves there");
 }

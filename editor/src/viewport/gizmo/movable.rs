@@ -32,14 +32,17 @@ impl Pivot {
 pub struct Subject {
     /// Its index.
     pub object: u32,
-    /// Its centre where its file has it, in metres.
+    /// What its pose turns and scales it about: its centre where its file has it, in metres.
     pub center: Vec3,
+    /// The centre of its present shape without its pose, in metres. It is another where an animation moves it.
+    pub middle: Vec3,
 }
 
 impl Subject {
-    /// Where its centre is, in metres.
+    /// Where the middle of its shape is, in metres.
     fn place(&self, poses: &Poses) -> Vec3 {
-        self.center + poses.of(self.object).translate
+        let pose = poses.of(self.object);
+        self.center + pose.translate + pose.rotation() * (pose.scale * (self.middle - self.center))
     }
 }
 
@@ -59,6 +62,12 @@ pub struct Movable {
 impl Movable {
     fn subjects(&self) -> impl Iterator<Item = &Subject> {
         [&self.active].into_iter().chain(&self.others)
+    }
+
+    /// Whether both pose the same objects alike, wherever these are.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let objects = |movable: &Self| movable.subjects().map(|subject| subject.object).collect::<Vec<_>>();
+        (self.pivot, self.tool) == (other.pivot, other.tool) && objects(self) == objects(other)
     }
 
     /// Where the handles lie, in metres: at the pivot, or the active object if each has its own.
@@ -104,7 +113,10 @@ mod tests {
     const TURN: Change = Change::Turn { axis: 1, degrees: 70.0 };
 
     fn group(pivot: Pivot) -> Movable {
-        let [active, a, b] = [0, 1, 2].map(|object| Subject { object, center: CENTERS[object as usize] });
+        let [active, a, b] = [0, 1, 2].map(|object| {
+            let center = CENTERS[object as usize];
+            Subject { object, center, middle: center }
+        });
         Movable { active, others: vec![a, b], pivot, tool: Tool::Turn }
     }
 
@@ -149,6 +161,31 @@ mod tests {
             let off = deformation(&after(&group(Pivot::Own), change), scale);
             assert!(off > 0.1, "negative control: each about its own, {change:?}: {off}");
         }
+    }
+
+    #[test]
+    fn an_object_that_an_animation_moved_turns_and_scales_about_its_middle() {
+        let rest = group(Pivot::Own);
+        let moved = Subject { middle: CENTERS[1] + Vec3::new(0.5, -0.2, 0.1), ..rest.others[0] };
+        let movable = Movable { active: moved, others: Vec::new(), ..rest };
+        let middle = |poses: &Poses| poses.of(1).world_from_baked(CENTERS[1]).transform_point3(moved.middle);
+        assert!(movable.place(&before()).distance(middle(&before())) < 1e-6, "turned by its pose before");
+        for change in [TURN, Change::Scale(1.7)] {
+            let after = after(&movable, change);
+            assert!(middle(&after).distance(middle(&before())) < 1e-5, "{change:?}");
+            let center = |poses: &Poses| CENTERS[1] + poses.of(1).translate;
+            assert!(center(&after).distance(center(&before())) > 0.1, "negative control, {change:?}");
+        }
+    }
+
+    #[test]
+    fn a_drag_stays_with_its_objects_while_an_animation_moves_them() {
+        let (before, mut later) = (group(Pivot::Own), group(Pivot::Own));
+        later.active.middle.x += 1.0;
+        assert!(before.is_same(&later) && before != later);
+        let (others, tool) = (group(Pivot::Active), Movable { tool: Tool::Move, ..group(Pivot::Own) });
+        let fewer = Movable { others: Vec::new(), ..group(Pivot::Own) };
+        assert!(![others, tool, fewer].iter().any(|other| before.is_same(other)), "negative control");
     }
 
     #[test]

@@ -145,7 +145,7 @@ impl ObjectDrag {
 
     /// Whether the same objects are still shown with these handles.
     pub fn has_subject(&self, view: &View) -> bool {
-        view.context.movable.as_ref() == Some(&self.movable)
+        view.context.movable.as_ref().is_some_and(|movable| movable.is_same(&self.movable))
     }
 
     /// The objects posed as the pointer asks, if these are other poses; in whole steps where it `snaps`.

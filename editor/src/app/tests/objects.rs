@@ -1,0 +1,72 @@
+//! A scene file whose objects have other numbers after a change: what was said of an object stays with it.
+
+use super::{Place, Window, few_lights, kept::StopsInVisibility};
+use crate::{actions::Action, document::Edit, jobs::Imported};
+use glam::Vec3;
+use lapidary_core::scene::pose::{Pose, Poses};
+use lapidary_precompute::{BakeJob, Leftover, bake, resolve};
+
+const MOVED: Pose = Pose { translate: Vec3::new(0.2, 0.1, 0.0), ..Pose::AS_BAKED };
+const FLOOR: u32 = 0;
+/// The number of the pyramid at first, and after a rug came before it.
+const PYRAMID: u32 = 1;
+const PYRAMID_NOW: u32 = 2;
+
+/// A window with a bake, whose pyramid was moved and is selected, and whose file has a rug more since.
+fn with_a_rug(place: &Place) -> Window {
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    window.0.state_mut().document.bake = few_lights();
+    window.perform(Action::SelectObject(Some(FLOOR)));
+    window.perform(Action::ToggleObject(PYRAMID));
+    window.perform(Action::Edit { edit: Edit::pose(PYRAMID, MOVED), label: "Move object" });
+    let rug = "o rug\nv -0.9 0.01 0.5\nv 0.9 0.01 0.5\nv 0.9 0.01 0.9\nf 5 7 6\no pyramid";
+    let shifted = super::SCENE.replace("o pyramid", rug);
+    let shifted =
+        [("f 5 9 6", "f 8 12 9"), ("f 6 9 7", "f 9 12 10"), ("f 7 9 8", "f 10 12 11"), ("f 8 9 5", "f 11 12 8")]
+            .iter()
+            .fold(shifted, |text, (before, now)| text.replace(before, now));
+    std::fs::write(place.path("scene.obj"), shifted).unwrap();
+    let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
+    window.0.state_mut().scene_changed(&place.path("scene.obj"), changed);
+    window.0.run_steps(2);
+    assert_eq!(window.0.state().document.objects, ["floor", "pyramid"], "the bake before is still seen");
+    window
+}
+
+#[test]
+fn a_bake_moves_the_object_that_was_moved_and_undo_and_selection_follow_it() {
+    let place = Place::new();
+    let mut window = with_a_rug(&place);
+    window.perform(Action::Bake { resume: false });
+    window.wait("the bake", |s| s.baking.progress().is_none());
+    let state = window.0.state();
+    assert_eq!(state.document.objects, ["floor", "rug", "pyramid"]);
+    let mut expected = Poses::default();
+    expected.set(PYRAMID_NOW, MOVED);
+    assert_eq!(state.scene.shown().unwrap().dataset.scene.placed_poses(), expected);
+    assert_eq!(state.document.poses, expected);
+    assert_eq!(state.selection.objects().collect::<Vec<_>>(), [PYRAMID_NOW, FLOOR]);
+    assert_eq!(state.selection.part.map(|part| part.object), Some(PYRAMID_NOW));
+    window.perform(Action::Undo);
+    assert!(window.0.state().document.poses.is_empty());
+    window.perform(Action::Redo);
+    assert_eq!(window.0.state().document.poses, expected);
+}
+
+#[test]
+fn what_an_interrupted_bake_left_is_known_under_the_numbers_of_the_file() {
+    let place = Place::new();
+    let mut window = with_a_rug(&place);
+    let scene = lapidary_core::import::import(&place.path("scene.obj")).unwrap().scene;
+    for (object, expected) in [(PYRAMID_NOW, Leftover::Fitting), (PYRAMID, Leftover::OfAnother)] {
+        let mut poses = Poses::default();
+        poses.set(object, MOVED);
+        let job = BakeJob::new(resolve(few_lights()).unwrap(), place.path("scene.cuts"));
+        let job = BakeJob { chunks: Some(4), poses, ..job };
+        assert!(bake(scene.clone(), &job, &StopsInVisibility::default()).is_err());
+        window.0.state_mut().baking.leftover = None;
+        assert_eq!(window.0.state_mut().leftover(), expected);
+    }
+}
