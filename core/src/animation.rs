@@ -115,7 +115,7 @@ pub enum AnimationError {
         expected: String,
     },
     /// The object has another shape in the scene.
-    #[error("\"{object}\" of the scene is up to {distance} m away from that of the file at rest; give the file that the scene was baked of, or bake it again ({})", path.display())]
+    #[error("\"{object}\" of the scene is up to {distance} m away from that of the file; give the file that the scene was baked of, or bake it again ({})", path.display())]
     OtherShape {
         /// The file.
         path: PathBuf,

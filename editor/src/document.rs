@@ -59,7 +59,7 @@ pub struct Document {
     pub assigned: Assignment,
     /// Names of the scene's objects.
     pub objects: Vec<String>,
-    /// Objects that are not where they were baked.
+    /// Objects that are not where their file has them.
     pub poses: Poses,
     /// The time of an animation that it shows; `None` at rest.
     pub clip_time: Option<ClipTime>,

@@ -1,6 +1,6 @@
 //! An animation bound to a scene: to the repaired and tessellated mesh of a bake.
 
-use super::{Animation, AnimationError, Clip, binding::BoundObject, shape::Posture};
+use super::{Animation, AnimationError, Clip, ClipTime, binding::BoundObject, shape::Posture};
 use crate::scene::{
     Object, Scene, is_within_reach,
     placed::Placed,
@@ -95,7 +95,7 @@ impl BoundAnimation {
                 let (path, clip) = (self.animation.path.clone(), clip.name.clone());
                 Err(AnimationError::OutOfReach { path, clip, object, seconds })
             }
-            None => Ok(posed),
+            None => Ok(posed.at(ClipTime { clip: clip.name.clone(), seconds })),
         }
     }
 

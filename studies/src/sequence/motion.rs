@@ -1,7 +1,7 @@
 //! The animation of a file, played over the frames of a sequence.
 
 use lapidary_core::{
-    animation::{AnimationError, BoundAnimation, ClipTime, Playback},
+    animation::{AnimationError, BoundAnimation, Playback},
     scene::pose::Poses,
 };
 use std::sync::Arc;
@@ -91,8 +91,7 @@ impl Moment {
     /// # Errors
     /// Vertices out of reach.
     pub fn poses(&self, poses: &Poses) -> Result<Poses, AnimationError> {
-        let time = ClipTime { clip: self.motion.clip().name.clone(), seconds: self.seconds };
-        Ok(self.motion.animation.poses_at(self.motion.clip, self.seconds, poses)?.at(time))
+        self.motion.animation.poses_at(self.motion.clip, self.seconds, poses)
     }
 }
 

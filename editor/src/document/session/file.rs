@@ -29,7 +29,7 @@ pub struct Session {
     pub added: usize,
     /// Parts that have another material than the mesh says.
     pub assigned: Vec<SessionAssignment>,
-    /// Objects that are not where they were baked.
+    /// Objects that are not where their file has them.
     pub poses: Vec<SessionPose>,
     /// The time of an animation that is shown; `None` at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
