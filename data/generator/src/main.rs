@@ -16,6 +16,7 @@ mod gem;
 mod gltf_writer;
 mod interior;
 mod knot;
+mod lidded_box;
 mod material_study;
 mod mesh;
 mod motion;

@@ -93,6 +93,24 @@ impl Mesh {
         [0, 1, 2].map(|k| self.positions[self.indices[3 * t + k] as usize])
     }
 
+    /// The mesh without the triangles whose three normals are `normal`, and without vertices that only they have.
+    pub fn without_flat(&self, normal: Vec3) -> Mesh {
+        let mut rest = Mesh::default();
+        let mut renamed = HashMap::new();
+        for triangle in self.indices.chunks_exact(3) {
+            if triangle.iter().all(|&v| self.normals[v as usize] == normal) {
+                continue;
+            }
+            for &v in triangle {
+                let i = v as usize;
+                let push = || rest.push(self.positions[i], self.normals[i], self.uvs[i]);
+                let new = *renamed.entry(v).or_insert_with(push);
+                rest.indices.push(new);
+            }
+        }
+        rest
+    }
+
     /// Replaces the normals by area-weighted means over all triangles that share a position,
     /// so that texture seams do not show in the shading.
     pub fn smooth_normals(&mut self) {

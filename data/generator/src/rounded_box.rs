@@ -66,10 +66,7 @@ fn face_axes(axis: usize, sign: f32) -> (Vec3, Vec3) {
 /// Grid lines across a face of half width `half`: dense in the rounded margins, even between them.
 fn grid_lines(half: f32, radius: f32, cell: f32) -> Vec<f32> {
     let flat = half - radius;
-    let steps = (2.0 * flat / cell).ceil().max(1.0) as usize;
-    // Written so that mirrored lines are bit-equal and the last is `flat`: neighbouring faces meet exactly.
-    let line = |k: usize| flat * (((2 * k) as f32 - steps as f32) / steps as f32);
-    let mut lines: Vec<f32> = (0..=steps).map(line).collect();
+    let mut lines = even_lines(flat, steps_across(flat, cell));
     if radius > 0.0 {
         // tan of equal angles up to 45 degrees, where the next face takes over.
         let last = round_steps(radius);
@@ -79,6 +76,16 @@ fn grid_lines(half: f32, radius: f32, cell: f32) -> Vec<f32> {
         lines = mirrored.chain(lines).chain(outer.iter().copied()).collect();
     }
     lines
+}
+
+/// Steps of at most `cell` metres from `-half` to `half`.
+pub fn steps_across(half: f32, cell: f32) -> usize {
+    (2.0 * half / cell).ceil().max(1.0) as usize
+}
+
+/// Lines from `-half` to `half` in even steps, mirrored to the bit and ending on `half`: what is built on them meets exactly.
+pub fn even_lines(half: f32, steps: usize) -> Vec<f32> {
+    (0..=steps).map(|k| half * (((2 * k) as f32 - steps as f32) / steps as f32)).collect()
 }
 
 /// Pulls a point of the sharp box onto the rounded one.
