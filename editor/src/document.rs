@@ -369,11 +369,11 @@ impl Document {
         let views = dataset.shot_views();
         document.camera = views.first().cloned().unwrap_or(document.camera);
         document.bookmarks.extend(views.into_iter().filter(|view| !dataset.scene.cameras.contains(view)));
-        Self { dataset: Some(dataset_path), ..document.as_baked(dataset) }
+        Self { dataset: Some(dataset_path), ..document.with_bake(dataset) }
     }
 
     /// With the settings, the poses and the time of a bake of its scene.
-    pub fn as_baked(self, dataset: &Dataset) -> Self {
+    pub fn with_bake(self, dataset: &Dataset) -> Self {
         let numbers = ObjectNumbers::between(&objects::names_of(&dataset.scene), &self.objects);
         Self {
             bake: dataset.settings.clone(),

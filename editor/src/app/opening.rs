@@ -289,7 +289,7 @@ impl Reader<'_> {
                 Document::of_dataset(&baked.dataset, output.clone(), Some(path.into()))
             }
             // The look is that of the scene as it is now. The file is not named: another machine would look for it in vain.
-            Some((kept, _)) => Document::of_scene(&source.scene, Some(path.into())).as_baked(&kept.dataset),
+            Some((kept, _)) => Document::of_scene(&source.scene, Some(path.into())).with_bake(&kept.dataset),
             None => Document::of_scene(&source.scene, Some(path.into())),
         };
         Ok(Ready { recent: Some(path.into()), bake_output: Some(output), ..found.ready(document, source, warnings) })
@@ -303,7 +303,7 @@ impl Reader<'_> {
         let document = Document::of_scene(&source.scene, Some(scene.into()));
         // A bake of other settings, poses or times is one that the user asked for.
         let document = match &found.whole {
-            Some((baked, _)) => document.as_baked(&baked.dataset),
+            Some((baked, _)) => document.with_bake(&baked.dataset),
             None => document,
         };
         // Named before it is there, so that a session finds it later.
