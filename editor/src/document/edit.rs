@@ -56,11 +56,6 @@ pub enum Edit {
 }
 
 impl Edit {
-    /// Another pose of one object.
-    pub fn pose(object: u32, pose: Pose) -> Self {
-        Self::Poses([(object, pose)].into())
-    }
-
     /// Puts the edit's value into the document, and the document's into the edit.
     ///
     /// # Panics
@@ -167,12 +162,13 @@ mod tests {
         let mut edit = Edit::Poses([(0, raised), (1, Pose { scale: 2.0, ..raised })].into());
         assert!(edit.fits(&document) && edit.changes(&document));
         assert!(!Edit::Poses([(0, raised), (3, raised)].into()).fits(&document));
-        assert!(edit.same_target(&edit.clone()) && !edit.same_target(&Edit::pose(0, raised)));
+        assert!(edit.same_target(&edit.clone()) && !edit.same_target(&one(0, raised)));
         edit.swap(&mut document);
         assert_eq!(of(&document), [raised, Pose { scale: 2.0, ..raised }, Pose::AS_BAKED]);
-        assert!(!Edit::pose(0, raised).changes(&document) && Edit::pose(1, raised).changes(&document));
+        assert!(!one(0, raised).changes(&document) && one(1, raised).changes(&document));
         edit.swap(&mut document);
         assert!(document.poses.is_empty());
+        let one = |object: u32, pose: Pose| Edit::Poses([(object, pose)].into());
     }
 
     #[test]

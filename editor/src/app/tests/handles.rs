@@ -8,6 +8,7 @@ use crate::{
     viewport::gizmo::Tool,
 };
 use egui::{Event, Key, Modifiers, PointerButton};
+use egui_kittest::kittest::Queryable;
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
 
 const FLOOR: u32 = 0;
@@ -107,6 +108,28 @@ fn a_drag_of_several_objects_is_one_step_of_undo_that_restores_all() {
     assert!(window.0.state().document.poses.is_empty() && window.0.state().history.undo_label().is_none());
     window.perform(Action::Redo);
     assert_eq!(moves(&window), [floor, pyramid]);
+}
+
+#[test]
+fn a_number_of_several_objects_is_one_step_of_undo_that_restores_all() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::SelectObject(Some(FLOOR)));
+    window.perform(Action::ToggleObject(PYRAMID));
+    window.click("Scale value");
+    window.0.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.0.get_by_label("Scale value").type_text("2");
+    window.0.key_press(Key::Enter);
+    window.0.run_steps(3);
+    let poses = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().document.poses.of(object));
+    let scaled = poses(&window);
+    assert_eq!(scaled.map(|pose| pose.scale), [2.0, 2.0]);
+    // The pyramid's centre is 0.3 m above the floor, the pyramid the pivot.
+    assert!((scaled[0].translate.y + 0.3).abs() < 1e-5 && scaled[1].translate == glam::Vec3::ZERO, "{scaled:?}");
+    window.perform(Action::Undo);
+    assert!(window.0.state().document.poses.is_empty() && window.0.state().history.undo_label().is_none());
+    window.perform(Action::Redo);
+    assert_eq!(poses(&window), scaled);
 }
 
 #[test]

@@ -153,7 +153,7 @@ impl ObjectDrag {
         let change = self.asked(view, pointer)?;
         let change = if snaps { change.snapped(step_in(view)) } else { change };
         let change = self.movable.limited(change, &self.before);
-        let poses = self.movable.changed(&self.before, change);
+        let poses = self.movable.changed(&self.before, change.similarity());
         if poses.values().any(|pose| pose.validate("").is_err()) {
             return None;
         }
