@@ -81,10 +81,11 @@ fn a_drag_in_the_window_is_one_step_of_undo() {
     window.perform(Action::SelectObject(Some(PYRAMID)));
     drag_middle(&mut window);
     assert!(!window.0.state().document.poses.is_as_baked(PYRAMID));
-    assert_eq!(window.0.state().history.undo_label(), Some("Move object"));
+    assert_eq!(window.undo_name().as_deref(), Some("Move pyramid"));
     window.perform(Action::Undo);
+    assert!(window.shows("Undone: Move pyramid"));
     assert!(window.0.state().document.poses.is_empty());
-    assert_eq!(window.0.state().history.undo_label(), None);
+    assert_eq!(window.undo_name(), None);
 }
 
 #[test]
@@ -102,10 +103,11 @@ fn a_drag_of_several_objects_is_one_step_of_undo_that_restores_all() {
     window.0.state_mut().document.camera.target = active;
     drag_middle_as_it_is(&mut window);
     assert_eq!(window.0.state().document.camera.eye, eye, "no orbit");
+    assert_eq!(window.undo_name().as_deref(), Some("Move 2 objects"));
     let [floor, pyramid] = moves(&window);
     assert!(floor.length() > 0.01 && floor == pyramid, "{floor} {pyramid}");
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty() && window.0.state().history.undo_label().is_none());
+    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
     window.perform(Action::Redo);
     assert_eq!(moves(&window), [floor, pyramid]);
 }
@@ -127,7 +129,7 @@ fn a_number_of_several_objects_is_one_step_of_undo_that_restores_all() {
     // The pyramid's centre is 0.3 m above the floor, the pyramid the pivot.
     assert!((scaled[0].translate.y + 0.3).abs() < 1e-5 && scaled[1].translate == glam::Vec3::ZERO, "{scaled:?}");
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty() && window.0.state().history.undo_label().is_none());
+    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
     window.perform(Action::Redo);
     assert_eq!(poses(&window), scaled);
 }

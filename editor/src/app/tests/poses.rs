@@ -18,7 +18,7 @@ fn pixels(state: &EditorState) -> Vec<[u8; 4]> {
 }
 
 fn pose(window: &mut Window, pose: Pose) {
-    window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, pose)].into()), label: "Move object" });
+    window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, pose)].into()), label: "Move" });
     window.perform(Action::EndGesture);
 }
 

@@ -40,7 +40,7 @@ fn reset_button(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) 
     let edit = Edit::Poses(context.posable.iter().map(|subject| (subject.object, Pose::AS_BAKED)).collect());
     let reset = ui.add_enabled(edit.changes(context.document), egui::Button::new("Reset pose"));
     if reset.on_hover_text("Puts all selected objects back to where their file has them").clicked() {
-        actions.extend([Action::Edit { edit, label: "Reset pose" }, Action::EndGesture]);
+        actions.extend([Action::Edit { edit, label: "Reset pose of" }, Action::EndGesture]);
     }
 }
 
@@ -68,7 +68,7 @@ fn pose_row(
     let Some((&active, others)) = context.posable.split_first() else { return };
     let movable = Movable { active, others: others.to_vec(), pivot, tool };
     let poses = &context.document.poses;
-    edit_row(actions, tool.label(), &movable.poses(poses), Edit::Poses, |all| {
+    edit_row(actions, tool.verb(), &movable.poses(poses), Edit::Poses, |all| {
         let mut typed = poses.of(active.object);
         let mut edited = add(&mut typed);
         if edited.changed {
