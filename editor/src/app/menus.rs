@@ -150,6 +150,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.menu_button("Add light", |ui| lights::add_menu(ui, actions));
     ui.separator();
     tools(ui, state, actions);
+    entry(ui, state, actions, Command::SelectNothing, has_light || state.selection.object.is_some());
     ui.separator();
     entry(ui, state, actions, Command::CopyCamera, true);
     entry(ui, state, actions, Command::PasteCamera, true);

@@ -142,6 +142,7 @@ impl EditorState {
             Command::Quit => Action::Quit,
             Command::Undo => Action::Undo,
             Command::Redo => Action::Redo,
+            Command::SelectNothing => Action::SelectObject(None),
             Command::FrameSelection => Action::FrameSelection,
             Command::FrameAll => Action::FrameAll,
             Command::ResetCamera => Action::ResetCamera,

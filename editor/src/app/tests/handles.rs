@@ -7,7 +7,7 @@ use crate::{
     document::{Edit, lights::LightKind},
     viewport::gizmo::Tool,
 };
-use egui::{Event, Key, Modifiers, PointerButton};
+use egui::{Event, Key, Modifiers, PointerButton, Popup, Role};
 use egui_kittest::kittest::Queryable;
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
 
@@ -148,6 +148,64 @@ fn the_ground_and_what_lies_beside_a_selected_light_have_no_handles() {
     assert_eq!(of_selected(&mut window, Some(PYRAMID)), Some(PYRAMID), "negative control");
     window.perform(Action::AddLight(LightKind::Point));
     assert_eq!(movable(window.0.state()), None);
+}
+
+/// The selected objects after a press of Escape.
+fn after_escape(window: &mut Window) -> Vec<u32> {
+    window.0.key_press(Key::Escape);
+    window.0.run_steps(3);
+    window.0.state().selection.objects().collect()
+}
+
+#[test]
+fn escape_selects_nothing_unless_something_else_takes_it() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::SelectObject(Some(FLOOR)));
+    window.perform(Action::ToggleObject(PYRAMID));
+    let both = [PYRAMID, FLOOR];
+    window.click("Filter objects and materials");
+    assert_eq!(after_escape(&mut window), both, "it leaves the text field");
+    for opener in ["File", "View mode tool", "Pivot"] {
+        window.0.get_by_role_and_label(role_of(opener), opener).click();
+        window.0.run_steps(3);
+        assert!(Popup::is_any_open(&window.0.ctx), "{opener}");
+        assert_eq!(after_escape(&mut window), both, "it closes what {opener} opened");
+        assert!(!Popup::is_any_open(&window.0.ctx), "{opener}");
+    }
+    window.0.key_press(Key::F1);
+    window.0.run_steps(3);
+    assert_eq!(after_escape(&mut window), both, "it closes the keyboard map");
+    assert!(!window.0.state().interface.keys_open);
+    assert_eq!(after_escape(&mut window), [0; 0], "nothing else takes it");
+    assert_eq!(window.undo_name(), None);
+}
+
+fn role_of(opener: &str) -> Role {
+    if opener == "File" { Role::Button } else { Role::ComboBox }
+}
+
+#[test]
+fn escape_gives_up_a_drag_and_keeps_the_selection() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    press(&mut window, Key::W);
+    window.perform(Action::SelectObject(Some(PYRAMID)));
+    window.perform(Action::FrameSelection);
+    window.0.run_steps(2);
+    let from = window.0.state().interface.viewport_rect.center();
+    window.0.drag_at(from);
+    window.0.step();
+    window.0.hover_at(from + egui::vec2(60.0, 0.0));
+    window.0.run_steps(2);
+    assert!(!window.0.state().document.poses.is_as_baked(PYRAMID), "negative control");
+    for press in ["puts it back", "does nothing while the button is held"] {
+        assert_eq!(after_escape(&mut window), [PYRAMID], "{press}");
+        assert!(window.0.state().document.poses.is_empty(), "{press}");
+    }
+    window.0.drop_at(from + egui::vec2(60.0, 0.0));
+    window.0.run_steps(2);
+    assert_eq!(after_escape(&mut window), [0; 0]);
 }
 
 #[test]
