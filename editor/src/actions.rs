@@ -13,7 +13,7 @@ pub enum Action {
     Edit {
         /// The new value.
         edit: Edit,
-        /// Its name in undo, such as "Roughness".
+        /// Its name in undo, such as "Roughness". Of poses it is what is done, such as "Move", and undo adds to what.
         label: &'static str,
     },
     /// A slider was let go or a text field left: the next edit is a new step of undo.

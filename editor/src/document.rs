@@ -337,6 +337,12 @@ impl Document {
         }
     }
 
+    /// The name of an object, or "object" if it has none.
+    pub fn object_name(&self, object: u32) -> &str {
+        let name = self.objects.get(object as usize).filter(|name| !name.is_empty());
+        name.map_or("object", String::as_str)
+    }
+
     /// The file that a texture is read from: its own, or a file of its name beside the scene. It need not exist:
     /// pictures inside a scene's file have names too.
     pub fn file_of(&self, entry: &TextureEntry) -> Option<PathBuf> {

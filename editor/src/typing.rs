@@ -1,6 +1,17 @@
 //! Whom the keyboard belongs to: text fields, or the commands of the window.
 
-use egui::{Context, Id, text_edit::TextEditState};
+use egui::{Context, Id, Key, Modifiers, Popup, text_edit::TextEditState};
+
+/// Whether Escape closes what has popped up or gives up a drag, and is no command. Must be called before anything is shown: a
+/// popup is gone after that.
+pub fn escape_is_taken(ctx: &Context) -> bool {
+    Popup::is_any_open(ctx) || ctx.input(|i| i.pointer.any_down() || i.pointer.any_released())
+}
+
+/// Takes Escape out of the input.
+pub fn take_escape(ctx: &Context) -> bool {
+    ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape))
+}
 
 /// Whether the keys pressed in this frame are commands: not if a text field had or got the focus in it.
 ///

@@ -12,7 +12,7 @@ use std::sync::Arc;
 impl EditorState {
     /// What moves in the scene file.
     pub(super) fn animation(&self) -> Option<&Arc<Animation>> {
-        self.scene.source.as_ref()?.animation.as_ref()
+        self.scene.source.as_ref().map_or(&self.scene.animation, |source| &source.animation).as_ref()
     }
 
     /// Where the document has objects, relative to a bake: by themselves, and at its time of an animation. What cannot be posed in

@@ -5,7 +5,11 @@ use super::{
     state::{AUTOSAVE_INTERVAL, EditorState},
     theme,
 };
-use crate::{actions::Action, typing::keys_are_commands, viewport};
+use crate::{
+    actions::Action,
+    typing::{escape_is_taken, keys_are_commands, take_escape},
+    viewport,
+};
 use egui::{Event, Key, Ui, ViewportCommand};
 use std::time::Instant;
 
@@ -22,6 +26,7 @@ impl EditorState {
         self.bounds.update(self.posed(&ctx).as_ref(), self.selection.objects());
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
+        let escape_is_taken = escape_is_taken(&ctx);
         let laid = layout::show(ui, self, &mut actions);
         self.take_drops(&ctx, &laid, &mut actions);
         self.show_dialog(&ctx, &mut actions);
@@ -37,6 +42,9 @@ impl EditorState {
         }
         for action in actions {
             self.perform(&ctx, action);
+        }
+        if escape_is_taken {
+            take_escape(&ctx);
         }
         self.take_keys(&ctx);
         dismissal::shield(&ctx, laid.menus);

@@ -21,6 +21,8 @@ pub enum Command {
     Undo,
     /// Do it again.
     Redo,
+    /// Select no object and no light.
+    SelectNothing,
     /// Show what is selected.
     FrameSelection,
     /// Show all.
@@ -107,7 +109,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 41] = [
+pub const BINDINGS: [Binding; 42] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -121,6 +123,7 @@ pub const BINDINGS: [Binding; 41] = [
     tool(Tool::Turn, &[(NONE, Key::E)]),
     tool(Tool::Scale, &[(NONE, Key::R)]),
     binds("Edit", Command::Tool(None), "Select only", &[(NONE, Key::Q)]),
+    binds("Edit", Command::SelectNothing, "Select nothing", &[(NONE, Key::Escape)]),
     binds("View", Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
     binds("View", Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
     binds("View", Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),

@@ -30,7 +30,11 @@ use crate::{
         view::{self, ViewContext},
     },
     preferences::Preferences,
-    viewport::{self, ViewportContext, ViewportResponse, compare::Compared, gizmo::Movable},
+    viewport::{
+        self, ViewportContext, ViewportResponse,
+        compare::Compared,
+        gizmo::{Movable, Subject},
+    },
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{lights::Light, material::Material};
@@ -146,6 +150,7 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
                 dataset: state.scene.rendered().map(|b| &*b.dataset),
                 selected_object: state.selection.object,
                 other_objects: &state.selection.others,
+                posable: &posable(state),
                 selected_material: state.selection.material,
             };
             scrolled(ui, |ui| scene::show(ui, &mut state.interface.scene, &context, actions));
@@ -305,14 +310,21 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
 
 /// The selected objects, if they have handles: a ground has none, nor has anything beside a selected light.
 pub(super) fn movable(state: &EditorState) -> Option<Movable> {
-    let (active, tool) = state.selection.object.zip(state.interface.tool)?;
-    let baked = state.scene.rendered().filter(|_| state.selected_light().is_none())?;
+    let tool = state.interface.tool.filter(|_| state.selected_light().is_none())?;
+    let posable = posable(state);
+    let (&active, others) = posable.split_first()?;
+    Some(Movable { active, others: others.to_vec(), pivot: state.interface.scene.pivot, tool })
+}
+
+/// The selected objects that can be posed, the active one first; none without that, which may be a ground.
+fn posable(state: &EditorState) -> Vec<Subject> {
+    let Some(baked) = state.scene.rendered() else { return Vec::new() };
     let can_be_posed =
         |object: u32| (object as usize) < state.document.objects.len() && state.ground_object() != Some(object);
     let poses = state.poses_since(baked);
     let subject = |object: u32| state.requests.subject(baked, &poses, object).filter(|_| can_be_posed(object));
-    let others = state.selection.others.iter().filter_map(|&object| subject(object)).collect();
-    Some(Movable { active: subject(active)?, others, pivot: state.interface.scene.pivot, tool })
+    let Some(active) = state.selection.object.and_then(subject) else { return Vec::new() };
+    [active].into_iter().chain(state.selection.others.iter().filter_map(|&object| subject(object))).collect()
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {

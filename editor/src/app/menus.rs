@@ -139,10 +139,10 @@ fn title(scene: &Path) -> String {
 }
 
 fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let label = |verb: &str, what: Option<&str>| what.map_or(verb.to_owned(), |what| format!("{verb} {what}"));
-    let (undo, redo) = (state.history.undo_label(), state.history.redo_label());
-    entry_as(ui, state, actions, Command::Undo, &label("Undo", undo), undo.is_some());
-    entry_as(ui, state, actions, Command::Redo, &label("Redo", redo), redo.is_some());
+    let label = |verb: &str, what: &Option<String>| what.as_ref().map_or(verb.into(), |what| format!("{verb} {what}"));
+    let (undo, redo) = (state.history.undo_name(&state.document), state.history.redo_name(&state.document));
+    entry_as(ui, state, actions, Command::Undo, &label("Undo", &undo), undo.is_some());
+    entry_as(ui, state, actions, Command::Redo, &label("Redo", &redo), redo.is_some());
     ui.separator();
     let has_light = state.selected_light().is_some();
     entry(ui, state, actions, Command::DuplicateLight, has_light);
@@ -150,6 +150,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.menu_button("Add light", |ui| lights::add_menu(ui, actions));
     ui.separator();
     tools(ui, state, actions);
+    entry(ui, state, actions, Command::SelectNothing, has_light || state.selection.object.is_some());
     ui.separator();
     entry(ui, state, actions, Command::CopyCamera, true);
     entry(ui, state, actions, Command::PasteCamera, true);

@@ -16,13 +16,22 @@ use crate::{
     preferences::AllowedFolders,
 };
 use anyhow::Result;
-use lapidary_core::{dataset::Dataset, ground::Ground, import::ImportError};
+use lapidary_core::{
+    animation::{Animation, BoundAnimation},
+    dataset::Dataset,
+    ground::Ground,
+    import::{ImportError, ImportOptions},
+    scene::Scene,
+};
 use lapidary_render::Baked;
 use lapidary_studies::jobs::{Wake, guarded, spawn};
 use std::{
     cell::RefCell,
     path::{Path, PathBuf},
-    sync::mpsc::{Receiver, TryRecvError, channel},
+    sync::{
+        Arc,
+        mpsc::{Receiver, TryRecvError, channel},
+    },
 };
 
 /// The source to open.
@@ -127,6 +136,8 @@ pub struct Ready {
     pub preview: Option<Baked>,
     /// The scene, which can be baked.
     pub source: Option<Source>,
+    /// What moves in a scene that cannot be baked: that of the file beside its dataset.
+    pub animation: Option<Arc<Animation>>,
     /// Where a bake goes that the user asks for.
     pub bake_output: Option<PathBuf>,
     /// Where a bake goes that begins by itself.
@@ -255,6 +266,14 @@ fn open_dataset(path: &Path) -> Result<Ready> {
     let baked = Baked::begun(Dataset::read(path)?);
     let document = Document::of_dataset(&baked.dataset, path.into(), None);
     Ok(Ready { recent: Some(path.into()), ..Ready::new(document, Some(baked), None, Vec::new()) })
+}
+
+/// What moves in the glTF file beside a dataset that has its name, as the window and most others write it. Files that cannot be
+/// read or do not fit are passed over: the dataset does not say that they are its own.
+fn animation_beside(dataset: &Path, scene: &Scene) -> Option<Arc<Animation>> {
+    let file = ["gltf", "glb"].map(|ending| dataset.with_extension(ending)).into_iter().find(|file| file.is_file())?;
+    let animation = Arc::new(Animation::read(&file, &ImportOptions::default()).ok()?);
+    BoundAnimation::new(animation.clone(), scene).is_ok().then_some(animation)
 }
 
 /// Path of the draft of a bake, which is shown at once while the bake continues.
@@ -427,7 +446,10 @@ impl Found {
 
 impl Ready {
     fn new(document: Document, baked: Option<Baked>, source: Option<Source>, warnings: Vec<String>) -> Self {
+        let alone = baked.as_ref().zip(document.dataset.as_deref()).filter(|_| source.is_none());
+        let animation = alone.and_then(|(baked, dataset)| animation_beside(dataset, &baked.dataset.scene));
         Self {
+            animation,
             document,
             unknown: Unknown::default(),
             session: None,

@@ -143,6 +143,7 @@ impl EditorState {
             Command::Quit => Action::Quit,
             Command::Undo => Action::Undo,
             Command::Redo => Action::Redo,
+            Command::SelectNothing => Action::SelectObject(None),
             Command::FrameSelection => Action::FrameSelection,
             Command::FrameAll => Action::FrameAll,
             Command::ResetCamera => Action::ResetCamera,
@@ -187,16 +188,16 @@ impl EditorState {
 
     fn undo(&mut self) {
         let before = self.material_of_selected_part();
-        if let Some(label) = self.history.undo(&mut self.document) {
-            self.messages.remark(format!("Undone: {label}"));
+        if let Some(name) = self.history.undo(&mut self.document) {
+            self.messages.remark(format!("Undone: {name}"));
             self.follow_selected_part(before);
         }
     }
 
     fn redo(&mut self) {
         let before = self.material_of_selected_part();
-        if let Some(label) = self.history.redo(&mut self.document) {
-            self.messages.remark(format!("Redone: {label}"));
+        if let Some(name) = self.history.redo(&mut self.document) {
+            self.messages.remark(format!("Redone: {name}"));
             self.follow_selected_part(before);
         }
     }

@@ -40,6 +40,7 @@ use exporting::Exporting;
 use interface::Interface;
 use ladder::LadderWindow;
 use lapidary_core::{
+    animation::Animation,
     bounds::Bounds,
     parts::{Part, parts_of},
     scene::Mesh,
@@ -92,6 +93,8 @@ pub struct OpenScene {
     pub preview: Option<Baked>,
     /// The scene, which can be baked.
     pub source: Option<Imported>,
+    /// What moves in a scene that cannot be baked.
+    pub animation: Option<Arc<Animation>>,
     /// Where a bake goes that the user asks for.
     pub bake_output: Option<PathBuf>,
     /// Where a bake goes that begins by itself.

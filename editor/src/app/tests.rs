@@ -169,6 +169,12 @@ impl Window {
         self.0.run_steps(2);
     }
 
+    /// What undo would take back.
+    fn undo_name(&self) -> Option<String> {
+        let state = self.0.state();
+        state.history.undo_name(&state.document)
+    }
+
     fn has_said(&self, text: &str) -> bool {
         self.0.state().messages.any_contains(text)
     }

@@ -16,9 +16,9 @@ use lapidary_render::{ToneMap, ViewMode};
 pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.add_space(1.0);
     ui.horizontal(|ui| {
-        let (can_undo, can_redo) = (state.history.undo_label(), state.history.redo_label());
-        tool(ui, state, actions, Command::Undo, "Undo", can_undo.is_some());
-        tool(ui, state, actions, Command::Redo, "Redo", can_redo.is_some());
+        let (undo, redo) = (state.history.undo_name(&state.document), state.history.redo_name(&state.document));
+        tool(ui, state, actions, Command::Undo, "Undo", undo.is_some());
+        tool(ui, state, actions, Command::Redo, "Redo", redo.is_some());
         ui.separator();
         let shown = state.scene.rendered().is_some();
         tool(ui, state, actions, Command::FrameSelection, "Frame", shown);

@@ -57,11 +57,6 @@ pub enum Edit {
 }
 
 impl Edit {
-    /// Another pose of one object.
-    pub fn pose(object: u32, pose: Pose) -> Self {
-        Self::Poses([(object, pose)].into())
-    }
-
     /// Puts the edit's value into the document, and the document's into the edit.
     ///
     /// # Panics
@@ -117,6 +112,15 @@ impl Edit {
             Self::View(view) => *view != document.view,
             Self::Bookmarks(bookmarks) => *bookmarks != document.bookmarks,
             Self::Bake(bake) => **bake != document.bake,
+        }
+    }
+
+    /// What undo calls it, after what is done: of poses that says the object by its name, or how many there are.
+    pub fn name(&self, label: &str, document: &Document) -> String {
+        let Self::Poses(poses) = self else { return label.to_owned() };
+        match (poses.len(), poses.keys().next()) {
+            (1, Some(&object)) => format!("{label} {}", document.object_name(object)),
+            (objects, _) => format!("{label} {objects} objects"),
         }
     }
 
@@ -180,15 +184,30 @@ mod tests {
         let mut document = Document { objects, ..Document::empty() };
         let raised = Pose { translate: glam::Vec3::Y, ..Pose::AS_BAKED };
         let of = |document: &Document| [0, 1, 2].map(|object| document.poses.of(object));
+        let one = |object: u32, pose: Pose| Edit::Poses([(object, pose)].into());
         let mut edit = Edit::Poses([(0, raised), (1, Pose { scale: 2.0, ..raised })].into());
         assert!(edit.fits(&document) && edit.changes(&document));
         assert!(!Edit::Poses([(0, raised), (3, raised)].into()).fits(&document));
-        assert!(edit.same_target(&edit.clone()) && !edit.same_target(&Edit::pose(0, raised)));
+        assert!(edit.same_target(&edit.clone()) && !edit.same_target(&one(0, raised)));
         edit.swap(&mut document);
         assert_eq!(of(&document), [raised, Pose { scale: 2.0, ..raised }, Pose::AS_BAKED]);
-        assert!(!Edit::pose(0, raised).changes(&document) && Edit::pose(1, raised).changes(&document));
+        assert!(!one(0, raised).changes(&document) && one(1, raised).changes(&document));
         edit.swap(&mut document);
         assert!(document.poses.is_empty());
+    }
+
+    #[test]
+    fn edits_of_poses_are_called_by_their_objects() {
+        let objects = ["Short block", ""].map(String::from).to_vec();
+        let document = Document { objects, ..Document::empty() };
+        let name = |objects: &[u32]| {
+            let poses = objects.iter().map(|&object| (object, Pose::AS_BAKED)).collect();
+            Edit::Poses(poses).name("Move", &document)
+        };
+        assert_eq!(name(&[0]), "Move Short block");
+        assert_eq!([name(&[1]), name(&[2])], ["Move object"; 2], "without a name");
+        assert_eq!(name(&[0, 1]), "Move 2 objects");
+        assert_eq!(Edit::Lights(Vec::new()).name("Delete light", &document), "Delete light", "negative control");
     }
 
     #[test]

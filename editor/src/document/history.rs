@@ -32,6 +32,12 @@ struct Step {
     after: u64,
 }
 
+impl Step {
+    fn name(&self, document: &Document) -> String {
+        self.edit.name(self.label, document)
+    }
+}
+
 impl History {
     /// Of a document that agrees with its file, or has none and nothing to lose.
     pub fn new() -> Self {
@@ -114,29 +120,29 @@ impl History {
         self.gesture_open = false;
     }
 
-    /// Takes back the last step. Returns its label.
-    pub fn undo(&mut self, document: &mut Document) -> Option<&'static str> {
+    /// Takes back the last step. Returns its name.
+    pub fn undo(&mut self, document: &mut Document) -> Option<String> {
         self.gesture_open = false;
         while let Some(mut step) = self.done.pop_back() {
             if swap(&mut step, document) {
                 self.arrive_at(step.before);
-                let label = step.label;
+                let name = step.name(document);
                 self.undone.push(step);
-                return Some(label);
+                return Some(name);
             }
         }
         None
     }
 
-    /// Does the last undone step again. Returns its label.
-    pub fn redo(&mut self, document: &mut Document) -> Option<&'static str> {
+    /// Does the last undone step again. Returns its name.
+    pub fn redo(&mut self, document: &mut Document) -> Option<String> {
         self.gesture_open = false;
         while let Some(mut step) = self.undone.pop() {
             if swap(&mut step, document) {
                 self.arrive_at(step.after);
-                let label = step.label;
+                let name = step.name(document);
                 self.done.push_back(step);
-                return Some(label);
+                return Some(name);
             }
         }
         None
@@ -148,13 +154,13 @@ impl History {
     }
 
     /// Name of the edit that [`Self::undo`] would revert.
-    pub fn undo_label(&self) -> Option<&'static str> {
-        self.done.back().map(|step| step.label)
+    pub fn undo_name(&self, document: &Document) -> Option<String> {
+        self.done.back().map(|step| step.name(document))
     }
 
     /// Name of the edit that [`Self::redo`] would repeat.
-    pub fn redo_label(&self) -> Option<&'static str> {
-        self.undone.last().map(|step| step.label)
+    pub fn redo_name(&self, document: &Document) -> Option<String> {
+        self.undone.last().map(|step| step.name(document))
     }
 
     /// The document was saved in its present state. Ends the gesture, so that undo can return to that state.

@@ -1,12 +1,18 @@
 //! Rows for special values: ranges over decades, counts, optional limits, long lists of choices, points.
 
-use super::widgets::{Edited, RowName, check_box, note, number_size, row, slider_width};
-use egui::{ComboBox, DragValue, Response, Slider, TextStyle, Ui, emath::Numeric};
+use super::widgets::{Edited, RowName, check_box, note, number_size, row, row_of, slider_width};
+use egui::{
+    Align, ComboBox, DragValue, Layout, Response, Slider, TextStyle, TextWrapMode, Ui, WidgetText, emath::Numeric,
+};
 use glam::Vec3;
 use std::ops::RangeInclusive;
 
 /// Numbers from this on are shown without decimals.
 const LARGE: f64 = 1e5;
+/// Points between the numbers of a row with several, and on both sides of each in its button.
+const CLOSE: f32 = 2.0;
+/// The longest coordinate or turn that a row with several numbers leaves room for.
+const LONG_NUMBER: &str = "-00.000";
 
 /// A number whose slider is logarithmic: a whole one if it has no decimals.
 #[derive(Clone, Debug)]
@@ -109,7 +115,7 @@ pub fn combo_row<T: PartialEq + Copy>(
     value: &mut T,
     choices: &[(T, &str, &str)],
 ) -> Edited {
-    row(ui, label, help, false, |ui, name, _| {
+    row_of(ui, list_width(ui, choices), label, help, false, |ui, name, _| {
         let before = *value;
         let current = choices.iter().find(|c| c.0 == before).map_or("", |c| c.1);
         let list = ComboBox::from_id_salt(label).selected_text(current).width(ui.available_width()).truncate();
@@ -123,6 +129,17 @@ pub fn combo_row<T: PartialEq + Copy>(
     })
 }
 
+/// Points that a list takes at least if it cuts none of its choices.
+fn list_width<T>(ui: &Ui, choices: &[(T, &str, &str)]) -> f32 {
+    let widest = choices.iter().map(|choice| text_width(ui, choice.1, TextStyle::Button)).fold(0.0, f32::max);
+    let spacing = ui.spacing();
+    widest + 2.0 * spacing.button_padding.x + spacing.icon_spacing + spacing.icon_width
+}
+
+fn text_width(ui: &Ui, text: &str, style: TextStyle) -> f32 {
+    WidgetText::from(text).into_galley(ui, Some(TextWrapMode::Extend), f32::INFINITY, style).size().x.ceil()
+}
+
 /// One row with the coordinates of a point in metres.
 pub fn point_row(ui: &mut Ui, label: &str, help: &str, point: &mut Vec3) -> Edited {
     axes_row(ui, label, help, point, "m", 0.01)
@@ -133,20 +150,30 @@ pub fn turns_row(ui: &mut Ui, label: &str, help: &str, degrees: &mut Vec3) -> Ed
     axes_row(ui, label, help, degrees, "degrees", 0.5)
 }
 
-/// One row with a number for each axis, which changes by `speed` for each point that it is dragged.
+/// One row with a number for each axis, which changes by `speed` for each point that it is dragged. They stand below one
+/// another where there is no room beside.
 fn axes_row(ui: &mut Ui, label: &str, help: &str, numbers: &mut Vec3, unit: &str, speed: f64) -> Edited {
-    row(ui, label, help, false, |ui, name, _| {
+    let number = text_width(ui, LONG_NUMBER, TextStyle::Monospace) + 2.0 * CLOSE;
+    let least = 3.0 * number + 2.0 * CLOSE;
+    row_of(ui, least, label, help, false, |ui, name, _| {
         ui.style_mut().drag_value_text_style = TextStyle::Monospace;
-        ui.spacing_mut().item_spacing.x = 2.0;
-        ui.spacing_mut().button_padding.x = 2.0;
-        let width = ((ui.available_width() - 4.0) / 3.0).max(36.0);
-        let mut edited = Edited::default();
-        for (number, axis) in numbers.as_mut().iter_mut().zip(["X", "Y", "Z"]) {
-            let entry = DragValue::new(number).speed(speed).max_decimals(3).update_while_editing(false);
-            let entry = ui.add_sized([width, ui.spacing().interact_size.y], entry);
-            edited |= Edited::by(ui, &entry);
-            entry.accessible_name(format!("{} {axis}", name.full)).on_hover_text(format!("{axis}, {unit}"));
-        }
-        edited
+        ui.style_mut().spacing.item_spacing = egui::Vec2::splat(CLOSE);
+        ui.spacing_mut().button_padding.x = CLOSE;
+        let room = ui.available_width();
+        let (width, layout) = match room >= least {
+            true => ((room - 2.0 * CLOSE) / 3.0, Layout::left_to_right(Align::Center)),
+            false => (room, Layout::top_down(Align::LEFT)),
+        };
+        let entries = |ui: &mut Ui| {
+            let mut edited = Edited::default();
+            for (number, axis) in numbers.as_mut().iter_mut().zip(["X", "Y", "Z"]) {
+                let entry = DragValue::new(number).speed(speed).max_decimals(3).update_while_editing(false);
+                let entry = ui.add_sized([width, ui.spacing().interact_size.y], entry);
+                edited |= Edited::by(ui, &entry);
+                entry.accessible_name(format!("{} {axis}", name.full)).on_hover_text(format!("{axis}, {unit}"));
+            }
+            edited
+        };
+        ui.with_layout(layout, entries).inner
     })
 }

@@ -6,7 +6,12 @@ mod pose;
 mod tests;
 
 use super::widgets::{outline, section};
-use crate::{actions::Action, document::Document, dragged::Dragged, viewport::gizmo::Pivot};
+use crate::{
+    actions::Action,
+    document::Document,
+    dragged::Dragged,
+    viewport::gizmo::{Pivot, Subject},
+};
 use egui::{
     Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
 };
@@ -37,6 +42,8 @@ pub struct SceneContext<'a> {
     pub selected_object: Option<u32>,
     /// Objects that are selected as well.
     pub other_objects: &'a [u32],
+    /// The selected objects that can be posed, the active one first.
+    pub posable: &'a [Subject],
     /// The selected material.
     pub selected_material: Option<usize>,
 }

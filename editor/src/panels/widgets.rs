@@ -1,26 +1,27 @@
 //! Common rows of all inspectors: a label with an explanation, the control, and a button that restores the default. They
 //! stand in columns of fixed widths: labels, sliders, numbers, buttons that restore. Only that of sliders is as wide as
-//! there is room, so that it grows with the panel.
+//! there is room, so that it grows with the panel. In a panel too narrow for that labels stand above what they name.
 //!
 //! Every row reports whether its value changed and whether the gesture that changes it has ended, because a drag over
 //! many frames is one step of undo. Every control carries the row's name for screen readers, and tests find it by that.
 
 mod color;
+mod layout;
 
 pub use color::color_row;
+pub use layout::{RowName, row, row_of};
 
 use egui::{
-    Align, CollapsingHeader, DragValue, Id, InnerResponse, Label, Layout, Response, RichText, Sense, Slider, Stroke,
-    TextStyle, Ui, UiBuilder, UiStackInfo, Vec2, WidgetText, vec2,
+    CollapsingHeader, DragValue, Id, InnerResponse, Label, Response, RichText, Slider, Stroke, TextStyle, Ui,
+    UiBuilder, UiStackInfo, Vec2, WidgetText, vec2,
 };
+use layout::{RESET_WIDTH, cell, full_name, indent};
 use std::ops::{BitOr, BitOrAssign, RangeInclusive};
 
-/// Points that the labels of all rows take, so that controls align.
-const LABEL_WIDTH: f32 = 84.0;
-/// Points for the reset button, kept free where there is none.
-const RESET_WIDTH: f32 = 20.0;
 /// Points of the column of numbers, at the right of what a row edits.
 const NUMBER_WIDTH: f32 = 72.0;
+/// Least width of a slider in points.
+const LEAST_SLIDER: f32 = 24.0;
 /// How much slower a slider moves while Shift is held.
 const FINE: f32 = 0.1;
 
@@ -52,25 +53,6 @@ impl Edited {
         let under_way = changed || ui.data(|d| d.get_temp(id)).unwrap_or(false);
         ui.data_mut(|d| d.insert_temp(id, under_way && !over));
         Self { changed, ended: under_way && over }
-    }
-}
-
-/// How a row's controls are called for screen readers.
-#[derive(Clone, Debug)]
-pub struct RowName {
-    /// The name, with that of the group.
-    pub full: String,
-    /// The visible label, if that alone is the name.
-    label: Option<Id>,
-}
-
-impl RowName {
-    /// Gives the row's name to its main control.
-    pub fn of(&self, control: Response) -> Response {
-        match self.label {
-            Some(label) => control.labelled_by(label),
-            None => control.accessible_name(self.full.as_str()),
-        }
     }
 }
 
@@ -189,7 +171,7 @@ fn number_entry(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
 
 /// Width in points of the column of sliders: all that the column of numbers leaves.
 pub fn slider_width(ui: &Ui) -> f32 {
-    (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(24.0)
+    (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(LEAST_SLIDER)
 }
 
 /// Size in points of what stands in the column of numbers.
@@ -199,8 +181,7 @@ pub fn number_size(ui: &Ui) -> Vec2 {
 
 /// Small text under a row, where its slider begins.
 pub fn note(ui: &mut Ui, text: &str) {
-    let indent = LABEL_WIDTH + ui.spacing().item_spacing.x;
-    let left = ui.cursor().left() + indent;
+    let left = ui.cursor().left() + indent(ui);
     let place = ui.available_rect_before_wrap().with_min_x(left);
     ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
         ui.add(Label::new(RichText::new(text).weak().small()).wrap());
@@ -269,7 +250,7 @@ pub fn outline(ui: &Ui) -> Stroke {
 /// One row with a check box, its name beside it.
 pub fn check_row(ui: &mut Ui, label: &str, help: &str, value: &mut bool) -> Edited {
     ui.horizontal(|ui| {
-        ui.add_space(LABEL_WIDTH + ui.spacing().item_spacing.x);
+        ui.add_space(indent(ui));
         let full = full_name(ui, label).unwrap_or_else(|| label.to_owned());
         Edited::at_once(check_box(ui, value, label).on_hover_text(help).accessible_name(full).changed())
     })
@@ -291,59 +272,6 @@ pub fn group<R>(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui) -> R) -> R {
 
 /// The tag of a [`group`]'s name.
 const GROUP: &str = "group of rows";
-
-fn full_name(ui: &Ui, label: &str) -> Option<String> {
-    let group = ui.stack().iter().find_map(|s| s.tags().get_downcast::<String>(GROUP))?;
-    Some(format!("{group} {}", label.to_lowercase()))
-}
-
-/// Lays a row out: label, `body`, and a reset button where the value `differs` from its default. `body` is told whether
-/// to reset, by the button or a double click on the label.
-pub fn row(
-    ui: &mut Ui,
-    label: &str,
-    help: &str,
-    differs: bool,
-    body: impl FnOnce(&mut Ui, &RowName, bool) -> Edited,
-) -> Edited {
-    let height = ui.spacing().interact_size.y;
-    let gap = ui.spacing().item_spacing.x;
-    let centred = Layout::left_to_right(Align::Center);
-    ui.horizontal(|ui| {
-        let total = ui.available_width();
-        let shown = cell(ui, LABEL_WIDTH, height, |ui| {
-            let shown = ui.add(Label::new(label).truncate().selectable(false).sense(Sense::click()));
-            shown.on_hover_text(help).on_disabled_hover_text(help)
-        });
-        let name = match full_name(ui, label) {
-            Some(full) => RowName { full, label: None },
-            None => RowName { full: label.to_owned(), label: Some(shown.id) },
-        };
-        let reset_at = ui.max_rect().left() + total - RESET_WIDTH;
-        let reset = egui::Rect::from_min_size(egui::pos2(reset_at, ui.max_rect().top()), vec2(RESET_WIDTH, height));
-        let mut reset_ui = ui.new_child(UiBuilder::new().max_rect(reset).layout(centred).id_salt("reset"));
-        let asked = differs && (reset_button(&mut reset_ui, &name.full) || shown.double_clicked());
-        cell(ui, (total - LABEL_WIDTH - RESET_WIDTH - 2.0 * gap).max(40.0), height, |ui| body(ui, &name, asked))
-    })
-    .inner
-}
-
-/// A part of a row of fixed width.
-fn cell<R>(ui: &mut Ui, width: f32, height: f32, body: impl FnOnce(&mut Ui) -> R) -> R {
-    let layout = Layout::left_to_right(Align::Center);
-    ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {
-        ui.set_min_width(width);
-        ui.set_max_width(width);
-        body(ui)
-    })
-    .inner
-}
-
-fn reset_button(ui: &mut Ui, name: &str) -> bool {
-    let button = egui::Button::new(RichText::new("↺").monospace().weak()).frame(false);
-    let name = format!("Reset {name}");
-    ui.add(button).on_hover_text("Back to the default (also: double-click the name)").accessible_name(name).clicked()
-}
 
 #[cfg(test)]
 mod tests;

@@ -2,10 +2,13 @@
 //! dragged, and so is the region that counts.
 
 use super::{gizmo::Projection, legend};
-use crate::panels::comparison::{CompareView, ComparisonPanel, Tool};
+use crate::{
+    panels::comparison::{CompareView, ComparisonPanel, Tool},
+    typing::take_escape,
+};
 use egui::{
-    Align2, Color32, CursorIcon, FontId, Key, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextureId, Ui, Vec2,
-    pos2, vec2,
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextureId, Ui, Vec2, pos2,
+    vec2,
 };
 use glam::Vec3;
 use lapidary_core::camera::Camera;
@@ -182,7 +185,7 @@ pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<
 /// Where a click asks why.
 fn asked_pixel(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
     let response = ui.interact(rect, ui.scope_id().with("why"), Sense::click()).on_hover_cursor(CursorIcon::Help);
-    if ui.input(|i| i.key_pressed(Key::Escape)) {
+    if take_escape(ui.ctx()) {
         panel.tool = None;
     }
     let at = response.interact_pointer_pos().filter(|_| response.clicked())?;
@@ -204,7 +207,7 @@ fn draw_region(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel, drawn: Opti
     let response = response.on_hover_and_drag_cursor(CursorIcon::Crosshair);
     let share = |at: Pos2| -> [f32; 2] { ((at - rect.min) / rect.size()).clamp(Vec2::ZERO, Vec2::splat(1.0)).into() };
     let pointer = response.interact_pointer_pos().map(share);
-    if ui.input(|i| i.key_pressed(Key::Escape)) {
+    if take_escape(ui.ctx()) {
         panel.tool = None;
     } else if response.drag_started() {
         let origin = ui.input(|i| i.pointer.press_origin()).map(share).or(pointer);

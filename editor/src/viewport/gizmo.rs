@@ -19,9 +19,9 @@ mod size;
 mod tests;
 
 use super::{ViewportContext, pick};
-use crate::actions::Action;
+use crate::{actions::Action, typing::take_escape};
 use drag::Drag;
-use egui::{CursorIcon, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
+use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec3;
 use handles::{Constraint, Handle};
 use lapidary_core::{ground::Ground, lights::Light};
@@ -145,8 +145,7 @@ impl Pass<'_> {
         if self.gizmo.drag.is_none() && !self.gizmo.is_given_up {
             self.gizmo.drag = self.begun();
         }
-        let escape = || self.ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape));
-        if self.gizmo.drag.is_some() && escape() {
+        if self.gizmo.drag.is_some() && take_escape(self.ui.ctx()) {
             self.give_up();
         } else {
             self.go_on();
@@ -227,7 +226,7 @@ impl Pass<'_> {
 
     /// Escape gives up aiming.
     fn stop_aiming(&mut self) -> bool {
-        if self.view.context.aiming && self.ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
+        if self.view.context.aiming && take_escape(self.ui.ctx()) {
             self.actions.push(Action::AimLight(None));
         }
         false

@@ -218,7 +218,7 @@ fn handles_lie_where_an_animation_takes_their_object_whatever_was_baked() {
             let (shown, found) = (middle_shown(window.0.state()), handles(&mut window));
             assert!(found.distance(shown) < 1e-4, "at {time:?}: {found} in place of {shown}");
         }
-        window.perform(Action::Edit { edit: Edit::pose(PYRAMID_OBJECT, turned), label: "Turn object" });
+        window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID_OBJECT, turned)].into()), label: "Turn object" });
     }
     assert!(handles(&mut window).distance(Vec3::new(0.0, 0.5, 0.0)) > 0.1, "negative control: its place at rest");
 }
@@ -277,7 +277,7 @@ fn a_bundled_scene_opens_at_the_time_and_in_the_place_that_were_baked() {
     let mut window = opened();
     window.0.state_mut().document.bake = few_lights();
     window.perform(Action::ClipTime(at(0.5)));
-    window.perform(Action::Edit { edit: Edit::pose(PYRAMID_OBJECT, raised), label: "Move object" });
+    window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID_OBJECT, raised)].into()), label: "Move object" });
     bake(&mut window);
     let again = opened();
     let Document { poses, clip_time, .. } = &again.0.state().document;

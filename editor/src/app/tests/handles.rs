@@ -7,7 +7,8 @@ use crate::{
     document::{Edit, lights::LightKind},
     viewport::gizmo::Tool,
 };
-use egui::{Event, Key, Modifiers, PointerButton};
+use egui::{Event, Key, Modifiers, PointerButton, Popup, Role};
+use egui_kittest::kittest::Queryable;
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
 
 const FLOOR: u32 = 0;
@@ -80,10 +81,11 @@ fn a_drag_in_the_window_is_one_step_of_undo() {
     window.perform(Action::SelectObject(Some(PYRAMID)));
     drag_middle(&mut window);
     assert!(!window.0.state().document.poses.is_as_baked(PYRAMID));
-    assert_eq!(window.0.state().history.undo_label(), Some("Move object"));
+    assert_eq!(window.undo_name().as_deref(), Some("Move pyramid"));
     window.perform(Action::Undo);
+    assert!(window.shows("Undone: Move pyramid"));
     assert!(window.0.state().document.poses.is_empty());
-    assert_eq!(window.0.state().history.undo_label(), None);
+    assert_eq!(window.undo_name(), None);
 }
 
 #[test]
@@ -101,12 +103,35 @@ fn a_drag_of_several_objects_is_one_step_of_undo_that_restores_all() {
     window.0.state_mut().document.camera.target = active;
     drag_middle_as_it_is(&mut window);
     assert_eq!(window.0.state().document.camera.eye, eye, "no orbit");
+    assert_eq!(window.undo_name().as_deref(), Some("Move 2 objects"));
     let [floor, pyramid] = moves(&window);
     assert!(floor.length() > 0.01 && floor == pyramid, "{floor} {pyramid}");
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty() && window.0.state().history.undo_label().is_none());
+    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
     window.perform(Action::Redo);
     assert_eq!(moves(&window), [floor, pyramid]);
+}
+
+#[test]
+fn a_number_of_several_objects_is_one_step_of_undo_that_restores_all() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::SelectObject(Some(FLOOR)));
+    window.perform(Action::ToggleObject(PYRAMID));
+    window.click("Scale value");
+    window.0.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.0.get_by_label("Scale value").type_text("2");
+    window.0.key_press(Key::Enter);
+    window.0.run_steps(3);
+    let poses = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().document.poses.of(object));
+    let scaled = poses(&window);
+    assert_eq!(scaled.map(|pose| pose.scale), [2.0, 2.0]);
+    // The pyramid's centre is 0.3 m above the floor, the pyramid the pivot.
+    assert!((scaled[0].translate.y + 0.3).abs() < 1e-5 && scaled[1].translate == glam::Vec3::ZERO, "{scaled:?}");
+    window.perform(Action::Undo);
+    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
+    window.perform(Action::Redo);
+    assert_eq!(poses(&window), scaled);
 }
 
 #[test]
@@ -123,6 +148,64 @@ fn the_ground_and_what_lies_beside_a_selected_light_have_no_handles() {
     assert_eq!(of_selected(&mut window, Some(PYRAMID)), Some(PYRAMID), "negative control");
     window.perform(Action::AddLight(LightKind::Point));
     assert_eq!(movable(window.0.state()), None);
+}
+
+/// The selected objects after a press of Escape.
+fn after_escape(window: &mut Window) -> Vec<u32> {
+    window.0.key_press(Key::Escape);
+    window.0.run_steps(3);
+    window.0.state().selection.objects().collect()
+}
+
+#[test]
+fn escape_selects_nothing_unless_something_else_takes_it() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    window.perform(Action::SelectObject(Some(FLOOR)));
+    window.perform(Action::ToggleObject(PYRAMID));
+    let both = [PYRAMID, FLOOR];
+    window.click("Filter objects and materials");
+    assert_eq!(after_escape(&mut window), both, "it leaves the text field");
+    for opener in ["File", "View mode tool", "Pivot"] {
+        window.0.get_by_role_and_label(role_of(opener), opener).click();
+        window.0.run_steps(3);
+        assert!(Popup::is_any_open(&window.0.ctx), "{opener}");
+        assert_eq!(after_escape(&mut window), both, "it closes what {opener} opened");
+        assert!(!Popup::is_any_open(&window.0.ctx), "{opener}");
+    }
+    window.0.key_press(Key::F1);
+    window.0.run_steps(3);
+    assert_eq!(after_escape(&mut window), both, "it closes the keyboard map");
+    assert!(!window.0.state().interface.keys_open);
+    assert_eq!(after_escape(&mut window), [0; 0], "nothing else takes it");
+    assert_eq!(window.undo_name(), None);
+}
+
+fn role_of(opener: &str) -> Role {
+    if opener == "File" { Role::Button } else { Role::ComboBox }
+}
+
+#[test]
+fn escape_gives_up_a_drag_and_keeps_the_selection() {
+    let place = Place::new();
+    let mut window = opened(&place);
+    press(&mut window, Key::W);
+    window.perform(Action::SelectObject(Some(PYRAMID)));
+    window.perform(Action::FrameSelection);
+    window.0.run_steps(2);
+    let from = window.0.state().interface.viewport_rect.center();
+    window.0.drag_at(from);
+    window.0.step();
+    window.0.hover_at(from + egui::vec2(60.0, 0.0));
+    window.0.run_steps(2);
+    assert!(!window.0.state().document.poses.is_as_baked(PYRAMID), "negative control");
+    for press in ["puts it back", "does nothing while the button is held"] {
+        assert_eq!(after_escape(&mut window), [PYRAMID], "{press}");
+        assert!(window.0.state().document.poses.is_empty(), "{press}");
+    }
+    window.0.drop_at(from + egui::vec2(60.0, 0.0));
+    window.0.run_steps(2);
+    assert_eq!(after_escape(&mut window), [0; 0]);
 }
 
 #[test]

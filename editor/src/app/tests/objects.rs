@@ -20,7 +20,7 @@ fn with_a_rug(place: &Place) -> Window {
     window.0.state_mut().document.bake = few_lights();
     window.perform(Action::SelectObject(Some(FLOOR)));
     window.perform(Action::ToggleObject(PYRAMID));
-    window.perform(Action::Edit { edit: Edit::pose(PYRAMID, MOVED), label: "Move object" });
+    window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, MOVED)].into()), label: "Move object" });
     let rug = "o rug\nv -0.9 0.01 0.5\nv 0.9 0.01 0.5\nv 0.9 0.01 0.9\nf 5 7 6\no pyramid";
     let shifted = super::SCENE.replace("o pyramid", rug);
     let shifted =

@@ -2,11 +2,13 @@
 
 use super::{Place, Window, hands};
 use crate::{
+    actions::Action,
     app::state::interface::{Inspector, Side},
-    preferences::Preferences,
+    preferences::{Preferences, SIDE_WIDTHS},
 };
-use egui::{Rect, Vec2, vec2};
+use egui::{Rect, Role, Shape, Vec2, vec2};
 use egui_kittest::kittest::Queryable;
+use lapidary_core::scene::pose::Pose;
 
 /// A window with a picture.
 fn opened(place: &Place, size: Vec2) -> Window {
@@ -155,4 +157,42 @@ fn sliders_and_numbers_of_all_tabs_stand_in_the_same_columns() {
     assert!(columns.iter().all(|c| *c == columns[0]), "{columns:?}");
     let [left, right, number_left, number_right] = columns[0];
     assert!(left < right && right < number_left && number_left < number_right);
+}
+
+/// Whether a text is shown, and shown whole.
+fn is_whole(window: &Window, text: &str) -> bool {
+    fn is_it(shape: &Shape, text: &str) -> bool {
+        match shape {
+            Shape::Vec(shapes) => shapes.iter().any(|shape| is_it(shape, text)),
+            Shape::Text(shown) => shown.galley.text() == text && !shown.galley.elided,
+            _ => false,
+        }
+    }
+    window.0.output().shapes.iter().any(|clipped| is_it(&clipped.shape, text))
+}
+
+#[test]
+fn the_numbers_and_the_pivot_of_a_pose_fit_the_narrowest_panel() {
+    let place = Place::new();
+    let mut window = opened(&place, vec2(1300.0, 1000.0));
+    window.perform(Action::SelectObject(Some(0)));
+    window.perform(Action::ToggleObject(1));
+    let moved = Pose { translate: glam::Vec3::splat(-0.383), ..Pose::AS_BAKED };
+    window.0.state_mut().document.poses.set(1, moved);
+    let [narrowest, widest] = SIDE_WIDTHS;
+    for (width, is_column) in [(narrowest, true), (230.0, false), (widest, false)] {
+        window.0.state_mut().interface.sides.widths[0] = width;
+        window.0.run_steps(4);
+        let rect = |label: &str| window.0.get_by_label(label).rect();
+        let axes = |of: &str| ["X", "Y", "Z"].map(|axis| rect(&format!("{of} {axis}")));
+        let (moves, turns) = (axes("Move"), axes("Turn"));
+        let pivot = window.0.get_by_role_and_label(Role::ComboBox, "Pivot").rect();
+        for rect in moves.iter().chain(&turns).chain([&pivot, &rect("Scale value")]) {
+            assert!(rect.left() >= 0.0 && rect.right() <= width - 8.0, "{width}: {rect:?}");
+        }
+        assert_eq!(moves[0].bottom() < moves[2].top(), is_column, "{width}: {moves:?}");
+        assert!(pivot.bottom() < moves[0].top() && moves[2].bottom() < turns[0].top(), "{width}: {moves:?} {turns:?}");
+        assert!(is_whole(&window, "Selected last") && is_whole(&window, "-0.383"), "{width}");
+    }
+    assert!(!is_whole(&window, "Selected las"), "negative control");
 }

@@ -171,7 +171,7 @@ fn a_surface_that_has_a_material_alone_already_takes_the_values_of_others() {
         assert_eq!(document.materials[1].parameters.number("roughness"), roughness);
     }
     window.perform(Action::MakeUnique { part: PYRAMID, material: None });
-    assert_eq!(window.0.state().history.undo_label(), Some("Material of its own"));
+    assert_eq!(window.undo_name().as_deref(), Some("Material of its own"));
     window.perform(Action::Undo);
     assert_eq!(window.0.state().document.materials[1].parameters.number("roughness"), 0.25, "one step each");
     window.perform(Action::Undo);

@@ -3,9 +3,10 @@
 use super::{Place, Window, few_lights};
 use crate::{actions::Action, app::state::EditorState, document::Edit};
 use glam::Vec3;
-use lapidary_core::{dataset::Dataset, scene::pose::Pose};
+use lapidary_core::{animation::ClipTime, dataset::Dataset, import::import, scene::pose::Pose};
+use lapidary_precompute::{BakeJob, Silent, bake, resolve};
 use lapidary_render::Tier;
-use std::cell::Cell;
+use std::{cell::Cell, path::Path};
 
 const PYRAMID: u32 = 1;
 
@@ -18,7 +19,7 @@ fn pixels(state: &EditorState) -> Vec<[u8; 4]> {
 }
 
 fn pose(window: &mut Window, pose: Pose) {
-    window.perform(Action::Edit { edit: Edit::pose(PYRAMID, pose), label: "Move object" });
+    window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, pose)].into()), label: "Move" });
     window.perform(Action::EndGesture);
 }
 
@@ -125,4 +126,35 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     wait_for_picture(&mut alone);
     assert_eq!(alone.0.state().document.poses.of(PYRAMID), moved);
     assert!(!alone.shows(words), "as it was baked");
+}
+
+#[test]
+fn a_dataset_alone_has_the_timeline_of_the_scene_file_beside_it() {
+    let place = Place::new();
+    let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/bending-tower");
+    let file = bundled.join("bending-tower.gltf");
+    let bake = |name: &str| {
+        let job = BakeJob::new(resolve(few_lights()).unwrap(), place.path(name));
+        bake(import(&file).unwrap().scene, &job, &Silent).unwrap();
+    };
+    bake("bending-tower.cuts");
+    place.bake();
+    let opened = |name: &str| {
+        let mut window = place.window();
+        window.open(&place.path(name));
+        window
+    };
+    let alone = opened("bending-tower.cuts");
+    assert!(!alone.shows("Play") && alone.0.state().scene.animation.is_none(), "negative control: no file is there");
+    for name in ["bending-tower.gltf", "bending-tower.bin"] {
+        std::fs::copy(bundled.join(name), place.path(name)).unwrap();
+    }
+    std::fs::copy(place.path("bending-tower.gltf"), place.path("scene.gltf")).unwrap();
+    let other = opened("scene.cuts");
+    let scene = &other.0.state().scene;
+    assert!(scene.animation.is_none() && scene.shown().is_some(), "the file beside it is of another scene");
+    let mut alone = opened("bending-tower.cuts");
+    assert!(alone.shows("Play"));
+    alone.perform(Action::ClipTime(Some(ClipTime { clip: "Block".into(), seconds: 0.5 })));
+    assert!(alone.shows("Preview: implicit visibility"));
 }

@@ -23,6 +23,11 @@ struct Probe {
     actions: Vec<Action>,
 }
 
+/// Where the centres of objects are: along X, so many metres apart as their numbers are.
+fn center(object: u32) -> Vec3 {
+    object as f32 * Vec3::X
+}
+
 fn named(names: &[&str]) -> Dataset {
     let mut dataset = baked_triangle();
     dataset.scene.objects = names.iter().map(|n| Object { name: (*n).into() }).collect();
@@ -36,8 +41,18 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
     let show = |ui: &mut Ui, probe: &mut Probe| {
         let Probe { document, dataset, panel, others, actions } = probe;
         let (selected_object, dataset) = (Some(0), Some(&*dataset));
-        let context =
-            SceneContext { document, dataset, selected_object, other_objects: others, selected_material: None };
+        let is_there = |object: &u32| (*object as usize) < document.objects.len();
+        let selected = [0].into_iter().chain(others.iter().copied()).filter(is_there);
+        let posable: Vec<Subject> =
+            selected.map(|object| Subject { object, center: center(object), middle: center(object) }).collect();
+        let context = SceneContext {
+            document,
+            dataset,
+            selected_object,
+            other_objects: others,
+            posable: &posable,
+            selected_material: None,
+        };
         show(ui, panel, &context, actions);
     };
     let probe = Probe { document, dataset, panel: ScenePanel::default(), others: Vec::new(), actions: Vec::new() };
@@ -64,38 +79,102 @@ fn the_pose_of_the_selected_object_is_typed_and_reset() {
     assert!(panel.query_by_label("Reset pose").is_none(), "negative control: the document has no objects");
     panel.state_mut().document.objects = vec!["Floor".into(), "Teapot".into()];
     panel.run();
-    let typed = |panel: &mut Harness<Probe>, entry: &str, text: &str| {
-        panel.state_mut().actions.clear();
-        panel.get_by_label(entry).click();
-        panel.run();
-        panel.get_by_label(entry).type_text(text);
-        panel.key_press(Key::Enter);
-        panel.run();
-        panel.state().actions.iter().find_map(|action| match action {
-            Action::Edit { edit: Edit::Poses(poses), .. } if poses.len() == 1 => poses.get(&0).copied(),
-            _ => None,
-        })
-    };
-    let moved = typed(&mut panel, "Move Y", "1.5").unwrap();
-    assert_eq!(moved, Pose { translate: Vec3::Y * 1.5, ..Pose::AS_BAKED });
-    assert_eq!(typed(&mut panel, "Turn Z", "90").unwrap().rotate_degrees, Vec3::Z * 90.0);
-    assert_eq!(typed(&mut panel, "Scale value", "2").unwrap().scale, 2.0);
+    let moved = Pose { translate: Vec3::Y * 1.5, ..Pose::AS_BAKED };
+    assert_eq!(typed(&mut panel, "Move Y", "1.5"), [(0, moved)]);
+    let turned = Pose { rotate_degrees: Vec3::Z * 90.0, ..Pose::AS_BAKED };
+    assert_eq!(typed(&mut panel, "Turn Z", "90"), [(0, turned)]);
+    assert_eq!(typed(&mut panel, "Scale value", "0.002"), [(0, Pose { scale: 0.002, ..Pose::AS_BAKED })]);
     panel.state_mut().document.poses.set(0, moved);
     panel.state_mut().actions.clear();
     panel.run();
     assert_eq!(reset(&mut panel), [(0, Pose::AS_BAKED)]);
 }
 
+/// The poses that a number asks for when it is typed.
+fn typed(panel: &mut Harness<Probe>, entry: &str, text: &str) -> Vec<(u32, Pose)> {
+    panel.state_mut().actions.clear();
+    panel.get_by_label(entry).click();
+    panel.run();
+    panel.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    panel.get_by_label(entry).type_text(text);
+    panel.key_press(Key::Enter);
+    panel.run();
+    let [edit, Action::EndGesture] = &panel.state().actions[..] else { panic!("{:?}", panel.state().actions) };
+    poses_asked(edit).expect("poses")
+}
+
+fn poses_asked(action: &Action) -> Option<Vec<(u32, Pose)>> {
+    let Action::Edit { edit: Edit::Poses(poses), .. } = action else { return None };
+    Some(poses.iter().map(|(&object, &pose)| (object, pose)).collect())
+}
+
+/// The active floor and the lid, which is 2 m along X.
+fn two_selected() -> Harness<'static, Probe> {
+    let mut panel = panel(named(&["Floor", "Pot", "Lid"]), &[]);
+    panel.state_mut().document.objects = ["Floor", "Pot", "Lid"].map(String::from).to_vec();
+    panel.state_mut().others = vec![2];
+    panel.run();
+    panel
+}
+
+#[test]
+fn numbers_move_turn_and_scale_all_selected_objects_about_the_pivot() {
+    let mut panel = two_selected();
+    let lid = Pose { translate: Vec3::NEG_Y, rotate_degrees: Vec3::Z * 30.0, scale: 3.0 };
+    panel.state_mut().document.poses.set(2, lid);
+    let floor = Pose { translate: Vec3::Z * 0.5, ..Pose::AS_BAKED };
+    let moved = Pose { translate: lid.translate + floor.translate, ..lid };
+    assert_eq!(typed(&mut panel, "Move Z", "0.5"), [(0, floor), (2, moved)]);
+    for (pivot, floor, lid) in [
+        // About the floor's centre X becomes Y, and -Y becomes X.
+        (Pivot::Active, Vec3::ZERO, Vec3::new(1.0, 2.0, 0.0)),
+        // The middle is (1, -0.5).
+        (Pivot::Selection, Vec3::new(0.5, -1.5, 0.0), Vec3::new(1.5, 0.5, 0.0)),
+        (Pivot::Own, Vec3::ZERO, center(2) + lid.translate),
+    ] {
+        panel.state_mut().panel.pivot = pivot;
+        let turned = typed(&mut panel, "Turn Z", "90");
+        let places = turned.iter().map(|(object, pose)| center(*object) + pose.translate);
+        let off = places.zip([floor, lid]).map(|(place, expected)| place.distance(expected));
+        assert!(off.fold(0.0, f32::max) < 1e-5, "{pivot:?}: {turned:?}");
+        let degrees = [0, 1].map(|i| turned[i].1.rotate_degrees);
+        assert!(degrees[0] == Vec3::Z * 90.0 && degrees[1].distance(Vec3::Z * 120.0) < 1e-3, "{pivot:?}: {degrees:?}");
+    }
+    let scaled = typed(&mut panel, "Scale value", "0.5");
+    assert_eq!(scaled.iter().map(|(_, pose)| pose.scale).collect::<Vec<_>>(), [0.5, 1.5]);
+    let limited = typed(&mut panel, "Scale value", "10000");
+    assert!((limited[0].1.scale * 3.0 / 1e4 - 1.0).abs() < 1e-5, "the lid is at the limit: {limited:?}");
+}
+
+#[test]
+fn a_drag_of_a_number_is_one_gesture_of_all() {
+    let mut panel = two_selected();
+    let from = panel.get_by_label("Turn Z").rect().center();
+    panel.drag_at(from);
+    panel.step();
+    for i in 1..60 {
+        panel.hover_at(from + vec2(2.0 * i as f32, 0.0));
+        panel.step();
+        let actions = std::mem::take(&mut panel.state_mut().actions);
+        for (object, pose) in actions.iter().filter_map(poses_asked).flatten() {
+            panel.state_mut().document.poses.set(object, pose);
+        }
+    }
+    panel.drop_at(from + vec2(118.0, 0.0));
+    panel.run();
+    let [floor, lid] = [0, 2].map(|object| panel.state().document.poses.of(object));
+    assert!(floor.translate == Vec3::ZERO && floor.rotate_degrees.z.abs() > 20.0, "{floor:?}");
+    assert!((center(2) + lid.translate).distance(floor.rotation() * center(2)) < 1e-5, "{lid:?}");
+    assert!(lid.rotation().angle_between(floor.rotation()) < 1e-3, "{lid:?}");
+    assert!(matches!(panel.state().actions[..], [Action::EndGesture]), "{:?}", panel.state().actions);
+}
+
 /// The poses that a click on *Reset pose* asks for.
 fn reset(panel: &mut Harness<Probe>) -> Vec<(u32, Pose)> {
     panel.get_by_label("Reset pose").click();
     panel.run();
-    match &panel.state().actions[..] {
-        [Action::Edit { edit: Edit::Poses(poses), .. }, Action::EndGesture] => {
-            poses.iter().map(|(&o, &p)| (o, p)).collect()
-        }
-        other => panic!("{other:?}"),
-    }
+    let [edit, Action::EndGesture] = &panel.state().actions[..] else { panic!("{:?}", panel.state().actions) };
+    poses_asked(edit).expect("poses")
 }
 
 #[test]

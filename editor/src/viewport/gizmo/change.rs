@@ -6,8 +6,6 @@ use lapidary_core::scene::pose::{MOST_SCALE, Pose, Similarity};
 /// Steps while Ctrl is held: of turns in degrees, and of factors.
 pub const TURN_STEP_DEGREES: f32 = 15.0;
 pub const SCALE_STEP: f32 = 0.1;
-/// A drag makes nothing smaller than this share of what it was.
-const LEAST_FACTOR: f32 = 0.01;
 /// Steps of moves fit this often into the diagonal of a scene, at least.
 const STEPS_ACROSS: f32 = 20.0;
 
@@ -42,18 +40,12 @@ impl Change {
     pub fn limited(self, scales: impl IntoIterator<Item = f32>) -> Self {
         let Self::Scale(factor) = self else { return self };
         let limit = |factor: f32, scale: f32| factor.max(1.0 / MOST_SCALE / scale).min(MOST_SCALE / scale);
-        Self::Scale(scales.into_iter().fold(factor.max(LEAST_FACTOR), limit))
+        Self::Scale(scales.into_iter().fold(factor, limit))
     }
 
-    /// The pose of an object with a centre in metres after a change about a pivot.
-    pub fn applied(self, before: Pose, center: Vec3, pivot: Vec3) -> Pose {
-        let pose = before.followed_by(&self.similarity(pivot), center);
-        // A factor that was limited may be beyond the limit by its rounding.
-        Pose { scale: pose.scale.clamp(1.0 / MOST_SCALE, MOST_SCALE), ..pose }
-    }
-
-    fn similarity(self, pivot: Vec3) -> Similarity {
-        let identity = Similarity { pivot, ..Similarity::IDENTITY };
+    /// What it does to the world, about the origin.
+    pub fn similarity(self) -> Similarity {
+        let identity = Similarity::IDENTITY;
         match self {
             Self::Move(translate) => Similarity { translate, ..identity },
             Self::Turn { axis, degrees } => {
@@ -73,6 +65,13 @@ impl Change {
     }
 }
 
+/// The pose of an object with a centre in metres after a similarity whose factor was [limited](Change::limited).
+pub fn posed(before: Pose, by: &Similarity, center: Vec3) -> Pose {
+    let pose = before.followed_by(by, center);
+    // The factor may be beyond the limit by its rounding.
+    Pose { scale: pose.scale.clamp(1.0 / MOST_SCALE, MOST_SCALE), ..pose }
+}
+
 /// The step of moves in a scene of this diagonal, both in metres: a power of ten, 0.1 m in a room.
 pub fn move_step(diagonal: f32) -> f32 {
     if diagonal > 0.0 { 10f32.powi((diagonal / STEPS_ACROSS).log10().floor() as i32) } else { 0.1 }
@@ -87,7 +86,8 @@ mod tests {
 
     /// A pose about its own centre after a change.
     fn changed(before: Pose, change: Change) -> Pose {
-        change.limited([before.scale]).applied(before, CENTER, CENTER + before.translate)
+        let by = change.limited([before.scale]).similarity();
+        posed(before, &Similarity { pivot: CENTER + before.translate, ..by }, CENTER)
     }
 
     #[test]
@@ -95,7 +95,7 @@ mod tests {
         let moved = changed(TILTED, Change::Move(Vec3::new(0.5, -1.0, 0.0)));
         assert_eq!(moved, Pose { translate: Vec3::new(1.5, -1.0, 0.0), ..TILTED });
         assert_eq!(changed(TILTED, Change::Scale(1.5)), Pose { scale: 3.0, ..TILTED });
-        for (factor, scale) in [(1e9, MOST_SCALE), (-3.0, 2.0 * LEAST_FACTOR)] {
+        for (factor, scale) in [(1e9, MOST_SCALE), (-3.0, 1.0 / MOST_SCALE)] {
             let scaled = changed(TILTED, Change::Scale(factor));
             assert!(scaled.scale == scale && scaled.validate("").is_ok(), "{factor}");
         }

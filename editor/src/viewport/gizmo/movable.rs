@@ -1,8 +1,11 @@
-//! The selected objects that handles move together, and the pivot that they turn and scale about. Knows no screen.
+//! The selected objects that handles and numbers move together, and the pivot that they turn and scale about. Knows no screen.
 
-use super::{change::Change, object::Tool};
+use super::{
+    change::{Change, posed},
+    object::Tool,
+};
 use glam::Vec3;
-use lapidary_core::scene::pose::{Pose, Poses};
+use lapidary_core::scene::pose::{Pose, Poses, Similarity};
 use std::collections::BTreeMap;
 
 /// What objects turn and scale about.
@@ -55,7 +58,7 @@ pub struct Movable {
     pub others: Vec<Subject>,
     /// What they turn and scale about.
     pub pivot: Pivot,
-    /// What their handles do.
+    /// What is done to them.
     pub tool: Tool,
 }
 
@@ -91,14 +94,36 @@ impl Movable {
         change.limited(self.subjects().map(|subject| before.of(subject.object).scale))
     }
 
-    /// The objects' poses after a change.
-    pub fn changed(&self, before: &Poses, change: Change) -> BTreeMap<u32, Pose> {
+    /// The objects' poses after a similarity, about their pivot.
+    pub fn changed(&self, before: &Poses, by: Similarity) -> BTreeMap<u32, Pose> {
         let common = self.place(before);
         let changed = |subject: &Subject| {
             let pivot = if self.pivot == Pivot::Own { subject.place(before) } else { common };
-            (subject.object, change.applied(before.of(subject.object), subject.center, pivot))
+            let by = Similarity { pivot, ..by };
+            (subject.object, posed(before.of(subject.object), &by, subject.center))
         };
         self.subjects().map(changed).collect()
+    }
+
+    /// The objects' poses after the tool's number of the active one became that of `typed`: the others follow what that
+    /// changes.
+    pub fn typed(&self, before: &Poses, typed: Pose) -> BTreeMap<u32, Pose> {
+        let active = before.of(self.active.object);
+        let by = match self.tool {
+            Tool::Move => Change::Move(typed.translate - active.translate).similarity(),
+            Tool::Turn => {
+                Similarity { rotation: typed.rotation() * active.rotation().inverse(), ..Similarity::IDENTITY }
+            }
+            Tool::Scale => self.limited(Change::Scale(typed.scale / active.scale), before).similarity(),
+        };
+        let mut poses = self.changed(before, by);
+        // The same place and turn have many numbers; these are kept.
+        match (self.tool, poses.get_mut(&self.active.object)) {
+            (Tool::Move, Some(active)) => active.translate = typed.translate,
+            (Tool::Turn, Some(active)) => active.rotate_degrees = typed.rotate_degrees,
+            _ => {}
+        }
+        poses
     }
 }
 
@@ -138,7 +163,7 @@ mod tests {
 
     fn after(movable: &Movable, change: Change) -> Poses {
         let mut poses = before();
-        let changed = movable.changed(&before(), movable.limited(change, &before()));
+        let changed = movable.changed(&before(), movable.limited(change, &before()).similarity());
         changed.into_iter().for_each(|(object, pose)| poses.set(object, pose));
         poses
     }

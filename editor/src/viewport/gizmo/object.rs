@@ -28,12 +28,21 @@ impl Tool {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Move, Self::Turn, Self::Scale];
 
-    /// The name of its command and of its step of undo.
+    /// The name of its command.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Move => "Move object",
             Self::Turn => "Turn object",
             Self::Scale => "Scale object",
+        }
+    }
+
+    /// What it does, for the name of its step of undo.
+    pub const fn verb(self) -> &'static str {
+        match self {
+            Self::Move => "Move",
+            Self::Turn => "Turn",
+            Self::Scale => "Scale",
         }
     }
 
@@ -135,7 +144,7 @@ impl ObjectDrag {
 
     /// The name of the step of undo.
     pub fn label(&self) -> &'static str {
-        self.movable.tool.label()
+        self.movable.tool.verb()
     }
 
     /// Puts the objects back.
@@ -153,7 +162,7 @@ impl ObjectDrag {
         let change = self.asked(view, pointer)?;
         let change = if snaps { change.snapped(step_in(view)) } else { change };
         let change = self.movable.limited(change, &self.before);
-        let poses = self.movable.changed(&self.before, change);
+        let poses = self.movable.changed(&self.before, change.similarity());
         if poses.values().any(|pose| pose.validate("").is_err()) {
             return None;
         }

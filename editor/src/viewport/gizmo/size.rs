@@ -10,6 +10,8 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 /// Half the side of the square in points.
 const HALF: f32 = 5.0;
+/// A drag makes nothing smaller than this share of what it was.
+const LEAST_FACTOR: f32 = 0.01;
 /// Where the square is seen from the centre: up and to the right, as far as the tips of arrows.
 const OUT: Vec2 = vec2(FRAC_1_SQRT_2, -FRAC_1_SQRT_2);
 
@@ -35,9 +37,9 @@ impl SizeHandle {
         (near && clear).then_some(Handle::Size)
     }
 
-    /// The factor of a drag: how much farther out the pointer is than where it took hold.
+    /// The factor of a drag: how much farther out the pointer is than where it took hold, above 0.
     pub fn factor(&self, grabbed: Pos2, pointer: Pos2) -> f32 {
-        (pointer - self.center).dot(OUT) / (grabbed - self.center).dot(OUT)
+        ((pointer - self.center).dot(OUT) / (grabbed - self.center).dot(OUT)).max(LEAST_FACTOR)
     }
 
     /// Draws it, `hot` brighter.
@@ -66,6 +68,7 @@ mod tests {
         assert_eq!(handle.at(handle.center), None, "the centre is for clicks");
         let factor = |out: f32| handle.factor(grabbed, handle.center + out * AXIS * OUT);
         assert!([0.5, 1.0, 2.0].iter().all(|&out| (factor(out) - out).abs() < 1e-5));
+        assert_eq!(factor(-3.0), LEAST_FACTOR, "beyond the centre");
         let beside = handle.factor(grabbed, grabbed + 30.0 * OUT.rot90());
         assert!((beside - 1.0).abs() < 1e-5, "negative control: across the line: {beside}");
     }

@@ -62,7 +62,7 @@ fn a_drag_of_an_arrow_moves_the_object_by_as_much_as_the_pointer_in_one_gesture(
         let moved = pose(&harness).translate;
         assert!((moved[index] - 1.0).abs() < 1e-2 && (moved - moved[index] * axis).length() < 1e-5, "{axis}: {moved}");
         let labels = labels(&harness);
-        assert!(labels.len() > 1 && labels.iter().all(|label| *label == "Move object"), "{labels:?}");
+        assert!(labels.len() > 1 && labels.iter().all(|label| *label == "Move"), "{labels:?}");
         assert_eq!(gestures(&harness), 1);
         assert!(!harness.state().log.iter().any(|a| matches!(a, Action::Camera(_) | Action::SelectObject(_))));
     }
@@ -89,7 +89,7 @@ fn a_quarter_of_a_ring_turns_the_object_by_ninety_degrees() {
     drag_with(&mut harness, Modifiers::COMMAND, from, to);
     let turned = pose(&harness).rotation();
     assert!((turned * Vec3::Z).distance(Vec3::X) < 1e-3, "{:?}", pose(&harness));
-    assert_eq!((labels(&harness)[0], gestures(&harness)), ("Turn object", 1));
+    assert_eq!((labels(&harness)[0], gestures(&harness)), ("Turn", 1));
     // Another turn adds to the one that was.
     drag_with(&mut harness, Modifiers::COMMAND, from, to);
     assert!((pose(&harness).rotation() * Vec3::Z).distance(Vec3::NEG_Z) < 1e-3, "{:?}", pose(&harness));
@@ -102,7 +102,7 @@ fn the_square_scales_the_object() {
     let out = vec2(59.0, -59.0);
     drag(&mut harness, center + out, 0.5 * out);
     assert!((pose(&harness).scale - 1.5).abs() < 1e-2, "{:?}", pose(&harness));
-    assert_eq!((labels(&harness)[0], gestures(&harness)), ("Scale object", 1));
+    assert_eq!((labels(&harness)[0], gestures(&harness)), ("Scale", 1));
     drag(&mut harness, center + out, -3.0 * out);
     assert!(pose(&harness).validate("").is_ok(), "{:?}", pose(&harness));
 }
