@@ -103,7 +103,7 @@ mod tests {
         sequence::{SequenceSettings, plan},
     };
     use lapidary_core::{
-        animation::Animation,
+        animation::{Animation, ClipTime},
         import::{ImportOptions, import},
     };
     use lapidary_render::test_looks::look;
