@@ -155,7 +155,7 @@ pub const BINDINGS: [Binding; 42] = [
 ];
 
 /// Width of the keyboard map in points.
-const WIDTH: f32 = 960.0;
+const WIDTH: f32 = 1040.0;
 
 /// Pointer gestures, for the keyboard map.
 const POINTER: [(&str, &str); 16] = [
