@@ -197,6 +197,14 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.detail = detail;
     }
 
+    /// Whether a look has the light of the last one, whatever its view.
+    pub fn is_lit_as(&self, look: &Look) -> bool {
+        self.lit.as_ref().is_some_and(|lit| {
+            let Redo { pose, environment, local, appearance, .. } = Redo::between(&lit.look, look);
+            !(pose || environment || local || appearance)
+        })
+    }
+
     /// How finely posed objects are lit; `None` where nothing is posed.
     pub fn detail(&self) -> Option<Detail> {
         self.pose_rigs.used().filter(|_| !self.poses.is_empty()).map(PoseRig::detail)

@@ -422,6 +422,10 @@ fn a_pose_is_lit_coarsely_while_it_is_dragged_and_as_finely_as_can_be_at_rest() 
     thread.request(RenderRequest { moving: false, ..dragged(&still, 0.1) });
     let fine = wait_for("the finest", || thread.frames().filter(|f| f.detail == Some(Detail::FINEST)));
     assert!(fine.full_size && fine.samples == fine.of_samples);
+    let mut orbited = dragged(&still, 0.1);
+    orbited.look.view.camera.eye.x += 0.1;
+    thread.request(orbited);
+    assert_eq!(complete(&mut thread).detail, Some(Detail::FINEST), "another view has the same light");
     thread.request(dragged(&still, 0.2));
     let coarse = complete(&mut thread).detail;
     assert!(coarse.is_some_and(|detail| detail < Detail::FINEST), "negative control: {coarse:?}");
