@@ -40,15 +40,16 @@ struct Half {
 }
 
 fn half_vector(light: Light, wo: vec3<f32>) -> Half {
-    let wi = light.wi;
-    let sum = wi + wo;
-    let length = sqrt(max(dot(sum, sum), 1e-12));
-    let h = sum / length;
-    let wi_dot_h = 0.5 * length;
-    let q = wi - h * wi_dot_h;
-    let scale = 0.5 * light.inv_kappa / max(wi_dot_h * wi_dot_h, 1e-4);
+    let sum = light.wi + wo;
+    let length_sq = max(dot(sum, sum), 1e-12);
+    let inv_length_sq = 1.0 / length_sq;
+    let length = sqrt(length_sq);
+    let h = sum * (length * inv_length_sq);
+    let q = 0.5 * (light.wi.xy - wo.xy);
+    // 1 / (2 a^2) for the cosine a to the half vector, where a^2 is at least 1e-4.
+    let scale = light.inv_kappa * min(2.0 * inv_length_sq, 5e3);
     let spread = scale * vec3(1.0 - h.x * h.x - q.x * q.x, -(h.x * h.y + q.x * q.y), 1.0 - h.y * h.y - q.y * q.y);
-    return Half(h, wi_dot_h, spread + light.slopes);
+    return Half(h, 0.5 * length, spread + light.slopes);
 }
 
 // v^T M v for M given as xx, xy, yy.
@@ -90,16 +91,16 @@ fn ggx_lobe(slopes: vec2<f32>, half: Half, light: Light, wo: vec3<f32>) -> f32 {
     let det_a = determinant_of(a);
     let scale = 1.0 / (1.0 + a.x + a.z + det_a);
     let m = vec3(a.x + det_a, a.y, a.z + det_a) * scale;
-    let det = max(determinant_of(m), 1e-14);
-    let h = half.h;
-    let e = adjugate_quadratic(m, h.xy) / det + h.z * h.z;
-    let d = FRAC_1_PI / (sqrt(det) * e * e);
+    let det = max(det_a * scale, 1e-14);
+    // The squared distance of the half vector from the normal in widths, times the determinant.
+    let distance = adjugate_quadratic(m, half.h.xy) + det * half.h.z * half.h.z;
     let cos_i = max(light.wi.z, 0.0);
     let cos_o = max(wo.z, 1e-4);
     let root_o = sqrt(cos_o * cos_o + quadratic(m, wo.xy));
     let root_i = sqrt(cos_i * cos_i + quadratic(m, light.wi.xy));
-    let shadowed = 0.5 * cos_i / max(cos_i * root_o + cos_o * root_i, 1e-9);
-    return select(0.0, d * shadowed, light.is_above);
+    let shadowing = max(cos_i * root_o + cos_o * root_i, 1e-9);
+    let value = 0.5 * FRAC_1_PI * det * sqrt(det) * cos_i / (distance * distance * shadowing);
+    return select(0.0, value, light.is_above);
 }
 
 // A lobe of normally distributed slopes, filtered. Twin of core/src/brdf/gaussian_lobe.rs.
@@ -166,9 +167,10 @@ fn dielectric_fresnel(c: f32, ior: f32) -> f32 {
     let g = sqrt(ior * ior - 1.0 + c * c);
     let sum = max(g + c, 1e-6);
     let difference = g - c;
-    let a = difference / sum;
-    let b = (c * sum - 1.0) / (c * difference + 1.0);
-    return 0.5 * a * a * (1.0 + b * b);
+    let over = c * sum - 1.0;
+    let under = c * difference + 1.0;
+    let root = difference / (sum * under);
+    return 0.5 * root * root * (under * under + over * over);
 }
 
 const MOST_REFLECTANCE: f32 = 0.9999;

@@ -110,6 +110,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     var l = illumination_cursor();
     let w = point.weights;
     let lobes = lobes_to_follow(point);
+    let mirrored = mirrored_direction(point);
     let mirror = mirror_at(point);
     var first = 0u;
     var visibility = 0.0;
@@ -123,7 +124,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
             visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
             shaded.merged_nodes += 1u;
             root = (leaves + first) >> firstTrailingBit(end - first);
-            if visibility > 0.0 || shows_in_window(point, mirror, root) {
+            if visibility > 0.0 || shows_in_window(point, mirror, mirrored, root) {
                 node = root;
             }
             first = end;
@@ -135,7 +136,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
             }
         }
         if node == 0u { break; }
-        let part = first_fine(point, seen_from(point, node), lobes);
+        let part = first_fine(point, seen_from(point, mirrored, node), mirrored, lobes);
         add_light(&shaded, point, part, visibility, mirror);
         node = next_node(part.node, root);
     }
@@ -172,6 +173,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     var stored_c = visibility_cursor(offsets.z);
     let w = point.weights;
     let lobes = lobes_to_follow(point);
+    let mirrored = mirrored_direction(point);
     let mirror = mirror_at(point);
     var first = 0u;
     // Up to this leaf the stored cuts are merged.
@@ -214,13 +216,13 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             interval = vec2(first, end);
             first = end;
             root = (leaves + interval.x) >> firstTrailingBit(interval.y - interval.x);
-            if visibility > 0.0 || shows_in_window(point, mirror, root) {
+            if visibility > 0.0 || shows_in_window(point, mirror, mirrored, root) {
                 node = root;
             }
         }
         if node == 0u { break; }
-        let whole = seen_from(point, node);
-        if is_lit && visibility > 0.0 && node == root && shows_in_lobe(point, whole, lobes) {
+        let whole = seen_from(point, mirrored, node);
+        if is_lit && visibility > 0.0 && node == root && shows_in_lobe(whole, lobes) {
             first = interval.x;
             stored_end = interval.y;
             seek_visibility(&stored_a, offsets.x, lit_a, first);
@@ -230,7 +232,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             node = 0u;
             continue;
         }
-        let part = first_fine(point, whole, lobes);
+        let part = first_fine(point, whole, mirrored, lobes);
         add_light(&shaded, point, part, visibility, mirror);
         node = next_node(part.node, root);
     }
@@ -254,42 +256,51 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-// A node as a point sees it.
+// Direction in which the surface mirrors the eye, in world space.
+fn mirrored_direction(point: SurfacePoint) -> vec3<f32> {
+    return point.world_from_local * vec3(-point.wo.xy, point.wo.z);
+}
+
+// A node as a point sees it, with the cosines to its normal and to where it mirrors the eye.
 struct SeenNode {
     node: u32,
     cone: Cone,
-    // Its direction in the local frame.
-    wi: vec3<f32>,
+    to_normal: f32,
+    to_mirrored: f32,
 }
 
-fn seen_from(point: SurfacePoint, node: u32) -> SeenNode {
+fn seen_from(point: SurfacePoint, mirrored: vec3<f32>, node: u32) -> SeenNode {
     let cone = cone_of(node, point.position);
-    return SeenNode(node, cone, cone.direction * point.world_from_local);
+    return SeenNode(node, cone, dot(cone.direction, point.world_from_local[2]), dot(cone.direction, mirrored));
 }
 
 // Whether a lobe needs more directions than that of the node.
-fn shows_in_lobe(point: SurfacePoint, seen: SeenNode, lobes: vec3<f32>) -> bool {
-    let mirrored = vec3(-point.wo.xy, point.wo.z);
-    return is_too_wide(lobes, mirrored, seen.wi, seen.cone.radius, brightness[seen.node]);
+fn shows_in_lobe(seen: SeenNode, lobes: vec3<f32>) -> bool {
+    return is_too_wide(lobes, seen.to_mirrored, seen.cone.radius, brightness[seen.node]);
 }
 
 // A node or the first of its halves, and halves of these, that the BRDF needs no finer.
-fn first_fine(point: SurfacePoint, whole: SeenNode, lobes: vec3<f32>) -> SeenNode {
+fn first_fine(point: SurfacePoint, whole: SeenNode, mirrored: vec3<f32>, lobes: vec3<f32>) -> SeenNode {
     let leaves = 1u << tree_height();
     var part = whole;
     while part.node < leaves
-        && (is_too_wide_for_a_cosine(part.wi, part.cone.radius) || shows_in_lobe(point, part, lobes)) {
-        part = seen_from(point, 2u * part.node);
+        && (is_too_wide_for_a_cosine(part.to_normal, part.cone.radius) || shows_in_lobe(part, lobes)) {
+        part = seen_from(point, mirrored, 2u * part.node);
     }
     return part;
 }
 
 // Adds the light that reaches the eye from a node, for leaves of a solid angle of 1.
 fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode, visibility: f32, mirror: Mirror) {
-    var light = received_light(point, seen.cone.direction, seen.wi, select(0.0, seen.cone.inv_kappa, REFINE));
+    // A node without visible light is there for the window alone.
+    if !(visibility > 0.0) && !reaches_window(mirror, seen.to_mirrored, seen.cone.radius) {
+        return;
+    }
+    let wi = seen.cone.direction * point.world_from_local;
+    var light = received_light(point, seen.cone.direction, wi, select(0.0, seen.cone.inv_kappa, REFINE));
     var window = 0.0;
     if mirror.share > 0.0 {
-        window = mirror_window(mirror, seen.wi, point.wo);
+        window = mirror_window(mirror, wi, point.wo);
         light.inv_kappa = mirror_spread(mirror, window, light.inv_kappa);
     }
     let unshadowed = reflection_of(point.brdf, light, point.wo) * nodes[seen.node].radiance * node_size(seen.node);
@@ -321,10 +332,10 @@ fn mirror_at(point: SurfacePoint) -> Mirror {
 }
 
 // Whether a node without visible light reaches into the window of a mirror.
-fn shows_in_window(point: SurfacePoint, mirror: Mirror, node: u32) -> bool {
+fn shows_in_window(point: SurfacePoint, mirror: Mirror, mirrored: vec3<f32>, node: u32) -> bool {
     if !(mirror.share > 0.0) {
         return false;
     }
-    let seen = seen_from(point, node);
-    return reaches_window(mirror, seen.wi, seen.cone.radius, point.wo);
+    let seen = seen_from(point, mirrored, node);
+    return reaches_window(mirror, seen.to_mirrored, seen.cone.radius);
 }

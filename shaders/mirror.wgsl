@@ -78,9 +78,12 @@ fn mirror_spread(mirror: Mirror, window: f32, inv_kappa: f32) -> f32 {
     return inv_kappa * (1.0 - (1.0 - fourth * fourth) * mirror.share);
 }
 
-// Whether the cone of a radius around the local direction `wi` reaches into the window.
-fn reaches_window(mirror: Mirror, wi: vec3<f32>, radius: f32, wo: vec3<f32>) -> bool {
-    return dot(wi, vec3(-wo.xy, wo.z)) > cos(min(mirror.reach + radius, PI));
+// Whether the cone of a radius at an angle of this cosine to the mirror's direction reaches into the window.
+fn reaches_window(mirror: Mirror, to_mirrored: f32, radius: f32) -> bool {
+    let angle = min(mirror.reach + radius, PI);
+    let sq = angle * angle;
+    // Taylor's polynomial of degree 6 lies below the cosine.
+    return to_mirrored > 1.0 - sq * (0.5 - sq * (1.0 / 24.0 - sq * (1.0 / 720.0)));
 }
 
 // Light of the window without any shadow.

@@ -8,16 +8,14 @@ const FINE: f32 = 0.7;
 const NEGLIGIBLE: f32 = 0.02;
 const WIDEST: f32 = 0.35;
 
-// Whether a node of this radius, whose local direction is `wi`, is too wide for one cosine.
-fn is_too_wide_for_a_cosine(wi: vec3<f32>, radius: f32) -> bool {
-    return REFINE && radius > WIDEST && wi.z > -radius;
+// Whether a node of this radius at an angle of this cosine to the normal is too wide for one cosine.
+fn is_too_wide_for_a_cosine(to_normal: f32, radius: f32) -> bool {
+    return REFINE && radius > WIDEST && to_normal > -radius;
 }
 
-// Whether a node of this radius and brightness, whose local direction is `wi`, has too many directions for one of the lobes,
-// whose widths are 0 for none and which have their peak at `mirrored`.
-fn is_too_wide(lobes: vec3<f32>, mirrored: vec3<f32>, wi: vec3<f32>, radius: f32, brightness: f32) -> bool {
-    // The squared tangent of half of the angle to the peak is (1 - cos) / (1 + cos).
-    let cos = dot(wi, mirrored);
+// Whether a node of this radius and brightness has too many directions for one of the lobes, whose widths are 0 for none and
+// which have their peak at an angle of this cosine.
+fn is_too_wide(lobes: vec3<f32>, cos: f32, radius: f32, brightness: f32) -> bool {
     return is_too_wide_for(lobes.x, cos, radius, brightness)
         || is_too_wide_for(lobes.y, cos, radius, brightness)
         || is_too_wide_for(lobes.z, cos, radius, brightness);
@@ -31,7 +29,8 @@ fn is_too_wide_for(lobe: f32, cos: f32, radius: f32, brightness: f32) -> bool {
     // an axis widens the lobe.
     let node_sq = 0.25 * radius * radius;
     let width_sq = lobe * lobe + 0.25 * node_sq;
+    // The squared tangent of half of the angle to the peak is (1 - cos) / (1 + cos).
     let near = 1.0 + cos;
-    let far = width_sq * (1.0 + cos) + (1.0 - cos);
+    let far = width_sq * near + (1.0 - cos);
     return brightness * node_sq * width_sq * near * near > NEGLIGIBLE * far * far;
 }

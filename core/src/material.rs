@@ -5,17 +5,19 @@
 mod check;
 mod maps;
 mod presets;
+mod resolved;
 
 pub use crate::brdf::BrdfModel;
 pub use check::{MOST_MATERIAL_NUMBER, MaterialProblem, UnknownName};
 pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map_names};
 pub use presets::{PRESETS, Preset};
+pub use resolved::{MaterialPoint, ResolvedMaterial};
 
 use crate::{
     brdf::{BrdfFile, Content, FilePart, Parameter, Parameters, SurfaceBrdf, SurfaceParameters, Values},
     texture::TextureSlot,
 };
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// A material of a scene.
@@ -215,25 +217,6 @@ impl Material {
         self
     }
 
-    /// The values of the model's parameters after their maps, whose texels `sample` looks up, within their ranges.
-    ///
-    /// They are clamped here and nowhere later. Twin of `material_color` and `material_number` in `shaders/materials.wgsl`.
-    #[inline]
-    pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
-        let mut values = Values::default();
-        for parameter in self.declared() {
-            let mut value = self.parameters.value(parameter);
-            if let Some(slot) = self.maps.get(parameter.name) {
-                let texel = sample(slot);
-                let is_color = parameter.is_color();
-                let factor = if is_color { texel.truncate() } else { Vec3::splat(texel[slot.channel as usize]) };
-                value = parameter.modulated(value, factor);
-            }
-            values.push(parameter.sanitized(value));
-        }
-        values
-    }
-
     /// Sends this radiance, in W/(m² sr), as a colour up to one and the rest as its luminance.
     pub fn set_emission(&mut self, radiance: Vec3) {
         let largest = radiance.max_element();
@@ -257,6 +240,7 @@ mod tests {
         brdf::{GgxParameters, Lambert, Value},
         texture::Channel,
     };
+    use glam::Vec4;
 
     #[test]
     fn sanitizing_clamps_and_replaces_nan() {
@@ -341,7 +325,9 @@ mod tests {
     fn what_is_stored_changes_no_value_that_is_rendered() {
         let material = storing();
         let plain = Material { model: BrdfModel::OpenPbr, ..Default::default() };
-        let values = |material: &Material| material.values(|_| panic!("a map is read")).numbers().to_vec();
+        let values = |material: &Material| {
+            ResolvedMaterial::from(material).values(|_| panic!("a map is read")).numbers().to_vec()
+        };
         assert_eq!(values(&material), values(&plain));
         assert_eq!(material.plain_values().numbers(), plain.plain_values().numbers());
         assert_ne!(material, plain, "negative control");
@@ -423,7 +409,7 @@ mod tests {
 
     /// The Lambertian albedo, or the GGX parameters, that a material has after its maps.
     fn read(material: &Material, texel: Vec4) -> GgxParameters {
-        GgxParameters::new(&material.values(|_| texel))
+        GgxParameters::new(&ResolvedMaterial::from(material).values(|_| texel))
     }
 
     #[test]

@@ -2,14 +2,13 @@
 
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
-    brdf::{SurfaceParameters, Values},
-    material::{Material, MaterialMaps},
+    material::{Material, MaterialMaps, MaterialPoint, ResolvedMaterial},
     opacity::Opacities,
     scene::{Mesh, Scene},
     surfel::MeshPlace,
     texture::{Texture, TextureSlot, UvFootprint},
 };
-use std::{collections::BTreeSet, sync::Arc};
+use std::{collections::BTreeSet, ops::Deref, sync::Arc};
 
 /// The material of each triangle, by index; `None` for those of the mesh.
 pub type Assigned = Option<Arc<[u32]>>;
@@ -68,42 +67,12 @@ impl Appearance {
         Some(changed.into_iter().collect())
     }
 
-    /// A material's values after its maps within a footprint, clamped to their ranges here and nowhere later. Twin of
-    /// `material_number` and `material_color` in `shaders/materials.wgsl`.
-    pub(crate) fn values(&self, material: &Material, uv: &UvFootprint) -> Values {
-        material.values(|slot| self.sample(slot, uv))
-    }
-
     /// The mean of a map within a footprint.
     pub(crate) fn sample(&self, slot: &TextureSlot, uv: &UvFootprint) -> Vec4 {
         match &slot.procedural {
             Some(pattern) => pattern.value(&uv.through(slot)),
             None => self.textures[slot.texture as usize].sample_footprint(uv, slot),
         }
-    }
-
-    /// Albedo of a point of `mesh`, the share of light that it reflects in all directions, as bounces use it.
-    pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
-        let (material, uv) = self.at(mesh, place);
-        material.brdf(&self.values(material, &uv.into())).as_brdf().albedo()
-    }
-
-    /// Radiance in W/(m² sr) that a point of `mesh` sends by itself.
-    pub fn emission(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
-        let (material, uv) = self.at(mesh, place);
-        if material.shines() {
-            SurfaceParameters::of(&self.values(material, &uv.into())).emission()
-        } else {
-            Vec3::ZERO
-        }
-    }
-
-    /// Material and texture coordinates of a point.
-    fn at(&self, mesh: &Mesh, place: MeshPlace) -> (&Material, Vec2) {
-        let triangle = place.triangle as usize;
-        let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
-        let uv: Vec2 = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
-        (&self.materials[self.material_of(mesh, triangle) as usize], uv)
     }
 
     /// With a material for each of the scene's `own` and those that are assigned beside them, and without references to missing
@@ -127,6 +96,57 @@ impl Appearance {
             }
         }
         (Self { materials, textures: self.textures.clone(), assigned: self.assigned.clone() }, remarks)
+    }
+}
+
+/// An appearance with all that is the same at all points of a material worked out.
+#[derive(Clone, Debug, Default)]
+pub struct ResolvedAppearance {
+    appearance: Appearance,
+    materials: Vec<ResolvedMaterial>,
+}
+
+impl From<Appearance> for ResolvedAppearance {
+    fn from(appearance: Appearance) -> Self {
+        Self { materials: ResolvedMaterial::all(&appearance.materials), appearance }
+    }
+}
+
+impl Deref for ResolvedAppearance {
+    type Target = Appearance;
+
+    fn deref(&self) -> &Appearance {
+        &self.appearance
+    }
+}
+
+impl ResolvedAppearance {
+    /// A material by its index.
+    #[inline]
+    pub(crate) fn material(&self, index: u32) -> &ResolvedMaterial {
+        &self.materials[index as usize]
+    }
+
+    /// A material within a footprint. Twin of `material_number` and `material_color` in `shaders/materials.wgsl`.
+    #[inline]
+    pub(crate) fn material_at(&self, material: &ResolvedMaterial, uv: &UvFootprint) -> MaterialPoint {
+        material.at(|slot| self.sample(slot, uv))
+    }
+
+    /// What a point of `mesh` reflects and sends, as bounces use it: the albedo, which is the share of light that it reflects in
+    /// all directions, and radiance in W/(m² sr).
+    pub fn albedo_and_emission(&self, mesh: &Mesh, place: MeshPlace) -> (Vec3, Vec3) {
+        let triangle = place.triangle as usize;
+        let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
+        let uv: Vec2 = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
+        let point = self.material_at(self.material(self.material_of(mesh, triangle)), &uv.into());
+        (point.brdf.as_brdf().albedo(), point.emission)
+    }
+
+    /// The first of both.
+    #[cfg(test)]
+    pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
+        self.albedo_and_emission(mesh, place).0
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     Look,
-    appearance::Appearance,
+    appearance::{Appearance, ResolvedAppearance},
     baked::Baked,
     light::environment::{Illumination, LightRig, SceneLighting},
     shade::surface::Surfaces,
@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 /// A dataset ready to be rendered.
 pub struct Renderer {
     pub(crate) dataset: Arc<Dataset>,
-    pub(crate) appearance: Appearance,
+    pub(crate) appearance: ResolvedAppearance,
     baked: Baked,
     opacities: Opacities,
     /// Casts rays where surfaces let through other light than at the bake.
@@ -34,7 +34,7 @@ impl Renderer {
         let baked = baked.into();
         baked.intersector();
         let dataset = baked.dataset.clone();
-        let appearance = Appearance::of(&dataset.scene);
+        let appearance = Appearance::of(&dataset.scene).into();
         let largest_offset = offset::LARGEST * dataset.scene.mesh.bounds().diagonal();
         let opacities = baked.opacities();
         Self { dataset, appearance, baked, opacities, own_rays: None, largest_offset, rig: OnceLock::new() }
@@ -51,12 +51,16 @@ impl Renderer {
     /// The same surfaces where the scene is posed.
     pub fn posed(self, posed: Baked) -> Self {
         let mut renderer = Self { rig: self.rig, ..Self::new(posed) };
-        renderer.set_appearance(self.appearance);
+        renderer.take_appearance(self.appearance);
         renderer
     }
 
     /// Gives the scene other materials; there must be as many, or more that are assigned.
     pub fn set_appearance(&mut self, appearance: Appearance) {
+        self.take_appearance(appearance.into());
+    }
+
+    fn take_appearance(&mut self, appearance: ResolvedAppearance) {
         let (given, needed) = (appearance.materials.len(), self.dataset.scene.materials.len());
         assert!(
             given == needed || given > needed && appearance.assigned.is_some(),
@@ -88,6 +92,11 @@ impl Renderer {
     /// Casts rays on the mesh, whose surfaces let through what they do now.
     pub fn intersector(&self) -> &Intersector {
         self.own_rays.as_ref().unwrap_or_else(|| self.baked.intersector())
+    }
+
+    /// Whether surfaces let through what they did when they were baked.
+    pub(crate) fn is_as_baked(&self) -> bool {
+        self.own_rays.is_none()
     }
 
     /// Builds the hierarchy for many rays, see [`Baked::refine`].

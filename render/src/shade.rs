@@ -4,6 +4,7 @@ pub(crate) mod background;
 pub(crate) mod bumps;
 pub(crate) mod differentials;
 pub(crate) mod merge;
+mod merged;
 pub mod mirror;
 pub(crate) mod node_field;
 pub(crate) mod node_row;

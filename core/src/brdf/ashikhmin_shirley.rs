@@ -87,7 +87,7 @@ impl Brdf for AshikhminShirley {
     #[inline(always)]
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
-        let filtered = self.lobe.filtered(&half, lights);
+        let filtered = self.lobe.filtered(&half, lights, wo);
         let (cos_i, cos_o) = (lights.wi.z.at_least(0.0), L::splat(wo.z.max(1e-4)));
         let below = half.wi_dot_h.at_least(1e-4) * cos_i.fast_max(cos_o);
         let factor = filtered.two_exponents() * L::splat(0.125 * FRAC_1_PI) / below;

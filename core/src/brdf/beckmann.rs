@@ -96,7 +96,7 @@ impl Brdf for Beckmann {
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let wi = lights.wi;
         let half = HalfVectors::new(wi, wo);
-        let filtered = self.lobe.filtered(&half, lights);
+        let filtered = self.lobe.filtered(&half, lights, wo);
         let d = filtered.density / (filtered.cos_h_sq * filtered.cos_h_sq);
         let cos_o = L::splat(wo.z.max(1e-4));
         let shadowed = shadowing(&filtered.alpha_sq, wi.x, wi.y, wi.z.at_least(0.0))

@@ -72,7 +72,7 @@ impl Brdf for BlinnPhong {
     #[inline(always)]
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
-        let filtered = self.lobe.filtered(&half, lights);
+        let filtered = self.lobe.filtered(&half, lights, wo);
         let n = filtered.exponent();
         let two_to = (n * L::splat(-0.5 * LN_2)).exp();
         let factor = (n + L::splat(2.0)) * (n + L::splat(4.0)) * L::splat(0.125 * FRAC_1_PI) / (two_to + n);

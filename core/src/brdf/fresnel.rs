@@ -17,9 +17,10 @@ pub fn dielectric_x8<L: Lanes>(cosine: L, ior: f32) -> L {
     let c = cosine;
     let g = (L::splat(ior * ior - 1.0) + c * c).sqrt();
     let (sum, difference) = ((g + c).at_least(1e-6), g - c);
-    let a = difference / sum;
-    let b = (c * sum - L::splat(1.0)) / (c * difference + L::splat(1.0));
-    L::splat(0.5) * a * a * (L::splat(1.0) + b * b)
+    // `a² (1 + b²) / 2` with a = difference / sum and b = over / under, by one division.
+    let (over, under) = (c * sum - L::splat(1.0), c * difference + L::splat(1.0));
+    let root = difference / (sum * under);
+    L::splat(0.5) * root * root * (under * under + over * over)
 }
 
 /// [`dielectric_x8`] for one cosine.
@@ -29,7 +30,7 @@ pub fn dielectric(cosine: f32, ior: f32) -> f32 {
 }
 
 /// Indices of refraction and extinction of a metal, per colour.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Metal {
     /// Squares of both.
     n_sq: Vec3,

@@ -15,7 +15,7 @@ pub const LEAST_ROUGHNESS: f32 = 0.2;
 #[inline(always)]
 pub fn reflect<L: Lanes>(roughness: f32, lights: &LightsX8<L>, half: &HalfVectors<L>, wo: Vec3) -> L {
     let inverse = 1.0 / roughness.max(LEAST_ROUGHNESS);
-    let sin_sq = (L::splat(1.0) - half.h.z * half.h.z).at_least(1e-7);
+    let sin_sq = (L::splat(1.0) - half.cos_sq()).at_least(1e-7);
     let d = (sin_sq.ln() * L::splat(0.5 * inverse)).exp() * L::splat((2.0 + inverse) / TAU);
     let (cos_i, cos_o) = (lights.wi.z.at_least(0.0), L::splat(wo.z.max(1e-4)));
     let v = L::splat(0.25) / (cos_i + cos_o - cos_i * cos_o).at_least(1e-4);

@@ -37,14 +37,14 @@ impl GaussianLobe {
 
     /// Widened by the spread of the lights: in the space of half vectors variances add up.
     #[inline(always)]
-    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>) -> FilteredX8<L> {
-        let spread = half.spread(lights.wi, &lights.spread);
+    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>, wo: Vec3) -> FilteredX8<L> {
+        let spread = half.spread(lights.wi, wo, &lights.spread);
         let [x, y] = self.alpha;
         let [xx, yy] = [L::splat(x * x), L::splat(y * y)];
         let m = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
         let determinant = m.determinant().at_least(1e-14);
-        let cos_h_sq = (half.h.z * half.h.z).at_least(1e-4);
-        let exponent = m.adjugate_quadratic(half.h.x, half.h.y) / (determinant * cos_h_sq);
+        let cos_h_sq = half.cos_sq().at_least(1e-4);
+        let exponent = half.adjugate_quadratic(&m) / (determinant * cos_h_sq);
         let density = (-exponent).exp() * L::splat(FRAC_1_PI) / determinant.sqrt();
         FilteredX8 { alpha_sq: m, density, cos_h_sq }
     }

@@ -85,9 +85,15 @@ impl Brdf for Ggx {
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
         let single = self.interface.fresnel(half.wi_dot_h) * self.lobe.reflect(lights, &half, wo);
-        let lost = self.whole.left(lights.wi.z, L::splat(wo.z));
-        let multiple = Vec3x8::splat(self.multiple * FRAC_1_PI) * (lost * lights.cosine);
-        (single + multiple + self.base.reflect(lights, wo)) * is_seen(wo)
+        let mut value = single;
+        if self.multiple != Vec3::ZERO {
+            let lost = self.whole.left(lights.wi.z, L::splat(wo.z));
+            value = value + Vec3x8::splat(self.multiple * FRAC_1_PI) * (lost * lights.cosine);
+        }
+        if self.base.own_albedo() != Vec3::ZERO {
+            value = value + self.base.reflect(lights, wo);
+        }
+        value * is_seen(wo)
     }
 
     fn lobes(&self) -> Lobes {

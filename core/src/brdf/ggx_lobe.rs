@@ -33,33 +33,29 @@ impl GgxLobe {
         self.alpha
     }
 
-    /// Squared widths `alpha²` of the lobe filtered by its spread, a matrix.
-    #[inline(always)]
-    fn filtered_alpha_sq<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>) -> Sym2x8<L> {
-        let spread = half.spread(lights.wi, &lights.spread);
-        let [lobe_xx, lobe_yy] = [L::splat(self.slope[0]), L::splat(self.slope[1])];
-        let a = Sym2x8 { xx: lobe_xx + spread.xx, xy: spread.xy, yy: lobe_yy + spread.yy };
-        let determinant = a.determinant();
-        let scale = L::splat(1.0) / (L::splat(1.0) + a.xx + a.yy + determinant);
-        Sym2x8 { xx: (a.xx + determinant) * scale, xy: a.xy * scale, yy: (a.yy + determinant) * scale }
-    }
-
     /// `D G / (4 |n·wi| |n·wo|)` times the cosine; zero for lights below the horizon.
+    ///
+    /// With `A` the filtered widths in projected slope space, the squared widths are `M = (A + det A) / (1 + tr A + det A)`, and
+    /// `det M = det A / (1 + tr A + det A)`. D and G share one division.
     #[inline(always)]
     pub fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, half: &HalfVectors<L>, wo: Vec3) -> L {
         let LightsX8 { wi, above, .. } = *lights;
-        let m = self.filtered_alpha_sq(half, lights);
-        let determinant = m.determinant().at_least(1e-14);
-        let h = half.h;
-        let e = m.adjugate_quadratic(h.x, h.y) / determinant + h.z * h.z;
-        let d = L::splat(FRAC_1_PI) / (determinant.sqrt() * e * e);
+        let spread = half.spread(wi, wo, &lights.spread);
+        let a = Sym2x8 { xx: L::splat(self.slope[0]) + spread.xx, yy: L::splat(self.slope[1]) + spread.yy, ..spread };
+        let det_a = a.determinant();
+        let scale = L::splat(1.0) / (L::splat(1.0) + a.xx + a.yy + det_a);
+        let m = Sym2x8 { xx: (a.xx + det_a) * scale, xy: a.xy * scale, yy: (a.yy + det_a) * scale };
+        let determinant = (det_a * scale).at_least(1e-14);
+        // The squared distance of the half vector from the normal in widths, times the determinant.
+        let distance = half.adjugate_quadratic(&m) + determinant * half.cos_sq();
         let (cos_i, cos_o) = (wi.z.at_least(0.0), L::splat(wo.z.max(1e-4)));
         let (ox, oy) = (L::splat(wo.x), L::splat(wo.y));
-        // Smith's G / (4 n·wi n·wo), times n·wi: both square roots of Heitz 2014, Eq. 99.
+        // Smith's G / (4 n·wi n·wo), times n·wi, has both square roots of Heitz 2014, Eq. 99.
         let root_o = (cos_o * cos_o + m.quadratic(ox, oy)).sqrt();
         let root_i = (cos_i * cos_i + m.quadratic(wi.x, wi.y)).sqrt();
-        let shadowed = L::splat(0.5) * cos_i / (cos_i * root_o + cos_o * root_i).at_least(1e-9);
-        d * shadowed * above
+        let shadowing = (cos_i * root_o + cos_o * root_i).at_least(1e-9);
+        let numerator = L::splat(0.5 * FRAC_1_PI) * determinant * determinant.sqrt() * cos_i;
+        numerator / (distance * distance * shadowing) * above
     }
 
     /// A visible normal (Heitz 2018, *Sampling the GGX Distribution of Visible Normals*).

@@ -79,7 +79,19 @@ impl<L: Lanes> LobeMomentsX8<L> {
         let guess_sq = guess * guess;
         let residual = s * guess * (three - guess_sq) - one + guess_sq;
         let resultant = guess - residual / (three * s * (one - guess_sq) + guess + guess);
-        Self { resultant, across_sq: resultant * s }
+        Self::known(s, resultant)
+    }
+
+    /// Of lobes of inverse concentration `inv_kappa` whose [resultants](Self::resultant) are known.
+    #[inline(always)]
+    pub fn known(inv_kappa: L, resultant: L) -> Self {
+        Self { resultant, across_sq: resultant * inv_kappa }
+    }
+
+    /// Means of the component along the axis.
+    #[inline(always)]
+    pub fn resultant(&self) -> L {
+        self.resultant
     }
 
     /// The cosines to a normal that has `cosine` to the lobes' axes.

@@ -50,11 +50,13 @@ impl<L: Lanes> Sym2x8<L> {
     }
 }
 
-/// Half vectors and what comes with them.
+/// Half vectors and what comes with them, by one division and one root.
 pub struct HalfVectors<L> {
-    /// Unit half vectors.
-    pub h: Vec3x8<L>,
-    /// `wi · h = wo · h`.
+    /// `wi + wo`, of any length.
+    sum: Vec3x8<L>,
+    /// One over the squared length of the sum.
+    inv_length_sq: L,
+    /// `wi · h = wo · h`, half of that length.
     pub wi_dot_h: L,
 }
 
@@ -62,25 +64,52 @@ impl<L: Lanes> HalfVectors<L> {
     #[inline(always)]
     pub fn new(wi: Vec3x8<L>, wo: Vec3) -> Self {
         let sum = wi + Vec3x8::splat(wo);
-        let length = sum.dot(sum).at_least(1e-12).sqrt();
-        let h = sum * (L::splat(1.0) / length);
-        Self { h, wi_dot_h: L::splat(0.5) * length }
+        let length_sq = sum.dot(sum).at_least(1e-12);
+        Self { sum, inv_length_sq: L::splat(1.0) / length_sq, wi_dot_h: L::splat(0.5) * length_sq.sqrt() }
+    }
+
+    /// Unit half vectors.
+    #[inline(always)]
+    pub fn h(&self) -> Vec3x8<L> {
+        let inv_length = L::splat(2.0) * self.wi_dot_h * self.inv_length_sq;
+        self.sum * inv_length
+    }
+
+    /// Squared cosines of the half vectors to the normal.
+    #[inline(always)]
+    pub fn cos_sq(&self) -> L {
+        self.sum.z * self.sum.z * self.inv_length_sq
+    }
+
+    /// Squared sines of the same.
+    #[inline(always)]
+    pub fn sin_sq(&self) -> L {
+        (self.sum.x * self.sum.x + self.sum.y * self.sum.y) * self.inv_length_sq
+    }
+
+    /// `hᵀ M⁻¹ h · det M` over the x and y of the half vectors.
+    #[inline(always)]
+    pub fn adjugate_quadratic(&self, m: &Sym2x8<L>) -> L {
+        m.adjugate_quadratic(self.sum.x, self.sum.y) * self.inv_length_sq
     }
 
     /// `(2 / κ) J Jᵀ`, where `J` is the Jacobian from light direction to the x and y of the half vector, and twice the
     /// covariance of the surface's slopes: both move the half vector against the normals of the lobe.
     ///
-    /// With `a = wi · h` and `q = wi - a h`, `J Jᵀ` is the upper left block of `(I - h hᵀ - q qᵀ) / (4 a²)`:
-    /// the tangent plane of the half vector, foreshortened along the plane of incidence.
+    /// With `a = wi · h` and `q = wi - a h`, which is half of `wi - wo`, `J Jᵀ` is the upper left block of
+    /// `(I - h hᵀ - q qᵀ) / (4 a²)`: the tangent plane of the half vector, foreshortened along the plane of incidence.
     #[inline(always)]
-    pub fn spread(&self, wi: Vec3x8<L>, spread: &SpreadX8<L>) -> Sym2x8<L> {
-        let q = wi - self.h * self.wi_dot_h;
+    pub fn spread(&self, wi: Vec3x8<L>, wo: Vec3, spread: &SpreadX8<L>) -> Sym2x8<L> {
+        let half = L::splat(0.5);
+        let (qx, qy) = (half * (wi.x - L::splat(wo.x)), half * (wi.y - L::splat(wo.y)));
+        let (hx, hy) = (self.sum.x * self.inv_length_sq, self.sum.y * self.inv_length_sq);
         let [xx, xy, yy] = spread.slopes;
-        let scale = spread.inv_kappa * L::splat(0.5) / (self.wi_dot_h * self.wi_dot_h).at_least(1e-4);
+        // 1 / (2 a²), where a² is at least 1e-4.
+        let scale = spread.inv_kappa * (self.inv_length_sq + self.inv_length_sq).fast_min(L::splat(5e3));
         Sym2x8 {
-            xx: xx + scale * (L::splat(1.0) - self.h.x * self.h.x - q.x * q.x),
-            xy: xy - scale * (self.h.x * self.h.y + q.x * q.y),
-            yy: yy + scale * (L::splat(1.0) - self.h.y * self.h.y - q.y * q.y),
+            xx: xx + scale * (L::splat(1.0) - hx * self.sum.x - qx * qx),
+            xy: xy - scale * (hx * self.sum.y + qx * qy),
+            yy: yy + scale * (L::splat(1.0) - hy * self.sum.y - qy * qy),
         }
     }
 }
@@ -130,15 +159,19 @@ impl Interface {
     /// `specular` scales what a dielectric reflects.
     #[inline]
     pub fn new(base_color: Vec3, edge_color: Vec3, metalness: f32, ior: f32, specular: f32) -> Self {
-        Self { ior, weights: [specular * (1.0 - metalness), metalness], metal: Metal::new(base_color, edge_color) }
+        let metal = if metalness > 0.0 { Metal::new(base_color, edge_color) } else { Metal::default() };
+        Self { ior, weights: [specular * (1.0 - metalness), metalness], metal }
     }
 
     /// For eight angles to the half vector.
     #[inline(always)]
     pub fn fresnel<L: Lanes>(&self, wi_dot_h: L) -> Vec3x8<L> {
         let [dielectric, metal] = self.weights;
-        let grey = L::splat(dielectric) * dielectric_x8(wi_dot_h, self.ior);
-        let mut all = Vec3x8 { x: grey, y: grey, z: grey };
+        let mut all = Vec3x8::splat(Vec3::ZERO);
+        if dielectric > 0.0 {
+            let grey = L::splat(dielectric) * dielectric_x8(wi_dot_h, self.ior);
+            all = Vec3x8 { x: grey, y: grey, z: grey };
+        }
         if metal > 0.0 {
             all = all + self.metal.fresnel(wi_dot_h) * L::splat(metal);
         }

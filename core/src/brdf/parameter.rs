@@ -222,11 +222,13 @@ impl Values {
         values
     }
 
-    /// The value of a list's parameter for a quantity, if it has one.
-    pub fn of_quantity(&self, list: &[Parameter], quantity: &str) -> Option<Value> {
-        let index = list.iter().position(|p| p.quantity == quantity)?;
-        let first = list[..index].iter().map(Parameter::numbers).sum();
-        Some(self.at(first, &list[index]))
+    /// Puts another value in place of that of a parameter whose numbers begin at `first`.
+    #[inline]
+    pub(crate) fn replace(&mut self, first: usize, value: Value) {
+        match value {
+            Value::Number(x) => self.numbers[first] = x,
+            Value::Color(c) => self.numbers[first..first + 3].copy_from_slice(&c.to_array()),
+        }
     }
 
     /// All numbers.
@@ -235,7 +237,8 @@ impl Values {
     }
 
     /// The value of a parameter whose numbers begin at `first`.
-    pub(super) fn at(&self, first: usize, parameter: &Parameter) -> Value {
+    #[inline]
+    pub(crate) fn at(&self, first: usize, parameter: &Parameter) -> Value {
         match parameter.is_color() {
             true => Value::Color(Vec3::from_slice(&self.numbers[first..first + 3])),
             false => Value::Number(self.numbers[first]),

@@ -71,15 +71,14 @@ impl PhongLobe {
 
     /// Widened by the spread of the lights: in projected slope space variances add up.
     #[inline(always)]
-    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>) -> FilteredX8<L> {
-        let spread = half.spread(lights.wi, &lights.spread);
+    pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>, wo: Vec3) -> FilteredX8<L> {
+        let spread = half.spread(lights.wi, wo, &lights.spread);
         let [xx, yy] = [L::splat(self.slope[0]), L::splat(self.slope[1])];
         let slope = Sym2x8 { xx: spread.xx + xx, xy: spread.xy, yy: spread.yy + yy };
-        let h = half.h;
         let determinant = slope.determinant().at_least(1e-14);
-        let sin_sq = (h.x * h.x + h.y * h.y).at_least(1e-12);
+        let sin_sq = half.sin_sq().at_least(1e-12);
         // Half the exponent, for the logarithm of the squared cosine.
-        let exponent = slope.adjugate_quadratic(h.x, h.y) / (determinant * sin_sq);
+        let exponent = half.adjugate_quadratic(&slope) / (determinant * sin_sq);
         FilteredX8 { power: (exponent * log_of_rest(sin_sq)).exp(), slope }
     }
 

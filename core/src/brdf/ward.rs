@@ -79,7 +79,7 @@ impl Brdf for Ward {
     #[inline(always)]
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
-        let filtered = self.lobe.filtered(&half, lights);
+        let filtered = self.lobe.filtered(&half, lights, wo);
         let (cos_i, cos_o) = (lights.wi.z.at_least(0.0), wo.z.max(1e-4));
         let lobe = filtered.density * L::splat(0.25) * (cos_i * L::splat(1.0 / cos_o)).sqrt() * lights.above;
         let base = Vec3x8::splat(self.diffuse * FRAC_1_PI) * lights.cosine;

@@ -72,7 +72,7 @@ impl Brdf for WardDuer {
     #[inline(always)]
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
-        let filtered = self.lobe.filtered(&half, lights);
+        let filtered = self.lobe.filtered(&half, lights, wo);
         let below = filtered.cos_h_sq * filtered.cos_h_sq * (half.wi_dot_h * half.wi_dot_h).at_least(1e-4);
         let lobe = filtered.density * L::splat(0.25) / below * lights.wi.z * lights.above;
         let base = Vec3x8::splat(self.diffuse * FRAC_1_PI) * lights.cosine;

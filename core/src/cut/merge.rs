@@ -35,6 +35,13 @@ pub trait Cursor {
     fn end(&self) -> u32;
     /// Steps to the next node. Called at most once per node, and not after the last leaf.
     fn advance(&mut self);
+    /// Steps if the current node ends at `end`. Which of several cursors do is hard to predict, so that it is best without a branch.
+    #[inline(always)]
+    fn advance_from(&mut self, end: u32) {
+        if self.end() == end {
+            self.advance();
+        }
+    }
 }
 
 /// Visits every node of the merged cut of `cursors`, left to right. At each visit all cursors are at the nodes that
@@ -56,8 +63,8 @@ pub fn merge_within<C: Cursor>(within: Interval, cursors: &mut [C], mut visit: i
         visit(Interval { first, end }, cursors);
         first = end;
         if first < within.end {
-            for cursor in cursors.iter_mut().filter(|c| c.end() == end) {
-                cursor.advance();
+            for cursor in cursors.iter_mut() {
+                cursor.advance_from(end);
             }
         }
     }

@@ -63,6 +63,18 @@ impl PackedNode for u16 {
     }
 }
 
+/// Where a [`PackedCursor`] stands in its cut.
+#[derive(Clone, Copy, Debug)]
+pub struct CutPlace {
+    position: u32,
+    end: u32,
+}
+
+impl CutPlace {
+    /// Before the first node.
+    pub const START: Self = Self { position: 0, end: 0 };
+}
+
 /// A position in a packed cut.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedCursor<'a, N = u16> {
@@ -77,6 +89,19 @@ impl<'a, N: PackedNode> PackedCursor<'a, N> {
     #[inline(always)]
     pub fn new(height: u32, nodes: &'a [N]) -> Self {
         Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0].packed())) }
+    }
+
+    /// Where it stands now.
+    #[inline(always)]
+    pub fn place(&self) -> CutPlace {
+        CutPlace { position: self.position as u32, end: self.end }
+    }
+
+    /// A cursor over the same cut at another place.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(&self, place: CutPlace) -> Self {
+        Self { position: place.position as usize, end: place.end, ..*self }
     }
 
     /// Goes on to the node that contains `leaf`. The node at `position` begins at leaf `first`, at or before it; no step
@@ -133,6 +158,13 @@ impl<N: PackedNode> Cursor for PackedCursor<'_, N> {
     fn advance(&mut self) {
         self.position += 1;
         self.end += self.size();
+    }
+
+    #[inline(always)]
+    fn advance_from(&mut self, end: u32) {
+        let steps = u32::from(self.end == end);
+        self.position += steps as usize;
+        self.end += steps * self.size();
     }
 }
 

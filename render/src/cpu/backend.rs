@@ -9,6 +9,7 @@ use crate::{
         sketch::{Moved, Sketch},
     },
     light::{
+        direct::{DirectLights, distant::DistantSights},
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
         solver::solutions::Bounces,
@@ -40,6 +41,8 @@ pub struct CpuBackend {
     renderer: Option<Renderer>,
     light: Option<(Illumination, Arc<SceneLighting>)>,
     local: LocalLighting,
+    /// Where suns need no rays.
+    sights: DistantSights,
     /// The last remark on too many lights.
     remark: Option<String>,
     blur: BlurCache,
@@ -103,9 +106,14 @@ fn light_of<'a>(
     environment: Option<&'a (Illumination, Arc<SceneLighting>)>,
     local: &'a LocalLighting,
     lights: &'a SummedLights,
+    sights: &'a DistantSights,
 ) -> PictureLight<'a> {
-    let intersector = renderer.map(Renderer::intersector);
-    let shown = |lights: &'a Vec<Light>| Some(&**lights).filter(|lights| !lights.is_empty()).zip(intersector);
+    // Cuts know surfaces where they were, and as opaque as they were, when they were baked.
+    let sights = Some(sights).filter(|_| local.posed.is_none() && renderer.is_some_and(Renderer::is_as_baked));
+    let shown = |lights: &'a Vec<Light>| {
+        let intersector = renderer.filter(|_| !lights.is_empty())?.intersector();
+        Some(DirectLights { lights, intersector, sights })
+    };
     PictureLight {
         environment: environment.map(|(_, lighting)| &**lighting),
         emission: local.components.direct,
@@ -155,7 +163,7 @@ impl CpuBackend {
         let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
         let Begun { view, sampling, backdrop, picture, lights, complete } = begun;
         let environment = self.light.as_ref().filter(|_| self.local.components.environment);
-        let light = light_of(Some(renderer), environment, &self.local, lights);
+        let light = light_of(Some(renderer), environment, &self.local, lights, &self.sights);
         let sampler = PixelSampler::new(renderer, view, backdrop);
         // Without bounces no edit changes the light of other surfaces.
         let patches = Bounces::of(&renderer.dataset).any().then(|| renderer.patches());
@@ -209,6 +217,9 @@ impl Backend for CpuBackend {
 
     fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
         self.local = lighting.clone();
+        if let Some(renderer) = &self.renderer {
+            self.sights.update(renderer.dataset(), &self.local.shown_lights());
+        }
         let remark = remark_on_rays(&self.local.shown_lights());
         let before = std::mem::replace(&mut self.remark, remark.clone());
         Ok(remark.filter(|_| before != self.remark).into_iter().collect())
@@ -230,7 +241,7 @@ impl Backend for CpuBackend {
         let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
         let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
         let step = lights.update(&self.local.shown_lights(), complete);
-        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights);
+        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights, &self.sights);
         let parts = shown.parts(view.mode);
         self.sketch.begin(&view.camera, view.size, last.as_ref().map(|begun| &begun.picture));
         let picture = match kept {

@@ -15,7 +15,7 @@ use crate::{
     appearance::Appearance,
     baked::Baked,
     light::{brightness, environment::SceneLighting},
-    shade::node_row::NodeRow,
+    shade::node_row::{NodeExtent, NodeRow},
 };
 use glam::Vec3;
 use irradiance::environment_irradiance;
@@ -55,8 +55,10 @@ pub struct SourceLighting {
     pub lit: LitCuts,
     /// How bright each node is somewhere, over the mean of the whole tree; at least 1.
     pub brightness: Vec<f32>,
-    /// Centre, spread, radiance and brightness of each node side by side, for pixels.
+    /// Centre, spread and radiance of each node side by side, for pixels.
     pub(crate) rows: Vec<NodeRow>,
+    /// Radius and brightness side by side.
+    pub(crate) extents: Vec<NodeExtent>,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
 }
@@ -71,8 +73,9 @@ impl SourceLighting {
         let luminances = nodes.radiance.iter().map(|&l| luminance(l));
         let lit = LitCuts::new(CutValues::SolidAngles, luminances, DEFAULT_TAU);
         let brightness = brightness(&nodes.power, &nodes.power_sq);
-        let rows = NodeRow::of_all(&nodes.center, &nodes.spread, &nodes.radiance, &brightness);
-        Self { tree, nodes, cut, lit, brightness, rows, max_nodes: illum_cut }
+        let rows = NodeRow::of_all(&nodes.center, &nodes.spread, &nodes.radiance);
+        let extents = NodeExtent::of_all(tree.radii(), &brightness);
+        Self { tree, nodes, cut, lit, brightness, rows, extents, max_nodes: illum_cut }
     }
 
     /// The same light with lit cuts of another `tau`, see [`LitCuts`].

@@ -7,9 +7,11 @@
 //! rectangles are free of spots.
 
 mod brightest;
+pub(crate) mod distant;
 
 use crate::shade::surface::SurfacePoint;
 use brightest::delta_light;
+use distant::DistantSights;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::narrow_widths,
@@ -45,23 +47,52 @@ pub(crate) fn arriving_share(intersector: &Intersector, point: &SurfacePoint, di
     intersector.transmittance_before(point.ray_origin, direction, offset::REACH_OF_SHADING * distance)
 }
 
-/// Radiance that a point reflects of the direct light of `lights`; `shift` is that of [`pixel_shift`].
-pub(crate) fn direct_light(point: &SurfacePoint, lights: &[Light], intersector: &Intersector, shift: Vec2) -> Vec3 {
-    let mut arriving = Arriving::at(point);
-    for light in lights.iter().filter(|light| light.shines() && !light.is_delta()) {
+/// Lights, and what tells which of their light arrives.
+#[derive(Clone, Copy)]
+pub(crate) struct DirectLights<'a> {
+    /// The lights.
+    pub lights: &'a [Light],
+    /// Casts shadow rays.
+    pub intersector: &'a Intersector,
+    /// Where no rays are needed.
+    pub sights: Option<&'a DistantSights>,
+}
+
+impl<'a> DirectLights<'a> {
+    /// With rays everywhere.
+    pub fn by_rays(lights: &'a [Light], intersector: &'a Intersector) -> Self {
+        Self { lights, intersector, sights: None }
+    }
+
+    /// Radiance that a point reflects of their direct light; `shift` is that of [`pixel_shift`].
+    pub fn reflected(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        let Self { lights, intersector, .. } = *self;
+        let mut arriving = Arriving::at(point);
+        for light in lights.iter().filter(|light| light.shines() && !light.is_delta()) {
+            self.add(light, shift, &mut arriving);
+        }
+        let delta = lights.iter().filter(|light| light.is_delta());
+        arriving.reflected()
+            + delta_light(point, delta, |direction, distance| arriving_share(intersector, point, direction, distance))
+    }
+
+    /// Adds a light with an extent.
+    fn add(&self, light: &Light, shift: Vec2, arriving: &mut Arriving) {
+        let point = arriving.point;
+        let is_seen = self.sights.and_then(|sights| sights.sees(point.vertices, light));
+        if is_seen == Some(false) {
+            return;
+        }
         let cells = cells(shift);
         let rays = cells.map(|(corner, shift)| {
             let ray = light.sample(point.ray_origin, (corner + shift) / CELLS as f32);
             ray.filter(|ray| point.receives(ray.direction))
         });
-        let shares = seen(point, &rays, intersector);
+        let shares = if is_seen.is_some() { [1.0; ALL_CELLS] } else { seen(point, &rays, self.intersector) };
         for ((cell, ray), share) in cells.into_iter().zip(&rays).zip(shares).filter(|&(_, share)| share > 0.0) {
             ray.iter().for_each(|ray| arriving.add_cell(light, cell, ray, share));
         }
     }
-    let delta = lights.iter().filter(|light| light.is_delta());
-    arriving.reflected()
-        + delta_light(point, delta, |direction, distance| arriving_share(intersector, point, direction, distance))
 }
 
 /// The cells of a light with an extent: the corner of each, in cells, and where in it its ray goes to.

@@ -3,7 +3,10 @@
 
 use crate::{
     light::brightness,
-    shade::{mirror::MirroredMap, node_row::NodeRow},
+    shade::{
+        mirror::MirroredMap,
+        node_row::{NodeExtent, NodeRow},
+    },
 };
 use glam::{Quat, Vec3};
 use lapidary_core::{
@@ -73,8 +76,10 @@ pub struct SceneLighting {
     pub lit: LitCuts,
     /// How bright each node is somewhere, over the mean of the whole tree; at least 1.
     pub brightness: Vec<f32>,
-    /// Direction, inverse concentration, radiance and brightness of each node side by side, for pixels.
+    /// Direction, inverse concentration and radiance of each node side by side, for pixels.
     pub(crate) rows: Vec<NodeRow>,
+    /// Radius and brightness side by side.
+    pub(crate) extents: Vec<NodeExtent>,
     /// The map that the leaves are samples of, for sharp lobes.
     pub mirrored: Option<MirroredMap>,
     /// Most nodes that the illumination cut was allowed.
@@ -101,10 +106,11 @@ impl SceneLighting {
         let cut = intensity_cut(&means, &nodes.luminance_sq, IlluminationCriterion::with_budget(illum_cut));
         let lit = LitCuts::new(CutValues::Visibility, means.iter().copied(), DEFAULT_TAU);
         let brightness = brightness(&means, &nodes.luminance_sq);
-        let rows = NodeRow::of_all(&nodes.direction, &nodes.inv_kappa, &nodes.radiance, &brightness);
+        let rows = NodeRow::of_all(&nodes.direction, &nodes.inv_kappa, &nodes.radiance);
+        let extents = NodeExtent::of_all(&radii, &brightness);
         let leaf_solid_angle = tree.leaf_solid_angle();
         let mirrored = None;
-        Self { nodes, radii, cut, lit, brightness, rows, mirrored, max_nodes: illum_cut, leaf_solid_angle }
+        Self { nodes, radii, cut, lit, brightness, rows, extents, mirrored, max_nodes: illum_cut, leaf_solid_angle }
     }
 
     /// The same light with lit cuts of another `tau`, see [`LitCuts`].

@@ -8,7 +8,7 @@ pub(crate) mod cut_map;
 
 use crate::{
     light::{
-        direct::{direct_light, pixel_shift},
+        direct::{DirectLights, pixel_shift},
         environment::Illumination,
     },
     measure::cut_light::{CutLight, FieldJob, NoCuts, TreeOf},
@@ -204,7 +204,9 @@ impl Renderer {
         for sun in illumination.suns().into_iter().filter(|_| explanation.tree == TreeOf::Environment) {
             let Emission::Directional { angle_degrees } = sun.emission else { continue };
             let Some(forward) = sun.forward() else { continue };
-            let contribution = direct_light(&explanation.point, &[sun], self.intersector(), pixel_shift(x, y, 0));
+            let sun = [sun];
+            let light = DirectLights::by_rays(&sun, self.intersector());
+            let contribution = light.reflected(&explanation.point, pixel_shift(x, y, 0));
             explanation.suns.push(ExplainedSun { direction: -forward, angle_degrees, contribution });
             explanation.radiance += contribution;
         }
@@ -244,7 +246,8 @@ impl FieldJob for Explain<'_> {
             |interval| dark_nodes.push(interval.heap_index(1 << field.height())),
             |eight: &EightTerms| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
         );
-        let of_nodes: Vec3 = nodes.iter().map(|node: &ExplainedNode| node.contribution).sum();
+        nodes.sort_by_key(|node: &ExplainedNode| leaves_below(node.heap_index, 1 << field.height()).start);
+        let of_nodes: Vec3 = nodes.iter().map(|node| node.contribution).sum();
         let rendered = Shader::new(field, self.cuts, self.sampling).shade(&self.point);
         // The same sum in another order differs by rounding.
         let is_mirror = !rendered.abs_diff_eq(of_nodes, 1e-5 * rendered.max_element());

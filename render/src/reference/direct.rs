@@ -2,7 +2,7 @@
 
 use crate::{
     light::{
-        direct::{direct_light, pixel_shift},
+        direct::{DirectLights, pixel_shift},
         environment::Illumination,
     },
     renderer::Renderer,
@@ -27,11 +27,12 @@ impl Renderer {
     pub(super) fn direct_light_before(&self, behind: Option<&Illumination>, view: &View, lights: &[Light]) -> Image {
         let view = &View { hides_background: true, ..view.clone() };
         let backdrop = Backdrop::new(view, behind, false, &mut BlurCache::default());
-        let (sampler, intersector) = (PixelSampler::new(self, view, &backdrop), self.intersector());
+        let sampler = PixelSampler::new(self, view, &backdrop);
+        let lights = DirectLights::by_rays(lights, self.intersector());
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {
             let one = |i: u32| {
-                let shade = |p: &SurfacePoint| direct_light(p, lights, intersector, pixel_shift(x, y, i));
+                let shade = |p: &SurfacePoint| lights.reflected(p, pixel_shift(x, y, i));
                 sampler.sample(x, y, i as usize, shade)
             };
             (0..samples).map(one).sum::<Vec3>() / samples as f32

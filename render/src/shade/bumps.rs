@@ -8,7 +8,7 @@ use super::surface::{SurfacePlace, frame};
 use crate::appearance::Appearance;
 use glam::{Mat2, Mat3, Vec2, Vec3};
 use lapidary_core::{
-    material::{BUMP, Material, NORMAL},
+    material::ResolvedMaterial,
     texture::{ColorSpace, SlopeMoments, TextureSlot, UvFootprint, covariance_mapped},
 };
 
@@ -27,10 +27,10 @@ pub(crate) struct Bumped {
 
 impl SurfacePlace {
     /// After normal map and bump map.
-    pub(super) fn bumped(&self, appearance: &Appearance, material: &Material) -> Bumped {
+    pub(super) fn bumped(&self, appearance: &Appearance, material: &ResolvedMaterial) -> Bumped {
         let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
         let mut bumped = Bumped { normal: smooth.z_axis, moving: [Moving::default(); 2] };
-        if let Some(slot) = material.maps.get(NORMAL) {
+        if let Some(slot) = material.normal_map() {
             match appearance.normal_moments(slot, &self.uv) {
                 None => {
                     let n = slot.tangent_normal(appearance.encoded_normal(slot, &self.uv));
@@ -44,7 +44,7 @@ impl SurfacePlace {
                 }
             }
         }
-        if let (Some(slot), Some([per_u, per_v])) = (material.maps.get(BUMP), self.slopes) {
+        if let (Some(slot), Some([per_u, per_v])) = (material.bump_map(), self.slopes) {
             let moments = appearance.height_moments(slot, &self.uv);
             // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
             let tilted = bumped.normal - per_u * moments.mean.x - per_v * moments.mean.y;

@@ -4,22 +4,19 @@
 //! cut, and samples the BRDF once per node or, refined, more finely. Lit cuts know the light already and need no illumination
 //! cut: where the pixel's lobe looks, the merge goes down into the stored cuts below them and on into the light tree.
 //! Nodes without visibility are dropped before the BRDF is evaluated; the others are evaluated eight at a time. One
-//! traversal serves the environment and the surface sources, see [`NodeField`]. Twin of `shaders/merge_pass.wgsl`: the
-//! same terms in the same order.
+//! traversal serves the environment and the surface sources, see [`NodeField`]; [`super::merged`] finds the nodes. Twin of
+//! `shaders/merge_pass.wgsl`: the same terms.
 
 use crate::shade::{
+    merged::{Found, Merged},
     mirror::{Mirror, MirroredMap},
     node_field::{EightLights, NodeField},
-    refine::{Refinement, is_too_wide_for_a_cosine},
     surface::{ReceiverX8, SurfacePoint},
 };
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 use lapidary_core::{
-    brdf::{Brdf, BrdfVisitor, NO_LOBE},
-    cut::{
-        merge::{Interval, merge, merge_within},
-        packed::{PackedCursor, PackedCuts},
-    },
+    brdf::{Brdf, BrdfVisitor},
+    cut::{merge::Interval, packed::PackedCuts},
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
 };
 use serde::{Deserialize, Serialize};
@@ -69,10 +66,12 @@ impl AddAssign for Work {
 }
 
 /// A node to evaluate.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Term {
     /// Heap index.
     pub node: u32,
+    /// Leaves below it; zero in padding.
+    pub leaves: f32,
     /// Interpolated value of the vertices' cuts; zero in padding, and for nodes that only a [`Mirror`] asks for.
     pub visibility: f32,
     /// Whether it comes from lit cuts: then the value is a mean weighted by the light.
@@ -80,8 +79,15 @@ pub(crate) struct Term {
 }
 
 impl Term {
-    /// What fills up eight: the root without visibility.
-    const PADDING: Self = Self { node: 1, visibility: 0.0, is_lit: false };
+    /// What fills up eight: the root without leaves.
+    pub(super) const PADDING: Self = Self { node: 1, leaves: 0.0, visibility: 0.0, is_lit: false };
+
+    /// Its two halves.
+    #[inline(always)]
+    pub(super) fn halves(self) -> [Self; 2] {
+        let half = Self { node: 2 * self.node, leaves: 0.5 * self.leaves, ..self };
+        [half, Self { node: half.node + 1, ..half }]
+    }
 }
 
 /// Eight terms of the sum, evaluated.
@@ -115,21 +121,14 @@ impl<L: Lanes> EightTerms<'_, L> {
     }
 }
 
-/// The largest node of `root` that begins where `node` ends; 0 at the end of `root`.
-fn next_node(node: u32, root: u32) -> u32 {
-    let left = node >> node.trailing_ones();
-    if left <= root { 0 } else { left + 1 }
-}
-
 /// Merges and evaluates; keeps its buffers between pixels.
 pub struct Shader<'a, F> {
-    field: F,
-    cuts: &'a PackedCuts,
-    height: u32,
-    sampling: BrdfSampling,
+    pub(super) field: F,
+    pub(super) cuts: &'a PackedCuts,
+    pub(super) sampling: BrdfSampling,
     /// Whether the cuts know what is below the horizon of a surface: vertices do not see it.
     knows_horizon: bool,
-    terms: Vec<Term>,
+    found: Found,
     instructions: InstructionSet,
     /// Work done so far.
     pub work: Work,
@@ -138,9 +137,8 @@ pub struct Shader<'a, F> {
 impl<'a, F: NodeField> Shader<'a, F> {
     /// For visibility `cuts` over the tree of `field`.
     pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
-        let (height, instructions) = (field.height(), InstructionSet::widest());
-        let (terms, work) = (Vec::new(), Work::default());
-        Self { field, cuts, height, sampling, knows_horizon: true, terms, instructions, work }
+        let (instructions, found, work) = (InstructionSet::widest(), Found::default(), Work::default());
+        Self { field, cuts, sampling, knows_horizon: true, found, instructions, work }
     }
 
     /// For `cuts` without any occlusion, not even by the surface itself.
@@ -162,8 +160,8 @@ impl<'a, F: NodeField> Shader<'a, F> {
         Some((Mirror::at(point, self.field.solid_angle())?, map))
     }
 
-    /// Visits the terms that are summed without a [`Mirror`], left to right, and before them the nodes of the merged cut
-    /// without visible light.
+    /// Visits the terms that are summed without a [`Mirror`], in any order, and before them the nodes of the merged cut
+    /// without visible light, left to right.
     #[inline(always)]
     pub fn traverse<L: Lanes>(
         &mut self,
@@ -183,16 +181,11 @@ impl<'a, F: NodeField> Shader<'a, F> {
         dark: impl FnMut(Interval),
         visit: impl FnMut(&EightTerms<L>),
     ) {
-        let mut terms = std::mem::take(&mut self.terms);
-        terms.clear();
-        let merged = Merged::new(self, point, mirror);
-        self.work.merged_nodes += match self.sampling {
-            BrdfSampling::Lit => merged.lit(&mut terms, dark),
-            BrdfSampling::Once | BrdfSampling::Refine => merged.stored(&mut terms, dark),
-        };
-        self.work.brdf_evaluations += terms.len() as u64;
-        self.evaluate(point, mirror, &mut terms, visit);
-        self.terms = terms;
+        let mut found = std::mem::take(&mut self.found);
+        self.work.merged_nodes += Merged::new(self, point, mirror).find::<L>(&mut found, dark);
+        self.work.brdf_evaluations += found.terms.len() as u64;
+        self.evaluate(point, mirror, found.terms.eights(), visit);
+        self.found = found;
     }
 
     /// Evaluates the terms, eight at a time.
@@ -201,11 +194,9 @@ impl<'a, F: NodeField> Shader<'a, F> {
         &self,
         point: &SurfacePoint,
         mirror: Option<&Mirror>,
-        terms: &mut Vec<Term>,
+        terms: &[[Term; 8]],
         visit: impl FnMut(&EightTerms<L>),
     ) {
-        terms.resize(terms.len().next_multiple_of(8), Term::PADDING);
-        let terms = terms.as_chunks::<8>().0;
         point.brdf.visit(Evaluate { shader: self, point, mirror, terms, visit, lanes: PhantomData::<L> });
     }
 
@@ -225,30 +216,30 @@ impl<'a, F: NodeField> Shader<'a, F> {
             for (node, term) in nodes.iter_mut().zip(terms) {
                 *node = term.node as usize;
             }
-            let EightLights { direction, inv_kappa, radiance } = self.field.light::<L>(nodes, point.position, spread);
+            let EightLights { direction, inv_kappa, moments, radiance } =
+                self.field.light::<L>(nodes, point.position, spread);
             let mut lights = match self.knows_horizon {
-                true => receiver.lights(direction, inv_kappa),
+                true => receiver.lights(direction, inv_kappa, &moments),
                 false => receiver.lights_at_centers(direction, inv_kappa),
             };
             if let Some(mirror) = mirror {
                 lights.spread.inv_kappa = mirror.spread(lights.wi, lights.spread.inv_kappa);
             }
-            let (brdf_cos, [weight, leaves]) = (brdf.reflect(&lights, point.wo), self.weights(terms));
+            let (brdf_cos, [weight, leaves]) = (brdf.reflect(&lights, point.wo), weights(terms));
             visit(&EightTerms { terms, direction, wi: lights.wi, radiance, brdf_cos, weight, leaves });
         }
     }
+}
 
-    /// Visibility times number of leaves, and number of leaves.
-    #[inline(always)]
-    fn weights<L: Lanes>(&self, terms: &[Term; 8]) -> [L; 2] {
-        let (mut weights, mut leaves) = ([0.0; 8], [0.0; 8]);
-        for ((weight, leaves), term) in weights.iter_mut().zip(&mut leaves).zip(terms) {
-            let below = (1_u32 << (self.height - term.node.ilog2())) as f32;
-            *weight = term.visibility * below;
-            *leaves = if *term == Term::PADDING { 0.0 } else { below };
-        }
-        [L::new(weights), L::new(leaves)]
+/// Visibility times number of leaves, and number of leaves.
+#[inline(always)]
+fn weights<L: Lanes>(terms: &[Term; 8]) -> [L; 2] {
+    let (mut visibility, mut leaves) = ([0.0; 8], [0.0; 8]);
+    for ((visibility, leaves), term) in visibility.iter_mut().zip(&mut leaves).zip(terms) {
+        (*visibility, *leaves) = (term.visibility, term.leaves);
     }
+    let leaves = L::new(leaves);
+    [L::new(visibility) * leaves, leaves]
 }
 
 /// [`Shader::evaluate`] for each model.
@@ -298,190 +289,15 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
             },
         );
         let per_leaf = shader.field.solid_angle();
-        let [reflected, seen, all] = [reflected, seen, all].map(|sum| sum.reduce_add() * per_leaf);
+        let reflected = reflected.reduce_add() * per_leaf;
         let Some((mirror, map)) = mirror else { return reflected };
         mirror.sharpened(
             reflected,
-            seen,
-            all,
+            seen.reduce_add() * per_leaf,
+            all.reduce_add() * per_leaf,
             #[inline(always)]
             || mirror.unshadowed::<L>(point, map),
         )
-    }
-}
-
-/// The nodes of the merged cut of one point.
-struct Merged<'a, 'p, F> {
-    field: F,
-    cuts: &'a PackedCuts,
-    height: u32,
-    point: &'p SurfacePoint,
-    local_from_world: Mat3,
-    /// `None` where the BRDF is sampled once per node, and for BRDFs without a lobe.
-    refinement: Option<Refinement>,
-    /// Whether nodes are halved where one direction is too few.
-    is_refined: bool,
-    /// What also needs nodes without visible light.
-    mirror: Option<&'p Mirror>,
-}
-
-impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
-    fn new(shader: &Shader<'a, F>, point: &'p SurfacePoint, mirror: Option<&'p Mirror>) -> Self {
-        let &Shader { field, cuts, height, sampling, .. } = shader;
-        let lobes = point.lobes();
-        let refinement =
-            (sampling != BrdfSampling::Once && lobes[0] != NO_LOBE).then(|| Refinement::new(lobes, point.wo));
-        let local_from_world = point.world_from_local.transpose();
-        let is_refined = sampling != BrdfSampling::Once;
-        Self { field, cuts, height, point, local_from_world, refinement, is_refined, mirror }
-    }
-
-    fn leaves(&self) -> u32 {
-        1 << self.height
-    }
-
-    /// Whether the lobe needs more directions than that of the node.
-    #[inline(always)]
-    fn shows_in_lobe(&self, node: u32) -> bool {
-        let Some(refinement) = &self.refinement else { return false };
-        let cone = self.field.cone(node as usize, self.point.position);
-        refinement.is_too_wide(self.local_from_world * cone.direction, cone.radius, cone.brightness)
-    }
-
-    /// Whether the BRDF needs more directions than that of the node.
-    #[inline(always)]
-    fn is_too_wide(&self, node: u32) -> bool {
-        if !self.is_refined {
-            return false;
-        }
-        let cone = self.field.cone(node as usize, self.point.position);
-        let wi = self.local_from_world * cone.direction;
-        let too_wide = |r: &Refinement| r.is_too_wide(wi, cone.radius, cone.brightness);
-        is_too_wide_for_a_cosine(wi, cone.radius) || self.refinement.as_ref().is_some_and(too_wide)
-    }
-
-    /// Value of the three vertices' nodes, interpolated.
-    #[inline(always)]
-    fn interpolated(&self, codes: impl Fn(usize) -> u16) -> f32 {
-        let value = |i: usize| self.point.weights[i] * self.field.cut_value(codes(i));
-        value(0) + value(1) + value(2)
-    }
-
-    fn stored_cursors(&self) -> [PackedCursor<'a>; 3] {
-        self.point.vertices.map(|v| PackedCursor::new(self.height, self.cuts.nodes_from(v)))
-    }
-
-    /// Merges the stored cuts with the illumination cut. Adds the terms of its nodes with visible light; the others go to
-    /// `dark`. Returns the number of nodes.
-    #[inline(always)]
-    fn stored(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
-        let ([a, b, c], mut count) = (self.stored_cursors(), 0);
-        let mut cursors = [a, b, c, PackedCursor::new(self.height, self.field.illumination_cut())];
-        merge(
-            self.leaves(),
-            &mut cursors,
-            #[inline(always)]
-            |interval, cursors| {
-                count += 1;
-                self.add_stored(interval, cursors, terms, &mut dark);
-            },
-        );
-        count
-    }
-
-    /// Adds the terms of a node of the merged stored cuts, or hands it to `dark`. The first three of `cursors` are those of
-    /// the vertices.
-    #[inline(always)]
-    fn add_stored(
-        &self,
-        interval: Interval,
-        cursors: &[PackedCursor],
-        terms: &mut Vec<Term>,
-        dark: &mut impl FnMut(Interval),
-    ) {
-        let visibility = self.interpolated(|i| cursors[i].stored_value());
-        let node = interval.heap_index(self.leaves());
-        if visibility > 0.0 {
-            self.halve(Term { node, visibility, is_lit: false }, terms);
-        } else {
-            dark(interval);
-            self.add_dark(node, terms);
-        }
-    }
-
-    /// Adds a node without visible light if it reaches into the window of a mirror.
-    #[inline(always)]
-    fn add_dark(&self, node: u32, terms: &mut Vec<Term>) {
-        let Some(mirror) = self.mirror else { return };
-        let cone = self.field.cone(node as usize, self.point.position);
-        if mirror.overlaps(self.local_from_world * cone.direction, cone.radius) {
-            self.halve(Term { node, visibility: 0.0, is_lit: false }, terms);
-        }
-    }
-
-    /// Merges the lit cuts, and the stored ones below a node that the lobe shows. As [`Self::stored`] otherwise.
-    #[inline(always)]
-    fn lit(&self, terms: &mut Vec<Term>, mut dark: impl FnMut(Interval)) -> u64 {
-        let lit = self.field.lit_cuts();
-        let mut cursors = self.point.vertices.map(|v| PackedCursor::new(self.height, lit.of(self.cuts, v)));
-        let (mut stored, mut count) = (self.stored_cursors(), 0);
-        merge(
-            self.leaves(),
-            &mut cursors,
-            #[inline(always)]
-            |interval, cursors| {
-                count += 1;
-                let visibility = self.interpolated(|i| cursors[i].stored_value());
-                let node = interval.heap_index(self.leaves());
-                if !(visibility > 0.0) {
-                    dark(interval);
-                    self.add_dark(node, terms);
-                } else if self.shows_in_lobe(node) {
-                    for (stored, cursor) in stored.iter_mut().zip(cursors) {
-                        stored.seek(cursor.node().stored(), cursor.first(), interval.first);
-                    }
-                    count += self.below(interval, &mut stored, terms, &mut dark) - 1;
-                } else {
-                    self.halve(Term { node, visibility, is_lit: true }, terms);
-                }
-            },
-        );
-        count
-    }
-
-    /// Merges the stored cuts of the leaves of one node.
-    #[inline(always)]
-    fn below(
-        &self,
-        within: Interval,
-        stored: &mut [PackedCursor; 3],
-        terms: &mut Vec<Term>,
-        dark: &mut impl FnMut(Interval),
-    ) -> u64 {
-        let mut count = 0;
-        merge_within(
-            within,
-            stored,
-            #[inline(always)]
-            |interval, cursors| {
-                count += 1;
-                self.add_stored(interval, cursors, terms, dark);
-            },
-        );
-        count
-    }
-
-    /// Adds a node as it is, or halved where the BRDF needs it.
-    #[inline(always)]
-    fn halve(&self, root: Term, terms: &mut Vec<Term>) {
-        let mut node = root.node;
-        while node != 0 {
-            while node < self.leaves() && self.is_too_wide(node) {
-                node *= 2;
-            }
-            terms.push(Term { node, ..root });
-            node = next_node(node, root.node);
-        }
     }
 }
 

@@ -116,6 +116,9 @@ impl Mirror {
                 share = share.max(sharpness);
             }
         }
+        if !(share > 0.0 && wo.z > 0.0) {
+            return None;
+        }
         // What a sample adds to the width in the space of half vectors, more so at grazing angles.
         let added = sample_radius / wo.z.max(0.1);
         let blurred = WINDOW * WINDOW * 0.125 * added * added;
@@ -123,7 +126,7 @@ impl Mirror {
         sampled[count] = half_axes.map(|axis| (axis / FILLED).min(1.0));
         let reach = 2.0 * half_axes[0].max(half_axes[1]).atan();
         let axes = half_axes.map(|axis| 1.0 / (axis * axis));
-        (share > 0.0 && wo.z > 0.0).then_some(Self { share, lobes: sampled, count: count + 1, axes, reach, wo })
+        Some(Self { share, lobes: sampled, count: count + 1, axes, reach, wo })
     }
 
     /// How much eight local directions belong to the window: 1 around the mirror's direction, 0 outside.
@@ -158,11 +161,14 @@ impl Mirror {
         inv_kappa * (self.inside(wi) * f32x8::splat(self.share))
     }
 
-    /// Whether the cone of `radius` around the local direction `wi` reaches into the window.
+    /// Whether eight cones of `radius` at an angle of these cosines to the mirror's direction reach into the window, as a mask.
     #[inline(always)]
-    pub fn overlaps(&self, wi: Vec3, radius: f32) -> bool {
-        let mirrored = Vec3::new(-self.wo.x, -self.wo.y, self.wo.z);
-        wi.dot(mirrored) > (self.reach + radius).min(PI).cos()
+    pub fn overlaps<L: Lanes>(&self, cos: L, radius: L) -> L {
+        let angle = (L::splat(self.reach) + radius).fast_min(L::splat(PI));
+        let sq = angle * angle;
+        // Taylor's polynomial of degree 6 lies below the cosine.
+        let least = L::splat(1.0) - sq * (L::splat(0.5) - sq * (L::splat(1.0 / 24.0) - sq * L::splat(1.0 / 720.0)));
+        cos.simd_gt(least)
     }
 
     /// `∫ f L w`: light of the window without any shadow.

@@ -3,10 +3,14 @@
 
 use crate::{
     light::{bounce::SourceLighting, environment::SceneLighting},
-    shade::{mirror::MirroredMap, node_row::NodeRow},
+    shade::{
+        mirror::MirroredMap,
+        node_row::{EightNodes, NodeExtent, NodeRow},
+    },
 };
 use glam::Vec3;
 use lapidary_core::{
+    brdf::LobeMomentsX8,
     cut::{lit::LitCuts, packed::VALUE_MAX, solid_angles},
     simd::{Lanes, Vec3x8},
 };
@@ -24,8 +28,8 @@ pub(crate) trait NodeField: Copy {
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
     fn solid_angle(&self) -> f32;
-    /// The node as seen from a point, for the decision on refinement.
-    fn cone(&self, node: usize, from: Vec3) -> Cone;
+    /// Eight nodes as seen from a point, for the decision on refinement.
+    fn cones<L: Lanes>(&self, nodes: [usize; 8], from: Vec3) -> EightCones<L>;
     /// The light of eight nodes at a point. With `spread`, that of each node; else none.
     fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L>;
     /// Unit directions to eight nodes from a point.
@@ -50,18 +54,29 @@ pub(crate) struct EightLights<L> {
     pub direction: Vec3x8<L>,
     /// Angular spread: inverse concentrations as von Mises-Fisher lobes.
     pub inv_kappa: L,
+    /// Moments of these lobes.
+    pub moments: LobeMomentsX8<L>,
     /// Mean radiance.
     pub radiance: Vec3x8<L>,
 }
 
-/// The directions in which a node lies.
-pub(crate) struct Cone {
-    /// Unit direction that stands for them.
-    pub direction: Vec3,
-    /// Half-angle in radians.
-    pub radius: f32,
-    /// How bright the node is somewhere, see [`brightness`](crate::light::brightness).
-    pub brightness: f32,
+impl<L: Lanes> EightLights<L> {
+    /// Without any spread.
+    #[inline(always)]
+    fn of_points(direction: Vec3x8<L>, radiance: Vec3x8<L>) -> Self {
+        let (inv_kappa, moments) = (L::splat(0.0), LobeMomentsX8::known(L::splat(0.0), L::splat(1.0)));
+        Self { direction, inv_kappa, moments, radiance }
+    }
+}
+
+/// The directions in which eight nodes lie.
+pub(crate) struct EightCones<L> {
+    /// Unit directions that stand for them.
+    pub direction: Vec3x8<L>,
+    /// Half-angles in radians.
+    pub radius: L,
+    /// How bright the nodes are somewhere, see [`brightness`](crate::light::brightness).
+    pub brightness: L,
 }
 
 impl NodeField for &SceneLighting {
@@ -91,16 +106,18 @@ impl NodeField for &SceneLighting {
     }
 
     #[inline(always)]
-    fn cone(&self, node: usize, _from: Vec3) -> Cone {
-        let NodeRow { place: direction, brightness, .. } = self.rows[node];
-        Cone { direction, radius: self.radii[node], brightness }
+    fn cones<L: Lanes>(&self, nodes: [usize; 8], _from: Vec3) -> EightCones<L> {
+        let [radius, brightness] = NodeExtent::eight(&self.extents, nodes);
+        EightCones { direction: NodeRow::eight(&self.rows, nodes).place, radius, brightness }
     }
 
     #[inline(always)]
     fn light<L: Lanes>(&self, nodes: [usize; 8], _from: Vec3, spread: bool) -> EightLights<L> {
-        let nodes = NodeRow::eight(&self.rows, nodes);
-        let inv_kappa = if spread { nodes.spread } else { L::splat(0.0) };
-        EightLights { direction: nodes.place, inv_kappa, radiance: nodes.radiance }
+        let EightNodes { place: direction, spread: inv_kappa, radiance, resultant } = NodeRow::eight(&self.rows, nodes);
+        if !spread {
+            return EightLights::of_points(direction, radiance);
+        }
+        EightLights { direction, inv_kappa, moments: LobeMomentsX8::known(inv_kappa, resultant), radiance }
     }
 
     #[inline(always)]
@@ -181,22 +198,27 @@ impl NodeField for SourceField<'_> {
     }
 
     #[inline(always)]
-    fn cone(&self, node: usize, from: Vec3) -> Cone {
-        let NodeRow { place, brightness, .. } = self.lighting.rows[node];
-        let to_center = place - from;
-        let distance = to_center.length().max(LEAST_DISTANCE);
-        let tan = self.lighting.tree.radii()[node] / distance;
+    fn cones<L: Lanes>(&self, nodes: [usize; 8], from: Vec3) -> EightCones<L> {
+        let [radius, brightness] = NodeExtent::eight(&self.lighting.extents, nodes);
+        let to_center = NodeRow::eight::<L>(&self.lighting.rows, nodes).place - Vec3x8::splat(from);
+        let one = L::splat(1.0);
+        let inv_distance = one / to_center.dot(to_center).sqrt().at_least(LEAST_DISTANCE);
+        let tan = radius * inv_distance;
         // Twice the tangent of half of the angle, which is close to the angle where it is small enough not to be halved.
-        let radius = 2.0 * tan / (1.0 + (1.0 + tan * tan).sqrt());
-        Cone { direction: to_center / distance, radius, brightness }
+        let radius = (tan + tan) / (one + (one + tan * tan).sqrt());
+        EightCones { direction: to_center * inv_distance, radius, brightness }
     }
 
     #[inline(always)]
     fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L> {
         let nodes = NodeRow::eight(&self.lighting.rows, nodes);
         let to_center = nodes.place - Vec3x8::splat(from);
-        let inv_kappa = if spread { cap_inv_kappa(to_center, nodes.spread) } else { L::splat(0.0) };
-        EightLights { direction: normalized(to_center), inv_kappa, radiance: nodes.radiance }
+        let (direction, radiance) = (normalized(to_center), nodes.radiance);
+        if !spread {
+            return EightLights::of_points(direction, radiance);
+        }
+        let inv_kappa = cap_inv_kappa(to_center, nodes.spread);
+        EightLights { direction, inv_kappa, moments: LobeMomentsX8::new(inv_kappa), radiance }
     }
 
     #[inline(always)]

@@ -2,9 +2,13 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use lapidary_core::simd::{Lanes, Vec3x8};
+use lapidary_core::{
+    brdf::LobeMomentsX8,
+    simd::{Lanes, Vec3x8},
+};
+use wide::f32x8;
 
-/// What a pixel reads of a node: 32 bytes, half a line of the cache.
+/// What a pixel reads of a node that it sums: 32 bytes, half a line of the cache.
 ///
 /// Eight rows are two loads each and a transposition in registers. From an array a property, each number was a load and
 /// a shuffle of its own.
@@ -17,7 +21,16 @@ pub(crate) struct NodeRow {
     pub spread: f32,
     /// Bytes 16 to 27: mean radiance.
     pub radiance: Vec3,
-    /// Bytes 28 to 31: how bright the node is somewhere, see [`brightness`](crate::light::brightness).
+    /// Bytes 28 to 31: length of the mean direction of a light of that inverse concentration.
+    pub resultant: f32,
+}
+
+/// What the decision on refinement reads beside the place: 8 bytes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodeExtent {
+    /// Half-angle in radians of the cone of directions, or radius in metres.
+    pub radius: f32,
+    /// How bright the node is somewhere, see [`brightness`](crate::light::brightness).
     pub brightness: f32,
 }
 
@@ -29,12 +42,15 @@ pub(crate) struct EightNodes<L> {
     pub spread: L,
     /// Mean radiances.
     pub radiance: Vec3x8<L>,
+    /// Lengths of mean directions.
+    pub resultant: L,
 }
 
 impl NodeRow {
     /// Rows of all nodes, from an array a property.
-    pub fn of_all(places: &[Vec3], spreads: &[f32], radiance: &[Vec3], brightness: &[f32]) -> Vec<Self> {
-        let row = |i| Self { place: places[i], spread: spreads[i], radiance: radiance[i], brightness: brightness[i] };
+    pub fn of_all(places: &[Vec3], spreads: &[f32], radiance: &[Vec3]) -> Vec<Self> {
+        let resultants = resultants(spreads);
+        let row = |i| Self { place: places[i], spread: spreads[i], radiance: radiance[i], resultant: resultants[i] };
         (0..places.len()).map(row).collect()
     }
 
@@ -45,7 +61,36 @@ impl NodeRow {
         for (row, node) in eight.iter_mut().zip(nodes) {
             *row = bytemuck::cast_ref(&rows[node]);
         }
-        let [px, py, pz, spread, rx, ry, rz, _] = L::transposed(eight);
-        EightNodes { place: Vec3x8 { x: px, y: py, z: pz }, spread, radiance: Vec3x8 { x: rx, y: ry, z: rz } }
+        let [px, py, pz, spread, rx, ry, rz, resultant] = L::transposed(eight);
+        let (place, radiance) = (Vec3x8 { x: px, y: py, z: pz }, Vec3x8 { x: rx, y: ry, z: rz });
+        EightNodes { place, spread, radiance, resultant }
     }
+}
+
+impl NodeExtent {
+    /// Extents of all nodes, from an array a property.
+    pub fn of_all(radii: &[f32], brightness: &[f32]) -> Vec<Self> {
+        let extent = |(&radius, &brightness)| Self { radius, brightness };
+        radii.iter().zip(brightness).map(extent).collect()
+    }
+
+    /// Radii and brightnesses of eight of `extents`.
+    #[inline(always)]
+    pub fn eight<L: Lanes>(extents: &[Self], nodes: [usize; 8]) -> [L; 2] {
+        let (mut radii, mut brightness) = ([0.0; 8], [0.0; 8]);
+        for ((radius, brightness), node) in radii.iter_mut().zip(&mut brightness).zip(nodes) {
+            (*radius, *brightness) = (extents[node].radius, extents[node].brightness);
+        }
+        [L::new(radii), L::new(brightness)]
+    }
+}
+
+/// Lengths of the mean directions of lights of these inverse concentrations.
+fn resultants(inv_kappas: &[f32]) -> Vec<f32> {
+    let eight = |inv_kappas: &[f32]| {
+        let mut padded = [0.0; 8];
+        padded[..inv_kappas.len()].copy_from_slice(inv_kappas);
+        LobeMomentsX8::new(f32x8::new(padded)).resultant().to_array()
+    };
+    inv_kappas.chunks(8).flat_map(eight).take(inv_kappas.len()).collect()
 }

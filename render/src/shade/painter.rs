@@ -3,7 +3,7 @@
 use crate::{
     light::{
         bounce::{MeshlessLight, functions::level_color},
-        direct::direct_light,
+        direct::DirectLights,
         environment::SceneLighting,
         implicit::{PosedLight, Sides},
         solver::BounceLight,
@@ -18,7 +18,7 @@ use crate::{
     view_mode::{BasisView, ViewMode, visibility_cuts},
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::{dataset::Dataset, lights::Light, meshless::irradiance, ray::Intersector};
+use lapidary_core::{dataset::Dataset, meshless::irradiance};
 use std::f32::consts::FRAC_1_PI;
 
 /// What the views of the meshless basis show of a surface that faces the eye, for its shape.
@@ -37,10 +37,10 @@ pub(crate) struct PictureLight<'a> {
     pub posed: Option<&'a PosedLight>,
     /// What they change of bounced light, if that is shown.
     pub posed_bounce: Option<&'a PosedLight>,
-    /// Local lights whose direct light is shown, and the intersector for their shadow rays.
-    pub local: Option<(&'a [Light], &'a Intersector)>,
+    /// Local lights whose direct light is shown.
+    pub local: Option<DirectLights<'a>>,
     /// Those among the local lights whose light is summed by itself; [`Self::local`] has the others.
-    pub added: Option<(&'a [Light], &'a Intersector)>,
+    pub added: Option<DirectLights<'a>>,
 }
 
 impl PictureLight<'_> {
@@ -105,8 +105,8 @@ pub(crate) struct Painter<'a> {
     bounce: Option<Bounce<'a>>,
     posed: Option<&'a PosedLight>,
     posed_bounce: Option<&'a PosedLight>,
-    local: Option<(&'a [Light], &'a Intersector)>,
-    added: Option<(&'a [Light], &'a Intersector)>,
+    local: Option<DirectLights<'a>>,
+    added: Option<DirectLights<'a>>,
     /// Work that was shown and has not been taken.
     shown: Work,
 }
@@ -229,6 +229,6 @@ impl<'a> Painter<'a> {
     }
 }
 
-fn direct(lights: Option<(&[Light], &Intersector)>, point: &SurfacePoint, shift: Vec2) -> Vec3 {
-    lights.map_or(Vec3::ZERO, |(lights, intersector)| direct_light(point, lights, intersector, shift))
+fn direct(lights: Option<DirectLights>, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+    lights.map_or(Vec3::ZERO, |lights| lights.reflected(point, shift))
 }

@@ -4,8 +4,12 @@
 //! can go down where this pixel's lobe looks: from nodes of lit cuts into the stored ones below them, and on into the light
 //! tree, which holds the means of all halves. That is an implicit BRDF cut, merged with the others.
 
+use super::node_field::EightCones;
 use glam::Vec3;
-use lapidary_core::brdf::{Lobes, narrow_widths};
+use lapidary_core::{
+    brdf::{Lobes, narrow_widths},
+    simd::{Lanes, Vec3x8},
+};
 
 /// Narrowest lobe that refinement follows. For narrower ones the light samples themselves are too coarse, and the
 /// filtered lobe is used.
@@ -25,48 +29,54 @@ const WIDEST: f32 = 0.35;
 pub(crate) const CONSTANTS: [(&str, f32); 4] =
     [("NARROWEST", NARROWEST), ("FINE", FINE), ("NEGLIGIBLE", NEGLIGIBLE), ("WIDEST", WIDEST)];
 
-/// Whether the cone of `radius` around the local direction `wi` is too wide for one cosine. It is not if it is below the
-/// horizon.
+/// Whether eight cones are too wide for one cosine to `normal`, as a mask. They are not if they are below the horizon.
 #[inline(always)]
-pub fn is_too_wide_for_a_cosine(wi: Vec3, radius: f32) -> bool {
-    radius > WIDEST && wi.z > -radius
+pub fn are_too_wide_for_a_cosine<L: Lanes>(cones: &EightCones<L>, normal: Vec3) -> L {
+    let cosine = cones.direction.dot(Vec3x8::splat(normal));
+    cones.radius.simd_gt(L::splat(WIDEST)) & cosine.simd_gt(-cones.radius)
 }
 
 /// The criterion for one pixel.
 pub struct Refinement {
-    /// Their narrower widths, at least [`NARROWEST`]; 0 for none.
+    /// Their narrower widths, at least [`NARROWEST`]; the first `count`.
     lobes: [f32; 3],
-    /// Direction of the lobe's peak, mirrored at the normal.
-    mirrored: Vec3,
+    count: usize,
 }
 
 impl Refinement {
-    /// For lobes seen from the local direction `wo`.
-    pub fn new(lobes: Lobes, wo: Vec3) -> Self {
-        let lobes = narrow_widths(lobes).map(|width| if width > 0.0 { width.max(NARROWEST) } else { 0.0 });
-        Self { lobes, mirrored: Vec3::new(-wo.x, -wo.y, wo.z) }
+    /// For the lobes that are there.
+    pub fn new(lobes: Lobes) -> Self {
+        let (mut refinement, widths) = (Self { lobes: [0.0; 3], count: 0 }, narrow_widths(lobes));
+        for width in widths.into_iter().filter(|&width| width > 0.0) {
+            refinement.lobes[refinement.count] = width.max(NARROWEST);
+            refinement.count += 1;
+        }
+        refinement
     }
 
-    /// Whether the cone of `radius` around the local direction `wi` is too wide for its light, of this `brightness`, to have
-    /// one direction: what some lobe, widened by the node, reflects of it is not negligible.
+    /// Whether eight cones at an angle of these cosines to the lobes' peak are too wide for their light to have one direction,
+    /// as a mask: what some lobe, widened by the node, reflects of it is not negligible.
     #[inline(always)]
-    pub fn is_too_wide(&self, wi: Vec3, radius: f32, brightness: f32) -> bool {
-        // The squared tangent of half of the angle to the peak is (1 - cos) / (1 + cos).
-        let cos = wi.dot(self.mirrored);
-        self.lobes.iter().any(|&lobe| lobe > 0.0 && is_too_wide_for(lobe, cos, radius, brightness))
+    pub fn are_too_wide<L: Lanes>(&self, cones: &EightCones<L>, cos: L) -> L {
+        let mut any = L::splat(0.0);
+        for &lobe in &self.lobes[..self.count] {
+            any = any | are_too_wide_for(lobe, cones, cos);
+        }
+        any
     }
 }
 
-/// Whether a cone is too wide for a lobe that has its peak at an angle of this cosine.
+/// Whether cones are too wide for a lobe that has its peak at an angle of these cosines.
 #[inline(always)]
-fn is_too_wide_for(lobe: f32, cos: f32, radius: f32, brightness: f32) -> bool {
-    if radius <= FINE * lobe {
-        return false;
-    }
+fn are_too_wide_for<L: Lanes>(lobe: f32, cones: &EightCones<L>, cos: L) -> L {
+    let &EightCones { radius, brightness, .. } = cones;
     // In the space of half vectors distances are half as large: the node is a disc of radius r / 2, whose variance along
     // an axis widens the lobe.
-    let node_sq = 0.25 * radius * radius;
-    let width_sq = lobe * lobe + 0.25 * node_sq;
-    let (near, far) = (1.0 + cos, width_sq * (1.0 + cos) + (1.0 - cos));
-    brightness * node_sq * width_sq * near * near > NEGLIGIBLE * far * far
+    let node_sq = L::splat(0.25) * radius * radius;
+    let width_sq = L::splat(lobe * lobe) + L::splat(0.25) * node_sq;
+    // The squared tangent of half of the angle to the peak is (1 - cos) / (1 + cos).
+    let near = L::splat(1.0) + cos;
+    let far = width_sq * near + (L::splat(1.0) - cos);
+    let shows = (brightness * node_sq * width_sq * near * near).simd_gt(L::splat(NEGLIGIBLE) * far * far);
+    radius.simd_gt(L::splat(FINE * lobe)) & shows
 }

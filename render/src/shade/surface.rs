@@ -1,11 +1,11 @@
 //! The hit of a camera ray: position, frame after bump and normal map, and the BRDF with its textured parameters.
 
-use crate::{appearance::Appearance, shade::differentials::Differentials};
+use crate::{appearance::ResolvedAppearance, shade::differentials::Differentials};
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
-    brdf::{Lambert, LightsX8, LobeMomentsX8, Lobes, NO_LOBE, SpreadX8, SurfaceBrdf, SurfaceParameters, Value},
+    brdf::{Lambert, LightsX8, LobeMomentsX8, Lobes, NO_LOBE, SpreadX8, SurfaceBrdf},
     dataset::Dataset,
-    material::Material,
+    material::{MaterialPoint, ResolvedMaterial},
     ray::{Hit, Intersector, offset},
     simd::{Lanes, Vec3x8},
     surfel::MeshPlace,
@@ -134,29 +134,19 @@ pub(crate) struct PlaceLook {
     pub world_from_local: Mat3,
     /// Direction to the eye in this frame.
     pub wo: Vec3,
-    /// Base colour and perceptual roughness after their textures; black and 1 in models without.
-    pub base_color: Vec3,
-    pub roughness: f32,
-    /// Reflectance with these parameters.
-    pub brdf: SurfaceBrdf,
-    /// Radiance that it sends by itself.
-    pub emission: Vec3,
     /// See [`SurfacePoint::slopes`].
     pub slopes: [f32; 3],
+    /// The material after its maps.
+    pub material: MaterialPoint,
 }
 
 impl SurfacePlace {
-    /// Frame and BRDF with `material`, whose maps are those of `appearance`, from the world direction `wo`.
-    pub(crate) fn under(&self, appearance: &Appearance, material: &Material, wo: Vec3) -> PlaceLook {
+    /// Frame and BRDF with `material`, one of those of `appearance`, from the world direction `wo`.
+    pub(crate) fn under(&self, appearance: &ResolvedAppearance, material: &ResolvedMaterial, wo: Vec3) -> PlaceLook {
         let bumped = self.bumped(appearance, material);
         let world_from_local = frame(facing(bumped.normal, wo), self.tangent, self.handedness);
-        let values = appearance.values(material, &self.uv);
-        let brdf = material.brdf(&values);
-        let base_color = values.of_quantity(material.declared(), "base_color").map_or(Vec3::ZERO, Value::color);
-        let roughness = values.of_quantity(material.declared(), "roughness").map_or(1.0, Value::number);
-        let emission = SurfaceParameters::of(&values).emission();
         let (wo, slopes) = (world_from_local.transpose() * wo, bumped.spread(&world_from_local));
-        PlaceLook { world_from_local, wo, base_color, roughness, brdf, emission, slopes }
+        PlaceLook { world_from_local, wo, slopes, material: appearance.material_at(material, &self.uv) }
     }
 }
 
@@ -196,8 +186,8 @@ impl<L: Lanes> ReceiverX8<L> {
     /// Lights of some extent as the surface receives them: with the mean cosine of their light that is above the horizons of
     /// both normals. What a vertex does not see below its horizon is not in its cut's value either.
     #[inline(always)]
-    pub fn lights(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
-        let (wi, moments) = (self.local(direction), LobeMomentsX8::new(inv_kappa));
+    pub fn lights(&self, direction: Vec3x8<L>, inv_kappa: L, moments: &LobeMomentsX8<L>) -> LightsX8<L> {
+        let wi = self.local(direction);
         let shading = moments.cosines(wi.z);
         let (mut cosine, mut above) = (shading.above_horizon(), wi.z.simd_gt(L::splat(0.0)) & L::splat(1.0));
         if self.is_bent {
@@ -239,7 +229,7 @@ pub enum FirstHit {
 /// Looks up surface points of a dataset.
 pub struct Surfaces<'a> {
     dataset: &'a Dataset,
-    appearance: &'a Appearance,
+    appearance: &'a ResolvedAppearance,
     intersector: &'a Intersector,
     /// Largest distance in metres of shadow ray origins from a surface.
     largest_offset: f32,
@@ -252,7 +242,7 @@ impl<'a> Surfaces<'a> {
     /// metres off a surface.
     pub fn new(
         dataset: &'a Dataset,
-        appearance: &'a Appearance,
+        appearance: &'a ResolvedAppearance,
         intersector: &'a Intersector,
         largest_offset: f32,
     ) -> Self {
@@ -344,18 +334,20 @@ impl<'a> Surfaces<'a> {
         let tangent = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.tangents[v as usize].truncate() * w).sum();
         let handedness = mesh.tangents[vertices[0] as usize].w * side;
         let material_index = self.material(hit.triangle);
-        let material = &self.appearance.materials[material_index as usize];
+        let material = self.appearance.material(material_index);
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
         let offset = offset::of_shading(edge, self.largest_offset);
         let position = p0 * b.x + p1 * b.y + p2 * b.z;
-        let has_maps = material.maps.slots().next().is_some();
-        let slopes = if has_maps { surface_slopes([p0, p1, p2], vertices.map(|v| mesh.uvs[v as usize])) } else { None };
+        let slopes = match material.has_maps() {
+            true => surface_slopes([p0, p1, p2], vertices.map(|v| mesh.uvs[v as usize])),
+            false => None,
+        };
         let uv = match (&self.differentials, slopes) {
             (Some(differentials), Some(slopes)) => differentials.at(uv, position, face_normal, slopes),
             _ => uv.into(),
         };
         let place = SurfacePlace { position, smooth_normal, tangent, handedness, uv, slopes };
-        let looks = place.under(self.appearance, material, wo);
+        let PlaceLook { world_from_local, wo, slopes, material: look } = place.under(self.appearance, material, wo);
         SurfacePoint {
             material: material_index,
             vertices,
@@ -366,13 +358,13 @@ impl<'a> Surfaces<'a> {
             ray_origin: position + face_normal * offset,
             face_normal,
             smooth_normal,
-            world_from_local: looks.world_from_local,
-            wo: looks.wo,
-            base_color: looks.base_color,
-            roughness: looks.roughness,
-            brdf: looks.brdf,
-            emission: looks.emission,
-            slopes: looks.slopes,
+            world_from_local,
+            wo,
+            base_color: look.base_color,
+            roughness: look.roughness,
+            brdf: look.brdf,
+            emission: look.emission,
+            slopes,
             is_catcher: false,
         }
     }

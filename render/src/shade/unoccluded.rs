@@ -4,11 +4,11 @@
 //! cut.
 
 use crate::{
-    appearance::Appearance,
+    appearance::{Appearance, ResolvedAppearance},
     light::environment::SceneLighting,
     shade::{
         merge::Shader,
-        surface::{SurfacePlace, SurfacePoint},
+        surface::{PlaceLook, SurfacePlace, SurfacePoint},
     },
 };
 use glam::Vec3;
@@ -26,15 +26,15 @@ static FULL_VISIBILITY: LazyLock<PackedCuts> = LazyLock::new(|| {
 /// Shades surface positions with free view of every direction above their horizon, with BRDF refinement; keeps its
 /// buffers between them.
 pub struct UnoccludedShader<'a> {
-    appearance: &'a Appearance,
+    appearance: ResolvedAppearance,
     shader: Shader<'a, &'a SceneLighting>,
 }
 
 impl<'a> UnoccludedShader<'a> {
     /// For surface positions with the materials of `appearance` under `lighting`. All maps must be present
     /// ([`Appearance::fitted`]).
-    pub fn new(appearance: &'a Appearance, lighting: &'a SceneLighting) -> Self {
-        Self { appearance, shader: Shader::unoccluded(lighting, &FULL_VISIBILITY) }
+    pub fn new(appearance: Appearance, lighting: &'a SceneLighting) -> Self {
+        Self { appearance: appearance.into(), shader: Shader::unoccluded(lighting, &FULL_VISIBILITY) }
     }
 
     /// Radiance that a surface position with the material of this index sends and reflects toward `wo`, a unit direction in world
@@ -43,7 +43,8 @@ impl<'a> UnoccludedShader<'a> {
     /// # Panics
     /// If there is no such material.
     pub fn shade(&mut self, place: &SurfacePlace, material: usize, wo: Vec3) -> Vec3 {
-        let looks = place.under(self.appearance, &self.appearance.materials[material], wo);
+        let PlaceLook { world_from_local, wo, slopes, material: look } =
+            place.under(&self.appearance, self.appearance.material(material as u32), wo);
         let reflected = self.shader.shade(&SurfacePoint {
             material: material as u32,
             vertices: [0; 3],
@@ -54,16 +55,16 @@ impl<'a> UnoccludedShader<'a> {
             ray_origin: place.position,
             face_normal: place.smooth_normal,
             smooth_normal: place.smooth_normal,
-            world_from_local: looks.world_from_local,
-            wo: looks.wo,
-            base_color: looks.base_color,
-            roughness: looks.roughness,
-            brdf: looks.brdf,
-            emission: looks.emission,
-            slopes: looks.slopes,
+            world_from_local,
+            wo,
+            base_color: look.base_color,
+            roughness: look.roughness,
+            brdf: look.brdf,
+            emission: look.emission,
+            slopes,
             is_catcher: false,
         });
-        looks.emission + reflected
+        look.emission + reflected
     }
 }
 
@@ -94,7 +95,7 @@ mod tests {
         let shaded = |radiance: &dyn Fn(Vec3) -> f32| {
             let leaves: Vec<Vec3> = tree.leaf_directions().iter().map(|&d| Vec3::splat(radiance(d))).collect();
             let lighting = SceneLighting::new(&tree, &leaves, 256);
-            UnoccludedShader::new(&appearance, &lighting).shade(&place, 0, Vec3::new(0.6, 0.8, 0.0)).x
+            UnoccludedShader::new(appearance.clone(), &lighting).shade(&place, 0, Vec3::new(0.6, 0.8, 0.0)).x
         };
         assert!((shaded(&|_| 1.0) - 1.0).abs() < 5e-3, "{}", shaded(&|_| 1.0));
         assert_eq!(shaded(&|d| if d.y < 0.0 { 1.0 } else { 0.0 }), 0.0);

@@ -39,7 +39,7 @@ impl Ball {
         let (appearance, _) =
             Appearance { materials: material.to_vec(), textures: self.textures.clone(), assigned: None }
                 .fitted(material);
-        let mut shader = UnoccludedShader::new(&appearance, &self.lighting);
+        let mut shader = UnoccludedShader::new(appearance, &self.lighting);
         let view = View::new();
         let pixels = (0..size * size).map(|i| {
             let at = (Vec2::new((i % size) as f32, (i / size) as f32) + 0.5) / size as f32 * 2.0 - 1.0;

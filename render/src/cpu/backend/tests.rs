@@ -108,13 +108,15 @@ fn lit_picture(
 }
 
 #[test]
-fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_bit_for_bit_and_coarser_ones_nearly() {
+fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_and_coarser_ones_nearly() {
     for (parameters, is_broad) in [(white(), true), (glossy(0.4), false)] {
         let dataset = microfacets(mesh(8, true), parameters);
         let light = illumination([64, 32], |x, y| Vec3::splat(if x == 20 && y < 8 { 300.0 } else { 0.02 * x as f32 }));
         let (stored, stored_stats) = lit_picture(&dataset, &light, 0.0, BrdfSampling::Refine);
         let (same, _) = lit_picture(&dataset, &light, 0.0, BrdfSampling::Lit);
-        assert!(same == stored, "today's cuts, and no illumination cut");
+        // The same terms in another order.
+        let rounding = compare(&same, &stored).unwrap().rel_rmse;
+        assert!(rounding < 1e-6, "today's cuts, and no illumination cut: {rounding}");
         let (lit, stats) = lit_picture(&dataset, &light, 0.003, BrdfSampling::Lit);
         let (coarse, _) = lit_picture(&dataset, &light, 1.0, BrdfSampling::Lit);
         let error = |image: &Image| compare(image, &stored).unwrap().rel_rmse;

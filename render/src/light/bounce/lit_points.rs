@@ -4,7 +4,10 @@ use super::{
     irradiance::{ShadowRays, light_irradiance},
     light_groups::LightGroups,
 };
-use crate::{appearance::Appearance, baked::Baked};
+use crate::{
+    appearance::{Appearance, ResolvedAppearance},
+    baked::Baked,
+};
 use glam::Vec3;
 use lapidary_core::{lights::Light, ray::offset, surfel::Surfel};
 use rayon::prelude::*;
@@ -57,9 +60,9 @@ impl LitPoints {
     /// Gives the points the reflectance and the emission of other materials; materials that do not fit keep that of the dataset.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         let scene = &self.baked.dataset.scene;
-        let (fitted, _) = appearance.fitted(&scene.materials);
-        self.albedo = self.points.par_iter().map(|p| fitted.albedo(&scene.mesh, p.place)).collect();
-        self.emission = self.points.par_iter().map(|p| fitted.emission(&scene.mesh, p.place)).collect();
+        let fitted = ResolvedAppearance::from(appearance.fitted(&scene.materials).0);
+        let points = self.points.par_iter().map(|point| fitted.albedo_and_emission(&scene.mesh, point.place));
+        (self.albedo, self.emission) = points.unzip();
     }
 
     /// Shines local lights on the points, by rays, which only lights that have changed cast. Returns whether any has.

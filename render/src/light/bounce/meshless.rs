@@ -120,6 +120,7 @@ mod tests {
     use crate::{
         Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Renderer,
         View,
+        appearance::ResolvedAppearance,
         test_scenes::{LINK, from_above, illumination, linked, linked_floor_and_wall},
     };
     use lapidary_core::{
@@ -151,7 +152,8 @@ mod tests {
         let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0].position;
         let to_light = lamp(3.0)[0].position - wall;
         let irradiance = 3.0 * to_light.x / to_light.length().powi(3);
-        let albedo = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, rig.lit.points[0].place);
+        let albedo = ResolvedAppearance::from(Appearance::of(&baked.dataset.scene))
+            .albedo(&baked.dataset.scene.mesh, rig.lit.points[0].place);
         let sent = albedo * irradiance * FRAC_1_PI;
         let found = rig.light().unwrap();
         let mesh = &baked.dataset.scene.mesh;
@@ -199,7 +201,9 @@ mod tests {
             3.0 * to_light.x / to_light.length().powi(3)
         };
         let mesh = &baked.dataset.scene.mesh;
-        let reflected = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place) * FRAC_1_PI * LINK.dot(Vec3::Y);
+        let reflected = ResolvedAppearance::from(Appearance::of(&baked.dataset.scene)).albedo(mesh, wall.place)
+            * FRAC_1_PI
+            * LINK.dot(Vec3::Y);
         let found = super::irradiance(&on_floor(&mut rig), Vec3::Y).x;
         // They count by what they see beyond a quarter of the functions' radius.
         let reach = 0.25 * baked.dataset.meshless.as_ref().unwrap().basis.radii()[0];
@@ -236,7 +240,7 @@ mod tests {
         };
         let share = |vertex: u32| (0..1024).map(|i| f32::from(free(vertex, i))).sum::<f32>() / 1024.0;
         let open = mesh.triangles[wall.place.triangle as usize].map(share).iter().sum::<f32>() / 3.0;
-        let albedo = Appearance::of(&baked.dataset.scene).albedo(mesh, wall.place);
+        let albedo = ResolvedAppearance::from(Appearance::of(&baked.dataset.scene)).albedo(mesh, wall.place);
         let expected = open * albedo * radiance * LINK.dot(Vec3::Y);
         let found = under(&illumination([64, 32], |_, _| radiance));
         assert!((found / expected - 1.0).abs().max_element() < 0.05, "{found} for {expected}, {open}");
@@ -314,7 +318,8 @@ mod tests {
         let (once, light) = picture(&mut rig);
         let (again, same) = picture(&mut rig);
         assert!(Arc::ptr_eq(&light, &same) && once == again);
-        let floor = Appearance::of(&baked.dataset.scene).albedo(&baked.dataset.scene.mesh, MeshPlace::default());
+        let floor = ResolvedAppearance::from(Appearance::of(&baked.dataset.scene))
+            .albedo(&baked.dataset.scene.mesh, MeshPlace::default());
         let received = super::irradiance(&light.at(Vec3::ZERO, Vec3::Y, false), Vec3::Y);
         let expected = floor * received * FRAC_1_PI;
         assert!((once - expected).length() < 1e-4 * expected.length() && once.x > 0.0, "{once} for {expected}");

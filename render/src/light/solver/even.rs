@@ -75,6 +75,7 @@ mod tests {
     use super::*;
     use crate::{
         Components, CpuBackend, LitScene, Look, Solution, View,
+        appearance::ResolvedAppearance,
         test_looks::look,
         test_scenes::{from_above, linked_floor_and_wall, point_light},
     };
@@ -84,7 +85,7 @@ mod tests {
     fn a_solver_by_its_file_and_its_line_is_seen_in_a_picture() {
         let baked = Baked::from(linked_floor_and_wall());
         let appearance = Appearance::of(&baked.dataset.scene);
-        let albedo = appearance.albedo(&baked.dataset.scene.mesh, Default::default());
+        let albedo = ResolvedAppearance::from(appearance.clone()).albedo(&baked.dataset.scene.mesh, Default::default());
         let light = |intensity: f32| point_light(Vec3::new(-1.0, 1.2, 0.1), intensity);
         let mut scene = LitScene::new(Box::new(CpuBackend::new()), baked.clone()).unwrap();
         let mut at_center = |solution, intensity| {

@@ -195,7 +195,7 @@ fn lit_cuts_are_a_step_of_their_own_which_grows_with_tau() {
         assert_eq!((steps[0].factor, steps[1].factor), ("lit cuts", "BRDF sampling"));
         steps[0].rel_rmse
     };
-    assert_eq!(lit(0.0), 0.0, "the stored cuts, and an illumination cut of the root");
+    assert!(lit(0.0) < 1e-6, "the stored cuts, and an illumination cut of the root, summed in another order");
     assert!(lit(0.3) > 2.0 * lit(0.003) && lit(0.3) > 1e-4, "{} {}", lit(0.3), lit(0.003));
     assert!(steps(0.3, BrdfSampling::Refine).iter().all(|step| step.factor != "lit cuts"), "negative control");
 }

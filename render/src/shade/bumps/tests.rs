@@ -4,6 +4,7 @@
 use super::*;
 use crate::{
     Background, BrdfSampling, PathSettings, Renderer, SamplePositions, View,
+    appearance::ResolvedAppearance,
     light::{components::Components, environment::Illumination},
     shade::{
         background::{Backdrop, BlurCache},
@@ -20,7 +21,7 @@ use lapidary_core::{
     camera::Camera,
     environment::texel_direction,
     image::Image,
-    material::{BrdfModel, Maps},
+    material::{BUMP, BrdfModel, Maps, Material, NORMAL},
     simd::Vec3x8,
     texture::{Texels, Texture, TextureSlot, UvFootprint},
 };
@@ -68,11 +69,11 @@ fn look(model: BrdfModel, roughness: f32, map: &'static str, slot: TextureSlot) 
 }
 
 /// BRDF times cosine of a place for light from a world direction.
-fn reflected(appearance: &Appearance, uv: UvFootprint, wo: Vec3, wi: Vec3, with_slopes: bool) -> f32 {
-    let seen = place(uv).under(appearance, &appearance.materials[0], wo);
+fn reflected(appearance: &ResolvedAppearance, uv: UvFootprint, wo: Vec3, wi: Vec3, with_slopes: bool) -> f32 {
+    let seen = place(uv).under(appearance, appearance.material(0), wo);
     let slopes = if with_slopes { seen.slopes } else { [0.0; 3] };
     let wi = Vec3x8::splat(seen.world_from_local.transpose() * wi);
-    seen.brdf.spread_cos_x8(wi, seen.wo, f32x8::ZERO, slopes).lane(0).y
+    seen.material.brdf.spread_cos_x8(wi, seen.wo, f32x8::ZERO, slopes).lane(0).y
 }
 
 #[test]
@@ -83,7 +84,7 @@ fn a_footprint_reflects_as_the_mean_of_all_its_normals_do() {
     // The sum of the waves is nearly Gaussian, as Beckmann's facets are; the tails of GGX are longer.
     for (model, bound) in [(BrdfModel::Beckmann, 0.12), (BrdfModel::Ggx, 0.25)] {
         for map in [NORMAL, BUMP] {
-            let appearance = look(model, 0.35, map, TextureSlot::default());
+            let appearance = look(model, 0.35, map, TextureSlot::default()).into();
             let (mut error, mut unwidened, mut sum) = (0.0, 0.0, 0.0);
             for (x, y) in [(0.0, 0.0), (-0.4, -0.1), (0.1, 0.3), (-0.8, 0.2), (-0.5, -0.5)] {
                 let wi = Vec3::new(x, y, 1.0).normalize();

@@ -64,27 +64,3 @@ fn all_instruction_sets_gather_sources_to_the_same_bits() {
     let point = surface_at(&renderer, &from_the_side(24));
     assert_same(&bits_in_each_set(SourceField::new(&lighting), &indirect.cuts, &point));
 }
-
-#[test]
-fn stepping_over_leaves_visits_each_leaf_of_a_root_once() {
-    let leaves = 16;
-    for root in [1, 2, 3, 5, 7, 11, 15, 16, 31] {
-        let first_leaf = |mut n: u32| {
-            while n < leaves {
-                n *= 2;
-            }
-            n
-        };
-        let mut visited = Vec::new();
-        let mut node = root;
-        while node != 0 {
-            node = first_leaf(node);
-            visited.push(node);
-            node = next_node(node, root);
-        }
-        let below = |n: u32| (0..5).any(|k| n >> k == root);
-        assert_eq!(visited, (leaves..2 * leaves).filter(|&n| below(n)).collect::<Vec<_>>(), "{root}");
-    }
-    assert_eq!(next_node(4, 2), 5);
-    assert_eq!(next_node(9, 2), 5); // the right leaf of the left half: on to the right half
-}

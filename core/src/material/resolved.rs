@@ -1,0 +1,136 @@
+//! Materials as surface points use them: what is the same at all points is worked out once an edit.
+
+use super::{BUMP, Material, NORMAL};
+use crate::{
+    brdf::{BrdfModel, Content, FilePart, Parameter, SurfaceBrdf, SurfaceParameters, Value, Values},
+    texture::TextureSlot,
+};
+use glam::{Vec3, Vec4};
+
+/// A material without names: its constants in their ranges, and the parameters that maps modulate.
+#[derive(Clone, Debug)]
+pub struct ResolvedMaterial {
+    model: BrdfModel,
+    content: Option<Content>,
+    /// Values without maps.
+    plain: Values,
+    mapped: Vec<MappedParameter>,
+    base_color: Option<Place>,
+    roughness: Option<Place>,
+    normal: Option<TextureSlot>,
+    bump: Option<TextureSlot>,
+    /// Of a material without mapped parameters.
+    constant: Option<MaterialPoint>,
+}
+
+/// A parameter of which each point has a value of its own.
+#[derive(Clone, Debug)]
+struct MappedParameter {
+    place: Place,
+    /// The value that the map modulates, which may be out of range.
+    value: Value,
+    slot: TextureSlot,
+}
+
+/// Where the numbers of a parameter begin among all values.
+type Place = (usize, &'static Parameter);
+
+/// A material at one point.
+#[derive(Clone, Debug)]
+pub struct MaterialPoint {
+    /// Reflectance.
+    pub brdf: SurfaceBrdf,
+    /// Base colour; black in models without one.
+    pub base_color: Vec3,
+    /// Perceptual roughness; 1 in models without one.
+    pub roughness: f32,
+    /// Radiance that it sends by itself, in W/(m² sr).
+    pub emission: Vec3,
+}
+
+impl From<&Material> for ResolvedMaterial {
+    fn from(material: &Material) -> Self {
+        let declared = material.declared();
+        let firsts = declared.iter().scan(0, |next, parameter| {
+            let first = *next;
+            *next += parameter.numbers();
+            Some((first, parameter))
+        });
+        let places: Vec<Place> = firsts.collect();
+        let of_quantity = |quantity| places.iter().copied().find(|(_, parameter)| parameter.quantity == quantity);
+        let mapped = |&(first, parameter): &Place| {
+            let slot = material.maps.get(parameter.name)?.clone();
+            Some(MappedParameter { place: (first, parameter), value: material.parameters.value(parameter), slot })
+        };
+        let content = material.file.as_ref().and_then(|file| file.content.clone());
+        let mut resolved = Self {
+            model: material.model,
+            content: content.filter(|_| material.model.has_file()),
+            plain: material.plain_values(),
+            mapped: places.iter().filter_map(mapped).collect(),
+            base_color: of_quantity("base_color"),
+            roughness: of_quantity("roughness"),
+            normal: material.maps.get(NORMAL).cloned(),
+            bump: material.maps.get(BUMP).cloned(),
+            constant: None,
+        };
+        resolved.constant = resolved.mapped.is_empty().then(|| resolved.with_values(&resolved.plain));
+        resolved
+    }
+}
+
+impl ResolvedMaterial {
+    /// All of some materials.
+    pub fn all(materials: &[Material]) -> Vec<Self> {
+        materials.iter().map(Self::from).collect()
+    }
+
+    /// The material at a point, where `sample` looks up the texels of maps.
+    #[inline]
+    pub fn at(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> MaterialPoint {
+        self.constant.clone().unwrap_or_else(|| self.with_values(&self.values(sample)))
+    }
+
+    /// Values of all parameters after their maps, within their ranges.
+    ///
+    /// They are clamped here and nowhere later. Twin of `material_color` and `material_number` in `shaders/materials.wgsl`.
+    pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
+        let mut values = self.plain;
+        for MappedParameter { place: (first, parameter), value, slot } in &self.mapped {
+            let texel = sample(slot);
+            let is_color = parameter.is_color();
+            let factor = if is_color { texel.truncate() } else { Vec3::splat(texel[slot.channel as usize]) };
+            values.replace(*first, parameter.sanitized(parameter.modulated(*value, factor)));
+        }
+        values
+    }
+
+    fn with_values(&self, values: &Values) -> MaterialPoint {
+        let file = self.content.as_ref().map(|content| FilePart { content, plain: &self.plain });
+        let at = |place: Option<Place>| place.map(|(first, parameter)| values.at(first, parameter));
+        MaterialPoint {
+            brdf: SurfaceBrdf::new(self.model, values, file),
+            base_color: at(self.base_color).map_or(Vec3::ZERO, Value::color),
+            roughness: at(self.roughness).map_or(1.0, Value::number),
+            emission: SurfaceParameters::of(values).emission(),
+        }
+    }
+
+    /// Whether a parameter or the normal has a map.
+    #[inline]
+    pub fn has_maps(&self) -> bool {
+        !self.mapped.is_empty() || self.normal.is_some() || self.bump.is_some()
+    }
+
+    /// The slot of the normal map.
+    #[inline]
+    pub fn normal_map(&self) -> Option<&TextureSlot> {
+        self.normal.as_ref()
+    }
+
+    /// The slot of the bump map.
+    #[inline]
+    pub fn bump_map(&self) -> Option<&TextureSlot> {
+        self.bump.as_ref()
+    }
+}
