@@ -37,8 +37,6 @@ const PICTURE: [&str; 8] = [
 pub struct BenchArgs {
     #[command(flatten)]
     json: JsonArgs,
-    #[command(flatten)]
-    against: AgainstArgs,
     /// Measure implicit visibility with these numbers of surfels, separated by commas, in place of frames
     #[arg(
         long,
@@ -55,6 +53,9 @@ pub struct BenchArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewUnlessAgainst,
+    // Last, since its heading would stand over what follows.
+    #[command(flatten)]
+    against: AgainstArgs,
 }
 
 /// A view of a dataset; nothing beside another program, where the scenes are given.

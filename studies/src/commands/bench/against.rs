@@ -2,10 +2,11 @@
 //! the same machine, so their ratio says what a change did, whatever the machine.
 
 mod first_picture;
+mod jobs;
 mod measure;
 mod program;
 mod report;
-mod rows;
+mod runs;
 mod xwd;
 
 use super::{JsonArgs, PICTURE};
@@ -60,7 +61,7 @@ pub fn run(args: &AgainstArgs, json: &JsonArgs, console: Console) -> Result<Outc
     let other = Program::open(against)?;
     let steps = Steps::new(console);
     let start = Instant::now();
-    let rows = Contest::new([&this, &other], &data, Limits::USUAL, &steps)?.measure(rows::JOBS)?;
+    let rows = Contest::new([&this, &other], &data, Limits::USUAL, &steps)?.measure(jobs::JOBS)?;
     let report = Report::new([&this, &other], rows, start.elapsed(), args.fail_above);
     json.tell(&report, || report.table())?;
     Ok(report.outcome())

@@ -2,9 +2,10 @@
 
 use super::{
     first_picture::Display,
+    jobs::{COMMON, EDITS, Job, SCENES, Work},
     program::{Finished, Patience, Program, RunError},
-    report::{Row, Times},
-    rows::{COMMON, EDITS, Figure, Job, SCENES, Work},
+    report::Row,
+    runs::{Figures, Runs, Side, rows},
 };
 use crate::{args::BackendOption, bundled::DataFolder, terminal::Steps};
 use anyhow::{Context, Result};
@@ -39,74 +40,6 @@ impl Limits {
     /// Those of a comparison.
     pub const USUAL: Self =
         Self { bake: Duration::from_secs(240), run: Duration::from_secs(120), suite: Duration::from_secs(420) };
-}
-
-/// One of both programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    This,
-    Other,
-}
-
-impl Side {
-    fn name(self) -> &'static str {
-        match self {
-            Self::This => "this program",
-            Self::Other => "the other program",
-        }
-    }
-
-    /// Both, each first in every second round, so that a drift of the machine favours neither.
-    fn in_turn(round: usize) -> [Self; 2] {
-        match round % 2 {
-            0 => [Self::Other, Self::This],
-            _ => [Self::This, Self::Other],
-        }
-    }
-}
-
-/// Figures of a run in milliseconds, those of the job in their order. Some programs do not tell all of them.
-type Figures = Vec<Option<f64>>;
-
-/// Runs of a program on a dataset.
-struct Runs {
-    program: Side,
-    /// Who baked it.
-    dataset: Side,
-    /// Of each round.
-    figures: Vec<Figures>,
-    /// Why there are no more of them.
-    trouble: Option<String>,
-}
-
-impl Runs {
-    fn new(program: Side, dataset: Side) -> Self {
-        Self { program, dataset, figures: Vec::new(), trouble: None }
-    }
-
-    fn add(&mut self, run: Result<Figures, String>) {
-        match run {
-            Ok(figures) => self.figures.push(figures),
-            Err(trouble) if self.program == self.dataset => {
-                self.trouble = Some(format!("{} {trouble}", self.program.name()));
-            }
-            Err(trouble) => {
-                self.trouble =
-                    Some(format!("on the dataset of {}, {} {trouble}", self.dataset.name(), self.program.name()));
-            }
-        }
-    }
-
-    /// Times of a figure.
-    fn times(&self, figure: usize) -> Vec<f64> {
-        self.figures.iter().filter_map(|figures| figures[figure]).collect()
-    }
-
-    /// What is wrong with a figure.
-    fn trouble_of(&self, figure: usize) -> Option<String> {
-        let is_untold = self.times(figure).len() < self.figures.len();
-        self.trouble.clone().or(is_untold.then(|| format!("{} does not tell it", self.program.name())))
-    }
 }
 
 /// Both programs, and where they work.
@@ -309,26 +242,6 @@ fn missing_here(work: &Work) -> Option<String> {
         },
         Work::Bake | Work::Bench(_) => None,
     }
-}
-
-/// The rows of a job.
-fn rows(job: &Job, all: &[Runs]) -> Vec<Row> {
-    let row = |(number, figure): (usize, &Figure)| {
-        let times = |program: Side, dataset: Side| {
-            let found = all.iter().find(|runs| (runs.program, runs.dataset) == (program, dataset));
-            found.map_or(Vec::new(), |runs| runs.times(number))
-        };
-        let pairs =
-            |this_on: Side, other_on: Side| Times::new(times(Side::This, this_on), times(Side::Other, other_on));
-        let trouble = all.iter().find_map(|runs| runs.trouble_of(number));
-        Row {
-            on_this: pairs(Side::This, Side::This),
-            on_other: pairs(Side::Other, Side::Other),
-            ..Row::new(job.name_of(figure), pairs(Side::This, Side::Other))
-        }
-        .failing(trouble)
-    };
-    job.figures.iter().enumerate().map(row).collect()
 }
 
 fn milliseconds(time: Duration) -> f64 {

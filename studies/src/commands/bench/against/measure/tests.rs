@@ -1,9 +1,9 @@
 //! Shell scripts stand for both programs: they bake empty files and print figures that are known.
 #![cfg(unix)]
 
-use super::{super::rows::JOBS, *};
+use super::{super::jobs::JOBS, *};
 use crate::{
-    commands::bench::against::report::Report,
+    commands::bench::against::report::{Report, Times},
     terminal::{Console, Outcome},
 };
 use std::process::Command;
