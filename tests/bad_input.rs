@@ -290,13 +290,12 @@ fn without_a_display_the_editor_says_what_to_do() {
 }
 
 #[test]
-fn a_file_that_is_no_baseline_is_told_before_anything_is_measured() {
+fn a_file_that_is_no_program_is_told_before_anything_is_measured() {
     let folder = Folder::new();
-    for text in ["[1, 2]", "{\"kernel\": 1, \"figures\": {\"still-life: bake\": 0}}"] {
-        folder.write("base.json", text.into());
-        let message = folder.fail("bench --suite --baseline base.json --save new.json");
-        assert!(message.contains("not a baseline") && message.contains("base.json"), "{message}");
+    for other in ["gone", "scene.obj"] {
+        let message = folder.fail(&format!("bench --against {other} --json new.json"));
+        assert!(message.contains("name a program of lapidary") && message.contains(other), "{message}");
     }
-    assert!(folder.fail("bench --suite --baseline gone.json").contains("gone.json"));
+    assert!(folder.fail("bench --against gone --data nowhere").contains("nowhere"));
     assert!(!folder.path("new.json").exists());
 }

@@ -19,7 +19,7 @@ enum Kind {
 }
 
 /// Every option that names an output, with a command line; `{}` stands for the output.
-const OUTPUTS: [(&str, &str, Kind, &str); 19] = [
+const OUTPUTS: [(&str, &str, Kind, &str); 20] = [
     ("bake", "output", Kind::File, "bake a.cuts -o {}"),
     ("bake", "report", Kind::File, "bake a.cuts -o b.cuts --report {}"),
     ("render", "out", Kind::File, "render a.cuts --out {}"),
@@ -38,7 +38,8 @@ const OUTPUTS: [(&str, &str, Kind, &str); 19] = [
     ("export", "mitsuba", Kind::Folder, "export a.cuts --mitsuba {}"),
     ("export", "materials", Kind::File, "export a.cuts --materials {}"),
     ("demo", "out", Kind::Folder, "demo --data a --out {}"),
-    ("bench", "save", Kind::File, "bench --suite --baseline a.cuts --save {}"),
+    ("bench", "json", Kind::File, "bench a.cuts --json {}"),
+    ("bench", "json", Kind::File, "bench --against a.cuts --json {}"),
 ];
 
 /// Options that name an input; the dataset, the lights and the material are those of many commands.
@@ -52,7 +53,7 @@ const INPUTS: [&str; 12] = [
     "data",
     "test",
     "reference",
-    "baseline",
+    "against",
     "original",
     "pose",
 ];

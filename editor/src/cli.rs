@@ -52,7 +52,7 @@ Exit codes:
   0    done
   1    an error; standard error says which
   2    wrong options
-  3    `compare` found a metric out of bounds
+  3    `compare` found a metric out of bounds, or `bench --against` a ratio
   130  stopped by Ctrl-C";
 
 /// The command line.

@@ -33,6 +33,11 @@ impl DataFolder {
         Ok(folder)
     }
 
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
     /// A scene by the name of its folder.
     pub fn scene(&self, name: &str) -> PathBuf {
         self.0.join(name).join(name).with_extension("gltf")

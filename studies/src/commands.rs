@@ -109,20 +109,22 @@ Examples:
   lapidary sequence tower.cuts --animation tower.gltf --fps 24 --frames 48 --out bend/b.##.png
   lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
     Sequence(SequenceArgs),
-    /// Measure the time of a frame, by pass, of lit cuts or by size of the illumination cut; or a suite against a baseline
+    /// Measure the time of a frame, by pass, of lit cuts or by size of the illumination cut; of drags and edits; or all of it
+    /// beside another program
     #[command(after_help = "\
 It prints medians. Here each pass waits for the one before; in the window they may overlap.
 
---suite bakes the bundled scenes and measures bake, frame, drag, rotation and lit cuts on the CPU. It takes minutes on two
-cores. A fixed piece of work, the kernel, runs between all runs; figures are told in milliseconds and in multiples of its
-time. The multiples are held against a baseline, and those more than 30 % above it are named.
+--against runs this program and another build of it in turn on the bundled scenes, which each bakes for itself, and takes
+up to ten minutes on two cores. It prints times, ratios (this over the other, the median of all pairs of runs), the least and
+largest ratio, and the ratios with both on the dataset of one of them. Where a program fails, hangs or lacks an option, the
+row says so, the others go on, and the exit code is 1.
 
 Examples:
   lapidary bench scene.cuts --size 1920x1080 --json
   lapidary bench scene.cuts --backend cpu --illum-cuts 256 --frames 5
-  lapidary bench --suite
-  lapidary bench --suite --save before.json
-  lapidary bench --suite --baseline before.json --json")]
+  lapidary bench scene.cuts --edits Copper --env studio --backend cpu
+  lapidary bench --against ./lapidary-before --json ratios.json
+  lapidary bench --against ./lapidary-before --fail-above 1.2")]
     Bench(BenchArgs),
     /// Render the same picture by ray tracing, as a reference
     #[command(after_help = "\

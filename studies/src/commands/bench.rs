@@ -1,21 +1,24 @@
-//! `lapidary bench`: how long each pass of a frame takes, or each step of implicit visibility, or a suite of figures on the bundled
-//! scenes.
+//! `lapidary bench`: how long each pass of a frame takes, each step of implicit visibility, or all that is
+//! measured of the bundled scenes beside another program.
 
+mod against;
 mod drag;
+mod edits;
 mod implicit;
+mod json;
 mod passes;
-mod suite;
 
 use crate::{
     args::{LocalLightArgs, ViewArgs},
     outputs::CommandFiles,
     terminal::{Console, Outcome},
 };
+use against::AgainstArgs;
 use anyhow::Result;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
+use json::JsonArgs;
 use passes::PassesArgs;
 use std::time::Duration;
-use suite::SuiteArgs;
 
 /// Options about the picture of a dataset, by name or by group.
 const PICTURE: [&str; 8] = [
@@ -32,11 +35,8 @@ const PICTURE: [&str; 8] = [
 /// Options of `bench`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
-    /// Print the figures as JSON
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    suite: SuiteArgs,
+    json: JsonArgs,
     /// Measure implicit visibility with these numbers of surfels, separated by commas, in place of frames
     #[arg(
         long,
@@ -44,7 +44,7 @@ pub struct BenchArgs {
         value_delimiter = ',',
         value_parser = clap::value_parser!(u32).range(64..=65_536),
         conflicts_with_all = PICTURE,
-        conflicts_with_all = ["drag", "illum_cuts"]
+        conflicts_with_all = ["drag", "edits", "illum_cuts"]
     )]
     surfels: Vec<u32>,
     #[command(flatten)]
@@ -52,17 +52,20 @@ pub struct BenchArgs {
     #[command(flatten)]
     local: LocalLightArgs,
     #[command(flatten)]
-    view: ViewUnlessSuite,
+    view: ViewUnlessAgainst,
+    // Last, since its heading would stand over what follows.
+    #[command(flatten)]
+    against: AgainstArgs,
 }
 
-/// A view of a dataset; nothing for the suite, which has its own scenes.
+/// A view of a dataset; nothing beside another program, where the scenes are given.
 #[derive(Clone, Debug)]
-struct ViewUnlessSuite(Option<ViewArgs>);
+struct ViewUnlessAgainst(Option<ViewArgs>);
 
 /// By hand, because an optional group with groups in it has no members for clap.
-impl Args for ViewUnlessSuite {
+impl Args for ViewUnlessAgainst {
     fn augment_args(command: Command) -> Command {
-        ViewArgs::augment_args(command).mut_arg("file", |file| file.required(false).required_unless_present("suite"))
+        ViewArgs::augment_args(command).mut_arg("file", |file| file.required(false).required_unless_present("against"))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -70,7 +73,7 @@ impl Args for ViewUnlessSuite {
     }
 }
 
-impl FromArgMatches for ViewUnlessSuite {
+impl FromArgMatches for ViewUnlessAgainst {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         matches.contains_id("file").then(|| ViewArgs::from_arg_matches(matches)).transpose().map(Self)
     }
@@ -84,7 +87,8 @@ impl FromArgMatches for ViewUnlessSuite {
 impl BenchArgs {
     /// What it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        self.view.0.as_ref().map_or_else(|| self.suite.files(), |view| view.files(&self.local))
+        let files = self.view.0.as_ref().map_or_else(|| self.against.files(), |view| view.files(&self.local));
+        files.writes(self.json.output())
     }
 }
 
@@ -93,15 +97,13 @@ impl BenchArgs {
 /// # Errors
 /// Files that cannot be read, or no adapter where one is asked for.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
-    match &args.view.0 {
-        Some(view) => {
-            let viewed = view.resolve(&args.local, console)?;
-            match args.surfels.is_empty() {
-                true => passes::run(&args.passes, &viewed, args.json)?,
-                false => implicit::run(&args.surfels, &args.passes, &viewed.baked.dataset, args.json)?,
-            }
-        }
-        None => suite::run(&args.suite, args.json, console)?,
+    let Some(view) = &args.view.0 else {
+        return against::run(&args.against, &args.json, console);
+    };
+    let viewed = view.resolve(&args.local, console)?;
+    match args.surfels.is_empty() {
+        true => passes::run(&args.passes, &viewed, &args.json)?,
+        false => implicit::run(&args.surfels, &args.passes, &viewed.baked.dataset, &args.json)?,
     }
     Ok(Outcome::Done)
 }
@@ -124,26 +126,32 @@ mod tests {
     }
 
     #[test]
-    fn it_takes_a_dataset_or_the_suite() {
+    fn it_takes_a_dataset_or_another_program() {
         let parsed = |text: &str| Options::try_parse_from(std::iter::once("bench").chain(text.split_whitespace()));
         let bench = |text: &str| parsed(text).map(|options| options.bench);
         assert!(bench("a.cuts --size 8x6 --env none --frames 1").is_ok_and(|bench| bench.view.0.is_some()));
-        assert!(bench("--suite --save new.json --json").is_ok_and(|bench| bench.view.0.is_none()));
+        assert!(bench("--against old --fail-above 1.1 --json").is_ok_and(|bench| bench.view.0.is_none()));
         let surfels = bench("a.cuts --surfels 1024,4096 --frames 3 --backend cpu --json");
         assert!(surfels.is_ok_and(|bench| bench.surfels == [1024, 4096]));
         assert!(bench("a.cuts --drag o --env none --size 8x6 --roughness 1").is_ok());
+        assert!(bench("a.cuts --edits m --env none --size 8x6 --frames 3").is_ok());
         let refused = [
             "",
             "--json",
-            "--suite a.cuts",
-            "--suite --size 8x6",
-            "--suite --env none",
-            "--suite --frames 3",
-            "--suite --roughness 1",
-            "--suite --lights none",
-            "--suite --surfels 1024",
+            "--json a.cuts",
+            "--against",
+            "--against old a.cuts",
+            "--against old --size 8x6",
+            "--against old --env none",
+            "--against old --frames 3",
+            "--against old --edits m",
+            "--against old --roughness 1",
+            "--against old --lights none",
+            "--against old --surfels 1024",
+            "--against old --fail-above 0",
             "a.cuts --surfels 3",
             "a.cuts --surfels 1024 --drag o",
+            "a.cuts --surfels 1024 --edits m",
             "a.cuts --surfels 1024 --illum-cuts 256",
             "a.cuts --surfels 1024 --env none",
             "a.cuts --surfels 1024 --lights none",
@@ -151,12 +159,31 @@ mod tests {
             "a.cuts --surfels 1024 --roughness 1",
             "a.cuts --surfels 1024 --material gold.json",
             "a.cuts --drag o --illum-cuts 256",
-            "--save new.json",
-            "a.cuts --save new.json",
-            "a.cuts --baseline old.json",
+            "a.cuts --drag o --edits m",
+            "a.cuts --edits m --illum-cuts 256",
+            "--fail-above 2",
+            "a.cuts --fail-above 2",
         ];
         for text in refused {
             assert!(parsed(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn json_is_printed_or_written() {
+        let output = |text: &str| {
+            let words = std::iter::once("bench").chain(text.split_whitespace());
+            Options::try_parse_from(words)
+                .unwrap()
+                .bench
+                .files()
+                .outputs()
+                .map(std::path::PathBuf::from)
+                .collect::<Vec<_>>()
+        };
+        assert!(output("a.cuts --json").is_empty() && output("--against old --json").is_empty());
+        assert!(output("a.cuts --json --frames 3").is_empty());
+        assert_eq!(output("a.cuts --json b.json"), [std::path::Path::new("b.json")]);
+        assert_eq!(output("--against old --json b.json"), [std::path::Path::new("b.json")]);
     }
 }

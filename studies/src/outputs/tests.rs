@@ -96,8 +96,8 @@ fn an_input_is_known_behind_a_link() {
 /// Options that an option needs beside it.
 const COMPANIONS: [(&str, &str, &str); 2] = [("compare", "out", "--map flip"), ("predict", "json", "--calibrate")];
 
-/// Options of a command that are only taken beside another one, and in place of its other paths.
-const ALTERNATIVE: (&str, &[&str], &str) = ("bench", &["baseline", "save", "data"], "--suite");
+/// Options of a command that are only taken together, and in place of its other paths.
+const ALTERNATIVE: (&str, &[&str]) = ("bench", &["against", "data"]);
 
 /// A command line of each command with all its paths; what is no path is left at its default. A command with an alternative
 /// has two.
@@ -109,12 +109,9 @@ fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {
             if argument.get_value_parser().type_id() != TypeId::of::<PathBuf>() {
                 continue;
             }
-            let (name, options, beside) = ALTERNATIVE;
+            let (name, options) = ALTERNATIVE;
             if name == command.get_name() && options.contains(&argument.get_id().as_str()) != is_alternative {
                 continue;
-            }
-            if is_alternative && !line.iter().any(|word| word == beside) {
-                line.push(beside.to_owned());
             }
             let path = match argument.get_id().as_str() {
                 id @ ("out" | "contact_sheet") => format!("{id}-of-{}/a.####.png", command.get_name()),

@@ -22,7 +22,7 @@ pub enum Outcome {
     Done = 0,
     /// Something could not be read, written or computed.
     Failed = 1,
-    /// `compare` found a difference outside the given bounds.
+    /// `compare` or `bench --against` found a figure outside the given bounds.
     OutOfBounds = 3,
     /// Ctrl-C; the number is 128 and the signal's, as shells have it.
     Interrupted = 130,

@@ -1,10 +1,7 @@
 //! `lapidary bench FILE.cuts --drag OBJECT`: how long a picture takes while an object is dragged.
 
-use super::median;
-use crate::{
-    args::{BackendOption, ViewedScene},
-    terminal::{json_text, print_out},
-};
+use super::{JsonArgs, median};
+use crate::args::{BackendOption, ViewedScene};
 use anyhow::{Result, anyhow};
 use glam::Vec3;
 use lapidary_core::scene::{
@@ -50,7 +47,7 @@ struct Detailed {
 ///
 /// # Errors
 /// An object that is not there, or no adapter where one is asked for.
-pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOption, json: bool) -> Result<()> {
+pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOption, json: &JsonArgs) -> Result<()> {
     let scene = &viewed.baked.dataset.scene;
     let index = scene.objects.iter().position(|known| known.name == object).ok_or_else(|| {
         let names: Vec<_> = scene.objects.iter().map(|known| known.name.as_str()).collect();
@@ -69,7 +66,7 @@ pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOptio
         vertices: scene.mesh.positions.len(),
         steps,
     };
-    print_out(&if json { json_text(&drag)? } else { text(&drag) })
+    json.tell(&drag, || text(&drag))
 }
 
 /// The looks of the step that picks an object up, and of `steps` more.

@@ -1,7 +1,9 @@
 //! `lapidary bench FILE.cuts --surfels N,..`: how long implicit visibility takes, by the cores and on an adapter.
 
-use super::passes::{PassesArgs, Times, medians};
-use crate::terminal::{json_text, print_out};
+use super::{
+    JsonArgs,
+    passes::{PassesArgs, Times, medians},
+};
 use anyhow::Result;
 use glam::{Vec3, Vec3A};
 use lapidary_core::{
@@ -44,7 +46,7 @@ struct Run {
 ///
 /// # Errors
 /// No adapter where one is asked for, or one that fails.
-pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: bool) -> Result<()> {
+pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: &JsonArgs) -> Result<()> {
     let gpu = args.backend.gpu()?.map(|gpu| Ok::<_, BackendError>((gpu.name(), gpu.implicit()?))).transpose()?;
     let mut runs = Vec::new();
     for &surfels in surfels {
@@ -55,7 +57,7 @@ pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: bool) ->
         }
     }
     let bench = Bench { frames: args.frames, bounces: BOUNCES, runs };
-    print_out(&if json { json_text(&bench)? } else { table(&bench) })
+    json.tell(&bench, || table(&bench))
 }
 
 /// A scene as it was baked, all of which is found anew in each frame.

@@ -1,10 +1,9 @@
 //! `lapidary bench FILE.cuts`: how long each pass of a frame takes.
 
-use super::{drag, median};
+use super::{JsonArgs, drag, edits, median};
 use crate::{
     args::{BackendOption, ViewedScene},
     ladder::Cuts,
-    terminal::{json_text, print_out},
 };
 use anyhow::Result;
 use clap::Args;
@@ -31,6 +30,9 @@ pub struct PassesArgs {
     /// Drag this object by half its width in so many frames after one that picks it up, and measure how long pictures take meanwhile
     #[arg(long, value_name = "OBJECT", conflicts_with = "illum_cuts")]
     drag: Option<String>,
+    /// Edit this material, orbit and turn the environment, in so many frames each, and measure how long pictures take
+    #[arg(long, value_name = "MATERIAL", conflicts_with_all = ["illum_cuts", "drag"])]
+    edits: Option<String>,
     /// What renders
     #[arg(long, value_enum, default_value_t)]
     pub(super) backend: BackendOption,
@@ -73,9 +75,12 @@ struct Run {
 ///
 /// # Errors
 /// Bounced light that the dataset does not have, or no adapter where one is asked for.
-pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: bool) -> Result<()> {
+pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: &JsonArgs) -> Result<()> {
     if let Some(object) = &args.drag {
         return drag::run(viewed, object, args.frames, args.backend, json);
+    }
+    if let Some(material) = &args.edits {
+        return edits::run(viewed, material, args.frames, args.backend, json);
     }
     let measurement = Measurement::new(args, viewed)?;
     let gpu = args.backend.gpu()?;
@@ -100,7 +105,7 @@ pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: bool) -> Result<()> {
         light_moved_milliseconds: measurement.light_moved(),
         runs,
     };
-    print_out(&if json { json_text(&bench)? } else { table(&bench) })
+    json.tell(&bench, || table(&bench))
 }
 
 /// What is shown, and how often.

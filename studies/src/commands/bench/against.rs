@@ -1,0 +1,68 @@
+//! `lapidary bench --against OTHER`: how long this program and another one take on the bundled scenes. Both run in turn on
+//! the same machine, so their ratio says what a change did, whatever the machine.
+
+mod first_picture;
+mod jobs;
+mod measure;
+mod program;
+mod report;
+mod runs;
+mod xwd;
+
+use super::{JsonArgs, PICTURE};
+use crate::{
+    args::values,
+    bundled::DataFolder,
+    outputs::CommandFiles,
+    terminal::{Console, Outcome, Steps},
+};
+use anyhow::{Context, Result};
+use clap::Args;
+use measure::{Contest, Limits};
+use program::Program;
+use report::Report;
+use std::{path::PathBuf, time::Instant};
+
+/// Options of the comparison.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Comparison with another program on the bundled scenes")]
+pub struct AgainstArgs {
+    /// Measure this program and another build of it in turn on the bundled scenes, in place of a dataset's frames
+    #[arg(
+        long,
+        value_name = "PROGRAM",
+        conflicts_with_all = PICTURE,
+        conflicts_with_all = ["file", "surfels", "PassesArgs"]
+    )]
+    against: Option<PathBuf>,
+    /// Exit with code 3 if this program takes more than this multiple of the other one's time in a row
+    #[arg(long, value_name = "RATIO", requires = "against", conflicts_with = "file", value_parser = values::positive)]
+    fail_above: Option<f32>,
+    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
+    data: Option<PathBuf>,
+}
+
+impl AgainstArgs {
+    /// What it reads.
+    pub fn files(&self) -> CommandFiles {
+        CommandFiles::default().reads(&self.against).reads(&self.data)
+    }
+}
+
+/// Measures and prints.
+///
+/// # Errors
+/// A file that is no such program, bundled data that are not there, a report that cannot be written, or Ctrl-C.
+pub fn run(args: &AgainstArgs, json: &JsonArgs, console: Console) -> Result<Outcome> {
+    let against = args.against.as_deref().context("without a dataset, name a program with --against")?;
+    let data = DataFolder::find(args.data.as_deref())?;
+    let this = Program::open(&std::env::current_exe().context("this program does not find its own file")?)?;
+    let other = Program::open(against)?;
+    let steps = Steps::new(console);
+    let start = Instant::now();
+    let rows = Contest::new([&this, &other], &data, Limits::USUAL, &steps)?.measure(jobs::JOBS)?;
+    let report = Report::new([&this, &other], rows, start.elapsed(), args.fail_above);
+    json.tell(&report, || report.table())?;
+    Ok(report.outcome())
+}

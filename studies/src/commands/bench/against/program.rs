@@ -1,0 +1,274 @@
+//! A program that is measured: which options it has, and runs of it as a child with a time limit.
+
+use anyhow::{Context, Result, anyhow, bail};
+use std::{
+    collections::BTreeSet,
+    ffi::OsStr,
+    fs::File,
+    io::{self, Read, Seek},
+    path::{Path, PathBuf},
+    process::{Child, Command, ExitStatus, Stdio},
+    thread::sleep,
+    time::{Duration, Instant},
+};
+use tempfile::TempDir;
+use thiserror::Error;
+
+/// How often a child is looked at; a bake takes a thousand times as long.
+const POLL: Duration = Duration::from_millis(5);
+
+/// Most that a program may take to say what it can do.
+const ANSWER_LIMIT: Duration = Duration::from_secs(10);
+
+/// Characters of a program's last words that a remark has.
+const MOST_LAST_WORDS: usize = 120;
+
+/// Variables that name a display; a child has none, or one of ours.
+const DISPLAYS: [&str; 3] = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"];
+
+/// Why a run of a program has no figures.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The system does not start it.
+    #[error("cannot be started: {0}")]
+    Start(io::Error),
+    /// It ended with an error.
+    #[error("failed ({status}): {last_words}")]
+    Failed {
+        /// Its exit code or signal.
+        status: ExitStatus,
+        /// Last line on standard error.
+        last_words: String,
+    },
+    /// It was ended at the time limit.
+    #[error("was stopped after {} s", .0.as_secs_f64())]
+    Hung(Duration),
+    /// There is no Xvfb.
+    #[error("has no display")]
+    NoDisplay,
+    /// It was ended because all stops.
+    #[error("was stopped by Ctrl-C")]
+    Interrupted,
+}
+
+/// What a run said, and how long it took.
+#[derive(Debug)]
+pub struct Finished {
+    /// Standard output.
+    pub text: String,
+    /// From its start to its end.
+    pub time: Duration,
+}
+
+/// When a run is ended.
+#[derive(Clone, Copy)]
+pub struct Patience<'a> {
+    /// After this time.
+    pub limit: Duration,
+    /// Once this is true.
+    pub stops: &'a dyn Fn() -> bool,
+}
+
+/// A child that ends with its owner.
+pub struct Guarded(Child);
+
+impl Guarded {
+    /// Starts it.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn start(command: &mut Command) -> io::Result<Self> {
+        command.stdin(Stdio::null()).spawn().map(Self)
+    }
+
+    /// How it ended, if it did.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn ended(&mut self) -> io::Result<Option<ExitStatus>> {
+        self.0.try_wait()
+    }
+}
+
+impl Drop for Guarded {
+    fn drop(&mut self) {
+        // Both fail only where it has ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A child whose words go to files, which take all of them; a pipe would have to be emptied meanwhile.
+pub struct Running {
+    child: Guarded,
+    out: File,
+    err: File,
+    start: Instant,
+}
+
+impl Running {
+    /// Starts it.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn start(mut command: Command) -> Result<Self, RunError> {
+        let mut open = || {
+            let [out, err] = [tempfile::tempfile()?, tempfile::tempfile()?];
+            command.stdout(out.try_clone()?).stderr(err.try_clone()?);
+            let start = Instant::now();
+            Ok(Self { child: Guarded::start(&mut command)?, out, err, start })
+        };
+        open().map_err(RunError::Start)
+    }
+
+    /// Time from its start to its end.
+    ///
+    /// # Errors
+    /// See [`RunError`].
+    pub fn finish(&mut self, patience: Patience) -> Result<Duration, RunError> {
+        loop {
+            let ended = self.child.ended().map_err(RunError::Start)?;
+            let time = self.start.elapsed();
+            match ended {
+                Some(status) if status.success() => return Ok(time),
+                Some(status) => return Err(self.failed(status)),
+                None => self.pause(POLL, patience)?,
+            }
+        }
+    }
+
+    /// Time from its start until something `is_reached`, which is asked every `poll`.
+    ///
+    /// # Errors
+    /// See [`RunError`]; one that ends before has failed.
+    pub fn until(
+        &mut self,
+        poll: Duration,
+        patience: Patience,
+        is_reached: &dyn Fn() -> bool,
+    ) -> Result<Duration, RunError> {
+        loop {
+            if is_reached() {
+                return Ok(self.start.elapsed());
+            }
+            if let Some(status) = self.child.ended().map_err(RunError::Start)? {
+                return Err(self.failed(status));
+            }
+            self.pause(poll, patience)?;
+        }
+    }
+
+    fn pause(&self, poll: Duration, Patience { limit, stops }: Patience) -> Result<(), RunError> {
+        if stops() {
+            return Err(RunError::Interrupted);
+        }
+        if self.start.elapsed() > limit {
+            return Err(RunError::Hung(limit));
+        }
+        sleep(poll);
+        Ok(())
+    }
+
+    fn failed(&mut self, status: ExitStatus) -> RunError {
+        RunError::Failed { status, last_words: last_words(&text_of(&mut self.err)) }
+    }
+}
+
+/// A program with its options.
+#[derive(Debug)]
+pub struct Program {
+    /// Absolute, so that a name without a folder is not searched for elsewhere.
+    pub path: PathBuf,
+    /// What it calls itself.
+    pub version: String,
+    /// All words of `bench --help` that are options.
+    options: BTreeSet<String>,
+    /// An empty folder in place of the user's.
+    home: TempDir,
+}
+
+impl Program {
+    /// Asks a program what it is, so that a wrong file is told before anything is measured.
+    ///
+    /// # Errors
+    /// A file that cannot be started, or that has no `bench` as this program has it.
+    pub fn open(path: &Path) -> Result<Self> {
+        let path = std::path::absolute(path)?;
+        let home =
+            tempfile::tempdir().context("cannot write to the folder for temporary files; check its free space")?;
+        let mut program = Self { path, version: String::new(), options: BTreeSet::new(), home };
+        let patience = Patience { limit: ANSWER_LIMIT, stops: &|| false };
+        let ask = |words: &[&str]| program.run(words, patience);
+        let asked = ask(&["bench", "--help"]).and_then(|help| Ok((help.text, ask(&["--version"])?.text)));
+        let place = program.path.display();
+        let (help, version) =
+            asked.map_err(|error| anyhow!("the program {error}; name a program of lapidary ({place})"))?;
+        program.options = options_in(&help);
+        program.version = version.trim().into();
+        if !program.has("--json") {
+            bail!("the program has no `bench --json`; name a program of lapidary ({})", program.path.display());
+        }
+        Ok(program)
+    }
+
+    /// Whether `bench` has an option.
+    pub fn has(&self, option: &str) -> bool {
+        self.options.contains(option)
+    }
+
+    /// A command that reads no files of the user and has no display.
+    pub fn command(&self, words: &[impl AsRef<OsStr>]) -> Command {
+        let mut command = Command::new(&self.path);
+        command.args(words).env("LAPIDARY_HOME", self.home.path());
+        for variable in DISPLAYS {
+            command.env_remove(variable);
+        }
+        command
+    }
+
+    /// Runs it to its end.
+    ///
+    /// # Errors
+    /// See [`RunError`].
+    pub fn run(&self, words: &[impl AsRef<OsStr>], patience: Patience) -> Result<Finished, RunError> {
+        let mut running = Running::start(self.command(words))?;
+        let time = running.finish(patience)?;
+        Ok(Finished { text: text_of(&mut running.out), time })
+    }
+}
+
+/// All that was written to a file; what cannot be read counts as nothing said.
+fn text_of(file: &mut File) -> String {
+    let mut bytes = Vec::new();
+    let _ = file.rewind().and_then(|()| file.read_to_end(&mut bytes));
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+fn last_words(text: &str) -> String {
+    let line = text.lines().map(str::trim).rfind(|line| !line.is_empty()).unwrap_or("it says nothing");
+    line.strip_prefix("error: ").unwrap_or(line).chars().take(MOST_LAST_WORDS).collect()
+}
+
+/// All words of a text that are long options.
+fn options_in(help: &str) -> BTreeSet<String> {
+    let words = help.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'));
+    words.filter(|word| word.len() > 2 && word.starts_with("--")).map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_whole_words_of_the_help() {
+        let options = options_in("  --sun <SUN>  with --frames, not -s or -- alone; sun-sky:ELEVATION\n--illum-cuts=1");
+        assert_eq!(options, ["--frames", "--illum-cuts", "--sun"].map(str::to_owned).into());
+    }
+
+    #[test]
+    fn the_last_line_that_says_something_is_told_in_few_words() {
+        assert_eq!(last_words("warning: a\nerror: no adapter (a.cuts)\n \n"), "no adapter (a.cuts)");
+        assert_eq!(last_words(""), "it says nothing");
+        assert_eq!(last_words(&"a".repeat(1000)).len(), MOST_LAST_WORDS);
+    }
+}

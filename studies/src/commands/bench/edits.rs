@@ -1,0 +1,220 @@
+//! `lapidary bench FILE.cuts --edits MATERIAL`: how long the picture of the window takes after an edit of a material, a step of
+//! the camera, and a turn of the environment.
+
+use super::{JsonArgs, median};
+use crate::args::{BackendOption, ViewedScene};
+use anyhow::{Result, anyhow};
+use glam::Quat;
+use lapidary_core::scene::Scene;
+use lapidary_render::{LitScene, Look, STRIDES, Tiles};
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// Radians that the environment or the camera is turned by, as little as a drag by some pixels does.
+const TURN: f32 = 0.05;
+
+/// Factor of the base colour and the roughness of the edited material, to and fro.
+const EDIT: f32 = 0.9;
+
+/// All figures.
+#[derive(Debug, Serialize)]
+struct Edits {
+    /// `cpu`, or the adapter's name.
+    adapter: String,
+    material: String,
+    size: [u32; 2],
+    vertices: usize,
+    /// Edits of each kind whose median is taken, after one to warm up.
+    frames: u32,
+    /// From an edit of the material.
+    edit: Sketched,
+    /// From a step of the camera around its target.
+    orbit: Sketched,
+    /// From a turned environment; absent where none shines.
+    turned: Option<Turned>,
+}
+
+/// Medians of a change that is shown by a sketch first.
+#[derive(Debug, Serialize)]
+struct Sketched {
+    /// To the coarsest sketch on the display.
+    sketch_milliseconds: f64,
+    /// To the finished first sample.
+    finished_milliseconds: f64,
+}
+
+/// Medians of a turned environment.
+#[derive(Debug, Serialize)]
+struct Turned {
+    /// To its light.
+    light_milliseconds: f64,
+    /// To the first sample, for which lit cuts are made anew.
+    finished_milliseconds: f64,
+}
+
+/// Edits, orbits and turns, and prints.
+///
+/// # Errors
+/// A material that is not there, or no adapter where one is asked for.
+pub fn run(viewed: &ViewedScene, material: &str, frames: u32, backend: BackendOption, json: &JsonArgs) -> Result<()> {
+    let scene = &viewed.baked.dataset.scene;
+    let edited = index_of(scene, material)?;
+    let on = LitScene::new(backend.open()?, viewed.baked.clone())?.keep_unseen_changes();
+    let mut subject = Subject { scene: on, look: viewed.look()?, edited, frames };
+    subject.scene.show_whole(&subject.look)?;
+    let edits = Edits {
+        edit: subject.edit()?,
+        orbit: subject.orbit()?,
+        turned: subject.look.components.environment.then(|| subject.turn()).transpose()?,
+        adapter: subject.scene.backend().name(),
+        material: material.into(),
+        size: viewed.view.size,
+        vertices: scene.mesh.positions.len(),
+        frames,
+    };
+    json.tell(&edits, || text(&edits))
+}
+
+fn index_of(scene: &Scene, material: &str) -> Result<usize> {
+    scene.materials.iter().position(|known| known.name == material).ok_or_else(|| {
+        let names: Vec<_> = scene.materials.iter().map(|known| known.name.as_str()).collect();
+        anyhow!("there is no material \"{material}\"; there are {}", names.join(", "))
+    })
+}
+
+/// A scene on the renderer, with a finished picture of its look.
+struct Subject {
+    scene: LitScene,
+    look: Look,
+    edited: usize,
+    frames: u32,
+}
+
+impl Subject {
+    fn edit(&mut self) -> Result<Sketched> {
+        let mut factors = [EDIT, 1.0 / EDIT].into_iter().cycle();
+        self.sketched(|look, edited| {
+            let factor = factors.next().unwrap_or(1.0);
+            let parameters = &mut look.appearance.materials[edited].parameters;
+            parameters.set("roughness", factor * parameters.number("roughness"));
+            parameters.set("base_color", factor * parameters.color("base_color"));
+        })
+    }
+
+    fn orbit(&mut self) -> Result<Sketched> {
+        let (view, mut turns) = (self.look.view.clone(), [TURN, 0.0].into_iter().cycle());
+        let sketched = self.sketched(|look, _| {
+            let arm = Quat::from_rotation_y(turns.next().unwrap_or(0.0)) * (view.camera.eye - view.camera.target);
+            look.view.camera.eye = view.camera.target + arm;
+        });
+        self.look.view = view;
+        sketched
+    }
+
+    fn turn(&mut self) -> Result<Turned> {
+        let [light_milliseconds, finished_milliseconds] = medians(self.frames, || {
+            self.look.light.rotation += TURN;
+            turned(&mut self.scene, &self.look)
+        })?;
+        Ok(Turned { light_milliseconds, finished_milliseconds })
+    }
+
+    /// Times of pictures after a change each, which is told the index of the edited material.
+    fn sketched(&mut self, mut change: impl FnMut(&mut Look, usize)) -> Result<Sketched> {
+        let tiles: Vec<u32> = (0..Tiles::of(self.look.view.size).count()).collect();
+        let [sketch_milliseconds, finished_milliseconds] = medians(self.frames, || {
+            change(&mut self.look, self.edited);
+            sketched(&mut self.scene, &self.look, &tiles)
+        })?;
+        Ok(Sketched { sketch_milliseconds, finished_milliseconds })
+    }
+}
+
+/// Median milliseconds of both parts of some work, after one run to warm up.
+fn medians(frames: u32, mut work: impl FnMut() -> Result<[Duration; 2]>) -> Result<[f64; 2]> {
+    work()?;
+    let times = (0..frames).map(|_| work()).collect::<Result<Vec<_>>>()?;
+    Ok([0, 1].map(|part| median(times.iter().map(|parts| parts[part]).collect())))
+}
+
+/// Lights a look and renders its first sample in the steps of the window, which also shades pixels that nothing resembles.
+/// Times when the coarsest sketch was displayed, and when the sample was.
+fn sketched(scene: &mut LitScene, look: &Look, tiles: &[u32]) -> Result<[Duration; 2]> {
+    let start = Instant::now();
+    scene.light(look)?;
+    scene.resume(&look.view, look.sampling)?;
+    let [first, finer @ ..] = STRIDES;
+    scene.sketch(first, tiles)?;
+    scene.fill(0)?;
+    scene.backend().display(&look.post, 0)?;
+    let sketched = start.elapsed();
+    for stride in finer {
+        scene.sketch(stride, tiles)?;
+    }
+    scene.backend().display(&look.post, 1)?;
+    Ok([sketched, start.elapsed()])
+}
+
+/// Times from a turned environment to its light, and to the first sample.
+fn turned(scene: &mut LitScene, look: &Look) -> Result<[Duration; 2]> {
+    let start = Instant::now();
+    scene.light(look)?;
+    let lit = start.elapsed();
+    scene.resume(&look.view, look.sampling)?;
+    scene.render_rows(0, 0..look.view.size[1])?;
+    Ok([lit, start.elapsed()])
+}
+
+fn text(edits: &Edits) -> String {
+    let Edits { adapter, material, size: [width, height], vertices, frames, edit, orbit, turned } = edits;
+    let mut text =
+        format!("{adapter}: {width} x {height}, {vertices} vertices, medians of {frames}, \"{material}\" edited\n");
+    for (what, Sketched { sketch_milliseconds, finished_milliseconds }) in [("edit", edit), ("orbit", orbit)] {
+        text += &format!(
+            "{what:>8}: first sketch after {sketch_milliseconds:.1} ms, finished after {finished_milliseconds:.1} ms\n"
+        );
+    }
+    if let Some(Turned { light_milliseconds, finished_milliseconds }) = turned {
+        text += &format!(
+            "    turn: light after {light_milliseconds:.1} ms, finished after {finished_milliseconds:.1} ms\n"
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::test_scenes::dataset;
+    use lapidary_render::{Appearance, Backend, Baked, Components, CpuBackend, test_looks};
+
+    fn subject(components: Components) -> Subject {
+        let baked = Baked::from(dataset(&["a"], &[]));
+        let look = Look { appearance: Appearance::of(&baked.dataset.scene), components, ..test_looks::look() };
+        let scene = LitScene::new(Box::new(CpuBackend::new()) as Box<dyn Backend>, baked).unwrap();
+        let mut subject = Subject { scene, look, edited: 0, frames: 2 };
+        subject.scene.show_whole(&subject.look).unwrap();
+        subject
+    }
+
+    #[test]
+    fn the_sketch_comes_before_the_finished_picture_and_the_view_is_as_before() {
+        let mut subject = subject(Components { indirect: false, ..Components::ALL });
+        let before = subject.look.view.camera.eye;
+        let (edit, orbit, turned) = (subject.edit().unwrap(), subject.orbit().unwrap(), subject.turn().unwrap());
+        for Sketched { sketch_milliseconds, finished_milliseconds } in [edit, orbit] {
+            assert!(0.0 < sketch_milliseconds && sketch_milliseconds < finished_milliseconds);
+        }
+        assert!(0.0 < turned.light_milliseconds && turned.light_milliseconds < turned.finished_milliseconds);
+        assert_eq!(subject.look.view.camera.eye, before);
+        assert!(subject.look.light.rotation > 0.3 + 2.0 * TURN, "three turns");
+    }
+
+    #[test]
+    fn a_material_that_is_not_there_is_told_with_those_that_are() {
+        let dataset = dataset(&["gold", "wood"], &[]);
+        assert_eq!(index_of(&dataset.scene, "wood").unwrap(), 1);
+        let error = index_of(&dataset.scene, "Wood").unwrap_err().to_string();
+        assert_eq!(error, "there is no material \"Wood\"; there are gold, wood");
+    }
+}
