@@ -17,7 +17,7 @@ pub use check::{LightProblem, MAX_LIGHTS, MOST_ANGLE_DEGREES, MOST_INTENSITY};
 pub use disc::Disc;
 pub use file::LightsError;
 pub use rectangle::RectangleShape;
-pub use sample::{LightHit, LightSample};
+pub use sample::{LightHit, LightSample, LightSampler};
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,7 @@
 //! The disc that a directional light with an extent is on the sphere of directions.
 
 use super::{Emission, Light};
+use crate::simd::{Lanes, Vec3x8};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_4, PI, TAU};
 
@@ -45,9 +46,26 @@ impl Disc {
         self.axis * (1.0 - height) + (self.right * at.x + self.up * at.y) * spread
     }
 
+    /// [`Self::direction`] of eight points.
+    #[inline(always)]
+    pub fn directions<L: Lanes>(&self, [u, v]: [L; 2]) -> Vec3x8<L> {
+        let one = L::splat(1.0);
+        let [x, y] = concentric_x8([u + u - one, v + v - one]);
+        let height = (x * x + y * y) * L::splat(self.height);
+        let spread = (L::splat(self.height) * (L::splat(2.0) - height)).at_least(0.0).sqrt();
+        Vec3x8::splat(self.axis) * (one - height)
+            + Vec3x8::splat(self.right) * (x * spread)
+            + Vec3x8::splat(self.up) * (y * spread)
+    }
+
     /// Whether a unit direction is in it.
     pub fn contains(&self, direction: Vec3) -> bool {
         self.axis.dot(direction) > 0.0 && self.axis.cross(direction).length_squared() <= self.sin_sq()
+    }
+
+    /// The sine of the angle from its middle to its rim.
+    pub fn sine(&self) -> f32 {
+        self.sin_sq().sqrt()
     }
 
     /// Square of the sine of the angle from its middle to its rim, which is at most 90 degrees.
@@ -67,9 +85,28 @@ fn concentric(square: Vec2) -> Vec2 {
     radius * Vec2::from_angle(angle)
 }
 
+/// [`concentric`] of eight places.
+#[inline(always)]
+fn concentric_x8<L: Lanes>([x, y]: [L; 2]) -> [L; 2] {
+    let is_wide = x.abs().simd_gt(y.abs());
+    let (radius, other) = (is_wide.select(x, y), is_wide.select(y, x));
+    let is_middle = radius.abs().simd_le(L::splat(0.0));
+    let angle = L::splat(FRAC_PI_4) * (other / is_middle.select(L::splat(1.0), radius));
+    // Taylor's polynomials, for angles up to 45 degrees.
+    let sq = angle * angle;
+    let [mut cos, mut sin] = [L::splat(1.0 / 40_320.0), L::splat(1.0 / 362_880.0)];
+    for (even, odd) in [(1.0 / 720.0, 1.0 / 5040.0), (1.0 / 24.0, 1.0 / 120.0), (0.5, 1.0 / 6.0), (1.0, 1.0)] {
+        (cos, sin) = (L::splat(even) - sq * cos, L::splat(odd) - sq * sin);
+    }
+    let sin = angle * sin;
+    let (along, across) = (radius * cos, radius * sin);
+    [is_wide.select(along, across), is_wide.select(across, along)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use wide::f32x8;
 
     fn disc(angle_degrees: f32) -> Disc {
         let emission = Emission::Directional { angle_degrees };
@@ -93,6 +130,20 @@ mod tests {
             }
             let share = inside.map(|count| count as f32 / (steps * steps) as f32);
             assert!(share.iter().all(|share| (share - 0.5).abs() < 0.01), "{angle}: {share:?}");
+        }
+    }
+
+    #[test]
+    fn eight_directions_are_those_of_each() {
+        let disc = disc(3.0);
+        let grid = |i: usize| Vec2::new((i % 17) as f32, (i / 17) as f32) / 16.0;
+        for first in (0..17 * 17).step_by(8) {
+            let u: [Vec2; 8] = std::array::from_fn(|i| grid((first + i).min(288)));
+            let found = disc.directions([f32x8::new(u.map(|u| u.x)), f32x8::new(u.map(|u| u.y))]);
+            for (lane, &u) in u.iter().enumerate() {
+                assert!((found.lane(lane) - disc.direction(u)).length() < 1e-6, "{u}");
+            }
+            assert!((found.lane(0) - disc.direction(u[0] + 0.01)).length() > 1e-6, "negative control");
         }
     }
 

@@ -33,16 +33,12 @@ impl Light {
     /// The light that arrives at `point`. Lights without extent ignore `u`; rectangles sample their area uniformly by
     /// `u` in [0, 1)², directional lights their disc. `None` where no light arrives: behind, outside the cone, switched off.
     pub fn sample(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
-        if !self.shines() {
-            return None;
-        }
-        let sample = match self.emission {
-            Emission::Point => self.at_position(point, 1.0),
-            Emission::Spot { .. } => self.at_position(point, self.spot_factor(point - self.position)),
-            Emission::Directional { .. } => self.distant(u),
-            Emission::Rectangle { .. } => self.on_rectangle(point, u),
-        };
-        sample.filter(|s| s.irradiance.max_element() > 0.0 && s.irradiance.is_finite())
+        self.sampler().sample(point, u)
+    }
+
+    /// What samples it more than once.
+    pub fn sampler(&self) -> LightSampler<'_> {
+        LightSampler { light: self, disc: Disc::of(self) }
     }
 
     /// The intersection of a ray with the light, without the scene; only lights with an extent can be hit.
@@ -77,18 +73,6 @@ impl Light {
         Some(LightSample { direction, distance, irradiance, pdf: f32::INFINITY })
     }
 
-    fn distant(&self, u: Vec2) -> Option<LightSample> {
-        let (direction, irradiance, pdf) = match Disc::of(self) {
-            None => (-self.forward()?, self.intensity, f32::INFINITY),
-            Some(disc) => {
-                let solid_angle = disc.solid_angle();
-                let irradiance = self.intensity * (disc.radiance_of_irradiance() * solid_angle);
-                (disc.direction(u), irradiance, 1.0 / solid_angle)
-            }
-        };
-        Some(LightSample { direction, distance: f32::INFINITY, irradiance, pdf })
-    }
-
     fn on_rectangle(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
         let shape = RectangleShape::of(self)?;
         let toward = shape.point(u) - point;
@@ -119,6 +103,52 @@ impl Light {
         }
         let t = (cos - edge) / (full - edge);
         t * t * (3.0 - 2.0 * t)
+    }
+}
+
+/// Samples a light, of which it knows the [disc](Disc) if it has one.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSampler<'a> {
+    light: &'a Light,
+    disc: Option<Disc>,
+}
+
+impl LightSampler<'_> {
+    /// See [`Light::sample`].
+    pub fn sample(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
+        let light = self.light;
+        if !light.shines() {
+            return None;
+        }
+        let sample = match light.emission {
+            Emission::Point => light.at_position(point, 1.0),
+            Emission::Spot { .. } => light.at_position(point, light.spot_factor(point - light.position)),
+            Emission::Directional { .. } => self.distant(u),
+            Emission::Rectangle { .. } => light.on_rectangle(point, u),
+        };
+        sample.filter(|s| s.irradiance.max_element() > 0.0 && s.irradiance.is_finite())
+    }
+
+    /// The disc of a distant light.
+    pub fn disc(&self) -> Option<&Disc> {
+        self.disc.as_ref()
+    }
+
+    /// Whether any of its light may come from above a plane of this normal.
+    pub fn may_be_above(&self, normal: Vec3) -> bool {
+        self.disc.is_none_or(|disc| disc.axis.dot(normal) > -disc.sine())
+    }
+
+    fn distant(&self, u: Vec2) -> Option<LightSample> {
+        let (direction, irradiance, pdf) = match self.disc {
+            None => (-self.light.forward()?, self.light.intensity, f32::INFINITY),
+            Some(disc) => {
+                let solid_angle = disc.solid_angle();
+                let irradiance = self.light.intensity * (disc.radiance_of_irradiance() * solid_angle);
+                (disc.direction(u), irradiance, 1.0 / solid_angle)
+            }
+        };
+        Some(LightSample { direction, distance: f32::INFINITY, irradiance, pdf })
     }
 }
 

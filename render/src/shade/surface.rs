@@ -208,6 +208,12 @@ impl<L: Lanes> ReceiverX8<L> {
         LightsX8 { cosine: lights.cosine & seen, above: lights.above & seen, ..lights }
     }
 
+    /// A mask of the directions that are above the horizons of both normals, as [`SurfacePoint::receives`].
+    #[inline(always)]
+    pub fn receives_by_both(&self, direction: Vec3x8<L>) -> L {
+        direction.dot(self.axes[2]).simd_gt(L::splat(0.0)) & self.receives(direction)
+    }
+
     /// A mask of the directions that are above the smooth normal's horizon.
     #[inline(always)]
     pub fn receives(&self, direction: Vec3x8<L>) -> L {

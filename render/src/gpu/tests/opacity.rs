@@ -3,7 +3,7 @@
 use super::twin::backend;
 use crate::{
     Appearance, Backend, BrdfSampling, Components, LocalLighting, Renderer, View,
-    light::direct::direct_light,
+    light::direct::DirectLights,
     shade::{
         background::Backdrop,
         pixel_sampler::{
@@ -108,7 +108,7 @@ fn shadow_maps_let_through_what_rays_do() {
         let pixels: Vec<(u32, u32)> = all.filter(is_in_shadow).collect();
         let cpu = |(x, y): (u32, u32)| {
             let shade = |point: &crate::shade::surface::SurfacePoint| {
-                direct_light(point, &lamp, renderer.intersector(), glam::Vec2::ZERO) + point.emission
+                DirectLights::by_rays(&lamp, renderer.intersector()).reflected(point, glam::Vec2::ZERO) + point.emission
             };
             sampler.pixel(x, y, shade).x
         };

@@ -2,8 +2,9 @@
 //!
 //! A cut knows which light samples a vertex sees. If it sees all samples in and around the light, or none of them, and the other
 //! vertices of the triangle do as well, then so does the whole triangle. Edges of shadows lie where vertices differ, or where the
-//! samples around the light do. What the vertices miss are shadows that fit between them.
+//! samples around the light do. Shadows that fit between vertices are missed, so that only triangles of some pixels are asked.
 
+use crate::shade::surface::SurfacePoint;
 use glam::Vec3;
 use lapidary_core::{
     cut::packed::{VALUE_MAX, depth},
@@ -17,7 +18,9 @@ use std::sync::{
 };
 
 /// How far around a light samples are looked at, in distances between samples.
-const MARGIN: f32 = 1.5;
+const MARGIN: f32 = 1.0;
+/// Longest edge in pixels of a triangle whose vertices are asked: a shadow that fits between them is as small.
+const LONGEST: f32 = 8.0;
 
 /// What vertices see of distant lights, as far as their cuts tell it.
 #[derive(Debug, Default)]
@@ -34,15 +37,17 @@ impl DistantSights {
         self.0 = sights.collect();
     }
 
-    /// Forgets all.
-    pub fn clear(&mut self) {
-        self.0.clear();
-    }
-
-    /// Whether a triangle sees all of a light, or nothing; `None` where only rays can tell.
+    /// Whether the triangle of a point sees all of a light, or nothing; `None` where only rays can tell. `pixel` is the size of a
+    /// pixel there, in metres.
     #[inline]
-    pub fn sees(&self, vertices: [u32; 3], light: &Light) -> Option<bool> {
-        self.0.iter().find(|sight| sight.is_of(light))?.sees(vertices)
+    pub fn sees(&self, point: &SurfacePoint, pixel: f32, light: &Light) -> Option<bool> {
+        let sight = self.0.iter().find(|sight| sight.is_of(light))?;
+        let [a, b, c] = point.corners;
+        let longest_sq = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        if !(longest_sq <= (LONGEST * pixel).powi(2)) {
+            return None;
+        }
+        sight.sees(point.vertices)
     }
 }
 
@@ -127,3 +132,6 @@ impl DistantSight {
         seen
     }
 }
+
+#[cfg(test)]
+mod tests;
