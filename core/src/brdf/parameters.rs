@@ -3,17 +3,18 @@
 use super::{BrdfModel, Parameter, Value};
 use glam::Vec3;
 use serde::{
-    Deserialize, Deserializer, Serialize,
+    Deserialize, Deserializer, Serialize, Serializer,
     de::{Error, IgnoredAny},
 };
-use std::{borrow::Cow, collections::BTreeMap};
+use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
 
 /// Values by the names of parameters. Those that a material says nothing of have the defaults of its model.
 ///
 /// It may hold values of parameters that the material's model lacks: they count again when the model does.
-#[derive(Clone, Debug, Default, Serialize)]
-#[serde(transparent)]
-pub struct Parameters(BTreeMap<Cow<'static, str>, Value>);
+///
+/// Copies share their values until one of them is changed, so that a look is copied and compared at little cost.
+#[derive(Clone, Debug, Default)]
+pub struct Parameters(Arc<BTreeMap<Cow<'static, str>, Value>>);
 
 impl Parameters {
     /// The value of a parameter, if it is told.
@@ -45,7 +46,7 @@ impl Parameters {
 
     /// Tells a value.
     pub fn set(&mut self, name: impl Into<Cow<'static, str>>, value: impl Into<Value>) {
-        self.0.insert(name.into(), value.into());
+        Arc::make_mut(&mut self.0).insert(name.into(), value.into());
     }
 
     /// With a value told.
@@ -64,7 +65,7 @@ impl Parameters {
     /// declare may differ from file to file: see [`Self::sanitized_by`].
     #[must_use]
     pub fn sanitized(mut self) -> Self {
-        for (name, value) in &mut self.0 {
+        for (name, value) in Arc::make_mut(&mut self.0) {
             if let Some(parameter) = BrdfModel::declared_by_models(name) {
                 *value = parameter.sanitized(*value);
             }
@@ -76,11 +77,17 @@ impl Parameters {
     #[must_use]
     pub fn sanitized_by(mut self, declared: &[Parameter]) -> Self {
         for parameter in declared {
-            if let Some(value) = self.0.get_mut(parameter.name) {
+            if let Some(value) = Arc::make_mut(&mut self.0).get_mut(parameter.name) {
                 *value = parameter.sanitized(*value);
             }
         }
         self
+    }
+}
+
+impl Serialize for Parameters {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.as_ref().serialize(serializer)
     }
 }
 
@@ -101,13 +108,16 @@ impl<'de> Deserialize<'de> for Parameters {
             };
             values.insert(Cow::Owned(name), value);
         }
-        Ok(Self(values))
+        Ok(Self(values.into()))
     }
 }
 
 /// Equal if all values are, told or not. What only files declare has no default here: it is told, or not.
 impl PartialEq for Parameters {
     fn eq(&self, other: &Self) -> bool {
+        if Arc::ptr_eq(&self.0, &other.0) {
+            return true;
+        }
         let same = |name: &Cow<str>| {
             let default = BrdfModel::declared_by_models(name).map(|p| p.default);
             self.get(name).or(default) == other.get(name).or(default)
@@ -118,6 +128,6 @@ impl PartialEq for Parameters {
 
 impl<const N: usize> From<[(&'static str, Value); N]> for Parameters {
     fn from(values: [(&'static str, Value); N]) -> Self {
-        Self(values.into_iter().map(|(name, value)| (Cow::Borrowed(name), value)).collect())
+        Self(Arc::new(values.into_iter().map(|(name, value)| (Cow::Borrowed(name), value)).collect()))
     }
 }
