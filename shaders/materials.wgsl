@@ -232,7 +232,7 @@ fn sample_slot(slot: TextureSlot, footprint: UvFootprint) -> vec4<f32> {
     return sum / f32(taps.count);
 }
 
-// A colour of a material after its map, within the parameter's range. Twin of `Material::values` in core/src/material.rs.
+// A colour of a material after its map, within the parameter's range. Twin of `ResolvedMaterial::values` in core/src/material/resolved.rs.
 fn material_color(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> vec3<f32> {
     let value = materials[material].parameters[index].value;
     let map = materials[material].parameters[index].map;

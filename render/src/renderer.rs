@@ -94,11 +94,6 @@ impl Renderer {
         self.own_rays.as_ref().unwrap_or_else(|| self.baked.intersector())
     }
 
-    /// Whether surfaces let through what they did when they were baked.
-    pub(crate) fn is_as_baked(&self) -> bool {
-        self.own_rays.is_none()
-    }
-
     /// Builds the hierarchy for many rays, see [`Baked::refine`].
     pub(crate) fn refine(&self) {
         self.baked.refine();

@@ -9,7 +9,7 @@ use crate::{
         sketch::{Moved, Sketch},
     },
     light::{
-        direct::{DirectLights, distant::DistantSights},
+        direct::DirectLights,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
         solver::solutions::Bounces,
@@ -18,7 +18,6 @@ use crate::{
     renderer::Renderer,
     shade::{
         background::{Backdrop, BlurCache},
-        differentials::Differentials,
         merge::BrdfSampling,
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
@@ -42,10 +41,6 @@ pub struct CpuBackend {
     renderer: Option<Renderer>,
     light: Option<(Illumination, Arc<SceneLighting>)>,
     local: LocalLighting,
-    /// The scene as it was baked.
-    as_baked: Option<Arc<Dataset>>,
-    /// Where suns need no rays; nowhere if objects are posed.
-    sights: DistantSights,
     /// The last remark on too many lights.
     remark: Option<String>,
     blur: BlurCache,
@@ -109,13 +104,10 @@ fn light_of<'a>(
     environment: Option<&'a (Illumination, Arc<SceneLighting>)>,
     local: &'a LocalLighting,
     lights: &'a SummedLights,
-    (sights, view): (&'a DistantSights, &View),
 ) -> PictureLight<'a> {
-    // Cuts know surfaces that are as opaque as they were when they were baked.
-    let sights = Some((sights, Differentials::of(view))).filter(|_| renderer.is_some_and(Renderer::is_as_baked));
     let shown = |lights: &'a Vec<Light>| {
         let intersector = renderer.filter(|_| !lights.is_empty())?.intersector();
-        Some(DirectLights { lights, intersector, sights })
+        Some(DirectLights { lights, intersector })
     };
     PictureLight {
         environment: environment.map(|(_, lighting)| &**lighting),
@@ -166,7 +158,7 @@ impl CpuBackend {
         let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
         let Begun { view, sampling, backdrop, picture, lights, complete } = begun;
         let environment = self.light.as_ref().filter(|_| self.local.components.environment);
-        let light = light_of(Some(renderer), environment, &self.local, lights, (&self.sights, view));
+        let light = light_of(Some(renderer), environment, &self.local, lights);
         let sampler = PixelSampler::new(renderer, view, backdrop);
         // Without bounces no edit changes the light of other surfaces.
         let patches = Bounces::of(&renderer.dataset).any().then(|| renderer.patches());
@@ -186,7 +178,7 @@ impl Backend for CpuBackend {
     }
 
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
-        (self.renderer, self.as_baked) = (Some(Renderer::new(baked.clone())), Some(baked.dataset.clone()));
+        self.renderer = Some(Renderer::new(baked.clone()));
         self.forget_light();
         self.sketch.forget();
         Ok(())
@@ -220,13 +212,6 @@ impl Backend for CpuBackend {
 
     fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError> {
         self.local = lighting.clone();
-        let dataset = self.renderer.as_ref().map(Renderer::dataset);
-        let as_baked =
-            dataset.filter(|dataset| self.as_baked.as_ref().is_some_and(|baked| Arc::ptr_eq(baked, dataset)));
-        match as_baked {
-            Some(dataset) => self.sights.update(dataset, &self.local.shown_lights()),
-            None => self.sights = DistantSights::default(),
-        }
         let remark = remark_on_rays(&self.local.shown_lights());
         let before = std::mem::replace(&mut self.remark, remark.clone());
         Ok(remark.filter(|_| before != self.remark).into_iter().collect())
@@ -248,8 +233,7 @@ impl Backend for CpuBackend {
         let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
         let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
         let step = lights.update(&self.local.shown_lights(), complete);
-        let shown =
-            light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights, (&self.sights, view));
+        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights);
         let parts = shown.parts(view.mode);
         self.sketch.begin(&view.camera, view.size, last.as_ref().map(|begun| &begun.picture));
         let picture = match kept {

@@ -7,14 +7,9 @@
 //! rectangles are free of spots.
 
 mod brightest;
-pub(crate) mod distant;
 
-use crate::shade::{
-    differentials::Differentials,
-    surface::{ReceiverX8, SurfacePoint},
-};
+use crate::shade::surface::{ReceiverX8, SurfacePoint};
 use brightest::delta_light;
-use distant::DistantSights;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{Brdf, BrdfVisitor, LightsX8, narrow_widths},
@@ -62,26 +57,19 @@ pub(crate) fn arriving_share(intersector: &Intersector, point: &SurfacePoint, di
     intersector.transmittance_before(point.ray_origin, direction, offset::REACH_OF_SHADING * distance)
 }
 
-/// Lights, and what tells which of their light arrives.
+/// Lights, and what casts their shadow rays.
 #[derive(Clone, Copy)]
 pub(crate) struct DirectLights<'a> {
     /// The lights.
     pub lights: &'a [Light],
     /// Casts shadow rays.
     pub intersector: &'a Intersector,
-    /// What tells where no rays are needed, and how far apart the samples of the picture are.
-    pub sights: Option<(&'a DistantSights, Differentials)>,
 }
 
-impl<'a> DirectLights<'a> {
-    /// With rays everywhere.
-    pub fn by_rays(lights: &'a [Light], intersector: &'a Intersector) -> Self {
-        Self { lights, intersector, sights: None }
-    }
-
+impl DirectLights<'_> {
     /// Radiance that a point reflects of their direct light; `shift` is that of [`pixel_shift`].
     pub fn reflected(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
-        let Self { lights, intersector, .. } = *self;
+        let Self { lights, intersector } = *self;
         let mut arriving = Arriving::at(point);
         for light in lights.iter().filter(|light| light.shines() && !light.is_delta()) {
             self.add(light, shift, &mut arriving);
@@ -92,34 +80,24 @@ impl<'a> DirectLights<'a> {
     }
 
     /// Adds a distant light of which one point of each cell is enough.
-    fn add_disc(&self, disc: &Disc, middle: &LightSample, shift: Vec2, is_seen: bool, arriving: &mut Arriving) {
+    fn add_disc(&self, disc: &Disc, middle: &LightSample, shift: Vec2, arriving: &mut Arriving) {
         let point = arriving.point;
         let receiver = ReceiverX8::<f32x8>::new(point);
         let eights = [0, 1].map(|half| disc.directions(cells_x8(shift, half)));
-        let open = match is_seen {
-            true => [0xff; 2],
-            false => {
-                let rays = eights.map(|directions| {
-                    let is_received = receiver.receives_by_both(directions).to_bitmask() as u8;
-                    EightRays::new([point.ray_origin; 8], from_fn(|i| directions.lane(i)), is_received)
-                });
-                let open = self.intersector.open(&rays);
-                [open[0], open[1]]
-            }
-        };
+        let rays = eights.map(|directions| {
+            let is_received = receiver.receives_by_both(directions).to_bitmask() as u8;
+            EightRays::new([point.ray_origin; 8], from_fn(|i| directions.lane(i)), is_received)
+        });
+        let irradiance = Vec3x8::splat(middle.irradiance * (1.0 / ALL_CELLS as f32));
+        let inv_kappa = f32x8::splat(inv_kappa(middle, ALL_CELLS as u32));
+        let open = self.intersector.open(&rays);
         for (directions, open) in eights.into_iter().zip(open).filter(|&(_, open)| open != 0) {
             let share = |i: usize| match open >> i & 1 {
                 0 => 0.0,
-                _ if is_seen => 1.0,
                 _ => self.intersector.past_veils(point.ray_origin, directions.lane(i), f32::INFINITY),
             };
-            let irradiance = middle.irradiance * (1.0 / ALL_CELLS as f32);
-            arriving.sum += InstructionSet::widest().run(ReflectEight {
-                point,
-                directions,
-                inv_kappa: inv_kappa(middle, ALL_CELLS as u32),
-                shares: f32x8::new(from_fn(share)),
-            }) * irradiance;
+            let irradiance = irradiance * f32x8::new(from_fn(share));
+            arriving.sum += EightLights { directions, irradiance, inv_kappa }.reflected(point);
         }
     }
 
@@ -129,25 +107,18 @@ impl<'a> DirectLights<'a> {
         if ![point.smooth_normal, point.world_from_local.z_axis].iter().all(|&normal| sampler.may_be_above(normal)) {
             return;
         }
-        let is_seen = self
-            .sights
-            .as_ref()
-            .and_then(|(sights, differentials)| sights.sees(point, differentials.pixel_at(point.position), light));
-        if is_seen == Some(false) {
-            return;
-        }
         let middle = sampler.sample(point.ray_origin, Vec2::splat(0.5));
         if let (Some(disc), Some(middle)) = (sampler.disc(), middle)
             && arriving.points_of_cell(&middle) == 1
         {
-            return self.add_disc(disc, &middle, shift, is_seen.is_some(), arriving);
+            return self.add_disc(disc, &middle, shift, arriving);
         }
         let cells = cells(shift);
         let rays = cells.map(|(corner, shift)| {
             let ray = sampler.sample(point.ray_origin, (corner + shift) / CELLS as f32);
             ray.filter(|ray| point.receives(ray.direction))
         });
-        let shares = if is_seen.is_some() { [1.0; ALL_CELLS] } else { seen(point, &rays, self.intersector) };
+        let shares = seen(point, &rays, self.intersector);
         for ((cell, ray), share) in cells.into_iter().zip(&rays).zip(shares).filter(|&(_, share)| share > 0.0) {
             ray.iter().for_each(|ray| arriving.add_cell(&sampler, cell, ray, share));
         }
@@ -183,39 +154,54 @@ fn inv_kappa(sample: &LightSample, samples: u32) -> f32 {
     1.0 / (SPHERE * sample.pdf * samples as f32)
 }
 
-/// What a point reflects of eight distant lights of irradiance 1, of which shares arrive.
-struct ReflectEight<'a> {
-    point: &'a SurfacePoint,
+/// Eight lights that arrive at a point.
+#[derive(Clone, Copy)]
+struct EightLights {
+    /// Unit directions to them in world space.
     directions: Vec3x8,
-    inv_kappa: f32,
-    shares: f32x8,
+    irradiance: Vec3x8,
+    inv_kappa: f32x8,
 }
 
-impl Kernel for ReflectEight<'_> {
+impl EightLights {
+    /// What a point reflects of them; nothing from below the horizons of its normals.
+    fn reflected(self, point: &SurfacePoint) -> Vec3 {
+        InstructionSet::widest().run(Reflected { point, lights: self })
+    }
+}
+
+/// [`EightLights::reflected`] in the instructions of the machine.
+struct Reflected<'a> {
+    point: &'a SurfacePoint,
+    lights: EightLights,
+}
+
+impl Kernel for Reflected<'_> {
     type Output = Vec3;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec3 {
+        let EightLights { directions, irradiance, inv_kappa } = &self.lights;
         let receiver = ReceiverX8::<L>::new(self.point);
-        let lights = receiver.lights_at_centers(Vec3x8::load(&self.directions), L::splat(self.inv_kappa));
-        let (wo, shares, mut sum) = (self.point.wo, L::new(self.shares.to_array()), Vec3::ZERO);
-        self.point.brdf.visit(Reflect { lights, wo, shares, sum: &mut sum });
+        let lights = receiver.lights_at_centers(Vec3x8::load(directions), L::new(inv_kappa.to_array()));
+        let (wo, irradiance, mut sum) = (self.point.wo, Vec3x8::load(irradiance), Vec3::ZERO);
+        self.point.brdf.visit(Reflect { lights, wo, irradiance, sum: &mut sum });
         sum
     }
 }
 
-/// [`ReflectEight`] for each model.
+/// [`Reflected`] for each model.
 struct Reflect<'a, L> {
     lights: LightsX8<L>,
     wo: Vec3,
-    shares: L,
+    irradiance: Vec3x8<L>,
     sum: &'a mut Vec3,
 }
 
 impl<L: Lanes> BrdfVisitor for Reflect<'_, L> {
     #[inline(always)]
     fn visit(self, brdf: &impl Brdf) {
-        *self.sum = (brdf.reflect(&self.lights, self.wo) * self.shares).reduce_add();
+        *self.sum = brdf.reflect(&self.lights, self.wo).scale(self.irradiance).reduce_add();
     }
 }
 
@@ -245,7 +231,7 @@ struct Arriving<'a> {
     point: &'a SurfacePoint,
     /// Width in radians of what its narrowest lobe reflects of a light.
     lobe: f32,
-    wi: [Vec3; 8],
+    directions: [Vec3; 8],
     irradiance: [Vec3; 8],
     inv_kappa: [f32; 8],
     count: usize,
@@ -257,8 +243,8 @@ impl<'a> Arriving<'a> {
         // A lobe of half vectors within alpha reflects directions within two alphas on both sides.
         let lobes = narrow_widths(point.lobes()).into_iter().filter(|&width| width > 0.0);
         let lobe = lobes.reduce(f32::min).map_or(f32::INFINITY, |width| 4.0 * width);
-        let (wi, irradiance) = ([Vec3::Z; 8], [Vec3::ZERO; 8]);
-        Self { point, lobe, wi, irradiance, inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
+        let (directions, irradiance) = ([Vec3::Z; 8], [Vec3::ZERO; 8]);
+        Self { point, lobe, directions, irradiance, inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
     }
 
     /// How many points along each edge a cell needs that `ray` goes to.
@@ -285,7 +271,7 @@ impl<'a> Arriving<'a> {
     /// Adds a share of one of a light's samples.
     fn add(&mut self, sample: &LightSample, samples: u32, share: f32) {
         let i = self.count;
-        self.wi[i] = self.point.world_from_local.transpose() * sample.direction;
+        self.directions[i] = sample.direction;
         self.irradiance[i] = sample.irradiance * (share / samples as f32);
         self.inv_kappa[i] = inv_kappa(sample, samples);
         self.count += 1;
@@ -295,9 +281,12 @@ impl<'a> Arriving<'a> {
     }
 
     fn reflect(&mut self) {
-        let (wi, inv_kappa) = (Vec3x8::from_array(self.wi), f32x8::new(self.inv_kappa));
-        let brdf_cos = self.point.reflect(wi, inv_kappa);
-        self.sum += brdf_cos.scale(Vec3x8::from_array(self.irradiance)).reduce_add();
+        let lights = EightLights {
+            directions: Vec3x8::from_array(self.directions),
+            irradiance: Vec3x8::from_array(self.irradiance),
+            inv_kappa: f32x8::new(self.inv_kappa),
+        };
+        self.sum += lights.reflected(self.point);
         (self.irradiance, self.count) = ([Vec3::ZERO; 8], 0);
     }
 

@@ -205,7 +205,7 @@ impl Renderer {
             let Emission::Directional { angle_degrees } = sun.emission else { continue };
             let Some(forward) = sun.forward() else { continue };
             let sun = [sun];
-            let light = DirectLights::by_rays(&sun, self.intersector());
+            let light = DirectLights { lights: &sun, intersector: self.intersector() };
             let contribution = light.reflected(&explanation.point, pixel_shift(x, y, 0));
             explanation.suns.push(ExplainedSun { direction: -forward, angle_degrees, contribution });
             explanation.radiance += contribution;

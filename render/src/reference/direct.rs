@@ -28,7 +28,7 @@ impl Renderer {
         let view = &View { hides_background: true, ..view.clone() };
         let backdrop = Backdrop::new(view, behind, false, &mut BlurCache::default());
         let sampler = PixelSampler::new(self, view, &backdrop);
-        let lights = DirectLights::by_rays(lights, self.intersector());
+        let lights = DirectLights { lights, intersector: self.intersector() };
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {
             let one = |i: u32| {

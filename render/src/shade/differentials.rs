@@ -22,11 +22,6 @@ impl Differentials {
         Self { eye: view.camera.eye, forward: -axes.z_axis, per_depth: [axes.x_axis * size, -axes.y_axis * size] }
     }
 
-    /// The distance in metres of neighbouring samples at a position, across the view.
-    pub fn pixel_at(&self, position: Vec3) -> f32 {
-        (position - self.eye).dot(self.forward) * self.per_depth[0].length()
-    }
-
     /// The footprint of a sample at `position` on the plane of a triangle of this normal, of any length, where coordinates
     /// have these gradients along the surface.
     pub fn at(&self, uv: Vec2, position: Vec3, normal: Vec3, [per_u, per_v]: [Vec3; 2]) -> UvFootprint {

@@ -108,7 +108,8 @@ fn shadow_maps_let_through_what_rays_do() {
         let pixels: Vec<(u32, u32)> = all.filter(is_in_shadow).collect();
         let cpu = |(x, y): (u32, u32)| {
             let shade = |point: &crate::shade::surface::SurfacePoint| {
-                DirectLights::by_rays(&lamp, renderer.intersector()).reflected(point, glam::Vec2::ZERO) + point.emission
+                DirectLights { lights: &lamp, intersector: renderer.intersector() }.reflected(point, glam::Vec2::ZERO)
+                    + point.emission
             };
             sampler.pixel(x, y, shade).x
         };

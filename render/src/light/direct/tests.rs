@@ -77,6 +77,6 @@ fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
     let renderer = Renderer::new(dataset(mesh(4, false), white()));
     let point = surface_at(&renderer, &from_above(1));
     let sun = [light(Emission::PARALLEL, Vec3::Y, Vec3::ZERO, 1.0)];
-    let radiance = DirectLights::by_rays(&sun, renderer.intersector()).reflected(&point, Vec2::ZERO);
+    let radiance = DirectLights { lights: &sun, intersector: renderer.intersector() }.reflected(&point, Vec2::ZERO);
     assert!((radiance - FRAC_1_PI).abs().max_element() < 1e-4, "{radiance}");
 }

@@ -4,9 +4,10 @@ use super::*;
 use crate::{
     light::bounce::SourceLighting,
     renderer::Renderer,
-    shade::node_field::SourceField,
+    shade::{node_field::SourceField, surface::FirstHit},
     test_scenes::{dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, surface_at},
 };
+use glam::Vec2;
 use lapidary_core::{
     brdf::{BrdfModel, GgxParameters, example_file},
     material::Material,
@@ -63,4 +64,30 @@ fn all_instruction_sets_gather_sources_to_the_same_bits() {
     let lighting = SourceLighting::new(SourceTree::new(&indirect.sources).into(), &radiance, 64);
     let point = surface_at(&renderer, &from_the_side(24));
     assert_same(&bits_in_each_set(SourceField::new(&lighting), &indirect.cuts, &point));
+}
+
+/// A shader keeps the merged cuts of the last triangle: after points of others it gives what a new one does.
+#[test]
+fn a_shader_may_go_to_and_fro_between_triangles() {
+    let renderer = Renderer::new(dataset(mesh(16, true), glossy(0.4)));
+    let light = illumination([64, 32], |x, y| Vec3::new(0.3, 0.2, if x > 40 && y < 10 { 30.0 } else { 0.1 }));
+    let lighting = renderer.lighting(&light, 64);
+    let view = from_the_side(24);
+    let at = |x: u32, y: u32| {
+        let direction = view.camera.direction_through(Vec2::new(x as f32, y as f32), view.size);
+        match renderer.surfaces().seen_along(view.camera.eye, direction) {
+            FirstHit::Surface(point) => *point,
+            _ => panic!("the view looks at a surface"),
+        }
+    };
+    let (a, b) = (at(12, 12), at(6, 16));
+    let near_a = SurfacePoint { weights: [a.weights[1], a.weights[2], a.weights[0]], ..a.clone() };
+    assert_ne!(a.vertices, b.vertices);
+    for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
+        let shader = || Shader::new(&lighting, &renderer.dataset.cuts, sampling);
+        let mut kept = shader();
+        let shaded = [&a, &near_a, &b, &a].map(|point| kept.shade(point));
+        assert_eq!(shaded, [&a, &near_a, &b, &a].map(|point| shader().shade(point)), "{sampling:?}");
+        assert!(shaded[0] != shaded[1] && shaded[0] != shaded[2], "negative control: they differ");
+    }
 }

@@ -38,7 +38,7 @@ pub struct AgainstArgs {
     /// Exit with code 3 if this program takes more than this multiple of the other one's time in a row
     #[arg(long, value_name = "RATIO", requires = "against", conflicts_with = "file", value_parser = values::positive)]
     fail_above: Option<f32>,
-    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    /// Folder with the bundled scenes and environments, for --against [default: that of the source tree]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
 }

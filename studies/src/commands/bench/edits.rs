@@ -3,9 +3,9 @@
 
 use super::{JsonArgs, median};
 use crate::args::{BackendOption, ViewedScene};
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, ensure};
 use glam::Quat;
-use lapidary_core::scene::Scene;
+use lapidary_core::{brdf::Value, scene::Scene};
 use lapidary_render::{LitScene, Look, STRIDES, Tiles};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -13,7 +13,9 @@ use std::time::{Duration, Instant};
 /// Radians that the environment or the camera is turned by, as little as a drag by some pixels does.
 const TURN: f32 = 0.05;
 
-/// Factor of the base colour and the roughness of the edited material, to and fro.
+/// What is edited of a material, as far as its model has it.
+const QUANTITIES: [&str; 2] = ["roughness", "base_color"];
+/// Factor of both, to and fro.
 const EDIT: f32 = 0.9;
 
 /// All figures.
@@ -76,10 +78,13 @@ pub fn run(viewed: &ViewedScene, material: &str, frames: u32, backend: BackendOp
 }
 
 fn index_of(scene: &Scene, material: &str) -> Result<usize> {
-    scene.materials.iter().position(|known| known.name == material).ok_or_else(|| {
+    let index = scene.materials.iter().position(|known| known.name == material).ok_or_else(|| {
         let names: Vec<_> = scene.materials.iter().map(|known| known.name.as_str()).collect();
         anyhow!("there is no material \"{material}\"; there are {}", names.join(", "))
-    })
+    })?;
+    let has_any = QUANTITIES.iter().any(|quantity| scene.materials[index].parameter_for(quantity).is_some());
+    ensure!(has_any, "\"{material}\" has neither a base color nor a roughness to edit; name another material");
+    Ok(index)
 }
 
 /// A scene on the renderer, with a finished picture of its look.
@@ -95,9 +100,14 @@ impl Subject {
         let mut factors = [EDIT, 1.0 / EDIT].into_iter().cycle();
         self.sketched(|look, edited| {
             let factor = factors.next().unwrap_or(1.0);
-            let parameters = &mut look.appearance.materials[edited].parameters;
-            parameters.set("roughness", factor * parameters.number("roughness"));
-            parameters.set("base_color", factor * parameters.color("base_color"));
+            let material = &mut look.appearance.materials[edited];
+            for parameter in QUANTITIES.map(|quantity| material.parameter_for(quantity)).into_iter().flatten() {
+                let edited = match material.parameters.value(parameter) {
+                    Value::Number(x) => Value::Number(factor * x),
+                    Value::Color(c) => Value::Color(factor * c),
+                };
+                material.parameters.set(parameter.name, edited);
+            }
         })
     }
 
