@@ -73,21 +73,25 @@ fn a_shader_may_go_to_and_fro_between_triangles() {
     let light = illumination([64, 32], |x, y| Vec3::new(0.3, 0.2, if x > 40 && y < 10 { 30.0 } else { 0.1 }));
     let lighting = renderer.lighting(&light, 64);
     let view = from_the_side(24);
-    let at = |x: u32, y: u32| {
-        let direction = view.camera.direction_through(Vec2::new(x as f32, y as f32), view.size);
+    let material = Material { model: BrdfModel::Ggx, parameters: glossy(0.4).into(), ..Default::default() };
+    let brdf = material.plain_brdf();
+    let seen_at = |pixel: u32| {
+        let [x, y] = [pixel % 24, pixel / 24].map(|at| at as f32 + 0.5);
+        let direction = view.camera.direction_through(Vec2::new(x, y), view.size);
         match renderer.surfaces().seen_along(view.camera.eye, direction) {
-            FirstHit::Surface(point) => *point,
-            _ => panic!("the view looks at a surface"),
+            FirstHit::Surface(point) => Some(SurfacePoint { brdf: brdf.clone(), ..*point }),
+            _ => None,
         }
     };
-    let (a, b) = (at(12, 12), at(6, 16));
-    let near_a = SurfacePoint { weights: [a.weights[1], a.weights[2], a.weights[0]], ..a.clone() };
-    assert_ne!(a.vertices, b.vertices);
+    let dimmed = |p: &SurfacePoint| SurfacePoint { weights: p.weights.map(|weight| 0.5 * weight), ..p.clone() };
     for sampling in [BrdfSampling::Once, BrdfSampling::Refine, BrdfSampling::Lit] {
-        let shader = || Shader::new(&lighting, &renderer.dataset.cuts, sampling);
-        let mut kept = shader();
-        let shaded = [&a, &near_a, &b, &a].map(|point| kept.shade(point));
-        assert_eq!(shaded, [&a, &near_a, &b, &a].map(|point| shader().shade(point)), "{sampling:?}");
-        assert!(shaded[0] != shaded[1] && shaded[0] != shaded[2], "negative control: they differ");
+        let shaded = |point: &SurfacePoint| Shader::new(&lighting, &renderer.dataset.cuts, sampling).shade(point);
+        let mut points = (0..24 * 24).filter_map(seen_at);
+        let a = points.next().expect("the view sees the mesh");
+        let b = points.find(|b| b.vertices != a.vertices && shaded(b) != shaded(&a)).expect("not all are alike");
+        let points = [&a, &dimmed(&a), &b, &a];
+        assert_ne!(shaded(&a), shaded(&dimmed(&a)), "negative control");
+        let mut kept = Shader::new(&lighting, &renderer.dataset.cuts, sampling);
+        assert_eq!(points.map(|point| kept.shade(point)), points.map(shaded), "{sampling:?}");
     }
 }
