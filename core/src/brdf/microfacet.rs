@@ -68,13 +68,6 @@ impl<L: Lanes> HalfVectors<L> {
         Self { sum, inv_length_sq: L::splat(1.0) / length_sq, wi_dot_h: L::splat(0.5) * length_sq.sqrt() }
     }
 
-    /// Unit half vectors.
-    #[inline(always)]
-    pub fn h(&self) -> Vec3x8<L> {
-        let inv_length = L::splat(2.0) * self.wi_dot_h * self.inv_length_sq;
-        self.sum * inv_length
-    }
-
     /// Squared cosines of the half vectors to the normal.
     #[inline(always)]
     pub fn cos_sq(&self) -> L {

@@ -80,3 +80,14 @@ fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
     let radiance = DirectLights { lights: &sun, intersector: renderer.intersector() }.reflected(&point, Vec2::ZERO);
     assert!((radiance - FRAC_1_PI).abs().max_element() < 1e-4, "{radiance}");
 }
+
+#[test]
+fn eight_places_at_once_are_those_of_the_cells() {
+    for shift in [Vec2::ZERO, Vec2::new(0.3, 0.9), Vec2::splat(0.999)] {
+        let cells = cells(shift).map(|(corner, shift)| (corner + shift) / CELLS as f32);
+        let eights = [0, 1].map(|half| cells_x8(shift, half).map(|axis| axis.to_array()));
+        let at = |cell: usize| eights[cell / 8].map(|axis| axis[cell % 8]);
+        assert!((0..ALL_CELLS).all(|cell| (Vec2::from(at(cell)) - cells[cell]).length() < 1e-5), "{shift}");
+        assert!((Vec2::from(at(8)) - cells[0]).length() > 1e-2, "negative control: another cell");
+    }
+}
