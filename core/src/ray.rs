@@ -7,6 +7,7 @@
 mod batch;
 mod boundaries;
 mod closest;
+mod cones;
 mod device;
 mod directions;
 mod eight;
@@ -21,6 +22,7 @@ mod triangle;
 mod veils;
 
 pub use boundaries::{BoundarySet, BoundaryTracer, SegmentSet, SegmentTracer, is_number_per_probe};
+pub use cones::{Cone, EightCones, SeenThrough};
 pub use device::{BoxNode, RayDevice, RayDevices, RayOrigin};
 pub use directions::{DirectionSet, HalfSpace, in_eights, spatial_order};
 pub use eight::EightRays;

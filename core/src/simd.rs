@@ -211,6 +211,12 @@ impl<L: Lanes> Vec3x8<L> {
         Self { x: L::new(v.x.to_array()), y: L::new(v.y.to_array()), z: L::new(v.z.to_array()) }
     }
 
+    /// The same vectors for any other instruction set.
+    #[inline(always)]
+    pub fn portable(self) -> Vec3x8 {
+        Vec3x8 { x: self.x.portable(), y: self.y.portable(), z: self.z.portable() }
+    }
+
     /// One of the eight.
     #[inline(always)]
     pub fn lane(&self, i: usize) -> Vec3 {

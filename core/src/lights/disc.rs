@@ -63,6 +63,11 @@ impl Disc {
         self.axis.dot(direction) > 0.0 && self.axis.cross(direction).length_squared() <= self.sin_sq()
     }
 
+    /// Whether any of it may be above a plane of this normal.
+    pub fn may_be_above(&self, normal: Vec3) -> bool {
+        self.axis.dot(normal) > -self.sine()
+    }
+
     /// The sine of the angle from its middle to its rim.
     pub fn sine(&self) -> f32 {
         self.sin_sq().sqrt()

@@ -113,7 +113,12 @@ pub struct LightSampler<'a> {
     disc: Option<Disc>,
 }
 
-impl LightSampler<'_> {
+impl<'a> LightSampler<'a> {
+    /// The light.
+    pub fn light(&self) -> &'a Light {
+        self.light
+    }
+
     /// See [`Light::sample`].
     pub fn sample(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
         let light = self.light;
@@ -132,11 +137,6 @@ impl LightSampler<'_> {
     /// The disc of a distant light.
     pub fn disc(&self) -> Option<&Disc> {
         self.disc.as_ref()
-    }
-
-    /// Whether any of its light may come from above a plane of this normal.
-    pub fn may_be_above(&self, normal: Vec3) -> bool {
-        self.disc.is_none_or(|disc| disc.axis.dot(normal) > -disc.sine())
     }
 
     fn distant(&self, u: Vec2) -> Option<LightSample> {

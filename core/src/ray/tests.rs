@@ -311,6 +311,51 @@ fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
     }
 }
 
+/// Directions from the middle of a disc around `axis` to its rim, whose sine is `sine`.
+fn directions_within(axis: Vec3, sine: f32) -> Vec<Vec3> {
+    let (right, up) = axis.any_orthonormal_pair();
+    let at = |i: u32| {
+        let (radius, angle) = (sine * (i as f32 / 127.0).sqrt(), 2.4 * i as f32);
+        let height = (1.0 - radius * radius).sqrt();
+        axis * height + (right * angle.cos() + up * angle.sin()) * radius
+    };
+    (0..128).map(at).collect()
+}
+
+#[test]
+fn no_ray_of_an_open_cone_meets_anything_and_all_of_a_closed_one_do() {
+    let scene = Intersector::new(&soup(9, 60));
+    let mut rng = fastrand::Rng::with_seed(4);
+    let mut point = || Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5);
+    let (mut known, mut wrong_if_wider) = ([0; 2], 0);
+    for i in 0..400 {
+        let axis = if i % 8 == 0 { Vec3::Y } else { point().normalize() };
+        let sine = [0.0, 0.0047, 0.05, 0.3][i % 4];
+        let at = 6.0 * point();
+        let cones = EightCones { origins: std::array::from_fn(|_| at + 0.3 * point()), axis, sine, active: !(i as u8) };
+        let seen = scene.seen_through(&cones);
+        assert_eq!((seen.open | seen.closed) & !cones.active, 0);
+        InstructionSet::available().for_each(|set| assert_eq!(scene.seen_through_in(set, &cones), seen, "{set:?}"));
+        for (lane, &origin) in cones.origins.iter().enumerate() {
+            let has = |bits: u8| bits >> lane & 1 == 1;
+            let occluded = |sine| {
+                let rays = directions_within(axis, sine);
+                rays.iter().filter(|&&d| scene.occluded_by_brute_force(origin, d)).count()
+            };
+            let (met, wider) = (occluded(sine), occluded(sine + 0.1));
+            assert!(!has(seen.open) || met == 0, "{i}, {lane}: {met} of an open one");
+            assert!(!has(seen.closed) || met == 128, "{i}, {lane}: {met} of a closed one");
+            // Of a ray alone, all is known.
+            assert!(sine > 0.0 || !has(cones.active) || has(seen.open | seen.closed), "{i}, {lane}");
+            known[0] += usize::from(has(seen.open));
+            known[1] += usize::from(has(seen.closed));
+            wrong_if_wider += usize::from(has(seen.open) && wider > 0 || has(seen.closed) && wider < 128);
+        }
+    }
+    assert!(known.iter().all(|&known| known > 30), "{known:?}");
+    assert!(wrong_if_wider > 20, "negative control, wider cones: {wrong_if_wider}");
+}
+
 /// A soup over its ground, in radii of 6 or so.
 fn grounded_soup() -> Mesh {
     let mut scene = Scene { mesh: soup(5, 400), ..Scene::default() };

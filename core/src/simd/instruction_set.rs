@@ -3,6 +3,7 @@
 use super::Lanes;
 #[cfg(target_arch = "x86_64")]
 use super::avx2::Avx2;
+use std::sync::LazyLock;
 use wide::f32x8;
 
 /// Work that is worth a path for each instruction set.
@@ -51,7 +52,9 @@ impl InstructionSet {
 
     /// The widest that this machine has.
     pub fn widest() -> Self {
-        Self::available().last().unwrap_or(Self::PORTABLE)
+        static WIDEST: LazyLock<InstructionSet> =
+            LazyLock::new(|| InstructionSet::available().last().unwrap_or(InstructionSet::PORTABLE));
+        *WIDEST
     }
 
     /// Runs `kernel` in these instructions.

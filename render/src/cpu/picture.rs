@@ -7,7 +7,7 @@ use crate::{
     light::direct::pixel_shift,
     post::Post,
     shade::{
-        painter::Painter,
+        painter::{Painter, SunsOfParts},
         pixel_sampler::{PixelSampler, Sight},
         surface::FirstHit,
         wireframe,
@@ -17,7 +17,7 @@ use crate::{
     view_mode::ViewMode,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::image::Image;
+use lapidary_core::{image::Image, ray::Hit};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -376,12 +376,17 @@ impl Row<'_> {
         let y = self.y;
         let lacking: Vec<[u32; 2]> =
             (0..self.seen.len()).filter(|&x| self.lacks_any(x, sample)).map(|x| [x as u32, y]).collect();
-        for (&pixel, hit) in lacking.iter().zip(sampler.hits(&lacking, sample as usize)) {
-            let lacks = self.lacks(pixel[0] as usize, sample);
-            let sight = sampler.sight_of(pixel, sample as usize, hit);
-            self.add_to_pixel(pixel, lacks, (sampler, &mut *painter), patches, (sample, &sight));
-            let surface = matches!(sight.seen, FirstHit::Surface(_));
-            shaded.iter_mut().zip(lacks).for_each(|(count, lacks)| *count += u64::from(surface && lacks));
+        let hits = sampler.hits(&lacking, sample as usize);
+        for (pixels, hits) in lacking.chunks(8).zip(hits.chunks(8)) {
+            let sight = |(&pixel, &hit): (&[u32; 2], &Option<Hit>)| sampler.sight_of(pixel, sample as usize, hit);
+            let sights: Vec<Sight> = pixels.iter().zip(hits).map(sight).collect();
+            let suns = suns_seen(painter, &sights);
+            for ((&pixel, sight), suns) in pixels.iter().zip(&sights).zip(suns) {
+                let lacks = self.lacks(pixel[0] as usize, sample);
+                self.add_to_pixel(pixel, lacks, (sampler, &mut *painter), patches, (sample, sight, suns));
+                let surface = matches!(sight.seen, FirstHit::Surface(_));
+                shaded.iter_mut().zip(lacks).for_each(|(count, lacks)| *count += u64::from(surface && lacks));
+            }
         }
         shaded
     }
@@ -403,20 +408,27 @@ impl Row<'_> {
         lacks: [bool; Part::COUNT],
         (sampler, painter): (&PixelSampler, &mut Painter),
         patches: Option<&[u8]>,
-        (sample, sight): (u32, &Sight),
+        (sample, sight, suns): (u32, &Sight, SunsOfParts),
     ) {
         let seen = &mut self.seen[x as usize];
         if seen.samples == sample {
             seen.add(sampler, sight.position, &sight.seen, patches);
         }
         for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
-            self.parts[part as usize][x as usize].add(part, (sampler, painter), sight, pixel_shift(x, y, sample));
+            let sum = &mut self.parts[part as usize][x as usize];
+            sum.add(part, (sampler, painter), sight, (pixel_shift(x, y, sample), suns));
         }
     }
 }
 
 impl Sum {
-    fn add(&mut self, part: Part, (sampler, painter): (&PixelSampler, &mut Painter), sight: &Sight, shift: Vec2) {
+    fn add(
+        &mut self,
+        part: Part,
+        (sampler, painter): (&PixelSampler, &mut Painter),
+        sight: &Sight,
+        (shift, suns): (Vec2, SunsOfParts),
+    ) {
         self.samples += 1;
         match &sight.seen {
             // The other modes show surfaces only: an environment is no count.
@@ -425,7 +437,7 @@ impl Sum {
             }
             FirstHit::Background | FirstHit::Back => {}
             FirstHit::Surface(point) => {
-                let value = painter.part(part, point, shift);
+                let value = painter.part(part, point, shift, suns);
                 if sampler.lets_light_through(point) {
                     let share = sampler.share_let_through(value);
                     self.through += share;
@@ -448,7 +460,7 @@ impl FirstSample {
         (sampler, painter): (&PixelSampler, &mut Painter),
         patches: Option<&[u8]>,
         [x, y]: [u32; 2],
-        sight: &Sight,
+        (sight, suns): (&Sight, SunsOfParts),
     ) -> Self {
         let lacks = picture.lacks(x, y);
         let seen = (picture.seen[picture.index(x, y)].samples == 0).then(|| {
@@ -459,12 +471,17 @@ impl FirstSample {
         let sums = Part::ALL.map(|part| {
             lacks[part as usize].then(|| {
                 let mut sum = Sum::default();
-                sum.add(part, (sampler, &mut *painter), sight, pixel_shift(x, y, 0));
+                sum.add(part, (sampler, &mut *painter), sight, (pixel_shift(x, y, 0), suns));
                 sum
             })
         });
         Self { pixel: [x, y], seen, sums, shows_surface: matches!(sight.seen, FirstHit::Surface(_)) }
     }
+}
+
+/// What the surfaces of up to eight sights are known to see of suns.
+pub(super) fn suns_seen(painter: &Painter, sights: &[Sight]) -> [SunsOfParts; 8] {
+    painter.suns_seen(&std::array::from_fn(|i| sights.get(i).and_then(Sight::surface)))
 }
 
 impl Seen {

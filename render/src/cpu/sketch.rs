@@ -7,8 +7,13 @@ mod moved;
 
 use crate::{
     appearance::Appearance,
-    cpu::picture::{FirstSample, Picture},
-    shade::{painter::Painter, pixel_sampler::PixelSampler, surface::SurfacePoint, wireframe::Screen},
+    cpu::picture::{FirstSample, Picture, suns_seen},
+    shade::{
+        painter::Painter,
+        pixel_sampler::{PixelSampler, Sight},
+        surface::SurfacePoint,
+        wireframe::Screen,
+    },
     sketch::{Guide, Tiles},
 };
 use filter::{Filter, Hole};
@@ -173,12 +178,13 @@ impl Sketch {
         }
         let mut filled = picture.take_filled(sampler);
         let holes = Filter::new(self, picture, sampler).fill(&mut filled);
-        let shade = |painter: &mut Painter<'a>, hole: &&Hole| {
-            let [x, y] = hole.pixel;
-            first_sample(picture, (sampler, painter), patches, self.guide(x, y), hole.pixel)
+        let shade = |painter: &mut Painter<'a>, eight: &[&Hole]| {
+            let pixels: Vec<[u32; 2]> = eight.iter().map(|hole| hole.pixel).collect();
+            first_samples(picture, (sampler, painter), patches, (&pixels, |[x, y]| self.guide(x, y)))
         };
         let chosen = chosen(&holes, most_shaded as usize);
-        let shaded: Vec<FirstSample> = chosen.par_iter().with_min_len(16).map_init(painter, shade).collect();
+        let eights = chosen.par_chunks(8).with_min_len(2).map_init(painter, shade);
+        let shaded: Vec<FirstSample> = eights.flatten_iter().collect();
         let count = shaded.len();
         picture.set_first(shaded);
         if count > 0 {
@@ -247,18 +253,15 @@ impl TileWork<'_, '_, '_> {
 
     /// The first sample of the pixels on a lattice, and with `unlit` of those without a surface to shade.
     fn shade(&self, picture: &Picture, painter: &mut Painter, stride: u32, unlit: bool) -> Vec<FirstSample> {
-        let mut shaded = Vec::new();
-        for (x, y) in pixels(self.region) {
-            let on_lattice = x % stride == 0 && y % stride == 0;
-            if !(on_lattice || unlit) || !picture.lacks(x, y).contains(&true) {
-                continue;
-            }
-            let guide = &self.guides[self.tiles.place(x, y).1];
-            if on_lattice || !guide.is_lit() {
-                shaded.push(first_sample(picture, (self.sampler, &mut *painter), self.patches, guide, [x, y]));
-            }
-        }
-        shaded
+        let guide = |[x, y]: [u32; 2]| &self.guides[self.tiles.place(x, y).1];
+        let is_wanted = |&[x, y]: &[u32; 2]| {
+            let on_lattice = x.is_multiple_of(stride) && y.is_multiple_of(stride);
+            (on_lattice || unlit && !guide([x, y]).is_lit()) && picture.lacks(x, y).contains(&true)
+        };
+        let wanted: Vec<[u32; 2]> = pixels(self.region).map(|(x, y)| [x, y]).filter(is_wanted).collect();
+        let eight =
+            |pixels: &[[u32; 2]]| first_samples(picture, (self.sampler, &mut *painter), self.patches, (pixels, guide));
+        wanted.chunks(8).flat_map(eight).collect()
     }
 }
 
@@ -310,15 +313,18 @@ fn hit(guide: &Guide) -> Option<Hit> {
     (guide.material != Guide::BACKGROUND).then_some(hit)
 }
 
-/// What a pixel lacks of its first sample, without its camera ray.
-fn first_sample(
+/// What up to eight pixels lack of their first sample, without their camera rays.
+fn first_samples<'g>(
     picture: &Picture,
     (sampler, painter): (&PixelSampler, &mut Painter),
     patches: Option<&[u8]>,
-    guide: &Guide,
-    [x, y]: [u32; 2],
-) -> FirstSample {
-    FirstSample::new(picture, (sampler, painter), patches, [x, y], &sampler.sight_of([x, y], 0, hit(guide)))
+    (pixels, guide): (&[[u32; 2]], impl Fn([u32; 2]) -> &'g Guide),
+) -> Vec<FirstSample> {
+    let sights: Vec<Sight> = pixels.iter().map(|&pixel| sampler.sight_of(pixel, 0, hit(guide(pixel)))).collect();
+    let suns = suns_seen(painter, &sights);
+    let first =
+        |((&pixel, sight), suns)| FirstSample::new(picture, (sampler, &mut *painter), patches, pixel, (sight, suns));
+    pixels.iter().zip(&sights).zip(suns).map(first).collect()
 }
 
 #[cfg(test)]

@@ -7,6 +7,9 @@
 //! rectangles are free of spots.
 
 mod brightest;
+mod suns;
+
+pub(crate) use suns::SunsSeen;
 
 use crate::shade::surface::{ReceiverX8, SurfacePoint};
 use brightest::delta_light;
@@ -14,7 +17,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{Brdf, BrdfVisitor, LightsX8, narrow_widths},
     lights::{Disc, Light, LightSample, LightSampler},
-    ray::{EightRays, Intersector, offset},
+    ray::{Cone, Intersector, offset},
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
     sphere::SPHERE,
 };
@@ -66,61 +69,83 @@ pub(crate) struct DirectLights<'a> {
     pub intersector: &'a Intersector,
 }
 
-impl DirectLights<'_> {
-    /// Radiance that a point reflects of their direct light; `shift` is that of [`pixel_shift`].
-    pub fn reflected(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
-        let Self { lights, intersector } = *self;
+impl<'a> DirectLights<'a> {
+    /// What shades points with them.
+    pub fn shader(&self) -> DirectShader<'a> {
+        let samplers = self.lights.iter().filter(|light| light.shines()).map(Light::sampler).collect();
+        DirectShader { lights: samplers, intersector: self.intersector }
+    }
+}
+
+/// Shades points with the direct light of lights that shine.
+pub(crate) struct DirectShader<'a> {
+    lights: Vec<LightSampler<'a>>,
+    intersector: &'a Intersector,
+}
+
+impl DirectShader<'_> {
+    /// Radiance that a point reflects; `shift` is that of [`pixel_shift`], `suns` what is known of [`Self::suns_seen`].
+    pub fn reflected(&self, point: &SurfacePoint, shift: Vec2, suns: SunsSeen) -> Vec3 {
         let mut arriving = Arriving::at(point);
-        for light in lights.iter().filter(|light| light.shines() && !light.is_delta()) {
-            self.add(light, shift, &mut arriving);
+        for (i, light) in self.lights.iter().enumerate().filter(|(_, light)| !light.light().is_delta()) {
+            match (light.disc(), suns.of(i)) {
+                (Some(_), Some(false)) => {}
+                (Some(disc), seen) => self.add_sun(light, disc, shift, seen.is_some(), &mut arriving),
+                (None, _) => self.add(light, shift, &mut arriving),
+            }
         }
-        let delta = lights.iter().filter(|light| light.is_delta());
-        arriving.reflected()
-            + delta_light(point, delta, |direction, distance| arriving_share(intersector, point, direction, distance))
+        let delta = self.lights.iter().map(LightSampler::light).filter(|light| light.is_delta());
+        let share = |direction, distance| arriving_share(self.intersector, point, direction, distance);
+        arriving.reflected() + delta_light(point, delta, share)
     }
 
-    /// Adds a distant light of which one point of each cell is enough.
-    fn add_disc(&self, disc: &Disc, middle: &LightSample, shift: Vec2, arriving: &mut Arriving) {
+    /// Adds a light that is a disc; `is_open` if nothing is before it.
+    fn add_sun(&self, sun: &LightSampler, disc: &Disc, shift: Vec2, is_open: bool, arriving: &mut Arriving) {
         let point = arriving.point;
-        let receiver = ReceiverX8::<f32x8>::new(point);
-        let eights = [0, 1].map(|half| disc.directions(cells_x8(shift, half)));
-        let rays = eights.map(|directions| {
-            let is_received = receiver.receives_by_both(directions).to_bitmask() as u8;
-            EightRays::new([point.ray_origin; 8], from_fn(|i| directions.lane(i)), is_received)
-        });
+        let middle = sun.sample(point.ray_origin, Vec2::splat(0.5));
+        let Some(middle) = middle.filter(|_| point.horizons().iter().all(|&normal| disc.may_be_above(normal))) else {
+            return;
+        };
+        let aimed = InstructionSet::widest().run(Aim { disc, shift, point });
+        let shares = if is_open { [[1.0; 8]; 2] } else { self.shares(point, disc, &aimed) };
+        if arriving.points_of_cell(&middle) > 1 {
+            let cells = cells(shift).into_iter().zip(shares.into_iter().flatten());
+            return cells.for_each(|(cell, share)| arriving.add_cell(sun, cell, &middle, share));
+        }
         let irradiance = Vec3x8::splat(middle.irradiance * (1.0 / ALL_CELLS as f32));
-        let inv_kappa = f32x8::splat(inv_kappa(middle, ALL_CELLS as u32));
-        let open = self.intersector.open(&rays);
-        for (directions, open) in eights.into_iter().zip(open).filter(|&(_, open)| open != 0) {
-            let share = |i: usize| match open >> i & 1 {
-                0 => 0.0,
-                _ => self.intersector.past_veils(point.ray_origin, directions.lane(i), f32::INFINITY),
-            };
-            let irradiance = irradiance * f32x8::new(from_fn(share));
+        let inv_kappa = f32x8::splat(inv_kappa(&middle, ALL_CELLS as u32));
+        for (directions, shares) in aimed.directions.into_iter().zip(shares).filter(|(_, shares)| *shares != [0.0; 8]) {
+            let irradiance = irradiance * f32x8::new(shares);
             arriving.sum += EightLights { directions, irradiance, inv_kappa }.reflected(point);
         }
     }
 
-    /// Adds a light with an extent.
-    fn add(&self, light: &Light, shift: Vec2, arriving: &mut Arriving) {
-        let (point, sampler) = (arriving.point, light.sampler());
-        if ![point.smooth_normal, point.world_from_local.z_axis].iter().all(|&normal| sampler.may_be_above(normal)) {
-            return;
-        }
-        let middle = sampler.sample(point.ray_origin, Vec2::splat(0.5));
-        if let (Some(disc), Some(middle)) = (sampler.disc(), middle)
-            && arriving.points_of_cell(&middle) == 1
+    /// Share of a sun's light that arrives from where its rays go.
+    fn shares(&self, point: &SurfacePoint, disc: &Disc, Aimed { directions, received }: &Aimed) -> [[f32; 8]; 2] {
+        let cone = Cone { origin: point.ray_origin, axis: disc.axis, sine: disc.sine() };
+        let open = self.intersector.open_within(&cone, directions, *received);
+        let mut shares = [[0.0; 8]; 2];
+        for (i, share) in
+            shares.as_flattened_mut().iter_mut().enumerate().filter(|(i, _)| open[i / 8] >> (i % 8) & 1 == 1)
         {
-            return self.add_disc(disc, &middle, shift, arriving);
+            *share = match self.intersector.has_veils() {
+                true => self.intersector.past_veils(point.ray_origin, directions[i / 8].lane(i % 8), f32::INFINITY),
+                false => 1.0,
+            };
         }
-        let cells = cells(shift);
-        let rays = cells.map(|(corner, shift)| {
-            let ray = sampler.sample(point.ray_origin, (corner + shift) / CELLS as f32);
-            ray.filter(|ray| point.receives(ray.direction))
-        });
-        let shares = seen(point, &rays, self.intersector);
-        for ((cell, ray), share) in cells.into_iter().zip(&rays).zip(shares).filter(|&(_, share)| share > 0.0) {
-            ray.iter().for_each(|ray| arriving.add_cell(&sampler, cell, ray, share));
+        shares
+    }
+
+    /// Adds a rectangle.
+    fn add(&self, light: &LightSampler, shift: Vec2, arriving: &mut Arriving) {
+        let point = arriving.point;
+        for (corner, shift) in cells(shift) {
+            let ray = light.sample(point.ray_origin, (corner + shift) / CELLS as f32);
+            let Some(ray) = ray.filter(|ray| point.receives(ray.direction)) else { continue };
+            let share = arriving_share(self.intersector, point, ray.direction, ray.distance);
+            if share > 0.0 {
+                arriving.add_cell(light, (corner, shift), &ray, share);
+            }
         }
     }
 }
@@ -133,19 +158,63 @@ fn cells(shift: Vec2) -> [(Vec2, Vec2); ALL_CELLS] {
     })
 }
 
+/// The cells by halves: where the corner of each is, in cells, and [`STEPS`], along both axes.
+const EIGHTS: [[[[f32; 8]; 2]; 2]; 2] = {
+    let (mut eights, mut cell) = ([[[[0.0; 8]; 2]; 2]; 2], 0);
+    while cell < ALL_CELLS {
+        let (half, lane) = (cell / 8, cell % 8);
+        eights[half][0][0][lane] = (cell % CELLS as usize) as f32;
+        eights[half][0][1][lane] = (cell / CELLS as usize) as f32;
+        eights[half][1][0][lane] = STEPS[cell].x;
+        eights[half][1][1][lane] = STEPS[cell].y;
+        cell += 1;
+    }
+    eights
+};
+
 /// Places in the unit square of eight of the [`cells`].
 #[inline(always)]
-fn cells_x8(shift: Vec2, half: usize) -> [f32x8; 2] {
-    let cells: [(Vec2, Vec2); 8] = from_fn(|i| {
-        let cell = 8 * half + i;
-        (Vec2::new((cell % CELLS as usize) as f32, (cell / CELLS as usize) as f32), STEPS[cell])
-    });
-    let at = |of: fn(Vec2) -> f32| {
-        let moved = f32x8::new(cells.map(|(_, step)| of(step))) + f32x8::splat(of(shift));
-        let wrapped = moved.simd_ge(f32x8::splat(1.0)).select(moved - f32x8::splat(1.0), moved);
-        (f32x8::new(cells.map(|(corner, _)| of(corner))) + wrapped) * f32x8::splat(1.0 / CELLS as f32)
-    };
-    [at(|v| v.x), at(|v| v.y)]
+fn cells_x8<L: Lanes>(shift: Vec2, half: usize) -> [L; 2] {
+    let [corners, steps] = EIGHTS[half];
+    [along_x8(corners[0], steps[0], shift.x), along_x8(corners[1], steps[1], shift.y)]
+}
+
+/// The same along one axis.
+#[inline(always)]
+fn along_x8<L: Lanes>(corners: [f32; 8], steps: [f32; 8], shift: f32) -> L {
+    let (one, moved) = (L::splat(1.0), L::new(steps) + L::splat(shift));
+    let wrapped = moved.simd_ge(one).select(moved - one, moved);
+    (L::new(corners) + wrapped) * L::splat(1.0 / CELLS as f32)
+}
+
+/// Where the rays of a point to the cells of a sun go.
+struct Aim<'a> {
+    disc: &'a Disc,
+    shift: Vec2,
+    point: &'a SurfacePoint,
+}
+
+struct Aimed {
+    /// Unit directions in world space.
+    directions: [Vec3x8; 2],
+    /// Those that the point receives, one bit each.
+    received: [u8; 2],
+}
+
+impl Kernel for Aim<'_> {
+    type Output = Aimed;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Aimed {
+        let receiver = ReceiverX8::<L>::new(self.point);
+        let first = self.disc.directions(cells_x8::<L>(self.shift, 0));
+        let second = self.disc.directions(cells_x8::<L>(self.shift, 1));
+        let received = [receiver.receives_by_both(first), receiver.receives_by_both(second)];
+        Aimed {
+            directions: [first.portable(), second.portable()],
+            received: [received[0].to_bitmask() as u8, received[1].to_bitmask() as u8],
+        }
+    }
 }
 
 /// Inverse concentration of the part of a light that one of so many samples stands for.
@@ -203,27 +272,6 @@ impl<L: Lanes> BrdfVisitor for Reflect<'_, L> {
     fn visit(self, brdf: &impl Brdf) {
         *self.sum = brdf.reflect(&self.lights, self.wo).scale(self.irradiance).reduce_add();
     }
-}
-
-/// Share of the light that arrives along each ray. Those to a distant light are traced eight at a time.
-fn seen(point: &SurfacePoint, rays: &[Option<LightSample>; ALL_CELLS], intersector: &Intersector) -> [f32; ALL_CELLS] {
-    let is_distant = rays.iter().flatten().all(|ray| ray.distance.is_infinite());
-    if !is_distant {
-        let share = |ray: &LightSample| arriving_share(intersector, point, ray.direction, ray.distance);
-        return from_fn(|i| rays[i].as_ref().map_or(0.0, share));
-    }
-    let eight = |rays: &[Option<LightSample>]| {
-        let directions = from_fn(|i| rays[i].map_or(Vec3::Y, |ray| ray.direction));
-        let active = (0..8).map(|i| u8::from(rays[i].is_some()) << i).sum();
-        EightRays::new([point.ray_origin; 8], directions, active)
-    };
-    let eights: [EightRays; ALL_CELLS / 8] = from_fn(|i| eight(&rays[8 * i..]));
-    let open = intersector.open(&eights);
-    let share = |i: usize, ray: &LightSample| match open[i / 8] >> (i % 8) & 1 {
-        0 => 0.0,
-        _ => intersector.past_veils(point.ray_origin, ray.direction, f32::INFINITY),
-    };
-    from_fn(|i| rays[i].as_ref().map_or(0.0, |ray| share(i, ray)))
 }
 
 /// Light from up to eight directions that has not been reflected yet.

@@ -8,7 +8,7 @@ pub(crate) mod cut_map;
 
 use crate::{
     light::{
-        direct::{DirectLights, pixel_shift},
+        direct::{DirectLights, SunsSeen, pixel_shift},
         environment::Illumination,
     },
     measure::cut_light::{CutLight, FieldJob, NoCuts, TreeOf},
@@ -205,8 +205,8 @@ impl Renderer {
             let Emission::Directional { angle_degrees } = sun.emission else { continue };
             let Some(forward) = sun.forward() else { continue };
             let sun = [sun];
-            let light = DirectLights { lights: &sun, intersector: self.intersector() };
-            let contribution = light.reflected(&explanation.point, pixel_shift(x, y, 0));
+            let light = DirectLights { lights: &sun, intersector: self.intersector() }.shader();
+            let contribution = light.reflected(&explanation.point, pixel_shift(x, y, 0), SunsSeen::default());
             explanation.suns.push(ExplainedSun { direction: -forward, angle_degrees, contribution });
             explanation.radiance += contribution;
         }

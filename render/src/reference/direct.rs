@@ -2,7 +2,7 @@
 
 use crate::{
     light::{
-        direct::{DirectLights, pixel_shift},
+        direct::{DirectLights, SunsSeen, pixel_shift},
         environment::Illumination,
     },
     renderer::Renderer,
@@ -28,11 +28,11 @@ impl Renderer {
         let view = &View { hides_background: true, ..view.clone() };
         let backdrop = Backdrop::new(view, behind, false, &mut BlurCache::default());
         let sampler = PixelSampler::new(self, view, &backdrop);
-        let lights = DirectLights { lights, intersector: self.intersector() };
+        let lights = DirectLights { lights, intersector: self.intersector() }.shader();
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {
             let one = |i: u32| {
-                let shade = |p: &SurfacePoint| lights.reflected(p, pixel_shift(x, y, i));
+                let shade = |p: &SurfacePoint| lights.reflected(p, pixel_shift(x, y, i), SunsSeen::default());
                 sampler.sample(x, y, i as usize, shade)
             };
             (0..samples).map(one).sum::<Vec3>() / samples as f32

@@ -3,7 +3,7 @@
 use crate::{
     light::{
         bounce::{MeshlessLight, functions::level_color},
-        direct::DirectLights,
+        direct::{DirectLights, DirectShader, SunsSeen},
         environment::SceneLighting,
         implicit::{PosedLight, Sides},
         solver::BounceLight,
@@ -94,6 +94,13 @@ impl<'a> Bounce<'a> {
     }
 }
 
+/// What a point is known to see of suns among the lights of each part.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SunsOfParts {
+    local: SunsSeen,
+    added: SunsSeen,
+}
+
 /// Computes values of surface points; keeps its buffers between them.
 pub(crate) struct Painter<'a> {
     mode: ViewMode,
@@ -105,8 +112,8 @@ pub(crate) struct Painter<'a> {
     bounce: Option<Bounce<'a>>,
     posed: Option<&'a PosedLight>,
     posed_bounce: Option<&'a PosedLight>,
-    local: Option<DirectLights<'a>>,
-    added: Option<DirectLights<'a>>,
+    local: Option<DirectShader<'a>>,
+    added: Option<DirectShader<'a>>,
     /// Work that was shown and has not been taken.
     shown: Work,
 }
@@ -124,23 +131,30 @@ impl<'a> Painter<'a> {
             bounce,
             posed: light.posed,
             posed_bounce: light.posed_bounce,
-            local: light.local,
-            added: light.added,
+            local: light.local.map(|lights| lights.shader()),
+            added: light.added.map(|lights| lights.shader()),
             shown: Work::default(),
         }
     }
 
     /// One part of a point's light as scene-linear radiance. The first part also has what the other modes show: an
     /// albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
-    /// [`crate::light::direct::pixel_shift`].
-    pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+    /// [`crate::light::direct::pixel_shift`]; `suns` is what is known of [`Self::suns_seen`].
+    pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2, suns: SunsOfParts) -> Vec3 {
         match part {
             Part::Environment => self.mode_value(point),
             Part::Bounce if self.mode.is_of_basis() => self.basis_value(point),
             Part::Bounce => self.bounced(point),
-            Part::Direct => direct(self.local, point, shift),
-            Part::Added => direct(self.added, point, shift),
+            Part::Direct => direct(&self.local, point, shift, suns.local),
+            Part::Added => direct(&self.added, point, shift, suns.added),
         }
+    }
+
+    /// What up to eight points are known to see of suns; the nearer the points, the faster it is.
+    pub fn suns_seen(&self, points: &[Option<&SurfacePoint>; 8]) -> [SunsOfParts; 8] {
+        let seen = |lights: &Option<DirectShader>| lights.as_ref().map(|l| l.suns_seen(points)).unwrap_or_default();
+        let (local, added) = (seen(&self.local), seen(&self.added));
+        std::array::from_fn(|i| SunsOfParts { local: local[i], added: added[i] })
     }
 
     fn mode_value(&mut self, point: &SurfacePoint) -> Vec3 {
@@ -229,6 +243,6 @@ impl<'a> Painter<'a> {
     }
 }
 
-fn direct(lights: Option<DirectLights>, point: &SurfacePoint, shift: Vec2) -> Vec3 {
-    lights.map_or(Vec3::ZERO, |lights| lights.reflected(point, shift))
+fn direct(lights: &Option<DirectShader>, point: &SurfacePoint, shift: Vec2, suns: SunsSeen) -> Vec3 {
+    lights.as_ref().map_or(Vec3::ZERO, |lights| lights.reflected(point, shift, suns))
 }

@@ -42,6 +42,16 @@ pub(crate) struct Sight {
     pub seen: FirstHit,
 }
 
+impl Sight {
+    /// The surface that is seen, if it can be shaded.
+    pub fn surface(&self) -> Option<&SurfacePoint> {
+        match &self.seen {
+            FirstHit::Surface(point) => Some(point),
+            FirstHit::Back | FirstHit::Background => None,
+        }
+    }
+}
+
 /// Samples of a pixel whose thresholds are spread evenly.
 const STRATA: u32 = 16;
 

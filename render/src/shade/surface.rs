@@ -103,6 +103,11 @@ impl SurfacePoint {
         Self { world_from_local, wo: world_from_local.transpose() * wo, slopes: [0.0; 3], ..self.clone() }
     }
 
+    /// The normals above whose horizons light is received: the smooth one and that of shading.
+    pub fn horizons(&self) -> [Vec3; 2] {
+        [self.smooth_normal, self.world_from_local.z_axis]
+    }
+
     /// Whether light from a direction can be reflected: it is above the horizons of the shading normal and of the
     /// smooth normal.
     #[inline(always)]

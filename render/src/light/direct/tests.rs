@@ -77,7 +77,11 @@ fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
     let renderer = Renderer::new(dataset(mesh(4, false), white()));
     let point = surface_at(&renderer, &from_above(1));
     let sun = [light(Emission::PARALLEL, Vec3::Y, Vec3::ZERO, 1.0)];
-    let radiance = DirectLights { lights: &sun, intersector: renderer.intersector() }.reflected(&point, Vec2::ZERO);
+    let radiance = DirectLights { lights: &sun, intersector: renderer.intersector() }.shader().reflected(
+        &point,
+        Vec2::ZERO,
+        SunsSeen::default(),
+    );
     assert!((radiance - FRAC_1_PI).abs().max_element() < 1e-4, "{radiance}");
 }
 
@@ -85,7 +89,7 @@ fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
 fn eight_places_at_once_are_those_of_the_cells() {
     for shift in [Vec2::ZERO, Vec2::new(0.3, 0.9), Vec2::splat(0.999)] {
         let cells = cells(shift).map(|(corner, shift)| (corner + shift) / CELLS as f32);
-        let eights = [0, 1].map(|half| cells_x8(shift, half).map(|axis| axis.to_array()));
+        let eights = [0, 1].map(|half| cells_x8::<f32x8>(shift, half).map(|axis| axis.to_array()));
         let at = |cell: usize| eights[cell / 8].map(|axis| axis[cell % 8]);
         assert!((0..ALL_CELLS).all(|cell| (Vec2::from(at(cell)) - cells[cell]).length() < 1e-5), "{shift}");
         assert!((Vec2::from(at(8)) - cells[0]).length() > 1e-2, "negative control: another cell");

@@ -8,7 +8,7 @@ use crate::{
     light::{components::Components, environment::Illumination},
     shade::{
         background::{Backdrop, BlurCache},
-        painter::{Painter, PictureLight},
+        painter::{Painter, PictureLight, SunsOfParts},
         pixel_sampler::PixelSampler,
         surface::SurfacePoint,
     },
@@ -171,10 +171,13 @@ fn picture(renderer: &Renderer, light: &Illumination, view: &View, filter: Filte
     let mut painter = Painter::new(view, renderer.dataset(), lit, BrdfSampling::Lit);
     Image::from_fn(view.size, |x, y| {
         sampler.pixel(x, y, |point| match filter {
-            Filter::Means => {
-                painter.part(Part::Environment, &SurfacePoint { slopes: [0.0; 3], ..point.clone() }, Vec2::ZERO)
-            }
-            _ => painter.part(Part::Environment, point, Vec2::ZERO),
+            Filter::Means => painter.part(
+                Part::Environment,
+                &SurfacePoint { slopes: [0.0; 3], ..point.clone() },
+                Vec2::ZERO,
+                SunsOfParts::default(),
+            ),
+            _ => painter.part(Part::Environment, point, Vec2::ZERO, SunsOfParts::default()),
         })
     })
 }

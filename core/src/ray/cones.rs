@@ -1,0 +1,253 @@
+//! Eight cones of directions around one axis: from points side by side to a sun. Where nothing is in a cone, or one triangle
+//! fills it, no ray within it needs to be cast.
+
+use super::{
+    Intersector,
+    batch::{crossings, entering, entry_and_exit, nearer_child},
+    directions::inverse,
+    leaves::BlockFrom,
+};
+use crate::simd::{InstructionSet, Kernel, Lanes, Vec3x8};
+use glam::Vec3;
+
+/// Cones of at most 90 degrees from the axis to the rim, which is unit.
+#[derive(Clone, Copy, Debug)]
+pub struct EightCones {
+    /// Where they begin.
+    pub origins: [Vec3; 8],
+    /// Unit direction of their middles.
+    pub axis: Vec3,
+    /// Sine of the angle from the middle to the rim.
+    pub sine: f32,
+    /// Those that count, one bit each.
+    pub active: u8,
+}
+
+/// A cone of at most 90 degrees from its axis to its rim.
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    /// Where it begins.
+    pub origin: Vec3,
+    /// Unit direction of its middle.
+    pub axis: Vec3,
+    /// Sine of the angle from the middle to the rim.
+    pub sine: f32,
+}
+
+/// What is known of eight cones, one bit each. The rays within others may meet something or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SeenThrough {
+    /// No ray within it meets anything, also no surface that lets light through.
+    pub open: u8,
+    /// All rays within it meet a triangle that stops all light.
+    pub closed: u8,
+}
+
+/// Cones are taken for so much wider, as a share and in radians, which is more than rays and planes are rounded.
+const WIDER: (f32, f32) = (1e-4, 1e-6);
+
+impl Intersector {
+    /// Which of eight cones are open, and which are closed, as far as a walk tells that ends where it meets anything.
+    pub fn seen_through(&self, cones: &EightCones) -> SeenThrough {
+        self.seen_through_in(InstructionSet::widest(), cones)
+    }
+
+    /// Which of sixteen rays within a cone, those that are `active`, meet nothing, one bit each: what [`Self::occluded`] says
+    /// of each.
+    pub fn open_within(&self, cone: &Cone, directions: &[Vec3x8; 2], active: [u8; 2]) -> [u8; 2] {
+        self.open_within_in(InstructionSet::widest(), cone, directions, active)
+    }
+
+    pub(super) fn open_within_in(
+        &self,
+        set: InstructionSet,
+        cone: &Cone,
+        directions: &[Vec3x8; 2],
+        active: [u8; 2],
+    ) -> [u8; 2] {
+        set.run(Rays { scene: self, cone, directions, active })
+    }
+
+    pub(super) fn seen_through_in(&self, set: InstructionSet, cones: &EightCones) -> SeenThrough {
+        let seen = set.run(Walk { scene: self, cones });
+        let Some(veils) = &self.veils else { return seen };
+        let past_veils = set.run(Walk { scene: &veils.surfaces, cones: &EightCones { active: seen.open, ..*cones } });
+        SeenThrough { open: past_veils.open, ..seen }
+    }
+}
+
+/// The sine of a cone that is wider than rays and planes are rounded.
+fn wider(sine: f32) -> f32 {
+    (sine * (1.0 + WIDER.0) + WIDER.1).min(1.0)
+}
+
+struct Walk<'a> {
+    scene: &'a Intersector,
+    cones: &'a EightCones,
+}
+
+impl Kernel for Walk<'_> {
+    type Output = SeenThrough;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> SeenThrough {
+        let cones = Cones::<L>::new(self.cones);
+        let nodes = &self.scene.bvh.nodes[..];
+        let (mut open, mut closed) = (self.cones.active, 0);
+        let mut stack = Vec::with_capacity(128);
+        stack.extend((!nodes.is_empty() && open != 0).then_some(0));
+        while let Some(index) = stack.pop() {
+            let node = &nodes[index as usize];
+            if cones.enter(node.aabb.min.into(), node.aabb.max.into()) & open == 0 {
+                continue;
+            }
+            let first = node.first_index;
+            if node.prim_count == 0 {
+                let near = nearer_child(nodes, first, self.cones.axis);
+                stack.extend([first + 1 - near, first + near]);
+            }
+            for &triangle in &self.scene.leaf_triangles[first as usize..(first + node.prim_count) as usize] {
+                let (touched, filled) = cones.meet(triangle);
+                closed |= open & filled;
+                open &= !touched;
+            }
+            if open == 0 {
+                break;
+            }
+        }
+        SeenThrough { open, closed }
+    }
+}
+
+/// Eight cones in registers.
+struct Cones<L> {
+    origins: Vec3x8<L>,
+    axis: Vec3x8<L>,
+    inverse_axis: Vec3x8<L>,
+    sine: L,
+    /// Of a unit length along the axis, the extent of the cone across it along each axis of space.
+    widths: Vec3x8<L>,
+    axis_lengths: Vec3x8<L>,
+}
+
+impl<L: Lanes> Cones<L> {
+    #[inline(always)]
+    fn new(cones: &EightCones) -> Self {
+        let sine = wider(cones.sine);
+        let tangent = sine / (1.0 - sine * sine).max(1e-6).sqrt();
+        let across = (Vec3::ONE - cones.axis * cones.axis).max(Vec3::ZERO);
+        Self {
+            origins: Vec3x8::from_array(cones.origins),
+            axis: Vec3x8::splat(cones.axis),
+            inverse_axis: Vec3x8::splat(inverse(cones.axis)),
+            sine: L::splat(sine),
+            widths: Vec3x8::splat(tangent * across.map(f32::sqrt)),
+            axis_lengths: Vec3x8::splat(cones.axis.abs()),
+        }
+    }
+
+    /// Those that may enter a box, one bit each: their axes enter it where it is as much larger as they are wide at its far end.
+    #[inline(always)]
+    fn enter(&self, min: Vec3, max: Vec3) -> u8 {
+        let (middle, half): (Vec3x8<L>, Vec3x8<L>) =
+            (Vec3x8::splat(0.5 * (min + max)), Vec3x8::splat(0.5 * (max - min)));
+        let middle = middle - self.origins;
+        let far = (middle.dot(self.axis) + half.dot(self.axis_lengths)).at_least(0.0);
+        let half = half + self.widths * far;
+        entering::<false, L>(entry_and_exit(self.inverse_axis, middle - half, middle + half))
+    }
+
+    /// Those that a triangle may be in, and those that it fills, one bit each. A cone is wholly on one side of the plane
+    /// through its origin and an edge if its axis is farther from the plane than its rim is from the axis.
+    #[inline(always)]
+    fn meet(&self, [p, q, r]: [Vec3; 3]) -> (u8, u8) {
+        let (a, b, c) = (self.toward(p), self.toward(q), self.toward(r));
+        let side = a.dot(Vec3x8::splat((q - p).cross(r - p)));
+        let sign = side.simd_lt(L::splat(0.0)).select(L::splat(-1.0), L::splat(1.0));
+        let (u, v, w) = (self.beside(b.cross(c), sign), self.beside(c.cross(a), sign), self.beside(a.cross(b), sign));
+        // No ray from a triangle's plane meets it.
+        let is_seen = side.simd_ne(L::splat(0.0)).to_bitmask();
+        let outside = (u.0 | v.0 | w.0).to_bitmask();
+        let filled = (u.1 & v.1 & w.1).to_bitmask();
+        ((is_seen & !outside) as u8, (is_seen & filled) as u8)
+    }
+
+    /// Masks of the cones that lie wholly outside a plane through their origin, and of those wholly inside.
+    #[inline(always)]
+    fn beside(&self, normal: Vec3x8<L>, sign: L) -> (L, L) {
+        let distance = normal.dot(self.axis) * sign;
+        let is_beyond = (distance * distance).simd_gt(self.sine * self.sine * normal.dot(normal));
+        let zero = L::splat(0.0);
+        (distance.simd_lt(zero) & is_beyond, distance.simd_gt(zero) & is_beyond)
+    }
+
+    #[inline(always)]
+    fn toward(&self, point: Vec3) -> Vec3x8<L> {
+        let point: Vec3x8<L> = Vec3x8::splat(point);
+        point - self.origins
+    }
+}
+
+/// Rays within a cone: leaves are tested eight triangles and then eight rays at a time.
+struct Rays<'a> {
+    scene: &'a Intersector,
+    cone: &'a Cone,
+    directions: &'a [Vec3x8; 2],
+    active: [u8; 2],
+}
+
+impl Kernel for Rays<'_> {
+    type Output = [u8; 2];
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> [u8; 2] {
+        let nodes = &self.scene.bvh.nodes[..];
+        let origin = Vec3x8::splat(self.cone.origin);
+        let sine = wider(self.cone.sine);
+        let (axis, sin_sq): (Vec3x8<L>, L) = (Vec3x8::splat(self.cone.axis), L::splat(sine * sine));
+        let rays: [Vec3x8<L>; 2] = [Vec3x8::load(&self.directions[0]), Vec3x8::load(&self.directions[1])];
+        let inverse_rays = [inverses(rays[0]), inverses(rays[1])];
+        let mut stack = Vec::with_capacity(128);
+        stack.extend((!nodes.is_empty() && self.active != [0; 2]).then_some(0));
+        while let Some(index) = stack.pop() {
+            let node = &nodes[index as usize];
+            let (min, max): (Vec3x8<L>, Vec3x8<L>) =
+                (Vec3x8::splat(node.aabb.min.into()), Vec3x8::splat(node.aabb.max.into()));
+            let (min, max) = (min - origin, max - origin);
+            let one = entering::<false, L>(entry_and_exit(inverse_rays[0], min, max)) & self.active[0];
+            if one == 0 && entering::<false, L>(entry_and_exit(inverse_rays[1], min, max)) & self.active[1] == 0 {
+                continue;
+            }
+            let first = node.first_index;
+            if node.prim_count == 0 {
+                let near = nearer_child(nodes, first, self.cone.axis);
+                stack.extend([first + 1 - near, first + near]);
+                continue;
+            }
+            for corners in self.scene.blocks.of_leaf(first, node.prim_count) {
+                let triangles = BlockFrom::<L>::new(self.cone.origin, corners);
+                let mut near = triangles.near_cone(axis, sin_sq);
+                while near != 0 {
+                    let edges = triangles.edges_of(near.trailing_zeros() as usize);
+                    near &= near - 1;
+                    self.active[0] &= !crossings(rays[0], &edges);
+                    self.active[1] &= !crossings(rays[1], &edges);
+                }
+            }
+            if self.active == [0; 2] {
+                break;
+            }
+        }
+        self.active
+    }
+}
+
+/// Inverses of the components, none of them infinite; see [`inverse`].
+#[inline(always)]
+fn inverses<L: Lanes>(v: Vec3x8<L>) -> Vec3x8<L> {
+    let inverse = |c: L| {
+        let least = c.simd_lt(L::splat(0.0)).select(L::splat(-1e-18), L::splat(1e-18));
+        L::splat(1.0) / c.abs().simd_lt(L::splat(1e-18)).select(least, c)
+    };
+    Vec3x8 { x: inverse(v.x), y: inverse(v.y), z: inverse(v.z) }
+}
