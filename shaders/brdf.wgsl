@@ -208,6 +208,9 @@ fn metal_fresnel(metal: Metal, cosine: f32) -> vec3<f32> {
 }
 
 fn metal_mean(metal: Metal) -> vec3<f32> {
+    if !HAS_METAL {
+        return vec3(0.0);
+    }
     return MEAN_WEIGHTS.x * metal_fresnel(metal, MEAN_NODES.x)
         + MEAN_WEIGHTS.y * metal_fresnel(metal, MEAN_NODES.y)
         + MEAN_WEIGHTS.z * metal_fresnel(metal, MEAN_NODES.z);
@@ -222,12 +225,16 @@ struct Interface {
 }
 
 fn interface_of(base_color: vec3<f32>, edge: vec3<f32>, metalness: f32, ior: f32, specular: f32) -> Interface {
-    return Interface(ior, vec2(specular * (1.0 - metalness), metalness), metal_of(base_color, edge));
+    var metal = Metal(vec3(1.0), vec3(0.0));
+    if HAS_METAL {
+        metal = metal_of(base_color, edge);
+    }
+    return Interface(ior, vec2(specular * (1.0 - metalness), metalness), metal);
 }
 
 fn interface_fresnel(surface: Interface, wi_dot_h: f32) -> vec3<f32> {
     var all = vec3(surface.weights.x * dielectric_fresnel(wi_dot_h, surface.ior));
-    if surface.weights.y > 0.0 {
+    if HAS_METAL && surface.weights.y > 0.0 {
         all += surface.weights.y * metal_fresnel(surface.metal, wi_dot_h);
     }
     return all;

@@ -232,12 +232,22 @@ fn sample_slot(slot: TextureSlot, footprint: UvFootprint) -> vec4<f32> {
     return sum / f32(taps.count);
 }
 
+// A colour of a material without a map, within the parameter's range.
+fn plain_color(material: u32, index: u32, range: vec2<f32>) -> vec3<f32> {
+    return clamp(materials[material].parameters[index].value, vec3(range.x), vec3(range.y));
+}
+
+// The same of a number.
+fn plain_number(material: u32, index: u32, range: vec2<f32>) -> f32 {
+    return clamp(materials[material].parameters[index].value.x, range.x, range.y);
+}
+
 // A colour of a material after its map, within the parameter's range. Twin of `ResolvedMaterial::values` in core/src/material/resolved.rs.
 fn material_color(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> vec3<f32> {
     let value = materials[material].parameters[index].value;
     let map = materials[material].parameters[index].map;
     if map.kind == 0u {
-        return clamp(value, vec3(range.x), vec3(range.y));
+        return plain_color(material, index, range);
     }
     return clamp(least + (value - least) * sample_slot(map, uv).xyz, vec3(range.x), vec3(range.y));
 }
@@ -247,7 +257,7 @@ fn material_number(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>,
     let value = materials[material].parameters[index].value.x;
     let map = materials[material].parameters[index].map;
     if map.kind == 0u {
-        return clamp(value, range.x, range.y);
+        return plain_number(material, index, range);
     }
     return clamp(least + (value - least) * sample_slot(map, uv)[map.channel], range.x, range.y);
 }

@@ -71,7 +71,9 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
         let material = triangle.material & ~TWO_SIDED;
         let footprint = footprint_at(corners, hit.barycentric);
         brdf = brdf_of(material, footprint);
-        emission = material_emission(material, footprint);
+        if HAS_EMISSION {
+            emission = material_emission(material, footprint);
+        }
         slopes = select(textureLoad(color_roughness, pixel, 0).xyz, vec3(0.0), shows_color());
     }
     return SurfacePoint(

@@ -31,6 +31,9 @@ struct F82 {
     weight: f32,
 }
 
+// Of a layer that is not there.
+const NO_ALBEDO: Albedo = Albedo(vec4<f32>(0.0), vec2<f32>(0.0));
+
 const F82_COS: f32 = 0.14285715;
 const LEAST_FUZZ_ROUGHNESS: f32 = 0.2;
 
@@ -85,9 +88,16 @@ fn openpbr_of(p: OpenPbrParameters) -> OpenPbr {
     let mean_fresnel = metal.f0 + metal.grazing / 21.0 - metal.dip / 126.0;
     let multiple = multiple_reflectance(mean_fresnel, whole) * (metal.weight * albedo_normalization(whole));
     let above = albedo_scaled(albedo_of_dielectric(alpha, ior), p.specular_weight * tinted);
-    let coat_albedo = albedo_scaled(albedo_of_dielectric(coat_alpha, p.coat_ior), p.coat_weight);
-    let fuzz_albedo = albedo_scaled(albedo_of_width(ALBEDO_FUZZ, p.fuzz_roughness), p.fuzz_weight * fuzzy);
-    let tint = mix(vec3(1.0), p.coat_color * openpbr_darkening(p, color, roughness), p.coat_weight);
+    var coat_albedo = NO_ALBEDO;
+    var tint = vec3(1.0);
+    if HAS_COAT {
+        coat_albedo = albedo_scaled(albedo_of_dielectric(coat_alpha, p.coat_ior), p.coat_weight);
+        tint = mix(tint, p.coat_color * openpbr_darkening(p, color, roughness), p.coat_weight);
+    }
+    var fuzz_albedo = NO_ALBEDO;
+    if HAS_FUZZ {
+        fuzz_albedo = albedo_scaled(albedo_of_width(ALBEDO_FUZZ, p.fuzz_roughness), p.fuzz_weight * fuzzy);
+    }
     let left_mean = MEAN_WEIGHTS.x * openpbr_left(above, coat_albedo, fuzz_albedo, MEAN_NODES.x)
         + MEAN_WEIGHTS.y * openpbr_left(above, coat_albedo, fuzz_albedo, MEAN_NODES.y)
         + MEAN_WEIGHTS.z * openpbr_left(above, coat_albedo, fuzz_albedo, MEAN_NODES.z);
@@ -116,7 +126,11 @@ fn openpbr_of(p: OpenPbrParameters) -> OpenPbr {
 }
 
 fn openpbr_fresnel(brdf: OpenPbr, cosine: f32) -> vec3<f32> {
-    return f82_fresnel(brdf.metal, cosine) + brdf.dielectric * dielectric_fresnel(cosine, brdf.ior);
+    let dielectric = brdf.dielectric * dielectric_fresnel(cosine, brdf.ior);
+    if !HAS_METAL {
+        return dielectric;
+    }
+    return f82_fresnel(brdf.metal, cosine) + dielectric;
 }
 
 // Fuzz (Estevez and Kulla 2017) times the cosine. Twin of core/src/brdf/fuzz.rs.
@@ -137,11 +151,11 @@ fn openpbr_reflect(brdf: OpenPbr, light: Light, wo: vec3<f32>) -> vec3<f32> {
     let diffuse = rough_diffuse_value(brdf.diffuse, light.wi, wo)
         * (albedo_left(brdf.above, cos_i, wo.z) * light.cosine);
     var value = (glossy + multiple) * brdf.tint + diffuse * brdf.diffuse_scale;
-    if brdf.coat_weight > 0.0 {
+    if HAS_COAT && brdf.coat_weight > 0.0 {
         let lobe = ggx_lobe(brdf.coat_slopes, half, light, wo) * dielectric_fresnel(half.wi_dot_h, brdf.coat_ior);
         value = value * albedo_left(brdf.coat_albedo, cos_i, wo.z) + vec3(lobe * brdf.coat_weight);
     }
-    if any(brdf.fuzz > vec3(0.0)) {
+    if HAS_FUZZ && any(brdf.fuzz > vec3(0.0)) {
         let lobe = fuzz_lobe(brdf.fuzz_roughness, half, light, wo);
         value = value * albedo_left(brdf.fuzz_albedo, cos_i, wo.z) + brdf.fuzz * lobe;
     }

@@ -194,16 +194,19 @@ impl GpuBackend {
         Ok(self.implicit.get_or_init(|| made).clone())
     }
 
-    /// Builds the passes anew if materials have other models than they are compiled for, or the first lets light through. Where
-    /// others do so than before, shadows are rendered anew.
-    fn compile_for(&mut self, appearance: &Appearance) -> Result<(), BackendError> {
+    /// Builds the passes anew if materials have other models, parts or maps than they are compiled for, or the first lets light
+    /// through. Where others do so than before, shadows are rendered anew.
+    fn compile_for(&mut self, appearance: &Appearance, is_new_scene: bool) -> Result<(), BackendError> {
         let (models, opacities) = (ModelSet::of(appearance), appearance.opacities());
         let mut has_veils = self.shaders.has_veils;
         let lets_through_otherwise = opacities != self.opacities;
         if lets_through_otherwise {
             has_veils = opacities.thin().iter().any(Option::is_some);
         }
-        if (&models, has_veils) != (&self.shaders.models, self.shaders.has_veils) {
+        // What a material had before it may have again: edits add to what is compiled.
+        let compiled = &self.shaders.models;
+        let fits = compiled.covers(&models) && (!is_new_scene || models.covers(compiled));
+        if !fits || has_veils != self.shaders.has_veils {
             let shaders = Shaders { models, has_veils, source: self.shaders.source.clone() };
             self.passes = Passes::new(&self.gpu, &shaders, &self.passes.variants())?;
             self.shaders = shaders;
@@ -374,7 +377,7 @@ impl Backend for GpuBackend {
             false => vec![0],
         };
         let patches = storage(&self.gpu, "patches", bytemuck::cast_slice(&patches));
-        self.compile_for(&appearance)?;
+        self.compile_for(&appearance, true)?;
         let assigned = appearance.assigned.clone();
         if assigned.is_some() {
             scene.assign(&self.gpu, dataset, &appearance);
@@ -405,7 +408,7 @@ impl Backend for GpuBackend {
         }
         self.scene = Some(Loaded { materials, assigned: fitted.assigned.clone(), ..loaded });
         self.picture = None;
-        self.compile_for(&fitted)?;
+        self.compile_for(&fitted, false)?;
         self.gpu.check()?;
         Ok(messages)
     }

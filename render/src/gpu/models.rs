@@ -1,13 +1,13 @@
-//! The shaders' dispatch to the BRDF models that a scene uses, written from the models' declarations. Models that no material
-//! has are not compiled.
+//! The shaders' dispatch to the BRDF models that a scene uses, written from the models' declarations. Models and parts that no
+//! material has are not compiled, nor lookups in maps that none has.
 
 use super::written;
 use crate::appearance::Appearance;
 use lapidary_core::{
-    brdf::{BrdfModel, Content, MapUse, Parameter, Written},
+    brdf::{BrdfModel, Content, MapUse, Parameter, Part, Written},
     material::Material,
 };
-use std::{fmt::Write, sync::Arc};
+use std::{collections::BTreeSet, fmt::Write, sync::Arc};
 
 /// The models that are compiled. The first is always there: a ground that catches shadows is diffuse.
 #[derive(Clone, Debug)]
@@ -15,23 +15,19 @@ pub struct ModelSet {
     models: Vec<BrdfModel>,
     /// Those that users wrote, each once.
     written: Vec<Arc<Written>>,
+    parts: Vec<Part>,
+    /// The parameters, by number of their model and by name, that have maps.
+    mapped: BTreeSet<(u32, String)>,
 }
 
 impl Default for ModelSet {
     fn default() -> Self {
-        Self { models: vec![DIFFUSE], written: Vec::new() }
-    }
-}
-
-impl PartialEq for ModelSet {
-    fn eq(&self, other: &Self) -> bool {
-        let hash = |written: &Arc<Written>| written.hash();
-        self.models == other.models && self.written.iter().map(hash).eq(other.written.iter().map(hash))
+        Self { models: vec![DIFFUSE], written: Vec::new(), parts: Vec::new(), mapped: BTreeSet::new() }
     }
 }
 
 /// What the text needs of a model.
-struct Entry {
+struct Entry<'a> {
     /// `MODEL_OREN_NAYAR`.
     constant: String,
     /// Name of its structure.
@@ -41,6 +37,8 @@ struct Entry {
     /// What its functions begin with: `oren_nayar`.
     prefix: String,
     list: &'static [Parameter],
+    /// Those of them that have maps.
+    mapped: Vec<&'a str>,
     /// What else it takes of a material than its parameters.
     more: &'static str,
     /// Whether the structure of the parameters is in the text of the model.
@@ -61,15 +59,38 @@ impl ModelSet {
         }
         let has = |material: &Material, model| material.model == model && written_of(material).is_none();
         let is_used = |&model: &BrdfModel| model == DIFFUSE || appearance.materials.iter().any(|m| has(m, model));
-        Self { models: BrdfModel::ALL.iter().copied().filter(is_used).collect(), written }
+        let models = BrdfModel::ALL.iter().copied().filter(is_used).collect();
+        // What users write may use any part.
+        let is_there = |part: &Part| !written.is_empty() || appearance.materials.iter().any(|m| part.is_in(m));
+        let parts = Part::ALL.into_iter().filter(is_there).collect();
+        let set = Self { models, written, parts, mapped: BTreeSet::new() };
+        let mapped = appearance.materials.iter().flat_map(|material| {
+            let number = set.number(material);
+            material.maps.iter().map(move |(name, _)| (number, name.to_owned()))
+        });
+        Self { mapped: mapped.collect(), ..set }
+    }
+
+    /// Whether what is compiled for it also renders another.
+    pub fn covers(&self, other: &Self) -> bool {
+        let hashes = |set: &Self| set.written.iter().map(|written| written.hash()).collect::<Vec<_>>();
+        other.models.iter().all(|model| self.models.contains(model))
+            && other.parts.iter().all(|part| self.parts.contains(part))
+            && other.mapped.is_subset(&self.mapped)
+            && hashes(self) == hashes(other)
     }
 
     /// All of them, and one that a user wrote.
     #[cfg(test)]
     pub fn all() -> Self {
         let example = lapidary_core::brdf::example_file(BrdfModel::Wgsl).and_then(|file| file.content);
-        let written = example.as_ref().and_then(Content::written).cloned().into_iter().collect();
-        Self { models: BrdfModel::ALL.to_vec(), written }
+        let written: Vec<Arc<Written>> = example.as_ref().and_then(Content::written).cloned().into_iter().collect();
+        let models = BrdfModel::ALL.to_vec();
+        let own =
+            |(number, list): (usize, &'static [Parameter])| list.iter().map(move |p| (number as u32, p.name.into()));
+        let lists = models.iter().map(|model| model.own_parameters()).chain(written.iter().map(|of| of.parameters()));
+        let mapped = lists.enumerate().flat_map(own).collect();
+        Self { models, written, parts: Part::ALL.to_vec(), mapped }
     }
 
     /// In the order of their list.
@@ -91,6 +112,10 @@ impl ModelSet {
         for (index, name) in all.chain(written).enumerate() {
             writeln!(text, "const {name}: u32 = {index}u;").expect("a string takes all");
         }
+        for part in Part::ALL {
+            let is_there = self.parts.contains(&part);
+            writeln!(text, "const {}: bool = {is_there};", part.constant()).expect("a string takes all");
+        }
         self.written.iter().enumerate().for_each(|(index, of)| text += &written::text(of, index));
         let entries = self.entries();
         entries.iter().for_each(|entry| text += &parameters(entry));
@@ -98,13 +123,18 @@ impl ModelSet {
         text
     }
 
-    fn entries(&self) -> Vec<Entry> {
+    fn mapped_of(&self, model: u32) -> Vec<&str> {
+        self.mapped.iter().filter(|(of, _)| *of == model).map(|(_, name)| name.as_str()).collect()
+    }
+
+    fn entries(&self) -> Vec<Entry<'_>> {
         let of_model = |&model: &BrdfModel| Entry {
             constant: constant(model),
             type_name: model.type_name().into(),
             parameters_name: format!("{}Parameters", model.type_name()),
             prefix: prefix(model),
             list: model.own_parameters(),
+            mapped: self.mapped_of(model as u32),
             more: if model == BrdfModel::Merl {
                 ", materials[material].table, materials[material].estimate"
             } else {
@@ -118,6 +148,7 @@ impl ModelSet {
             parameters_name: format!("{}Parameters", written::prefix(index)),
             prefix: format!("written_{index}"),
             list: of.parameters(),
+            mapped: self.mapped_of((BrdfModel::ALL.len() + index) as u32),
             more: ", materials[material].estimate",
             has_structure: true,
         };
@@ -237,16 +268,21 @@ fn prefix(model: BrdfModel) -> String {
 
 /// The structure of a model's parameters, and how it is read.
 fn parameters(entry: &Entry) -> String {
-    let Entry { parameters_name, prefix, list, has_structure, .. } = entry;
+    let Entry { parameters_name, prefix, list, mapped, has_structure, .. } = entry;
     if list.is_empty() {
         return String::new();
     }
     let field = |p: &Parameter| format!("    {}: {},\n", p.name, if p.is_color() { "vec3<f32>" } else { "f32" });
     let read = |(index, p): (usize, &Parameter)| {
-        let function = if p.is_color() { "material_color" } else { "material_number" };
+        let quantity = if p.is_color() { "color" } else { "number" };
         let least = if p.map == MapUse::ScalesAboveOne { 1.0 } else { 0.0 };
         let [low, high] = p.range;
-        format!("        {function}(material, {index}u, uv, vec2({low:?}, {high:?}), {least:?}),\n")
+        match mapped.contains(&p.name) {
+            true => {
+                format!("        material_{quantity}(material, {index}u, uv, vec2({low:?}, {high:?}), {least:?}),\n")
+            }
+            false => format!("        plain_{quantity}(material, {index}u, vec2({low:?}, {high:?})),\n"),
+        }
     };
     let fields: String = list.iter().map(field).collect();
     let reads: String = list.iter().enumerate().map(read).collect();

@@ -1,0 +1,76 @@
+//! Parts of materials that only some have: what a shader may leave out, and what the CPU passes by eight directions at a time.
+
+use crate::material::Material;
+
+/// A part, brought by a parameter that is above zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Fresnel factors of conductors.
+    Metal,
+    /// A clear layer over all.
+    Coat,
+    /// Fibres over all.
+    Fuzz,
+    /// Light of their own.
+    Emission,
+}
+
+impl Part {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Metal, Self::Coat, Self::Fuzz, Self::Emission];
+
+    /// The constant that tells shaders whether any material has it.
+    pub const fn constant(self) -> &'static str {
+        match self {
+            Self::Metal => "HAS_METAL",
+            Self::Coat => "HAS_COAT",
+            Self::Fuzz => "HAS_FUZZ",
+            Self::Emission => "HAS_EMISSION",
+        }
+    }
+
+    /// The quantity of the parameter that brings it.
+    const fn quantity(self) -> &'static str {
+        match self {
+            Self::Metal => "metalness",
+            Self::Coat => "coat_weight",
+            Self::Fuzz => "fuzz_weight",
+            Self::Emission => "emission_luminance",
+        }
+    }
+
+    /// Whether a material has it somewhere: a map may take it away, and never brings it.
+    pub fn is_in(self, material: &Material) -> bool {
+        let brings = material.parameter_for(self.quantity());
+        brings.is_some_and(|parameter| material.parameters.value(parameter).number() > 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::{BrdfModel, Parameter};
+
+    fn models_with(part: Part) -> Vec<BrdfModel> {
+        let has = |model: &BrdfModel| model.parameter_for(part.quantity()).is_some();
+        BrdfModel::ALL.iter().copied().filter(has).collect()
+    }
+
+    #[test]
+    fn parts_are_there_where_their_parameter_is_above_zero() {
+        assert!(Part::ALL.iter().all(|&part| !models_with(part).is_empty()));
+        for part in Part::ALL {
+            for model in models_with(part) {
+                let parameter: &Parameter = model.parameter_for(part.quantity()).expect("those that have it");
+                let with = |value: f32| {
+                    let mut material = Material { model, ..Material::default() };
+                    material.parameters.set(parameter.name, value);
+                    material
+                };
+                assert!(part.is_in(&with(0.01)) && !part.is_in(&with(0.0)), "{part:?} of {model:?}");
+            }
+        }
+        let plain = Material { model: BrdfModel::Lambert, ..Material::default() };
+        assert!(!Part::Metal.is_in(&plain), "a model without");
+    }
+}
