@@ -90,6 +90,9 @@ fn no_light() -> Shaded {
     return Shaded(vec3(0.0), 0u, 0u, vec3(0.0), vec3(0.0));
 }
 
+// Whether sharp lobes may read the map.
+override MIRRORS: bool = true;
+
 // Whether lit cuts are merged, in place of the stored cuts and the illumination cut.
 override LIT: bool = true;
 
@@ -293,20 +296,20 @@ fn first_fine(point: SurfacePoint, whole: SeenNode, mirrored: vec3<f32>, lobes: 
 // Adds the light that reaches the eye from a node, for leaves of a solid angle of 1.
 fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode, visibility: f32, mirror: Mirror) {
     // A node without visible light is there for the window alone.
-    if !(visibility > 0.0) && !reaches_window(mirror, seen.to_mirrored, seen.cone.radius) {
+    if MIRRORS && !(visibility > 0.0) && !reaches_window(mirror, seen.to_mirrored, seen.cone.radius) {
         return;
     }
     let wi = seen.cone.direction * point.world_from_local;
     var light = received_light(point, seen.cone.direction, wi, select(0.0, seen.cone.inv_kappa, REFINE));
     var window = 0.0;
-    if mirror.share > 0.0 {
+    if MIRRORS && mirror.share > 0.0 {
         window = mirror_window(mirror, wi, point.wo);
         light.inv_kappa = mirror_spread(mirror, window, light.inv_kappa);
     }
     let unshadowed = reflection_of(point.brdf, light, point.wo) * nodes[seen.node].radiance * node_size(seen.node);
     (*shaded).radiance += unshadowed * visibility;
     (*shaded).brdf_evaluations += 1u;
-    if mirror.share > 0.0 {
+    if MIRRORS && mirror.share > 0.0 {
         (*shaded).window_seen += unshadowed * (window * visibility);
         (*shaded).window_all += unshadowed * window;
     }
@@ -315,7 +318,7 @@ fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode,
 fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
     (*shaded).radiance *= leaf_solid_angle();
     // Where nothing of the window is seen, nothing is replaced.
-    if mirror.share > 0.0 && any((*shaded).window_seen > vec3(0.0)) {
+    if MIRRORS && mirror.share > 0.0 && any((*shaded).window_seen > vec3(0.0)) {
         let seen = (*shaded).window_seen * leaf_solid_angle();
         let all = (*shaded).window_all * leaf_solid_angle();
         (*shaded).radiance = sharpened(mirror, (*shaded).radiance, seen, all, unshadowed_window(mirror, point));
@@ -325,7 +328,7 @@ fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
 // The sharp lobes of a point, if they read the map.
 fn mirror_at(point: SurfacePoint) -> Mirror {
     var mirror = mirror_of(lobes_of(point.brdf), point.slopes, point.wo);
-    if !REFINE || FIELD != FIELD_ENVIRONMENT || frame.mirrored_height == 0u {
+    if !MIRRORS || frame.mirrored_height == 0u {
         mirror.share = 0.0;
     }
     return mirror;
@@ -333,7 +336,7 @@ fn mirror_at(point: SurfacePoint) -> Mirror {
 
 // Whether a node without visible light reaches into the window of a mirror.
 fn shows_in_window(point: SurfacePoint, mirror: Mirror, mirrored: vec3<f32>, node: u32) -> bool {
-    if !(mirror.share > 0.0) {
+    if !MIRRORS || !(mirror.share > 0.0) {
         return false;
     }
     let seen = seen_from(point, mirrored, node);

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::appearance::Appearance;
 use lapidary_core::{
-    brdf::{MISSING, albedo_table},
+    brdf::{MISSING, albedo_table, narrow_widths},
     color::linear_from_srgb,
     material::{self, BUMP, NORMAL},
     texture::{self, Procedural},
@@ -27,6 +27,8 @@ pub struct GpuMaterials {
     pub pool: TexturePool,
     pub tables: wgpu::Buffer,
     pub measured: GpuMeasured,
+    /// No lobe is narrower.
+    pub narrowest: f32,
 }
 
 impl GpuMaterials {
@@ -49,7 +51,8 @@ impl GpuMaterials {
         };
         let materials: Vec<Material> = appearance.materials.iter().map(material).collect();
         let buffer = storage(gpu, "materials", bytemuck::cast_slice(&materials));
-        let materials = Self { buffer, pool, tables: tables(gpu), measured };
+        let narrowest = appearance.materials.iter().map(narrowest_lobe).fold(f32::INFINITY, f32::min);
+        let materials = Self { buffer, pool, tables: tables(gpu), measured, narrowest };
         (materials, messages)
     }
 
@@ -128,6 +131,15 @@ fn pattern_slot(slot: &texture::TextureSlot, pattern: &Procedural) -> TextureSlo
     let place = Place { first: 0, size: [1, 1], kind: KIND_PROCEDURAL };
     let (low, high) = (low.to_array(), high.to_array());
     TextureSlot { low, pattern: pattern as u32, high, octaves, ..texture_slot(slot, place) }
+}
+
+/// The width of a material's narrowest lobe: 0 if maps may make it anything, infinite without a lobe.
+fn narrowest_lobe(material: &material::Material) -> f32 {
+    if material.own_parameters().iter().any(|p| material.maps.get(p.name).is_some()) {
+        return 0.0;
+    }
+    let widths = narrow_widths(material.plain_brdf().as_brdf().lobes());
+    widths.into_iter().filter(|&width| width > 0.0).fold(f32::INFINITY, f32::min)
 }
 
 /// Linear values of the 256 sRGB codes, as a shader's own power function is too coarse; and the albedos of lobes.

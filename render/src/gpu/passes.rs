@@ -21,6 +21,8 @@ pub struct MergeVariant {
     pub is_first: bool,
     pub refine: bool,
     pub lit: bool,
+    /// Whether sharp lobes may read the map.
+    pub mirrors: bool,
 }
 
 /// All pipelines.
@@ -147,6 +149,7 @@ impl Passes {
                     flag("IS_FIRST", variant.is_first),
                     flag("REFINE", variant.refine),
                     flag("LIT", variant.lit),
+                    flag("MIRRORS", variant.mirrors),
                 ],
                 ..Pipeline::new(module.clone(), "merge")
             };

@@ -79,6 +79,11 @@ impl MirroredMap {
     }
 }
 
+/// Angle in radians from the middle to the rim of a disc of a solid angle.
+fn sample_radius(leaf_solid_angle: f32) -> f32 {
+    (leaf_solid_angle / PI).sqrt()
+}
+
 /// The sharp lobes of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mirror {
@@ -95,6 +100,11 @@ pub(crate) struct Mirror {
 }
 
 impl Mirror {
+    /// Whether a lobe of this width may read the map among light samples of a solid angle in steradians.
+    pub fn may_be(narrowest: f32, leaf_solid_angle: f32) -> bool {
+        sharpness(narrowest / sample_radius(leaf_solid_angle)) > 0.0
+    }
+
     /// Of the lobes of a point, among light samples of a solid angle in steradians.
     pub fn at(point: &SurfacePoint, leaf_solid_angle: f32) -> Option<Self> {
         Self::of(point.brdf.as_brdf().lobes(), point.slopes, point.wo, leaf_solid_angle)
@@ -102,7 +112,7 @@ impl Mirror {
 
     /// Of a model's lobes, on a surface of these [slopes](SurfacePoint::slopes), seen from the local direction `wo`.
     fn of(lobes: Lobes, [xx, xy, yy]: [f32; 3], wo: Vec3, leaf_solid_angle: f32) -> Option<Self> {
-        let sample_radius = (leaf_solid_angle / PI).sqrt();
+        let sample_radius = sample_radius(leaf_solid_angle);
         let (mut sampled, mut count) = ([[MIN_ALPHA; 2]; MOST_LOBES], 0);
         let (mut share, mut widest) = (0.0_f32, [0.0_f32; 2]);
         for [along, across] in lobes.into_iter().filter(|&lobe| lobe != NO_LOBE) {

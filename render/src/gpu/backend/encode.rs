@@ -1,6 +1,6 @@
 //! The passes of a picture as commands.
 
-use super::{GpuBackend, SumState};
+use super::{GpuBackend, Loaded, SumState};
 use crate::{
     gpu::{
         frame::{Lit, frame},
@@ -13,7 +13,7 @@ use crate::{
         targets::{Sums, Target},
     },
     post::Post,
-    shade::merge::BrdfSampling,
+    shade::{merge::BrdfSampling, mirror::Mirror},
     stale::{Marks, Part, Pixels},
     view::Background,
 };
@@ -172,10 +172,13 @@ impl GpuBackend {
     }
 
     fn merge_variant(&self, field: u32, is_first: bool) -> MergeVariant {
+        let refine = self.picture().sampling != BrdfSampling::Once;
+        let may_mirror = |loaded: &Loaded| Mirror::may_be(loaded.materials.narrowest, loaded.scene.leaf_solid_angle);
         MergeVariant {
             field,
             is_first,
-            refine: self.picture().sampling != BrdfSampling::Once,
+            refine,
+            mirrors: refine && field == FIELD_ENVIRONMENT && self.scene.as_ref().is_some_and(may_mirror),
             lit: self.picture().sampling == BrdfSampling::Lit,
         }
     }
