@@ -66,6 +66,16 @@ fn is_disc(light: LocalLight) -> bool {
     return light.emission == EMISSION_DIRECTIONAL && light.area > 0.0;
 }
 
+// Whether any of a disc may be above a plane of this normal.
+fn disc_may_be_above(light: LocalLight, normal: vec3<f32>) -> bool {
+    return -dot(light.forward, normal) > -disc_sine(light);
+}
+
+// Sine of the angle from its middle to its rim.
+fn disc_sine(light: LocalLight) -> f32 {
+    return sqrt(light.area * (2.0 - light.area));
+}
+
 fn sample_disc(light: LocalLight, u: vec2<f32>) -> LightSample {
     let at = concentric(2.0 * u - 1.0);
     let height = dot(at, at) * light.area;

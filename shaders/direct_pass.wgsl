@@ -129,6 +129,9 @@ fn reflected(point: SurfacePoint, sample: LightSample, inv_kappa: f32) -> vec3<f
 }
 
 fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
+    if !(disc_may_be_above(light, point.smooth_normal) && disc_may_be_above(light, point.world_from_local[2])) {
+        return vec3(0.0);
+    }
     let samples = DISC_STEPS * DISC_STEPS;
     // A cap has a mean resultant of one minus half its height, and 1 / kappa tends to what is missing to one.
     let inv_kappa = 0.5 * light.area / f32(samples);
@@ -157,7 +160,7 @@ fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
 fn mean_gap(point: SurfacePoint, light: LocalLight) -> f32 {
     let view = shadow_views[light.first_view];
     let way = dot(view.forward, point.position - view.origin);
-    let radius = way * sqrt(light.area * (2.0 - light.area)) / f32(DISC_SEARCH);
+    let radius = way * disc_sine(light) / f32(DISC_SEARCH);
     var sum = 0.0;
     var count = 0.0;
     for (var y = -DISC_SEARCH; y <= DISC_SEARCH; y++) {
