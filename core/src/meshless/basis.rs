@@ -195,23 +195,7 @@ impl Basis {
     #[inline]
     pub fn for_each_weight(&self, level: usize, position: Vec3, normal: Vec3, visit: impl FnMut(u32, f32)) {
         let slot = self.grid.slot_at(level, position);
-        self.for_each_weight_in(slot, self.radii[level], (position, normal), visit);
-    }
-
-    #[inline(always)]
-    fn for_each_weight_in(
-        &self,
-        slot: usize,
-        radius: f32,
-        (position, normal): (Vec3, Vec3),
-        mut visit: impl FnMut(u32, f32),
-    ) {
-        for &function in self.grid.functions_in(slot) {
-            let weight = weight(&self.points[function as usize], radius, position, normal);
-            if weight > 0.0 {
-                visit(function, weight);
-            }
-        }
+        self.grid.for_each_weight(slot, self.radii[level], (position, normal), visit);
     }
 
     /// Whether any function of a level reaches a surface point.
@@ -249,7 +233,7 @@ impl Basis {
     #[inline]
     pub fn evaluate_in<T: Coefficient>(&self, slot: usize, level: usize, point: (Vec3, Vec3), coefficients: &[T]) -> T {
         let (mut sum, mut weights) = (T::ZERO, 0.0);
-        self.for_each_weight_in(slot, self.radii[level], point, |function, weight| {
+        self.grid.for_each_weight(slot, self.radii[level], point, |function, weight| {
             sum = sum + coefficients[function as usize] * weight;
             weights += weight;
         });

@@ -5,12 +5,15 @@
 //! The lists are plain arrays, so that pixels of a graphics adapter read them as well. Twin of
 //! `shaders/meshless_pass.wgsl`.
 
-use super::distance::{SQUASH, kernel, same_layer};
-use crate::surfel::Surfel;
+use super::distance::{LAYERS, LEAST_WEIGHT, SQUASH, kernel, same_layer};
+use crate::{
+    simd::{InstructionSet, Kernel, Lanes, Vec3x8},
+    surfel::Surfel,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
-use std::ops::Range;
+use std::{array::from_fn, ops::Range};
 
 /// Cells along the radius of a level's functions. Finer cells list fewer functions that do not reach a point, and take
 /// more memory: with 2, a point looks at 1.7 functions for each that reaches it, with 1 at 2.6.
@@ -34,6 +37,9 @@ pub struct Cell {
     pub padding: [u32; 2],
 }
 
+/// Positions and normals of functions. Unused lanes are infinitely far away.
+type Eight = [Vec3x8; 2];
+
 /// Cells of all levels in one table.
 #[derive(Clone, Default)]
 pub struct FunctionGrid {
@@ -41,6 +47,10 @@ pub struct FunctionGrid {
     slots: Vec<Cell>,
     /// Functions, cell by cell, ascending.
     entries: Vec<u32>,
+    /// The points of the entries, eight at a time; a cell starts an eight of its own.
+    eights: Vec<Eight>,
+    /// The first eight of the cell in each slot.
+    first_eight: Vec<u32>,
     /// Cells per metre of each level.
     cells_per_metre: Vec<f32>,
 }
@@ -54,18 +64,26 @@ impl FunctionGrid {
         let same_cell = |a: &(IVec3, u32), b: &(IVec3, u32)| a.0 == b.0;
         let cells: usize = by_level.iter().map(|entries| entries.chunk_by(same_cell).count()).sum();
         let slots = vec![Cell::default(); (2 * cells).next_power_of_two()];
-        let mut grid = Self { slots, entries: Vec::new(), cells_per_metre };
+        let first_eight = vec![0; slots.len()];
+        let mut grid = Self { slots, entries: Vec::new(), eights: Vec::new(), first_eight, cells_per_metre };
         for (level, entries) in by_level.iter().enumerate() {
-            entries.chunk_by(same_cell).for_each(|cell| grid.push(cell[0].0, level as u32, cell));
+            entries.chunk_by(same_cell).for_each(|cell| grid.push(points, cell[0].0, level as u32, cell));
         }
         grid
     }
 
-    fn push(&mut self, place: IVec3, level: u32, functions: &[(IVec3, u32)]) {
+    fn push(&mut self, points: &[Surfel], place: IVec3, level: u32, functions: &[(IVec3, u32)]) {
         let (first, count) = (self.entries.len() as u32, functions.len() as u32);
         let slot = self.slot(place, level);
         self.slots[slot] = Cell { place: place.to_array(), level, first, count, padding: [0; 2] };
         self.entries.extend(functions.iter().map(|(_, function)| function));
+        self.first_eight[slot] = self.eights.len() as u32;
+        for eight in functions.chunks(8) {
+            let point = |lane: usize| eight.get(lane).map(|&(_, function)| &points[function as usize]);
+            let position = |lane| point(lane).map_or(Vec3::INFINITY, |point| point.position);
+            let normal = |lane| point(lane).map_or(Vec3::ZERO, |point| point.normal);
+            self.eights.push([Vec3x8::from_array(from_fn(position)), Vec3x8::from_array(from_fn(normal))]);
+        }
     }
 
     /// The slot of a cell, or the free one where it would be. There is always one, for half of them are free.
@@ -93,6 +111,12 @@ impl FunctionGrid {
         &self.entries[cell.first as usize..(cell.first + cell.count) as usize]
     }
 
+    /// Visits the functions of the cell in a slot that reach a point, of a unit normal, with their weights there.
+    #[inline]
+    pub(super) fn for_each_weight(&self, slot: usize, radius: f32, point: (Vec3, Vec3), visit: impl FnMut(u32, f32)) {
+        InstructionSet::widest().run(Weights { grid: self, slot, radius, point, visit });
+    }
+
     /// The table of cells.
     pub fn slots(&self) -> &[Cell] {
         &self.slots
@@ -114,7 +138,7 @@ fn entries_of(points: &[Surfel], functions: Range<usize>, radius: f32, cells_per
     let of_function = |i: usize| {
         let half = half_extents(points[i].normal, radius);
         let [low, high] = [-half, half].map(|side| place(points[i].position + side, cells_per_metre));
-        let [xs, ys, zs]: [_; 3] = std::array::from_fn(|axis| low[axis]..=high[axis]);
+        let [xs, ys, zs]: [_; 3] = from_fn(|axis| low[axis]..=high[axis]);
         let rows = move |x: i32| {
             let zs = zs.clone();
             ys.clone().flat_map(move |y| zs.clone().map(move |z| (IVec3::new(x, y, z), i as u32)))
@@ -164,6 +188,63 @@ pub(super) fn weight(function: &Surfel, radius: f32, position: Vec3, normal: Vec
         return 0.0;
     }
     kernel(distance_sq.sqrt() / radius) * same_layer(offset, normal + function.normal, radius) * facing * facing
+}
+
+/// [`weight`] of the functions of a cell, eight at a time.
+struct Weights<'a, V> {
+    grid: &'a FunctionGrid,
+    slot: usize,
+    radius: f32,
+    point: (Vec3, Vec3),
+    visit: V,
+}
+
+impl<V: FnMut(u32, f32)> Kernel for Weights<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        let (position, normal): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(self.point.0), Vec3x8::splat(self.point.1));
+        let eights = &self.grid.eights[self.grid.first_eight[self.slot] as usize..];
+        for (functions, eight) in self.grid.functions_in(self.slot).chunks(8).zip(eights) {
+            let [center, axis] = [Vec3x8::load(&eight[0]), Vec3x8::load(&eight[1])];
+            let weights = weight_x8((center, axis), self.radius, position, normal);
+            let mut reached = weights.simd_gt(L::splat(0.0)).to_bitmask();
+            let weights = weights.to_array();
+            while reached != 0 {
+                let lane = reached.trailing_zeros() as usize;
+                reached &= reached - 1;
+                (self.visit)(functions[lane], weights[lane]);
+            }
+        }
+    }
+}
+
+/// [`weight`] of eight functions.
+#[inline(always)]
+fn weight_x8<L: Lanes>(
+    (center, axis): (Vec3x8<L>, Vec3x8<L>),
+    radius: f32,
+    position: Vec3x8<L>,
+    normal: Vec3x8<L>,
+) -> L {
+    let (facing, offset) = (normal.dot(axis), position - center);
+    let height = offset.dot(axis);
+    let distance_sq = offset.dot(offset) + L::splat(STRETCH) * height * height;
+    let is_reached = facing.simd_gt(L::splat(0.0)) & distance_sq.simd_lt(L::splat(radius * radius));
+    if is_reached.to_bitmask() == 0 {
+        return L::splat(0.0);
+    }
+    let step = L::splat(0.5) * offset.dot(normal + axis).abs() / L::splat(radius);
+    let layer = L::splat(LEAST_WEIGHT) + L::splat(1.0 - LEAST_WEIGHT) * kernel_x8(L::splat(LAYERS) * step);
+    kernel_x8(distance_sq.sqrt() / L::splat(radius)) * layer * facing * facing & is_reached
+}
+
+/// [`kernel`] of eight distances.
+#[inline(always)]
+fn kernel_x8<L: Lanes>(t: L) -> L {
+    let t = t.fast_min(L::splat(1.0));
+    (L::splat(2.0) * t - L::splat(3.0)) * t * t + L::splat(1.0)
 }
 
 #[cfg(test)]

@@ -105,6 +105,7 @@ impl Kernel for Walk<'_> {
             if node.prim_count == 0 {
                 let near = nearer_child(nodes, first, self.cones.axis);
                 stack.extend([first + 1 - near, first + near]);
+                continue;
             }
             for &triangle in &self.scene.leaf_triangles[first as usize..(first + node.prim_count) as usize] {
                 let (touched, filled) = cones.meet(triangle);

@@ -44,6 +44,12 @@ impl Intersector {
         set.run(Open { scene: self, rays })
     }
 
+    /// Those of eight rays that are active and meet nothing before some distances in metres, one bit each: what
+    /// [`Self::occluded_before`] says of each.
+    pub fn open_before(&self, rays: &EightRays, before: [f32; 8]) -> u8 {
+        InstructionSet::widest().run(OpenBefore { scene: self, rays, before })
+    }
+
     /// The same of rays that thin surfaces let most of the light pass.
     pub fn mostly_open(&self, rays: &[EightRays]) -> Vec<u8> {
         let mut open = self.open(rays);
@@ -102,6 +108,37 @@ impl Kernel for Open<'_> {
             open.push(active);
         }
         open
+    }
+}
+
+/// Rays that meet nothing before some distances.
+struct OpenBefore<'a> {
+    scene: &'a Intersector,
+    rays: &'a EightRays,
+    before: [f32; 8],
+}
+
+impl Kernel for OpenBefore<'_> {
+    type Output = u8;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u8 {
+        let (rays, before) = (Rays::<L>::new(self.rays), L::new(self.before));
+        let (mut active, mut stack) = (self.rays.active, Vec::with_capacity(128));
+        stack.extend((!self.scene.bvh.nodes.is_empty() && active != 0).then_some(0));
+        while let Some(index) = stack.pop() {
+            if rays.enter(self.scene, index, before) & active == 0 {
+                continue;
+            }
+            for leaf in rays.leaves_or_children(self.scene, index, &mut stack) {
+                let nearest = rays.nearest(self.scene.leaf_triangles[leaf as usize], before);
+                active &= !(nearest.simd_lt(before).to_bitmask() as u8);
+            }
+            if active == 0 {
+                break;
+            }
+        }
+        active
     }
 }
 

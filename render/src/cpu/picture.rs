@@ -7,7 +7,7 @@ use crate::{
     light::direct::pixel_shift,
     post::Post,
     shade::{
-        painter::{Painter, SunsOfParts},
+        painter::{Painter, SeenOfParts},
         pixel_sampler::{PixelSampler, Sight},
         surface::FirstHit,
         wireframe,
@@ -380,10 +380,10 @@ impl Row<'_> {
         for (pixels, hits) in lacking.chunks(8).zip(hits.chunks(8)) {
             let sight = |(&pixel, &hit): (&[u32; 2], &Option<Hit>)| sampler.sight_of(pixel, sample as usize, hit);
             let sights: Vec<Sight> = pixels.iter().zip(hits).map(sight).collect();
-            let suns = suns_seen(painter, &sights);
-            for ((&pixel, sight), suns) in pixels.iter().zip(&sights).zip(suns) {
+            let seen_lights = lights_seen(painter, &sights);
+            for ((&pixel, sight), seen_lights) in pixels.iter().zip(&sights).zip(seen_lights) {
                 let lacks = self.lacks(pixel[0] as usize, sample);
-                self.add_to_pixel(pixel, lacks, (sampler, &mut *painter), patches, (sample, sight, suns));
+                self.add_to_pixel(pixel, lacks, (sampler, &mut *painter), patches, (sample, sight, seen_lights));
                 let surface = matches!(sight.seen, FirstHit::Surface(_));
                 shaded.iter_mut().zip(lacks).for_each(|(count, lacks)| *count += u64::from(surface && lacks));
             }
@@ -408,7 +408,7 @@ impl Row<'_> {
         lacks: [bool; Part::COUNT],
         (sampler, painter): (&PixelSampler, &mut Painter),
         patches: Option<&[u8]>,
-        (sample, sight, suns): (u32, &Sight, SunsOfParts),
+        (sample, sight, seen_lights): (u32, &Sight, SeenOfParts),
     ) {
         let seen = &mut self.seen[x as usize];
         if seen.samples == sample {
@@ -416,7 +416,7 @@ impl Row<'_> {
         }
         for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
             let sum = &mut self.parts[part as usize][x as usize];
-            sum.add(part, (sampler, painter), sight, (pixel_shift(x, y, sample), suns));
+            sum.add(part, (sampler, painter), sight, (pixel_shift(x, y, sample), seen_lights));
         }
     }
 }
@@ -427,7 +427,7 @@ impl Sum {
         part: Part,
         (sampler, painter): (&PixelSampler, &mut Painter),
         sight: &Sight,
-        (shift, suns): (Vec2, SunsOfParts),
+        (shift, seen_lights): (Vec2, SeenOfParts),
     ) {
         self.samples += 1;
         match &sight.seen {
@@ -437,7 +437,7 @@ impl Sum {
             }
             FirstHit::Background | FirstHit::Back => {}
             FirstHit::Surface(point) => {
-                let value = painter.part(part, point, shift, suns);
+                let value = painter.part(part, point, shift, seen_lights);
                 if sampler.lets_light_through(point) {
                     let share = sampler.share_let_through(value);
                     self.through += share;
@@ -460,7 +460,7 @@ impl FirstSample {
         (sampler, painter): (&PixelSampler, &mut Painter),
         patches: Option<&[u8]>,
         [x, y]: [u32; 2],
-        (sight, suns): (&Sight, SunsOfParts),
+        (sight, seen_lights): (&Sight, SeenOfParts),
     ) -> Self {
         let lacks = picture.lacks(x, y);
         let seen = (picture.seen[picture.index(x, y)].samples == 0).then(|| {
@@ -471,7 +471,7 @@ impl FirstSample {
         let sums = Part::ALL.map(|part| {
             lacks[part as usize].then(|| {
                 let mut sum = Sum::default();
-                sum.add(part, (sampler, &mut *painter), sight, (pixel_shift(x, y, 0), suns));
+                sum.add(part, (sampler, &mut *painter), sight, (pixel_shift(x, y, 0), seen_lights));
                 sum
             })
         });
@@ -479,9 +479,9 @@ impl FirstSample {
     }
 }
 
-/// What the surfaces of up to eight sights are known to see of suns.
-pub(super) fn suns_seen(painter: &Painter, sights: &[Sight]) -> [SunsOfParts; 8] {
-    painter.suns_seen(&std::array::from_fn(|i| sights.get(i).and_then(Sight::surface)))
+/// What the surfaces of up to eight sights are known to see of lights.
+pub(super) fn lights_seen(painter: &Painter, sights: &[Sight]) -> [SeenOfParts; 8] {
+    painter.lights_seen(&std::array::from_fn(|i| sights.get(i).and_then(Sight::surface)))
 }
 
 impl Seen {

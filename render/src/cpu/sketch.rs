@@ -7,7 +7,7 @@ mod moved;
 
 use crate::{
     appearance::Appearance,
-    cpu::picture::{FirstSample, Picture, suns_seen},
+    cpu::picture::{FirstSample, Picture, lights_seen},
     shade::{
         painter::Painter,
         pixel_sampler::{PixelSampler, Sight},
@@ -321,10 +321,10 @@ fn first_samples<'g>(
     (pixels, guide): (&[[u32; 2]], impl Fn([u32; 2]) -> &'g Guide),
 ) -> Vec<FirstSample> {
     let sights: Vec<Sight> = pixels.iter().map(|&pixel| sampler.sight_of(pixel, 0, hit(guide(pixel)))).collect();
-    let suns = suns_seen(painter, &sights);
+    let seen = lights_seen(painter, &sights);
     let first =
-        |((&pixel, sight), suns)| FirstSample::new(picture, (sampler, &mut *painter), patches, pixel, (sight, suns));
-    pixels.iter().zip(&sights).zip(suns).map(first).collect()
+        |((&pixel, sight), seen)| FirstSample::new(picture, (sampler, &mut *painter), patches, pixel, (sight, seen));
+    pixels.iter().zip(&sights).zip(seen).map(first).collect()
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@
 //! rectangles are free of spots.
 
 mod brightest;
-mod suns;
+mod seen;
 
-pub(crate) use suns::SunsSeen;
+pub(crate) use seen::{EightPoints, LightsSeen};
 
 use crate::shade::surface::{ReceiverX8, SurfacePoint};
 use brightest::delta_light;
@@ -84,18 +84,21 @@ pub(crate) struct DirectShader<'a> {
 }
 
 impl DirectShader<'_> {
-    /// Radiance that a point reflects; `shift` is that of [`pixel_shift`], `suns` what is known of [`Self::suns_seen`].
-    pub fn reflected(&self, point: &SurfacePoint, shift: Vec2, suns: SunsSeen) -> Vec3 {
+    /// Radiance that a point reflects; `shift` is that of [`pixel_shift`], `seen` what is known of [`Self::lights_seen`].
+    pub fn reflected(&self, point: &SurfacePoint, shift: Vec2, seen: LightsSeen) -> Vec3 {
         let mut arriving = Arriving::at(point);
         for (i, light) in self.lights.iter().enumerate().filter(|(_, light)| !light.light().is_delta()) {
-            match (light.disc(), suns.of(i)) {
+            match (light.disc(), seen.of(i)) {
                 (Some(_), Some(false)) => {}
                 (Some(disc), seen) => self.add_sun(light, disc, shift, seen.is_some(), &mut arriving),
                 (None, _) => self.add(light, shift, &mut arriving),
             }
         }
-        let delta = self.lights.iter().map(LightSampler::light).filter(|light| light.is_delta());
-        let share = |direction, distance| arriving_share(self.intersector, point, direction, distance);
+        let delta = self.lights.iter().enumerate().filter(|(_, light)| light.light().is_delta());
+        let share = |light, direction, distance| match seen.of(light) {
+            Some(is_seen) => f32::from(u8::from(is_seen)),
+            None => arriving_share(self.intersector, point, direction, distance),
+        };
         arriving.reflected() + delta_light(point, delta, share)
     }
 

@@ -3,7 +3,7 @@
 use crate::{
     light::{
         bounce::{MeshlessLight, functions::level_color},
-        direct::{DirectLights, DirectShader, SunsSeen},
+        direct::{DirectLights, DirectShader, EightPoints, LightsSeen},
         environment::SceneLighting,
         implicit::{PosedLight, Sides},
         solver::BounceLight,
@@ -94,11 +94,11 @@ impl<'a> Bounce<'a> {
     }
 }
 
-/// What a point is known to see of suns among the lights of each part.
+/// What a point is known to see of the lights of each part.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct SunsOfParts {
-    local: SunsSeen,
-    added: SunsSeen,
+pub(crate) struct SeenOfParts {
+    local: LightsSeen,
+    added: LightsSeen,
 }
 
 /// Computes values of surface points; keeps its buffers between them.
@@ -139,22 +139,22 @@ impl<'a> Painter<'a> {
 
     /// One part of a point's light as scene-linear radiance. The first part also has what the other modes show: an
     /// albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
-    /// [`crate::light::direct::pixel_shift`]; `suns` is what is known of [`Self::suns_seen`].
-    pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2, suns: SunsOfParts) -> Vec3 {
+    /// [`crate::light::direct::pixel_shift`]; `seen` is what is known of [`Self::lights_seen`].
+    pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2, seen: SeenOfParts) -> Vec3 {
         match part {
             Part::Environment => self.mode_value(point),
             Part::Bounce if self.mode.is_of_basis() => self.basis_value(point),
             Part::Bounce => self.bounced(point),
-            Part::Direct => direct(&self.local, point, shift, suns.local),
-            Part::Added => direct(&self.added, point, shift, suns.added),
+            Part::Direct => direct(&self.local, point, shift, seen.local),
+            Part::Added => direct(&self.added, point, shift, seen.added),
         }
     }
 
-    /// What up to eight points are known to see of suns; the nearer the points, the faster it is.
-    pub fn suns_seen(&self, points: &[Option<&SurfacePoint>; 8]) -> [SunsOfParts; 8] {
-        let seen = |lights: &Option<DirectShader>| lights.as_ref().map(|l| l.suns_seen(points)).unwrap_or_default();
+    /// What up to eight points are known to see of lights; the nearer the points, the faster it is.
+    pub fn lights_seen(&self, points: &EightPoints) -> [SeenOfParts; 8] {
+        let seen = |lights: &Option<DirectShader>| lights.as_ref().map(|l| l.lights_seen(points)).unwrap_or_default();
         let (local, added) = (seen(&self.local), seen(&self.added));
-        std::array::from_fn(|i| SunsOfParts { local: local[i], added: added[i] })
+        std::array::from_fn(|i| SeenOfParts { local: local[i], added: added[i] })
     }
 
     fn mode_value(&mut self, point: &SurfacePoint) -> Vec3 {
@@ -243,6 +243,6 @@ impl<'a> Painter<'a> {
     }
 }
 
-fn direct(lights: &Option<DirectShader>, point: &SurfacePoint, shift: Vec2, suns: SunsSeen) -> Vec3 {
-    lights.as_ref().map_or(Vec3::ZERO, |lights| lights.reflected(point, shift, suns))
+fn direct(lights: &Option<DirectShader>, point: &SurfacePoint, shift: Vec2, seen: LightsSeen) -> Vec3 {
+    lights.as_ref().map_or(Vec3::ZERO, |lights| lights.reflected(point, shift, seen))
 }

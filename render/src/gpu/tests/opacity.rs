@@ -3,7 +3,7 @@
 use super::twin::backend;
 use crate::{
     Appearance, Backend, BrdfSampling, Components, LocalLighting, Renderer, View,
-    light::direct::{DirectLights, SunsSeen},
+    light::direct::{DirectLights, LightsSeen},
     shade::{
         background::Backdrop,
         pixel_sampler::{
@@ -111,7 +111,7 @@ fn shadow_maps_let_through_what_rays_do() {
                 DirectLights { lights: &lamp, intersector: renderer.intersector() }.shader().reflected(
                     point,
                     glam::Vec2::ZERO,
-                    SunsSeen::default(),
+                    LightsSeen::default(),
                 ) + point.emission
             };
             sampler.pixel(x, y, shade).x

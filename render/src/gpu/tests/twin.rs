@@ -7,7 +7,7 @@ use crate::{
     gpu::{GpuBackend, Room, ShaderSource},
     shade::{
         differentials::Differentials,
-        painter::{Painter, PictureLight, SunsOfParts},
+        painter::{Painter, PictureLight, SeenOfParts},
     },
     stale::Part,
     test_scenes::{dataset, mesh},
@@ -153,7 +153,7 @@ pub(super) fn on_the_cpu(
         let wo = -view.camera.direction_through(pixel, view.size);
         let point = surfaces.point(&hit, wo);
         let shown = Part::ALL.into_iter().zip(light.parts(view.mode)).filter(|(_, shown)| *shown);
-        shown.map(|(part, _)| painter.part(part, &point, Vec2::ZERO, SunsOfParts::default())).sum()
+        shown.map(|(part, _)| painter.part(part, &point, Vec2::ZERO, SeenOfParts::default())).sum()
     })
 }
 

@@ -4,7 +4,7 @@
 use crate::shade::surface::SurfacePoint;
 use glam::Vec3;
 use lapidary_core::{
-    lights::{Light, LightSample},
+    lights::{LightSample, LightSampler},
     simd::Vec3x8,
 };
 use wide::f32x8;
@@ -14,6 +14,8 @@ pub(crate) const NEGLIGIBLE: f32 = 1e-4;
 
 /// The light that a point would reflect toward the eye if nothing blocked it.
 struct Unshadowed {
+    /// Among all lights.
+    number: usize,
     radiance: Vec3,
     direction: Vec3,
     distance: f32,
@@ -21,33 +23,37 @@ struct Unshadowed {
     with_fainter: Vec3,
 }
 
-/// Radiance that a point reflects of `lights`, within [`NEGLIGIBLE`]. `arriving` tells by direction and distance
-/// the share of the light that arrives.
+/// Radiance that a point reflects of `lights`, within [`NEGLIGIBLE`]. `arriving` tells by number, direction and
+/// distance the share of the light that arrives.
 pub(super) fn delta_light<'a>(
     point: &SurfacePoint,
-    lights: impl Iterator<Item = &'a Light>,
-    mut arriving: impl FnMut(Vec3, f32) -> f32,
+    lights: impl Iterator<Item = (usize, &'a LightSampler<'a>)>,
+    mut arriving: impl FnMut(usize, Vec3, f32) -> f32,
 ) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for light in from_brightest(unshadowed(point, lights)).iter() {
         if light.with_fainter.cmple(NEGLIGIBLE * sum).all() {
             break;
         }
-        sum += light.radiance * arriving(light.direction, light.distance);
+        sum += light.radiance * arriving(light.number, light.direction, light.distance);
     }
     sum
 }
 
-fn unshadowed<'a>(point: &SurfacePoint, lights: impl Iterator<Item = &'a Light>) -> Vec<Unshadowed> {
-    let samples = lights.filter_map(|light| light.sample(point.ray_origin, Default::default()));
-    let samples: Vec<LightSample> = samples.filter(|s| point.receives(s.direction)).collect();
+fn unshadowed<'a>(
+    point: &SurfacePoint,
+    lights: impl Iterator<Item = (usize, &'a LightSampler<'a>)>,
+) -> Vec<Unshadowed> {
+    let samples = lights.filter_map(|(i, light)| Some((i, light.sample(point.ray_origin, Default::default())?)));
+    let samples: Vec<(usize, LightSample)> = samples.filter(|(_, s)| point.receives(s.direction)).collect();
     let local_from_world = point.world_from_local.transpose();
     let mut out = Vec::with_capacity(samples.len());
     for eight in samples.chunks(8) {
-        let wi = |i: usize| eight.get(i).map_or(Vec3::Z, |s| local_from_world * s.direction);
+        let wi = |i: usize| eight.get(i).map_or(Vec3::Z, |(_, s)| local_from_world * s.direction);
         let wi = Vec3x8::from_array(std::array::from_fn(wi));
         let reflected = point.reflect(wi, f32x8::ZERO);
-        out.extend(eight.iter().enumerate().map(|(i, s)| Unshadowed {
+        out.extend(eight.iter().enumerate().map(|(i, &(number, s))| Unshadowed {
+            number,
             radiance: reflected.lane(i) * s.irradiance,
             direction: s.direction,
             distance: s.distance,
@@ -77,7 +83,10 @@ mod tests {
         light::direct::arriving_share,
         test_scenes::{dataset, from_above, light, plates, surface_at, white},
     };
-    use lapidary_core::{camera::Camera, lights::Emission};
+    use lapidary_core::{
+        camera::Camera,
+        lights::{Emission, Light},
+    };
 
     /// Lamps above the plates and below them, of which some are far brighter than others.
     fn lamps(count: usize, spread: i32) -> Vec<Light> {
@@ -94,7 +103,8 @@ mod tests {
     /// Radiance, and how many rays it took.
     fn counted(renderer: &Renderer, point: &SurfacePoint, lights: &[Light]) -> (Vec3, usize) {
         let mut rays = 0;
-        let sum = delta_light(point, lights.iter(), |direction, distance| {
+        let samplers: Vec<LightSampler> = lights.iter().map(Light::sampler).collect();
+        let sum = delta_light(point, samplers.iter().enumerate(), |_, direction, distance| {
             rays += 1;
             arriving_share(renderer.intersector(), point, direction, distance)
         });

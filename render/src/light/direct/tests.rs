@@ -2,10 +2,18 @@
 
 use super::*;
 use crate::{
-    Renderer,
+    Renderer, View,
+    shade::{
+        background::{Backdrop, BlurCache},
+        pixel_sampler::PixelSampler,
+    },
     test_scenes::{dataset, from_above, light, mean, mesh, polygon_irradiance, surface_at, white},
 };
-use lapidary_core::lights::{Emission, RectangleShape};
+use lapidary_core::{
+    brdf::GgxParameters,
+    camera::Camera,
+    lights::{Emission, RectangleShape},
+};
 use std::f32::consts::{FRAC_1_PI, PI};
 
 /// Irradiance at the middle of a white floor.
@@ -80,9 +88,63 @@ fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
     let radiance = DirectLights { lights: &sun, intersector: renderer.intersector() }.shader().reflected(
         &point,
         Vec2::ZERO,
-        SunsSeen::default(),
+        LightsSeen::default(),
     );
     assert!((radiance - FRAC_1_PI).abs().max_element() < 1e-4, "{radiance}");
+}
+
+/// Points of the rows of a view, side by side.
+fn eights(renderer: &Renderer, view: &View) -> Vec<Vec<SurfacePoint>> {
+    let backdrop = Backdrop::new(view, None, false, &mut BlurCache::default());
+    let sampler = PixelSampler::new(renderer, view, &backdrop);
+    let point = |x, y| sampler.sight(x, y, 0).surface().cloned();
+    let row = |y| (0..view.size[0]).filter_map(|x| point(x, y)).collect::<Vec<_>>();
+    (0..view.size[1]).flat_map(|y| row(y).chunks(8).map(<[_]>::to_vec).collect::<Vec<_>>()).collect()
+}
+
+#[test]
+fn lights_that_are_known_to_be_seen_or_hidden_are_as_rays_have_them() {
+    let renderer = Renderer::new(dataset(mesh(4, true), GgxParameters { roughness: 0.1, ..white() }));
+    let view =
+        View { camera: Camera::look_at(Vec3::new(2.5, 0.9, 1.0), Vec3::new(0.0, 0.0, 0.0), 70.0), ..from_above(48) };
+    let eights = eights(&renderer, &view);
+    let sun = |angle_degrees| Emission::Directional { angle_degrees };
+    let from = Vec3::new(1.0, 2.0, 0.3);
+    let lights = [
+        light(sun(0.53), from, Vec3::ZERO, 2.0),
+        light(sun(12.0), from, Vec3::ZERO, 2.0),
+        light(Emission::PARALLEL, from, Vec3::ZERO, 2.0),
+        light(Emission::Point, Vec3::new(0.4, 1.9, 0.2), Vec3::ZERO, 2.0),
+        light(Emission::Rectangle { width: 0.3, height: 0.3 }, from, Vec3::ZERO, 2.0),
+    ];
+    for light in lights {
+        let shader = |lights| DirectLights { lights, intersector: renderer.intersector() }.shader();
+        let light = [light];
+        let moved = [Light { position: light[0].position - Vec3::X, ..light[0].clone() }];
+        let [by_rays, otherwise] = [shader(&light), shader(&moved)];
+        let (mut known, mut rest, mut wrong_if_moved) = ([0; 2], 0, 0);
+        for eight in &eights {
+            let points: EightPoints = std::array::from_fn(|i| eight.get(i));
+            let (seen, of_moved) = (by_rays.lights_seen(&points), otherwise.lights_seen(&points));
+            for (i, point) in eight.iter().enumerate() {
+                let all = by_rays.reflected(point, Vec2::splat(0.4), LightsSeen::default());
+                assert_eq!(by_rays.reflected(point, Vec2::splat(0.4), seen[i]), all, "{light:?}");
+                wrong_if_moved += usize::from(by_rays.reflected(point, Vec2::splat(0.4), of_moved[i]) != all);
+                match seen[i].of(0) {
+                    Some(is_seen) => known[usize::from(is_seen)] += 1,
+                    None => rest += 1,
+                }
+            }
+        }
+        match light[0].emission {
+            Emission::Rectangle { .. } => assert_eq!(known, [0; 2]),
+            _ => assert!(known.iter().all(|&count| count > 5) && known[1] > 4 * rest, "{known:?}, {rest}: {light:?}"),
+        }
+        assert!(
+            wrong_if_moved > 10 || known == [0; 2],
+            "negative control, another light: {wrong_if_moved}, {known:?}, {light:?}"
+        );
+    }
 }
 
 #[test]

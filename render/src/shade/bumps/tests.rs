@@ -8,7 +8,7 @@ use crate::{
     light::{components::Components, environment::Illumination},
     shade::{
         background::{Backdrop, BlurCache},
-        painter::{Painter, PictureLight, SunsOfParts},
+        painter::{Painter, PictureLight, SeenOfParts},
         pixel_sampler::PixelSampler,
         surface::SurfacePoint,
     },
@@ -175,9 +175,9 @@ fn picture(renderer: &Renderer, light: &Illumination, view: &View, filter: Filte
                 Part::Environment,
                 &SurfacePoint { slopes: [0.0; 3], ..point.clone() },
                 Vec2::ZERO,
-                SunsOfParts::default(),
+                SeenOfParts::default(),
             ),
-            _ => painter.part(Part::Environment, point, Vec2::ZERO, SunsOfParts::default()),
+            _ => painter.part(Part::Environment, point, Vec2::ZERO, SeenOfParts::default()),
         })
     })
 }

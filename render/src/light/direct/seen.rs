@@ -1,0 +1,78 @@
+//! Lights that points are known to see wholly or not at all, found for eight points side by side at once.
+
+use super::DirectShader;
+use crate::shade::surface::SurfacePoint;
+use lapidary_core::{
+    lights::{Disc, LightSampler},
+    ray::{EightCones, EightRays, SeenThrough, offset},
+};
+use std::array::from_fn;
+
+/// What a point is known to see of lights, one bit for each of the first 64. Of others rays tell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LightsSeen {
+    whole: u64,
+    none: u64,
+}
+
+impl LightsSeen {
+    /// Whether a light is seen wholly, or else not at all, if that is known.
+    pub fn of(self, light: usize) -> Option<bool> {
+        let has = |bits: u64| light < 64 && bits >> light & 1 == 1;
+        if has(self.whole) { Some(true) } else { has(self.none).then_some(false) }
+    }
+}
+
+/// Among more lights without extent, only those cast rays that are bright at a point.
+const MOST_DELTA: usize = 8;
+
+/// Points side by side; fewer at the end of a row.
+pub(crate) type EightPoints<'p> = [Option<&'p SurfacePoint>; 8];
+
+impl DirectShader<'_> {
+    /// What eight points are known to see of lights; the nearer the points, the faster it is. Of rectangles nothing is known.
+    pub fn lights_seen(&self, points: &EightPoints) -> [LightsSeen; 8] {
+        let mut seen = [LightsSeen::default(); 8];
+        let delta = self.lights.iter().filter(|light| light.light().is_delta()).count();
+        for (light, sampler) in self.lights.iter().enumerate().take(64) {
+            let through = match sampler.disc() {
+                Some(disc) => self.disc_seen(disc, points),
+                None if sampler.light().is_delta() && delta <= MOST_DELTA => self.delta_seen(sampler, points),
+                None => SeenThrough::default(),
+            };
+            for (i, seen) in seen.iter_mut().enumerate() {
+                seen.whole |= u64::from(through.open >> i & 1) << light;
+                seen.none |= u64::from(through.closed >> i & 1) << light;
+            }
+        }
+        seen
+    }
+
+    /// Cones toward a disc.
+    fn disc_seen(&self, disc: &Disc, points: &EightPoints) -> SeenThrough {
+        let faces = |point: &SurfacePoint| point.horizons().iter().all(|&normal| disc.may_be_above(normal));
+        let active = bits(|i| points[i].is_some_and(faces));
+        let origins = from_fn(|i| points[i].map_or(disc.axis, |point| point.ray_origin));
+        self.intersector.seen_through(&EightCones { origins, axis: disc.axis, sine: disc.sine(), active })
+    }
+
+    /// Rays toward a light without extent.
+    fn delta_seen(&self, light: &LightSampler, points: &EightPoints) -> SeenThrough {
+        let rays = points.map(|point| {
+            let point = point?;
+            let sample = light.sample(point.ray_origin, Default::default())?;
+            point.receives(sample.direction).then_some((point.ray_origin, sample))
+        });
+        let active = bits(|i| rays[i].is_some());
+        let along = rays.iter().flatten().next().map_or(Default::default(), |(_, sample)| sample.direction);
+        let origins = rays.map(|ray| ray.map_or(along, |(origin, _)| origin));
+        let directions = rays.map(|ray| ray.map_or(along, |(_, sample)| sample.direction));
+        let before = rays.map(|ray| ray.map_or(0.0, |(_, sample)| offset::REACH_OF_SHADING * sample.distance));
+        let open = self.intersector.open_before(&EightRays::new(origins, directions, active), before);
+        SeenThrough { open: if self.intersector.has_veils() { 0 } else { open }, closed: active & !open }
+    }
+}
+
+fn bits(is_set: impl Fn(usize) -> bool) -> u8 {
+    (0..8).map(|i| u8::from(is_set(i)) << i).sum()
+}
