@@ -8,7 +8,7 @@ use super::{
     LightsX8,
     microfacet::{HalfVectorLobe, HalfVectors, Sym2x8, slopes},
 };
-use crate::simd::Lanes;
+use crate::simd::{Lanes, Vec3x8};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -93,6 +93,18 @@ impl GgxLobe {
         let e = h.x * h.x / ax2 + h.y * h.y / ay2 + h.z * h.z;
         let d = FRAC_1_PI / (self.alpha[0] * self.alpha[1] * e * e);
         d / (2.0 * (wo.z + self.root(wo)))
+    }
+
+    /// [`Self::pdf`] of eight light directions.
+    #[inline(always)]
+    pub fn pdf_x8<L: Lanes>(&self, wi: Vec3x8<L>, wo: Vec3) -> L {
+        let sum = wi + Vec3x8::splat(wo);
+        let [ax2, ay2] = self.alpha.map(|alpha| alpha * alpha);
+        let length_sq = sum.dot(sum);
+        let e = sum.x * sum.x * L::splat(1.0 / ax2) + sum.y * sum.y * L::splat(1.0 / ay2) + sum.z * sum.z;
+        let ratio = length_sq / e;
+        let scale = FRAC_1_PI / (self.alpha[0] * self.alpha[1] * 2.0 * (wo.z + self.root(wo)));
+        ratio * ratio * L::splat(scale) & sum.z.simd_gt(L::splat(0.0))
     }
 
     /// The lobe times the cosine over the density of a sampled direction: its albedo is the mean.

@@ -38,7 +38,7 @@ impl Light {
 
     /// What samples it more than once.
     pub fn sampler(&self) -> LightSampler<'_> {
-        LightSampler { light: self, disc: Disc::of(self) }
+        LightSampler { light: self, disc: Disc::of(self), cone: Cone::of(self) }
     }
 
     /// The intersection of a ray with the light, without the scene; only lights with an extent can be hit.
@@ -86,15 +86,31 @@ impl Light {
             pdf: 1.0 / solid_angle,
         })
     }
+}
 
-    /// Share of a spot's intensity that goes along `away`, which need not be unit: one on the axis, zero outside the cone,
-    /// smooth in the cosine between.
-    pub fn spot_factor(&self, away: Vec3) -> f32 {
-        let Emission::Spot { cone_degrees, penumbra_degrees } = self.emission else { return 1.0 };
-        let (Some(axis), Some(away)) = (self.forward(), away.try_normalize()) else { return 0.0 };
-        let edge = cone_degrees.to_radians().cos();
-        let full = (cone_degrees - penumbra_degrees).max(0.0).to_radians().cos();
-        let cos = axis.dot(away);
+/// The cone of a spot.
+#[derive(Clone, Copy, Debug)]
+struct Cone {
+    axis: Vec3,
+    /// Cosine of the angle from the axis beyond which nothing is sent.
+    edge: f32,
+    /// Cosine of the angle within which all is.
+    full: f32,
+}
+
+impl Cone {
+    /// `None` for other lights, and where target and position are one point.
+    fn of(light: &Light) -> Option<Self> {
+        let Emission::Spot { cone_degrees, penumbra_degrees } = light.emission else { return None };
+        let [edge, full] = [cone_degrees, (cone_degrees - penumbra_degrees).max(0.0)].map(|a| a.to_radians().cos());
+        Some(Self { axis: light.forward()?, edge, full })
+    }
+
+    /// Share of the intensity that goes along `away`, which need not be unit: one on the axis, zero outside the cone, smooth
+    /// in the cosine between.
+    fn factor(&self, away: Vec3) -> f32 {
+        let Some(away) = away.try_normalize() else { return 0.0 };
+        let (cos, edge, full) = (self.axis.dot(away), self.edge, self.full);
         if cos < edge {
             return 0.0;
         }
@@ -106,11 +122,12 @@ impl Light {
     }
 }
 
-/// Samples a light, of which it knows the [disc](Disc) if it has one.
+/// Samples a light, of which it knows the [disc](Disc) or the cone if it has one.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSampler<'a> {
     light: &'a Light,
     disc: Option<Disc>,
+    cone: Option<Cone>,
 }
 
 impl<'a> LightSampler<'a> {
@@ -127,7 +144,7 @@ impl<'a> LightSampler<'a> {
         }
         let sample = match light.emission {
             Emission::Point => light.at_position(point, 1.0),
-            Emission::Spot { .. } => light.at_position(point, light.spot_factor(point - light.position)),
+            Emission::Spot { .. } => light.at_position(point, self.cone?.factor(point - light.position)),
             Emission::Directional { .. } => self.distant(u),
             Emission::Rectangle { .. } => light.on_rectangle(point, u),
         };

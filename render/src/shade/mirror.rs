@@ -74,8 +74,14 @@ impl MirroredMap {
         &self.pyramid
     }
 
-    fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
-        self.pyramid.radiance(self.map_from_world * direction, solid_angle) * self.intensity
+    /// Mean radiance over patches around eight unit directions, of those that are `wanted`, one bit each.
+    fn radiance_x8(&self, directions: Vec3x8, solid_angles: [f32; 8], wanted: u32) -> [Vec3; 8] {
+        let mut radiance = [Vec3::ZERO; 8];
+        for (lane, radiance) in radiance.iter_mut().enumerate().filter(|(lane, _)| wanted >> lane & 1 == 1) {
+            let direction = self.map_from_world * directions.lane(lane);
+            *radiance = self.pyramid.radiance(direction, solid_angles[lane]) * self.intensity;
+        }
+        radiance
     }
 }
 
@@ -191,41 +197,36 @@ impl Mirror {
 
     #[inline(always)]
     fn unshadowed_with<L: Lanes>(&self, brdf: &impl Brdf, receiver: &ReceiverX8<L>, map: &MirroredMap) -> Vec3 {
-        let samples = self.samples();
+        let lobes = self.lobes.map(GgxLobe::new);
+        let lobes = &lobes[..self.count];
         let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
-        for eight in samples[..(self.count * SAMPLES).next_multiple_of(8)].as_chunks::<8>().0 {
-            let (mut wi, mut per_density) = ([Vec3::Z; 8], [0.0; 8]);
-            for (lane, sample) in eight.iter().enumerate() {
-                (wi[lane], per_density[lane]) = *sample;
+        for eight in self.samples(lobes)[..self.count * SAMPLES].as_chunks::<8>().0 {
+            let local = Vec3x8::<L>::from_array(*eight);
+            let mut density = L::splat(0.0);
+            for lobe in lobes {
+                density = density + lobe.pdf_x8(local, self.wo);
             }
-            let local = Vec3x8::<L>::from_array(wi);
+            // The solid angles that the directions stand for.
+            let solid_angles = L::splat(1.0) / (L::splat(SAMPLES as f32) * density.at_least(1e-6));
+            let is_above = local.z.simd_gt(L::splat(0.0));
             let direction = receiver.world(local);
-            let mut radiance = [Vec3::ZERO; 8];
-            for (lane, radiance) in radiance.iter_mut().enumerate().filter(|(lane, _)| per_density[*lane] > 0.0) {
-                *radiance = map.radiance(direction.lane(lane), per_density[lane]);
-            }
+            let radiance = map.radiance_x8(direction.portable(), solid_angles.to_array(), is_above.to_bitmask());
             let lights = receiver.lights_at_centers(direction, L::splat(0.0));
             let light = brdf.reflect(&lights, self.wo).scale(Vec3x8::from_array(radiance));
-            sum = sum + light * (self.window(local) * L::new(per_density));
+            sum = sum + light * (self.window(local) * solid_angles & is_above);
         }
         sum.reduce_add()
     }
 
-    /// Local directions above the horizon by the lobes, and the solid angles that they stand for; 0 for none.
-    fn samples(&self) -> [(Vec3, f32); MOST_LOBES * SAMPLES] {
-        let lobes = self.lobes.map(GgxLobe::new);
-        let lobes = &lobes[..self.count];
-        let mut samples = [(Vec3::Z, 0.0); MOST_LOBES * SAMPLES];
+    /// Local directions by the lobes, below the horizon too.
+    fn samples(&self, lobes: &[GgxLobe]) -> [Vec3; MOST_LOBES * SAMPLES] {
+        let mut samples = [Vec3::NEG_Z; MOST_LOBES * SAMPLES];
         let mut turn = Vec2::X;
         for (i, of_each) in samples[..self.count * SAMPLES].chunks_mut(self.count).enumerate() {
             let radius = ((i as f32 + 0.5) / SAMPLES as f32).sqrt();
             for (sample, lobe) in of_each.iter_mut().zip(lobes) {
                 let half = lobe.visible_normal(self.wo, radius * turn);
-                let wi = 2.0 * self.wo.dot(half) * half - self.wo;
-                if wi.z > 0.0 {
-                    let density: f32 = lobes.iter().map(|lobe| lobe.pdf(wi, self.wo)).sum();
-                    *sample = (wi, 1.0 / (SAMPLES as f32 * density.max(1e-6)));
-                }
+                *sample = 2.0 * self.wo.dot(half) * half - self.wo;
             }
             turn = GOLDEN.rotate(turn);
         }
