@@ -41,6 +41,8 @@ pub struct SeenThrough {
     pub open: u8,
     /// All rays within it meet a triangle that stops all light.
     pub closed: u8,
+    /// Of those that are not open: the node with the triangle that was met. What stops some rays is likely to stop others.
+    pub met: [u32; 8],
 }
 
 /// Cones are taken for so much wider, as a share and in radians, which is more than rays and planes are rounded.
@@ -53,9 +55,9 @@ impl Intersector {
     }
 
     /// Which of sixteen rays within a cone, those that are `active`, meet nothing, one bit each: what [`Self::occluded`] says
-    /// of each.
-    pub fn open_within(&self, cone: &Cone, directions: &[Vec3x8; 2], active: [u8; 2]) -> [u8; 2] {
-        self.open_within_in(InstructionSet::widest(), cone, directions, active)
+    /// of each. The triangles of the leaf `first` are tried first; 0 for none.
+    pub fn open_within(&self, cone: &Cone, directions: &[Vec3x8; 2], active: [u8; 2], first: u32) -> [u8; 2] {
+        self.open_within_in(InstructionSet::widest(), cone, directions, (active, first))
     }
 
     pub(super) fn open_within_in(
@@ -63,9 +65,9 @@ impl Intersector {
         set: InstructionSet,
         cone: &Cone,
         directions: &[Vec3x8; 2],
-        active: [u8; 2],
+        (active, first): ([u8; 2], u32),
     ) -> [u8; 2] {
-        set.run(Rays { scene: self, cone, directions, active })
+        set.run(Rays { scene: self, cone, directions, active, first })
     }
 
     pub(super) fn seen_through_in(&self, set: InstructionSet, cones: &EightCones) -> SeenThrough {
@@ -93,7 +95,7 @@ impl Kernel for Walk<'_> {
     fn run<L: Lanes>(self) -> SeenThrough {
         let cones = Cones::<L>::new(self.cones);
         let nodes = &self.scene.bvh.nodes[..];
-        let (mut open, mut closed) = (self.cones.active, 0);
+        let (mut open, mut closed, mut met) = (self.cones.active, 0, [0; 8]);
         let mut stack = Vec::with_capacity(128);
         stack.extend((!nodes.is_empty() && open != 0).then_some(0));
         while let Some(index) = stack.pop() {
@@ -110,13 +112,16 @@ impl Kernel for Walk<'_> {
             for &triangle in &self.scene.leaf_triangles[first as usize..(first + node.prim_count) as usize] {
                 let (touched, filled) = cones.meet(triangle);
                 closed |= open & filled;
+                for (lane, met) in met.iter_mut().enumerate() {
+                    *met = if open & touched & 1 << lane != 0 { index } else { *met };
+                }
                 open &= !touched;
             }
             if open == 0 {
                 break;
             }
         }
-        SeenThrough { open, closed }
+        SeenThrough { open, closed, met }
     }
 }
 
@@ -195,6 +200,7 @@ struct Rays<'a> {
     cone: &'a Cone,
     directions: &'a [Vec3x8; 2],
     active: [u8; 2],
+    first: u32,
 }
 
 impl Kernel for Rays<'_> {
@@ -210,6 +216,7 @@ impl Kernel for Rays<'_> {
         let inverse_rays = [inverses(rays[0]), inverses(rays[1])];
         let mut stack = Vec::with_capacity(128);
         stack.extend((!nodes.is_empty() && self.active != [0; 2]).then_some(0));
+        stack.extend((self.first != 0).then_some(self.first));
         while let Some(index) = stack.pop() {
             let node = &nodes[index as usize];
             let (min, max): (Vec3x8<L>, Vec3x8<L>) =
@@ -246,9 +253,11 @@ impl Kernel for Rays<'_> {
 /// Inverses of the components, none of them infinite; see [`inverse`].
 #[inline(always)]
 fn inverses<L: Lanes>(v: Vec3x8<L>) -> Vec3x8<L> {
-    let inverse = |c: L| {
-        let least = c.simd_lt(L::splat(0.0)).select(L::splat(-1e-18), L::splat(1e-18));
-        L::splat(1.0) / c.abs().simd_lt(L::splat(1e-18)).select(least, c)
-    };
-    Vec3x8 { x: inverse(v.x), y: inverse(v.y), z: inverse(v.z) }
+    Vec3x8 { x: inverse_x8(v.x), y: inverse_x8(v.y), z: inverse_x8(v.z) }
+}
+
+#[inline(always)]
+fn inverse_x8<L: Lanes>(c: L) -> L {
+    let least = c.simd_lt(L::splat(0.0)).select(L::splat(-1e-18), L::splat(1e-18));
+    L::splat(1.0) / c.abs().simd_lt(L::splat(1e-18)).select(least, c)
 }

@@ -90,7 +90,9 @@ impl DirectShader<'_> {
         for (i, light) in self.lights.iter().enumerate().filter(|(_, light)| !light.light().is_delta()) {
             match (light.disc(), seen.of(i)) {
                 (Some(_), Some(false)) => {}
-                (Some(disc), seen) => self.add_sun(light, disc, shift, seen.is_some(), &mut arriving),
+                (Some(disc), is_seen) => {
+                    self.add_sun(light, disc, shift, (is_seen.is_some(), seen.met()), &mut arriving)
+                }
                 (None, _) => self.add(light, shift, &mut arriving),
             }
         }
@@ -102,15 +104,22 @@ impl DirectShader<'_> {
         arriving.reflected() + delta_light(point, delta, share)
     }
 
-    /// Adds a light that is a disc; `is_open` if nothing is before it.
-    fn add_sun(&self, sun: &LightSampler, disc: &Disc, shift: Vec2, is_open: bool, arriving: &mut Arriving) {
+    /// Adds a light that is a disc; `is_open` if nothing is before it, else something at `met` may be.
+    fn add_sun(
+        &self,
+        sun: &LightSampler,
+        disc: &Disc,
+        shift: Vec2,
+        (is_open, met): (bool, u32),
+        arriving: &mut Arriving,
+    ) {
         let point = arriving.point;
         let middle = sun.sample(point.ray_origin, Vec2::splat(0.5));
         let Some(middle) = middle.filter(|_| point.horizons().iter().all(|&normal| disc.may_be_above(normal))) else {
             return;
         };
         let aimed = InstructionSet::widest().run(Aim { disc, shift, point });
-        let shares = if is_open { [[1.0; 8]; 2] } else { self.shares(point, disc, &aimed) };
+        let shares = if is_open { [[1.0; 8]; 2] } else { self.shares(point, disc, &aimed, met) };
         if arriving.points_of_cell(&middle) > 1 {
             let cells = cells(shift).into_iter().zip(shares.into_iter().flatten());
             return cells.for_each(|(cell, share)| arriving.add_cell(sun, cell, &middle, share));
@@ -124,9 +133,10 @@ impl DirectShader<'_> {
     }
 
     /// Share of a sun's light that arrives from where its rays go.
-    fn shares(&self, point: &SurfacePoint, disc: &Disc, Aimed { directions, received }: &Aimed) -> [[f32; 8]; 2] {
+    fn shares(&self, point: &SurfacePoint, disc: &Disc, aimed: &Aimed, met: u32) -> [[f32; 8]; 2] {
+        let Aimed { directions, received } = aimed;
         let cone = Cone { origin: point.ray_origin, axis: disc.axis, sine: disc.sine() };
-        let open = self.intersector.open_within(&cone, directions, *received);
+        let open = self.intersector.open_within(&cone, directions, *received, met);
         let mut shares = [[0.0; 8]; 2];
         for (i, share) in
             shares.as_flattened_mut().iter_mut().enumerate().filter(|(i, _)| open[i / 8] >> (i % 8) & 1 == 1)
