@@ -41,8 +41,31 @@ pub struct SeenThrough {
     pub open: u8,
     /// All rays within it meet a triangle that stops all light.
     pub closed: u8,
-    /// Of those that are not open: the node with the triangle that was met. What stops some rays is likely to stop others.
-    pub met: [u32; 8],
+}
+
+/// Leaves of triangles that stopped rays of one point, to be tried first by those of the next: in a shadow most of them stop rays
+/// again. What meets nothing does not depend on them.
+#[derive(Clone, Debug, Default)]
+pub struct Blockers {
+    leaves: Vec<u32>,
+    /// Those that stop rays of the point at hand.
+    next: Vec<u32>,
+}
+
+impl Blockers {
+    /// Most of them: as many as there are rays.
+    const MOST: usize = 16;
+
+    fn add(&mut self, leaf: u32) {
+        if self.next.len() < Self::MOST {
+            self.next.push(leaf);
+        }
+    }
+
+    fn go_on(&mut self) {
+        std::mem::swap(&mut self.leaves, &mut self.next);
+        self.next.clear();
+    }
 }
 
 /// Cones are taken for so much wider, as a share and in radians, which is more than rays and planes are rounded.
@@ -55,9 +78,15 @@ impl Intersector {
     }
 
     /// Which of sixteen rays within a cone, those that are `active`, meet nothing, one bit each: what [`Self::occluded`] says
-    /// of each. The triangles of the leaf `first` are tried first; 0 for none.
-    pub fn open_within(&self, cone: &Cone, directions: &[Vec3x8; 2], active: [u8; 2], first: u32) -> [u8; 2] {
-        self.open_within_in(InstructionSet::widest(), cone, directions, (active, first))
+    /// of each. Those of the next point may have the same `blockers`.
+    pub fn open_within(
+        &self,
+        cone: &Cone,
+        directions: &[Vec3x8; 2],
+        active: [u8; 2],
+        blockers: &mut Blockers,
+    ) -> [u8; 2] {
+        self.open_within_in(InstructionSet::widest(), cone, directions, (active, blockers))
     }
 
     pub(super) fn open_within_in(
@@ -65,9 +94,11 @@ impl Intersector {
         set: InstructionSet,
         cone: &Cone,
         directions: &[Vec3x8; 2],
-        (active, first): ([u8; 2], u32),
+        (active, blockers): ([u8; 2], &mut Blockers),
     ) -> [u8; 2] {
-        set.run(Rays { scene: self, cone, directions, active, first })
+        let open = set.run(Rays { scene: self, cone, directions, active, blockers });
+        blockers.go_on();
+        open
     }
 
     pub(super) fn seen_through_in(&self, set: InstructionSet, cones: &EightCones) -> SeenThrough {
@@ -95,7 +126,7 @@ impl Kernel for Walk<'_> {
     fn run<L: Lanes>(self) -> SeenThrough {
         let cones = Cones::<L>::new(self.cones);
         let nodes = &self.scene.bvh.nodes[..];
-        let (mut open, mut closed, mut met) = (self.cones.active, 0, [0; 8]);
+        let (mut open, mut closed) = (self.cones.active, 0);
         let mut stack = Vec::with_capacity(128);
         stack.extend((!nodes.is_empty() && open != 0).then_some(0));
         while let Some(index) = stack.pop() {
@@ -112,16 +143,13 @@ impl Kernel for Walk<'_> {
             for &triangle in &self.scene.leaf_triangles[first as usize..(first + node.prim_count) as usize] {
                 let (touched, filled) = cones.meet(triangle);
                 closed |= open & filled;
-                for (lane, met) in met.iter_mut().enumerate() {
-                    *met = if open & touched & 1 << lane != 0 { index } else { *met };
-                }
                 open &= !touched;
             }
             if open == 0 {
                 break;
             }
         }
-        SeenThrough { open, closed, met }
+        SeenThrough { open, closed }
     }
 }
 
@@ -200,7 +228,7 @@ struct Rays<'a> {
     cone: &'a Cone,
     directions: &'a [Vec3x8; 2],
     active: [u8; 2],
-    first: u32,
+    blockers: &'a mut Blockers,
 }
 
 impl Kernel for Rays<'_> {
@@ -216,7 +244,8 @@ impl Kernel for Rays<'_> {
         let inverse_rays = [inverses(rays[0]), inverses(rays[1])];
         let mut stack = Vec::with_capacity(128);
         stack.extend((!nodes.is_empty() && self.active != [0; 2]).then_some(0));
-        stack.extend((self.first != 0).then_some(self.first));
+        // What stopped the rays of the last point lies on top.
+        stack.extend_from_slice(&self.blockers.leaves);
         while let Some(index) = stack.pop() {
             let node = &nodes[index as usize];
             let (min, max): (Vec3x8<L>, Vec3x8<L>) =
@@ -232,6 +261,7 @@ impl Kernel for Rays<'_> {
                 stack.extend([first + 1 - near, first + near]);
                 continue;
             }
+            let before = self.active;
             for corners in self.scene.blocks.of_leaf(first, node.prim_count) {
                 let triangles = BlockFrom::<L>::new(self.cone.origin, corners);
                 let mut near = triangles.near_cone(axis, sin_sq);
@@ -241,6 +271,9 @@ impl Kernel for Rays<'_> {
                     self.active[0] &= !crossings(rays[0], &edges);
                     self.active[1] &= !crossings(rays[1], &edges);
                 }
+            }
+            if self.active != before {
+                self.blockers.add(index);
             }
             if self.active == [0; 2] {
                 break;

@@ -17,7 +17,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{Brdf, BrdfVisitor, LightsX8, narrow_widths},
     lights::{Disc, Light, LightSample, LightSampler},
-    ray::{Cone, Intersector, offset},
+    ray::{Blockers, Cone, Intersector, offset},
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
     sphere::SPHERE,
 };
@@ -84,14 +84,25 @@ pub(crate) struct DirectShader<'a> {
 }
 
 impl DirectShader<'_> {
-    /// Radiance that a point reflects; `shift` is that of [`pixel_shift`], `seen` what is known of [`Self::lights_seen`].
-    pub fn reflected(&self, point: &SurfacePoint, shift: Vec2, seen: LightsSeen) -> Vec3 {
+    /// Radiance that a point reflects; `shift` is that of [`pixel_shift`].
+    pub fn reflected(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        self.reflected_beside(point, shift, LightsSeen::default(), &mut Blockers::default())
+    }
+
+    /// The same of a point of which something of [`Self::lights_seen`] is known, beside one with these blockers.
+    pub fn reflected_beside(
+        &self,
+        point: &SurfacePoint,
+        shift: Vec2,
+        seen: LightsSeen,
+        blockers: &mut Blockers,
+    ) -> Vec3 {
         let mut arriving = Arriving::at(point);
         for (i, light) in self.lights.iter().enumerate().filter(|(_, light)| !light.light().is_delta()) {
             match (light.disc(), seen.of(i)) {
                 (Some(_), Some(false)) => {}
                 (Some(disc), is_seen) => {
-                    self.add_sun(light, disc, shift, (is_seen.is_some(), seen.met()), &mut arriving)
+                    self.add_sun((light, disc), shift, is_seen.is_some(), (&mut arriving, blockers))
                 }
                 (None, _) => self.add(light, shift, &mut arriving),
             }
@@ -104,14 +115,13 @@ impl DirectShader<'_> {
         arriving.reflected() + delta_light(point, delta, share)
     }
 
-    /// Adds a light that is a disc; `is_open` if nothing is before it, else something at `met` may be.
+    /// Adds a light that is a disc; `is_open` if nothing is before it.
     fn add_sun(
         &self,
-        sun: &LightSampler,
-        disc: &Disc,
+        (sun, disc): (&LightSampler, &Disc),
         shift: Vec2,
-        (is_open, met): (bool, u32),
-        arriving: &mut Arriving,
+        is_open: bool,
+        (arriving, blockers): (&mut Arriving, &mut Blockers),
     ) {
         let point = arriving.point;
         let middle = sun.sample(point.ray_origin, Vec2::splat(0.5));
@@ -119,10 +129,11 @@ impl DirectShader<'_> {
             return;
         };
         let aimed = InstructionSet::widest().run(Aim { disc, shift, point });
-        let shares = if is_open { [[1.0; 8]; 2] } else { self.shares(point, disc, &aimed, met) };
+        let shares = if is_open { [[1.0; 8]; 2] } else { self.shares(point, disc, &aimed, blockers) };
         if arriving.points_of_cell(&middle) > 1 {
             let cells = cells(shift).into_iter().zip(shares.into_iter().flatten());
-            return cells.for_each(|(cell, share)| arriving.add_cell(sun, cell, &middle, share));
+            let open = cells.filter(|&(_, share)| share > 0.0);
+            return open.for_each(|(cell, share)| arriving.add_cell(sun, cell, &middle, share));
         }
         let irradiance = Vec3x8::splat(middle.irradiance * (1.0 / ALL_CELLS as f32));
         let inv_kappa = f32x8::splat(inv_kappa(&middle, ALL_CELLS as u32));
@@ -133,10 +144,10 @@ impl DirectShader<'_> {
     }
 
     /// Share of a sun's light that arrives from where its rays go.
-    fn shares(&self, point: &SurfacePoint, disc: &Disc, aimed: &Aimed, met: u32) -> [[f32; 8]; 2] {
+    fn shares(&self, point: &SurfacePoint, disc: &Disc, aimed: &Aimed, blockers: &mut Blockers) -> [[f32; 8]; 2] {
         let Aimed { directions, received } = aimed;
         let cone = Cone { origin: point.ray_origin, axis: disc.axis, sine: disc.sine() };
-        let open = self.intersector.open_within(&cone, directions, *received, met);
+        let open = self.intersector.open_within(&cone, directions, *received, blockers);
         let mut shares = [[0.0; 8]; 2];
         for (i, share) in
             shares.as_flattened_mut().iter_mut().enumerate().filter(|(i, _)| open[i / 8] >> (i % 8) & 1 == 1)

@@ -8,7 +8,7 @@ pub(crate) mod cut_map;
 
 use crate::{
     light::{
-        direct::{DirectLights, LightsSeen, pixel_shift},
+        direct::{DirectLights, pixel_shift},
         environment::Illumination,
     },
     measure::cut_light::{CutLight, FieldJob, NoCuts, TreeOf},
@@ -206,7 +206,7 @@ impl Renderer {
             let Some(forward) = sun.forward() else { continue };
             let sun = [sun];
             let light = DirectLights { lights: &sun, intersector: self.intersector() }.shader();
-            let contribution = light.reflected(&explanation.point, pixel_shift(x, y, 0), LightsSeen::default());
+            let contribution = light.reflected(&explanation.point, pixel_shift(x, y, 0));
             explanation.suns.push(ExplainedSun { direction: -forward, angle_degrees, contribution });
             explanation.radiance += contribution;
         }

@@ -2,7 +2,7 @@
 
 use crate::{
     light::{
-        direct::{DirectLights, LightsSeen, pixel_shift},
+        direct::{DirectLights, pixel_shift},
         environment::Illumination,
     },
     renderer::Renderer,
@@ -32,7 +32,7 @@ impl Renderer {
         let samples = view.aa.max(1);
         let pixel = |x: u32, y: u32| {
             let one = |i: u32| {
-                let shade = |p: &SurfacePoint| lights.reflected(p, pixel_shift(x, y, i), LightsSeen::default());
+                let shade = |p: &SurfacePoint| lights.reflected(p, pixel_shift(x, y, i));
                 sampler.sample(x, y, i as usize, shade)
             };
             (0..samples).map(one).sum::<Vec3>() / samples as f32

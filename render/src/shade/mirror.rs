@@ -74,10 +74,10 @@ impl MirroredMap {
         &self.pyramid
     }
 
-    /// Mean radiance over patches around eight unit directions, of those that are `wanted`, one bit each.
-    fn radiance_x8(&self, directions: Vec3x8, solid_angles: [f32; 8], wanted: u32) -> [Vec3; 8] {
+    /// Mean radiance over patches of some solid angles around eight unit directions; nothing over none.
+    fn radiance_x8(&self, directions: Vec3x8, solid_angles: [f32; 8]) -> [Vec3; 8] {
         let mut radiance = [Vec3::ZERO; 8];
-        for (lane, radiance) in radiance.iter_mut().enumerate().filter(|(lane, _)| wanted >> lane & 1 == 1) {
+        for (lane, radiance) in radiance.iter_mut().enumerate().filter(|(lane, _)| solid_angles[*lane] > 0.0) {
             let direction = self.map_from_world * directions.lane(lane);
             *radiance = self.pyramid.radiance(direction, solid_angles[lane]) * self.intensity;
         }
@@ -202,20 +202,25 @@ impl Mirror {
         let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
         for eight in self.samples(lobes)[..self.count * SAMPLES].as_chunks::<8>().0 {
             let local = Vec3x8::<L>::from_array(*eight);
-            let mut density = L::splat(0.0);
-            for lobe in lobes {
-                density = density + lobe.pdf_x8(local, self.wo);
-            }
-            // The solid angles that the directions stand for.
-            let solid_angles = L::splat(1.0) / (L::splat(SAMPLES as f32) * density.at_least(1e-6));
-            let is_above = local.z.simd_gt(L::splat(0.0));
+            let solid_angles = self.solid_angles(lobes, local);
             let direction = receiver.world(local);
-            let radiance = map.radiance_x8(direction.portable(), solid_angles.to_array(), is_above.to_bitmask());
+            let radiance = map.radiance_x8(direction.portable(), solid_angles.to_array());
             let lights = receiver.lights_at_centers(direction, L::splat(0.0));
             let light = brdf.reflect(&lights, self.wo).scale(Vec3x8::from_array(radiance));
-            sum = sum + light * (self.window(local) * solid_angles & is_above);
+            sum = sum + light * (self.window(local) * solid_angles);
         }
         sum.reduce_add()
+    }
+
+    /// What eight local directions among those of [`Self::samples`] stand for; 0 below the horizon.
+    #[inline(always)]
+    fn solid_angles<L: Lanes>(&self, lobes: &[GgxLobe], local: Vec3x8<L>) -> L {
+        let mut density = L::splat(0.0);
+        for lobe in lobes {
+            density = density + lobe.pdf_x8(local, self.wo);
+        }
+        let solid_angles = L::splat(1.0) / (L::splat(SAMPLES as f32) * density.at_least(1e-6));
+        solid_angles & local.z.simd_gt(L::splat(0.0))
     }
 
     /// Local directions by the lobes, below the horizon too.

@@ -18,7 +18,7 @@ use crate::{
     view_mode::{BasisView, ViewMode, visibility_cuts},
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::{dataset::Dataset, meshless::irradiance};
+use lapidary_core::{dataset::Dataset, meshless::irradiance, ray::Blockers};
 use std::f32::consts::FRAC_1_PI;
 
 /// What the views of the meshless basis show of a surface that faces the eye, for its shape.
@@ -114,6 +114,8 @@ pub(crate) struct Painter<'a> {
     posed_bounce: Option<&'a PosedLight>,
     local: Option<DirectShader<'a>>,
     added: Option<DirectShader<'a>>,
+    /// What stopped the rays to suns of the last point that cast any.
+    blockers: Blockers,
     /// Work that was shown and has not been taken.
     shown: Work,
 }
@@ -133,6 +135,7 @@ impl<'a> Painter<'a> {
             posed_bounce: light.posed_bounce,
             local: light.local.map(|lights| lights.shader()),
             added: light.added.map(|lights| lights.shader()),
+            blockers: Blockers::default(),
             shown: Work::default(),
         }
     }
@@ -145,8 +148,8 @@ impl<'a> Painter<'a> {
             Part::Environment => self.mode_value(point),
             Part::Bounce if self.mode.is_of_basis() => self.basis_value(point),
             Part::Bounce => self.bounced(point),
-            Part::Direct => direct(&self.local, point, shift, seen.local),
-            Part::Added => direct(&self.added, point, shift, seen.added),
+            Part::Direct => direct(&self.local, point, shift, seen.local, &mut self.blockers),
+            Part::Added => direct(&self.added, point, shift, seen.added, &mut self.blockers),
         }
     }
 
@@ -243,6 +246,12 @@ impl<'a> Painter<'a> {
     }
 }
 
-fn direct(lights: &Option<DirectShader>, point: &SurfacePoint, shift: Vec2, seen: LightsSeen) -> Vec3 {
-    lights.as_ref().map_or(Vec3::ZERO, |lights| lights.reflected(point, shift, seen))
+fn direct(
+    lights: &Option<DirectShader>,
+    point: &SurfacePoint,
+    shift: Vec2,
+    seen: LightsSeen,
+    blockers: &mut Blockers,
+) -> Vec3 {
+    lights.as_ref().map_or(Vec3::ZERO, |lights| lights.reflected_beside(point, shift, seen, blockers))
 }

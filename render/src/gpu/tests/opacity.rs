@@ -3,7 +3,7 @@
 use super::twin::backend;
 use crate::{
     Appearance, Backend, BrdfSampling, Components, LocalLighting, Renderer, View,
-    light::direct::{DirectLights, LightsSeen},
+    light::direct::DirectLights,
     shade::{
         background::Backdrop,
         pixel_sampler::{
@@ -108,11 +108,10 @@ fn shadow_maps_let_through_what_rays_do() {
         let pixels: Vec<(u32, u32)> = all.filter(is_in_shadow).collect();
         let cpu = |(x, y): (u32, u32)| {
             let shade = |point: &crate::shade::surface::SurfacePoint| {
-                DirectLights { lights: &lamp, intersector: renderer.intersector() }.shader().reflected(
-                    point,
-                    glam::Vec2::ZERO,
-                    LightsSeen::default(),
-                ) + point.emission
+                DirectLights { lights: &lamp, intersector: renderer.intersector() }
+                    .shader()
+                    .reflected(point, glam::Vec2::ZERO)
+                    + point.emission
             };
             sampler.pixel(x, y, shade).x
         };

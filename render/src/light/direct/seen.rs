@@ -13,16 +13,9 @@ use std::array::from_fn;
 pub(crate) struct LightsSeen {
     whole: u64,
     none: u64,
-    /// Where the cone toward the first sun met something, as [`SeenThrough::met`]; 0 for nowhere.
-    met: u32,
 }
 
 impl LightsSeen {
-    /// The leaf of triangles that may stop rays to suns.
-    pub fn met(self) -> u32 {
-        self.met
-    }
-
     /// Whether a light is seen wholly, or else not at all, if that is known.
     pub fn of(self, light: usize) -> Option<bool> {
         let has = |bits: u64| light < 64 && bits >> light & 1 == 1;
@@ -50,7 +43,6 @@ impl DirectShader<'_> {
             for (i, seen) in seen.iter_mut().enumerate() {
                 seen.whole |= u64::from(through.open >> i & 1) << light;
                 seen.none |= u64::from(through.closed >> i & 1) << light;
-                seen.met = if seen.met == 0 { through.met[i] } else { seen.met };
             }
         }
         seen
@@ -77,11 +69,7 @@ impl DirectShader<'_> {
         let directions = rays.map(|ray| ray.map_or(along, |(_, sample)| sample.direction));
         let before = rays.map(|ray| ray.map_or(0.0, |(_, sample)| offset::REACH_OF_SHADING * sample.distance));
         let open = self.intersector.open_before(&EightRays::new(origins, directions, active), before);
-        SeenThrough {
-            open: if self.intersector.has_veils() { 0 } else { open },
-            closed: active & !open,
-            ..Default::default()
-        }
+        SeenThrough { open: if self.intersector.has_veils() { 0 } else { open }, closed: active & !open }
     }
 }
 

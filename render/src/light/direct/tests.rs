@@ -85,11 +85,8 @@ fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
     let renderer = Renderer::new(dataset(mesh(4, false), white()));
     let point = surface_at(&renderer, &from_above(1));
     let sun = [light(Emission::PARALLEL, Vec3::Y, Vec3::ZERO, 1.0)];
-    let radiance = DirectLights { lights: &sun, intersector: renderer.intersector() }.shader().reflected(
-        &point,
-        Vec2::ZERO,
-        LightsSeen::default(),
-    );
+    let radiance =
+        DirectLights { lights: &sun, intersector: renderer.intersector() }.shader().reflected(&point, Vec2::ZERO);
     assert!((radiance - FRAC_1_PI).abs().max_element() < 1e-4, "{radiance}");
 }
 
@@ -123,13 +120,15 @@ fn lights_that_are_known_to_be_seen_or_hidden_are_as_rays_have_them() {
         let moved = [Light { position: light[0].position - Vec3::X, ..light[0].clone() }];
         let [by_rays, otherwise] = [shader(&light), shader(&moved)];
         let (mut known, mut rest, mut wrong_if_moved) = ([0; 2], 0, 0);
+        let mut blockers = Blockers::default();
         for eight in &eights {
             let points: EightPoints = std::array::from_fn(|i| eight.get(i));
             let (seen, of_moved) = (by_rays.lights_seen(&points), otherwise.lights_seen(&points));
             for (i, point) in eight.iter().enumerate() {
-                let all = by_rays.reflected(point, Vec2::splat(0.4), LightsSeen::default());
-                assert_eq!(by_rays.reflected(point, Vec2::splat(0.4), seen[i]), all, "{light:?}");
-                wrong_if_moved += usize::from(by_rays.reflected(point, Vec2::splat(0.4), of_moved[i]) != all);
+                let all = by_rays.reflected(point, Vec2::splat(0.4));
+                assert_eq!(by_rays.reflected_beside(point, Vec2::splat(0.4), seen[i], &mut blockers), all, "{light:?}");
+                wrong_if_moved +=
+                    usize::from(by_rays.reflected_beside(point, Vec2::splat(0.4), of_moved[i], &mut blockers) != all);
                 match seen[i].of(0) {
                     Some(is_seen) => known[usize::from(is_seen)] += 1,
                     None => rest += 1,

@@ -147,7 +147,12 @@ fn samples_fill_the_window_and_follow_the_lobe() {
     for lobe in [[0.02, 0.02], [0.005, 0.03]] {
         let mirror = Mirror::of([lobe, NO_LOBE, NO_LOBE], [0.0; 3], wo, 4.0 * PI / 32_768.0).unwrap();
         // The density integrates to one, of the lobe and of something even in the window.
-        let integral = |f: &dyn Fn(Vec3) -> f32| mirror.samples().iter().map(|&(wi, area)| f(wi) * area).sum::<f32>();
+        let lobes = mirror.lobes.map(GgxLobe::new);
+        let lobes = &lobes[..mirror.count];
+        let directions = mirror.samples(lobes);
+        let area = |wi: Vec3| mirror.solid_angles(lobes, Vec3x8::<f32x8>::splat(wi)).to_array()[0];
+        let used = &directions[..mirror.count * SAMPLES];
+        let integral = |f: &dyn Fn(Vec3) -> f32| used.iter().map(|&wi| f(wi) * area(wi)).sum::<f32>();
         let ggx = GgxLobe::new(lobe);
         let of_lobe = integral(&|wi| ggx.pdf(wi, wo));
         assert!((of_lobe - 1.0).abs() < 0.1, "{of_lobe}");
