@@ -132,3 +132,28 @@ impl HalfVectorLobe for GgxLobe {
         self.pdf(wi, wo)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sphere::uniform_direction;
+    use wide::f32x8;
+
+    #[test]
+    fn densities_of_eight_directions_are_those_of_each() {
+        let (lobe, wo) = (GgxLobe::new([0.1, 0.4]), Vec3::new(0.3, -0.2, 0.8).normalize());
+        for i in 0..200 {
+            let wi: [Vec3; 8] = std::array::from_fn(|lane| {
+                let at = (8 * i + lane) as f32;
+                uniform_direction((at * 0.618_034).fract(), (at + 0.5) / 1600.0)
+            });
+            let found = lobe.pdf_x8::<f32x8>(Vec3x8::from_array(wi), wo).to_array();
+            for (found, wi) in found.into_iter().zip(wi) {
+                let expected = lobe.pdf(wi, wo);
+                assert!((found - expected).abs() <= 1e-4 * expected.max(1e-3), "{found} for {expected} at {wi}");
+            }
+        }
+        let other = GgxLobe::new([0.1, 0.39]).pdf_x8::<f32x8>(Vec3x8::splat(Vec3::Z), wo).to_array()[0];
+        assert!((other / lobe.pdf(Vec3::Z, wo) - 1.0).abs() > 1e-3, "negative control: another lobe");
+    }
+}

@@ -1,7 +1,13 @@
 //! Batches, single rays and brute force agree to the bit; closest hits agree with plain geometry.
 
 use super::*;
-use crate::{ground::add_ground, scene::Scene, simd::InstructionSet, sphere::fibonacci_directions, test_scenes::soup};
+use crate::{
+    ground::add_ground,
+    scene::Scene,
+    simd::{InstructionSet, Vec3x8},
+    sphere::fibonacci_directions,
+    test_scenes::soup,
+};
 
 #[test]
 fn batches_single_rays_and_brute_force_agree_to_the_bit() {
@@ -295,6 +301,10 @@ fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
                 let is_open = is_active && !scene.occluded_by_brute_force(origins[lane], directions[lane]);
                 assert_eq!(open[i] >> lane & 1 == 1, is_open, "{i}, {lane}");
                 assert_eq!(distances[i][lane], hit.map_or(f32::INFINITY, |hit| hit.distance), "{i}, {lane}");
+                let before = 0.5 + lane as f32;
+                let is_open = is_active && !scene.occluded_before(origins[lane], directions[lane], before);
+                let open_before = scene.open_before(&rays[i], std::array::from_fn(|lane| 0.5 + lane as f32));
+                assert_eq!(open_before >> lane & 1 == 1, is_open, "{i}, {lane}");
                 met += usize::from(hit.is_some());
             }
         }
@@ -354,6 +364,33 @@ fn no_ray_of_an_open_cone_meets_anything_and_all_of_a_closed_one_do() {
     }
     assert!(known.iter().all(|&known| known > 30), "{known:?}");
     assert!(wrong_if_wider > 20, "negative control, wider cones: {wrong_if_wider}");
+}
+
+#[test]
+fn rays_within_a_cone_agree_with_single_ones_whatever_stopped_others() {
+    let scene = Intersector::new(&soup(11, 400));
+    let mut rng = fastrand::Rng::with_seed(6);
+    let mut point = || Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5);
+    let (mut blockers, mut met) = (Blockers::default(), 0);
+    for i in 0..300 {
+        let axis = if i % 8 == 0 { Vec3::Y } else { point().normalize() };
+        let cone = Cone { origin: 6.0 * point(), axis, sine: [0.0, 0.0047, 0.05, 0.3][i % 4] };
+        let within = directions_within(axis, cone.sine);
+        let rays: [[Vec3; 8]; 2] = std::array::from_fn(|eight| std::array::from_fn(|lane| within[16 * lane + eight]));
+        let (directions, active) = (rays.map(Vec3x8::from_array), [!(i as u8), 0xf7]);
+        let open = scene.open_within(&cone, &directions, active, &mut blockers);
+        for (ray, &direction) in rays.as_flattened().iter().enumerate() {
+            let is_active = active[ray / 8] >> (ray % 8) & 1 == 1;
+            let is_open = is_active && !scene.occluded_by_brute_force(cone.origin, direction);
+            assert_eq!(open[ray / 8] >> (ray % 8) & 1 == 1, is_open, "{i}, {ray}");
+            met += usize::from(is_active && !is_open);
+        }
+        for set in InstructionSet::available() {
+            let again = scene.open_within_in(set, &cone, &directions, (active, &mut Blockers::default()));
+            assert_eq!(again, open, "{set:?}");
+        }
+    }
+    assert!((500..3500).contains(&met), "a scene that tells them apart: {met}");
 }
 
 /// A soup over its ground, in radii of 6 or so.

@@ -310,11 +310,30 @@ mod tests {
         assert!(BrdfModel::OpenPbr.own_parameters().iter().all(has), "negative control");
     }
 
+    fn set_of(material: Material) -> ModelSet {
+        ModelSet::of(&Appearance { materials: vec![material], textures: Vec::new(), assigned: None })
+    }
+
+    #[test]
+    fn shaders_look_up_only_the_maps_and_have_only_the_parts_that_materials_have() {
+        let plain = Material { model: BrdfModel::OpenPbr, ..Default::default() };
+        let mut rich = plain.clone();
+        rich.parameters.set("coat_weight", 0.5);
+        rich.parameters.set("base_metalness", 1.0);
+        rich.maps.set("base_color", Some(Default::default()));
+        let [plain, rich] = [plain, rich].map(set_of);
+        let (bare, full) = (plain.text(), rich.text());
+        assert!(bare.contains("plain_color(material, ") && !bare.contains("material_color("));
+        assert!(bare.contains("const HAS_COAT: bool = false;") && bare.contains("const HAS_METAL: bool = false;"));
+        assert!(full.contains("const HAS_COAT: bool = true;") && full.contains("const HAS_METAL: bool = true;"));
+        assert_eq!(full.matches("material_color(").count(), 1, "of one parameter alone");
+        assert!(rich.covers(&plain) && !plain.covers(&rich) && ModelSet::all().covers(&rich));
+        assert!(!rich.covers(&set_of(Material { model: BrdfModel::Ggx, ..Default::default() })));
+    }
+
     #[test]
     fn a_material_that_stores_more_has_the_same_shaders() {
-        let text = |material: Material| {
-            ModelSet::of(&Appearance { materials: vec![material], textures: Vec::new(), assigned: None }).text()
-        };
+        let text = |material: Material| set_of(material).text();
         let plain = Material { model: BrdfModel::OpenPbr, ..Default::default() };
         let mut glass = plain.clone();
         glass.parameters.set("transmission_weight", 1.0);
