@@ -104,7 +104,7 @@ impl GgxLobe {
         let e = sum.x * sum.x * L::splat(1.0 / ax2) + sum.y * sum.y * L::splat(1.0 / ay2) + sum.z * sum.z;
         let ratio = length_sq / e;
         let scale = FRAC_1_PI / (self.alpha[0] * self.alpha[1] * 2.0 * (wo.z + self.root(wo)));
-        ratio * ratio * L::splat(scale) & sum.z.simd_gt(L::splat(0.0))
+        (ratio * ratio * L::splat(scale)) & sum.z.simd_gt(L::splat(0.0))
     }
 
     /// The lobe times the cosine over the density of a sampled direction: its albedo is the mean.

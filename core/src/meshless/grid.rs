@@ -237,7 +237,7 @@ fn weight_x8<L: Lanes>(
     }
     let step = L::splat(0.5) * offset.dot(normal + axis).abs() / L::splat(radius);
     let layer = L::splat(LEAST_WEIGHT) + L::splat(1.0 - LEAST_WEIGHT) * kernel_x8(L::splat(LAYERS) * step);
-    kernel_x8(distance_sq.sqrt() / L::splat(radius)) * layer * facing * facing & is_reached
+    (kernel_x8(distance_sq.sqrt() / L::splat(radius)) * layer * facing * facing) & is_reached
 }
 
 /// [`kernel`] of eight distances.
