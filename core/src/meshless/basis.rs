@@ -1,9 +1,6 @@
 //! Hierarchical basis functions around scattered surface points (meshless paper, 2.1 and 2.2).
 
-use super::{
-    grid::{FunctionGrid, weight},
-    sparse::SparseRows,
-};
+use super::{grid::FunctionGrid, sparse::SparseRows};
 use crate::{
     scene::{is_unit, is_within_reach},
     surfel::Surfel,
@@ -200,9 +197,9 @@ impl Basis {
 
     /// Whether any function of a level reaches a surface point.
     pub fn reaches(&self, level: usize, position: Vec3, normal: Vec3) -> bool {
-        let reaches =
-            |&function: &u32| weight(&self.points[function as usize], self.radii[level], position, normal) > 0.0;
-        self.grid.functions_in(self.grid.slot_at(level, position)).iter().any(reaches)
+        let mut is_reached = false;
+        self.for_each_weight(level, position, normal, |_, _| is_reached = true);
+        is_reached
     }
 
     /// Appends all functions of a level that are not zero at a surface point, with their values there (meshless paper,

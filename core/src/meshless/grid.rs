@@ -5,7 +5,7 @@
 //! The lists are plain arrays, so that pixels of a graphics adapter read them as well. Twin of
 //! `shaders/meshless_pass.wgsl`.
 
-use super::distance::{LAYERS, LEAST_WEIGHT, SQUASH, kernel, same_layer};
+use super::distance::{LAYERS, LEAST_WEIGHT, SQUASH};
 use crate::{
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
     surfel::Surfel,
@@ -47,7 +47,7 @@ pub struct FunctionGrid {
     slots: Vec<Cell>,
     /// Functions, cell by cell, ascending.
     entries: Vec<u32>,
-    /// The points of the entries, eight at a time; a cell starts an eight of its own.
+    /// The points of the entries, eight at a time, of 192 bytes; a cell starts an eight of its own.
     eights: Vec<Eight>,
     /// The first eight of the cell in each slot.
     first_eight: Vec<u32>,
@@ -177,20 +177,7 @@ fn hash(place: IVec3, level: u32) -> u32 {
     mixed ^ mixed >> 15
 }
 
-/// Weight of a function of some radius at a point (meshless paper, Eq. 8 and 9, reduced between layers).
-#[inline(always)]
-pub(super) fn weight(function: &Surfel, radius: f32, position: Vec3, normal: Vec3) -> f32 {
-    let (facing, offset) = (normal.dot(function.normal), position - function.position);
-    let height = offset.dot(function.normal);
-    // Eq. 10, squared: most functions of a cell are rejected here, without a square root.
-    let distance_sq = offset.length_squared() + STRETCH * height * height;
-    if !(facing > 0.0 && distance_sq < radius * radius) {
-        return 0.0;
-    }
-    kernel(distance_sq.sqrt() / radius) * same_layer(offset, normal + function.normal, radius) * facing * facing
-}
-
-/// [`weight`] of the functions of a cell, eight at a time.
+/// Weights of the functions of a cell, eight at a time.
 struct Weights<'a, V> {
     grid: &'a FunctionGrid,
     slot: usize,
@@ -220,7 +207,7 @@ impl<V: FnMut(u32, f32)> Kernel for Weights<'_, V> {
     }
 }
 
-/// [`weight`] of eight functions.
+/// Weights of eight functions of some radius at a point (meshless paper, Eq. 8 and 9, reduced between layers).
 #[inline(always)]
 fn weight_x8<L: Lanes>(
     (center, axis): (Vec3x8<L>, Vec3x8<L>),
@@ -231,16 +218,18 @@ fn weight_x8<L: Lanes>(
     let (facing, offset) = (normal.dot(axis), position - center);
     let height = offset.dot(axis);
     let distance_sq = offset.dot(offset) + L::splat(STRETCH) * height * height;
+    // Eq. 10, squared: most functions of a cell are rejected here, without a square root.
     let is_reached = facing.simd_gt(L::splat(0.0)) & distance_sq.simd_lt(L::splat(radius * radius));
     if is_reached.to_bitmask() == 0 {
         return L::splat(0.0);
     }
+    // As [`super::distance::same_layer`].
     let step = L::splat(0.5) * offset.dot(normal + axis).abs() / L::splat(radius);
     let layer = L::splat(LEAST_WEIGHT) + L::splat(1.0 - LEAST_WEIGHT) * kernel_x8(L::splat(LAYERS) * step);
     (kernel_x8(distance_sq.sqrt() / L::splat(radius)) * layer * facing * facing) & is_reached
 }
 
-/// [`kernel`] of eight distances.
+/// [`super::distance::kernel`] of eight distances.
 #[inline(always)]
 fn kernel_x8<L: Lanes>(t: L) -> L {
     let t = t.fast_min(L::splat(1.0));
@@ -250,7 +239,11 @@ fn kernel_x8<L: Lanes>(t: L) -> L {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{meshless::Basis, sphere::uniform_direction, test_scenes::sphere_points};
+    use crate::{
+        meshless::{Basis, distance::kernel},
+        sphere::uniform_direction,
+        test_scenes::sphere_points,
+    };
 
     fn basis(points: Vec<Surfel>, radius: f32) -> Basis {
         let end = points.len() as u32;

@@ -10,7 +10,7 @@ use super::{
 use crate::simd::{InstructionSet, Kernel, Lanes, Vec3x8};
 use glam::Vec3;
 
-/// Cones of at most 90 degrees from the axis to the rim, which is unit.
+/// Cones of at most 45 degrees from the axis to the rim.
 #[derive(Clone, Copy, Debug)]
 pub struct EightCones {
     /// Where they begin.
@@ -23,7 +23,7 @@ pub struct EightCones {
     pub active: u8,
 }
 
-/// A cone of at most 90 degrees from its axis to its rim.
+/// A cone of at most 45 degrees from its axis to its rim.
 #[derive(Clone, Copy, Debug)]
 pub struct Cone {
     /// Where it begins.
@@ -44,8 +44,8 @@ pub struct SeenThrough {
 }
 
 /// Leaves of triangles that stopped rays of one point, to be tried first by those of the next: in a shadow most of them stop rays
-/// again. What meets nothing does not depend on them.
-#[derive(Clone, Debug, Default)]
+/// again. What meets nothing does not depend on them, but they belong to one hierarchy.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Blockers {
     leaves: Vec<u32>,
     /// Those that stop rays of the point at hand.
@@ -53,15 +53,6 @@ pub struct Blockers {
 }
 
 impl Blockers {
-    /// Most of them: as many as there are rays.
-    const MOST: usize = 16;
-
-    fn add(&mut self, leaf: u32) {
-        if self.next.len() < Self::MOST {
-            self.next.push(leaf);
-        }
-    }
-
     fn go_on(&mut self) {
         std::mem::swap(&mut self.leaves, &mut self.next);
         self.next.clear();
@@ -96,6 +87,9 @@ impl Intersector {
         directions: &[Vec3x8; 2],
         (active, blockers): ([u8; 2], &mut Blockers),
     ) -> [u8; 2] {
+        if active == [0; 2] {
+            return active;
+        }
         let open = set.run(Rays { scene: self, cone, directions, active, blockers });
         blockers.go_on();
         open
@@ -111,6 +105,7 @@ impl Intersector {
 
 /// The sine of a cone that is wider than rays and planes are rounded.
 fn wider(sine: f32) -> f32 {
+    debug_assert!(sine < 0.71, "cones of at most 45 degrees");
     (sine * (1.0 + WIDER.0) + WIDER.1).min(1.0)
 }
 
@@ -243,9 +238,9 @@ impl Kernel for Rays<'_> {
         let rays: [Vec3x8<L>; 2] = [Vec3x8::load(&self.directions[0]), Vec3x8::load(&self.directions[1])];
         let inverse_rays = [inverses(rays[0]), inverses(rays[1])];
         let mut stack = Vec::with_capacity(128);
-        stack.extend((!nodes.is_empty() && self.active != [0; 2]).then_some(0));
+        stack.extend((!nodes.is_empty()).then_some(0));
         // What stopped the rays of the last point lies on top.
-        stack.extend_from_slice(&self.blockers.leaves);
+        stack.extend(self.blockers.leaves.iter().filter(|&&leaf| (leaf as usize) < nodes.len()));
         while let Some(index) = stack.pop() {
             let node = &nodes[index as usize];
             let (min, max): (Vec3x8<L>, Vec3x8<L>) =
@@ -273,7 +268,7 @@ impl Kernel for Rays<'_> {
                 }
             }
             if self.active != before {
-                self.blockers.add(index);
+                self.blockers.next.push(index);
             }
             if self.active == [0; 2] {
                 break;

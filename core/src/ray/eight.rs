@@ -1,7 +1,7 @@
 //! Eight rays with an origin and a direction each: those of neighbouring points in one direction enter the same boxes.
 
 use super::{
-    Intersector,
+    Intersector, SeenThrough,
     batch::{entering, entry_and_exit, nearer_child},
     directions::inverse,
 };
@@ -44,12 +44,6 @@ impl Intersector {
         set.run(Open { scene: self, rays })
     }
 
-    /// Those of eight rays that are active and meet nothing before some distances in metres, one bit each: what
-    /// [`Self::occluded_before`] says of each.
-    pub fn open_before(&self, rays: &EightRays, before: [f32; 8]) -> u8 {
-        InstructionSet::widest().run(OpenBefore { scene: self, rays, before })
-    }
-
     /// The same of rays that thin surfaces let most of the light pass.
     pub fn mostly_open(&self, rays: &[EightRays]) -> Vec<u8> {
         let mut open = self.open(rays);
@@ -63,6 +57,20 @@ impl Intersector {
             });
         }
         open
+    }
+
+    /// What eight rays see before some distances in metres: those that are open meet nothing, those that are closed something that
+    /// stops all light, as [`Self::occluded_before`] says of each. Of others thin surfaces stop a part.
+    pub fn seen_before(&self, rays: &EightRays, before: [f32; 8]) -> SeenThrough {
+        self.seen_before_in(InstructionSet::widest(), rays, before)
+    }
+
+    pub(super) fn seen_before_in(&self, set: InstructionSet, rays: &EightRays, before: [f32; 8]) -> SeenThrough {
+        let open = set.run(OpenBefore { scene: self, rays, before });
+        let closed = rays.active & !open;
+        let Some(veils) = &self.veils else { return SeenThrough { open, closed } };
+        let rays = &EightRays { active: open, ..*rays };
+        SeenThrough { open: set.run(OpenBefore { scene: &veils.surfaces, rays, before }), closed }
     }
 
     /// For each eight rays the distances in metres of their closest hits, as [`Self::closest_hit`] has them; infinite for

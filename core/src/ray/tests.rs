@@ -293,6 +293,8 @@ fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
         let eights: Vec<([Vec3; 8], [Vec3; 8], u8)> = (0..200).map(eight).collect();
         let rays: Vec<EightRays> = eights.iter().map(|&(o, d, active)| EightRays::new(o, d, active)).collect();
         let (open, distances) = (scene.open(&rays), scene.closest_distances(&rays));
+        let before: [f32; 8] = std::array::from_fn(|lane| 0.5 + lane as f32);
+        let seen_before: Vec<SeenThrough> = rays.iter().map(|rays| scene.seen_before(rays, before)).collect();
         let mut met = 0;
         for (i, (origins, directions, active)) in eights.iter().enumerate() {
             for lane in 0..8 {
@@ -301,10 +303,9 @@ fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
                 let is_open = is_active && !scene.occluded_by_brute_force(origins[lane], directions[lane]);
                 assert_eq!(open[i] >> lane & 1 == 1, is_open, "{i}, {lane}");
                 assert_eq!(distances[i][lane], hit.map_or(f32::INFINITY, |hit| hit.distance), "{i}, {lane}");
-                let before = 0.5 + lane as f32;
-                let is_open = is_active && !scene.occluded_before(origins[lane], directions[lane], before);
-                let open_before = scene.open_before(&rays[i], std::array::from_fn(|lane| 0.5 + lane as f32));
-                assert_eq!(open_before >> lane & 1 == 1, is_open, "{i}, {lane}");
+                let is_blocked = is_active && scene.occluded_before(origins[lane], directions[lane], before[lane]);
+                let seen = [is_active && !is_blocked, is_blocked];
+                assert_eq!([seen_before[i].open, seen_before[i].closed].map(|bits| bits >> lane & 1 == 1), seen);
                 met += usize::from(hit.is_some());
             }
         }
@@ -314,6 +315,8 @@ fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
                 (scene.open_in(set, &rays), scene.closest_distances_in(set, &rays)),
                 (open.clone(), distances.clone())
             );
+            let again = rays.iter().map(|rays| scene.seen_before_in(set, rays, before));
+            assert!(again.eq(seen_before.iter().copied()), "{set:?}");
         }
         let elsewhere: Vec<EightRays> =
             eights.iter().map(|&(o, d, active)| EightRays::new(o.map(|o| o + 1.0), d, active)).collect();
@@ -371,7 +374,7 @@ fn rays_within_a_cone_agree_with_single_ones_whatever_stopped_others() {
     let scene = Intersector::new(&soup(11, 400));
     let mut rng = fastrand::Rng::with_seed(6);
     let mut point = || Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5);
-    let (mut blockers, mut met) = (Blockers::default(), 0);
+    let (mut blockers, mut met, mut remembered) = (Blockers::default(), 0, 0);
     for i in 0..300 {
         let axis = if i % 8 == 0 { Vec3::Y } else { point().normalize() };
         let cone = Cone { origin: 6.0 * point(), axis, sine: [0.0, 0.0047, 0.05, 0.3][i % 4] };
@@ -385,12 +388,18 @@ fn rays_within_a_cone_agree_with_single_ones_whatever_stopped_others() {
             assert_eq!(open[ray / 8] >> (ray % 8) & 1 == 1, is_open, "{i}, {ray}");
             met += usize::from(is_active && !is_open);
         }
+        remembered += usize::from(blockers != Blockers::default());
         for set in InstructionSet::available() {
             let again = scene.open_within_in(set, &cone, &directions, (active, &mut Blockers::default()));
             assert_eq!(again, open, "{set:?}");
         }
     }
     assert!((500..3500).contains(&met), "a scene that tells them apart: {met}");
+    assert!(remembered > 50, "{remembered}");
+    let nothing = Intersector::new(&Mesh::default());
+    let cone = Cone { origin: Vec3::ZERO, axis: Vec3::Y, sine: 0.1 };
+    let up = [Vec3x8::splat(Vec3::Y); 2];
+    assert_eq!(nothing.open_within(&cone, &up, [3, 5], &mut blockers), [3, 5], "with what another scene left");
 }
 
 /// A soup over its ground, in radii of 6 or so.

@@ -380,7 +380,7 @@ impl Row<'_> {
         for (pixels, hits) in lacking.chunks(8).zip(hits.chunks(8)) {
             let sight = |(&pixel, &hit): (&[u32; 2], &Option<Hit>)| sampler.sight_of(pixel, sample as usize, hit);
             let sights: Vec<Sight> = pixels.iter().zip(hits).map(sight).collect();
-            let seen_lights = lights_seen(painter, &sights);
+            let seen_lights = lights_seen(painter, &sights, |i| self.lacks(pixels[i][0] as usize, sample));
             for ((&pixel, sight), seen_lights) in pixels.iter().zip(&sights).zip(seen_lights) {
                 let lacks = self.lacks(pixel[0] as usize, sample);
                 self.add_to_pixel(pixel, lacks, (sampler, &mut *painter), patches, (sample, sight, seen_lights));
@@ -479,9 +479,13 @@ impl FirstSample {
     }
 }
 
-/// What the surfaces of up to eight sights are known to see of lights.
-pub(super) fn lights_seen(painter: &Painter, sights: &[Sight]) -> [SeenOfParts; 8] {
-    painter.lights_seen(&std::array::from_fn(|i| sights.get(i).and_then(Sight::surface)))
+/// What the surfaces of up to eight sights are known to see of the lights of parts that they lack.
+pub(super) fn lights_seen(
+    painter: &Painter,
+    sights: &[Sight],
+    lacks: impl Fn(usize) -> [bool; Part::COUNT],
+) -> [SeenOfParts; 8] {
+    painter.lights_seen(&std::array::from_fn(|i| sights.get(i).and_then(Sight::surface)), lacks)
 }
 
 impl Seen {

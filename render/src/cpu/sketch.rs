@@ -321,7 +321,7 @@ fn first_samples<'g>(
     (pixels, guide): (&[[u32; 2]], impl Fn([u32; 2]) -> &'g Guide),
 ) -> Vec<FirstSample> {
     let sights: Vec<Sight> = pixels.iter().map(|&pixel| sampler.sight_of(pixel, 0, hit(guide(pixel)))).collect();
-    let seen = lights_seen(painter, &sights);
+    let seen = lights_seen(painter, &sights, |i| picture.lacks(pixels[i][0], pixels[i][1]));
     let first =
         |((&pixel, sight), seen)| FirstSample::new(picture, (sampler, &mut *painter), patches, pixel, (sight, seen));
     pixels.iter().zip(&sights).zip(seen).map(first).collect()

@@ -203,9 +203,10 @@ impl GpuBackend {
         if lets_through_otherwise {
             has_veils = opacities.thin().iter().any(Option::is_some);
         }
-        // What a material had before it may have again: edits add to what is compiled.
         let compiled = &self.shaders.models;
-        let fits = compiled.covers(&models) && (!is_new_scene || models.covers(compiled));
+        // What a material had before it may have again: edits add to what is compiled.
+        let models = if is_new_scene { models } else { models.joined(compiled) };
+        let fits = compiled.covers(&models) && models.covers(compiled);
         if !fits || has_veils != self.shaders.has_veils {
             let shaders = Shaders { models, has_veils, source: self.shaders.source.clone() };
             self.passes = Passes::new(&self.gpu, &shaders, &self.passes.variants())?;

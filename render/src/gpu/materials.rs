@@ -133,13 +133,19 @@ fn pattern_slot(slot: &texture::TextureSlot, pattern: &Procedural) -> TextureSlo
     TextureSlot { low, pattern: pattern as u32, high, octaves, ..texture_slot(slot, place) }
 }
 
-/// The width of a material's narrowest lobe: 0 if maps may make it anything, infinite without a lobe.
+/// The width of a material's narrowest lobe, with any of its mapped parameters as low as it goes; infinite without a lobe.
 fn narrowest_lobe(material: &material::Material) -> f32 {
-    if material.own_parameters().iter().any(|p| material.maps.get(p.name).is_some()) {
-        return 0.0;
-    }
-    let widths = narrow_widths(material.plain_brdf().as_brdf().lobes());
-    widths.into_iter().filter(|&width| width > 0.0).fold(f32::INFINITY, f32::min)
+    let mapped = material.own_parameters().iter().filter(|p| material.maps.get(p.name).is_some());
+    let lowered = mapped.filter(|p| !p.is_color()).map(|p| {
+        let mut lowered = material.clone();
+        lowered.parameters.set(p.name, p.range[0]);
+        lowered
+    });
+    let narrowest = |material: material::Material| {
+        let widths = narrow_widths(material.plain_brdf().as_brdf().lobes());
+        widths.into_iter().filter(|&width| width > 0.0).fold(f32::INFINITY, f32::min)
+    };
+    lowered.chain([material.clone()]).map(narrowest).fold(f32::INFINITY, f32::min)
 }
 
 /// Linear values of the 256 sRGB codes, as a shader's own power function is too coarse; and the albedos of lobes.
@@ -153,4 +159,25 @@ fn tables(gpu: &GpuDevice) -> wgpu::Buffer {
         contents: bytemuck::bytes_of(&tables),
         usage: wgpu::BufferUsages::UNIFORM,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shade::mirror::Mirror;
+
+    #[test]
+    fn maps_of_roughness_may_make_mirrors_and_other_maps_do_not() {
+        let rough = |map: Option<&'static str>| {
+            let mut material = material::Material::default();
+            material.parameters.set("roughness", 0.6);
+            map.into_iter().for_each(|name| material.maps.set(name, Some(Default::default())));
+            narrowest_lobe(&material)
+        };
+        let may_be = |narrowest| Mirror::may_be(narrowest, 4.0 * std::f32::consts::PI / 4096.0);
+        assert!(!may_be(rough(None)) && !may_be(rough(Some("base_color"))));
+        assert!(may_be(rough(Some("roughness"))));
+        let lambert = material::Material { model: lapidary_core::brdf::BrdfModel::Lambert, ..Default::default() };
+        assert!(!may_be(narrowest_lobe(&lambert)), "no lobe");
+    }
 }

@@ -4,7 +4,7 @@
 use super::written;
 use crate::appearance::Appearance;
 use lapidary_core::{
-    brdf::{BrdfModel, Content, MapUse, Parameter, Part, Written},
+    brdf::{BrdfModel, Content, MapUse, MaterialPart, Parameter, Written},
     material::Material,
 };
 use std::{collections::BTreeSet, fmt::Write, sync::Arc};
@@ -15,7 +15,7 @@ pub struct ModelSet {
     models: Vec<BrdfModel>,
     /// Those that users wrote, each once.
     written: Vec<Arc<Written>>,
-    parts: Vec<Part>,
+    parts: Vec<MaterialPart>,
     /// The parameters, by number of their model and by name, that have maps.
     mapped: BTreeSet<(u32, String)>,
 }
@@ -61,23 +61,43 @@ impl ModelSet {
         let is_used = |&model: &BrdfModel| model == DIFFUSE || appearance.materials.iter().any(|m| has(m, model));
         let models = BrdfModel::ALL.iter().copied().filter(is_used).collect();
         // What users write may use any part.
-        let is_there = |part: &Part| !written.is_empty() || appearance.materials.iter().any(|m| part.is_in(m));
-        let parts = Part::ALL.into_iter().filter(is_there).collect();
+        let is_there = |part: &MaterialPart| !written.is_empty() || appearance.materials.iter().any(|m| part.is_in(m));
+        let parts = MaterialPart::ALL.into_iter().filter(is_there).collect();
         let set = Self { models, written, parts, mapped: BTreeSet::new() };
         let mapped = appearance.materials.iter().flat_map(|material| {
             let number = set.number(material);
-            material.maps.iter().map(move |(name, _)| (number, name.to_owned()))
+            let own = material.own_parameters().iter().filter(|p| material.maps.get(p.name).is_some());
+            own.map(move |p| (number, p.name.to_owned()))
         });
         Self { mapped: mapped.collect(), ..set }
     }
 
+    /// With what another also has, unless that has other models of users: their numbers are by place.
+    #[must_use]
+    pub fn joined(&self, other: &Self) -> Self {
+        if self.hashes() != other.hashes() {
+            return self.clone();
+        }
+        let in_either = |model: &BrdfModel| self.models.contains(model) || other.models.contains(model);
+        let part_in_either = |part: &MaterialPart| self.parts.contains(part) || other.parts.contains(part);
+        Self {
+            models: BrdfModel::ALL.iter().copied().filter(in_either).collect(),
+            written: self.written.clone(),
+            parts: MaterialPart::ALL.into_iter().filter(part_in_either).collect(),
+            mapped: &self.mapped | &other.mapped,
+        }
+    }
+
+    fn hashes(&self) -> Vec<[u8; 32]> {
+        self.written.iter().map(|written| written.hash()).collect()
+    }
+
     /// Whether what is compiled for it also renders another.
     pub fn covers(&self, other: &Self) -> bool {
-        let hashes = |set: &Self| set.written.iter().map(|written| written.hash()).collect::<Vec<_>>();
         other.models.iter().all(|model| self.models.contains(model))
             && other.parts.iter().all(|part| self.parts.contains(part))
             && other.mapped.is_subset(&self.mapped)
-            && hashes(self) == hashes(other)
+            && self.hashes() == other.hashes()
     }
 
     /// All of them, and one that a user wrote.
@@ -90,7 +110,7 @@ impl ModelSet {
             |(number, list): (usize, &'static [Parameter])| list.iter().map(move |p| (number as u32, p.name.into()));
         let lists = models.iter().map(|model| model.own_parameters()).chain(written.iter().map(|of| of.parameters()));
         let mapped = lists.enumerate().flat_map(own).collect();
-        Self { models, written, parts: Part::ALL.to_vec(), mapped }
+        Self { models, written, parts: MaterialPart::ALL.to_vec(), mapped }
     }
 
     /// In the order of their list.
@@ -112,7 +132,7 @@ impl ModelSet {
         for (index, name) in all.chain(written).enumerate() {
             writeln!(text, "const {name}: u32 = {index}u;").expect("a string takes all");
         }
-        for part in Part::ALL {
+        for part in MaterialPart::ALL {
             let is_there = self.parts.contains(&part);
             writeln!(text, "const {}: bool = {is_there};", part.constant()).expect("a string takes all");
         }
@@ -300,6 +320,7 @@ fn read_{prefix}(material: u32, uv: UvFootprint) -> {parameters_name} {{
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::material::BUMP;
 
     /// The text and what lays out its materials follow from the lists of what is rendered.
     #[test]
@@ -328,7 +349,13 @@ mod tests {
         assert!(full.contains("const HAS_COAT: bool = true;") && full.contains("const HAS_METAL: bool = true;"));
         assert_eq!(full.matches("material_color(").count(), 1, "of one parameter alone");
         assert!(rich.covers(&plain) && !plain.covers(&rich) && ModelSet::all().covers(&rich));
-        assert!(!rich.covers(&set_of(Material { model: BrdfModel::Ggx, ..Default::default() })));
+        let other = set_of(Material { model: BrdfModel::Ggx, ..Default::default() });
+        assert!(!rich.covers(&other) && rich.joined(&other).covers(&other) && rich.joined(&other).covers(&rich));
+        let mut bumped = Material { model: BrdfModel::OpenPbr, ..Default::default() };
+        bumped.maps.set(BUMP, Some(Default::default()));
+        assert!(plain.covers(&set_of(bumped.clone())), "bumps have passes of their own");
+        bumped.parameters.set("fuzz_weight", 0.1);
+        assert!(!plain.covers(&set_of(bumped)), "a part alone");
     }
 
     #[test]

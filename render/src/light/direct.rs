@@ -86,23 +86,24 @@ pub(crate) struct DirectShader<'a> {
 impl DirectShader<'_> {
     /// Radiance that a point reflects; `shift` is that of [`pixel_shift`].
     pub fn reflected(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
-        self.reflected_beside(point, shift, LightsSeen::default(), &mut Blockers::default())
+        self.reflected_beside(point, shift, LightsSeen::default(), &mut Vec::new())
     }
 
-    /// The same of a point of which something of [`Self::lights_seen`] is known, beside one with these blockers.
+    /// The same of a point of which something of [`Self::lights_seen`] is known, beside one with these blockers of each light.
     pub fn reflected_beside(
         &self,
         point: &SurfacePoint,
         shift: Vec2,
         seen: LightsSeen,
-        blockers: &mut Blockers,
+        blockers: &mut Vec<Blockers>,
     ) -> Vec3 {
         let mut arriving = Arriving::at(point);
         for (i, light) in self.lights.iter().enumerate().filter(|(_, light)| !light.light().is_delta()) {
             match (light.disc(), seen.of(i)) {
                 (Some(_), Some(false)) => {}
-                (Some(disc), is_seen) => {
-                    self.add_sun((light, disc), shift, is_seen.is_some(), (&mut arriving, blockers))
+                (Some(disc), seen) => {
+                    blockers.resize(blockers.len().max(i + 1), Blockers::default());
+                    self.add_sun((light, disc), shift, seen == Some(true), (&mut arriving, &mut blockers[i]))
                 }
                 (None, _) => self.add(light, shift, &mut arriving),
             }
@@ -125,11 +126,12 @@ impl DirectShader<'_> {
     ) {
         let point = arriving.point;
         let middle = sun.sample(point.ray_origin, Vec2::splat(0.5));
-        let Some(middle) = middle.filter(|_| point.horizons().iter().all(|&normal| disc.may_be_above(normal))) else {
-            return;
-        };
+        let Some(middle) = middle.filter(|_| point.may_receive(disc)) else { return };
         let aimed = InstructionSet::widest().run(Aim { disc, shift, point });
-        let shares = if is_open { [[1.0; 8]; 2] } else { self.shares(point, disc, &aimed, blockers) };
+        let shares = match is_open {
+            true => aimed.received.map(|bits| from_fn(|i| f32::from(bits >> i & 1))),
+            false => self.shares(point, disc, &aimed, blockers),
+        };
         if arriving.points_of_cell(&middle) > 1 {
             let cells = cells(shift).into_iter().zip(shares.into_iter().flatten());
             let open = cells.filter(|&(_, share)| share > 0.0);

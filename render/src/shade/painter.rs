@@ -19,7 +19,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{dataset::Dataset, meshless::irradiance, ray::Blockers};
-use std::f32::consts::FRAC_1_PI;
+use std::{array::from_fn, f32::consts::FRAC_1_PI};
 
 /// What the views of the meshless basis show of a surface that faces the eye, for its shape.
 pub(crate) const BASIS_GREY: f32 = 0.4;
@@ -114,8 +114,8 @@ pub(crate) struct Painter<'a> {
     posed_bounce: Option<&'a PosedLight>,
     local: Option<DirectShader<'a>>,
     added: Option<DirectShader<'a>>,
-    /// What stopped the rays to suns of the last point that cast any.
-    blockers: Blockers,
+    /// What stopped the rays of the last point to each of the local lights, and of those that are added.
+    blockers: [Vec<Blockers>; 2],
     /// Work that was shown and has not been taken.
     shown: Work,
 }
@@ -135,7 +135,7 @@ impl<'a> Painter<'a> {
             posed_bounce: light.posed_bounce,
             local: light.local.map(|lights| lights.shader()),
             added: light.added.map(|lights| lights.shader()),
-            blockers: Blockers::default(),
+            blockers: Default::default(),
             shown: Work::default(),
         }
     }
@@ -148,16 +148,19 @@ impl<'a> Painter<'a> {
             Part::Environment => self.mode_value(point),
             Part::Bounce if self.mode.is_of_basis() => self.basis_value(point),
             Part::Bounce => self.bounced(point),
-            Part::Direct => direct(&self.local, point, shift, seen.local, &mut self.blockers),
-            Part::Added => direct(&self.added, point, shift, seen.added, &mut self.blockers),
+            Part::Direct => direct(&self.local, point, shift, seen.local, &mut self.blockers[0]),
+            Part::Added => direct(&self.added, point, shift, seen.added, &mut self.blockers[1]),
         }
     }
 
-    /// What up to eight points are known to see of lights; the nearer the points, the faster it is.
-    pub fn lights_seen(&self, points: &EightPoints) -> [SeenOfParts; 8] {
-        let seen = |lights: &Option<DirectShader>| lights.as_ref().map(|l| l.lights_seen(points)).unwrap_or_default();
-        let (local, added) = (seen(&self.local), seen(&self.added));
-        std::array::from_fn(|i| SeenOfParts { local: local[i], added: added[i] })
+    /// What up to eight points are known to see of the lights of each part that they lack; the nearer the points, the faster it is.
+    pub fn lights_seen(&self, points: &EightPoints, lacks: impl Fn(usize) -> [bool; Part::COUNT]) -> [SeenOfParts; 8] {
+        let seen = |lights: &Option<DirectShader>, part: Part| {
+            let lacking = |i: usize| points[i].filter(|_| lacks(i)[part as usize]);
+            lights.as_ref().map(|lights| lights.lights_seen(&from_fn(lacking))).unwrap_or_default()
+        };
+        let (local, added) = (seen(&self.local, Part::Direct), seen(&self.added, Part::Added));
+        from_fn(|i| SeenOfParts { local: local[i], added: added[i] })
     }
 
     fn mode_value(&mut self, point: &SurfacePoint) -> Vec3 {
@@ -251,7 +254,7 @@ fn direct(
     point: &SurfacePoint,
     shift: Vec2,
     seen: LightsSeen,
-    blockers: &mut Blockers,
+    blockers: &mut Vec<Blockers>,
 ) -> Vec3 {
     lights.as_ref().map_or(Vec3::ZERO, |lights| lights.reflected_beside(point, shift, seen, blockers))
 }

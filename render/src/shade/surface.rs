@@ -5,6 +5,7 @@ use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
     brdf::{Lambert, LightsX8, LobeMomentsX8, Lobes, NO_LOBE, SpreadX8, SurfaceBrdf},
     dataset::Dataset,
+    lights::Disc,
     material::{MaterialPoint, ResolvedMaterial},
     ray::{Hit, Intersector, offset},
     simd::{Lanes, Vec3x8},
@@ -103,9 +104,9 @@ impl SurfacePoint {
         Self { world_from_local, wo: world_from_local.transpose() * wo, slopes: [0.0; 3], ..self.clone() }
     }
 
-    /// The normals above whose horizons light is received: the smooth one and that of shading.
-    pub fn horizons(&self) -> [Vec3; 2] {
-        [self.smooth_normal, self.world_from_local.z_axis]
+    /// Whether any of a disc may be above the horizons of both normals.
+    pub fn may_receive(&self, disc: &Disc) -> bool {
+        [self.smooth_normal, self.world_from_local.z_axis].iter().all(|&normal| disc.may_be_above(normal))
     }
 
     /// Whether light from a direction can be reflected: it is above the horizons of the shading normal and of the

@@ -2,6 +2,7 @@
 
 use super::DirectShader;
 use crate::shade::surface::SurfacePoint;
+use glam::Vec3;
 use lapidary_core::{
     lights::{Disc, LightSampler},
     ray::{EightCones, EightRays, SeenThrough, offset},
@@ -33,6 +34,9 @@ impl DirectShader<'_> {
     /// What eight points are known to see of lights; the nearer the points, the faster it is. Of rectangles nothing is known.
     pub fn lights_seen(&self, points: &EightPoints) -> [LightsSeen; 8] {
         let mut seen = [LightsSeen::default(); 8];
+        if points.iter().all(Option::is_none) {
+            return seen;
+        }
         let delta = self.lights.iter().filter(|light| light.light().is_delta()).count();
         for (light, sampler) in self.lights.iter().enumerate().take(64) {
             let through = match sampler.disc() {
@@ -50,9 +54,8 @@ impl DirectShader<'_> {
 
     /// Cones toward a disc.
     fn disc_seen(&self, disc: &Disc, points: &EightPoints) -> SeenThrough {
-        let faces = |point: &SurfacePoint| point.horizons().iter().all(|&normal| disc.may_be_above(normal));
-        let active = bits(|i| points[i].is_some_and(faces));
-        let origins = from_fn(|i| points[i].map_or(disc.axis, |point| point.ray_origin));
+        let active = bits(|i| points[i].is_some_and(|point| point.may_receive(disc)));
+        let origins = from_fn(|i| points[i].map_or(Vec3::ZERO, |point| point.ray_origin));
         self.intersector.seen_through(&EightCones { origins, axis: disc.axis, sine: disc.sine(), active })
     }
 
@@ -64,12 +67,10 @@ impl DirectShader<'_> {
             point.receives(sample.direction).then_some((point.ray_origin, sample))
         });
         let active = bits(|i| rays[i].is_some());
-        let along = rays.iter().flatten().next().map_or(Default::default(), |(_, sample)| sample.direction);
-        let origins = rays.map(|ray| ray.map_or(along, |(origin, _)| origin));
-        let directions = rays.map(|ray| ray.map_or(along, |(_, sample)| sample.direction));
+        let origins = rays.map(|ray| ray.map_or(Vec3::ZERO, |(origin, _)| origin));
+        let directions = rays.map(|ray| ray.map_or(Vec3::Y, |(_, sample)| sample.direction));
         let before = rays.map(|ray| ray.map_or(0.0, |(_, sample)| offset::REACH_OF_SHADING * sample.distance));
-        let open = self.intersector.open_before(&EightRays::new(origins, directions, active), before);
-        SeenThrough { open: if self.intersector.has_veils() { 0 } else { open }, closed: active & !open }
+        self.intersector.seen_before(&EightRays::new(origins, directions, active), before)
     }
 }
 

@@ -120,7 +120,7 @@ fn lights_that_are_known_to_be_seen_or_hidden_are_as_rays_have_them() {
         let moved = [Light { position: light[0].position - Vec3::X, ..light[0].clone() }];
         let [by_rays, otherwise] = [shader(&light), shader(&moved)];
         let (mut known, mut rest, mut wrong_if_moved) = ([0; 2], 0, 0);
-        let mut blockers = Blockers::default();
+        let mut blockers = Vec::new();
         for eight in &eights {
             let points: EightPoints = std::array::from_fn(|i| eight.get(i));
             let (seen, of_moved) = (by_rays.lights_seen(&points), otherwise.lights_seen(&points));

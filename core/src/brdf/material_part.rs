@@ -1,10 +1,11 @@
-//! Parts of materials that only some have: what a shader may leave out, and what the CPU passes by eight directions at a time.
+//! Parts of materials that only some have, which shaders leave out where no material has them. The CPU passes each by with a branch
+//! that is the same for all directions of a pixel.
 
 use crate::material::Material;
 
 /// A part, brought by a parameter that is above zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum MaterialPart {
     /// Fresnel factors of conductors.
     Metal,
     /// A clear layer over all.
@@ -15,7 +16,7 @@ pub enum Part {
     Emission,
 }
 
-impl Part {
+impl MaterialPart {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Metal, Self::Coat, Self::Fuzz, Self::Emission];
 
@@ -51,15 +52,15 @@ mod tests {
     use super::*;
     use crate::brdf::{BrdfModel, Parameter};
 
-    fn models_with(part: Part) -> Vec<BrdfModel> {
+    fn models_with(part: MaterialPart) -> Vec<BrdfModel> {
         let has = |model: &BrdfModel| model.parameter_for(part.quantity()).is_some();
         BrdfModel::ALL.iter().copied().filter(has).collect()
     }
 
     #[test]
     fn parts_are_there_where_their_parameter_is_above_zero() {
-        assert!(Part::ALL.iter().all(|&part| !models_with(part).is_empty()));
-        for part in Part::ALL {
+        assert!(MaterialPart::ALL.iter().all(|&part| !models_with(part).is_empty()));
+        for part in MaterialPart::ALL {
             for model in models_with(part) {
                 let parameter: &Parameter = model.parameter_for(part.quantity()).expect("those that have it");
                 let with = |value: f32| {
@@ -71,6 +72,6 @@ mod tests {
             }
         }
         let plain = Material { model: BrdfModel::Lambert, ..Material::default() };
-        assert!(!Part::Metal.is_in(&plain), "a model without");
+        assert!(!MaterialPart::Metal.is_in(&plain), "a model without");
     }
 }
