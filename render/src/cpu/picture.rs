@@ -377,9 +377,11 @@ impl Row<'_> {
         let lacking: Vec<[u32; 2]> =
             (0..self.seen.len()).filter(|&x| self.lacks_any(x, sample)).map(|x| [x as u32, y]).collect();
         let hits = sampler.hits(&lacking, sample as usize);
-        for (pixels, hits) in lacking.chunks(8).zip(hits.chunks(8)) {
+        let (mut sights, together) = (Vec::new(), painter.together());
+        for (pixels, hits) in lacking.chunks(together).zip(hits.chunks(together)) {
             let sight = |(&pixel, &hit): (&[u32; 2], &Option<Hit>)| sampler.sight_of(pixel, sample as usize, hit);
-            let sights: Vec<Sight> = pixels.iter().zip(hits).map(sight).collect();
+            sights.clear();
+            sights.extend(pixels.iter().zip(hits).map(sight));
             let seen_lights = lights_seen(painter, &sights, |i| self.lacks(pixels[i][0] as usize, sample));
             for ((&pixel, sight), seen_lights) in pixels.iter().zip(&sights).zip(seen_lights) {
                 let lacks = self.lacks(pixel[0] as usize, sample);

@@ -180,7 +180,9 @@ impl Sketch {
         let holes = Filter::new(self, picture, sampler).fill(&mut filled);
         let shade = |painter: &mut Painter<'a>, eight: &[&Hole]| {
             let pixels: Vec<[u32; 2]> = eight.iter().map(|hole| hole.pixel).collect();
-            first_samples(picture, (sampler, painter), patches, (&pixels, |[x, y]| self.guide(x, y)))
+            let mut shaded = Vec::new();
+            add_first_samples(picture, (sampler, painter), patches, (&pixels, |[x, y]| self.guide(x, y)), &mut shaded);
+            shaded
         };
         let chosen = chosen(&holes, most_shaded as usize);
         let eights = chosen.par_chunks(8).with_min_len(2).map_init(painter, shade);
@@ -259,9 +261,11 @@ impl TileWork<'_, '_, '_> {
             (on_lattice || unlit && !guide([x, y]).is_lit()) && picture.lacks(x, y).contains(&true)
         };
         let wanted: Vec<[u32; 2]> = pixels(self.region).map(|(x, y)| [x, y]).filter(is_wanted).collect();
-        let eight =
-            |pixels: &[[u32; 2]]| first_samples(picture, (self.sampler, &mut *painter), self.patches, (pixels, guide));
-        wanted.chunks(8).flat_map(eight).collect()
+        let mut shaded = Vec::with_capacity(wanted.len());
+        for pixels in wanted.chunks(painter.together()) {
+            add_first_samples(picture, (self.sampler, &mut *painter), self.patches, (pixels, guide), &mut shaded);
+        }
+        shaded
     }
 }
 
@@ -313,18 +317,19 @@ fn hit(guide: &Guide) -> Option<Hit> {
     (guide.material != Guide::BACKGROUND).then_some(hit)
 }
 
-/// What up to eight pixels lack of their first sample, without their camera rays.
-fn first_samples<'g>(
+/// Adds what up to eight pixels lack of their first sample, without their camera rays.
+fn add_first_samples<'g>(
     picture: &Picture,
     (sampler, painter): (&PixelSampler, &mut Painter),
     patches: Option<&[u8]>,
     (pixels, guide): (&[[u32; 2]], impl Fn([u32; 2]) -> &'g Guide),
-) -> Vec<FirstSample> {
+    shaded: &mut Vec<FirstSample>,
+) {
     let sights: Vec<Sight> = pixels.iter().map(|&pixel| sampler.sight_of(pixel, 0, hit(guide(pixel)))).collect();
     let seen = lights_seen(painter, &sights, |i| picture.lacks(pixels[i][0], pixels[i][1]));
     let first =
         |((&pixel, sight), seen)| FirstSample::new(picture, (sampler, &mut *painter), patches, pixel, (sight, seen));
-    pixels.iter().zip(&sights).zip(seen).map(first).collect()
+    shaded.extend(pixels.iter().zip(&sights).zip(seen).map(first));
 }
 
 #[cfg(test)]

@@ -153,6 +153,13 @@ impl<'a> Painter<'a> {
         }
     }
 
+    /// How many points are best looked at together: eight where [`Self::lights_seen`] tells anything. Otherwise one after another,
+    /// which stay in the cache.
+    pub fn together(&self) -> usize {
+        let may_know = |lights: &Option<DirectShader>| lights.as_ref().is_some_and(DirectShader::may_know);
+        if may_know(&self.local) || may_know(&self.added) { 8 } else { 1 }
+    }
+
     /// What up to eight points are known to see of the lights of each part that they lack; the nearer the points, the faster it is.
     pub fn lights_seen(&self, points: &EightPoints, lacks: impl Fn(usize) -> [bool; Part::COUNT]) -> [SeenOfParts; 8] {
         let seen = |lights: &Option<DirectShader>, part: Part| {

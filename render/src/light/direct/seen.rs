@@ -31,13 +31,23 @@ const MOST_DELTA: usize = 8;
 pub(crate) type EightPoints<'p> = [Option<&'p SurfacePoint>; 8];
 
 impl DirectShader<'_> {
+    /// Whether anything may be known of its lights before rays.
+    pub fn may_know(&self) -> bool {
+        self.lights.iter().any(|light| light.disc().is_some()) || (1..=MOST_DELTA).contains(&self.delta())
+    }
+
+    /// How many lights have no extent.
+    fn delta(&self) -> usize {
+        self.lights.iter().filter(|light| light.light().is_delta()).count()
+    }
+
     /// What eight points are known to see of lights; the nearer the points, the faster it is. Of rectangles nothing is known.
     pub fn lights_seen(&self, points: &EightPoints) -> [LightsSeen; 8] {
         let mut seen = [LightsSeen::default(); 8];
         if points.iter().all(Option::is_none) {
             return seen;
         }
-        let delta = self.lights.iter().filter(|light| light.light().is_delta()).count();
+        let delta = self.delta();
         for (light, sampler) in self.lights.iter().enumerate().take(64) {
             let through = match sampler.disc() {
                 Some(disc) => self.disc_seen(disc, points),
