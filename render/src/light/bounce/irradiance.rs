@@ -5,12 +5,13 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     cut::{merge::merge, packed::PackedCursor},
     dataset::Dataset,
-    lights::Light,
-    ray::{Intersector, offset},
+    lights::{Light, LightSample, LightSampler},
+    ray::{EightRays, Intersector, offset},
     sources::Source,
     surfel::Surfel,
 };
 use rayon::prelude::*;
+use std::array::from_fn;
 
 /// How shadow rays are cast.
 #[derive(Clone, Copy, Debug)]
@@ -29,16 +30,21 @@ pub fn light_irradiance(
     intersector: &Intersector,
     rays: ShadowRays,
 ) -> Vec<Vec3> {
-    let patterns: Vec<(&Light, Vec<Vec2>)> =
-        lights.iter().map(|light| (light, pattern(light, rays.area_samples))).collect();
-    let of_point = |(point, &normal): (&Surfel, &Vec3)| {
-        let received = |(light, pattern): &(&Light, Vec<Vec2>)| {
-            let samples = pattern.iter().map(|&u| light_sample(point, normal, light, u, intersector, rays.offset));
-            samples.sum::<Vec3>() / pattern.len() as f32
-        };
-        patterns.iter().map(received).sum()
+    let patterns: Vec<(LightSampler, Vec<Vec2>)> =
+        lights.iter().map(|light| (light.sampler(), pattern(light, rays.area_samples))).collect();
+    let of_eight = |(points, normals): (&[Surfel], &[Vec3])| {
+        let mut sums = [Vec3::ZERO; 8];
+        for (light, pattern) in &patterns {
+            let mut received = [Vec3::ZERO; 8];
+            for &u in pattern {
+                let of_sample = light_sample((points, normals), light, u, intersector, rays.offset);
+                received.iter_mut().zip(of_sample).for_each(|(received, of_sample)| *received += of_sample);
+            }
+            sums.iter_mut().zip(received).for_each(|(sum, received)| *sum += received / pattern.len() as f32);
+        }
+        sums.into_iter().take(points.len())
     };
-    points.par_iter().zip(normals).with_min_len(64).map(of_point).collect()
+    points.par_chunks(8).zip(normals.par_chunks(8)).with_min_len(8).flat_map_iter(of_eight).collect()
 }
 
 fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
@@ -49,17 +55,33 @@ fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
 }
 
-fn light_sample(point: &Surfel, normal: Vec3, light: &Light, u: Vec2, intersector: &Intersector, offset: f32) -> Vec3 {
-    let position = point.position;
-    let Some(sample) = light.sample(position, u) else { return Vec3::ZERO };
-    let received = sample.irradiance * normal.dot(sample.direction).max(0.0);
-    if !(received.max_element() > 0.0) {
-        return Vec3::ZERO;
-    }
-    let origin = position + point.normal * offset;
+/// What up to eight points receive of a light's sample; points side by side send their rays through the same boxes.
+fn light_sample(
+    (points, normals): (&[Surfel], &[Vec3]),
+    light: &LightSampler,
+    u: Vec2,
+    intersector: &Intersector,
+    offset: f32,
+) -> [Vec3; 8] {
+    let sent: [Option<(Vec3, LightSample, Vec3)>; 8] = from_fn(|i| {
+        let point = points.get(i)?;
+        let sample = light.sample(point.position, u)?;
+        let received = sample.irradiance * normals[i].dot(sample.direction).max(0.0);
+        (received.max_element() > 0.0).then_some((point.position + point.normal * offset, sample, received))
+    });
+    let active = (0..8).map(|i| u8::from(sent[i].is_some()) << i).sum();
+    let origins = sent.map(|sent| sent.map_or(Vec3::ZERO, |(origin, ..)| origin));
+    let directions = sent.map(|sent| sent.map_or(Vec3::Y, |(_, sample, _)| sample.direction));
     // A light may lie on a surface, which does not block it.
-    let reach = offset::REACH_OF_BOUNCE * sample.distance;
-    received * intersector.transmittance_before(origin, sample.direction, reach)
+    let reaches = sent.map(|sent| sent.map_or(0.0, |(_, sample, _)| offset::REACH_OF_BOUNCE * sample.distance));
+    let seen = intersector.seen_before(&EightRays::new(origins, directions, active), reaches);
+    from_fn(|i| match sent[i] {
+        Some((.., received)) if seen.open >> i & 1 == 1 => received,
+        Some((origin, sample, received)) if seen.closed >> i & 1 == 0 => {
+            received * intersector.past_veils(origin, sample.direction, reaches[i])
+        }
+        _ => Vec3::ZERO,
+    })
 }
 
 /// Irradiance of each source from the environment: its cut merged with the illumination cut, times the cosine. `None`
@@ -82,7 +104,7 @@ pub fn environment_irradiance_of(points: &[Surfel], dataset: &Dataset, lighting:
         let mesh = &dataset.scene.mesh;
         let vertices = mesh.triangles[point.place.triangle as usize];
         let weights = dataset.interpolation_weights(vertices, point.place.barycentric);
-        let visible: [_; 3] = std::array::from_fn(|i| (weights[i], dataset.cuts.nodes_from(vertices[i])));
+        let visible: [_; 3] = from_fn(|i| (weights[i], dataset.cuts.nodes_from(vertices[i])));
         received(&visible, mesh.shading_normal(point), lighting)
     };
     points.par_iter().with_min_len(64).map(of_point).collect()
