@@ -22,29 +22,34 @@ pub struct ShadowRays {
     pub offset: f32,
 }
 
-/// Irradiance of each point from `lights`, by one normal per point.
+/// Irradiance of each point from `lights`, by one normal per point. Points that lie close together in `order` send their rays
+/// through the same boxes.
 pub fn light_irradiance(
     points: &[Surfel],
     normals: &[Vec3],
+    order: &[u32],
     lights: &[Light],
-    intersector: &Intersector,
-    rays: ShadowRays,
+    (intersector, rays): (&Intersector, ShadowRays),
 ) -> Vec<Vec3> {
     let patterns: Vec<(LightSampler, Vec<Vec2>)> =
         lights.iter().map(|light| (light.sampler(), pattern(light, rays.area_samples))).collect();
-    let of_eight = |(points, normals): (&[Surfel], &[Vec3])| {
+    let of_eight = |eight: &[u32]| {
+        let eight: Vec<(&Surfel, Vec3)> = eight.iter().map(|&i| (&points[i as usize], normals[i as usize])).collect();
         let mut sums = [Vec3::ZERO; 8];
         for (light, pattern) in &patterns {
             let mut received = [Vec3::ZERO; 8];
             for &u in pattern {
-                let of_sample = light_sample((points, normals), light, u, intersector, rays.offset);
+                let of_sample = light_sample(&eight, light, u, intersector, rays.offset);
                 received.iter_mut().zip(of_sample).for_each(|(received, of_sample)| *received += of_sample);
             }
             sums.iter_mut().zip(received).for_each(|(sum, received)| *sum += received / pattern.len() as f32);
         }
-        sums.into_iter().take(points.len())
+        sums
     };
-    points.par_chunks(8).zip(normals.par_chunks(8)).with_min_len(8).flat_map_iter(of_eight).collect()
+    let eights: Vec<[Vec3; 8]> = order.par_chunks(8).with_min_len(8).map(of_eight).collect();
+    let mut irradiance = vec![Vec3::ZERO; points.len()];
+    order.iter().zip(eights.as_flattened()).for_each(|(&i, &received)| irradiance[i as usize] = received);
+    irradiance
 }
 
 fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
@@ -55,18 +60,18 @@ fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
 }
 
-/// What up to eight points receive of a light's sample; points side by side send their rays through the same boxes.
+/// What up to eight points with their normals receive of a light's sample.
 fn light_sample(
-    (points, normals): (&[Surfel], &[Vec3]),
+    points: &[(&Surfel, Vec3)],
     light: &LightSampler,
     u: Vec2,
     intersector: &Intersector,
     offset: f32,
 ) -> [Vec3; 8] {
     let sent: [Option<(Vec3, LightSample, Vec3)>; 8] = from_fn(|i| {
-        let point = points.get(i)?;
+        let (point, normal) = points.get(i)?;
         let sample = light.sample(point.position, u)?;
-        let received = sample.irradiance * normals[i].dot(sample.direction).max(0.0);
+        let received = sample.irradiance * normal.dot(sample.direction).max(0.0);
         (received.max_element() > 0.0).then_some((point.position + point.normal * offset, sample, received))
     });
     let active = (0..8).map(|i| u8::from(sent[i].is_some()) << i).sum();

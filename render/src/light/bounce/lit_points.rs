@@ -9,13 +9,19 @@ use crate::{
     baked::Baked,
 };
 use glam::Vec3;
-use lapidary_core::{lights::Light, ray::offset, surfel::Surfel};
+use lapidary_core::{
+    lights::Light,
+    ray::{offset, spatial_order},
+    surfel::Surfel,
+};
 use rayon::prelude::*;
 
 /// Points with their direct light and reflectance.
 pub(crate) struct LitPoints {
     baked: Baked,
     pub(super) points: Vec<Surfel>,
+    /// Their numbers, those close together side by side, as they were at first.
+    order: Vec<u32>,
     /// Shading normals, one per point, so that the bounce is as bright as the visible surface.
     normals: Vec<Vec3>,
     area_samples: u32,
@@ -30,13 +36,13 @@ impl LitPoints {
     /// Points of a dataset with the materials of its bake and without light. Area lights cast `area_samples` rays along
     /// each of their sides.
     pub fn new(baked: &Baked, points: Vec<Surfel>, area_samples: u32) -> Self {
-        let dataset = &baked.dataset;
+        let dataset = baked.dataset.clone();
         let (albedo, emission, lights) = (Vec::new(), Vec::new(), LightGroups::default());
         let normals = points.par_iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
-        let baked_scene = baked.clone();
-        let mut lit =
-            Self { baked: baked_scene, points, normals, area_samples, albedo, emission, lights, environment: None };
-        lit.set_appearance(&Appearance::of(&baked.dataset.scene));
+        let order = spatial_order(&points.iter().map(|point| point.position).collect::<Vec<Vec3>>());
+        let (baked, environment) = (baked.clone(), None);
+        let mut lit = Self { baked, points, order, normals, area_samples, albedo, emission, lights, environment };
+        lit.set_appearance(&Appearance::of(&dataset.scene));
         lit
     }
 
@@ -69,7 +75,7 @@ impl LitPoints {
     pub fn set_lights(&mut self, lights: &[Light]) -> bool {
         let rays = ShadowRays { area_samples: self.area_samples, offset: self.ray_offset() };
         self.lights.update(lights, |lights| {
-            light_irradiance(&self.points, &self.normals, lights, self.baked.intersector(), rays)
+            light_irradiance(&self.points, &self.normals, &self.order, lights, (self.baked.intersector(), rays))
         })
     }
 
