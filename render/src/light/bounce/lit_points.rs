@@ -20,7 +20,7 @@ use rayon::prelude::*;
 pub(crate) struct LitPoints {
     baked: Baked,
     pub(super) points: Vec<Surfel>,
-    /// Their numbers, those close together side by side, as they were at first.
+    /// Their numbers, in the order in which they cast rays.
     order: Vec<u32>,
     /// Shading normals, one per point, so that the bounce is as bright as the visible surface.
     normals: Vec<Vec3>,
@@ -39,11 +39,18 @@ impl LitPoints {
         let dataset = baked.dataset.clone();
         let (albedo, emission, lights) = (Vec::new(), Vec::new(), LightGroups::default());
         let normals = points.par_iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
-        let order = spatial_order(&points.iter().map(|point| point.position).collect::<Vec<Vec3>>());
+        let order = (0..points.len() as u32).collect();
         let (baked, environment) = (baked.clone(), None);
         let mut lit = Self { baked, points, order, normals, area_samples, albedo, emission, lights, environment };
         lit.set_appearance(&Appearance::of(&dataset.scene));
         lit
+    }
+
+    /// Casts the rays of points that lie together one after another, of points that do not follow each other like that.
+    #[must_use]
+    pub fn in_spatial_order(self) -> Self {
+        let positions: Vec<Vec3> = self.points.iter().map(|point| point.position).collect();
+        Self { order: spatial_order(&positions), ..self }
     }
 
     /// Takes the same points to where the scene is posed; no light shines on them then.

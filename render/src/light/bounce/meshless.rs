@@ -46,7 +46,7 @@ impl MeshlessRig {
             !intersector.occluded_before(point.position + point.normal * offset, direction, within)
         };
         let samples = SenderSamples::new(&bake.basis, &solver).by_openness(&bake.basis, is_free);
-        let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES);
+        let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES).in_spatial_order();
         let (at_sources, solved, environment) = (None, None, None);
         Some(Self { dataset, solver, samples, lit, environment, at_sources, solved })
     }
