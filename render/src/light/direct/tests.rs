@@ -146,23 +146,6 @@ fn lights_that_are_known_to_be_seen_or_hidden_are_as_rays_have_them() {
     }
 }
 
-/// A glossy point has many samples a cell. Where the sun crosses the horizon of its normal, some cells are received and some not.
-#[test]
-fn a_sun_across_a_horizon_is_the_same_with_and_without_rays() {
-    let renderer = Renderer::new(dataset(mesh(4, false), GgxParameters { roughness: 0.1, ..white() }));
-    let axis = Vec3::new(1.0, 2.0, 0.3).normalize();
-    let sun = [light(Emission::Directional { angle_degrees: 12.0 }, axis, Vec3::ZERO, 2.0)];
-    let shader = DirectLights { lights: &sun, intersector: renderer.intersector() }.shader();
-    let facing = surface_at(&renderer, &from_above(8));
-    let crossed = SurfacePoint { smooth_normal: axis.any_orthonormal_vector(), ..facing.clone() };
-    let seen = shader.lights_seen(&std::array::from_fn(|_| Some(&crossed)))[0];
-    assert_eq!(seen.of(0), Some(true));
-    let shift = Vec2::splat(0.4);
-    let all = shader.reflected(&crossed, shift);
-    assert_eq!(shader.reflected_beside(&crossed, shift, seen, &mut Vec::new()), all);
-    assert!(all != Vec3::ZERO && all != shader.reflected(&facing, shift), "negative control: no horizon");
-}
-
 #[test]
 fn eight_places_at_once_are_those_of_the_cells() {
     for shift in [Vec2::ZERO, Vec2::new(0.3, 0.9), Vec2::splat(0.999)] {
