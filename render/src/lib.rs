@@ -57,6 +57,7 @@ pub use light::{
         seen::{CoreSight, CoreSights, LeafSight, LeafSights, SeenLight},
     },
     local::{LocalLighting, LocalRig},
+    situation::{Changes, Gathering, Situation},
     solver::{
         BounceLight,
         solutions::{Bounces, Solution},

@@ -7,6 +7,7 @@ pub(crate) mod direct;
 pub(crate) mod environment;
 pub(crate) mod implicit;
 pub(crate) mod local;
+pub(crate) mod situation;
 pub(crate) mod solver;
 
 /// How bright each node of a tree is somewhere, over the mean of the whole tree: the root of the mean square of the

@@ -8,10 +8,11 @@ use crate::{
     Pixels, Posing, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
     light::{
         bounce::Drift,
-        implicit::{PosedLight, detail::Detail},
+        implicit::detail::Detail,
+        situation::{Changes, Gathering, Situation},
     },
 };
-use lapidary_core::{ground::Ground, image::Image, scene::pose::Poses};
+use lapidary_core::{ground::Ground, image::Image};
 use pose_rigs::PoseRigs;
 use std::{ops::Range, sync::Arc, time::Instant};
 
@@ -23,18 +24,17 @@ const BAND_ROWS: u32 = 64;
 pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     /// The scene as it was baked.
     baked: Baked,
-    /// The scene as it is posed, which the renderer has.
-    posed: Baked,
-    poses: Poses,
+    /// What lights it now.
+    situation: Situation,
     /// Poses the scene; `None` before it ever was.
     posing: Option<Posing>,
-    /// Light it so.
+    /// Rigs that light the posed scene.
     pose_rigs: PoseRigs,
-    /// How finely.
+    /// Detail level for posed lighting.
     detail: Detail,
     environment_rig: LightRig,
     local_rig: LocalRig,
-    /// The state of the renderer; `None` after a failure, so that everything is set again.
+    /// What the renderer has; `None` after a failure, so that everything is set again.
     lit: Option<Lit>,
     /// Number of times that the environment was lit, which tells others that its light is new.
     light_revision: u64,
@@ -55,7 +55,6 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
 /// A look and its light, as the renderer has them.
 struct Lit {
     look: Look,
-    environment: Arc<SceneLighting>,
     local: LocalLighting,
 }
 
@@ -94,9 +93,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
     pub fn new(mut backend: Box<B>, baked: Baked) -> Result<Self, BackendError> {
         let (environment_rig, local_rig) = rigs(&mut *backend, &baked)?;
         Ok(Self {
-            posed: baked.clone(),
+            situation: Situation::unlit(&baked),
             baked,
-            poses: Poses::default(),
             posing: None,
             pose_rigs: PoseRigs::default(),
             detail: Detail::FINEST,
@@ -130,14 +128,14 @@ impl<B: Backend + ?Sized> LitScene<B> {
             return Ok(false);
         }
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
-        (self.baked, self.posing, self.pose_rigs, self.lit) = (baked.clone(), None, PoseRigs::default(), None);
-        self.has_given(baked.clone(), Poses::default());
+        (self.baked, self.situation) = (baked.clone(), Situation::unlit(baked));
+        (self.posing, self.pose_rigs, self.lit) = (None, PoseRigs::default(), None);
+        self.forget_pictures();
         Ok(true)
     }
 
-    /// Notes that the renderer has a scene, of which there is no picture.
-    fn has_given(&mut self, posed: Baked, poses: Poses) {
-        (self.posed, self.poses) = (posed, poses);
+    /// Notes that the renderer has a scene of which there is no picture.
+    fn forget_pictures(&mut self) {
         (self.finished, self.stale) = (false, Stale::ALL);
         self.drift = Drift::default();
     }
@@ -189,44 +187,76 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
     pub fn light(&mut self, look: &Look) -> Result<(), BackendError> {
-        let is_posed_anew = self.pose(&look.poses)?;
-        let (known, relight) = (self.lit.take(), std::mem::take(&mut self.relight));
-        let redo = match &known {
-            Some(lit) if relight => Redo { appearance: Redo::between(&lit.look, look).appearance, ..Redo::ALL },
+        let redo = self.redo(look);
+        self.arrange(look, redo.light)?;
+        let (before, changes) = (self.lit.take().map(|lit| lit.local), redo.light);
+        self.relight = false;
+        self.finished &= !redo.renders();
+        if changes.poses {
+            self.give_pose()?;
+        }
+        if changes.appearance {
+            let remarks = self.backend.set_appearance(&look.appearance)?;
+            self.remarks.replace(0, remarks);
+        }
+        if changes.poses || changes.environment || changes.gathering {
+            self.give_environment(look)?;
+        }
+        let local = match &before {
+            Some(local) if !changes.any() && !redo.shown => local.clone(),
+            _ => self.light_locally(look, redo)?,
+        };
+        self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
+        self.lit = Some(Lit { look: look.clone(), local });
+        Ok(())
+    }
+
+    /// What the renderer must redo to show a look.
+    fn redo(&self, look: &Look) -> Redo {
+        let redo = match &self.lit {
             Some(lit) => Redo::between(&lit.look, look),
             None => Redo::ALL,
         };
-        self.finished &= !redo.renders();
-        let before = known.as_ref().map(|lit| lit.local.clone());
-        if redo.appearance {
-            let remarks = self.backend.set_appearance(&look.appearance)?;
-            self.remarks.replace(0, remarks);
-            self.local_rig.set_appearance(&look.appearance.fitted(&self.baked.dataset.scene.materials).0);
+        let appearance = redo.light.appearance;
+        let redo =
+            if self.relight { Redo { light: Changes { appearance, ..Changes::ALL }, ..Redo::ALL } } else { redo };
+        Redo { light: Changes { poses: self.must_pose(&look.poses), ..redo.light }, ..redo }
+    }
+
+    /// Brings the situation up to date. Where objects cannot be posed so, it stays as it is.
+    fn arrange(&mut self, look: &Look, changes: Changes) -> Result<(), BackendError> {
+        if changes.poses {
+            self.situation.scene = self.posed(&look.poses).map_err(BackendError::Pose)?;
+            self.situation.poses = look.poses.clone();
         }
-        // Equal lights keep their address, for code that compares addresses.
-        let lights = known.as_ref().map(|lit| &lit.look.lights).filter(|lights| **lights == look.lights);
-        let look = Look { lights: lights.unwrap_or(&look.lights).clone(), ..look.clone() };
-        let (environment, local) = known.filter(|_| !relight).map(|lit| (lit.environment, lit.local)).unzip();
-        let environment = match environment {
-            Some(environment) if !redo.environment => environment,
-            _ => self.light_environment(&look)?,
-        };
-        let local = match local {
-            Some(local) if !redo.local && !is_posed_anew => local,
-            // A renderer that was given another pose has no light.
-            known => self.light_locally(&look, &environment, known.filter(|_| !is_posed_anew))?,
-        };
-        self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
-        self.lit = Some(Lit { look, environment, local });
+        let (situation, dataset) = (&mut self.situation, &self.baked.dataset);
+        if changes.appearance {
+            situation.appearance = look.appearance.fitted(&dataset.scene.materials).0.into();
+        }
+        if changes.lights {
+            situation.lights = look.lights.clone();
+        }
+        if changes.environment || changes.gathering {
+            let lighting = self.environment_rig.lighting(&look.light, look.illum_cut).with_tau(look.tau);
+            situation.environment = Some(lighting.into());
+            situation.gathering = Gathering { illum_cut: look.illum_cut, tau: look.tau };
+            // Suns belong to an environment whose visibility was baked.
+            let suns = if dataset.settings.mode.environment() { look.light.suns() } else { Vec::new() };
+            situation.suns = suns.into();
+            self.light_revision += 1;
+        }
+        self.local_rig.note(changes);
+        self.pose_rigs.note(changes);
         Ok(())
     }
 
     /// The pixels to redo, with those that the bounced light of changed materials reaches.
     fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
         let mut stale = redo.pixels;
-        if redo.appearance && stale.bounce != Pixels::All && now.shown_bounce().is_some() {
-            let before = before.filter(|_| self.keeps_unseen && !redo.view && self.poses.is_empty());
-            let patches = before.and_then(|b| self.drift.add(&self.posed, b, now));
+        if redo.light.appearance && stale.bounce != Pixels::All && now.shown_bounce().is_some() {
+            let is_as_baked = self.situation.poses.is_empty();
+            let before = before.filter(|_| self.keeps_unseen && !redo.view && is_as_baked);
+            let patches = before.and_then(|b| self.drift.add(&self.baked, b, now));
             let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
             stale.bounce = stale.bounce.and(reached);
         }
@@ -237,19 +267,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
         stale
     }
 
-    /// Lights the environment's tree.
-    fn light_environment(&mut self, look: &Look) -> Result<Arc<SceneLighting>, BackendError> {
-        let lighting = Arc::new(self.environment_rig.lighting(&look.light, look.illum_cut).with_tau(look.tau));
-        self.give_environment(look, &lighting)?;
-        self.light_revision += 1;
-        Ok(lighting)
-    }
-
     /// Gives the renderer the light of the environment, for the visibility cuts that it has.
-    fn give_environment(&mut self, look: &Look, lighting: &Arc<SceneLighting>) -> Result<(), BackendError> {
-        let lighting = match self.pose_rigs.used().filter(|_| !self.poses.is_empty()) {
-            Some(rig) => lighting.with_replaced_cuts(rig.moved_vertices()).into(),
-            None => lighting.clone(),
+    fn give_environment(&mut self, look: &Look) -> Result<(), BackendError> {
+        let Some(lighting) = self.situation.environment.clone() else { return Ok(()) };
+        let lighting = match self.pose_rigs.used().filter(|_| !self.situation.poses.is_empty()) {
+            Some(rig) => lighting.with_replaced_cuts(rig.lit(&self.situation).moved_vertices()).into(),
+            None => lighting,
         };
         let remarks = self.backend.set_light(&look.light, &lighting)?;
         self.remarks.replace(1, remarks);
@@ -257,39 +280,18 @@ impl<B: Backend + ?Sized> LitScene<B> {
     }
 
     /// Prepares local lights, bounced light, and the shown components. Bounced light that is not shown is not computed.
-    fn light_locally(
-        &mut self,
-        look: &Look,
-        environment: &Arc<SceneLighting>,
-        known: Option<LocalLighting>,
-    ) -> Result<LocalLighting, BackendError> {
-        self.local_rig.set_environment(Some(environment));
-        // Suns belong to an environment whose visibility was baked.
-        let has_environment = self.baked.dataset.settings.mode.environment();
-        let suns = if has_environment { look.light.suns() } else { Vec::new() };
-        self.local_rig.set_lights(&look.lights);
-        self.local_rig.set_suns(suns);
-        self.local_rig.set_tau(look.tau);
-        let mut local = self.local_rig.lighting(look.components, look.shown_solution(), look.illum_cut);
-        local.posed = self.posed_light(look, environment, &local);
-        if !known.is_some_and(|known| known.is_same(&local)) {
+    fn light_locally(&mut self, look: &Look, redo: Redo) -> Result<LocalLighting, BackendError> {
+        let (situation, solution) = (&self.situation, look.shown_solution());
+        while look.components.indirect && self.local_rig.advance(situation, solution) {}
+        let mut local = self.local_rig.lighting(situation, look.components, solution);
+        let rig = self.pose_rigs.used().filter(|_| !situation.poses.is_empty());
+        local.posed = rig.map(|rig| rig.lit(situation).light(solution.bounces()).into());
+        let Changes { poses, environment, lights, .. } = redo.light;
+        if poses || environment || lights || redo.shown || local.bounce.is_some() || local.posed.is_some() {
             let remarks = self.backend.set_local_lighting(&local)?;
             self.remarks.replace(2, remarks);
         }
         Ok(local)
-    }
-
-    /// What posed objects change of the light.
-    fn posed_light(
-        &mut self,
-        look: &Look,
-        environment: &Arc<SceneLighting>,
-        local: &LocalLighting,
-    ) -> Option<Arc<PosedLight>> {
-        let rig = self.pose_rigs.used_mut().filter(|_| !self.poses.is_empty())?;
-        let environment = Some(environment).filter(|_| self.baked.dataset.settings.mode.environment());
-        let lights = local.lights.iter().chain(&local.suns).cloned().collect();
-        Some(rig.light(environment, lights, &look.appearance, look.shown_solution().bounces()).into())
     }
 
     /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials
@@ -396,7 +398,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// By what its light is found.
     pub fn tier(&self) -> Tier {
-        if self.poses.is_empty() { Tier::Cuts } else { Tier::Implicit }
+        if self.situation.poses.is_empty() { Tier::Cuts } else { Tier::Implicit }
     }
 
     /// The renderer.
@@ -406,7 +408,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// The light of the environment, once a look was lit.
     pub fn environment(&self) -> Option<&Arc<SceneLighting>> {
-        self.lit.as_ref().map(|lit| &lit.environment)
+        self.situation.environment.as_ref()
     }
 
     /// Changes whenever [`Self::environment`] does.

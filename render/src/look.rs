@@ -2,7 +2,7 @@
 
 use crate::{
     Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View,
-    shade::background::caught_per_radiance,
+    light::situation::Changes, shade::background::caught_per_radiance,
 };
 use lapidary_core::{
     cut::lit::DEFAULT_TAU,
@@ -74,14 +74,10 @@ impl Look {
 /// What a renderer must redo for another look. Each step needs those before it, and only what is set is redone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Redo {
-    /// The renderer gets a scene whose vertices and rays are elsewhere, and with it everything.
-    pub pose: bool,
-    /// Materials and textures go to the renderer, and the surfaces that bounce light get new albedos.
-    pub appearance: bool,
-    /// The environment's radiance, its means up the tree and its illumination cut.
-    pub environment: bool,
-    /// Local lights and bounced light: shadow rays of changed lights, the solution, and the components shown.
-    pub local: bool,
+    /// What lights the scene. A renderer of a scene that is posed anew gets everything again.
+    pub light: Changes,
+    /// Which of the light is shown: components, and the solution of bounced light.
+    pub shown: bool,
     /// Another picture of what is lit as it was: another camera, size, background or quantity.
     pub view: bool,
     /// The pixels: deferred pass and merge, by what they show and by the part of their light.
@@ -92,44 +88,29 @@ pub struct Redo {
 
 impl Redo {
     /// Everything, as after a scene was opened.
-    pub const ALL: Self = Self {
-        pose: true,
-        appearance: true,
-        environment: true,
-        local: true,
-        view: true,
-        pixels: Stale::ALL,
-        display: true,
-    };
+    pub const ALL: Self = Self { light: Changes::ALL, shown: true, view: true, pixels: Stale::ALL, display: true };
     /// Nothing.
-    pub const NOTHING: Self = Self {
-        pose: false,
-        appearance: false,
-        environment: false,
-        local: false,
-        view: false,
-        pixels: Stale::NOTHING,
-        display: false,
-    };
+    pub const NOTHING: Self =
+        Self { light: Changes::NONE, shown: false, view: false, pixels: Stale::NOTHING, display: false };
 
     /// What a renderer that has shown `old` must redo to show `new`.
     pub fn between(old: &Look, new: &Look) -> Self {
         // All fields by name, so that a new one is not forgotten.
         let Look { poses, appearance, light, lights, components, solution, illum_cut, tau, sampling, view, post } = old;
-        let pose = *poses != new.poses;
-        let appearance = !appearance.is_same(&new.appearance);
-        let environment = !light.is_same(&new.light) || (*illum_cut, *tau) != (new.illum_cut, new.tau);
-        let local = pose
-            || appearance
-            || environment
-            || *lights != new.lights
-            || *components != new.components
-            || *solution != new.solution
-            || old.shown_solution() != new.shown_solution();
-        let pixels = if pose || *sampling != new.sampling { Stale::ALL } else { Self::stale(old, new) };
+        let light = Changes {
+            poses: *poses != new.poses,
+            appearance: !appearance.is_same(&new.appearance),
+            environment: !light.is_same(&new.light),
+            lights: *lights != new.lights,
+            gathering: (*illum_cut, *tau) != (new.illum_cut, new.tau),
+        };
+        let shown =
+            *components != new.components || *solution != new.solution || old.shown_solution() != new.shown_solution();
+        let is_new = light.poses || *sampling != new.sampling;
+        let pixels = if is_new { Stale::ALL } else { Self::stale(old, new, light) };
         let view = *view != new.view;
         let display = view || pixels.any() || *post != new.post;
-        Self { pose, appearance, environment, local, view, pixels, display }
+        Self { light, shown, view, pixels, display }
     }
 
     /// Whether anything is to be rendered.
@@ -138,11 +119,10 @@ impl Redo {
     }
 
     /// Samples that would not hold any more in the same view.
-    fn stale(old: &Look, new: &Look) -> Stale {
+    fn stale(old: &Look, new: &Look, changes: Changes) -> Stale {
         let Components { environment, direct, indirect } = new.components;
         let looks = Self::changed_looks(old, new);
-        let sky = !old.light.is_same(&new.light) || (old.illum_cut, old.tau) != (new.illum_cut, new.tau);
-        let lights = old.lights != new.lights;
+        let (sky, lights) = (changes.environment || changes.gathering, changes.lights);
         // A ground that catches shadows reflects what is behind it, and is a surface where no environment shines.
         let catches = new.view.ground == Ground::Shadow;
         let ground = catches && (sky || environment != old.components.environment);
@@ -156,16 +136,16 @@ impl Redo {
             // `LitScene` adds those that the light of a changed material reaches.
             bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && (bounced || ground))),
             direct: looks.and(Pixels::all_if(direct != old.components.direct || direct && ground)),
-            lights: direct && lights || Self::shows_other_suns(old, new),
+            lights: direct && lights || Self::shows_other_suns(old, new, changes),
             surfaces: old.appearance.opacities() != new.appearance.opacities(),
         }
     }
 
     /// Whether other suns shine.
-    fn shows_other_suns(old: &Look, new: &Look) -> bool {
-        let is_same = old.light.is_same(&new.light) && old.components.environment == new.components.environment;
+    fn shows_other_suns(old: &Look, new: &Look, changes: Changes) -> bool {
+        let may_differ = changes.environment || old.components.environment != new.components.environment;
         let shown = |look: &Look| if look.components.environment { look.light.suns() } else { Vec::new() };
-        !is_same && shown(old) != shown(new)
+        may_differ && shown(old) != shown(new)
     }
 
     /// Pixels that show a material that has changed.
@@ -202,32 +182,36 @@ mod tests {
     fn an_edit_redoes_what_depends_on_it_and_nothing_else() {
         const DISPLAY: Redo = Redo { display: true, ..Redo::NOTHING };
         const VIEW: Redo = Redo { view: true, ..DISPLAY };
-        let local = |pixels| Redo { local: true, pixels, ..DISPLAY };
+        let shown = |pixels| Redo { shown: true, pixels, ..DISPLAY };
+        let changed = |light, pixels| Redo { light, pixels, ..DISPLAY };
         let all = |environment, bounce, direct| {
             let [environment, bounce, direct] = [environment, bounce, direct].map(Pixels::all_if);
             Stale { environment, bounce, direct, ..Stale::NOTHING }
         };
-        let sky = Redo { environment: true, ..local(all(true, true, false)) };
+        let sky = |light| changed(light, all(true, true, false));
+        let [environment, gathering] =
+            [sky(Changes { environment: true, ..Changes::NONE }), sky(Changes { gathering: true, ..Changes::NONE })];
         assert_eq!(redone(|_| ()), Redo::NOTHING);
         assert_eq!(
             redone(|look| look.poses.set(0, Pose { scale: 2.0, ..Pose::AS_BAKED })),
-            Redo { appearance: false, environment: false, view: false, ..Redo::ALL }
+            changed(Changes { poses: true, ..Changes::NONE }, Stale::ALL)
         );
         assert_eq!(redone(|look| look.post.exposure = 1.0), DISPLAY);
         assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), VIEW);
         assert_eq!(redone(|look| look.view.aa = 4), VIEW);
         assert_eq!(redone(|look| look.view.background = Background::Transparent), VIEW);
         assert_eq!(redone(|look| look.sampling = BrdfSampling::Once), Redo { pixels: Stale::ALL, ..DISPLAY });
-        assert_eq!(redone(|look| look.components.environment = false), local(all(true, false, false)));
-        assert_eq!(redone(|look| look.components.indirect = false), local(all(false, true, false)));
-        assert_eq!(redone(|look| look.components.direct = false), local(all(false, false, true)));
-        assert_eq!(redone(|look| look.solution = Solution::Meshless), local(all(false, true, false)));
+        assert_eq!(redone(|look| look.components.environment = false), shown(all(true, false, false)));
+        assert_eq!(redone(|look| look.components.indirect = false), shown(all(false, true, false)));
+        assert_eq!(redone(|look| look.components.direct = false), shown(all(false, false, true)));
+        assert_eq!(redone(|look| look.solution = Solution::Meshless), shown(all(false, true, false)));
         let lights = Stale { lights: true, ..all(false, true, false) };
-        assert_eq!(redone(|look| look.lights = Arc::default()), local(lights));
-        assert_eq!(redone(|look| look.light.rotation += 0.1), sky);
-        assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), sky);
-        assert_eq!(redone(|look| look.illum_cut = 7), sky);
-        assert_eq!(redone(|look| look.tau = 0.5), sky);
+        let lit = Changes { lights: true, ..Changes::NONE };
+        assert_eq!(redone(|look| look.lights = Arc::default()), changed(lit, lights));
+        assert_eq!(redone(|look| look.light.rotation += 0.1), environment);
+        assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), environment);
+        assert_eq!(redone(|look| look.illum_cut = 7), gathering);
+        assert_eq!(redone(|look| look.tau = 0.5), gathering);
     }
 
     #[test]
@@ -270,7 +254,8 @@ mod tests {
             let pixels = Pixels::Showing(Marks::of_materials(materials.iter().copied()));
             Stale { environment: pixels, bounce: pixels, direct: pixels, ..Stale::NOTHING }
         };
-        let appearance = |pixels| Redo { appearance: true, local: true, pixels, display: true, ..Redo::NOTHING };
+        let light = Changes { appearance: true, ..Changes::NONE };
+        let appearance = |pixels| Redo { light, pixels, display: true, ..Redo::NOTHING };
         let rough = redone(|look| look.appearance.materials[1].parameters.set("roughness", 0.1));
         assert_eq!(rough, appearance(showing(&[1])));
         // Both have maps that had no picture.

@@ -1,8 +1,10 @@
 //! Scenes, lights and views that tests share, small enough for known answers.
 
 use crate::{
-    Background, BrdfSampling, Illumination, PictureStats, RenderStats, Renderer, SceneLighting, Tier, View,
+    Appearance, Background, Baked, BrdfSampling, Changes, Components, Illumination, LocalLighting, LocalRig,
+    PictureStats, RenderStats, Renderer, SceneLighting, Situation, Solution, Tier, View,
     cpu::picture::Picture,
+    light::situation::Lit,
     measure::compare::compare,
     shade::{
         background::{Backdrop, BlurCache},
@@ -28,11 +30,83 @@ use lapidary_core::{
     material::{BrdfModel, Material},
     meshless::{Basis, MeshlessBake, Transport},
     ray::{DirectionSet, Intersector, OPEN},
-    scene::{Mesh, Object, Scene},
+    scene::{Mesh, Object, Scene, pose::Poses},
     sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
 };
-use std::{f32::consts::PI, time::Instant};
+use std::{
+    f32::consts::PI,
+    ops::{Deref, DerefMut},
+    sync::Arc,
+    time::Instant,
+};
+
+/// A rig with what lights it, which tests edit part by part.
+pub(crate) struct Edited<L> {
+    rig: L,
+    pub situation: Situation,
+}
+
+impl<L: Lit> Edited<L> {
+    /// A rig of a scene as it was baked, without light.
+    pub fn new(baked: &Baked, mut rig: L) -> Self {
+        let situation = Situation::unlit(baked);
+        rig.update(&situation, Changes::ALL);
+        Self { rig, situation }
+    }
+
+    pub fn set_lights(&mut self, lights: &[Light]) {
+        self.situation.lights = lights.into();
+        self.rig.update(&self.situation, Changes { lights: true, ..Changes::NONE });
+    }
+
+    pub fn set_appearance(&mut self, appearance: &Appearance) {
+        self.situation.appearance = appearance.clone().into();
+        self.rig.update(&self.situation, Changes { appearance: true, ..Changes::NONE });
+    }
+
+    pub fn set_environment(&mut self, lighting: Option<SceneLighting>) {
+        self.situation.environment = lighting.map(Arc::new);
+        self.rig.update(&self.situation, Changes { environment: true, ..Changes::NONE });
+    }
+
+    pub fn set_poses(&mut self, baked: &Baked, poses: &Poses) {
+        (self.situation.scene, self.situation.poses) = (baked.posed(poses).expect("within reach"), poses.clone());
+        self.rig.update(&self.situation, Changes { poses: true, ..Changes::NONE });
+    }
+}
+
+impl Edited<LocalRig> {
+    /// The light by a solution, when nothing is left to do.
+    pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
+        if self.situation.gathering.illum_cut != illum_cut {
+            self.situation.gathering.illum_cut = illum_cut;
+            self.rig.update(&self.situation, Changes { gathering: true, ..Changes::NONE });
+        }
+        while components.indirect && self.rig.advance(&self.situation, solution) {}
+        self.rig.lighting(&self.situation, components, solution)
+    }
+}
+
+impl Lit for LocalRig {
+    fn update(&mut self, _: &Situation, changes: Changes) {
+        self.note(changes);
+    }
+}
+
+impl<L> Deref for Edited<L> {
+    type Target = L;
+
+    fn deref(&self) -> &L {
+        &self.rig
+    }
+}
+
+impl<L> DerefMut for Edited<L> {
+    fn deref_mut(&mut self) -> &mut L {
+        &mut self.rig
+    }
+}
 
 /// Sources along each side of the wall, as a power of two.
 pub(crate) const SIDE_LOG2: u32 = 5;

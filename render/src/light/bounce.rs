@@ -12,9 +12,11 @@ mod meshless;
 mod source_parts;
 
 use crate::{
-    appearance::Appearance,
     baked::Baked,
-    light::{brightness, environment::SceneLighting},
+    light::{
+        brightness,
+        situation::{Changes, Lit, Situation},
+    },
     shade::node_row::{NodeExtent, NodeRow},
 };
 use glam::Vec3;
@@ -26,7 +28,6 @@ use lapidary_core::{
         lit::{CutValues, DEFAULT_TAU, LitCuts},
     },
     dataset::Dataset,
-    lights::Light,
     ray::offset,
     sources::{SourceRadiance, SourceTree},
 };
@@ -107,22 +108,6 @@ impl SourceRig {
         &self.tree
     }
 
-    /// Gives the sources the reflectance of other materials; materials that do not fit keep that of the dataset.
-    pub fn set_appearance(&mut self, appearance: &Appearance) {
-        self.lit.set_appearance(appearance);
-    }
-
-    /// Shines local lights on the sources, by rays, which only lights that have changed cast.
-    pub fn set_lights(&mut self, lights: &[Light]) {
-        self.lit.set_lights(lights);
-    }
-
-    /// Shines the environment on the sources, or none.
-    pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
-        let irradiance = lighting.and_then(|lighting| environment_irradiance(&self.dataset, lighting));
-        self.lit.set_environment(irradiance.map(|sources| sources.into_iter().flat_map(|e| [e; PARTS]).collect()));
-    }
-
     /// Irradiance of the sources in W/m².
     pub fn irradiance(&self) -> Vec<Vec3> {
         means(self.lit.irradiance().into_iter())
@@ -147,6 +132,17 @@ impl SourceRig {
         let reflected = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
         let sent = reflected.zip(self.lit.emission()).map(|(reflected, emitted)| reflected + emitted);
         SourceLighting::new(self.tree.clone(), &means(sent), illum_cut)
+    }
+}
+
+impl Lit for SourceRig {
+    fn update(&mut self, situation: &Situation, changes: Changes) {
+        self.lit.update(&situation.appearance, &situation.bouncing(), changes);
+        if changes.environment {
+            let lighting = situation.environment.as_ref();
+            let sources = lighting.and_then(|lighting| environment_irradiance(&self.dataset, lighting));
+            self.lit.environment = sources.map(|sources| sources.into_iter().flat_map(|e| [e; PARTS]).collect());
+        }
     }
 }
 

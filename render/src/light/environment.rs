@@ -148,13 +148,5 @@ impl LightRig {
     }
 }
 
-/// Whether both are one thing, or nothing.
-pub(crate) fn is_same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
-    match (a, b) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (a, b) => a.is_none() && b.is_none(),
-    }
-}
-
 #[cfg(test)]
 mod tests;

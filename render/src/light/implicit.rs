@@ -13,11 +13,10 @@ mod sky;
 mod vertices;
 
 use crate::{
-    appearance::Appearance,
     baked::Baked,
     light::{
         bounce::LitPoints,
-        environment::{SceneLighting, is_same},
+        situation::{Changes, Lit, Situation},
     },
 };
 use covered::{Covered, Open};
@@ -25,7 +24,6 @@ use detail::Detail;
 use glam::Vec3;
 use lapidary_core::{
     implicit::Lighting,
-    lights::Light,
     scene::{Mesh, pose::Poses},
     surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
@@ -79,30 +77,14 @@ pub struct PosedLight {
 pub struct PoseRig {
     detail: Detail,
     as_baked: Seen,
-    /// Light of the vertices as baked, and what it was found of: a drag does not change it.
-    lit_as_baked: Option<(Lit, [Sides; 2])>,
+    /// Light of the vertices as baked with some bounces: a drag does not change it.
+    lit_as_baked: Option<(u32, [Sides; 2])>,
     vertices: VertexLeaves,
     posed: Seen,
     poses: Poses,
     covered: Covered,
     is_moved: Arc<[bool]>,
-    sky: (Option<Arc<SceneLighting>>, SkyGrid),
-}
-
-/// What lights a scene.
-struct Lit {
-    environment: Option<Arc<SceneLighting>>,
-    lights: Vec<Light>,
-    appearance: Appearance,
-    bounces: u32,
-}
-
-impl Lit {
-    fn is_same(&self, other: &Self) -> bool {
-        is_same(self.environment.as_ref(), other.environment.as_ref())
-            && (&self.lights, self.bounces) == (&other.lights, other.bounces)
-            && self.appearance.is_same(&other.appearance)
-    }
+    sky: SkyGrid,
 }
 
 /// A scene under one pose, and what its leaves see.
@@ -110,26 +92,20 @@ struct Seen {
     forest: SurfelForest,
     sight: Box<dyn LeafSight>,
     points: LitPoints,
-    appearance: Option<Appearance>,
     /// What nothing lies on.
     open: Open,
 }
 
 impl Seen {
     /// Irradiance of the vertices from the sky, and that of all bounces.
-    fn lit(&mut self, sky: &SkyGrid, by: &Lit, vertices: &VertexLeaves) -> [Sides; 2] {
-        if !self.appearance.as_ref().is_some_and(|known| known.is_same(&by.appearance)) {
-            self.points.set_appearance(&by.appearance);
-            self.appearance = Some(by.appearance.clone());
-        }
-        self.points.set_lights(&by.lights);
+    fn lit(&mut self, sky: &SkyGrid, bounces: u32, vertices: &VertexLeaves) -> [Sides; 2] {
         let lighting = Lighting {
             reflectance: self.points.albedo(),
             emitted: self.points.emission(),
             received: &self.points.irradiance(),
             sky: &|direction| sky.radiance(direction),
         };
-        let SeenLight { of_sky, direct, bounced } = self.sight.light(self.forest.discs(), &lighting, by.bounces);
+        let SeenLight { of_sky, direct, bounced } = self.sight.light(self.forest.discs(), &lighting, bounces);
         // Surfaces that shine are lamps to the bins, and bounces to the picture.
         let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
         let others: Vec<Vec3> = others.collect();
@@ -153,7 +129,6 @@ impl PoseRig {
                 open: covered.open(&vertices, &[]),
                 forest: forest.clone(),
                 sight,
-                appearance: None,
             }
         };
         let positions = &dataset.scene.mesh.positions;
@@ -164,28 +139,31 @@ impl PoseRig {
             lit_as_baked: None,
             poses: Poses::default(),
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
-            sky: (None, SkyGrid::new(None)),
+            sky: SkyGrid::new(None),
             vertices,
             covered,
         }
     }
 
-    /// Takes the scene as it is posed. Returns it with visibility cuts for the vertices that are not where they were baked.
-    pub fn pose(&mut self, posed: Baked, poses: &Poses) -> Baked {
-        let mesh = &posed.dataset.scene.mesh;
+    fn pose(&mut self, scene: &Baked, poses: &Poses) {
+        let mesh = &scene.dataset.scene.mesh;
         let changed: BTreeSet<u32> = self.poses.differing(poses).collect();
-        let seen = &mut self.posed;
         if !changed.is_empty() {
+            let seen = &mut self.posed;
             seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
             seen.sight.look(&seen.forest, &mesh.positions, &changed);
-            seen.points.pose(&posed, seen.forest.surfels().collect());
+            seen.points.pose(scene, seen.forest.surfels().collect());
             seen.open = self.covered.open(&self.vertices, &self.covered.left(poses, mesh));
             (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
         }
-        let forest = seen.forest.discs();
-        let views = seen.sight.views(forest, leaves_of(forest, poses));
-        let cuts = cuts::of_moved(&posed.dataset, (forest, &views), &self.vertices, &self.is_moved);
-        posed.with_cuts(cuts)
+    }
+
+    /// A scene posed as the rig is, with visibility cuts for the vertices that are not where they were baked.
+    pub fn with_cuts(&mut self, scene: &Baked) -> Baked {
+        let forest = self.posed.forest.discs();
+        let views = self.posed.sight.views(forest, leaves_of(forest, &self.poses));
+        let cuts = cuts::of_moved(&scene.dataset, (forest, &views), &self.vertices, &self.is_moved);
+        scene.clone().with_cuts(cuts)
     }
 
     /// How finely it looks.
@@ -198,26 +176,13 @@ impl PoseRig {
         &self.is_moved
     }
 
-    /// The light of the posed scene under an environment, if it is shown, and local lights, with as many bounces as the picture
-    /// has, or as the detail follows.
-    pub fn light(
-        &mut self,
-        environment: Option<&Arc<SceneLighting>>,
-        lights: Vec<Light>,
-        appearance: &Appearance,
-        bounces: u32,
-    ) -> PosedLight {
-        if !is_same(self.sky.0.as_ref(), environment) {
-            self.sky = (environment.cloned(), SkyGrid::new(environment.map(|lighting| &**lighting)));
-        }
-        let (sky, bounces) = (&self.sky.1, bounces.min(self.detail.bounces()));
-        let by = Lit { environment: environment.cloned(), lights, appearance: appearance.clone(), bounces };
-        let [posed_sky, posed_bounce] = self.posed.lit(sky, &by, &self.vertices);
-        let known = self.lit_as_baked.take().filter(|(known, _)| known.is_same(&by));
-        let (_, [baked_sky, baked_bounce]) = self.lit_as_baked.insert(known.unwrap_or_else(|| {
-            let as_baked = self.as_baked.lit(sky, &by, &self.vertices);
-            (by, as_baked)
-        }));
+    /// The light of the posed scene, with as many bounces as the picture has, or as the detail follows.
+    pub fn light(&mut self, bounces: u32) -> PosedLight {
+        let (sky, bounces) = (&self.sky, bounces.min(self.detail.bounces()));
+        let [posed_sky, posed_bounce] = self.posed.lit(sky, bounces, &self.vertices);
+        let known = self.lit_as_baked.take().filter(|(known, _)| *known == bounces);
+        let as_baked = || (bounces, self.as_baked.lit(sky, bounces, &self.vertices));
+        let (_, [baked_sky, baked_bounce]) = self.lit_as_baked.insert(known.unwrap_or_else(as_baked));
         let is_moved = &self.is_moved;
         let growth = |vertex: usize, now: Vec3, before: Vec3| {
             if is_moved[vertex] { Vec3::ZERO } else { ratio(now, before) - 1.0 }
@@ -232,6 +197,25 @@ impl PoseRig {
             growth: combined(&posed_sky, baked_sky, growth),
             uncovered: combined(&posed_sky, baked_sky, rest),
             bounce: combined(&posed_bounce, baked_bounce, more),
+        }
+    }
+}
+
+impl Lit for PoseRig {
+    fn update(&mut self, situation: &Situation, changes: Changes) {
+        if changes.poses {
+            self.pose(&situation.scene, &situation.poses);
+        }
+        if changes.environment {
+            let is_baked = situation.scene.dataset.settings.mode.environment();
+            self.sky = SkyGrid::new(situation.environment.as_deref().filter(|_| is_baked));
+        }
+        let lights = [&*situation.lights, &*situation.suns].concat();
+        for seen in [&mut self.posed, &mut self.as_baked] {
+            seen.points.update(&situation.appearance, &lights, changes);
+        }
+        if changes.relight() {
+            self.lit_as_baked = None;
         }
     }
 }

@@ -2,19 +2,27 @@
 
 use crate::{
     baked::Baked,
-    light::implicit::{PoseRig, detail::Detail, seen::LeafSights},
+    light::{
+        implicit::{PoseRig, detail::Detail, seen::LeafSights},
+        situation::{Changes, Pending},
+    },
 };
 use std::thread::JoinHandle;
 
 /// Rigs by detail, made on a thread before they are needed. The one used last and one beside it are kept.
 #[derive(Default)]
 pub struct PoseRigs {
-    used: Option<PoseRig>,
-    beside: Option<PoseRig>,
+    used: Option<Pending<PoseRig>>,
+    beside: Option<Pending<PoseRig>>,
     in_the_making: Option<(Detail, JoinHandle<PoseRig>)>,
 }
 
 impl PoseRigs {
+    /// Notes what has changed.
+    pub fn note(&mut self, changes: Changes) {
+        [&mut self.used, &mut self.beside].into_iter().flatten().for_each(|rig| rig.note(changes));
+    }
+
     /// Begins to make one on a thread. One is made at a time: it does nothing while that is another.
     pub fn prepare(&mut self, detail: Detail, baked: &Baked, sights: impl FnOnce() -> Box<dyn LeafSights>) {
         if !self.is_made(detail) && self.in_the_making.is_none() {
@@ -27,31 +35,36 @@ impl PoseRigs {
     /// Whether one can be used at once.
     pub fn is_made(&mut self, detail: Detail) -> bool {
         if let Some((_, made)) = self.in_the_making.take_if(|(_, making)| making.is_finished()) {
-            self.beside = Some(joined(made));
+            self.beside = Some(Pending::new(joined(made)));
         }
-        [&self.used, &self.beside].into_iter().flatten().any(|rig| rig.detail() == detail)
+        [&self.used, &self.beside].into_iter().flatten().any(|rig| rig.before().detail() == detail)
     }
 
     /// The rig of a detail to use, which is made or awaited if it is not there.
-    pub fn at(&mut self, detail: Detail, baked: &Baked, sights: impl FnOnce() -> Box<dyn LeafSights>) -> &mut PoseRig {
+    pub fn at(
+        &mut self,
+        detail: Detail,
+        baked: &Baked,
+        sights: impl FnOnce() -> Box<dyn LeafSights>,
+    ) -> &mut Pending<PoseRig> {
         if !self.is_made(detail) {
             let making = self.in_the_making.take_if(|(of, _)| *of == detail);
             let made = making.map_or_else(|| PoseRig::new(baked, sights(), detail), |(_, made)| joined(made));
-            self.beside = Some(made);
+            self.beside = Some(Pending::new(made));
         }
-        if self.used.as_ref().is_none_or(|rig| rig.detail() != detail) {
+        if self.detail() != Some(detail) {
             std::mem::swap(&mut self.used, &mut self.beside);
         }
         self.used.as_mut().expect("one of them is of that detail")
     }
 
-    /// The one used last.
-    pub fn used(&self) -> Option<&PoseRig> {
-        self.used.as_ref()
+    /// The detail of the one used last.
+    pub fn detail(&self) -> Option<Detail> {
+        self.used.as_ref().map(|rig| rig.before().detail())
     }
 
     /// The one used last.
-    pub fn used_mut(&mut self) -> Option<&mut PoseRig> {
+    pub fn used(&mut self) -> Option<&mut Pending<PoseRig>> {
         self.used.as_mut()
     }
 }
@@ -63,9 +76,12 @@ fn joined(made: JoinHandle<PoseRig>) -> PoseRig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::implicit::{
-        seen::CoreSights,
-        tests::{blocked, posed},
+    use crate::light::{
+        implicit::{
+            seen::CoreSights,
+            tests::{blocked, posed},
+        },
+        situation::Situation,
     };
     use crate::test_scenes::white;
     use lapidary_core::scene::pose::Pose;
@@ -83,9 +99,9 @@ mod tests {
         let baked = Baked::from(blocked(white(), 4));
         let [a, b, c, ..] = Detail::LADDER;
         let mut rigs = PoseRigs::default();
-        assert!(rigs.used().is_none() && rigs.at(a, &baked, cores).detail() == a);
+        assert!(rigs.detail().is_none() && rigs.at(a, &baked, cores).before().detail() == a);
         rigs.at(b, &baked, cores);
-        assert!([a, b].into_iter().all(|detail| rigs.at(detail, &baked, no_more).detail() == detail));
+        assert!([a, b].into_iter().all(|detail| rigs.at(detail, &baked, no_more).before().detail() == detail));
         rigs.at(c, &baked, cores);
         let made = Detail::LADDER.map(|detail| rigs.is_made(detail));
         assert_eq!(made, [false, true, true, false, false], "the one that was not used last is gone");
@@ -97,14 +113,13 @@ mod tests {
         let (mut rigs, detail) = (PoseRigs::default(), Detail::LADDER[0]);
         rigs.prepare(detail, &baked, cores);
         rigs.prepare(detail, &baked, no_more);
-        assert!(rigs.used().is_none(), "it is not used before it is asked for");
+        assert!(rigs.detail().is_none(), "it is not used before it is asked for");
         let poses = posed(Pose { translate: glam::Vec3::X, ..Pose::AS_BAKED });
-        let moved = |rig: &mut PoseRig| {
-            rig.pose(baked.posed(&poses).unwrap(), &poses);
-            rig.moved_vertices().to_vec()
-        };
+        let situation = Situation { scene: baked.posed(&poses).unwrap(), poses, ..Situation::unlit(&baked) };
+        let moved = |rig: &mut Pending<PoseRig>| rig.lit(&situation).moved_vertices().to_vec();
         let ahead = moved(rigs.at(detail, &baked, no_more));
-        assert!(ahead == moved(&mut PoseRig::new(&baked, cores(), detail)) && ahead.contains(&true));
+        let made = &mut Pending::new(PoseRig::new(&baked, cores(), detail));
+        assert!(ahead == moved(made) && ahead.contains(&true));
         assert!(!rigs.is_made(Detail::FINEST), "negative control");
     }
 }

@@ -3,37 +3,40 @@
 use super::{LitScene, pose_rigs::PoseRigs};
 use crate::{
     Backend, BackendError, Baked, Look, Posing, Redo,
-    light::implicit::{self, PoseRig, detail::Detail},
+    light::implicit::{self, detail::Detail},
 };
 use lapidary_core::scene::{MeshError, pose::Poses};
 
 impl<B: Backend + ?Sized> LitScene<B> {
-    /// Poses the objects of the scene. Returns whether anything changed; where they cannot be posed so, nothing does.
-    pub(super) fn pose(&mut self, poses: &Poses) -> Result<bool, BackendError> {
-        let is_as_fine = self.pose_rigs.used().is_some_and(|rig| rig.detail() == self.detail);
-        if self.poses == *poses && (poses.is_empty() || is_as_fine) {
-            return Ok(false);
-        }
-        let posed = self.posed(poses).map_err(BackendError::Pose)?;
-        let lit = self.lit.take();
-        self.backend.pose(&posed).inspect_err(|_| self.pose_rigs = PoseRigs::default())?;
-        self.local_rig.set_poses(poses);
-        self.has_given(posed, poses.clone());
-        if let Some(lit) = lit {
-            self.give_environment(&lit.look, &lit.environment)?;
-            self.lit = Some(lit);
-        }
-        Ok(true)
+    /// Whether objects are elsewhere than a look has them, or lit at another detail.
+    pub(super) fn must_pose(&self, poses: &Poses) -> bool {
+        let is_as_fine = self.pose_rigs.detail() == Some(self.detail);
+        self.situation.poses != *poses || !poses.is_empty() && !is_as_fine
     }
 
-    /// The scene as objects are posed. Its rigs light it as it was baked, which the light of the pose rig is added to.
-    fn posed(&mut self, poses: &Poses) -> Result<Baked, MeshError> {
+    /// The scene as objects are posed.
+    pub(super) fn posed(&mut self, poses: &Poses) -> Result<Baked, MeshError> {
         if poses.is_empty() {
             return Ok(self.baked.clone());
         }
         self.check_objects()?;
-        let posed = self.posing.get_or_insert_with(|| Posing::new(&self.baked)).posed(poses)?;
-        Ok(self.pose_rigs.at(self.detail, &self.baked, || self.backend.sights()).pose(posed, poses))
+        self.posing.get_or_insert_with(|| Posing::new(&self.baked)).posed(poses)
+    }
+
+    /// Gives the renderer the posed scene, with cuts for the vertices that moved. Rigs light the scene as it was baked, and the
+    /// light of the pose rig is added.
+    pub(super) fn give_pose(&mut self) -> Result<(), BackendError> {
+        let situation = &self.situation;
+        let posed = match situation.poses.is_empty() {
+            true => situation.scene.clone(),
+            false => {
+                let rig = self.pose_rigs.at(self.detail, &self.baked, || self.backend.sights());
+                rig.lit(situation).with_cuts(&situation.scene)
+            }
+        };
+        self.backend.pose(&posed).inspect_err(|_| self.pose_rigs = PoseRigs::default())?;
+        self.forget_pictures();
+        Ok(())
     }
 
     fn check_objects(&self) -> Result<(), MeshError> {
@@ -62,13 +65,13 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// Whether a look has the light of the last one, whatever its view.
     pub fn is_lit_as(&self, look: &Look) -> bool {
         self.lit.as_ref().is_some_and(|lit| {
-            let Redo { pose, environment, local, appearance, .. } = Redo::between(&lit.look, look);
-            !(pose || environment || local || appearance)
+            let Redo { light, shown, .. } = Redo::between(&lit.look, look);
+            !light.any() && !shown
         })
     }
 
     /// How finely posed objects are lit; `None` where nothing is posed.
     pub fn detail(&self) -> Option<Detail> {
-        self.pose_rigs.used().filter(|_| !self.poses.is_empty()).map(PoseRig::detail)
+        self.pose_rigs.detail().filter(|_| !self.situation.poses.is_empty())
     }
 }

@@ -188,9 +188,9 @@ fn local_lights_components_and_solution_are_rendered_and_the_same_ones_are_not()
     };
     assert_eq!(change(&|r| r.look.lights = lights.clone()), Redo::NOTHING);
     let moved = Light { position: Vec3::splat(7.0), ..test_scenes::light() };
-    assert!(change(&|r| r.look.lights = Arc::new([moved.clone()])).local);
-    assert!(change(&|r| r.look.components = Components::UNBOUNCED).local);
-    assert!(change(&|r| r.look.solution = Solution::Meshless).local);
+    assert!(change(&|r| r.look.lights = Arc::new([moved.clone()])).light.lights);
+    assert!(change(&|r| r.look.components = Components::UNBOUNCED).shown);
+    assert!(change(&|r| r.look.solution = Solution::Meshless).shown);
     assert_eq!(change(&|r| r.baked = Some(dataset().into())), Redo::ALL);
     let exposed = change(&|r| r.look.post.exposure = 1.0);
     assert_eq!(exposed, Redo { display: true, ..Redo::NOTHING }, "negative control");

@@ -6,13 +6,13 @@ use super::{
 };
 use crate::gpu::{device::is_emulated, layout::Disc, readback::read_range, tests::twin::on_adapter};
 use crate::{
-    Appearance, Baked, CoreSights, LeafSights, Renderer,
+    Baked, CoreSights, LeafSights, Renderer,
     light::implicit::{
         PoseRig, PosedLight,
         detail::Detail,
         tests::{blocked, posed, sky},
     },
-    test_scenes::white,
+    test_scenes::{Edited, white},
 };
 use bytemuck::{Pod, bytes_of};
 use glam::{Mat3, Vec3};
@@ -26,10 +26,7 @@ use lapidary_core::{
     surfel::forest::nodes::Block,
     test_scenes::{cuboid, quad, room, scene_of},
 };
-use std::{
-    collections::BTreeSet,
-    sync::{Arc, MutexGuard},
-};
+use std::{collections::BTreeSet, sync::MutexGuard};
 
 const LAYOUT: BinLayout = BinLayout::FINEST.turned(0.3);
 
@@ -286,12 +283,12 @@ fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
 
 /// What a rig shows of some poses, one after another: its cuts, and the light.
 fn shown(sights: Box<dyn LeafSights>, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
-    let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
-    let appearance = Appearance::of(&baked.dataset.scene);
-    let mut rig = PoseRig::new(baked, sights, Detail::OF_A_DRAG);
+    let mut rig = Edited::new(baked, PoseRig::new(baked, sights, Detail::OF_A_DRAG));
+    rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     let show = |poses| {
-        let posed = rig.pose(baked.posed(poses).unwrap(), poses);
-        (posed.dataset.cuts.nodes().to_vec(), rig.light(Some(&lighting), Vec::new(), &appearance, 2))
+        rig.set_poses(baked, poses);
+        let scene = rig.situation.scene.clone();
+        (rig.with_cuts(&scene).dataset.cuts.nodes().to_vec(), rig.light(2))
     };
     poses.iter().map(show).collect()
 }

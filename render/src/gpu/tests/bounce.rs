@@ -7,7 +7,7 @@ use crate::{
     SceneLighting, SourceRig, View, ViewMode,
     gpu::GpuBackend,
     shade::painter::PictureLight,
-    test_scenes::{floor_and_wall, illumination, point_light},
+    test_scenes::{Edited, floor_and_wall, illumination, point_light},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -24,7 +24,7 @@ const ALL: Components = Components { direct: false, ..Components::ALL };
 struct Rig {
     renderer: Renderer,
     gpu: GpuBackend,
-    sources: SourceRig,
+    sources: Edited<SourceRig>,
     environment: Arc<SceneLighting>,
     bounce: BounceLight,
     _one: MutexGuard<'static, ()>,
@@ -49,8 +49,9 @@ impl Rig {
         let environment = Arc::new(renderer.lighting(&light(), 64));
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
         gpu.set_light(&light(), &environment).unwrap();
-        let mut sources = SourceRig::new(&renderer.dataset().clone().into())?;
-        sources.set_environment(Some(&environment));
+        let baked = renderer.dataset().clone().into();
+        let mut sources = Edited::new(&baked, SourceRig::new(&baked)?);
+        sources.set_environment(Some((*environment).clone()));
         let bounce = BounceLight::Sources(sources.lighting(64).into());
         let mut rig = Self { renderer, gpu, sources, environment, bounce, _one: one };
         rig.shine(Vec3::new(-1.5, 1.2, 0.4), ALL);

@@ -12,7 +12,7 @@ use crate::{
     gpu::GpuBackend,
     light::bounce::MeshlessLight,
     shade::painter::PictureLight,
-    test_scenes::{floor_and_wall, linked_floor_and_wall, point_light},
+    test_scenes::{Edited, floor_and_wall, linked_floor_and_wall, point_light},
 };
 use glam::{Mat3A, Vec3, Vec3A};
 use lapidary_core::{
@@ -285,9 +285,11 @@ fn a_moved_light_changes_the_picture_and_a_moved_camera_uploads_nothing() {
     let renderer = Renderer::new(linked_floor_and_wall());
     let baked = renderer.dataset().clone().into();
     gpu.set_scene(&baked).unwrap();
-    let mut rig = LocalRig::new(&baked);
+    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
     let mut shine = |gpu: &mut dyn Backend, lights: &Arc<[Light]>, view: &View| {
-        rig.set_lights(lights);
+        if rig.situation.lights != *lights {
+            rig.set_lights(lights);
+        }
         let local = rig.lighting(BOUNCE, Solution::Meshless, 64);
         gpu.set_local_lighting(&local).unwrap();
         (picture(gpu, view), local.bounce.unwrap())
@@ -321,7 +323,7 @@ fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
     let renderer = Renderer::new(dataset);
     let baked = renderer.dataset().clone().into();
     gpu.set_scene(&baked).unwrap();
-    let mut rig = LocalRig::new(&baked);
+    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
     rig.set_lights(&lamp(-1.0));
     let view = wall_view();
     let mut both = |solution| {
@@ -342,7 +344,7 @@ fn counts_have_the_colours_of_the_cpu_also_where_no_environment_is_shown() {
     let Some((_one, mut gpu)) = backend() else { return };
     let dataset = Arc::new(floor_and_wall(8));
     let baked = dataset.clone().into();
-    let mut rig = LocalRig::new(&baked);
+    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
     rig.set_lights(&lamp(-1.0));
     let local = rig.lighting(BOUNCE, Solution::Cuts, 512);
     let view = View { mode: ViewMode::MergedCut, ..wall_view() };

@@ -7,6 +7,7 @@ use super::{
 use crate::{
     appearance::{Appearance, ResolvedAppearance},
     baked::Baked,
+    light::situation::Changes,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -29,7 +30,8 @@ pub(crate) struct LitPoints {
     emission: Vec<Vec3>,
     /// Irradiance of the points from local lights.
     pub(super) lights: LightGroups,
-    environment: Option<Vec<Vec3>>,
+    /// Irradiance of the points from the environment.
+    pub(super) environment: Option<Vec<Vec3>>,
 }
 
 impl LitPoints {
@@ -42,7 +44,7 @@ impl LitPoints {
         let order = (0..points.len() as u32).collect();
         let (baked, environment) = (baked.clone(), None);
         let mut lit = Self { baked, points, order, normals, area_samples, albedo, emission, lights, environment };
-        lit.set_appearance(&Appearance::of(&dataset.scene));
+        lit.take_appearance(&Appearance::of(&dataset.scene));
         lit
     }
 
@@ -70,25 +72,22 @@ impl LitPoints {
         &self.emission
     }
 
-    /// Gives the points the reflectance and the emission of other materials; materials that do not fit keep that of the dataset.
-    pub fn set_appearance(&mut self, appearance: &Appearance) {
-        let scene = &self.baked.dataset.scene;
-        let fitted = ResolvedAppearance::from(appearance.fitted(&scene.materials).0);
-        let points = self.points.par_iter().map(|point| fitted.albedo_and_emission(&scene.mesh, point.place));
-        (self.albedo, self.emission) = points.unzip();
-    }
-
-    /// Shines local lights on the points, by rays, which only lights that have changed cast. Returns whether any has.
-    pub fn set_lights(&mut self, lights: &[Light]) -> bool {
+    /// Gives the points other materials, and shines lights on them. Rays are cast for lights that have changed.
+    pub fn update(&mut self, appearance: &Appearance, lights: &[Light], changes: Changes) {
+        if changes.appearance {
+            self.take_appearance(appearance);
+        }
         let rays = ShadowRays { area_samples: self.area_samples, offset: self.ray_offset() };
         self.lights.update(lights, |lights| {
             light_irradiance(&self.points, &self.normals, &self.order, lights, (self.baked.intersector(), rays))
-        })
+        });
     }
 
-    /// Sets the irradiance of each point from the environment, or none.
-    pub fn set_environment(&mut self, irradiance: Option<Vec<Vec3>>) {
-        self.environment = irradiance;
+    fn take_appearance(&mut self, appearance: &Appearance) {
+        let scene = &self.baked.dataset.scene;
+        let appearance = ResolvedAppearance::from(appearance.clone());
+        let points = self.points.par_iter().map(|point| appearance.albedo_and_emission(&scene.mesh, point.place));
+        (self.albedo, self.emission) = points.unzip();
     }
 
     /// Irradiance in W/m².

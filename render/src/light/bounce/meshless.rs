@@ -3,13 +3,19 @@
 //! sources, for the bounce that cuts gather.
 
 use super::{functions::MeshlessLight, irradiance::environment_irradiance_of, lit_points::LitPoints};
-use crate::{appearance::Appearance, baked::Baked, light::environment::SceneLighting};
+use crate::{
+    baked::Baked,
+    light::{
+        environment::SceneLighting,
+        situation::{Changes, Lit, Situation},
+    },
+};
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
-    lights::Light,
     meshless::{Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
     ray::offset,
+    sources::Source,
     surfel::Surfel,
     transport::BounceEnergy,
 };
@@ -51,47 +57,25 @@ impl MeshlessRig {
         Some(Self { dataset, solver, samples, lit, environment, at_sources, solved })
     }
 
-    /// Gives the senders the reflectance of other materials.
-    pub fn set_appearance(&mut self, appearance: &Appearance) {
-        self.lit.set_appearance(appearance);
-        self.solved = None;
-    }
-
-    /// Shines local lights on the senders, by rays, which only lights that have changed cast.
-    pub fn set_lights(&mut self, lights: &[Light]) {
-        if self.lit.set_lights(lights) {
-            self.solved = None;
-        }
-    }
-
-    /// Shines the environment on the senders, or none.
-    pub fn set_environment(&mut self, lighting: Option<&SceneLighting>) {
-        let Some(bake) = &self.dataset.meshless else { return };
-        let shine = |lighting| environment_irradiance_of(bake.basis.sender_points(), &self.dataset, lighting);
-        self.environment = lighting.map(shine);
-        self.solved = None;
-    }
-
     /// The light of all bounces, for any point.
-    pub fn light(&mut self) -> Option<MeshlessLight> {
-        let dataset = self.solve()?;
-        MeshlessLight::new(&dataset, self.solved.as_ref()?.coefficients.clone())
+    pub fn light(&mut self) -> MeshlessLight {
+        let coefficients = self.solved().coefficients.clone();
+        MeshlessLight::new(&self.dataset, coefficients).expect("the dataset has a basis")
     }
 
     /// Irradiance of all bounces at the surface sources.
-    pub fn at_sources(&mut self, sources: &[Surfel]) -> Option<Vec<Vec3>> {
-        let dataset = self.solve()?;
-        let solved = self.solved.as_ref()?;
-        if self.at_sources.is_none() {
-            let MeshlessBake { basis, transport } = dataset.meshless.as_deref()?;
-            let points: Vec<_> = sources.iter().map(|s| (s.position, s.normal)).collect();
-            self.at_sources = Some(Flattening::new(basis, transport, &points));
-        }
-        let vectors = self.at_sources.as_ref()?.apply(&solved.coefficients);
-        let mesh = &dataset.scene.mesh;
-        let received =
-            |(vector, source): (&Mat3A, &Surfel)| irradiance(vector, mesh.shading_normal(source)).max(Vec3::ZERO);
-        Some(vectors.par_iter().zip(sources).map(received).collect())
+    pub fn at_sources(&mut self, sources: &[Source]) -> Vec<Vec3> {
+        self.solved();
+        let Self { dataset, solved, at_sources, .. } = self;
+        let MeshlessBake { basis, transport } = bake(dataset);
+        let flattening = at_sources.get_or_insert_with(|| {
+            let points: Vec<_> = sources.iter().map(|s| (s.surfel.position, s.surfel.normal)).collect();
+            Flattening::new(basis, transport, &points)
+        });
+        let vectors = flattening.apply(&solved.as_ref().expect("it was solved").coefficients);
+        let normal = |source: &Source| dataset.scene.mesh.shading_normal(&source.surfel);
+        let received = |(vector, source): (&Mat3A, &Source)| irradiance(vector, normal(source)).max(Vec3::ZERO);
+        vectors.par_iter().zip(sources).map(received).collect()
     }
 
     /// Energy of each bounce of the last solution; `None` after a change that has not been solved for.
@@ -99,18 +83,33 @@ impl MeshlessRig {
         self.solved.as_ref().map(Solution::energy)
     }
 
-    fn solve(&mut self) -> Option<Arc<Dataset>> {
-        let dataset = self.dataset.clone();
-        if self.solved.is_none() {
-            let bake = dataset.meshless.as_deref()?;
-            let (mut direct, albedo) = self.samples.fit(&self.solver, &self.lit.irradiance(), self.lit.albedo());
-            let environment = self.environment.iter().flatten();
+    fn solved(&mut self) -> &Solution {
+        let Self { dataset, solver, samples, lit, environment, solved, .. } = self;
+        solved.get_or_insert_with(|| {
+            let (mut direct, albedo) = samples.fit(solver, &lit.irradiance(), lit.albedo());
+            let environment = environment.iter().flatten();
             direct.iter_mut().zip(environment).for_each(|(sum, part)| *sum += part);
-            let emitted = self.samples.means(self.lit.emission());
-            let settings = SolveSettings::default();
-            self.solved = Some(self.solver.solve_with_emission(bake, &direct, &albedo, &emitted, settings));
+            let emitted = samples.means(lit.emission());
+            solver.solve_with_emission(bake(dataset), &direct, &albedo, &emitted, SolveSettings::default())
+        })
+    }
+}
+
+fn bake(dataset: &Dataset) -> &MeshlessBake {
+    dataset.meshless.as_deref().expect("a rig is made with a basis")
+}
+
+impl Lit for MeshlessRig {
+    fn update(&mut self, situation: &Situation, changes: Changes) {
+        self.lit.update(&situation.appearance, &situation.bouncing(), changes);
+        if changes.environment {
+            let senders = bake(&self.dataset).basis.sender_points();
+            let shine = |lighting: &Arc<SceneLighting>| environment_irradiance_of(senders, &self.dataset, lighting);
+            self.environment = situation.environment.as_ref().map(shine);
         }
-        Some(dataset)
+        if changes.relight() {
+            self.solved = None;
+        }
     }
 }
 
@@ -118,13 +117,14 @@ impl MeshlessRig {
 mod tests {
     use super::*;
     use crate::{
-        Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig, Renderer,
-        View,
+        Appearance, Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, LocalRig,
+        Renderer, View,
         appearance::ResolvedAppearance,
-        test_scenes::{LINK, from_above, illumination, linked, linked_floor_and_wall},
+        test_scenes::{Edited, LINK, from_above, illumination, linked, linked_floor_and_wall},
     };
     use lapidary_core::{
         camera::Camera,
+        lights::Light,
         meshless::{Basis, Transport},
         sphere::{cosine_direction, frame_around},
         surfel::MeshPlace,
@@ -136,9 +136,13 @@ mod tests {
         [Light { position, intensity: Vec3::splat(intensity), ..Default::default() }].into()
     }
 
+    fn basis_of(baked: &Baked) -> Edited<MeshlessRig> {
+        Edited::new(baked, MeshlessRig::new(baked).expect("it has a basis"))
+    }
+
     /// Vector irradiance on the front of a vertex that faces up.
-    fn on_floor(rig: &mut MeshlessRig) -> Mat3A {
-        let light = rig.light().unwrap();
+    fn on_floor(rig: &mut Edited<MeshlessRig>) -> Mat3A {
+        let light = rig.light();
         let mesh = &light.dataset().scene.mesh;
         let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
         light.at(mesh.positions[up], Vec3::Y, false)
@@ -147,7 +151,7 @@ mod tests {
     #[test]
     fn a_linked_wall_gives_the_floor_its_radiosity() {
         let baked = Baked::from(linked_floor_and_wall());
-        let mut rig = MeshlessRig::new(&baked).unwrap();
+        let mut rig = basis_of(&baked);
         rig.set_lights(&lamp(3.0));
         let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0].position;
         let to_light = lamp(3.0)[0].position - wall;
@@ -155,14 +159,15 @@ mod tests {
         let albedo = ResolvedAppearance::from(Appearance::of(&baked.dataset.scene))
             .albedo(&baked.dataset.scene.mesh, rig.lit.points[0].place);
         let sent = albedo * irradiance * FRAC_1_PI;
-        let found = rig.light().unwrap();
+        let found = rig.light();
         let mesh = &baked.dataset.scene.mesh;
         for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals).filter(|(_, n)| **n == Vec3::Y) {
             let expected = LINK.dot(normal) * sent;
             let received = super::irradiance(&found.at(position, normal, false), normal);
             assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
         }
-        rig.set_lights(&lamp(3.0));
+        let situation = rig.situation.clone();
+        rig.update(&situation, Changes { gathering: true, ..Changes::NONE });
         assert!(rig.energy().is_some(), "the same light needs no other solution");
         rig.set_lights(&[]);
         assert!(rig.energy().is_none());
@@ -172,7 +177,7 @@ mod tests {
     #[test]
     fn a_linked_wall_that_shines_gives_the_floor_its_radiance() {
         let baked = Baked::from(linked_floor_and_wall());
-        let mut rig = MeshlessRig::new(&baked).unwrap();
+        let mut rig = basis_of(&baked);
         let mut appearance = Appearance::of(&baked.dataset.scene);
         let wall = baked.dataset.scene.mesh.triangle_material[rig.lit.points[0].place.triangle as usize] as usize;
         appearance.materials[wall].parameters.set("emission_luminance", 2.5);
@@ -194,7 +199,7 @@ mod tests {
         meshless.basis = Basis::new(&[vec![wall, floor], finer.to_vec()], 20.0, 1).unwrap();
         meshless.transport = Transport::from_rows(&[Vec::new(), vec![(0, LINK)], Vec::new(), Vec::new()], 2);
         let baked = Baked::from(dataset);
-        let mut rig = MeshlessRig::new(&baked).unwrap();
+        let mut rig = basis_of(&baked);
         rig.set_lights(&lamp(3.0));
         let irradiance = |point: &Surfel| {
             let to_light = lamp(3.0)[0].position - point.position;
@@ -224,12 +229,12 @@ mod tests {
     #[test]
     fn the_environment_lights_the_senders() {
         let baked = Baked::from(linked_floor_and_wall());
-        let mut rig = MeshlessRig::new(&baked).unwrap();
+        let mut rig = basis_of(&baked);
         let radiance = Vec3::new(1.0, 2.0, 0.5);
         let mesh = &baked.dataset.scene.mesh;
         let wall = baked.dataset.meshless.as_ref().unwrap().basis.points()[0];
         let mut under = |light: &Illumination| {
-            rig.set_environment(Some(&Renderer::new(baked.clone()).lighting(light, 256)));
+            rig.set_environment(Some(Renderer::new(baked.clone()).lighting(light, 256)));
             super::irradiance(&on_floor(&mut rig), Vec3::Y)
         };
         // What the floor does not hide of it from the vertices around, by cosine.
@@ -262,10 +267,9 @@ mod tests {
             let meshless = Arc::make_mut(dataset.meshless.as_mut().unwrap());
             meshless.transport = Transport::from_rows(&[vec![(1, BACK)], vec![(0, LINK)]], 2);
             dataset.scene.mesh.normals.iter_mut().filter(|n| **n == Vec3::X).for_each(|n| *n = wall_normal);
-            let mut rig = MeshlessRig::new(&Baked::from(dataset)).unwrap();
+            let mut rig = basis_of(&Baked::from(dataset));
             rig.set_lights(std::slice::from_ref(&over_the_wall));
-            rig.solve();
-            rig.solved.unwrap().mean_irradiance
+            rig.solved().mean_irradiance.clone()
         };
         let smooth = Vec3::new(0.8, -0.6, 0.0);
         let (by_face, by_smooth) = (means(Vec3::X), means(smooth));
@@ -291,7 +295,7 @@ mod tests {
             let mut dataset = linked(normal, LINK * Vec3::new(1.0, normal.y, 1.0));
             dataset.two_sided.fill(true);
             let baked = Baked::from(dataset);
-            let mut rig = LocalRig::new(&baked);
+            let mut rig = Edited::new(&baked, LocalRig::new(&baked));
             rig.set_lights(&lamp(3.0));
             let indirect = Components { indirect: true, ..Components::NONE };
             let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
@@ -307,8 +311,8 @@ mod tests {
     #[test]
     fn pictures_show_it_times_the_albedo_and_only_changes_solve_again() {
         let baked = Baked::from(linked_floor_and_wall());
-        let mut rig = LocalRig::new(&baked);
-        let picture = |rig: &mut LocalRig| {
+        let mut rig = Edited::new(&baked, LocalRig::new(&baked));
+        let picture = |rig: &mut Edited<LocalRig>| {
             let indirect = Components { indirect: true, ..Components::NONE };
             let lighting = rig.lighting(indirect, crate::Solution::Meshless, 16);
             let Some(BounceLight::Functions(light)) = &lighting.bounce else { panic!("no functions") };

@@ -3,10 +3,11 @@
 
 use super::*;
 use crate::{
-    Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer, View, ViewMode,
+    Appearance, Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer,
+    View, ViewMode,
     test_scenes::{
-        LIGHTS, SIDE_LOG2, SOURCES, WALL, floor_and_wall, from_above, from_the_side, illumination, light, point_light,
-        seen,
+        Edited, LIGHTS, SIDE_LOG2, SOURCES, WALL, floor_and_wall, from_above, from_the_side, illumination, light,
+        point_light, seen,
     },
 };
 use glam::{Vec2, Vec3};
@@ -15,7 +16,7 @@ use lapidary_core::{
     cut::{solid_angle, solid_angle_code},
     dataset::BakeParts,
     image::Image,
-    lights::Emission,
+    lights::{Emission, Light},
     material::{BrdfModel, Material},
     sources::Source,
 };
@@ -29,6 +30,10 @@ fn form_factor(p: Vec3) -> f32 {
         a.dot(b).acos() * a.cross(b).normalize().y
     };
     0.5 * (0..4).map(edge).sum::<f32>().abs()
+}
+
+fn sources_of(baked: &Baked) -> Edited<SourceRig> {
+    Edited::new(baked, SourceRig::new(baked).expect("it has sources"))
 }
 
 const INDIRECT: Components = Components { indirect: true, ..Components::NONE };
@@ -64,7 +69,7 @@ fn uniform(rig: &SourceRig, irradiance: f32) -> SourceLighting {
 #[test]
 fn the_bounce_of_a_wall_is_that_of_its_form_factor() {
     let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
-    let rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let rig = sources_of(&dataset.clone().into());
     let view = from_above(24);
     let albedo = Vec3::new(0.6, 0.3, 0.1);
     let expected = floor_image(&view, |p| albedo * (5.0 / PI) * (form_factor(p) / PI));
@@ -81,7 +86,7 @@ fn the_bounce_of_a_wall_is_that_of_its_form_factor() {
 #[test]
 fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
     let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
-    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let mut rig = sources_of(&dataset.clone().into());
     let shines = |luminance: f32| {
         let mut appearance = Appearance::of(&dataset.scene);
         appearance.materials[1].parameters.set("emission_color", Vec3::new(1.0, 0.5, 0.0));
@@ -103,7 +108,7 @@ fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
 #[test]
 fn full_cuts_are_the_sum_over_all_sources() {
     let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
-    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let mut rig = sources_of(&dataset.clone().into());
     rig.set_lights(&[point_light(Vec3::new(-1.5, 1.0, 0.3), 2.0)]);
     let sources = &dataset.indirect.as_ref().unwrap().sources;
     let lighting = rig.lighting(SOURCES as u32);
@@ -140,7 +145,7 @@ fn refinement_of_few_nodes_is_close_to_all_of_them_for_a_glossy_floor() {
         Arc::new(dataset)
     };
     let full = glossy(2 * SIDE_LOG2);
-    let mut rig = SourceRig::new(&full.clone().into()).unwrap();
+    let mut rig = sources_of(&full.clone().into());
     rig.set_lights(&[point_light(Vec3::new(-1.9, 1.5, 0.5), 2.0)]);
     let mut view = from_the_side(32);
     view.camera = lapidary_core::camera::Camera::look_at(Vec3::new(1.8, 1.0, 0.3), Vec3::new(-1.0, 0.0, 0.0), 40.0);
@@ -154,7 +159,7 @@ fn refinement_of_few_nodes_is_close_to_all_of_them_for_a_glossy_floor() {
 #[test]
 fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again() {
     let dataset = Arc::new(floor_and_wall(4));
-    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let mut rig = sources_of(&dataset.clone().into());
     assert!(rig.irradiance().iter().all(|&e| e == Vec3::ZERO), "no light, no irradiance");
     let light = point_light(Vec3::new(-1.0, 1.0, 0.0), 3.0);
     rig.set_lights(std::slice::from_ref(&light));
@@ -194,7 +199,7 @@ fn light_is_received_by_the_normals_that_are_seen_on_either_side() {
         normals.for_each(|n| *n = lean);
         let sources = &mut dataset.indirect.as_mut().unwrap().sources;
         sources.iter_mut().for_each(|source| source.surfel.normal *= side);
-        let mut rig = SourceRig::new(&Arc::new(dataset).into()).unwrap();
+        let mut rig = sources_of(&Arc::new(dataset).into());
         rig.set_lights(&[sun(toward)]);
         rig.irradiance().iter().map(|e| e.x).sum::<f32>() / SOURCES as f32
     };
@@ -209,7 +214,7 @@ fn light_is_received_by_the_normals_that_are_seen_on_either_side() {
 #[test]
 fn a_rectangle_in_front_of_the_wall_gives_lambert_s_irradiance() {
     let dataset = Arc::new(floor_and_wall(4));
-    let mut rig = SourceRig::new(&dataset.into()).unwrap();
+    let mut rig = sources_of(&dataset.into());
     let emission = Emission::Rectangle { width: 0.8, height: 0.6 };
     let position = Vec3::new(-0.7, 1.2, 0.0);
     let light = Light { emission, target: Vec3::new(-2.2, 1.2, 0.0), ..point_light(position, 2.0) };
@@ -231,9 +236,9 @@ fn a_rectangle_in_front_of_the_wall_gives_lambert_s_irradiance() {
 fn a_constant_environment_gives_a_free_source_pi() {
     let dataset = Arc::new(floor_and_wall(4));
     let renderer = Renderer::new(dataset.clone());
-    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let mut rig = sources_of(&dataset.clone().into());
     let mut shine = |light: &Illumination| {
-        rig.set_environment(Some(&renderer.lighting(light, 256)));
+        rig.set_environment(Some(renderer.lighting(light, 256)));
         rig.irradiance()
     };
     let full = shine(&illumination([64, 32], |_, _| Vec3::new(1.0, 2.0, 0.5)));
@@ -249,7 +254,7 @@ fn a_constant_environment_gives_a_free_source_pi() {
 #[test]
 fn an_edited_material_scales_the_bounce_and_casts_no_rays() {
     let dataset = Arc::new(floor_and_wall(6));
-    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let mut rig = sources_of(&dataset.clone().into());
     rig.set_lights(&[point_light(Vec3::new(-1.0, 1.0, 0.0), 3.0)]);
     let view = from_above(12);
     let show = |rig: &SourceRig| picture(&dataset, &rig.lighting(64), &view, BrdfSampling::Refine);
@@ -267,10 +272,10 @@ fn an_edited_material_scales_the_bounce_and_casts_no_rays() {
 #[test]
 fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
     let dataset = Arc::new(floor_and_wall(6));
-    let mut rig = SourceRig::new(&dataset.clone().into()).unwrap();
+    let mut rig = sources_of(&dataset.clone().into());
     let light = illumination([64, 32], |x, _| Vec3::splat(0.1 * x as f32));
     let lighting = Arc::new(Renderer::new(dataset.clone()).lighting(&light, 64));
-    rig.set_environment(Some(&lighting));
+    rig.set_environment(Some((*lighting).clone()));
     let bounce = Some(BounceLight::Sources(Arc::new(rig.lighting(64))));
     let mut backend = CpuBackend::new();
     let lamps: Arc<[Light]> = [point_light(Vec3::new(0.5, 1.5, 0.0), 3.0)].into();

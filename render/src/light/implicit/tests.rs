@@ -4,7 +4,9 @@ use super::{seen::CoreSights, *};
 use crate::{
     Backend, Components, CpuBackend, LitScene, Look, Renderer,
     light::solver::solutions::Solution,
-    test_scenes::{dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, rel_rmse, white},
+    test_scenes::{
+        Edited, dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, rel_rmse, white,
+    },
 };
 use lapidary_core::{
     brdf::Parameters,
@@ -33,6 +35,13 @@ pub(crate) fn posed(pose: Pose) -> Poses {
     let mut poses = Poses::default();
     poses.set(BLOCKER, pose);
     poses
+}
+
+/// A rig for a drag, as baked.
+fn under_the_sky(baked: &Baked) -> Edited<PoseRig> {
+    let mut rig = Edited::new(baked, PoseRig::new(baked, Box::new(CoreSights), Detail::OF_A_DRAG));
+    rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
+    rig
 }
 
 /// As a bake of the posed scene.
@@ -105,14 +114,13 @@ fn what_an_object_lay_on_is_lit_when_it_is_lifted_and_stays_dark_while_it_lies()
     let (near, dark) = (rel_rmse(&preview, &truth), rel_rmse(&dark, &truth));
     assert!(near < 0.06 && dark > 2.5 * near, "{near}, negative control {dark}: the cuts of the bake");
     let baked = Baked::from(as_baked.clone());
-    let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
-    let mut rig = PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG);
-    let light = rig.light(Some(&lighting), Vec::new(), &Appearance::of(&as_baked.scene), 1);
+    let mut rig = under_the_sky(&baked);
+    let light = rig.light(1);
     assert!(light.uncovered.front.iter().all(|rest| *rest == Vec3::ZERO), "it lies where it lay");
     let mut at_the_middle = |x: f32| {
         let slid = posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
-        rig.pose(baked.posed(&slid).unwrap(), &slid);
-        rig.light(Some(&lighting), Vec::new(), &Appearance::of(&as_baked.scene), 1).uncovered.front[25 * 12 + 12]
+        rig.set_poses(&baked, &slid);
+        rig.light(1).uncovered.front[25 * 12 + 12]
     };
     assert_eq!(at_the_middle(0.05), Vec3::ZERO, "it still lies there");
     assert!(at_the_middle(1.5).min_element() > 1.0, "negative control");
@@ -138,17 +146,14 @@ fn what_moved_is_lit_by_its_own_bins_glossy_too() {
 #[test]
 fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
     let baked = Baked::from(blocked(white(), 8));
-    let renderer = Renderer::new(baked.clone());
-    let lighting = Arc::new(renderer.lighting(&sky(), 64));
-    let lamp = [point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)];
-    let appearance = Appearance::of(&baked.dataset.scene);
-    let mut rig = PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG);
-    let as_it_is = rig.light(Some(&lighting), lamp.to_vec(), &appearance, 2);
+    let mut rig = under_the_sky(&baked);
+    rig.set_lights(&[point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)]);
+    let as_it_is = rig.light(2);
     let all = |sides: &Sides, value| sides.front.iter().chain(&sides.back).all(|found| *found == value);
     assert!(all(&as_it_is.growth, Vec3::ZERO) && all(&as_it_is.bounce, Vec3::ZERO));
     let poses = posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED });
-    rig.pose(baked.posed(&poses).unwrap(), &poses);
-    let changed = rig.light(Some(&lighting), lamp.to_vec(), &appearance, 2);
+    rig.set_poses(&baked, &poses);
+    let changed = rig.light(2);
     assert!(!all(&changed.growth, Vec3::ZERO) && !all(&changed.bounce, Vec3::ZERO), "negative control");
     assert!(changed.growth.front.iter().all(|growth| growth.abs().max_element() <= MOST_GROWTH - 1.0));
 }
@@ -156,22 +161,22 @@ fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
 #[test]
 fn a_drag_gives_the_bits_of_its_last_pose() {
     let baked = Baked::from(blocked(white(), 8));
-    let lighting = Arc::new(Renderer::new(baked.clone()).lighting(&sky(), 64));
-    let appearance = Appearance::of(&baked.dataset.scene);
-    let shown = |rig: &mut PoseRig, poses: &Poses| {
-        let cuts = rig.pose(baked.posed(poses).unwrap(), poses).dataset.cuts.clone();
+    let shown = |rig: &mut Edited<PoseRig>, poses: &Poses| {
+        rig.set_poses(&baked, poses);
+        let scene = rig.situation.scene.clone();
+        let cuts = rig.with_cuts(&scene).dataset.cuts.clone();
         let height = baked.dataset.tree.height();
         let cuts: Vec<_> = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec()).collect();
-        (cuts, rig.light(Some(&lighting), Vec::new(), &appearance, 2))
+        (cuts, rig.light(2))
     };
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let mut both = at(0.4);
     both.set(0, Pose { translate: Vec3::Y * -0.1, ..Pose::AS_BAKED });
-    let mut dragged = PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG);
+    let mut dragged = under_the_sky(&baked);
     let mut last = None;
     for poses in [at(0.1), at(0.9), both.clone(), at(0.4), at(0.3)] {
         let now = shown(&mut dragged, &poses);
-        assert!(now == shown(&mut PoseRig::new(&baked, Box::new(CoreSights), Detail::OF_A_DRAG), &poses));
+        assert!(now == shown(&mut under_the_sky(&baked), &poses));
         assert!(last.as_ref() != Some(&now), "negative control: another pose");
         last = Some(now);
     }
@@ -211,8 +216,9 @@ fn a_vertex_of_two_objects_goes_with_the_first_and_only_then_has_moved() {
     as_baked.scene.mesh.triangles[last][0] = shared;
     let baked = Baked::from(as_baked);
     let poses = posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED });
-    let mut rig = PoseRig::new(&baked, Box::new(CoreSights), Detail::LADDER[0]);
-    let now = rig.pose(baked.posed(&poses).unwrap(), &poses).dataset;
+    let mut rig = under_the_sky(&baked);
+    rig.set_poses(&baked, &poses);
+    let now = rig.situation.scene.dataset.clone();
     let place = |of: &Dataset, vertex: u32| of.scene.mesh.positions[vertex as usize];
     let own = now.scene.mesh.triangles[last][1];
     assert_eq!(place(&now, shared), place(&baked.dataset, shared));

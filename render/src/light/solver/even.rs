@@ -2,22 +2,21 @@
 //! of solutions, and it takes its time.
 
 use super::{
-    BounceLight, BounceSolver, Lit,
-    shared::Rigs,
+    BounceLight, BounceSolver,
+    rigs::Rigs,
     solutions::{Bounces, Described},
 };
-use crate::{
-    appearance::Appearance,
-    baked::Baked,
-    light::{environment::SceneLighting, implicit::Sides},
+use crate::light::{
+    implicit::Sides,
+    situation::{Changes, Situation},
 };
 use glam::Vec3;
-use lapidary_core::{lights::Light, transport::BounceEnergy};
+use lapidary_core::transport::BounceEnergy;
 use std::sync::Arc;
 
 /// Gives all surfaces the intensities of the lights as irradiance, a half of what is missing in each step.
+#[derive(Default)]
 pub struct Even {
-    vertices: usize,
     wanted: Vec3,
     steps: u32,
     light: Option<Arc<Sides>>,
@@ -32,29 +31,17 @@ impl Described for Even {
     const METHOD: &'static str = "Irradiance of the lights' intensities";
     const BOUNCES: u32 = STEPS;
     const NEEDS: Bounces = Bounces { cuts: true, meshless: true };
-
-    fn new(baked: &Baked, _: &Rigs) -> Option<Self> {
-        let vertices = baked.dataset.scene.mesh.positions.len();
-        Some(Self { vertices, wanted: Vec3::ZERO, steps: 0, light: None })
-    }
-}
-
-impl Lit for Even {
-    fn set_appearance(&mut self, _: &Arc<Appearance>) {}
-
-    fn set_lights(&mut self, lights: &Arc<[Light]>) {
-        self.wanted = lights.iter().map(|light| light.intensity).sum();
-        (self.steps, self.light) = (0, None);
-    }
-
-    fn set_environment(&mut self, _: Option<&Arc<SceneLighting>>) {}
 }
 
 impl BounceSolver for Even {
-    fn advance(&mut self) -> bool {
+    fn advance(&mut self, situation: &Situation, changes: Changes, _: &mut Rigs) -> bool {
+        if changes.lights {
+            (self.wanted, self.steps) = (situation.lights.iter().map(|light| light.intensity).sum(), 0);
+        }
         if self.steps < STEPS {
             self.steps += 1;
-            let side = vec![self.wanted * (1.0 - 0.5_f32.powi(self.steps as i32)); self.vertices];
+            let vertices = situation.scene.dataset.scene.mesh.positions.len();
+            let side = vec![self.wanted * (1.0 - 0.5_f32.powi(self.steps as i32)); vertices];
             self.light = Some(Sides { front: side.clone(), back: side }.into());
         }
         self.steps < STEPS
@@ -74,7 +61,7 @@ impl BounceSolver for Even {
 mod tests {
     use super::*;
     use crate::{
-        Components, CpuBackend, LitScene, Look, Solution, View,
+        Appearance, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
         appearance::ResolvedAppearance,
         test_looks::look,
         test_scenes::{from_above, linked_floor_and_wall, point_light},
@@ -106,13 +93,12 @@ mod tests {
         let baked = Baked::from(linked_floor_and_wall());
         assert!(Bounces::of(&baked.dataset).solutions().contains(&Solution::Even));
         assert_eq!((Solution::Even.label(), Solution::Even.bounces()), ("Even", STEPS));
-        let rigs = Rigs::new(&baked);
-        let mut solver = Solution::Even.solver(&baked, &rigs).unwrap();
-        solver.set_lights(&[point_light(Vec3::ZERO, 8.0)].into());
+        let (mut rigs, mut solver) = (Rigs::new(&baked), Solution::Even.solver());
+        let situation = Situation { lights: [point_light(Vec3::ZERO, 8.0)].into(), ..Situation::unlit(&baked) };
         assert!(solver.light().is_none());
-        let mut steps = Vec::new();
+        let (mut steps, mut changes) = (Vec::new(), Changes::ALL);
         while {
-            let goes_on = solver.advance();
+            let goes_on = solver.advance(&situation, std::mem::take(&mut changes), &mut rigs);
             let Some(BounceLight::Vertices(light)) = solver.light() else { panic!("no light") };
             steps.push(light.front[0].x);
             goes_on

@@ -1,9 +1,6 @@
 //! The list of all solutions. A new one is a file beside this one, and its line here.
 
-use super::{
-    BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver, shared::Rigs,
-};
-use crate::baked::Baked;
+use super::{BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver};
 use lapidary_core::dataset::Dataset;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -12,7 +9,7 @@ use std::fmt;
 use super::even::Even;
 
 /// A solver with what lists say of it.
-pub trait Described: BounceSolver + Sized + 'static {
+pub trait Described: BounceSolver + Default + 'static {
     /// Name for people.
     const LABEL: &'static str;
     /// What it is good for, in a sentence.
@@ -23,9 +20,6 @@ pub trait Described: BounceSolver + Sized + 'static {
     const BOUNCES: u32;
     /// What a dataset must have for it.
     const NEEDS: Bounces;
-
-    /// One for a dataset with the materials of its bake and without light; `None` if the dataset lacks what it needs.
-    fn new(baked: &Baked, rigs: &Rigs) -> Option<Self>;
 }
 
 macro_rules! solutions {
@@ -70,11 +64,9 @@ macro_rules! solutions {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::NEEDS,)* }
             }
 
-            /// Its solver for a dataset; `None` if the dataset lacks what it needs.
-            pub(crate) fn solver(self, baked: &Baked, rigs: &Rigs) -> Option<Box<dyn BounceSolver>> {
-                match self {
-                    $($(#[$attribute])* Self::$variant => Some(Box::new(<$solver as Described>::new(baked, rigs)?)),)*
-                }
+            /// Its solver, before the first step.
+            pub(crate) fn solver(self) -> Box<dyn BounceSolver> {
+                match self { $($(#[$attribute])* Self::$variant => Box::new(<$solver>::default()),)* }
             }
         }
     };

@@ -9,7 +9,7 @@ use anyhow::Result;
 use clap::Args;
 use lapidary_core::lights::Light;
 use lapidary_render::{
-    Backend, BackendError, Bounces, CpuBackend, LightRig, LitScene, LocalRig, Look, Post,
+    Backend, BackendError, Bounces, Changes, CpuBackend, LightRig, LitScene, LocalRig, Look, Post, Situation,
     gpu::{GpuBackend, PassTimes},
 };
 use serde::Serialize;
@@ -172,10 +172,13 @@ impl<'a> Measurement<'a> {
             return None;
         }
         let mut rig = LocalRig::new(&self.viewed.baked);
+        let mut situation = Situation::unlit(&self.viewed.baked);
+        situation.gathering.illum_cut = 256;
         let mut redo = |lights: &[Light]| {
-            rig.set_lights(&lights.into());
+            situation.lights = lights.into();
+            rig.note(Changes { lights: true, ..Changes::NONE });
             let start = Instant::now();
-            rig.lighting(*components, *solution, 256);
+            while rig.advance(&situation, *solution) {}
             start.elapsed()
         };
         redo(lights);

@@ -1,0 +1,38 @@
+//! Lit points that several solvers share, so that each ray is cast once.
+
+use crate::{
+    baked::Baked,
+    light::{
+        bounce::{MeshlessRig, SourceRig},
+        situation::{Changes, Pending, Situation},
+    },
+};
+
+/// What solvers stand on.
+pub struct Rigs {
+    sources: Option<Pending<SourceRig>>,
+    meshless: Option<Pending<MeshlessRig>>,
+}
+
+impl Rigs {
+    /// Those of a dataset.
+    pub fn new(baked: &Baked) -> Self {
+        Self { sources: SourceRig::new(baked).map(Pending::new), meshless: MeshlessRig::new(baked).map(Pending::new) }
+    }
+
+    /// Notes what has changed.
+    pub fn note(&mut self, changes: Changes) {
+        self.sources.iter_mut().for_each(|rig| rig.note(changes));
+        self.meshless.iter_mut().for_each(|rig| rig.note(changes));
+    }
+
+    /// The surface sources under direct light; `None` for a dataset without any.
+    pub fn sources(&mut self, situation: &Situation) -> Option<&mut SourceRig> {
+        Some(self.sources.as_mut()?.lit(situation))
+    }
+
+    /// The meshless basis under direct light; `None` for a dataset without one.
+    pub fn meshless(&mut self, situation: &Situation) -> Option<&mut MeshlessRig> {
+        Some(self.meshless.as_mut()?.lit(situation))
+    }
+}
