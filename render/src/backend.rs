@@ -14,7 +14,7 @@ use crate::{
     },
     post::Post,
     remedy::{Remedy, Wording},
-    shade::merge::BrdfSampling,
+    sampling::BrdfSampling,
     stale::{Part, Stale},
     view::View,
 };

@@ -27,6 +27,7 @@ mod post;
 mod reference;
 mod remedy;
 mod renderer;
+mod sampling;
 mod shade;
 mod sketch;
 mod stale;
@@ -83,7 +84,8 @@ pub use reference::{
 };
 pub use remedy::{Remedy, Wording};
 pub use renderer::Renderer;
-pub use shade::{merge::BrdfSampling, surface::SurfacePlace, unoccluded::UnoccludedShader};
+pub use sampling::BrdfSampling;
+pub use shade::{surface::SurfacePlace, unoccluded::UnoccludedShader};
 pub use sketch::{STRIDES, Tiles, share_of_lattice};
 pub use stale::{Marks, Pixels, Stale};
 pub use view::{Background, Preview, Progress, Quiet, View};

@@ -3,10 +3,12 @@
 pub(crate) mod bounce;
 pub(crate) mod buried;
 pub(crate) mod components;
-pub(crate) mod direct;
+pub(crate) mod drift;
 pub(crate) mod environment;
 pub(crate) mod implicit;
 pub(crate) mod local;
+pub(crate) mod mirrored_map;
+pub(crate) mod node_row;
 pub(crate) mod situation;
 pub(crate) mod solver;
 

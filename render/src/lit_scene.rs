@@ -5,9 +5,9 @@ mod posing;
 
 use crate::{
     Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks,
-    Pixels, Posing, Post, Redo, RenderStats, Renderer, SceneLighting, Stale, SurfaceLayers, Tier, View,
+    Pixels, Posing, Post, Redo, RenderStats, SceneLighting, Stale, SurfaceLayers, Tier, View,
     light::{
-        bounce::Drift,
+        drift::Drift,
         implicit::detail::Detail,
         situation::{Changes, Gathering, Situation},
     },
@@ -388,7 +388,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         // A shadow over nothing is no surface.
         let is_shadow = look.catches_shadows() && look.view.background == Background::Transparent;
         let ground = if is_shadow { Ground::Off } else { look.view.ground };
-        Renderer::of(&self.baked, look).surface_layers(&View { ground, ..look.view.clone() })
+        look.renderer(&self.baked).surface_layers(&View { ground, ..look.view.clone() })
     }
 
     /// The scene.

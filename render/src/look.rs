@@ -1,7 +1,7 @@
 //! All that decides a picture of a baked scene, and what a renderer must redo for another look.
 
 use crate::{
-    Appearance, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Solution, Stale, View,
+    Appearance, Baked, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Renderer, Solution, Stale, View,
     light::situation::Changes, shade::background::caught_per_radiance,
 };
 use lapidary_core::{
@@ -51,6 +51,14 @@ impl Look {
     /// How the bounced light of its picture is computed: views of the meshless basis show its solution.
     pub fn shown_solution(&self) -> Solution {
         if self.view.mode.is_of_basis() { Solution::Meshless } else { self.solution }
+    }
+
+    /// A scene with its materials and with objects where it poses them, or where they were baked if they cannot be posed so; missing
+    /// materials and maps are replaced.
+    pub fn renderer(&self, baked: &Baked) -> Renderer {
+        let mut renderer = Renderer::new(baked.posed(&self.poses).unwrap_or_else(|_| baked.clone()));
+        renderer.set_appearance(self.appearance.fitted(&renderer.dataset.scene.materials).0);
+        renderer
     }
 
     /// A scene as it was baked, under an environment alone, with an illumination cut of 256 nodes.

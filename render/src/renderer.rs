@@ -1,11 +1,9 @@
 //! A dataset ready for rendering: the appearance of its surfaces, its ray hierarchy, and the rig that lights its tree.
 
 use crate::{
-    Look,
     appearance::{Appearance, ResolvedAppearance},
     baked::Baked,
     light::environment::{Illumination, LightRig, SceneLighting},
-    shade::surface::Surfaces,
 };
 use lapidary_core::{
     dataset::Dataset,
@@ -38,14 +36,6 @@ impl Renderer {
         let largest_offset = offset::LARGEST * dataset.scene.mesh.bounds().diagonal();
         let opacities = baked.opacities();
         Self { dataset, appearance, baked, opacities, own_rays: None, largest_offset, rig: OnceLock::new() }
-    }
-
-    /// For a scene with the materials of a look and objects where it poses them, or where they were baked if they cannot be posed
-    /// so; missing materials and maps are replaced.
-    pub fn of(baked: &Baked, look: &Look) -> Self {
-        let mut renderer = Self::new(baked.posed(&look.poses).unwrap_or_else(|_| baked.clone()));
-        renderer.set_appearance(look.appearance.fitted(&renderer.dataset.scene.materials).0);
-        renderer
     }
 
     /// The same surfaces where the scene is posed.
@@ -104,9 +94,9 @@ impl Renderer {
         self.baked.patches()
     }
 
-    /// Looks up points of the scene as it looks now.
-    pub(crate) fn surfaces(&self) -> Surfaces<'_> {
-        Surfaces::new(&self.dataset, &self.appearance, self.intersector(), self.largest_offset)
+    /// Distance in metres that shadow rays start off a surface, at most.
+    pub(crate) fn largest_offset(&self) -> f32 {
+        self.largest_offset
     }
 
     /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. Rotating or scaling an

@@ -3,11 +3,11 @@
 pub(crate) mod background;
 pub(crate) mod bumps;
 pub(crate) mod differentials;
+pub(crate) mod direct;
 pub(crate) mod merge;
 mod merged;
 pub mod mirror;
 pub(crate) mod node_field;
-pub(crate) mod node_row;
 pub(crate) mod painter;
 pub(crate) mod pixel_sampler;
 pub(crate) mod point_shader;

@@ -10,7 +10,7 @@ use crate::{
         background::{Backdrop, BlurCache},
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
-        surface::{FirstHit, SurfacePoint},
+        surface::{FirstHit, SurfacePoint, Surfaces},
     },
 };
 use glam::{Vec2, Vec3, Vec4};
@@ -255,7 +255,7 @@ pub(crate) fn mean(image: &Image) -> f32 {
 /// The surface at the middle of a view.
 pub(crate) fn surface_at(renderer: &Renderer, view: &View) -> SurfacePoint {
     let direction = view.camera.direction_through(0.5 * Vec2::new(view.size[0] as f32, view.size[1] as f32), view.size);
-    match renderer.surfaces().seen_along(view.camera.eye, direction) {
+    match Surfaces::of(renderer).seen_along(view.camera.eye, direction) {
         FirstHit::Surface(point) => *point,
         _ => panic!("the view looks at a surface"),
     }

@@ -1,6 +1,6 @@
 //! The quantity that the pixels of a view show: the lit picture, or one of the quantities behind it.
 
-use crate::BrdfSampling;
+use crate::sampling::BrdfSampling;
 use lapidary_core::{
     cut::packed::PackedCuts,
     dataset::{BakeParts, Dataset},

@@ -26,7 +26,7 @@ impl BouncedLight {
     /// # Errors
     /// None on this machine's cores.
     pub fn new(baked: Baked, look: Look) -> Result<Self> {
-        let renderer = Renderer::of(&baked, &look);
+        let renderer = look.renderer(&baked);
         let scene = LitScene::new(Box::new(CpuBackend::new()), baked)?;
         Ok(Self { look: Look { components: INDIRECT, ..look }, scene, renderer })
     }

@@ -9,16 +9,16 @@ use crate::{
         sketch::{Moved, Sketch},
     },
     light::{
-        direct::DirectLights,
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
         solver::solutions::Bounces,
     },
     post::Post,
     renderer::Renderer,
+    sampling::BrdfSampling,
     shade::{
         background::{Backdrop, BlurCache},
-        merge::BrdfSampling,
+        direct::DirectLights,
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
     },

@@ -4,8 +4,8 @@
 use crate::{
     backend::{PictureStats, ShadedSamples},
     cpu::display::display_pixel,
-    light::direct::pixel_shift,
     post::Post,
+    shade::direct::pixel_shift,
     shade::{
         painter::{Painter, SeenOfParts},
         pixel_sampler::{PixelSampler, Sight},

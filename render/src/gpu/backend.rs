@@ -38,7 +38,7 @@ use crate::{
     },
     measure::compare::map::magma_stops,
     post::Post,
-    shade::merge::BrdfSampling,
+    sampling::BrdfSampling,
     sketch::Tiles,
     stale::{DirectStep, Part, Pixels, Stale, SummedLights},
     view::View,

@@ -3,7 +3,6 @@
 //!
 //! Each step keeps its result, so that a moved light casts rays for that light only and an edited material none.
 
-mod drift;
 pub(crate) mod functions;
 mod irradiance;
 mod light_groups;
@@ -15,9 +14,9 @@ use crate::{
     baked::Baked,
     light::{
         brightness,
+        node_row::{NodeExtent, NodeRow},
         situation::{Changes, Lit, Situation},
     },
-    shade::node_row::{NodeExtent, NodeRow},
 };
 use glam::Vec3;
 use irradiance::environment_irradiance;
@@ -34,7 +33,6 @@ use lapidary_core::{
 use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
-pub(crate) use drift::Drift;
 pub use functions::MeshlessLight;
 pub(crate) use light_groups::{LightKey, light_key};
 pub(crate) use lit_points::LitPoints;

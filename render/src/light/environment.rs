@@ -1,12 +1,10 @@
 //! The environment's light: radiance of the tree's nodes and the illumination cut, which an edit of the environment
 //! recomputes.
 
-use crate::{
-    light::brightness,
-    shade::{
-        mirror::MirroredMap,
-        node_row::{NodeExtent, NodeRow},
-    },
+use crate::light::{
+    brightness,
+    mirrored_map::MirroredMap,
+    node_row::{NodeExtent, NodeRow},
 };
 use glam::{Quat, Vec3};
 use lapidary_core::{

@@ -4,6 +4,7 @@
 use crate::{
     Appearance, Assigned, Backend, Baked, Components, LitScene, Look, Renderer, ShadedSamples, View,
     shade::surface::FirstHit,
+    shade::surface::Surfaces,
     test_looks::look,
     test_scenes::{floor_and_wall, illumination, light, point_light},
 };
@@ -70,7 +71,7 @@ impl<B: Backend> Shown<B> {
 /// Samples of surfaces, of all pixels and of those that show a material.
 fn surfaces(baked: &Baked, view: &View, material: u32) -> [u64; 2] {
     let renderer = Renderer::new(baked.clone());
-    let surfaces = renderer.surfaces();
+    let surfaces = Surfaces::of(&renderer);
     let (mut all, mut showing) = (0, 0);
     for pixel in 0..view.size[0] * view.size[1] {
         let at = glam::Vec2::new((pixel % view.size[0]) as f32, (pixel / view.size[0]) as f32);

@@ -7,15 +7,14 @@
 pub(crate) mod cut_map;
 
 use crate::{
-    light::{
-        direct::{DirectLights, pixel_shift},
-        environment::Illumination,
-    },
+    light::environment::Illumination,
     measure::cut_light::{CutLight, FieldJob, NoCuts, TreeOf},
     renderer::Renderer,
+    sampling::BrdfSampling,
     shade::{
         background::Backdrop,
-        merge::{BrdfSampling, EightTerms, Shader},
+        direct::{DirectLights, pixel_shift},
+        merge::{EightTerms, Shader},
         node_field::NodeField,
         pixel_sampler::PixelSampler,
         surface::{FirstHit, SurfacePoint},

@@ -31,9 +31,10 @@ use crate::{
         region::picture_of,
     },
     renderer::Renderer,
+    sampling::BrdfSampling,
     shade::{
         background::Backdrop,
-        merge::{BrdfSampling, EightTerms, Shader},
+        merge::{EightTerms, Shader},
         node_field::NodeField,
         pixel_sampler::PixelSampler,
         point_shader::PointShader,

@@ -39,9 +39,10 @@ use crate::{
         samples::{distant::LightSamples, sources::SourceSamples},
     },
     renderer::Renderer,
+    sampling::BrdfSampling,
     shade::{
         background::Backdrop,
-        merge::{BrdfSampling, Shader},
+        merge::Shader,
         node_field::NodeField,
         pixel_sampler::PixelSampler,
         point_shader::PointShader,

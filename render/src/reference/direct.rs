@@ -1,13 +1,11 @@
 //! Direct light of local lights by shadow rays at every pixel, without cuts.
 
 use crate::{
-    light::{
-        direct::{DirectLights, pixel_shift},
-        environment::Illumination,
-    },
+    light::environment::Illumination,
     renderer::Renderer,
     shade::{
         background::{Backdrop, BlurCache},
+        direct::{DirectLights, pixel_shift},
         pixel_sampler::PixelSampler,
         surface::SurfacePoint,
     },

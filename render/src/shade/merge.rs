@@ -7,11 +7,15 @@
 //! traversal serves the environment and the surface sources, see [`NodeField`]; [`super::merged`] finds the nodes. Twin of
 //! `shaders/merge_pass.wgsl`: the same terms.
 
-use crate::shade::{
-    merged::{Found, Merged},
-    mirror::{Mirror, MirroredMap},
-    node_field::{EightLights, NodeField},
-    surface::{ReceiverX8, SurfacePoint},
+use crate::{
+    light::mirrored_map::MirroredMap,
+    sampling::BrdfSampling,
+    shade::{
+        merged::{Found, Merged},
+        mirror::Mirror,
+        node_field::{EightLights, NodeField},
+        surface::{ReceiverX8, SurfacePoint},
+    },
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -19,25 +23,11 @@ use lapidary_core::{
     cut::{merge::Interval, packed::PackedCuts},
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
 };
-use serde::{Deserialize, Serialize};
 use std::{
     marker::PhantomData,
     ops::{Add, AddAssign},
 };
 use wide::f32x8;
-
-/// Which cuts are merged, and how the BRDF is sampled on the nodes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BrdfSampling {
-    /// Stored cuts and the illumination cut; the BRDF once per node at its direction, as in the paper (Eq. 6).
-    Once,
-    /// The same cuts. Nodes too wide for the lobe are halved, and the lobe is filtered by the remaining width.
-    Refine,
-    /// Lit cuts, and where nodes are too wide for the lobe the stored cuts below them; then as [`Self::Refine`].
-    #[default]
-    Lit,
-}
 
 /// Work done for one pixel or many.
 #[derive(Clone, Copy, Debug, Default)]

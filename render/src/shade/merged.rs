@@ -5,12 +5,13 @@
 //! come in an order of their own.
 
 use super::{
-    merge::{BrdfSampling, Shader, Term},
+    merge::{Shader, Term},
     mirror::Mirror,
     node_field::NodeField,
     refine::{Refinement, are_too_wide_for_a_cosine},
     surface::SurfacePoint,
 };
+use crate::sampling::BrdfSampling;
 use glam::Vec3;
 use lapidary_core::{
     cut::{

@@ -10,14 +10,16 @@
 //! Sampling*). The second is the share of this light that is seen, over the nodes of the merged cut. Any model has both,
 //! since nothing of it but the widths of its lobes is asked for. Twin of `shaders/mirror.wgsl`.
 
-use crate::shade::surface::{ReceiverX8, SurfacePoint};
-use glam::{Mat3, Quat, Vec2, Vec3};
+use crate::{
+    light::mirrored_map::MirroredMap,
+    shade::surface::{ReceiverX8, SurfacePoint},
+};
+use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{Brdf, BrdfVisitor, GgxLobe, Lobes, MIN_ALPHA, NO_LOBE},
-    environment::{Environment, Pyramid},
     simd::{Lanes, Vec3x8},
 };
-use std::{f32::consts::PI, sync::Arc};
+use std::f32::consts::PI;
 use wide::f32x8;
 
 /// A lobe below this many radii of a light sample in width is sharp, and reads the map alone.
@@ -53,37 +55,6 @@ pub(crate) const CONSTANTS: [(&str, f32); 10] = [
     ("GOLDEN_COS", GOLDEN.x),
     ("GOLDEN_SIN", GOLDEN.y),
 ];
-
-/// The map that sharp lobes read, turned and scaled.
-#[derive(Clone, Debug)]
-pub struct MirroredMap {
-    pyramid: Arc<Pyramid>,
-    map_from_world: Mat3,
-    intensity: f32,
-}
-
-impl MirroredMap {
-    /// Of a map that is turned by `rotation` radians, counter-clockwise seen from +Y.
-    pub fn new(environment: &Environment, rotation: f32, intensity: f32) -> Self {
-        let map_from_world = Mat3::from_quat(Quat::from_rotation_y(-rotation));
-        Self { pyramid: environment.pyramid(), map_from_world, intensity }
-    }
-
-    /// Its levels.
-    pub(crate) fn pyramid(&self) -> &Arc<Pyramid> {
-        &self.pyramid
-    }
-
-    /// Mean radiance over patches of some solid angles around eight unit directions; nothing over none.
-    fn radiance_x8(&self, directions: Vec3x8, solid_angles: [f32; 8]) -> [Vec3; 8] {
-        let mut radiance = [Vec3::ZERO; 8];
-        for (lane, radiance) in radiance.iter_mut().enumerate().filter(|(lane, _)| solid_angles[*lane] > 0.0) {
-            let direction = self.map_from_world * directions.lane(lane);
-            *radiance = self.pyramid.radiance(direction, solid_angles[lane]) * self.intensity;
-        }
-        radiance
-    }
-}
 
 /// Angle in radians from the middle to the rim of a disc of a solid angle.
 fn sample_radius(leaf_solid_angle: f32) -> f32 {

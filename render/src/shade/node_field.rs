@@ -1,12 +1,11 @@
 //! The interface of the merge to a tree of lights: distant lights, whose directions are the same everywhere, or surface
 //! sources, whose directions depend on the point.
 
-use crate::{
-    light::{bounce::SourceLighting, environment::SceneLighting},
-    shade::{
-        mirror::MirroredMap,
-        node_row::{EightNodes, NodeExtent, NodeRow},
-    },
+use crate::light::{
+    bounce::SourceLighting,
+    environment::SceneLighting,
+    mirrored_map::MirroredMap,
+    node_row::{EightNodes, NodeExtent, NodeRow},
 };
 use glam::Vec3;
 use lapidary_core::{

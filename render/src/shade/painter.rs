@@ -3,13 +3,14 @@
 use crate::{
     light::{
         bounce::{MeshlessLight, functions::level_color},
-        direct::{DirectLights, DirectShader, EightPoints, LightsSeen},
         environment::SceneLighting,
         implicit::{PosedLight, Sides},
         solver::BounceLight,
     },
+    sampling::BrdfSampling,
     shade::{
-        merge::{BrdfSampling, Shader, Work},
+        direct::{DirectLights, DirectShader, EightPoints, LightsSeen},
+        merge::{Shader, Work},
         node_field::SourceField,
         surface::SurfacePoint,
     },
@@ -142,7 +143,7 @@ impl<'a> Painter<'a> {
 
     /// One part of a point's light as scene-linear radiance. The first part also has what the other modes show: an
     /// albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
-    /// [`crate::light::direct::pixel_shift`]; `seen` is what is known of [`Self::lights_seen`].
+    /// [`crate::shade::direct::pixel_shift`]; `seen` is what is known of [`Self::lights_seen`].
     pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2, seen: SeenOfParts) -> Vec3 {
         match part {
             Part::Environment => self.mode_value(point),

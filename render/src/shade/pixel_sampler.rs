@@ -71,13 +71,13 @@ impl<'a> PixelSampler<'a> {
         let screen = Screen::new(&view.camera, view.size);
         let lens = view.camera.lens(view.size);
         let mesh = &renderer.dataset().scene.mesh;
-        let surfaces = renderer.surfaces().filtered(Differentials::of(view));
+        let surfaces = Surfaces::of(renderer).filtered(Differentials::of(view));
         Self { view, screen, lens, backdrop, mesh, surfaces, offsets: view.pixel_offsets() }
     }
 
     /// With maps looked up at points: for so many positions in each pixel that they are filtered by these.
     pub fn unfiltered(self, renderer: &'a Renderer) -> Self {
-        Self { surfaces: renderer.surfaces(), ..self }
+        Self { surfaces: Surfaces::of(renderer), ..self }
     }
 
     /// The pixels of a row that are wanted.

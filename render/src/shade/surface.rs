@@ -1,6 +1,6 @@
 //! The hit of a camera ray: position, frame after bump and normal map, and the BRDF with its textured parameters.
 
-use crate::{appearance::ResolvedAppearance, shade::differentials::Differentials};
+use crate::{appearance::ResolvedAppearance, renderer::Renderer, shade::differentials::Differentials};
 use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::{
     brdf::{Lambert, LightsX8, LobeMomentsX8, Lobes, NO_LOBE, SpreadX8, SurfaceBrdf},
@@ -250,15 +250,15 @@ pub struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// For all points of `dataset`, with the materials of `appearance`. Shadow rays start at most `largest_offset`
-    /// metres off a surface.
-    pub fn new(
-        dataset: &'a Dataset,
-        appearance: &'a ResolvedAppearance,
-        intersector: &'a Intersector,
-        largest_offset: f32,
-    ) -> Self {
-        Self { dataset, appearance, intersector, largest_offset, differentials: None }
+    /// For all points of a scene, as it looks now.
+    pub fn of(renderer: &'a Renderer) -> Self {
+        Self {
+            dataset: &renderer.dataset,
+            appearance: &renderer.appearance,
+            intersector: renderer.intersector(),
+            largest_offset: renderer.largest_offset(),
+            differentials: None,
+        }
     }
 
     /// With maps filtered within the footprints of camera rays. Without them lookups see points.

@@ -12,7 +12,7 @@ use lapidary_core::{
     environment::{Environment, SunSettings},
     lights::{Light, LightsFile},
 };
-use lapidary_render::{Bounces, Components, Illumination, Renderer, Solution};
+use lapidary_render::{Bounces, Components, Illumination, Renderer, Solution, is_buried};
 use std::path::{Path, PathBuf};
 
 /// Without an environment nothing shines from afar.
@@ -173,7 +173,8 @@ const MOST_NAMED: usize = 5;
 
 /// Tells which lights are inside an object.
 pub fn warn_of_buried(renderer: &Renderer, lights: &[Light], console: Console) {
-    let buried = renderer.buried_lights(lights);
+    let is_inside = |light: &&Light| is_buried(renderer.dataset(), renderer.intersector(), light);
+    let buried: Vec<&Light> = lights.iter().filter(is_inside).collect();
     for Light { name, position, .. } in buried.iter().take(MOST_NAMED) {
         console.warning(format_args!(
             "the light \"{name}\" at {position} is inside an object and lights nothing; move it"

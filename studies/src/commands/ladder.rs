@@ -9,7 +9,7 @@ use crate::{
 use anyhow::{Context, Result};
 use clap::Args;
 use lapidary_core::{cut::lit::DEFAULT_TAU, output::write_atomically};
-use lapidary_render::{BrdfSampling, LitScene, Look, Post, Renderer};
+use lapidary_render::{BrdfSampling, LitScene, Look, Post};
 use std::path::PathBuf;
 
 /// Options of `ladder`.
@@ -56,7 +56,7 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     args.view.check_memory(args.illum_cuts.len() + 4)?;
     let viewed = args.view.resolve(&args.local, console)?;
     let look = Look { tau: args.lit_cuts, sampling: args.brdf, ..viewed.look()? };
-    warn_of_buried(&Renderer::of(&viewed.baked, &look), &look.lights, console);
+    warn_of_buried(&look.renderer(&viewed.baked), &look.lights, console);
     let mut scene = LitScene::new(args.backend.open()?, viewed.baked)?;
     let progress = StepProgress::new("reference", "pixels", &interrupt, console.quiet);
     let settings = Settings::sizes(&args.illum_cuts, &look);

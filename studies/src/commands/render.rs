@@ -9,7 +9,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::dataset::Dataset;
-use lapidary_render::{BasisView, Look, RenderStats, Renderer, ViewMode};
+use lapidary_render::{BasisView, Look, RenderStats, ViewMode};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -82,7 +82,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     let layers = wanted_layers(args.layers.as_ref(), &look)?;
     let baked = viewed.baked.clone();
     let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
-    warn_of_buried(&Renderer::of(&baked, &look), &viewed.local.lights, console);
+    warn_of_buried(&look.renderer(&baked), &viewed.local.lights, console);
     let finished = Finished::take(&mut studio, &look, &layers, &|| false)?;
     studio.remarks().iter().for_each(|remark| console.warning(remark));
     let stats = finished.taken.stats.clone();

@@ -79,7 +79,7 @@ impl<'a> StillLife<'a> {
 
     /// What traces rays for a look.
     pub fn renderer(&self, look: &Look) -> Renderer {
-        Renderer::of(self.scene.baked(), look)
+        look.renderer(self.scene.baked())
     }
 
     /// Renders with cuts and writes the files.

@@ -15,7 +15,7 @@ use lapidary_core::{
         pose::{Objects, Pose, Poses},
     },
 };
-use lapidary_render::{Baked, Look, PathPicture, PathSettings, Renderer};
+use lapidary_render::{Baked, Look, PathPicture, PathSettings};
 
 /// What is dragged in the colour box.
 const SHORT_BLOCK: &str = "Short block";
@@ -84,7 +84,7 @@ impl Measurement<'_> {
         let progress = self.steps.progress("light paths", "passes");
         let posed = baked.posed(&look.poses).context("the object cannot be posed so")?;
         let settings = PathSettings { bounces, components: look.components, ..PathSettings::direct(spp) };
-        let renderer = Renderer::of(&posed, &Look { poses: Poses::default(), ..look.clone() });
+        let renderer = Look { poses: Poses::default(), ..look.clone() }.renderer(&posed);
         let picture = renderer.path_picture(&look.view, &look.light, &look.lights, settings, &progress);
         progress.finish();
         self.steps.check()?;

@@ -4,7 +4,7 @@ use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use anyhow::Result;
 use lapidary_core::image::Region;
 use lapidary_precompute::VertexSampler;
-use lapidary_render::{Baked, CutMap, ErrorSplit, GatheredLight, Look, PixelExplanation, Progress, Renderer, SplitJob};
+use lapidary_render::{Baked, CutMap, ErrorSplit, GatheredLight, Look, PixelExplanation, Progress, SplitJob};
 use std::sync::{
     Arc,
     mpsc::{Receiver, Sender, channel},
@@ -28,7 +28,7 @@ pub struct ExplainedPicture {
 
 impl ExplainedPicture {
     fn explain(&self, pixel: [u32; 2]) -> Result<ExplainedPixel> {
-        let (renderer, light) = (Renderer::of(&self.baked, &self.look), self.gathered.light());
+        let (renderer, light) = (self.look.renderer(&self.baked), self.gathered.light());
         let mut explanation = renderer.explain(&self.look.view, pixel, light, self.look.sampling)?;
         renderer.explain_suns(&mut explanation, &self.look.light);
         let map = renderer.cut_map(&explanation, light, MAP_WIDTH).into();
@@ -36,7 +36,7 @@ impl ExplainedPicture {
     }
 
     fn split(&self, region: Region, progress: &dyn Progress) -> Result<Option<ErrorSplit>> {
-        let renderer = Renderer::of(&self.baked, &self.look);
+        let renderer = self.look.renderer(&self.baked);
         let sampler = VertexSampler::new(&self.baked.dataset, renderer.intersector());
         let trace = |vertex: u32, visible: &mut [u8]| sampler.sample(vertex, visible);
         let job = SplitJob {

@@ -24,7 +24,7 @@ impl Truth {
     /// None on this machine's cores; a renderer's where one is asked.
     pub fn trace(baked: &Baked, look: &Look, progress: &dyn Progress) -> Result<Self> {
         let start = Instant::now();
-        let image = every_sample(baked, look, &Renderer::of(baked, look), progress)?;
+        let image = every_sample(baked, look, &look.renderer(baked), progress)?;
         Ok(Self { image, what: what(&baked.dataset, look), seconds: start.elapsed().as_secs_f64() })
     }
 }

@@ -26,7 +26,7 @@ impl Buried {
         match self.found.get(&index) {
             Some((known, found)) if known == light => *found,
             _ => {
-                let found = light.shines() && is_buried(&scene.dataset, intersector, light);
+                let found = is_buried(&scene.dataset, intersector, light);
                 self.found.insert(index, (light.clone(), found));
                 found
             }

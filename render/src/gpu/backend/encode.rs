@@ -13,7 +13,8 @@ use crate::{
         targets::{Sums, Target},
     },
     post::Post,
-    shade::{merge::BrdfSampling, mirror::Mirror},
+    sampling::BrdfSampling,
+    shade::mirror::Mirror,
     stale::{Marks, Part, Pixels},
     view::Background,
 };

@@ -8,6 +8,7 @@ use super::twin::{agrees, appearance, backend, difference, in_bands, maps, param
 use crate::{
     Backend, BrdfSampling, Components, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
+    shade::surface::Surfaces,
     shade::{differentials::Differentials, surface::SurfacePoint},
     test_scenes::{dataset, mesh, white},
 };
@@ -94,7 +95,7 @@ struct Receiver {
 
 /// What the deferred pass saw at each pixel.
 fn receivers(gpu: &GpuBackend, renderer: &Renderer, view: &View) -> Vec<Option<Receiver>> {
-    let surfaces = renderer.surfaces().filtered(Differentials::of(view));
+    let surfaces = Surfaces::of(&renderer).filtered(Differentials::of(view));
     let dataset = renderer.dataset();
     let mesh = &dataset.scene.mesh;
     let receiver = |(i, [id, b, c, flags]): (usize, [u32; 4])| {

@@ -2,8 +2,7 @@
 
 use super::twin::backend;
 use crate::{
-    Backend, Background, Components, CpuBackend, Illumination, LitScene, Look, PathSettings, Quiet, Renderer, View,
-    ViewMode,
+    Backend, Background, Components, CpuBackend, Illumination, LitScene, Look, PathSettings, Quiet, View, ViewMode,
     test_scenes::{dataset, illumination, light, mesh, rel_rmse, white},
 };
 use glam::Vec3;
@@ -232,7 +231,7 @@ fn references_have_the_same_ground() {
         ..look(Ground::Shadow, Background::Environment)
     };
     let baked = scene().into();
-    let renderer = Renderer::of(&baked, &look);
+    let renderer = look.renderer(&baked);
     let samples = renderer.samples_reference(&look.view, &look.light, &Quiet);
     let settings = PathSettings { components: look.components, ..PathSettings::direct(256) };
     let paths = renderer.path_reference(&look.view, &look.light, &[], settings, &Quiet);

@@ -3,7 +3,7 @@
 use super::twin::backend;
 use crate::{
     Appearance, Backend, BrdfSampling, Components, LocalLighting, Renderer, View,
-    light::direct::DirectLights,
+    shade::direct::DirectLights,
     shade::{
         background::Backdrop,
         pixel_sampler::{

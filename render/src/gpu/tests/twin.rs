@@ -5,6 +5,7 @@ use crate::{
     Appearance, Backend, BackendError, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer,
     SceneLighting, ToneMap, View, ViewMode,
     gpu::{GpuBackend, Room, ShaderSource},
+    shade::surface::Surfaces,
     shade::{
         differentials::Differentials,
         painter::{Painter, PictureLight, SeenOfParts},
@@ -134,7 +135,7 @@ pub(super) fn on_the_cpu(
     sampling: BrdfSampling,
 ) -> Image {
     let dataset = renderer.dataset();
-    let surfaces = renderer.surfaces().filtered(Differentials::of(view));
+    let surfaces = Surfaces::of(renderer).filtered(Differentials::of(view));
     let mut painter = Painter::new(view, dataset, light, sampling);
     let Background::Flat(background) = view.background else { panic!("the twin test has a flat background") };
     let geometry = gpu.read_geometry();

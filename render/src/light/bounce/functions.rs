@@ -115,7 +115,7 @@ impl MeshlessLight {
 }
 
 /// Whether a back at a point receives light, see [`MeshlessLight::at`].
-pub(super) fn is_back_lit(basis: &Basis, position: Vec3, normal: Vec3) -> bool {
+pub(crate) fn is_back_lit(basis: &Basis, position: Vec3, normal: Vec3) -> bool {
     basis.reaches(basis.levels() - 1, position, normal)
 }
 

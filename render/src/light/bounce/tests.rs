@@ -5,6 +5,7 @@ use super::*;
 use crate::{
     Appearance, Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer,
     View, ViewMode,
+    shade::surface::Surfaces,
     test_scenes::{
         Edited, LIGHTS, SIDE_LOG2, SOURCES, WALL, floor_and_wall, from_above, from_the_side, illumination, light,
         point_light, seen,
@@ -121,7 +122,7 @@ fn full_cuts_are_the_sum_over_all_sources() {
     for vertex in [40_u32, 300, 700] {
         let at = dataset.scene.mesh.positions[vertex as usize];
         let hit = renderer.intersector().closest_hit(at + Vec3::new(1e-3, 1.0, 1e-3), Vec3::NEG_Y).unwrap();
-        let mut point = renderer.surfaces().point(&hit, Vec3::Y);
+        let mut point = Surfaces::of(&renderer).point(&hit, Vec3::Y);
         (point.vertices, point.weights, point.position) = ([vertex; 3], [1.0, 0.0, 0.0], at);
         let term = |(s, l): (&Source, &Vec3)| {
             let cos = (s.surfel.position - at).normalize().y;

@@ -5,10 +5,11 @@ use super::{
     settings::PathSettings,
 };
 use crate::{
-    light::{direct::arriving_share, environment::Illumination},
+    light::environment::Illumination,
     renderer::Renderer,
     shade::{
         background::Sky,
+        direct::arriving_share,
         surface::{FirstHit, SurfacePoint, Surfaces},
     },
 };
@@ -54,7 +55,7 @@ impl<'a> Tracer<'a> {
         let radius = 0.5 * renderer.dataset().scene.mesh.bounds().diagonal();
         Self {
             renderer,
-            surfaces: renderer.surfaces(),
+            surfaces: Surfaces::of(renderer),
             sky: Sky::new(light),
             environment: EnvironmentDistribution::new(&light.environment.map),
             lights: LightChoice::new(lights, radius),

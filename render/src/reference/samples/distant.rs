@@ -1,10 +1,10 @@
 //! Samples of the environment: a direction each.
 
 use crate::{
-    light::environment::SceneLighting,
+    light::{environment::SceneLighting, mirrored_map::MirroredMap},
     renderer::Renderer,
     shade::{
-        mirror::{Mirror, MirroredMap},
+        mirror::Mirror,
         point_shader::PointShader,
         surface::{ReceiverX8, SurfacePoint},
     },

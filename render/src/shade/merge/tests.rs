@@ -4,6 +4,7 @@ use super::*;
 use crate::{
     light::bounce::SourceLighting,
     renderer::Renderer,
+    shade::surface::Surfaces,
     shade::{node_field::SourceField, surface::FirstHit},
     test_scenes::{dataset, floor_and_wall, from_the_side, glossy, illumination, mesh, surface_at},
 };
@@ -78,7 +79,7 @@ fn a_shader_may_go_to_and_fro_between_triangles() {
     let seen_at = |pixel: u32| {
         let [x, y] = [pixel % 24, pixel / 24].map(|at| at as f32 + 0.5);
         let direction = view.camera.direction_through(Vec2::new(x, y), view.size);
-        match renderer.surfaces().seen_along(view.camera.eye, direction) {
+        match Surfaces::of(&renderer).seen_along(view.camera.eye, direction) {
             FirstHit::Surface(point) => Some(SurfacePoint { brdf: brdf.clone(), ..*point }),
             _ => None,
         }

@@ -5,7 +5,7 @@ use crate::{
     Quiet, Renderer,
     light::environment::Illumination,
     reference::path::settings::PathSettings,
-    shade::merge::BrdfSampling,
+    sampling::BrdfSampling,
     test_scenes::{dataset, from_the_side, illumination, mean, mesh, rel_rmse},
     view::View,
 };

@@ -207,7 +207,7 @@ fn renderer_of<'a>(known: &'a mut Option<Casting>, baked: &Baked, look: &Look) -
             renderer.set_appearance(look.appearance.fitted(&baked.dataset.scene.materials).0);
             renderer
         }
-        _ => Renderer::of(baked, look),
+        _ => look.renderer(baked),
     };
     &mut known.insert(Casting { of: baked.clone(), poses: look.poses.clone(), renderer }).renderer
 }

@@ -1,10 +1,13 @@
 //! How far the bounced light has moved since the pixels that it shows in were shaded. An edited material changes
 //! the light of all that it shines on, most of it by less than a display can show.
 
-use super::functions::{MeshlessLight, is_back_lit};
 use crate::{
     baked::Baked,
-    light::{bounce::SourceLighting, local::LocalLighting, solver::BounceLight},
+    light::{
+        bounce::{MeshlessLight, SourceLighting, functions::is_back_lit},
+        local::LocalLighting,
+        solver::BounceLight,
+    },
 };
 use glam::{Mat3A, Vec3};
 use lapidary_core::{

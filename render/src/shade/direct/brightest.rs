@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use crate::{
         Renderer,
-        light::direct::arriving_share,
+        shade::direct::arriving_share,
         test_scenes::{dataset, from_above, light, plates, surface_at, white},
     };
     use lapidary_core::{
