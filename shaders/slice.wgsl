@@ -1,4 +1,4 @@
-// Kernels run in slices of their workgroups, so that a desktop stays alive. See render/src/gpu/compute/.
+// Kernels run in slices of their workgroups, so that a desktop stays alive. See render/src/device/kernel.rs.
 
 struct Slice {
     // Number of the first workgroup of this dispatch.

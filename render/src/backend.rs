@@ -7,85 +7,20 @@
 use crate::{
     appearance::Appearance,
     baked::Baked,
+    device::Compute,
+    error::BackendError,
     light::{
         environment::{Illumination, SceneLighting},
-        implicit::seen::{CoreSights, LeafSights},
         local::LocalLighting,
     },
     post::Post,
-    remedy::{Remedy, Wording},
     sampling::BrdfSampling,
     stale::{Part, Stale},
     view::View,
 };
-use lapidary_core::{image::Image, scene::MeshError};
+use lapidary_core::image::Image;
 use serde::Serialize;
-use std::{error::Error, fmt, ops::Range, sync::Arc};
-
-/// Why a renderer cannot go on.
-#[derive(Debug)]
-pub enum BackendError {
-    /// There is nothing to render on.
-    NoAdapter {
-        /// Why none can be used.
-        reason: String,
-    },
-    /// The adapter went away or was reset.
-    DeviceLost {
-        /// Message of the driver.
-        reason: String,
-    },
-    /// Something is larger than the adapter can hold.
-    Limit {
-        /// The data that are too large.
-        what: &'static str,
-        /// How much it needs.
-        needed: u64,
-        /// How much there may be.
-        limit: u64,
-        /// Unit of both.
-        unit: &'static str,
-        /// Whose limit it is.
-        adapter: String,
-        /// What to do; the CPU has no such limit on what is baked.
-        remedy: Remedy,
-    },
-    /// The driver refused.
-    Driver(String),
-    /// Objects are posed out of reach.
-    Pose(MeshError),
-}
-
-impl BackendError {
-    /// In words, with remedies told by `wording`.
-    pub fn text(&self, wording: Wording) -> String {
-        let cpu = wording(Remedy::Cpu);
-        match self {
-            Self::NoAdapter { reason } => format!(
-                "there is no graphics adapter that can be used ({reason}); install a Vulkan, Metal or DirectX 12 driver, \
-                 or {cpu}"
-            ),
-            Self::DeviceLost { reason } => {
-                format!("the graphics device was lost ({reason}); the renderer starts again on it, or {cpu}")
-            }
-            Self::Limit { what, needed, limit, unit, adapter, remedy } => {
-                let or_cpu = if *remedy == Remedy::SmallerPicture { String::new() } else { format!(", or {cpu}") };
-                let remedy = wording(*remedy);
-                format!("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}{or_cpu}")
-            }
-            Self::Pose(source) => format!("the objects cannot be posed so: {source}"),
-            Self::Driver(reason) => format!("the graphics driver failed ({reason}); update it, or {cpu}"),
-        }
-    }
-}
-
-impl fmt::Display for BackendError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(&self.text(Remedy::words))
-    }
-}
-
-impl Error for BackendError {}
+use std::{ops::Range, sync::Arc};
 
 /// Work in the picture so far, that of kept samples included.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -173,9 +108,9 @@ pub trait Backend: Send {
         Ok(())
     }
 
-    /// What looks for the leaves of implicit visibility: the cores, or the adapter if it is more than an emulation on them.
-    fn sights(&self) -> Box<dyn LeafSights> {
-        Box::new(CoreSights)
+    /// What computes beside the picture: the cores, or its device if that is more than an emulation on them.
+    fn compute(&self) -> Compute {
+        Compute::Cores
     }
 
     /// Sets another scene with the materials of its dataset. Until a light is set, pictures of it are black.

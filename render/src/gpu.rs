@@ -3,35 +3,25 @@
 
 mod addition;
 mod backend;
-mod compute;
-mod device;
 mod direct;
 mod frame;
-mod implicit;
-mod layout;
 mod light;
 mod lit;
 mod materials;
 mod measured;
 mod meshless;
-mod models;
 mod passes;
 mod pipeline;
 mod pool;
 mod posed;
-mod rays;
-mod readback;
 mod scene;
-mod shaders;
 mod shadows;
 mod targets;
-mod written;
 
+pub use crate::device::{
+    Compute, ForestTimes, GpuForest, GpuImplicit, GpuRays, Room, ShaderSource, SharedDevice, has_hardware,
+};
 pub use backend::{GpuBackend, PassTimes};
-pub use device::{Room, has_hardware};
-pub use implicit::{ForestTimes, GpuForest, GpuImplicit};
-pub use rays::GpuRays;
-pub use shaders::ShaderSource;
 
 #[cfg(test)]
 mod tests;

@@ -11,6 +11,7 @@
 //! | `light/` | the light of a picture: environment, local lights, bounced light (4.1) |
 //! | `reference/` | pictures by rays instead of cuts: all light samples, light paths |
 //! | `measure/` | metrics, and a picture's error explained, split into causes, predicted |
+//! | `device/` | the graphics device, and what computes on it without a picture |
 //! | `cpu/` | pictures on the cores of this machine |
 //! | [`gpu`] | the same on a graphics adapter |
 
@@ -18,6 +19,8 @@ mod appearance;
 mod backend;
 mod baked;
 mod cpu;
+mod device;
+mod error;
 pub mod gpu;
 mod light;
 mod lit_scene;
@@ -39,13 +42,15 @@ mod view;
 mod view_mode;
 
 pub use appearance::{Appearance, Assigned};
-pub use backend::{Backend, BackendError, BackendFactory, PictureStats, RenderStats, ShadedSamples, Tier};
+pub use backend::{Backend, BackendFactory, PictureStats, RenderStats, ShadedSamples, Tier};
 pub use baked::{Baked, Posing};
 pub use cpu::{
     backend::{CPU, CpuBackend},
     display::display_pixel,
     surface_layers::{NO_SURFACE, SurfaceLayers},
 };
+pub use device::SeenLight;
+pub use error::BackendError;
 pub use lapidary_core::image::{Region, RegionError};
 pub use light::{
     bounce::{MeshlessLight, SourceLighting, SourceRig},
@@ -55,7 +60,7 @@ pub use light::{
     implicit::{
         Sides,
         detail::Detail,
-        seen::{CoreSight, CoreSights, LeafSight, LeafSights, SeenLight},
+        seen::{CoreSight, LeafSight},
     },
     local::{LocalLighting, LocalRig},
     situation::{Changes, Gathering, Situation},

@@ -2,12 +2,13 @@
 
 use crate::{
     appearance::Appearance,
-    backend::{Backend, BackendError, PictureStats},
+    backend::{Backend, PictureStats},
     baked::Baked,
     cpu::{
         picture::Picture,
         sketch::{Moved, Sketch},
     },
+    error::BackendError,
     light::{
         environment::{Illumination, SceneLighting},
         local::LocalLighting,

@@ -1,13 +1,15 @@
 //! Passes over every pixel, beside the merge, that add to the sums of a part of the light.
 
 use super::{
-    device::GpuDevice,
     materials::GpuMaterials,
-    pipeline::{Layouts, bind},
+    pipeline::Layouts,
     scene::GpuScene,
     targets::{Sums, Targets},
 };
-use crate::stale::Part;
+use crate::{
+    device::{GpuDevice, bind},
+    stale::Part,
+};
 use wgpu::BindingResource::TextureView as View;
 
 /// Inputs of such passes from a picture, whatever light they add.

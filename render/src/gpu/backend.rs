@@ -10,29 +10,26 @@ mod timing;
 pub use timing::PassTimes;
 
 use super::{
-    device::{GpuDevice, Room, is_emulated},
     direct::DirectLights,
-    implicit::GpuImplicit,
-    layout,
     light::{GpuLight, GpuMap, GpuSources, scaled_map},
     materials::GpuMaterials,
     meshless::GpuMeshless,
-    models::ModelSet,
     passes::Passes,
-    pipeline::Shaders,
-    posed, readback,
-    scene::{GpuScene, storage},
-    shaders::ShaderSource,
+    posed,
+    scene::GpuScene,
     shadows::Plan,
     targets::{Sums, Target, Targets},
 };
 use crate::{
     appearance::{Appearance, Assigned, same_assignment},
-    backend::{Backend, BackendError, PictureStats, ShadedSamples},
+    backend::{Backend, PictureStats, ShadedSamples},
     baked::Baked,
+    device::{
+        Compute, GpuDevice, ModelSet, Room, ShaderSource, Shaders, SharedDevice, is_emulated, layout, readback, storage,
+    },
+    error::BackendError,
     light::{
         environment::{Illumination, SceneLighting},
-        implicit::seen::{CoreSights, LeafSights},
         local::LocalLighting,
         solver::solutions::Bounces,
     },
@@ -54,17 +51,14 @@ use lapidary_core::{
     opacity::Opacities,
 };
 use picture::Picture;
-use std::{
-    ops::Range,
-    sync::{Arc, OnceLock},
-};
+use std::{ops::Range, sync::Arc};
 use wgpu::util::DeviceExt;
 
 /// The renderer on one adapter.
 pub struct GpuBackend {
     gpu: GpuDevice,
-    /// Kernels of implicit visibility, once something was posed.
-    implicit: OnceLock<GpuImplicit>,
+    /// The same, with the kernels of other work.
+    device: SharedDevice,
     passes: Passes,
     shaders: Shaders,
     frame: wgpu::Buffer,
@@ -126,7 +120,7 @@ impl GpuBackend {
     /// # Errors
     /// No adapter, or a driver that refuses.
     pub fn new(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
-        Self::on(GpuDevice::new(room)?, source)
+        Self::on(SharedDevice::new(room)?, source)
     }
 
     /// On the fastest adapter, unless that computes on the processor: the CPU renderer is faster there.
@@ -134,14 +128,15 @@ impl GpuBackend {
     /// # Errors
     /// As [`Self::new`]; an emulated adapter counts as none.
     pub fn on_hardware(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
-        let gpu = GpuDevice::new(room)?;
-        if is_emulated(&gpu.info) {
-            return Err(BackendError::NoAdapter { reason: format!("{} is emulated", gpu.info.name) });
+        let device = SharedDevice::new(room)?;
+        if is_emulated(&device.gpu.info) {
+            return Err(BackendError::NoAdapter { reason: format!("{} is emulated", device.name()) });
         }
-        Self::on(gpu, source)
+        Self::on(device, source)
     }
 
-    fn on(gpu: GpuDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+    fn on(device: SharedDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+        let gpu = device.gpu.clone();
         let shaders = Shaders { source: source.clone(), ..Default::default() };
         let passes = Passes::new(&gpu, &shaders, &[])?;
         let uniform = |label, size: usize| {
@@ -163,7 +158,7 @@ impl GpuBackend {
             magma,
             local_lights: DirectLights::new(&gpu),
             gpu,
-            implicit: OnceLock::new(),
+            device,
             passes,
             shaders,
             scene: None,
@@ -182,16 +177,9 @@ impl GpuBackend {
         })
     }
 
-    /// Implicit visibility on its device.
-    ///
-    /// # Errors
-    /// A driver that refuses.
-    pub fn implicit(&self) -> Result<GpuImplicit, BackendError> {
-        if let Some(known) = self.implicit.get() {
-            return Ok(known.clone());
-        }
-        let made = GpuImplicit::on(self.gpu.clone())?;
-        Ok(self.implicit.get_or_init(|| made).clone())
+    /// Its device, for other work.
+    pub fn device(&self) -> &SharedDevice {
+        &self.device
     }
 
     /// Builds the passes anew if materials have other models, parts or maps than they are compiled for, or the first lets light
@@ -314,7 +302,7 @@ impl GpuBackend {
     }
 
     fn read_texels<T: bytemuck::Pod>(&self, target: &Target) -> Result<Vec<[T; 4]>, BackendError> {
-        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, target)?))
+        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, &target.texture)?))
     }
 
     /// The sums of each part that the light has.
@@ -345,7 +333,7 @@ impl GpuBackend {
     /// Output of the deferred pass: the geometry texels of `geometry.wgsl`, for tests on the same buffers.
     #[cfg(test)]
     pub(super) fn read_geometry(&self) -> Vec<[u32; 4]> {
-        let bytes = readback::read(&self.gpu, &self.targets().geometry).expect("the device is there");
+        let bytes = readback::read(&self.gpu, &self.targets().geometry.texture).expect("the device is there");
         bytemuck::pod_collect_to_vec(&bytes)
     }
 }
@@ -362,9 +350,8 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
-    fn sights(&self) -> Box<dyn LeafSights> {
-        let on_adapter = (!is_emulated(&self.gpu.info)).then(|| self.implicit().ok()).flatten();
-        on_adapter.map_or_else(|| Box::new(CoreSights) as Box<dyn LeafSights>, |adapter| Box::new(adapter))
+    fn compute(&self) -> Compute {
+        Compute::unless_emulated(&self.device)
     }
 
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
@@ -540,7 +527,7 @@ impl Backend for GpuBackend {
     fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
         self.write_display(post);
         self.submit(|s, encoder| s.encode_display(encoder))?;
-        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, &self.targets().shown)?))
+        Ok(bytemuck::pod_collect_to_vec(&readback::read(&self.gpu, &self.targets().shown.texture)?))
     }
 
     fn read(&mut self, _samples: u32) -> Result<(Image, Vec<f32>), BackendError> {

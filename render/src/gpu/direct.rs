@@ -2,16 +2,20 @@
 
 use super::{
     addition::{Addition, PictureInputs},
-    device::GpuDevice,
-    layout::{LocalLight, ShadowView, constants},
-    pipeline::{Binding, Layouts, Pipeline, Shaders, bind, layout, module},
-    scene::{GpuScene, storage},
-    shaders::{DIRECT, SHADOW},
+    pipeline::{Layouts, Pipeline},
+    scene::GpuScene,
     shadows::{self, Plan, ShadowMaps, ShadowRoom},
     targets::format,
 };
 use crate::{
-    backend::BackendError,
+    device::{
+        Binding, GpuDevice, Shaders, bind, bind_layout,
+        layout::{LocalLight, ShadowView, constants},
+        module,
+        shaders::{DIRECT, SHADOW},
+        storage,
+    },
+    error::BackendError,
     stale::{Part, SummedLights},
 };
 use glam::Vec3;
@@ -36,8 +40,8 @@ impl DirectPasses {
     /// A shader that cannot be read.
     pub fn new(gpu: &GpuDevice, shaders: &Shaders, layouts: &Layouts) -> Result<Self, BackendError> {
         use Binding::{DepthLayers, Storage};
-        let views = layout(gpu, "shadow views", &[Storage]);
-        let lights = layout(gpu, "local lights", &[Storage, Storage, DepthLayers]);
+        let views = bind_layout(gpu, "shadow views", &[Storage]);
+        let lights = bind_layout(gpu, "local lights", &[Storage, Storage, DepthLayers]);
         let shadow = Pipeline {
             depth: true,
             layouts: &[&layouts.frame, &layouts.scene, &views],

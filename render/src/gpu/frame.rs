@@ -1,14 +1,14 @@
 //! The uniforms of a frame: camera, jitter, switches.
 
 use super::{
-    layout::{
-        self,
-        constants::{BACKGROUND_FLAT, BACKGROUND_MAP},
-    },
     light::{GpuLight, GpuPyramid},
     scene::GpuScene,
 };
 use crate::{
+    device::layout::{
+        self,
+        constants::{BACKGROUND_FLAT, BACKGROUND_MAP},
+    },
     shade::background::share_weights,
     view::{Background, View},
 };

@@ -2,13 +2,12 @@
 //! these.
 
 use super::{
-    device::GpuDevice,
-    layout::Node,
     lit::{GpuLitCuts, LitField, LitPass},
-    scene::{GpuScene, SourceCuts, cut_view, float_texture, storage},
+    scene::{GpuScene, SourceCuts, cut_view, float_texture},
 };
 use crate::{
-    backend::BackendError,
+    device::{GpuDevice, layout::Node, storage},
+    error::BackendError,
     light::{
         bounce::SourceLighting,
         environment::{Illumination, SceneLighting},

@@ -3,15 +3,15 @@
 //!
 //! A first pass counts nodes, so that the buffer is no larger than they need; a second one writes them.
 
-use super::{
-    device::GpuDevice,
-    layout,
-    pipeline::{Binding, Shaders, bind, layout as bind_layout, module},
-    readback::read_word,
-    scene::{GpuCuts, storage, uniform},
-    shaders::LIT,
+use super::scene::GpuCuts;
+use crate::{
+    device::{
+        Binding, GpuDevice, Shaders, bind, bind_layout, layout, module, readback::read_word, shaders::LIT, storage,
+        uniform,
+    },
+    error::BackendError,
+    remedy::Remedy,
 };
-use crate::{backend::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
 use lapidary_core::cut::lit::{DEFAULT_TAU, LitCuts};
 use wgpu::{BindGroupLayout, BindingResource::TextureView as View, BufferUsages as Usages};

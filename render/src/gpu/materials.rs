@@ -1,18 +1,21 @@
 //! Materials on the GPU. What a material edit changes.
 
 use super::{
-    device::GpuDevice,
-    layout::{
-        Material, MaterialParameter, Tables, TextureSlot,
-        constants::{KIND_PROCEDURAL, MOST_PARAMETERS, NO_TABLE},
-    },
     measured::GpuMeasured,
-    models::ModelSet,
-    pipeline::bind,
     pool::{Place, TexturePool},
-    scene::{GpuScene, storage},
+    scene::GpuScene,
 };
-use crate::appearance::Appearance;
+use crate::{
+    appearance::Appearance,
+    device::{
+        GpuDevice, ModelSet, bind,
+        layout::{
+            Material, MaterialParameter, Tables, TextureSlot,
+            constants::{KIND_PROCEDURAL, MOST_PARAMETERS, NO_TABLE},
+        },
+        storage,
+    },
+};
 use lapidary_core::{
     brdf::{MISSING, albedo_table, narrow_widths},
     color::linear_from_srgb,

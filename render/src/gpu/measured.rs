@@ -3,8 +3,10 @@
 //! Each begins with a head of 8 words: squared width of its lobe, number of levels, and padding. A head of 8 words for each level follows: entries along its three axes, spread, index of its first word. An entry has two words,
 //! three 16-bit floats and padding.
 
-use super::{device::GpuDevice, layout::constants::NO_TABLE, scene::storage};
-use crate::appearance::Appearance;
+use crate::{
+    appearance::Appearance,
+    device::{GpuDevice, layout::constants::NO_TABLE, storage},
+};
 use half::f16;
 use lapidary_core::{
     brdf::{BrdfModel, Content, Level, Measured},

@@ -4,14 +4,17 @@
 
 use super::{
     addition::{Addition, PictureInputs},
-    device::GpuDevice,
-    layout,
-    pipeline::{Binding, Layouts, Pipeline, Shaders, bind, layout as bind_layout, module},
-    scene::{storage, uniform},
-    shaders::MESHLESS,
+    pipeline::{Layouts, Pipeline},
     targets::format,
 };
-use crate::{backend::BackendError, light::bounce::MeshlessLight, remedy::Remedy, stale::Part, view_mode::BasisView};
+use crate::{
+    device::{Binding, GpuDevice, Shaders, bind, bind_layout, layout, module, shaders::MESHLESS, storage, uniform},
+    error::BackendError,
+    light::bounce::MeshlessLight,
+    remedy::Remedy,
+    stale::Part,
+    view_mode::BasisView,
+};
 use bytemuck::{NoUninit, Zeroable};
 use glam::Mat3A;
 use lapidary_core::{dataset::Dataset, meshless::Basis};

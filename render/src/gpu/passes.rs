@@ -1,15 +1,19 @@
 //! The pipelines: built once from the shaders, with variants of the merge for the needs of scene and view mode.
 
 use super::{
-    device::GpuDevice,
     direct::DirectPasses,
     lit::LitPass,
     meshless::MeshlessPass,
-    pipeline::{Layouts, Pipeline, Shaders, layouts, module},
-    shaders::{DISPLAY, HISTORY, KEEP, MARKS, MERGE, PARAMETERS, PREDICT, SKETCH, SURFACE, VISIBILITY},
+    pipeline::{Layouts, Pipeline, layouts},
     targets::format,
 };
-use crate::backend::BackendError;
+use crate::{
+    device::{
+        GpuDevice, Shaders, module,
+        shaders::{DISPLAY, HISTORY, KEEP, MARKS, MERGE, PARAMETERS, PREDICT, SKETCH, SURFACE, VISIBILITY},
+    },
+    error::BackendError,
+};
 use std::collections::HashMap;
 
 /// Specialisation of the merge pass.

@@ -1,13 +1,8 @@
-//! What all passes are built from: compiled shaders, layouts of bindings, pipelines, and resources bound to them.
+//! What all passes that draw are built from: layouts of bindings, and pipelines.
 
-use super::{
-    device::GpuDevice,
-    models::ModelSet,
-    shaders::{Program, ShaderSource},
-    targets::format,
-};
-use crate::backend::BackendError;
-use wgpu::{BindGroupLayout, ShaderStages as Stages};
+use super::targets::format;
+use crate::device::{Binding, GpuDevice, bind_layout};
+use wgpu::BindGroupLayout;
 
 /// Bind group layouts by what they hold.
 pub struct Layouts {
@@ -31,34 +26,6 @@ pub struct Layouts {
     pub patches: BindGroupLayout,
     pub marks: BindGroupLayout,
     pub keep: BindGroupLayout,
-}
-
-/// Where the text of shaders comes from, and for which models it is compiled.
-#[derive(Clone, Debug, Default)]
-pub struct Shaders {
-    pub source: ShaderSource,
-    pub models: ModelSet,
-    /// Whether any surface lets light through.
-    pub has_veils: bool,
-}
-
-impl Shaders {
-    /// The constant that tells it to passes that draw triangles.
-    pub fn veils(&self) -> (&'static str, f64) {
-        ("HAS_VEILS", f64::from(u8::from(self.has_veils)))
-    }
-}
-
-/// The compiled text of a program.
-pub fn module(gpu: &GpuDevice, shaders: &Shaders, program: &Program) -> Result<wgpu::ShaderModule, BackendError> {
-    let text = shaders
-        .source
-        .text(program, &shaders.models)
-        .map_err(|e| BackendError::Driver(format!("shader {}: {e}", program.name)))?;
-    Ok(gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(program.name),
-        source: wgpu::ShaderSource::Wgsl(text.into()),
-    }))
 }
 
 /// What differs between pipelines.
@@ -119,22 +86,10 @@ impl<'a> Pipeline<'a> {
     }
 }
 
-/// A kind of binding.
-#[derive(Clone, Copy)]
-pub enum Binding {
-    Uniform,
-    Storage,
-    /// A buffer that a compute pass writes.
-    Written,
-    Uint,
-    Float,
-    DepthLayers,
-}
-
 /// All layouts.
 pub fn layouts(gpu: &GpuDevice) -> Layouts {
     use Binding::{Float, Storage, Uint, Uniform};
-    let layout = |label, bindings: &[Binding]| layout(gpu, label, bindings);
+    let layout = |label, bindings: &[Binding]| bind_layout(gpu, label, bindings);
     Layouts {
         frame: layout("frame", &[Uniform]),
         scene: layout("scene", &[Storage, Storage, Storage, Uint, Uniform, Storage, Float]),
@@ -151,44 +106,4 @@ pub fn layouts(gpu: &GpuDevice) -> Layouts {
         marks: layout("marks", &[Uint, Uint]),
         keep: layout("keep", &[Uniform, Uint, Float, Uint, Float]),
     }
-}
-
-/// Bindings 0, 1, ... of these kinds.
-pub fn layout(gpu: &GpuDevice, label: &str, bindings: &[Binding]) -> BindGroupLayout {
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let texture_of =
-        |sample_type, view_dimension| wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
-    let texture = |sample_type| texture_of(sample_type, wgpu::TextureViewDimension::D2);
-    let entry = |(binding, kind): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
-        binding: binding as u32,
-        visibility: match kind {
-            Binding::Written => Stages::COMPUTE,
-            _ => Stages::VERTEX_FRAGMENT | Stages::COMPUTE,
-        },
-        ty: match kind {
-            Binding::Uniform => buffer(wgpu::BufferBindingType::Uniform),
-            Binding::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
-            Binding::Written => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
-            Binding::Uint => texture(wgpu::TextureSampleType::Uint),
-            Binding::Float => texture(wgpu::TextureSampleType::Float { filterable: false }),
-            Binding::DepthLayers => texture_of(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array),
-        },
-        count: None,
-    };
-    let entries: Vec<_> = bindings.iter().enumerate().map(entry).collect();
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
-}
-
-/// Resources at bindings 0, 1, ... of a layout.
-pub fn bind(
-    gpu: &GpuDevice,
-    label: &str,
-    layout: &BindGroupLayout,
-    resources: &[wgpu::BindingResource],
-) -> wgpu::BindGroup {
-    let numbered = resources.iter().enumerate();
-    let entries: Vec<_> = numbered
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone() })
-        .collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }

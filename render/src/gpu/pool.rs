@@ -3,12 +3,14 @@
 //! Any number of textures of any size thus needs one binding, which WebGPU's default limits allow, and is looked up by the
 //! same arithmetic as on the CPU. Textures that do not fit are halved, the largest first.
 
-use super::{
-    device::GpuDevice,
-    layout::constants::{KIND_FLOAT, KIND_LINEAR, KIND_SRGB, POOL_WIDTH_LOG2},
-    scene::extent,
+use super::scene::extent;
+use crate::{
+    appearance::Appearance,
+    device::{
+        GpuDevice,
+        layout::constants::{KIND_FLOAT, KIND_LINEAR, KIND_SRGB, POOL_WIDTH_LOG2},
+    },
 };
-use crate::appearance::Appearance;
 use lapidary_core::{
     material::{BUMP, Material, NORMAL},
     texture::{ColorSpace, SlopeSource, Texels, Texture, TextureSlot, level_sizes},

@@ -1,7 +1,10 @@
 //! What posed objects change of the light, for the passes that shade.
 
-use super::{device::GpuDevice, scene::float_texture};
-use crate::light::implicit::{PosedLight, Sides};
+use super::scene::float_texture;
+use crate::{
+    device::GpuDevice,
+    light::implicit::{PosedLight, Sides},
+};
 use glam::Vec3;
 
 /// Texels in a row, of which six belong to a vertex.

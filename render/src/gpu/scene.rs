@@ -1,11 +1,18 @@
 //! The mesh and its visibility cuts on the GPU. Poses move its vertices and replace their cuts; only another bake changes the rest.
 
-use super::{
-    device::GpuDevice,
-    layout::{Triangle, Vertex, constants::TWO_SIDED},
-    posed,
+use super::posed;
+use crate::{
+    appearance::Appearance,
+    device::{
+        GpuDevice,
+        layout::{Triangle, Vertex, constants::TWO_SIDED},
+        storage,
+    },
+    error::BackendError,
+    remedy::Remedy,
+    view::View,
+    view_mode::visibility_cuts,
 };
-use crate::{appearance::Appearance, backend::BackendError, remedy::Remedy, view::View, view_mode::visibility_cuts};
 use lapidary_core::{
     bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
@@ -145,28 +152,6 @@ fn triangles(dataset: &Dataset, appearance: &Appearance) -> Vec<Triangle> {
         material: appearance.material_of(mesh, index) | if two_sided { TWO_SIDED } else { 0 },
     };
     mesh.triangles.iter().zip(&dataset.two_sided).enumerate().map(triangle).collect()
-}
-
-/// A read-only storage buffer.
-pub fn storage(gpu: &GpuDevice, label: &str, contents: &[u8]) -> wgpu::Buffer {
-    filled(gpu, label, wgpu::BufferUsages::STORAGE, contents)
-}
-
-/// A buffer of uniforms.
-pub fn uniform(gpu: &GpuDevice, label: &str, contents: &[u8]) -> wgpu::Buffer {
-    filled(gpu, label, wgpu::BufferUsages::UNIFORM, contents)
-}
-
-fn filled(gpu: &GpuDevice, label: &str, usage: wgpu::BufferUsages, contents: &[u8]) -> wgpu::Buffer {
-    // Not mapped at creation: mapping panics on a lost device, writing reports it.
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: contents.len() as u64,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    gpu.queue.write_buffer(&buffer, 0, contents);
-    buffer
 }
 
 fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<GpuCuts, BackendError> {

@@ -6,7 +6,8 @@ mod view;
 pub use plan::{Plan, ShadowRoom, capacity, shines};
 pub use view::{ShadowViewSettings, views, views_per_point};
 
-use super::{device::GpuDevice, layout::ShadowView, targets::format};
+use super::targets::format;
+use crate::device::{GpuDevice, layout::ShadowView};
 
 /// A depth texture and what its layers show.
 pub struct ShadowMaps {

@@ -1,7 +1,7 @@
 //! The textures of one picture size: what the passes hand to each other.
 
-use super::{device::GpuDevice, scene::extent};
-use crate::stale::Part;
+use super::scene::extent;
+use crate::{device::GpuDevice, stale::Part};
 use wgpu::TextureFormat as Format;
 
 /// Formats of the passes' outputs; each pass writes at most 32 bytes per pixel, WebGPU's default limit.

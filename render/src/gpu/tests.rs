@@ -11,4 +11,4 @@ mod posed;
 mod reflection;
 mod sketch;
 mod textures;
-pub(super) mod twin;
+mod twin;

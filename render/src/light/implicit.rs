@@ -8,12 +8,14 @@
 mod covered;
 mod cuts;
 pub(crate) mod detail;
+mod gpu_sight;
 pub(crate) mod seen;
 mod sky;
 mod vertices;
 
 use crate::{
     baked::Baked,
+    device::{Compute, SeenLight},
     light::{
         bounce::LitPoints,
         situation::{Changes, Lit, Situation},
@@ -27,7 +29,7 @@ use lapidary_core::{
     scene::{Mesh, pose::Poses},
     surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
-use seen::{LeafSight, LeafSights, SeenLight};
+use seen::{LeafSight, sight};
 use sky::SkyGrid;
 use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use vertices::VertexLeaves;
@@ -116,13 +118,13 @@ impl Seen {
 impl PoseRig {
     /// For a scene as it was baked, whose leaves look by the cores or an adapter; takes some tenths of a second or, for
     /// the finest, some seconds.
-    pub fn new(baked: &Baked, sights: Box<dyn LeafSights>, detail: Detail) -> Self {
+    pub fn new(baked: &Baked, compute: &Compute, detail: Detail) -> Self {
         let dataset = &baked.dataset;
         let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, detail.surfels());
         let vertices = VertexLeaves::new(forest.discs(), dataset);
         let covered = Covered::new(dataset, &forest);
         let seen = |positions: &[Vec3]| {
-            let mut sight = sights.sight(&forest, positions.len(), detail.layout());
+            let mut sight = sight(compute, &forest, positions.len(), detail.layout());
             sight.look(&forest, positions, &BTreeSet::new());
             Seen {
                 points: LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES),

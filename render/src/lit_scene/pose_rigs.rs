@@ -2,8 +2,9 @@
 
 use crate::{
     baked::Baked,
+    device::Compute,
     light::{
-        implicit::{PoseRig, detail::Detail, seen::LeafSights},
+        implicit::{PoseRig, detail::Detail},
         situation::{Changes, Pending},
     },
 };
@@ -24,10 +25,10 @@ impl PoseRigs {
     }
 
     /// Begins to make one on a thread. One is made at a time: it does nothing while that is another.
-    pub fn prepare(&mut self, detail: Detail, baked: &Baked, sights: impl FnOnce() -> Box<dyn LeafSights>) {
+    pub fn prepare(&mut self, detail: Detail, baked: &Baked, compute: impl FnOnce() -> Compute) {
         if !self.is_made(detail) && self.in_the_making.is_none() {
-            let (baked, sights) = (baked.clone(), sights());
-            let made = std::thread::spawn(move || PoseRig::new(&baked, sights, detail));
+            let (baked, compute) = (baked.clone(), compute());
+            let made = std::thread::spawn(move || PoseRig::new(&baked, &compute, detail));
             self.in_the_making = Some((detail, made));
         }
     }
@@ -41,15 +42,10 @@ impl PoseRigs {
     }
 
     /// The rig of a detail to use, which is made or awaited if it is not there.
-    pub fn at(
-        &mut self,
-        detail: Detail,
-        baked: &Baked,
-        sights: impl FnOnce() -> Box<dyn LeafSights>,
-    ) -> &mut Pending<PoseRig> {
+    pub fn at(&mut self, detail: Detail, baked: &Baked, compute: impl FnOnce() -> Compute) -> &mut Pending<PoseRig> {
         if !self.is_made(detail) {
             let making = self.in_the_making.take_if(|(of, _)| *of == detail);
-            let made = making.map_or_else(|| PoseRig::new(baked, sights(), detail), |(_, made)| joined(made));
+            let made = making.map_or_else(|| PoseRig::new(baked, &compute(), detail), |(_, made)| joined(made));
             self.beside = Some(Pending::new(made));
         }
         if self.detail() != Some(detail) {
@@ -77,20 +73,17 @@ fn joined(made: JoinHandle<PoseRig>) -> PoseRig {
 mod tests {
     use super::*;
     use crate::light::{
-        implicit::{
-            seen::CoreSights,
-            tests::{blocked, posed},
-        },
+        implicit::tests::{blocked, posed},
         situation::Situation,
     };
     use crate::test_scenes::white;
     use lapidary_core::scene::pose::Pose;
 
-    fn cores() -> Box<dyn LeafSights> {
-        Box::new(CoreSights)
+    fn cores() -> Compute {
+        Compute::Cores
     }
 
-    fn no_more() -> Box<dyn LeafSights> {
+    fn no_more() -> Compute {
         panic!("it is made already")
     }
 
@@ -118,7 +111,7 @@ mod tests {
         let situation = Situation { scene: baked.posed(&poses).unwrap(), poses, ..Situation::unlit(&baked) };
         let moved = |rig: &mut Pending<PoseRig>| rig.lit(&situation).moved_vertices().to_vec();
         let ahead = moved(rigs.at(detail, &baked, no_more));
-        let made = &mut Pending::new(PoseRig::new(&baked, cores(), detail));
+        let made = &mut Pending::new(PoseRig::new(&baked, &cores(), detail));
         assert!(ahead == moved(made) && ahead.contains(&true));
         assert!(!rigs.is_made(Detail::FINEST), "negative control");
     }

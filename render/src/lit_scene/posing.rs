@@ -30,7 +30,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let posed = match situation.poses.is_empty() {
             true => situation.scene.clone(),
             false => {
-                let rig = self.pose_rigs.at(self.detail, &self.baked, || self.backend.sights());
+                let rig = self.pose_rigs.at(self.detail, &self.baked, || self.backend.compute());
                 rig.lit(situation).with_cuts(&situation.scene)
             }
         };
@@ -49,7 +49,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if self.check_objects().is_err() {
             return;
         }
-        self.pose_rigs.prepare(detail, &self.baked, || self.backend.sights());
+        self.pose_rigs.prepare(detail, &self.baked, || self.backend.compute());
     }
 
     /// Whether poses do not wait at some detail.

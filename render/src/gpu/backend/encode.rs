@@ -2,14 +2,16 @@
 
 use super::{GpuBackend, Loaded, SumState};
 use crate::{
-    gpu::{
-        frame::{Lit, frame},
+    device::{
+        bind,
         layout::{
             self,
             constants::{FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES},
         },
+    },
+    gpu::{
+        frame::{Lit, frame},
         passes::MergeVariant,
-        pipeline::bind,
         targets::{Sums, Target},
     },
     post::Post,

@@ -1,12 +1,14 @@
 //! Bind groups of the passes of a picture.
 
 use super::{GpuBackend, Loaded};
-use crate::gpu::{
-    light::GpuLight,
-    pipeline::bind,
-    targets::{Sums, Targets},
+use crate::{
+    device::bind,
+    gpu::{
+        light::GpuLight,
+        targets::{Sums, Targets},
+    },
+    stale::Part,
 };
-use crate::stale::Part;
 
 /// Everything the passes of a picture read.
 pub struct Groups {

@@ -2,13 +2,10 @@
 
 use super::{GpuBackend, Picture, encode::full_screen};
 use crate::{
-    backend::{Backend, BackendError},
-    gpu::{
-        device::GpuDevice,
-        layout::PastUniforms,
-        pipeline::bind,
-        targets::{Sums, Target, format, target},
-    },
+    backend::Backend,
+    device::{GpuDevice, bind, layout::PastUniforms},
+    error::BackendError,
+    gpu::targets::{Sums, Target, format, target},
     stale::Part,
 };
 use glam::Vec2;

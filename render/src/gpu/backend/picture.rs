@@ -2,7 +2,7 @@
 
 use super::{GpuBackend, Loaded, groups::Groups};
 use crate::{
-    backend::BackendError,
+    error::BackendError,
     gpu::{
         addition::{Addition, PictureInputs},
         light::{GpuLight, GpuMap, GpuSources},

@@ -1,7 +1,7 @@
 //! How long the passes of a sample take.
 
 use super::GpuBackend;
-use crate::{backend::BackendError, post::Post};
+use crate::{error::BackendError, post::Post};
 use lapidary_core::image::Region;
 use std::time::{Duration, Instant};
 

@@ -1,7 +1,8 @@
 //! Which light has which layers of the shadow maps, and how large they are.
 
 use super::view::view_count;
-use crate::gpu::layout::constants::NO_SHADOW;
+use crate::device::layout::constants::NO_SHADOW;
+
 use lapidary_core::lights::{Emission, Light};
 
 /// How much there may be of shadow maps.

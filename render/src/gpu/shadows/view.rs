@@ -3,7 +3,7 @@
 //! A narrow spot has one view. A point has the six faces of a cube. A wide spot and each point of a rectangle have the
 //! five faces of a hemicube. Parallel light has one view of the whole scene.
 
-use crate::gpu::layout::{ShadowView, constants::KERNEL_RADIUS};
+use crate::device::layout::{ShadowView, constants::KERNEL_RADIUS};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     bounds::Bounds,

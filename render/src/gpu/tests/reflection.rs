@@ -1,9 +1,9 @@
 //! Every shader parses and is valid as it is joined; every struct and constant that both sides share is the same.
 
-use crate::gpu::{
+use crate::device::{
+    ModelSet, ShaderSource,
     layout::{self, constants},
-    models::ModelSet,
-    shaders::{DISPLAY, KERNELS, ShaderSource, programs},
+    shaders::{DISPLAY, KERNELS, programs},
 };
 use lapidary_core::brdf::{BrdfModel, MIN_ALPHA, SurfaceParameters};
 use lapidary_core::{implicit, surfel::forest::nodes::Block};
@@ -14,7 +14,7 @@ use naga::{
 use std::mem::offset_of;
 
 fn modules() -> Vec<(&'static str, Module)> {
-    let parse = |program: &crate::gpu::shaders::Program| {
+    let parse = |program: &crate::device::shaders::Program| {
         let text = ShaderSource::Embedded.text(program, &ModelSet::all()).unwrap();
         let module = naga::front::wgsl::parse_str(&text);
         (program.name, module.unwrap_or_else(|e| panic!("{}: {}", program.name, e.emit_to_string(&text))))

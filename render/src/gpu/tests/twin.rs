@@ -2,8 +2,9 @@
 //! deferred pass wrote, and agree at every pixel, for every BRDF and mode. Each comparison has a negative control.
 
 use crate::{
-    Appearance, Backend, BackendError, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer,
-    SceneLighting, ToneMap, View, ViewMode,
+    Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
+    View, ViewMode,
+    device::test_adapter::on_adapter,
     gpu::{GpuBackend, Room, ShaderSource},
     shade::surface::Surfaces,
     shade::{
@@ -24,28 +25,11 @@ use lapidary_core::{
     ray::Hit,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, MutexGuard};
 
 /// A backend within WebGPU's default limits; see [`on_adapter`].
 pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
     on_adapter(|| GpuBackend::new(Room::Defaults, &ShaderSource::Embedded))
-}
-
-/// What `make` makes on an adapter, or `None`, said aloud, where there is no adapter and none is required. One at a time: a software
-/// adapter uses all cores by itself.
-pub(in crate::gpu) fn on_adapter<T>(
-    make: impl FnOnce() -> Result<T, BackendError>,
-) -> Option<(MutexGuard<'static, ()>, T)> {
-    static ONE: Mutex<()> = Mutex::new(());
-    let guard = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    match make() {
-        Ok(made) => Some((guard, made)),
-        Err(error) if std::env::var_os("LAPIDARY_REQUIRE_GPU").is_none() => {
-            eprintln!("SKIPPED: {error}");
-            None
-        }
-        Err(error) => panic!("LAPIDARY_REQUIRE_GPU is set, but {error}"),
-    }
 }
 
 pub(super) fn noise(i: u32) -> u8 {

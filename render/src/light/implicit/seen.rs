@@ -1,23 +1,14 @@
 //! What leaves see, and their light by it, under one pose after another: on the cores here, on a graphics adapter in
-//! `render/src/gpu/implicit/`.
+//! [`super::gpu_sight`].
 
+use super::gpu_sight::GpuSight;
+use crate::device::{Compute, SeenLight};
 use glam::Vec3;
 use lapidary_core::{
     implicit::{BinLayout, Bins, Drag, LeafLight, Lighting, Views},
     surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
-
-/// Irradiance of the leaves of a forest in W/m², one entry each.
-#[derive(Clone, Debug)]
-pub struct SeenLight {
-    /// From the sky alone.
-    pub of_sky: Vec<Vec3>,
-    /// By what emits: the sky and other leaves.
-    pub direct: Vec<Vec3>,
-    /// By all bounces.
-    pub bounced: Vec<Vec3>,
-}
 
 /// What the leaves of a forest see.
 pub trait LeafSight: Send {
@@ -32,19 +23,12 @@ pub trait LeafSight: Send {
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight;
 }
 
-/// What looks for leaves: the cores or an adapter.
-pub trait LeafSights: Send {
-    /// For a forest on a mesh of so many vertices.
-    fn sight(&self, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Box<dyn LeafSight>;
-}
-
-/// The cores.
-#[derive(Clone, Copy, Debug)]
-pub struct CoreSights;
-
-impl LeafSights for CoreSights {
-    fn sight(&self, _: &SurfelForest, _: usize, layout: BinLayout) -> Box<dyn LeafSight> {
-        Box::new(CoreSight::new(layout))
+/// What looks for the leaves of a forest on a mesh of so many vertices.
+pub fn sight(compute: &Compute, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Box<dyn LeafSight> {
+    let Compute::Device(device) = compute else { return Box::new(CoreSight::new(layout)) };
+    match GpuSight::new(device, forest, vertices, layout) {
+        Some(sight) => Box::new(sight),
+        None => Box::new(CoreSight::new(layout)),
     }
 }
 

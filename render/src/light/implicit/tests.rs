@@ -1,6 +1,6 @@
 //! Pictures of posed objects, against scenes that were baked so.
 
-use super::{seen::CoreSights, *};
+use super::*;
 use crate::{
     Backend, Components, CpuBackend, LitScene, Look, Renderer,
     light::solver::solutions::Solution,
@@ -39,7 +39,7 @@ pub(crate) fn posed(pose: Pose) -> Poses {
 
 /// A rig for a drag, as baked.
 fn under_the_sky(baked: &Baked) -> Edited<PoseRig> {
-    let mut rig = Edited::new(baked, PoseRig::new(baked, Box::new(CoreSights), Detail::OF_A_DRAG));
+    let mut rig = Edited::new(baked, PoseRig::new(baked, &Compute::Cores, Detail::OF_A_DRAG));
     rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     rig
 }

@@ -23,7 +23,7 @@ use lapidary_core::{
 use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve};
 use lapidary_render::{
     BackendError,
-    gpu::{GpuRays, Room},
+    gpu::{GpuRays, Room, SharedDevice},
 };
 use std::{
     path::{Path, PathBuf},
@@ -52,7 +52,7 @@ impl DeviceChoice {
         match self {
             Self::Cpu => Ok(None),
             Self::Auto => Ok(if shard.is_some() { None } else { GpuRays::of_hardware() }),
-            Self::Gpu => GpuRays::new(Room::All).map(Some),
+            Self::Gpu => GpuRays::on(&SharedDevice::new(Room::All)?, true).map(Some),
         }
     }
 }

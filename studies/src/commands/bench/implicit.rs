@@ -13,7 +13,7 @@ use lapidary_core::{
 };
 use lapidary_render::{
     Backend, BackendError,
-    gpu::{GpuForest, GpuImplicit},
+    gpu::{GpuBackend, GpuForest, GpuImplicit},
 };
 use serde::Serialize;
 use std::{
@@ -47,7 +47,8 @@ struct Run {
 /// # Errors
 /// No adapter where one is asked for, or one that fails.
 pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: &JsonArgs) -> Result<()> {
-    let gpu = args.backend.gpu()?.map(|gpu| Ok::<_, BackendError>((gpu.name(), gpu.implicit()?))).transpose()?;
+    let on_adapter = |gpu: GpuBackend| Ok::<_, BackendError>((gpu.name(), GpuImplicit::on(gpu.device())?));
+    let gpu = args.backend.gpu()?.map(on_adapter).transpose()?;
     let mut runs = Vec::new();
     for &surfels in surfels {
         let posed = Posed::new(dataset, surfels);

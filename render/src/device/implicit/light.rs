@@ -5,14 +5,13 @@ use super::{
     forest::{GpuForest, cos_sin, written},
 };
 use crate::{
-    backend::BackendError,
-    gpu::{
-        device::GpuDevice,
+    device::{
+        adapter::GpuDevice,
+        buffers::{storage, uniform},
         layout::{LeafIrradiance, LeafLighting, LightUniforms},
         readback::read_range,
-        scene::{storage, uniform},
     },
-    light::implicit::seen::SeenLight,
+    error::BackendError,
 };
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::{Vec3, Vec4};
@@ -20,6 +19,17 @@ use lapidary_core::{
     implicit::{BinLayout, Lighting, Sky},
     sphere::octahedron,
 };
+
+/// Irradiance of the leaves of a forest in W/m², one entry each.
+#[derive(Clone, Debug)]
+pub struct SeenLight {
+    /// From the sky alone.
+    pub of_sky: Vec<Vec3>,
+    /// By what emits: the sky and other leaves.
+    pub direct: Vec<Vec3>,
+    /// By all bounces.
+    pub bounced: Vec<Vec3>,
+}
 
 /// What kernels of light read and write.
 pub(super) struct LightBuffers {

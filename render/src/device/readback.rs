@@ -1,7 +1,7 @@
 //! Buffers and textures back from the GPU.
 
-use super::{device::GpuDevice, targets::Target};
-use crate::backend::BackendError;
+use super::adapter::GpuDevice;
+use crate::error::BackendError;
 use std::ops::Range;
 
 /// The first word of a buffer.
@@ -50,8 +50,7 @@ pub fn read_range<T: bytemuck::Pod>(
 ///
 /// # Errors
 /// A lost device.
-pub fn read(gpu: &GpuDevice, target: &Target) -> Result<Vec<u8>, BackendError> {
-    let texture = &target.texture;
+pub fn read(gpu: &GpuDevice, texture: &wgpu::Texture) -> Result<Vec<u8>, BackendError> {
     let texel = texture.format().block_copy_size(None).unwrap_or(16);
     let row = texel * texture.width();
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);

@@ -2,13 +2,13 @@
 
 use super::{ForestTimes, GpuImplicit, light::LightBuffers};
 use crate::{
-    backend::BackendError,
-    gpu::{
-        device::GpuDevice,
+    device::{
+        adapter::GpuDevice,
+        buffers::{storage, uniform},
         layout::{Disc, Rider, WalkUniforms},
         readback::read_range,
-        scene::{storage, uniform},
     },
+    error::BackendError,
     remedy::Remedy,
 };
 use bytemuck::{Zeroable, bytes_of, cast_slice};

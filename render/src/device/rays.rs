@@ -2,14 +2,15 @@
 //! [`Intersector::trace_batch`]. The walk itself is `shaders/traverse.wgsl`, for other compute passes too.
 
 use super::{
-    device::{GpuDevice, Room, has_hardware},
+    adapter::GpuDevice,
+    bindings::{Binding, Shaders, bind, bind_layout, module},
+    buffers::{storage, uniform},
+    compute::{Compute, SharedDevice},
     layout,
-    pipeline::{Binding, Shaders, bind, layout as bind_layout, module},
     readback::read_words,
-    scene::{storage, uniform},
     shaders::RAYS,
 };
-use crate::{backend::BackendError, remedy::Remedy};
+use crate::{error::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
 use glam::Vec3;
 use lapidary_core::ray::{BoxNode, Intersector, RayDevice, RayDevices, RayOrigin};
@@ -40,21 +41,20 @@ struct RayPass {
 }
 
 impl GpuRays {
-    /// The fastest adapter.
+    /// On a device. Whether a scene that it does not take is an error, or left to the cores, is for the caller to say.
     ///
     /// # Errors
-    /// No adapter, or a driver that refuses.
-    pub fn new(room: Room) -> Result<Self, BackendError> {
-        let gpu = GpuDevice::new(room)?;
-        let pass = RayPass::new(&gpu)?;
-        Ok(Self { is_asked_for: true, gpu: Arc::new(gpu), pass: Arc::new(pass) })
+    /// A driver that refuses.
+    pub fn on(device: &SharedDevice, is_asked_for: bool) -> Result<Self, BackendError> {
+        let pass = RayPass::new(&device.gpu)?;
+        Ok(Self { is_asked_for, gpu: Arc::new(device.gpu.clone()), pass: Arc::new(pass) })
     }
 
     /// The fastest adapter that is more than an emulation on the processor, if there is one that works. Scenes that it does not
     /// take are left to the cores.
     pub fn of_hardware() -> Option<Self> {
-        let rays = has_hardware().then(|| Self::new(Room::All).ok()).flatten()?;
-        Some(Self { is_asked_for: false, ..rays })
+        let Compute::Device(device) = Compute::of_hardware() else { return None };
+        Self::on(&device, false).ok()
     }
 
     fn scene(&self, scene: &Intersector, directions: &[Vec3]) -> Result<GpuRayScene, BackendError> {
@@ -206,7 +206,7 @@ fn levels(nodes: &[BoxNode]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::tests::twin::backend;
+    use crate::device::{Room, test_adapter::on_adapter};
     use lapidary_core::{
         ray::{DirectionSet, HalfSpace, OPEN},
         sphere::fibonacci_directions,
@@ -215,8 +215,8 @@ mod tests {
 
     #[test]
     fn rays_on_the_gpu_agree_with_those_on_the_processor() {
-        let Some((_one_at_a_time, _)) = backend() else { return };
-        let rays = GpuRays::new(Room::Defaults).unwrap();
+        let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+        let rays = GpuRays::on(&device, true).unwrap();
         for (triangles, lights) in [(600, 4096), (3, 64), (0, 32)] {
             let scene = Intersector::new(&soup(5, triangles));
             let directions = fibonacci_directions(lights);

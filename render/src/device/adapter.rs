@@ -1,7 +1,7 @@
 //! Adapter, device and their limits. This is the one place that states the needs of the renderer: WebGPU's default
 //! limits and no optional feature. Where the adapter has more room, it is used.
 
-use crate::{backend::BackendError, remedy::Remedy};
+use crate::{error::BackendError, remedy::Remedy};
 use std::{
     collections::HashMap,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -163,7 +163,7 @@ fn report_troubles(device: &wgpu::Device, troubles: &Arc<Mutex<Troubles>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::tests::twin::on_adapter;
+    use crate::device::test_adapter::on_adapter;
 
     #[test]
     fn each_thread_is_told_its_own_errors() {

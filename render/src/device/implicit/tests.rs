@@ -4,12 +4,13 @@ use super::{
     forest::{GpuForest, Look, packed_discs},
     *,
 };
-use crate::gpu::{device::is_emulated, layout::Disc, readback::read_range, tests::twin::on_adapter};
 use crate::{
-    Baked, CoreSights, LeafSights, Renderer,
+    Baked, Renderer,
+    device::{Compute, Room, SharedDevice, is_emulated, layout::Disc, readback::read_range, test_adapter::on_adapter},
     light::implicit::{
         PoseRig, PosedLight,
         detail::Detail,
+        seen::sight,
         tests::{blocked, posed, sky},
     },
     test_scenes::{Edited, white},
@@ -68,7 +69,7 @@ impl Case {
 
 /// On an adapter, which others do not use meanwhile; `None`, said aloud, where there is none and none is required.
 fn adapter() -> Option<(MutexGuard<'static, ()>, GpuImplicit)> {
-    on_adapter(|| GpuImplicit::new(Room::Defaults))
+    on_adapter(|| GpuImplicit::on(&SharedDevice::new(Room::Defaults)?))
 }
 
 fn nodes_of(forest: &GpuForest) -> (Vec<Disc>, Vec<Block>) {
@@ -282,8 +283,8 @@ fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
 }
 
 /// What a rig shows of some poses, one after another: its cuts, and the light.
-fn shown(sights: Box<dyn LeafSights>, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
-    let mut rig = Edited::new(baked, PoseRig::new(baked, sights, Detail::OF_A_DRAG));
+fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
+    let mut rig = Edited::new(baked, PoseRig::new(baked, compute, Detail::OF_A_DRAG));
     rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     let show = |poses| {
         rig.set_poses(baked, poses);
@@ -295,12 +296,11 @@ fn shown(sights: Box<dyn LeafSights>, baked: &Baked, poses: &[Poses]) -> Vec<(Ve
 
 #[test]
 fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
-    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
     let baked = Baked::from(blocked(white(), 8));
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let poses = [at(0.2), at(0.7)];
-    let [found, expected] =
-        [Box::new(adapter) as Box<dyn LeafSights>, Box::new(CoreSights)].map(|sights| shown(sights, &baked, &poses));
+    let [found, expected] = [Compute::Device(device), Compute::Cores].map(|compute| shown(&compute, &baked, &poses));
     for ((cuts, light), (of_cores, of_twin)) in found.iter().zip(&expected) {
         assert!(cuts == of_cores);
         let sides = |light: &PosedLight| {
@@ -317,13 +317,14 @@ fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
 
 #[test]
 fn the_cores_go_on_where_an_adapter_fails() {
-    let Some((_one_at_a_time, adapter)) = adapter() else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
     let case = Case::new(256);
     let discs = case.forest.discs();
-    let mut sight = adapter.sight(&case.forest, case.mesh.positions.len(), LAYOUT);
+    let mut sight = sight(&Compute::Device(device.clone()), &case.forest, case.mesh.positions.len(), LAYOUT);
     sight.look(&case.forest, &case.mesh.positions, &BTreeSet::new());
     let seen = sight.views(discs, 0..256).into_owned();
-    adapter.gpu.device.destroy();
+    device.gpu.device.destroy();
+    let adapter = GpuImplicit::on(&device).unwrap();
     assert!(adapter.forest(&case.forest, 8, LAYOUT).is_err(), "it has failed");
     assert!(*sight.views(discs, 0..256) == seen, "by the cores");
     sight.look(&case.forest, &case.mesh.positions, &[1].into());

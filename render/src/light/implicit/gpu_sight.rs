@@ -1,9 +1,9 @@
 //! [`LeafSight`] on an adapter. Where that fails, the cores go on.
 
-use super::{GpuForest, GpuImplicit};
+use super::seen::{CoreSight, LeafSight};
 use crate::{
-    backend::BackendError,
-    light::implicit::seen::{CoreSight, LeafSight, LeafSights, SeenLight},
+    device::{GpuForest, GpuImplicit, SeenLight, SharedDevice},
+    error::BackendError,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -12,25 +12,23 @@ use lapidary_core::{
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
-impl LeafSights for GpuImplicit {
-    /// The cores look for a forest that the adapter does not take.
-    fn sight(&self, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Box<dyn LeafSight> {
-        let is_empty = forest.discs().discs().is_empty();
-        match (!is_empty).then(|| self.forest(forest, vertices, layout)) {
-            Some(Ok(gpu)) => Box::new(GpuSight { gpu: Some(gpu), cores: CoreSight::new(layout) }),
-            _ => Box::new(CoreSight::new(layout)),
-        }
-    }
-}
-
 /// What leaves see, found by an adapter.
-struct GpuSight {
+pub struct GpuSight {
     /// `None` after it failed.
     gpu: Option<GpuForest>,
     cores: CoreSight,
 }
 
 impl GpuSight {
+    /// `None` for a forest that the adapter does not take.
+    pub fn new(device: &SharedDevice, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Option<Self> {
+        if forest.discs().discs().is_empty() {
+            return None;
+        }
+        let gpu = GpuImplicit::on(device).and_then(|implicit| implicit.forest(forest, vertices, layout)).ok()?;
+        Some(Self { gpu: Some(gpu), cores: CoreSight::new(layout) })
+    }
+
     /// What the adapter answers; `None` from its first failure on. The cores then see what it saw.
     fn on_gpu<T>(
         &mut self,

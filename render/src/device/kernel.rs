@@ -1,15 +1,13 @@
-//! One compute pipeline.
+//! One compute pipeline, whose work is cut into slices of a few milliseconds.
 
-use super::pace::Pace;
-use crate::{
-    backend::BackendError,
-    gpu::{
-        device::GpuDevice,
-        pipeline::{Binding, Shaders, bind, layout, module},
-        scene::uniform,
-        shaders::Program,
-    },
+use super::{
+    adapter::GpuDevice,
+    bindings::{Binding, Shaders, bind, bind_layout, module},
+    buffers::uniform,
+    pace::Pace,
+    shaders::KernelProgram,
 };
+use crate::error::BackendError;
 use std::{
     sync::{Mutex, PoisonError},
     time::{Duration, Instant},
@@ -32,17 +30,17 @@ struct Running {
 }
 
 impl Kernel {
-    /// Compiles a program whose data have bindings 0, 1, ... of these kinds.
+    /// Compiles a program.
     ///
     /// # Errors
     /// A shader that does not compile, or a lost device.
-    pub fn new(gpu: &GpuDevice, program: &Program, bindings: &[Binding]) -> Result<Self, BackendError> {
+    pub fn new(gpu: &GpuDevice, &KernelProgram { program, bindings }: &KernelProgram) -> Result<Self, BackendError> {
         let label = program.name;
-        let slices = layout(gpu, "slice", &[Binding::Uniform]);
+        let slices = bind_layout(gpu, "slice", &[Binding::Uniform]);
         let first = uniform(gpu, "first workgroup", &0_u32.to_ne_bytes());
         let slice = bind(gpu, "slice", &slices, &[first.as_entire_binding()]);
-        let data = layout(gpu, label, bindings);
-        let module = module(gpu, &Shaders::default(), program)?;
+        let data = bind_layout(gpu, label, bindings);
+        let module = module(gpu, &Shaders::default(), &program)?;
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(label),
             bind_group_layouts: &[Some(&slices), Some(&data)],

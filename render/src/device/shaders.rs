@@ -1,6 +1,9 @@
 //! The shaders: plain WGSL, one entry point per file, joined with the libraries that it uses.
 
-use super::models::ModelSet;
+use super::{
+    bindings::Binding::{self, Storage, Uniform, Written},
+    models::ModelSet,
+};
 use lapidary_core::brdf::BrdfModel;
 use std::{
     borrow::Cow,
@@ -83,6 +86,21 @@ pub struct Program {
     pub name: &'static str,
     /// What several programs begin with, and the rest.
     parts: [&'static [&'static str]; 2],
+}
+
+/// A kernel of one compute step, with the kinds of its data's bindings 0, 1, ...
+#[derive(Clone, Copy, Debug)]
+pub struct KernelProgram {
+    /// Its text.
+    pub program: Program,
+    /// Kinds of its data.
+    pub bindings: &'static [Binding],
+}
+
+impl KernelProgram {
+    const fn new(name: &'static str, parts: [&'static [&'static str]; 2], bindings: &'static [Binding]) -> Self {
+        Self { program: Program { name, parts }, bindings }
+    }
 }
 
 /// What programs begin with that shade the points of surfaces.
@@ -179,29 +197,40 @@ pub const PREDICT: Program = Program { name: "predict_pass", parts: [SHADING, &[
 const FOREST: &[&str] = &["slice", "ordered", "forest"];
 
 /// Discs of leaves.
-pub const IMPLICIT_UPDATE: Program =
-    Program { name: "implicit_update_kernel", parts: [FOREST, &["implicit_update_kernel"]] };
+pub const IMPLICIT_UPDATE: KernelProgram =
+    KernelProgram::new("implicit_update_kernel", [FOREST, &["implicit_update_kernel"]], &[Storage, Storage, Written]);
 /// The nodes above them.
-pub const IMPLICIT_NODES: Program =
-    Program { name: "implicit_nodes_kernel", parts: [FOREST, &["implicit_nodes_kernel"]] };
+pub const IMPLICIT_NODES: KernelProgram =
+    KernelProgram::new("implicit_nodes_kernel", [FOREST, &["implicit_nodes_kernel"]], &[Storage, Storage, Written]);
 /// What leaves see.
-pub const IMPLICIT_WALK: Program = Program {
-    name: "implicit_walk_kernel",
-    parts: [FOREST, &["hemisphere", "distance_key", "implicit_visit", "implicit_cover", "implicit_walk_kernel"]],
-};
+pub const IMPLICIT_WALK: KernelProgram = KernelProgram::new(
+    "implicit_walk_kernel",
+    [FOREST, &["hemisphere", "distance_key", "implicit_visit", "implicit_cover", "implicit_walk_kernel"]],
+    &[Uniform, Storage, Storage, Storage, Storage, Storage, Written],
+);
 /// Radiance of nodes.
-pub const IMPLICIT_PULL: Program =
-    Program { name: "implicit_pull_kernel", parts: [FOREST, &["leaf_light", "implicit_pull_kernel"]] };
+pub const IMPLICIT_PULL: KernelProgram = KernelProgram::new(
+    "implicit_pull_kernel",
+    [FOREST, &["leaf_light", "implicit_pull_kernel"]],
+    &[Uniform, Storage, Storage, Storage, Storage, Written],
+);
 /// Irradiance of leaves.
-pub const IMPLICIT_BOUNCE: Program = Program {
-    name: "implicit_bounce_kernel",
-    parts: [FOREST, &["hemisphere", "octahedron", "leaf_light", "implicit_bounce_kernel"]],
-};
+pub const IMPLICIT_BOUNCE: KernelProgram = KernelProgram::new(
+    "implicit_bounce_kernel",
+    [FOREST, &["hemisphere", "octahedron", "leaf_light", "implicit_bounce_kernel"]],
+    &[Uniform, Storage, Storage, Storage, Storage, Storage, Storage, Written],
+);
 
 /// Those of one compute step.
 #[cfg(test)]
-pub const KERNELS: [Program; 6] =
-    [RAYS, IMPLICIT_UPDATE, IMPLICIT_NODES, IMPLICIT_WALK, IMPLICIT_PULL, IMPLICIT_BOUNCE];
+pub const KERNELS: [Program; 6] = [
+    RAYS,
+    IMPLICIT_UPDATE.program,
+    IMPLICIT_NODES.program,
+    IMPLICIT_WALK.program,
+    IMPLICIT_PULL.program,
+    IMPLICIT_BOUNCE.program,
+];
 
 /// Those of a vertex and a fragment shader, or of two compute steps.
 #[cfg(test)]

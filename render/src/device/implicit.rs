@@ -6,17 +6,17 @@
 
 mod forest;
 mod light;
-mod sight;
 
 pub use forest::GpuForest;
+pub use light::SeenLight;
 
 use super::{
-    compute::Kernel,
-    device::{GpuDevice, Room},
-    pipeline::Binding::{Storage, Uniform, Written},
+    adapter::GpuDevice,
+    compute::SharedDevice,
+    kernel::Kernel,
     shaders::{IMPLICIT_BOUNCE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE, IMPLICIT_WALK},
 };
-use crate::backend::BackendError;
+use crate::error::BackendError;
 use lapidary_core::{implicit::BinLayout, surfel::forest::SurfelForest};
 use std::{sync::Arc, time::Duration};
 
@@ -24,15 +24,16 @@ use std::{sync::Arc, time::Duration};
 #[derive(Clone)]
 pub struct GpuImplicit {
     gpu: GpuDevice,
-    kernels: Arc<Kernels>,
+    kernels: Kernels,
 }
 
+#[derive(Clone)]
 struct Kernels {
-    update: Kernel,
-    nodes: Kernel,
-    walk: Kernel,
-    pull: Kernel,
-    bounce: Kernel,
+    update: Arc<Kernel>,
+    nodes: Arc<Kernel>,
+    walk: Arc<Kernel>,
+    pull: Arc<Kernel>,
+    bounce: Arc<Kernel>,
 }
 
 /// How long the last work of each kind took, with the wait for it.
@@ -49,31 +50,19 @@ pub struct ForestTimes {
 }
 
 impl GpuImplicit {
-    /// On the fastest adapter.
-    ///
-    /// # Errors
-    /// No adapter, or a driver that refuses.
-    pub fn new(room: Room) -> Result<Self, BackendError> {
-        Self::on(GpuDevice::new(room)?)
-    }
-
-    /// On a device that others use too.
+    /// On a device.
     ///
     /// # Errors
     /// A driver that refuses.
-    pub(super) fn on(gpu: GpuDevice) -> Result<Self, BackendError> {
-        let kernel = |program, bindings: &[_]| Kernel::new(&gpu, program, bindings);
+    pub fn on(device: &SharedDevice) -> Result<Self, BackendError> {
         let kernels = Kernels {
-            update: kernel(&IMPLICIT_UPDATE, &[Storage, Storage, Written])?,
-            nodes: kernel(&IMPLICIT_NODES, &[Storage, Storage, Written])?,
-            walk: kernel(&IMPLICIT_WALK, &[Uniform, Storage, Storage, Storage, Storage, Storage, Written])?,
-            pull: kernel(&IMPLICIT_PULL, &[Uniform, Storage, Storage, Storage, Storage, Written])?,
-            bounce: kernel(
-                &IMPLICIT_BOUNCE,
-                &[Uniform, Storage, Storage, Storage, Storage, Storage, Storage, Written],
-            )?,
+            update: device.kernel(&IMPLICIT_UPDATE)?,
+            nodes: device.kernel(&IMPLICIT_NODES)?,
+            walk: device.kernel(&IMPLICIT_WALK)?,
+            pull: device.kernel(&IMPLICIT_PULL)?,
+            bounce: device.kernel(&IMPLICIT_BOUNCE)?,
         };
-        Ok(Self { gpu, kernels: Arc::new(kernels) })
+        Ok(Self { gpu: device.gpu.clone(), kernels })
     }
 
     /// The name of the adapter.

@@ -1,0 +1,28 @@
+//! The graphics device, and what computes on it without a picture: kernels, rays, implicit visibility. Within WebGPU's default limits
+//! and without optional features.
+
+mod adapter;
+mod bindings;
+mod buffers;
+mod compute;
+mod implicit;
+mod kernel;
+pub(crate) mod layout;
+mod models;
+mod pace;
+mod rays;
+pub(crate) mod readback;
+pub(crate) mod shaders;
+#[cfg(test)]
+pub(crate) mod test_adapter;
+mod written;
+
+pub(crate) use adapter::{GpuDevice, is_emulated};
+pub use adapter::{Room, has_hardware};
+pub(crate) use bindings::{Binding, Shaders, bind, bind_layout, module};
+pub(crate) use buffers::{storage, uniform};
+pub use compute::{Compute, SharedDevice};
+pub use implicit::{ForestTimes, GpuForest, GpuImplicit, SeenLight};
+pub(crate) use models::ModelSet;
+pub use rays::GpuRays;
+pub use shaders::ShaderSource;

@@ -1,0 +1,78 @@
+//! What computes beside the picture.
+
+use super::{
+    adapter::{GpuDevice, Room, has_hardware, is_emulated},
+    kernel::Kernel,
+    shaders::KernelProgram,
+};
+use crate::error::BackendError;
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+/// The cores of this machine, or the one graphics device that pictures, rays and light share.
+#[derive(Clone)]
+pub enum Compute {
+    /// The cores.
+    Cores,
+    /// The device.
+    Device(SharedDevice),
+}
+
+/// A graphics device and the kernels that were compiled on it. Copies share both.
+#[derive(Clone)]
+pub struct SharedDevice {
+    pub(crate) gpu: GpuDevice,
+    kernels: Arc<Mutex<HashMap<&'static str, Arc<Kernel>>>>,
+}
+
+impl Compute {
+    /// The fastest adapter.
+    ///
+    /// # Errors
+    /// No adapter, or a driver that refuses.
+    pub fn on_adapter(room: Room) -> Result<Self, BackendError> {
+        Ok(Self::Device(SharedDevice::new(room)?))
+    }
+
+    /// The fastest adapter that is more than an emulation on the processor; the cores if there is none that works.
+    pub fn of_hardware() -> Self {
+        let device = has_hardware().then(|| SharedDevice::new(Room::All).ok()).flatten();
+        device.map_or(Self::Cores, Self::Device)
+    }
+
+    /// The cores in place of a device that is emulated on them.
+    pub(crate) fn unless_emulated(device: &SharedDevice) -> Self {
+        if is_emulated(&device.gpu.info) { Self::Cores } else { Self::Device(device.clone()) }
+    }
+}
+
+impl SharedDevice {
+    /// On the fastest adapter.
+    ///
+    /// # Errors
+    /// No adapter, or a driver that refuses.
+    pub fn new(room: Room) -> Result<Self, BackendError> {
+        Ok(Self { gpu: GpuDevice::new(room)?, kernels: Arc::default() })
+    }
+
+    /// The name of the adapter.
+    pub fn name(&self) -> &str {
+        &self.gpu.info.name
+    }
+
+    /// A kernel, which is compiled at its first use.
+    ///
+    /// # Errors
+    /// A shader that does not compile, or a lost device.
+    pub(crate) fn kernel(&self, program: &KernelProgram) -> Result<Arc<Kernel>, BackendError> {
+        let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = kernels.get(program.program.name) {
+            return Ok(known.clone());
+        }
+        let made = Arc::new(Kernel::new(&self.gpu, program)?);
+        kernels.insert(program.program.name, made.clone());
+        Ok(made)
+    }
+}
