@@ -48,4 +48,4 @@ reference interior-samples interior $sky --kind samples --components environment
 reference interior-paths interior $sky --kind path --bounces 2 --spp 8
 reference color-box-paths color-box --env none --kind path --bounces 3 --spp 8
 
-cargo run --release --quiet -p lapidary-core --example pixel_hashes -- "$work"/*.exr
+cargo run --release --quiet -p lapidary-interchange --example pixel_hashes -- "$work"/*.exr
