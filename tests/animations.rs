@@ -1,7 +1,7 @@
 //! Animations, from end to end: pictures at a time of a clip, references of the same, and sequences.
 
 use crate::common::{Folder, read};
-use lapidary_core::image::Image;
+use lapidary_interchange::image;
 
 const TOWER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/bending-tower/bending-tower.gltf");
 
@@ -17,7 +17,7 @@ fn baked() -> Folder {
 }
 
 fn pixels(folder: &Folder, name: &str) -> Vec<glam::Vec3> {
-    Image::read(&folder.path(name)).expect("a picture").pixels
+    image::read(&folder.path(name)).expect("a picture").pixels
 }
 
 #[test]

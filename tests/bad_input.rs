@@ -1,6 +1,7 @@
 //! Bad input gets a message that names the file and says what to do; nothing good is lost.
 
 use crate::common::{Folder, SMALL, files_in};
+use lapidary_interchange::image;
 use std::fs;
 
 #[test]
@@ -74,11 +75,11 @@ fn environments_that_are_no_radiance_are_repaired_aloud_or_refused() {
         1 => Vec3::splat(f32::NAN),
         _ => Vec3::ONE,
     });
-    map.write(&folder.path("odd.exr")).expect("a writable folder");
+    image::write(&map, &folder.path("odd.exr")).expect("a writable folder");
     let output = folder.run("render a.cuts --env odd.exr --size 16x12 --out a.exr");
     let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success() && warnings.contains("negative") && warnings.contains("finite"), "{warnings}");
-    let picture = Image::read(&folder.path("a.exr")).expect("a picture");
+    let picture = image::read(&folder.path("a.exr")).expect("a picture");
     assert!(picture.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0));
     let exr = fs::read(folder.path("odd.exr")).expect("the map");
     fs::write(folder.path("short.exr"), &exr[..exr.len() / 2]).expect("a writable folder");
@@ -208,7 +209,7 @@ fn pictures_that_cannot_be_compared_are_refused() {
     use lapidary_core::image::Image;
     let folder = Folder::new();
     for (name, size) in [("a.exr", [8, 6]), ("b.exr", [6, 8])] {
-        Image::filled(size, Vec3::ONE).write(&folder.path(name)).expect("a writable folder");
+        image::write(&Image::filled(size, Vec3::ONE), &folder.path(name)).expect("a writable folder");
     }
     let message = folder.fail("compare a.exr b.exr");
     assert!(message.contains("8 x 6") && message.contains("6 x 8"), "{message}");

@@ -2,7 +2,8 @@
 
 use crate::common::Folder;
 use glam::{DVec3, Vec3};
-use lapidary_core::{cut::packed::PackedCuts, image::Image, meshless::Transport};
+use lapidary_core::{cut::packed::PackedCuts, meshless::Transport};
+use lapidary_interchange::image;
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -23,7 +24,7 @@ fn colour_box() -> Folder {
 
 /// Means over squares of a picture, row by row.
 fn squares(folder: &Folder, name: &str) -> Vec<DVec3> {
-    let picture = Image::read(&folder.path(name)).expect("a picture");
+    let picture = image::read(&folder.path(name)).expect("a picture");
     let [width, height] = picture.size.map(|n| n as usize / SQUARE);
     let pixel = |x: usize, y: usize| picture.pixels[y * width * SQUARE + x].as_dvec3();
     let mean = |i: usize| {

@@ -1,6 +1,7 @@
 //! What the end-to-end tests share: running the binary, a small scene, comparing datasets.
 
-use lapidary_core::{dataset::Dataset, image::decode};
+use lapidary_core::dataset::Dataset;
+use lapidary_interchange::image::{self, decode};
 use std::{
     collections::BTreeMap,
     fs,
@@ -72,7 +73,7 @@ impl Folder {
     }
 
     pub fn dataset(&self, name: &str) -> Dataset {
-        Dataset::read(&self.path(name)).expect("a dataset")
+        Dataset::read(&self.path(name), image::decode).expect("a dataset")
     }
 }
 

@@ -1,7 +1,7 @@
 //! `ladder` and `evidence` from end to end.
 
 use crate::common::{Folder, keys};
-use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use std::fs;
 
 /// Looks down on box and floor.
@@ -31,11 +31,11 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
     assert!(errors[0] > 0.85 && errors[1] > 0.75 && errors[2] < 0.31, "one node is far from the truth: {errors:?}");
     for name in ["cut-1", "cut-32", "cut-256", "cut-lit", "reference"] {
         for extension in ["png", "exr"] {
-            let picture = Image::read(&folder.path(&format!("ladder/{name}.{extension}"))).expect("a picture");
+            let picture = image::read(&folder.path(&format!("ladder/{name}.{extension}"))).expect("a picture");
             assert_eq!(picture.size, [32, 24], "{name}");
         }
     }
-    assert!(Image::read(&folder.path("ladder/sheet.png")).is_ok());
+    assert!(image::read(&folder.path("ladder/sheet.png")).is_ok());
     assert!(json["reference"]["what"].as_str().is_some_and(|what| what.contains("samples of the environment")));
     let page = fs::read_to_string(folder.path("ladder/ladder.html")).expect("a page");
     assert!(page.contains("cut-256.png") && page.contains("<svg"));
@@ -43,7 +43,7 @@ fn the_ladder_shows_errors_and_times_of_every_size() {
     folder.succeed(&format!("render a.cuts {view} --brdf once --backend cpu --illum-cut 32 --out r.exr"));
     folder.succeed(&format!("render a.cuts {view} --backend cpu --out l.exr"));
     folder.succeed(&format!("reference a.cuts {view} --out t.exr"));
-    let read = |name: &str| Image::read(&folder.path(name)).expect("a picture");
+    let read = |name: &str| image::read(&folder.path(name)).expect("a picture");
     assert_eq!(read("r.exr"), read("ladder/cut-32.exr"));
     assert_eq!(read("l.exr"), read("ladder/cut-lit.exr"));
     assert_eq!(read("t.exr"), read("ladder/reference.exr"));
@@ -120,7 +120,7 @@ fn the_evidence_of_a_small_scene_has_all_figures() {
     let page = fs::read_to_string(folder.path("proof/evidence.html")).expect("a page");
     for (i, part) in page.split("src=\"").enumerate().skip(1) {
         let file = part.split('"').next().expect("a name");
-        assert!(Image::read(&folder.path(&format!("proof/{file}"))).is_ok(), "picture {i}: {file}");
+        assert!(image::read(&folder.path(&format!("proof/{file}"))).is_ok(), "picture {i}: {file}");
     }
     assert!(page.contains("Motobike") && page.contains("Wavelets") && !page.contains("NaN"));
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Folder, SMALL, files_in};
 use glam::Vec3;
-use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use serde_json::Value;
 
 const VIEW: &str = "--env sun-sky:40 --size 48x36 --eye 0.3,2.5,3.5 --target 0,0.2,0 --illum-cut 64";
@@ -31,7 +31,7 @@ fn the_nodes_of_a_pixel_sum_to_the_pixel_that_is_rendered() {
     let of_terms: Vec3 = nodes.iter().chain(suns).map(|term| vector(&term["contribution"])).sum();
     let sum = of_terms + vector(&json["pixel"]["mirror"]);
     assert!(vector(&suns[0]["contribution"]).max_element() > 0.0, "{said}");
-    let rendered = Image::read(&folder.path("a.exr")).expect("a picture").at(20, 22);
+    let rendered = image::read(&folder.path("a.exr")).expect("a picture").at(20, 22);
     assert!((sum - rendered).length() < 1e-4 * rendered.length(), "{sum} for {rendered}");
     let greatest = json["by_contribution"][0].as_u64().expect("a position") as usize;
     let without = sum - vector(&nodes[greatest]["contribution"]);
@@ -43,7 +43,7 @@ fn the_nodes_of_a_pixel_sum_to_the_pixel_that_is_rendered() {
     assert_eq!(json["split"]["region"]["width"], 48, "64 pixels around it are all there is");
     // explain.json, three maps, seven pictures and the strip of them.
     assert_eq!(files_in(&folder.path("why")), 12);
-    let map = Image::read(&folder.path("why/cut.png")).expect("a map");
+    let map = image::read(&folder.path("why/cut.png")).expect("a map");
     assert!(map.size == [1024, 512] && map.pixels.iter().any(|p| p.x > 0.3));
 }
 
@@ -53,7 +53,7 @@ fn pictures_of_a_region_are_its_part_of_the_whole() {
     // A lobe as wide as these reads no map, which the split leaves out.
     folder.succeed(&format!("render a.cuts {VIEW} --roughness 1 --background black --backend cpu --out a.exr"));
     folder.succeed(&format!("explain a.cuts {VIEW} --roughness 1 --region 10,12,8,6 --spp 2 --out why"));
-    let (whole, part) = (Image::read(&folder.path("a.exr")), Image::read(&folder.path("why/split-1-rendered.exr")));
+    let (whole, part) = (image::read(&folder.path("a.exr")), image::read(&folder.path("why/split-1-rendered.exr")));
     let (whole, part) = (whole.expect("a picture"), part.expect("a picture"));
     assert_eq!(part.size, [8, 6]);
     let same = |dx: usize| {
@@ -97,9 +97,9 @@ fn a_predicted_error_is_written_and_calibrated() {
     let options = format!("{VIEW} --calibrate --json a.json --out a.png --out a.exr");
     let said = folder.succeed(&format!("predict a.cuts {options}"));
     assert!(said.contains("rank correlation"), "{said}");
-    let predicted = Image::read(&folder.path("a.exr")).expect("a map");
+    let predicted = image::read(&folder.path("a.exr")).expect("a map");
     assert!(predicted.size == [48, 36] && predicted.pixels.iter().any(|p| p.x > 0.0));
-    assert!(Image::read(&folder.path("a.png")).expect("a map").height() > 36, "with a legend");
+    assert!(image::read(&folder.path("a.png")).expect("a map").height() > 36, "with a legend");
     let json = folder.json("a.json");
     let of = |kind: &str, what: &str| json[kind][what].as_f64().expect("a number");
     assert_eq!(json["bound"]["bins"].as_array().map(Vec::len), Some(10));

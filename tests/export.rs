@@ -3,6 +3,7 @@
 use crate::common::{Folder, files_in, keys};
 use glam::Vec3;
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use std::{fs, path::Path, time::Duration};
 
 const VIEW: &str = "--eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 40x30 --backend cpu";
@@ -18,7 +19,7 @@ fn baked(more: &str) -> Folder {
 }
 
 fn layer(folder: &Folder, name: &str) -> Image {
-    Image::read_layer(&folder.path("layers.exr"), name).expect("a layer")
+    image::read_layer(&folder.path("layers.exr"), name).expect("a layer")
 }
 
 fn brightness(image: &Image) -> f32 {
@@ -45,7 +46,7 @@ fn parts_of_the_light_sum_to_the_picture_and_a_missing_one_shows() {
     let with = distance(&sum, &beauty);
     assert!(with < 1e-5, "{with}");
     assert!(without > 1e-3, "negative control: the bounce is {without} of the picture");
-    assert_eq!(Image::read(&folder.path("plain.exr")).expect("a picture"), beauty);
+    assert_eq!(image::read(&folder.path("plain.exr")).expect("a picture"), beauty);
     for name in ["normal", "albedo", "roughness", "position", "depth", "coverage"] {
         assert!(layer(&folder, name).pixels.iter().all(|p| p.is_finite()), "{name}");
     }
@@ -100,10 +101,10 @@ fn a_sweep_writes_numbered_frames_their_values_and_a_sheet_and_goes_on() {
     assert_eq!(keys(&record), ["frames", "settings", "size"]);
     let value = record["frames"][3]["values"]["roughness"].as_f64().expect("a number");
     assert!((value - 0.9).abs() < 1e-6, "{value}");
-    let sheet = lapidary_core::image::dimensions(&folder.path("out/sheet.png")).expect("a sheet");
+    let sheet = lapidary_interchange::image::dimensions(&folder.path("out/sheet.png")).expect("a sheet");
     assert!(sheet[0] > 2 * 40 && sheet[1] > 2 * 30, "{sheet:?}");
     folder.succeed(&format!("render a.cuts {VIEW} --env studio --base-color 0.8 --roughness 0.9 --out alone.exr"));
-    let read = |name: &str| Image::read(&folder.path(name)).expect("a picture");
+    let read = |name: &str| image::read(&folder.path(name)).expect("a picture");
     assert!(distance(&read("out/f.004.exr"), &read("alone.exr")) < 1e-6);
     assert!(distance(&read("out/f.001.exr"), &read("alone.exr")) > 1e-3, "negative control");
 
@@ -121,7 +122,7 @@ fn an_object_that_turns_shows_its_other_side_before_the_same_background() {
     let view = VIEW.replace("--eye 0.5,3,3 --target 0,0.3,0", "--eye 1.5,1.2,4 --target 0,0.3,0");
     folder.succeed(&format!("sequence a.cuts {view} --env sun-sky:40 --turn object --frames 4 --out o/f.#.exr"));
     folder.succeed(&format!("sequence a.cuts {view} --env sun-sky:40 --turn camera --frames 4 --out c/f.#.exr"));
-    let frame = |path: &str| Image::read(&folder.path(path)).expect("a frame");
+    let frame = |path: &str| image::read(&folder.path(path)).expect("a frame");
     let sky = |image: &Image| image.pixels[..40].to_vec();
     let far = |a: &Image, b: &Image| {
         sky(a).iter().zip(&sky(b)).map(|(a, b)| (*a - *b).length()).fold(0.0f32, f32::max) > 1e-3
@@ -174,7 +175,7 @@ fn an_interrupted_sequence_leaves_whole_frames_and_goes_on() {
         there.filter_map(|name| name.into_string().ok()).filter(|name| name.ends_with(".png")).collect();
     assert!((2..60).contains(&pictures.len()), "{pictures:?}");
     for name in &pictures {
-        assert_eq!(Image::read(&folder.path("out").join(name)).expect("a whole frame").size, [160, 120]);
+        assert_eq!(image::read(&folder.path("out").join(name)).expect("a whole frame").size, [160, 120]);
     }
     assert!(folder.succeed(&format!("{command} --resume")).contains(&format!("{} were there", pictures.len())));
 }
@@ -195,7 +196,7 @@ fn exposure_brightens_png_files_and_leaves_scene_linear_ones() {
     let folder = baked("");
     folder.succeed(&format!("render a.cuts {VIEW} --env studio --brdf refine --out a.exr --out a.png"));
     folder.succeed(&format!("render a.cuts {VIEW} --env studio --brdf refine --exposure -1 --out b.exr --out b.png"));
-    let read = |name: &str| Image::read(&folder.path(name)).expect("a picture");
+    let read = |name: &str| image::read(&folder.path(name)).expect("a picture");
     assert_eq!(read("a.exr"), read("b.exr"));
     let (a, b) = (read("a.png"), read("b.png"));
     let unclipped = |p: &&Vec3| p.max_element() < 0.9 && p.min_element() > 0.05;

@@ -1,7 +1,8 @@
 //! The GPU renderer from end to end, on whatever adapter there is: `render --backend gpu`, and `bench`.
 
 use crate::common::{Folder, keys};
-use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_core::dataset::Dataset;
+use lapidary_interchange::image;
 
 const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 96x72";
 
@@ -104,13 +105,12 @@ fn a_transparent_background_leaves_alpha_and_no_light() {
     let sky = "--env sun-sky:50 --eye 0.5,0.6,3 --target 0,0.9,0 --fov 60 --size 64x48 --background transparent";
     for backend in ["gpu", "cpu"] {
         folder.succeed(&format!("render a.cuts {sky} --backend {backend} --out {backend}.png --out {backend}.exr"));
-        let texture =
-            lapidary_core::texture::Texture::read(&folder.path(&format!("{backend}.png"))).expect("a picture");
+        let texture = image::read_texture(&folder.path(&format!("{backend}.png"))).expect("a picture");
         let lapidary_core::texture::Texels::U8(texels) = &texture.texels else { panic!("8 bits a channel") };
         assert_eq!(texels[0], [0; 4]);
         assert!(texels.iter().any(|t| t[3] == 255));
         assert_eq!(
-            Image::read(&folder.path(&format!("{backend}.exr"))).expect("a picture").pixels[0],
+            image::read(&folder.path(&format!("{backend}.exr"))).expect("a picture").pixels[0],
             glam::Vec3::ZERO
         );
     }

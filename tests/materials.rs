@@ -1,10 +1,8 @@
 //! Materials in the formats of other programs, from end to end.
 
 use crate::common::{Folder, SMALL};
-use lapidary_core::{
-    import::{import, load_material},
-    scene::Scene,
-};
+use lapidary_core::scene::Scene;
+use lapidary_interchange::import::{import, load_material};
 use std::path::PathBuf;
 
 #[test]

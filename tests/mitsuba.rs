@@ -1,7 +1,7 @@
 //! `export` from end to end, without Mitsuba: files, options, bad input.
 
 use crate::common::Folder;
-use lapidary_core::{image::Image, import::import};
+use lapidary_interchange::{image, import::import};
 use std::{fs, path::Path};
 
 fn scene_xml(folder: &Folder) -> String {
@@ -49,7 +49,7 @@ fn a_scene_is_written_whole_and_its_meshes_are_those_of_the_dataset() {
     let meshes: Vec<_> =
         fs::read_dir(folder.path("m/meshes")).expect("meshes").map(|e| e.expect("one").path()).collect();
     assert_eq!(meshes.iter().map(|path| triangles(path)).sum::<usize>(), mesh.triangles.len());
-    assert!(Image::read(&folder.path("m/environment.exr")).is_ok());
+    assert!(image::read(&folder.path("m/environment.exr")).is_ok());
 }
 
 #[test]

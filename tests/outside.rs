@@ -3,7 +3,8 @@
 
 use crate::common::{Folder, SMALL};
 use glam::Vec3;
-use lapidary_core::image::{Image, encode_png};
+use lapidary_core::image::Image;
+use lapidary_interchange::image::encode_png;
 use std::fs;
 
 /// A folder with a scene in a folder of its own, whose texture is above that.

@@ -2,6 +2,7 @@
 
 use crate::common::{Folder, keys};
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 
 /// Looks down on box and floor.
 const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 48x36";
@@ -52,7 +53,7 @@ fn bounds_decide_the_exit_code_and_maps_are_written() {
     assert_eq!((code("rel_rmse=0.0001"), code("rel_rmse=100"), code("nonsense=1")), (Some(3), Some(0), Some(2)));
     for kind in ["rel", "abs", "flip"] {
         folder.succeed(&format!("compare a.exr b.exr --map {kind} --out {kind}.png"));
-        let map = Image::read(&folder.path(&format!("{kind}.png"))).expect("a map");
+        let map = image::read(&folder.path(&format!("{kind}.png"))).expect("a map");
         assert!(map.size[0] >= 48 && map.size[1] > 36, "the {kind} map and its legend: {:?}", map.size);
     }
 }
@@ -75,7 +76,7 @@ fn material_options_do_what_files_do_and_twice_the_light_is_twice_the_picture() 
         // The figures below are of light samples.
         folder.succeed(&format!("render a.cuts {VIEW} --sun off {options} --out {name}.exr"));
     }
-    let read = |name: &str| Image::read(&folder.path(&format!("{name}.exr"))).expect("a picture");
+    let read = |name: &str| image::read(&folder.path(&format!("{name}.exr"))).expect("a picture");
     assert_eq!(read("option"), read("ggx"));
     let error = |test: &str, reference: &str| rel_rmse(&folder, &format!("{test}.exr"), &format!("{reference}.exr"));
     let (ward, once, gold) = (error("ward", "ggx"), error("once", "own"), error("option", "own"));
@@ -129,7 +130,7 @@ fn lamps_of_a_file_give_the_light_of_the_reference_and_its_components_sum() {
     let folder = baked();
     folder.write("lamps.json", LAMPS.into());
     let view = "--eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 48x36 --lights lamps.json";
-    let read = |name: &str| Image::read(&folder.path(&format!("{name}.exr"))).expect("a picture");
+    let read = |name: &str| image::read(&folder.path(&format!("{name}.exr"))).expect("a picture");
     let mean = |name: &str| read(name).pixels.iter().map(|p| p.y).sum::<f32>() / (48.0 * 36.0);
     folder.succeed(&format!("render a.cuts {view} --backend cpu --out a.exr"));
     folder.succeed(&format!("reference a.cuts {view} --out samples.exr"));
@@ -185,8 +186,8 @@ fn pixels_that_are_not_finite_are_told_and_left_out() {
     let good = Image::filled([16, 16], Vec3::splat(0.5));
     let mut bad = good.clone();
     bad.pixels[7] = Vec3::splat(f32::NAN);
-    good.write(&folder.path("good.exr")).expect("a writable folder");
-    bad.write(&folder.path("bad.exr")).expect("a writable folder");
+    image::write(&good, &folder.path("good.exr")).expect("a writable folder");
+    image::write(&bad, &folder.path("bad.exr")).expect("a writable folder");
     let output = folder.run("compare bad.exr good.exr --json m.json");
     assert!(String::from_utf8_lossy(&output.stderr).contains("1 pixels are not finite"));
     assert_eq!(folder.json("m.json")["rmse"].as_f64(), Some(0.0));
@@ -222,6 +223,6 @@ fn an_interrupted_reference_writes_its_picture_and_says_so() {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{errors}");
     assert!(errors.contains("unfinished") && errors.contains("r.exr") && !errors.contains("panicked"), "{errors}");
-    let picture = Image::read(&folder.path("r.exr")).expect("a picture");
+    let picture = image::read(&folder.path("r.exr")).expect("a picture");
     assert!(picture.pixels.iter().any(|p| p.y > 0.0) && folder.path("r.png").exists());
 }

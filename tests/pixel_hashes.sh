@@ -62,4 +62,4 @@ reference still-life-posed-paths still-life $sky --kind path --bounces 2 --spp 4
 reference interior-paths interior $sky --kind path --bounces 2 --spp 8
 reference color-box-paths color-box --env none --kind path --bounces 3 --spp 8
 
-cargo run --release --quiet -p lapidary-core --example pixel_hashes -- "$work"/*.exr
+cargo run --release --quiet -p lapidary-interchange --example pixel_hashes -- "$work"/*.exr

@@ -1,7 +1,7 @@
 //! Posed objects, from end to end: references trace them, and the preview by implicit visibility is close.
 
 use crate::common::Folder;
-use lapidary_core::image::Image;
+use lapidary_interchange::image;
 
 /// Looks down on box and floor.
 const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 64x48 --background black";
@@ -43,7 +43,7 @@ fn a_scene_as_baked_is_the_same_picture_by_cuts() {
     folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --out a.exr"));
     folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --pose as-baked.json --out b.exr --stats b.json"));
     assert_eq!(folder.json("b.json")["tier"], "cuts");
-    let read = |name: &str| Image::read(&folder.path(name)).expect("a picture").pixels;
+    let read = |name: &str| image::read(&folder.path(name)).expect("a picture").pixels;
     assert!(read("a.exr") == read("b.exr"));
     folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --pose moved.json --out c.exr"));
     assert!(read("a.exr") != read("c.exr"), "negative control");

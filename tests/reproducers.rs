@@ -1,7 +1,8 @@
 //! Inputs that once crashed, hung, or gave something else than they should, run by their command lines.
 
 use crate::common::{Folder, copy_folder, files_below, read};
-use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_core::dataset::Dataset;
+use lapidary_interchange::image;
 use std::{
     collections::BTreeMap,
     fs,
@@ -58,8 +59,8 @@ fn results_of(folder: &Folder) -> Option<String> {
     for entry in fs::read_dir(folder.path("")).expect("a folder").flatten() {
         let path = entry.path();
         let problem = match path.extension().and_then(|extension| extension.to_str()) {
-            Some("cuts") => Dataset::read(&path).err().map(|error| error.to_string()),
-            Some("exr") => match Image::read(&path) {
+            Some("cuts") => Dataset::read(&path, image::decode).err().map(|error| error.to_string()),
+            Some("exr") => match image::read(&path) {
                 Ok(image) => image.pixels.iter().any(|p| !p.is_finite()).then(|| "it is not finite".into()),
                 Err(error) => Some(error.to_string()),
             },

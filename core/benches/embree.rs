@@ -9,6 +9,7 @@ use lapidary_core::{
     light_tree::LightTree,
     ray::{DirectionSet, HalfSpace, Intersector},
     scene::Mesh,
+    texture::Texture,
 };
 use libloading::{Library, Symbol};
 use std::{
@@ -27,7 +28,8 @@ fn main() {
         println!("skipped: name a dataset, `cargo bench -p lapidary-core --bench embree -- FILE.cuts`");
         return;
     };
-    let dataset = Dataset::read(Path::new(&path)).expect("a dataset");
+    let dataset =
+        Dataset::read(Path::new(&path), |_, path| Ok(Texture::missing(&path.to_string_lossy()))).expect("a dataset");
     let mesh = &dataset.scene.mesh;
     let Some(embree) = Embree::load(mesh) else {
         println!("skipped: libembree3.so.3 is not installed");

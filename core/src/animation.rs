@@ -1,6 +1,6 @@
 //! Animations of glTF files: clips that move nodes, skins that follow them, and morph targets.
 //!
-//! [`Animation::read`] reads what a file says of motion; the mesh stays with the scene, or with the dataset that was baked of it.
+//! An [`Animation`] is what a file says of motion; the mesh stays with the scene, or with the dataset that was baked of it.
 //! [`BoundAnimation`] binds the two, and gives poses at a time.
 //!
 //! From a time to a mesh:
@@ -10,40 +10,44 @@
 
 mod binding;
 mod bound;
-pub(crate) mod clip;
-pub(crate) mod keyframes;
+pub mod clip;
+pub mod keyframes;
 mod nearest;
-pub(crate) mod nodes;
-pub(crate) mod shape;
+pub mod nodes;
+pub mod shape;
 mod sheets;
-pub(crate) mod skin;
-pub(crate) mod surface;
+pub mod skin;
+pub mod surface;
 
 pub use bound::BoundAnimation;
 pub use clip::{Clip, Playback};
 
-use crate::import::{self, ImportError, ImportOptions};
 use nodes::{NodeState, Nodes};
 use serde::{Deserialize, Serialize};
 use shape::{Posture, Shape};
 use skin::Skin;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// What a file says of motion.
 #[derive(Debug)]
 pub struct Animation {
-    pub(crate) path: PathBuf,
-    pub(crate) nodes: Nodes,
-    pub(crate) skins: Vec<Skin>,
-    pub(crate) clips: Vec<Clip>,
+    /// The file.
+    pub path: PathBuf,
+    /// Its nodes.
+    pub nodes: Nodes,
+    /// Its skins.
+    pub skins: Vec<Skin>,
+    /// The clips that can be played, in the order of the file.
+    pub clips: Vec<Clip>,
     /// Clips that cannot be played: their names, and why.
-    pub(crate) broken: Vec<(String, String)>,
+    pub broken: Vec<(String, String)>,
     /// What some clip moves, in the order of the objects.
-    pub(crate) shapes: Vec<Shape>,
+    pub shapes: Vec<Shape>,
     /// Names of all objects of the file.
-    pub(crate) objects: Vec<String>,
-    pub(crate) warnings: Vec<String>,
+    pub objects: Vec<String>,
+    /// What of the file cannot be used, and what to do.
+    pub warnings: Vec<String>,
 }
 
 /// A time of a clip.
@@ -59,15 +63,6 @@ pub struct ClipTime {
 /// Why a scene cannot be posed by a file's animation.
 #[derive(Debug, Error)]
 pub enum AnimationError {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Import(#[from] ImportError),
-    /// A format without animations.
-    #[error("only .gltf and .glb files hold animations; give the file that the scene was baked of ({})", path.display())]
-    NoGltf {
-        /// The file.
-        path: PathBuf,
-    },
     /// It has no clip at all.
     #[error("the file has no animation; export it with one ({})", path.display())]
     NoClips {
@@ -139,26 +134,6 @@ pub enum AnimationError {
 }
 
 impl Animation {
-    /// Reads a glTF or GLB file. Pictures are not read. Skins, morph targets and clips that cannot be used are left out, see
-    /// [`Self::warnings`].
-    ///
-    /// # Errors
-    /// A file that cannot be read, or has no clip that can be played.
-    pub fn read(path: &Path, options: &ImportOptions) -> Result<Self, AnimationError> {
-        if !import::is_gltf(path) {
-            return Err(AnimationError::NoGltf { path: path.into() });
-        }
-        let mut animation = import::animation(path, options)?;
-        animation.clip(None).map(drop)?;
-        animation.warnings.extend(sheets::remark(&animation));
-        Ok(animation)
-    }
-
-    /// The clips that can be played, in the order of the file.
-    pub fn clips(&self) -> &[Clip] {
-        &self.clips
-    }
-
     /// The index of a clip by its name; without one, of the first.
     ///
     /// # Errors
@@ -175,9 +150,11 @@ impl Animation {
         Err(name.map_or_else(|| AnimationError::NoClips { path: path() }, |name| self.no_clip(name)))
     }
 
-    /// What of the file cannot be used, and what to do.
-    pub fn warnings(&self) -> &[String] {
-        &self.warnings
+    /// Names of objects with surfaces that are in one place at rest and move apart.
+    pub fn parting_objects(&self) -> Vec<String> {
+        let at_rest = self.posture(self.nodes.at_rest());
+        let part = |&object: &u32| sheets::meet_and_part(self.shapes_of(object), &at_rest);
+        self.moving_objects().filter(part).map(|object| self.objects[object as usize].clone()).collect()
     }
 
     fn no_clip(&self, name: &str) -> AnimationError {
@@ -200,6 +177,3 @@ impl Animation {
         &self.shapes[start..end(object)]
     }
 }
-
-#[cfg(test)]
-mod tests;

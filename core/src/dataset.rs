@@ -60,15 +60,17 @@ use crate::{
     camera::Camera,
     cut::{CutCriterion, packed::PackedCuts},
     ground::Ground,
+    image::ImageError,
     light_tree::{LightTree, TreeKind},
     meshless::MeshlessBake,
     scene::{Mesh, Scene, placed, pose::Poses},
     shot::Shot,
     sources::IndirectBake,
+    texture::Texture,
 };
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 /// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
@@ -82,6 +84,9 @@ pub const FORMAT_VERSION: u32 = 8;
 
 /// First version whose `ward` is the model of 1992.
 const WARD_OF_1992: u32 = 8;
+
+/// Decodes the bytes of a picture's file. Its name tells the format, where the bytes alone do not.
+pub type DecodePicture = fn(&[u8], &Path) -> Result<Texture, ImageError>;
 
 /// A baked scene.
 #[derive(Clone, Debug)]

@@ -1,16 +1,14 @@
-//! Distant light: a latitude-longitude map of radiance, read from a file or made by a formula.
+//! Distant light: a latitude-longitude map of radiance, of a file or made by a formula.
 //!
 //! The centre of the map is +Z, its left quarter +X, its top +Y: `u = 1/2 - atan2(x, z) / 2π`, `v = acos(y) / π`.
 
-use crate::image::{Image, ImageError};
+use crate::image::Image;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::{
     f32::consts::{PI, TAU},
-    path::Path,
     sync::Arc,
 };
-use thiserror::Error;
 
 mod blur;
 mod procedural;
@@ -34,25 +32,6 @@ pub struct Environment {
     /// Latitude-longitude radiance, of any size; 0 to [`MOST_RADIANCE`].
     pub map: Image,
     known: sun::MapCache,
-}
-
-/// Why there is no environment.
-#[derive(Debug, Error)]
-pub enum EnvironmentError {
-    /// The picture cannot be read.
-    #[error(transparent)]
-    Image(#[from] ImageError),
-    /// The text names neither a file nor a formula.
-    #[error(
-        "{reason}; give the path of an .hdr or .exr file, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to 90), \
-         studio or orientation ({spec})"
-    )]
-    Spec {
-        /// What was given.
-        spec: String,
-        /// What is wrong with it.
-        reason: String,
-    },
 }
 
 impl Environment {
@@ -83,48 +62,11 @@ impl Environment {
         rows.map(|(row, texels)| texels.iter().sum::<Vec3>() * weight(row as u32)).sum()
     }
 
-    /// Reads an hdr or exr file, or, with a warning, a png, jpg or tga. Also returns what was repaired, in sentences.
-    ///
-    /// # Errors
-    /// A file that cannot be read or is no picture.
-    pub fn read(path: &Path) -> Result<(Self, Vec<String>), EnvironmentError> {
-        let mut map = Image::read(path)?;
+    /// A map of a file under a name. Also returns what was repaired, in sentences.
+    pub fn repaired(name: String, mut map: Image) -> (Self, Vec<String>) {
         let mut warnings = Vec::new();
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        if extension != "hdr" && extension != "exr" {
-            warnings.push(
-                "the environment is of low dynamic range, so its lights are too dim; use an .hdr or .exr file".into(),
-            );
-        }
         repair(&mut map, &mut warnings);
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Ok((Self::new(name, map), warnings))
-    }
-
-    /// Makes an environment from `constant[:R,G,B]`, `sun-sky[:elevation in degrees]`, `studio` or `orientation`, or
-    /// reads the file of that path. Also returns what was repaired, in sentences.
-    ///
-    /// # Errors
-    /// A formula with wrong arguments, or a path that cannot be read.
-    pub fn from_spec(spec: &str) -> Result<(Self, Vec<String>), EnvironmentError> {
-        let (formula, arguments) = match spec.split_once(':') {
-            Some((formula, arguments)) => (formula, Some(arguments)),
-            None => (spec, None),
-        };
-        let numbers = || arguments.map(parse_numbers).transpose();
-        let map = match (formula, arguments) {
-            ("constant", _) => numbers().and_then(|n| constant_from(n.as_deref())),
-            ("sun-sky", _) => numbers().and_then(|n| sky_from(n.as_deref())),
-            ("studio", None) => Ok(studio()),
-            ("orientation", None) => Ok(orientation()),
-            ("studio" | "orientation", Some(_)) => Err(format!("{formula} takes no numbers")),
-            _ if Path::new(spec).exists() || Path::new(spec).extension().is_some() => {
-                return Self::read(Path::new(spec));
-            }
-            _ => Err("there is no such environment".into()),
-        };
-        let map = map.map_err(|reason| EnvironmentError::Spec { spec: spec.into(), reason })?;
-        Ok((Self::new(spec.into(), map), Vec::new()))
+        (Self::new(name, map), warnings)
     }
 
     /// Radiance from a unit direction, bilinear between texels; wraps in longitude.
@@ -148,35 +90,6 @@ fn bilinear(map: &Image, uv: Vec2) -> Vec3 {
     let top = texel(x, y).lerp(texel(x + 1, y), f.x);
     let bottom = texel(x, y + 1).lerp(texel(x + 1, y + 1), f.x);
     top.lerp(bottom, f.y)
-}
-
-fn parse_numbers(text: &str) -> Result<Vec<f32>, String> {
-    let number = |word: &str| word.trim().parse().ok().filter(|x: &f32| x.is_finite());
-    text.split(',').map(|w| number(w).ok_or_else(|| format!("\"{w}\" is not a number"))).collect()
-}
-
-fn constant_from(numbers: Option<&[f32]>) -> Result<Image, String> {
-    let radiance = match numbers {
-        None => Vec3::ONE,
-        Some(&[grey]) => Vec3::splat(grey),
-        Some(&[r, g, b]) => Vec3::new(r, g, b),
-        Some(other) => return Err(format!("constant takes three numbers and not {}", other.len())),
-    };
-    if radiance.min_element() < 0.0 {
-        Err("radiance cannot be negative".into())
-    } else if radiance.max_element() > MOST_RADIANCE {
-        Err(format!("a radiance of {} is above the limit of {MOST_RADIANCE}", radiance.max_element()))
-    } else {
-        Ok(constant(radiance))
-    }
-}
-
-fn sky_from(numbers: Option<&[f32]>) -> Result<Image, String> {
-    match numbers {
-        None => Ok(sun_and_sky(45f32.to_radians())),
-        Some(&[elevation]) if (0.0..=90.0).contains(&elevation) => Ok(sun_and_sky(elevation.to_radians())),
-        Some(_) => Err("sun-sky takes the elevation of the sun, 0 to 90 degrees".into()),
-    }
 }
 
 /// Replaces what cannot be radiance, and says so.
@@ -254,7 +167,6 @@ pub fn texel_solid_angle(row: u32, size: [u32; 2]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::write_atomically;
 
     #[test]
     fn irradiance_from_above_is_that_of_the_upper_half() {
@@ -269,13 +181,6 @@ mod tests {
         assert!((half(|y| y < 16) - PI).abs() < 1e-4 && half(|y| y >= 16).abs() < 1e-6);
         // Within an angle of the zenith it is the sine squared of that.
         assert!((half(|y| y < 11) - PI * (PI * 11.0 / 32.0).sin().powi(2)).abs() < 1e-4);
-    }
-
-    fn written(image: &Image, name: &str) -> (tempfile::TempDir, std::path::PathBuf) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join(name);
-        image.write(&path).unwrap();
-        (folder, path)
     }
 
     #[test]
@@ -318,67 +223,16 @@ mod tests {
         map.pixels[3] = Vec3::new(-1.0, 2.0, 0.5);
         map.pixels[4] = Vec3::new(f32::NAN, 1.0, 1.0);
         map.pixels[9] = Vec3::new(1.0, f32::INFINITY, 1.0);
-        let (_folder, path) = written(&map, "bad.exr");
-        let (environment, warnings) = Environment::read(&path).unwrap();
+        let (environment, warnings) = Environment::repaired("bad".into(), map);
         assert_eq!(environment.map.pixels[3], Vec3::new(0.0, 2.0, 0.5));
         assert_eq!(environment.map.pixels[4], Vec3::ZERO);
         assert_eq!(warnings.len(), 2, "{warnings:?}");
         assert!(warnings[0].starts_with("2 texels") && warnings[1].starts_with("1 texels"));
         let mut map = Image::filled([8, 4], Vec3::splat(MOST_RADIANCE));
         map.pixels[5] = Vec3::new(3e38, 1.0, 2.0 * MOST_RADIANCE);
-        let (_folder, path) = written(&map, "glaring.exr");
-        let (environment, warnings) = Environment::read(&path).unwrap();
+        let (environment, warnings) = Environment::repaired("glaring".into(), map);
         assert_eq!(environment.map.pixels[5], Vec3::new(MOST_RADIANCE, 1.0, MOST_RADIANCE));
         assert!(warnings.len() == 1 && warnings[0].starts_with("1 texels of the environment were brighter"));
-        let (_folder, path) = written(&Image::filled([8, 4], Vec3::ONE), "good.exr");
-        assert!(Environment::read(&path).unwrap().1.is_empty());
-    }
-
-    #[test]
-    fn black_low_range_and_oddly_shaped_maps_are_reported() {
-        let (_folder, path) = written(&Image::filled([5, 5], Vec3::ZERO), "black.png");
-        let warnings = Environment::read(&path).unwrap().1.join("\n");
-        for part in ["low dynamic range", "black", "5 x 5"] {
-            assert!(warnings.contains(part), "{warnings}");
-        }
-    }
-
-    #[test]
-    fn damaged_and_foreign_files_are_errors() {
-        let folder = tempfile::tempdir().unwrap();
-        let whole = {
-            let (_folder, path) = written(&Image::filled([64, 32], Vec3::ONE), "a.hdr");
-            std::fs::read(path).unwrap()
-        };
-        for (name, bytes) in
-            [("cut.hdr", &whole[..whole.len() / 2]), ("foreign.exr", b"solid cube"), ("empty.exr", b"")]
-        {
-            let path = folder.path().join(name);
-            write_atomically(&path, bytes).unwrap();
-            let message = Environment::read(&path).unwrap_err().to_string();
-            assert!(message.ends_with(&format!("({})", path.display())), "{message}");
-        }
-    }
-
-    #[test]
-    fn specifications_are_checked() {
-        for good in ["constant", "constant:0.5", "constant:1,2,3", "sun-sky", "sun-sky:10", "studio", "orientation"] {
-            let (environment, warnings) = Environment::from_spec(good).unwrap();
-            assert!(
-                warnings.is_empty() && environment.map.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0)
-            );
-        }
-        for bad in ["constant:1,2", "constant:-1", "constant:x", "sun-sky:91", "sun-sky:nan", "studio:3", "sunsky", ""]
-        {
-            let error = Environment::from_spec(bad).unwrap_err();
-            assert!(matches!(error, EnvironmentError::Spec { .. }), "{bad}: {error}");
-        }
-        assert!(matches!(Environment::from_spec("nowhere.hdr"), Err(EnvironmentError::Image(_))));
-        assert!(Environment::from_spec(&format!("constant:{MOST_RADIANCE}")).is_ok());
-        let glaring = Environment::from_spec("constant:0,1e38,0").unwrap_err().to_string();
-        assert!(
-            glaring.contains("above the limit of 1000000000000") && glaring.ends_with("(constant:0,1e38,0)"),
-            "{glaring}"
-        );
+        assert!(Environment::repaired("good".into(), Image::filled([8, 4], Vec3::ONE)).1.is_empty());
     }
 }

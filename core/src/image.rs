@@ -1,21 +1,12 @@
-//! A floating-point RGB picture and its files.
+//! A floating-point RGB picture.
 
-use crate::output::write_atomically;
 use glam::Vec3;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use thiserror::Error;
 
-mod layers;
-mod primaries;
-mod read;
 mod region;
-mod write;
 
-pub use layers::{Layer, LayeredImage, MetaValue, Metadata};
-pub use read::{Footprint, decode, dimensions, footprint};
 pub use region::{Region, RegionError};
-pub(crate) use write::srgb_bytes;
-pub use write::{encode_png, encode_png_pixels};
 
 /// Why a picture could not be read or written.
 #[derive(Debug, Error)]
@@ -147,24 +138,5 @@ impl Image {
     pub fn every(&self, step: u32) -> Self {
         let size = self.size.map(|side| side.div_ceil(step));
         Self::from_fn(size, |x, y| self.at((x * step) as usize, (y * step) as usize))
-    }
-
-    /// Writes an exr or hdr (scene-linear) or png (sRGB, clamped) by the extension of `path`, to a
-    /// temporary name that is renamed when complete.
-    ///
-    /// # Errors
-    /// An unknown extension, or a file that cannot be written; a file that was there before is kept then.
-    pub fn write(&self, path: &Path) -> Result<(), ImageError> {
-        self.write_with(None, path)
-    }
-
-    /// [`Self::write`] with an alpha channel, one value per pixel; the picture is premultiplied. Files of the hdr format
-    /// have none, and are written without.
-    ///
-    /// # Errors
-    /// As [`Self::write`].
-    pub fn write_with(&self, coverage: Option<&[f32]>, path: &Path) -> Result<(), ImageError> {
-        let bytes = write::encode(self, coverage, path)?;
-        write_atomically(path, &bytes).map_err(|source| ImageError::Io { action: "write", path: path.into(), source })
     }
 }

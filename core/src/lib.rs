@@ -1,8 +1,9 @@
 //! The mathematics and the data of Lapidary: scenes, BRDFs, light trees, cuts and the `.cuts` dataset.
 //!
 //! The method is that of Cheslack-Postava, Wang, Akerlund and Pellacini, *Fast, Realistic Lighting and Material
-//! Design using Nonlinear Cut Approximation* (SIGGRAPH Asia 2008), cited as "the paper" throughout. This crate knows neither GPU nor window; `precompute` and `render` both stand
-//! on it and do not know each other.
+//! Design using Nonlinear Cut Approximation* (SIGGRAPH Asia 2008), cited as "the paper" throughout. This crate knows neither GPU
+//! nor window, and no format of other programs; those are in `interchange`. `precompute` and `render` both stand on it and do not
+//! know each other.
 //!
 //! # Conventions
 //!
@@ -23,9 +24,7 @@
 //! * [`material`]: parameters and maps; [`texture`]: the images that maps read
 //! * [`lights`]: local lights and their file; [`environment`]: distant light, maps and skies
 //! * [`animation`]: clips, skins and morph targets of files, which pose a baked scene
-//! * [`import`]: scenes and materials from files of other programs; [`materialx`]: materials in and out of MaterialX documents;
-//!   [`export`]: materials of a scene back to the formats of other programs
-//! * [`image`]: pictures and their files
+//! * [`image`]: linear RGB pictures
 //!
 //! The papers:
 //! * [`brdf`]: eight directions at a time, and the lobe filtered by the spread of a node
@@ -50,17 +49,14 @@ pub mod color;
 pub mod cut;
 pub mod dataset;
 pub mod environment;
-pub mod export;
 pub mod ground;
 pub mod image;
 pub mod implicit;
-pub mod import;
 pub mod input;
 pub mod light_tree;
 pub mod lights;
 pub mod lock;
 pub mod material;
-pub mod materialx;
 pub mod memory;
 pub mod meshless;
 pub mod opacity;

@@ -17,7 +17,7 @@ pub fn peak() -> u64 {
 }
 
 /// What is needed, rounded up, and what is free, rounded down, in megabytes: a refusal never shows the same number twice.
-pub(crate) fn in_megabytes(needed: u64, available: u64) -> [u64; 2] {
+pub fn in_megabytes(needed: u64, available: u64) -> [u64; 2] {
     [needed.div_ceil(1_000_000), available / 1_000_000]
 }
 

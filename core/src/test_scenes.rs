@@ -7,7 +7,6 @@ use crate::{
         packed::{PackedCuts, pack_node},
     },
     dataset::{BakeReport, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, scene_hash},
-    image::Image,
     light_tree::LightTree,
     lights::{Emission, Light},
     material::Material,
@@ -19,10 +18,7 @@ use crate::{
     texture::Texture,
 };
 use glam::{Vec2, Vec3, Vec4};
-use std::{
-    f32::consts::{PI, TAU},
-    path::Path,
-};
+use std::f32::consts::{PI, TAU};
 
 /// Triangles of many sizes around the origin.
 pub fn soup(seed: u64, count: usize) -> Mesh {
@@ -103,14 +99,6 @@ pub fn light() -> Light {
         intensity: Vec3::new(3.0, 2.0, 1.0),
         ..Default::default()
     }
-}
-
-/// Writes a small picture.
-///
-/// # Panics
-/// If it cannot be written.
-pub fn write_picture(path: &Path) {
-    Image::filled([2, 2], Vec3::splat(0.25)).write(path).expect("a writable folder");
 }
 
 /// A scene of plain triangles with flat normals.

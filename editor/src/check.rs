@@ -3,11 +3,10 @@
 use crate::document::session::{self, LoadedSession, SessionError};
 use anyhow::{Result, bail};
 use clap::Args;
-use lapidary_core::{
-    dataset::Dataset,
-    environment::Environment,
+use lapidary_core::{dataset::Dataset, scene::Scene};
+use lapidary_interchange::{
+    environment, image,
     import::{ImportOptions, Imported, import_with},
-    scene::Scene,
 };
 use lapidary_studies::{
     args::OutsideArgs,
@@ -86,8 +85,11 @@ impl Checked {
     /// The scene that the session's materials belong to: the baked one, or the one to bake.
     fn scene(&mut self, loaded: &LoadedSession, options: &ImportOptions) -> Option<Scene> {
         let source = loaded.session.scene.as_deref().map(|path| self.source(path, options));
-        let baked =
-            loaded.session.dataset.as_deref().map(|path| self.kept(Dataset::read(path)).map(|baked| baked.scene));
+        let baked = loaded
+            .session
+            .dataset
+            .as_deref()
+            .map(|path| self.kept(Dataset::read(path, image::decode)).map(|baked| baked.scene));
         baked.flatten().or(source.flatten())
     }
 
@@ -100,7 +102,7 @@ impl Checked {
     }
 
     fn environment(&mut self, loaded: &LoadedSession) {
-        self.kept(Environment::from_spec(&loaded.session.environment.spec));
+        self.kept(environment::from_spec(&loaded.session.environment.spec));
     }
 
     fn kept<T>(&mut self, read: Result<T, impl std::fmt::Display>) -> Option<T> {
@@ -117,11 +119,11 @@ impl Checked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Document, TextureEntry};
-    use lapidary_core::{
-        test_scenes::{dataset, write_picture},
-        texture::{Texture, TextureSlot},
+    use crate::{
+        document::{Document, TextureEntry},
+        test_support::write_picture,
     };
+    use lapidary_core::{test_scenes::dataset, texture::TextureSlot};
 
     /// A session of a dataset, an environment and a texture, all there.
     struct Place(tempfile::TempDir);
@@ -134,7 +136,7 @@ mod tests {
             let dataset = dataset(&["cloth"], &[]);
             dataset.write(&place.path("a.cuts")).unwrap();
             let mut document = Document::of_dataset(&dataset, place.path("a.cuts"), None);
-            let texture = Texture::read(&place.path("linen.png")).unwrap().into();
+            let texture = image::read_texture(&place.path("linen.png")).unwrap().into();
             document.textures.push(TextureEntry { texture, file: Some(place.path("linen.png")) });
             document.materials[0].maps.set("base_color", Some(TextureSlot::default()));
             document.environment.spec = place.path("room.png").display().to_string();

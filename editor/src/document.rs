@@ -99,7 +99,7 @@ pub struct TextureEntry {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct EnvironmentSettings {
-    /// The path of a map, or a formula as `Environment::from_spec` reads it.
+    /// The path of a map, or a formula as `environment::from_spec` reads it.
     pub spec: String,
     /// Turn in degrees, counter-clockwise seen from +Y.
     pub rotation_degrees: f32,

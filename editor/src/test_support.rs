@@ -4,14 +4,16 @@ use egui_kittest::{Harness, kittest::NodeT};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeReport, Dataset},
+    image::Image,
     scene::Mesh,
     sources::{Source, SourceTree},
     surfel::Surfel,
     test_scenes,
 };
+use lapidary_interchange::image;
 use lapidary_precompute::Preset;
 use lapidary_render::SourceLighting;
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 /// Width in points that panels are tested at: that of a narrow inspector.
 pub const WIDTH: f32 = 300.0;
@@ -66,4 +68,9 @@ pub fn row_of_sources(illum_cut: u32) -> SourceLighting {
     let sources: Vec<Source> = (0..4).map(source).collect();
     let radiance = [9.0, 3.0, 0.1, 0.1].map(Vec3::splat);
     SourceLighting::new(Arc::new(SourceTree::new(&sources)), &radiance, illum_cut)
+}
+
+/// Writes a small picture.
+pub fn write_picture(path: &Path) {
+    image::write(&Image::filled([2, 2], Vec3::splat(0.25)), path).unwrap();
 }

@@ -38,7 +38,7 @@ use crate::{
 };
 use lapidary_core::{
     cut::packed::PackedCuts,
-    dataset::{BakeAudit, BakeReport, BakeSettings, Dataset, bake_hash, scene_hash},
+    dataset::{BakeAudit, BakeReport, BakeSettings, Dataset, DecodePicture, bake_hash, scene_hash},
     ground::{Ground, add_ground},
     light_tree::LightTree,
     lock::OutputLock,
@@ -117,18 +117,19 @@ fn without_cuts(dataset: Dataset) -> Dataset {
     Dataset { cuts, indirect: None, meshless: None, ..dataset }
 }
 
-/// Makes the dataset `output` of the shares of all shards beside it: the same as one bake makes. Then it removes the shares.
+/// Makes the dataset `output` of the shares of all shards beside it: the same as one bake makes. Then it removes the shares. `decode` decodes
+/// the pictures of their scene.
 ///
 /// # Errors
 /// Shares that are missing, not complete, or of different bakes; see [`BakeError`]. An existing output and all shares are
 /// kept unless it succeeds.
-pub fn merge(output: &Path, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+pub fn merge(output: &Path, decode: DecodePicture, observer: &dyn Observer) -> Result<Dataset, BakeError> {
     check_output(output, &[])?;
     let remarks = Remarks::before(observer);
     let _lock = OutputLock::acquire(output)?;
     let checkpoint = Checkpoint::of_shares(output)?;
     let _locks = checkpoint.lock_shares()?;
-    let scene = checkpoint.scene()?;
+    let scene = checkpoint.scene(decode)?;
     let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
     let settings = resolve(scene.settings.clone())?;
     let content = bake_hash(&hash, &scene.scene, &scene.scene.placed_poses(), scene.scene.clip_time.as_ref());

@@ -3,6 +3,7 @@
 use crate::terminal::Console;
 use anyhow::{Result, bail};
 use lapidary_core::environment::Environment;
+use lapidary_interchange::environment;
 use std::{
     iter,
     path::{Path, PathBuf},
@@ -72,7 +73,7 @@ impl DataFolder {
     /// # Errors
     /// A file that cannot be read.
     pub fn environment(&self, name: &str, console: Console) -> Result<Environment> {
-        let (environment, warnings) = Environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
+        let (environment, warnings) = environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
         warnings.iter().for_each(|w| console.warning(w));
         Ok(Environment::new(name.into(), environment.map))
     }

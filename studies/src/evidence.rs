@@ -25,6 +25,7 @@ use anyhow::{Result, bail};
 use cases::{Case, Plan};
 use clap::Args;
 use lapidary_core::environment::Environment;
+use lapidary_interchange::environment;
 use notebook::{Head, Notebook};
 use scale::MeasurementScale;
 use std::path::{Path, PathBuf};
@@ -70,7 +71,7 @@ impl EvidenceArgs {
 pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
     let _taken = take_folder(&args.out)?;
     let scale = if args.quick { MeasurementScale::QUICK } else { MeasurementScale::FULL };
-    let (environment, warnings) = Environment::from_spec(&args.env)?;
+    let (environment, warnings) = environment::from_spec(&args.env)?;
     warnings.iter().for_each(|w| console.warning(w));
     let plans = scenes(args)?.iter().map(|path| Plan::read(path, &args.outside.into())).collect::<Result<Vec<_>>>()?;
     let plans = cases::named_apart(plans);

@@ -7,7 +7,7 @@ use lapidary_core::{
     brdf::GgxParameters,
     camera::Camera,
     dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
-    environment::{self, Environment},
+    environment::MOST_RADIANCE,
     lights::{self, Emission, Light},
     material::{MOST_MATERIAL_NUMBER, MaterialMaps},
     scene::{MOST_COORDINATE, Scene},
@@ -16,6 +16,7 @@ use lapidary_core::{
     test_scenes::{cuboid, floor, room, scene_of},
     texture::{Texture, TextureSlot},
 };
+use lapidary_interchange::{environment, image};
 use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve, verify};
 use lapidary_render::{Bounces, Components, CpuBackend, Illumination, LitScene, Look, Solution, View};
 use proptest::prelude::*;
@@ -83,7 +84,7 @@ fn use_all_of(dataset: &Dataset, light: &Illumination) -> Result<(), TestCaseErr
 }
 
 fn even_light(radiance: f32, intensity: f32) -> Illumination {
-    let (environment, _) = Environment::from_spec(&format!("constant:{radiance}")).expect("radiance in its range");
+    let (environment, _) = environment::from_spec(&format!("constant:{radiance}")).expect("radiance in its range");
     Illumination { environment: environment.into(), rotation: 0.0, intensity, sun: None }
 }
 
@@ -100,7 +101,7 @@ fn good_file() -> &'static [u8] {
 
 /// Reads a file, and if it can be read, uses all of it. Returns whether it could.
 fn read_and_use(path: &Path) -> Result<bool, TestCaseError> {
-    match Dataset::read(path) {
+    match Dataset::read(path, image::decode) {
         Err(error) => {
             let message = error.to_string();
             prop_assert!(message.ends_with(&format!("({})", path.display())), "{message}");
@@ -123,7 +124,7 @@ fn a_good_file_is_used_and_one_of_numbers_that_are_none_is_not() {
     fs::write(&path, parts.to_bytes()).unwrap();
     assert!(!read_and_use(&path).unwrap(), "negative control");
     fs::write(&path, good_file()).unwrap();
-    let good = Dataset::read(&path).unwrap();
+    let good = Dataset::read(&path, image::decode).unwrap();
     let flaw = flaw(&good, &[], even_light(1.0, f32::NAN), Solution::Cuts);
     assert!(flaw.is_some(), "negative control: light that is no number");
 }
@@ -244,8 +245,8 @@ proptest! {
         match bake(scene, &job, &Silent) {
             Err(error) => prop_assert!(!error.to_string().contains("null"), "{error}"),
             Ok(_) => {
-                let dataset = Dataset::read(&job.output).map_err(|error| TestCaseError::fail(error.to_string()))?;
-                use_all_of(&dataset, &even_light(environment::MOST_RADIANCE, up_to(1e6, random)))?;
+                let dataset = Dataset::read(&job.output, image::decode).map_err(|error| TestCaseError::fail(error.to_string()))?;
+                use_all_of(&dataset, &even_light(MOST_RADIANCE, up_to(1e6, random)))?;
             }
         }
     }

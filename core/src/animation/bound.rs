@@ -63,7 +63,7 @@ impl BoundAnimation {
 
     /// The clips.
     pub fn clips(&self) -> &[Clip] {
-        self.animation.clips()
+        &self.animation.clips
     }
 
     /// The animation that is bound.

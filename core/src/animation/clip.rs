@@ -88,7 +88,7 @@ pub struct Clip {
 
 impl Clip {
     /// With channels that were checked.
-    pub(crate) fn new(name: String, channels: Vec<Channel>) -> Self {
+    pub fn new(name: String, channels: Vec<Channel>) -> Self {
         Self { name, channels }
     }
 
@@ -98,7 +98,7 @@ impl Clip {
     }
 
     /// What it moves.
-    pub(crate) fn channels(&self) -> &[Channel] {
+    pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
@@ -113,7 +113,7 @@ impl Clip {
     }
 
     /// The nodes at a time of the clip, in seconds.
-    pub(crate) fn state_at(&self, seconds: f32, nodes: &Nodes) -> NodeState {
+    pub fn state_at(&self, seconds: f32, nodes: &Nodes) -> NodeState {
         let mut state = nodes.at_rest();
         self.channels.iter().for_each(|channel| channel.apply(seconds, nodes, &mut state));
         state

@@ -5,13 +5,12 @@
 //! as one then.
 
 use super::{
-    Animation,
     binding::{posed, triangles_within_reach},
     nearest::{NearestPoint, NearestPoints, blend},
     shape::{Posture, Shape},
     surface::BATCH,
 };
-use crate::{bounds::Bounds, import::listed, scene::is_within_reach};
+use crate::{bounds::Bounds, scene::is_within_reach};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -21,22 +20,8 @@ const TRIAL: f32 = 1e-2;
 /// How far points that meet may move apart then, relative to the diagonal: a tenth of what two joints do.
 const MOST_APART: f32 = 1e-3;
 
-/// What is told of objects with such sheets.
-pub fn remark(animation: &Animation) -> Option<String> {
-    let at_rest = animation.posture(animation.nodes.at_rest());
-    let objects = animation.moving_objects().filter(|&object| meet_and_part(animation.shapes_of(object), &at_rest));
-    let names: Vec<String> = objects.map(|object| animation.objects[object as usize].clone()).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "the objects {} have surfaces that are in one place at rest and move apart, and may follow one another's \
-             motion; move them apart at rest, or make them objects of their own",
-            listed(&names)
-        )
-    })
-}
-
 /// Whether triangles of an object meet at rest, face one way there, and move apart.
-fn meet_and_part(shapes: &[Shape], at_rest: &Posture) -> bool {
+pub fn meet_and_part(shapes: &[Shape], at_rest: &Posture) -> bool {
     let is_deformed = |shape: &Shape| shape.deformation.skin.is_some() || !shape.deformation.targets.is_empty();
     if !shapes.iter().any(is_deformed) {
         return false;

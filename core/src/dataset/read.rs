@@ -2,13 +2,12 @@
 //! anything is used.
 
 use super::{
-    Dataset, DatasetError, FORMAT_VERSION, WARD_OF_1992,
+    Dataset, DatasetError, DecodePicture, FORMAT_VERSION, WARD_OF_1992,
     error::Damage,
     header::Header,
     reader::{Reader, TensorFile},
 };
 use crate::{
-    image::decode,
     light_tree::{LightTree, is_permutation},
     material::Material,
     scene::{Mesh, Object, Scene},
@@ -18,11 +17,11 @@ use safetensors::Dtype;
 use std::{path::Path, sync::Arc};
 
 impl Dataset {
-    /// Reads and checks a dataset.
+    /// Reads and checks a dataset. `decode` decodes the pictures in it.
     ///
     /// # Errors
     /// A file that cannot be read, is no dataset, is of a newer format, or contradicts itself.
-    pub fn read(path: &Path) -> Result<Self, DatasetError> {
+    pub fn read(path: &Path, decode: DecodePicture) -> Result<Self, DatasetError> {
         let file = TensorFile::open(path)?;
         let foreign = |reason: &str| DatasetError::Foreign { path: path.into(), reason: reason.into() };
         let json = file.json().ok_or_else(|| foreign("it lacks Lapidary's metadata"))?;
@@ -33,7 +32,7 @@ impl Dataset {
             header.materials.iter_mut().for_each(Material::with_ward_of_before);
         }
         let checksums = header.checksums.clone();
-        let dataset = Reader { file: &file, checksums: &checksums }.dataset(header).map_err(damaged)?;
+        let dataset = Reader { file: &file, checksums: &checksums }.dataset(header, decode).map_err(damaged)?;
         dataset.validate().map_err(damaged)?;
         Ok(dataset)
     }
@@ -51,10 +50,10 @@ fn check_version(json: &str, path: &Path) -> Result<(), DatasetError> {
 }
 
 impl Reader<'_> {
-    fn dataset(&self, header: Header) -> Result<Dataset, Damage> {
+    fn dataset(&self, header: Header, decode: DecodePicture) -> Result<Dataset, Damage> {
         self.check_names()?;
         let tree = LightTree::from_order(self.permutation()?).map_err(|_| Damage::Tree)?;
-        let scene = self.scene(&header)?;
+        let scene = self.scene(&header, decode)?;
         let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
         let cuts = self.cuts(["cuts", "cut_offsets"], vertices)?;
         let reported = header.report.indirect.as_ref().map_or(0.0, |report| report.radius);
@@ -74,7 +73,7 @@ impl Reader<'_> {
         })
     }
 
-    fn scene(&self, header: &Header) -> Result<Scene, Damage> {
+    fn scene(&self, header: &Header, decode: DecodePicture) -> Result<Scene, Damage> {
         let positions = self.array("positions", Dtype::F32, &[3], None)?;
         let v = Some(positions.len());
         let triangles = self.array("triangles", Dtype::U32, &[3], None)?;
@@ -89,7 +88,8 @@ impl Reader<'_> {
             triangle_object: self.array("triangle_object", Dtype::U32, &[], t)?,
             ground: header.ground,
         };
-        let textures = header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name).map(Into::into));
+        let textures =
+            header.textures.iter().enumerate().map(|(i, name)| self.texture(i, name, decode).map(Into::into));
         Ok(Scene {
             mesh,
             materials: self.materials(header)?,
@@ -104,7 +104,7 @@ impl Reader<'_> {
         })
     }
 
-    fn texture(&self, index: usize, name: &str) -> Result<Texture, Damage> {
+    fn texture(&self, index: usize, name: &str, decode: DecodePicture) -> Result<Texture, Damage> {
         let bytes: Vec<u8> = self.array(&format!("texture.{index}"), Dtype::U8, &[], None)?;
         if bytes.is_empty() {
             return Ok(Texture::missing(name));

@@ -13,7 +13,7 @@ use crate::{
     texture::{Channel, Texture, TextureSlot},
 };
 use glam::{Vec2, Vec3};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 mod brdfs;
 mod damage;
@@ -43,12 +43,17 @@ fn written() -> (tempfile::TempDir, PathBuf, Vec<u8>) {
     (folder, path, bytes)
 }
 
+/// Reads a dataset without pictures.
+fn read(path: &Path) -> Result<Dataset, DatasetError> {
+    Dataset::read(path, |_, path| Err(ImageError::Decode { path: path.into(), reason: "no decoder".into() }))
+}
+
 /// What reading says after the file's bytes were changed.
 fn error_after(change: impl FnOnce(&mut Vec<u8>)) -> DatasetError {
     let (_folder, path, mut bytes) = written();
     change(&mut bytes);
     std::fs::write(&path, bytes).unwrap();
-    Dataset::read(&path).unwrap_err()
+    read(&path).unwrap_err()
 }
 
 #[test]
@@ -59,11 +64,11 @@ fn a_picture_that_is_damaged_or_too_large_is_told_as_such() {
     let texture = Texture { encoded: vec![1, 2, 3].into(), ..Texture::missing("wood.png") };
     damaged.scene.textures = vec![texture.into()];
     damaged.write(&path).unwrap();
-    let message = Dataset::read(&path).unwrap_err().to_string();
+    let message = read(&path).unwrap_err().to_string();
     assert!(message.contains("damaged: texture 0 cannot be read") && message.ends_with("a.cuts)"), "{message}");
     assert!(!message.contains("metadata"), "{message}");
 
-    let source = crate::image::ImageError::Memory { path: "wood.png".into(), needed: 5, available: 4 };
+    let source = ImageError::Memory { path: "wood.png".into(), needed: 5, available: 4 };
     let message = DatasetError::of_contents(&path, error::Damage::Picture { index: 0, source }).to_string();
     assert!(message.contains("5 MB") && message.contains("4 MB are free; close other programs"), "{message}");
     assert!(message.ends_with("a.cuts)") && !message.contains("damaged"), "{message}");
@@ -72,7 +77,7 @@ fn a_picture_that_is_damaged_or_too_large_is_told_as_such() {
 #[test]
 fn everything_survives_the_disk() {
     let (_folder, path, _) = written();
-    let (read, original) = (Dataset::read(&path).unwrap(), dataset());
+    let (read, original) = (read(&path).unwrap(), dataset());
     assert_eq!(read.scene.mesh, original.scene.mesh);
     assert_eq!(read.scene.materials, original.scene.materials);
     assert_eq!((read.cuts, read.tree), (original.cuts, original.tree));
@@ -93,7 +98,7 @@ fn maps_of_every_parameter_survive_the_disk() {
         ("bump", slot(Channel::A, 0.125)),
     ]);
     dataset.write(&path).unwrap();
-    let read = Dataset::read(&path).unwrap().scene.materials;
+    let read = read(&path).unwrap().scene.materials;
     assert_eq!(read, dataset.scene.materials);
     let strength = |kind| read[0].maps.get(kind).map(|slot| slot.strength);
     let in_place = ["anisotropy", "ior", "bump"].map(strength);
@@ -112,7 +117,7 @@ fn what_is_stored_and_not_rendered_survives_the_disk() {
     material.parameters.set("transmission_weight", 0.625);
     material.maps.set("thin_film_thickness", Some(TextureSlot { channel: Channel::G, ..Default::default() }));
     dataset.write(&path).unwrap();
-    let mut read = Dataset::read(&path).unwrap().scene.materials;
+    let mut read = read(&path).unwrap().scene.materials;
     assert_eq!(read, dataset.scene.materials);
     assert_eq!(read[0].stored().count(), 2);
     read[0].parameters.set("transmission_weight", 0.0);
@@ -131,7 +136,7 @@ fn a_file_of_version_1_is_read_with_its_empty_maps_and_misspelt_ones_are_told() 
     replace(&mut bytes, r#"\"format_version\":8"#, r#"\"format_version\":1"#);
     replace(&mut bytes, sides, r#"\"maps\":{\"ior\":null}"#);
     std::fs::write(&path, &bytes).unwrap();
-    assert_eq!(Dataset::read(&path).unwrap().scene.materials, dataset().scene.materials);
+    assert_eq!(read(&path).unwrap().scene.materials, dataset().scene.materials);
     let misspelt = error_after(|b| replace(b, sides, r#"\"maps\":{\"iro\":{}}"#));
     assert!(misspelt.to_string().contains("iro"), "{misspelt}");
 }
@@ -141,7 +146,7 @@ fn a_truncated_file_is_refused_at_every_length() {
     let (_folder, path, bytes) = written();
     for length in (0..bytes.len()).step_by(97) {
         std::fs::write(&path, &bytes[..length]).unwrap();
-        assert!(matches!(Dataset::read(&path), Err(DatasetError::Foreign { .. })), "length {length}");
+        assert!(matches!(read(&path), Err(DatasetError::Foreign { .. })), "length {length}");
     }
 }
 
@@ -181,7 +186,7 @@ fn a_single_flipped_bit_is_noticed() {
         let at = changed.len() - back;
         changed[at] ^= 1;
         std::fs::write(&path, changed).unwrap();
-        let error = Dataset::read(&path).unwrap_err();
+        let error = read(&path).unwrap_err();
         assert!(matches!(error, DatasetError::Damaged { reason: error::Damage::Checksum(_), .. }), "{error}");
     }
 }
@@ -246,13 +251,13 @@ fn sources_and_their_cuts_survive_the_disk() {
     let path = folder.path().join("a.cuts");
     let original = with_sources();
     original.write(&path).unwrap();
-    let read = Dataset::read(&path).unwrap();
-    let (a, b) = (read.indirect.unwrap(), original.indirect.unwrap());
+    let again = read(&path).unwrap();
+    let (a, b) = (again.indirect.unwrap(), original.indirect.unwrap());
     assert_eq!(a.sources, b.sources);
     assert_eq!((a.cuts, a.environment_cuts), (b.cuts, b.environment_cuts));
-    assert_eq!((read.settings, read.report), (original.settings, original.report));
+    assert_eq!((again.settings, again.report), (original.settings, original.report));
     dataset().write(&path).unwrap();
-    assert!(Dataset::read(&path).unwrap().indirect.is_none(), "a dataset without them");
+    assert!(read(&path).unwrap().indirect.is_none(), "a dataset without them");
 }
 
 #[test]
@@ -271,7 +276,7 @@ fn sources_of_version_3_are_as_far_apart_as_was_reported_or_as_follows_from_thei
             replace(&mut bytes, "source_spacings", "what_is_unknown");
             std::fs::write(&path, bytes).unwrap();
         }
-        Dataset::read(&path).unwrap().indirect.unwrap().sources.iter().map(|s| s.spacing).collect()
+        read(&path).unwrap().indirect.unwrap().sources.iter().map(|s| s.spacing).collect()
     };
     assert_eq!(spacings(0.3, true), [0.3; 4]);
     assert_eq!(spacings(0.0, true), [2.0_f32.sqrt(); 4], "areas of 0.5 to 3.5 m²");
@@ -317,12 +322,12 @@ fn the_meshless_basis_and_its_links_survive_the_disk() {
     let path = folder.path().join("a.cuts");
     let original = with_meshless();
     original.write(&path).unwrap();
-    let (a, b) = (Dataset::read(&path).unwrap().meshless.unwrap(), original.meshless.unwrap());
+    let (a, b) = (read(&path).unwrap().meshless.unwrap(), original.meshless.unwrap());
     assert_eq!(a.basis.points(), b.basis.points());
     assert_eq!((a.basis.offsets(), a.basis.radii()), (b.basis.offsets(), b.basis.radii()));
     assert_eq!((a.basis.sender_levels(), &a.transport), (1, &b.transport));
     dataset().write(&path).unwrap();
-    assert!(Dataset::read(&path).unwrap().meshless.is_none(), "a dataset without it");
+    assert!(read(&path).unwrap().meshless.is_none(), "a dataset without it");
 }
 
 #[test]
@@ -331,13 +336,13 @@ fn opacities_of_parts_survive_the_disk_and_older_files_have_none() {
     let path = folder.path().join("a.cuts");
     let mut dataset = test_scenes::dataset(&["a", "b"], &[]);
     dataset.write(&path).unwrap();
-    assert!(Dataset::read(&path).unwrap().scene.part_opacities.is_empty());
+    assert!(read(&path).unwrap().scene.part_opacities.is_empty());
     assert!(!String::from_utf8_lossy(&std::fs::read(&path).unwrap()).contains("part_opacities"), "as files of before");
     let mut material = Material::default();
     material.parameters.set("geometry_opacity", 0.5);
     dataset.scene.part_opacities = vec![PartOpacity { parts: vec![Part { object: 0, material: 0 }], material }];
     dataset.write(&path).unwrap();
-    assert_eq!(Dataset::read(&path).unwrap().scene.part_opacities, dataset.scene.part_opacities);
+    assert_eq!(read(&path).unwrap().scene.part_opacities, dataset.scene.part_opacities);
     dataset.scene.part_opacities[0].parts[0].material = 2;
     let refused = dataset.write(&path).unwrap_err().to_string();
     assert!(refused.contains("parts that let light through do not fit"), "{refused}");
@@ -349,12 +354,12 @@ fn variants_survive_the_disk_and_older_files_have_none() {
     let path = folder.path().join("a.cuts");
     let mut dataset = test_scenes::dataset(&["a", "b"], &[]);
     dataset.write(&path).unwrap();
-    assert!(Dataset::read(&path).unwrap().scene.variants.is_empty());
+    assert!(read(&path).unwrap().scene.variants.is_empty());
     assert!(!String::from_utf8_lossy(&std::fs::read(&path).unwrap()).contains("variants"), "as files of before");
     let part = PartVariants { part: Part { object: 0, material: 0 }, plain: 0, in_variants: vec![1] };
     dataset.scene.variants = Variants { names: vec!["red".into()], parts: vec![part] };
     dataset.write(&path).unwrap();
-    assert_eq!(Dataset::read(&path).unwrap().scene.variants, dataset.scene.variants);
+    assert_eq!(read(&path).unwrap().scene.variants, dataset.scene.variants);
     dataset.scene.variants.parts[0].in_variants[0] = 2;
     let refused = dataset.write(&path).unwrap_err().to_string();
     assert!(refused.contains("its variants do not fit"), "{refused}");

@@ -50,7 +50,7 @@ impl EditorState {
     /// Plays the animation, or stops.
     pub(super) fn toggle_playing(&mut self) {
         let Some(animation) = self.animation().cloned() else { return };
-        self.interface.timeline.toggle(&mut self.document.clip_time, animation.clips());
+        self.interface.timeline.toggle(&mut self.document.clip_time, &animation.clips);
     }
 
     /// Goes on in time where the animation plays. Nothing plays without one that poses the scene that is seen.
@@ -61,7 +61,7 @@ impl EditorState {
         let stopped = match self.playable() {
             Some(animation) => {
                 let passed = ctx.input(|input| input.stable_dt);
-                self.interface.timeline.advance(&mut self.document.clip_time, animation.clips(), passed)
+                self.interface.timeline.advance(&mut self.document.clip_time, &animation.clips, passed)
             }
             None => true,
         };

@@ -3,6 +3,7 @@
 use super::state::EditorState;
 use crate::jobs::load::{Source, Topic};
 use lapidary_core::environment::Environment;
+use lapidary_interchange::environment;
 use std::sync::Arc;
 
 impl EditorState {
@@ -35,7 +36,7 @@ impl EditorState {
 
     /// Something must light the scene; the studio is made by a formula and needs no file.
     fn fall_back_to_studio(&mut self) {
-        if let Ok((studio, _)) = Environment::from_spec("studio") {
+        if let Ok((studio, _)) = environment::from_spec("studio") {
             self.environments.loaded = Some(studio.into());
         }
     }

@@ -7,7 +7,8 @@ use super::{
 };
 use crate::{actions::Action, document::folder_of};
 use egui::Context;
-use lapidary_core::{materialx::Surface, scene::Scene};
+use lapidary_core::scene::Scene;
+use lapidary_interchange::materialx::Surface;
 use lapidary_render::{Baked, Look};
 use lapidary_studies::jobs::export::{ExportMessage, ExportRun, ExportTask};
 use lapidary_studies::{

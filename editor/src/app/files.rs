@@ -14,12 +14,14 @@ use crate::{
 use anyhow::{Context as _, Result};
 use lapidary_core::{
     brdf::BrdfFile,
-    import::{MaterialFile, SlotFile, is_materialx},
     input,
     material::{BUMP, BrdfModel, Material, NORMAL, map_label},
-    materialx::{self, Surface},
     output::{check_output, write_atomically},
     texture::{Texture, TextureSlot},
+};
+use lapidary_interchange::{
+    import::{MaterialFile, SlotFile, is_materialx},
+    materialx::{self, Surface},
 };
 use lapidary_studies::args::shader_source;
 use std::{
@@ -323,10 +325,8 @@ pub fn as_base_color(material: usize, path: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{
-        import::load_material,
-        texture::{ColorSpace, Procedural},
-    };
+    use lapidary_core::texture::{ColorSpace, Procedural};
+    use lapidary_interchange::{image, import::load_material};
 
     fn document(file: Option<PathBuf>) -> Document {
         let texture = Arc::new(Texture::missing("wood.png"));
@@ -341,7 +341,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let picture = folder.path().join("wood.png");
         let image = lapidary_core::image::Image::filled([2, 2], glam::Vec3::ONE);
-        image.write(&picture).unwrap();
+        image::write(&image, &picture).unwrap();
         let document = document(Some(picture));
         let path = folder.path().join("wood.json");
         let (file, left_out) = material_file(&document.materials[0], &document, &path);
@@ -380,7 +380,7 @@ mod tests {
         let (file, left_out) = material_file(&material, &document(None), Path::new("/a/b.json"));
         let text = serde_json::to_string(&file.maps).unwrap();
         assert!(left_out == 0 && !text.contains("file"), "{text}");
-        let read: lapidary_core::import::MapFiles = serde_json::from_str(&text).unwrap();
+        let read: lapidary_interchange::import::MapFiles = serde_json::from_str(&text).unwrap();
         assert_eq!(read.get("roughness").unwrap().procedural, pattern);
     }
 

@@ -287,7 +287,7 @@ fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
 fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> bool {
     let Some(animation) = state.animation().cloned() else { return false };
     let trouble = state.trouble_in_time();
-    let context = TimelineContext { clips: animation.clips(), time: state.document.clip_time.as_ref(), trouble };
+    let context = TimelineContext { clips: &animation.clips, time: state.document.clip_time.as_ref(), trouble };
     let timeline = &mut state.interface.timeline;
     Panel::bottom("timeline").show(ui, |ui| timeline::show(ui, timeline, &context, actions)).inner
 }

@@ -20,8 +20,11 @@ use lapidary_core::{
     animation::{Animation, BoundAnimation},
     dataset::Dataset,
     ground::Ground,
-    import::{ImportError, ImportOptions},
     scene::Scene,
+};
+use lapidary_interchange::{
+    animation, image,
+    import::{ImportError, ImportOptions},
 };
 use lapidary_render::Baked;
 use lapidary_studies::jobs::{Wake, guarded, spawn};
@@ -253,7 +256,7 @@ fn read_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Baked> {
     if !path.is_file() {
         return None;
     }
-    match Dataset::read(path) {
+    match Dataset::read(path, image::decode) {
         Ok(dataset) => Some(Baked::begun(dataset)),
         Err(error) => {
             warnings.push(format!("The bake cannot be used, bake again: {error}"));
@@ -263,7 +266,7 @@ fn read_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Baked> {
 }
 
 fn open_dataset(path: &Path) -> Result<Ready> {
-    let baked = Baked::begun(Dataset::read(path)?);
+    let baked = Baked::begun(Dataset::read(path, image::decode)?);
     let document = Document::of_dataset(&baked.dataset, path.into(), None);
     Ok(Ready { recent: Some(path.into()), ..Ready::new(document, Some(baked), None, Vec::new()) })
 }
@@ -272,7 +275,7 @@ fn open_dataset(path: &Path) -> Result<Ready> {
 /// read or do not fit are passed over: the dataset does not say that they are its own.
 fn animation_beside(dataset: &Path, scene: &Scene) -> Option<Arc<Animation>> {
     let file = ["gltf", "glb"].map(|ending| dataset.with_extension(ending)).into_iter().find(|file| file.is_file())?;
-    let animation = Arc::new(Animation::read(&file, &ImportOptions::default()).ok()?);
+    let animation = Arc::new(animation::read(&file, &ImportOptions::default()).ok()?);
     BoundAnimation::new(animation.clone(), scene).is_ok().then_some(animation)
 }
 

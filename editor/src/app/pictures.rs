@@ -10,6 +10,7 @@ use crate::{
 };
 use anyhow::Result;
 use egui::Context;
+use lapidary_interchange::image;
 use lapidary_studies::jobs::{guarded, spawn};
 use lapidary_studies::sheet::DisplayPicture;
 use std::{
@@ -87,7 +88,7 @@ impl EditorState {
 }
 
 fn write_linear(picture: &LinearPicture, transparent: bool, path: &Path) -> Result<()> {
-    Ok(picture.image.write_with(transparent.then_some(picture.coverage.as_slice()), path)?)
+    Ok(image::write_with(&picture.image, transparent.then_some(picture.coverage.as_slice()), path)?)
 }
 
 /// Writes pixels as a display shows them. Alpha is the coverage of a pixel, and its colour that of the surfaces alone.
@@ -100,7 +101,8 @@ fn write_png(pixels: &[[u8; 4]], size: [u32; 2], transparent: bool, path: &Path)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{image::decode, texture::Texels};
+    use lapidary_core::texture::Texels;
+    use lapidary_interchange::image::decode;
 
     #[test]
     fn a_png_holds_every_value_that_is_shown() {

@@ -26,7 +26,8 @@ use super::{
 use crate::{actions::Action, paths::Folders, preferences::Preferences};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
-use lapidary_core::{dataset::BakeSettings, import::import};
+use lapidary_core::dataset::BakeSettings;
+use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve};
 use lapidary_render::CpuBackend;
 use std::{
@@ -244,7 +245,7 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
 fn exported(window: &mut Window, path: &Path) -> Vec<[u8; 4]> {
     window.perform(Action::ExportPicture(Some(path.to_owned())));
     window.wait("the file", |_| path.is_file());
-    let read = lapidary_core::image::decode(&std::fs::read(path).unwrap(), path).unwrap();
+    let read = lapidary_interchange::image::decode(&std::fs::read(path).unwrap(), path).unwrap();
     let shown = window.0.state().pictures.shown().unwrap();
     assert_eq!((shown.samples, read.size), (shown.of_samples, shown.size));
     let lapidary_core::texture::Texels::U8(texels) = read.texels else { panic!("8 bits per channel") };
@@ -270,7 +271,7 @@ fn a_dropped_picture_goes_on_the_selected_material_as_a_step_of_undo() {
     let place = Place::new();
     place.bake();
     let image = lapidary_core::image::Image::filled([3, 3], glam::Vec3::X);
-    image.write(&place.path("red.png")).unwrap();
+    image::write(&image, &place.path("red.png")).unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.drop_file(place.path("red.png"));
@@ -298,7 +299,8 @@ fn keys_act_and_a_failed_open_keeps_what_is_open() {
 #[test]
 fn a_changed_texture_of_the_scene_is_loaded_again() {
     let place = Place::new();
-    let write = |color| lapidary_core::image::Image::filled([2, 2], color).write(&place.path("paint.png")).unwrap();
+    let write =
+        |color| image::write(&lapidary_core::image::Image::filled([2, 2], color), &place.path("paint.png")).unwrap();
     write(glam::Vec3::X);
     std::fs::write(place.path("scene.mtl"), "newmtl paint\nmap_Kd paint.png\n").unwrap();
     let obj = std::fs::read_to_string(place.path("scene.obj")).unwrap();
@@ -308,7 +310,7 @@ fn a_changed_texture_of_the_scene_is_loaded_again() {
     window.wait("the watch", |s| s.watched.contains(&place.path("paint.png")));
     let old = window.0.state().document.textures[0].texture.clone();
     let repaint =
-        || lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
+        || image::write(&lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y), &place.path("paint.png")).unwrap();
     window.wait_for_watch("the new texture", repaint, |s| s.document.textures[0].texture.size == [4, 2]);
     assert_eq!((old.size, &*old.name), ([2, 2], "paint.png"));
     assert_eq!(window.0.state().document.textures[0].texture.name, "paint.png", "as the scene has it");
@@ -319,7 +321,8 @@ fn a_changed_texture_of_the_scene_is_loaded_again() {
 fn a_changed_texture_is_loaded_again() {
     let place = Place::new();
     place.bake();
-    let write = |color| lapidary_core::image::Image::filled([2, 2], color).write(&place.path("paint.png")).unwrap();
+    let write =
+        |color| image::write(&lapidary_core::image::Image::filled([2, 2], color), &place.path("paint.png")).unwrap();
     write(glam::Vec3::X);
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
@@ -328,7 +331,7 @@ fn a_changed_texture_is_loaded_again() {
     let old = window.0.state().document.textures[0].texture.clone();
     window.wait("the watch", |s| !s.watched.is_empty());
     let repaint =
-        || lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
+        || image::write(&lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y), &place.path("paint.png")).unwrap();
     window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.document.textures[0].texture, &old));
     assert!(window.has_said("Loaded again"));
 }

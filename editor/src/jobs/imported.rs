@@ -4,8 +4,11 @@ use lapidary_core::{
     animation::{Animation, AnimationError},
     dataset::scene_hash,
     ground::Ground,
-    import::{ImportError, ImportOptions, ImportReport, import_with},
     scene::Scene,
+};
+use lapidary_interchange::{
+    animation::{self, AnimationFileError},
+    import::{ImportError, ImportOptions, ImportReport, import_with},
 };
 use lapidary_precompute::{BounceTrial, Trial, unshadowed};
 use lapidary_render::Baked;
@@ -44,9 +47,11 @@ impl Imported {
         let start = Instant::now();
         let options = ImportOptions { allow_outside, ..Default::default() };
         let mut imported = import_with(path, &options)?;
-        let animation = match Animation::read(path, &options) {
+        let animation = match animation::read(path, &options) {
             Ok(animation) => Some(animation.into()),
-            Err(AnimationError::NoGltf { .. } | AnimationError::NoClips { .. }) => None,
+            Err(AnimationFileError::NoGltf { .. } | AnimationFileError::Unplayable(AnimationError::NoClips { .. })) => {
+                None
+            }
             Err(error) => {
                 imported.report.warnings.push(error.to_string());
                 None

@@ -5,13 +5,10 @@ mod kind;
 pub use kind::{Kind, foreign, kind_of};
 
 use super::Imported;
-use lapidary_core::{
-    brdf::Content,
-    environment::Environment,
+use lapidary_core::{brdf::Content, environment::Environment, material::Material, scene::Scene, texture::Texture};
+use lapidary_interchange::{
+    environment, image,
     import::{ImportError, ImportOptions, load_material, materials_in_file},
-    material::Material,
-    scene::Scene,
-    texture::Texture,
 };
 use lapidary_studies::jobs::{Wake, guarded, spawn};
 use std::{
@@ -46,7 +43,7 @@ pub enum Topic {
 /// The source to open.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// A path or formula, as [`Environment::from_spec`] reads it.
+    /// A path or formula, as [`environment::from_spec`] reads it.
     Environment(String),
     /// A scene file that has changed.
     Scene {
@@ -173,11 +170,11 @@ impl Loader {
 fn open(source: Source) -> anyhow::Result<Loaded> {
     Ok(match source {
         Source::Environment(spec) => {
-            let (environment, warnings) = Environment::from_spec(&spec)?;
+            let (environment, warnings) = environment::from_spec(&spec)?;
             Loaded::Environment { environment: environment.into(), warnings }
         }
         Source::Scene { path, allow_outside } => Loaded::Scene(Imported::read(&path, allow_outside)?.into()),
-        Source::Texture(path) => Loaded::Texture(Texture::read(&path)?.into()),
+        Source::Texture(path) => Loaded::Texture(image::read_texture(&path)?.into()),
         Source::Brdf(path) => {
             let (content, remarks) = Content::read(&path)?;
             Loaded::Brdf { content, remarks }

@@ -140,14 +140,14 @@ fn scrub(ui: &mut Ui, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::{animation::Animation, import::ImportOptions};
+    use lapidary_interchange::{animation, import::ImportOptions};
     use std::path::Path;
 
     #[test]
     fn time_goes_on_begins_anew_or_ends_and_steps_are_whole_frames() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/bending-tower/bending-tower.gltf");
-        let animation = Animation::read(&path, &ImportOptions::default()).unwrap();
-        let clips = animation.clips();
+        let animation = animation::read(&path, &ImportOptions::default()).unwrap();
+        let clips = &animation.clips;
         let at = |seconds: f32| ClipTime { clip: clips[0].name.clone(), seconds };
         let passed = |timeline: Timeline, before: Option<ClipTime>, seconds: f32| {
             let mut time = before;

@@ -2,10 +2,10 @@
 
 use super::{Target, named, scenes::datasets};
 use crate::{choices::Choices, mutate::Mutation};
-use lapidary_core::{
-    brdf::Content,
-    environment::Environment,
-    image::{Image, decode, dimensions, footprint},
+use lapidary_core::brdf::Content;
+use lapidary_interchange::{
+    environment,
+    image::{self, decode, dimensions, footprint},
 };
 use std::{
     fs, io,
@@ -115,13 +115,13 @@ pub fn read_picture(path: &Path) -> Result<(), String> {
         }
         Err(error) => named(&error, path)?,
     }
-    match Environment::read(path) {
+    match environment::read(path) {
         Ok((environment, _)) if environment.map.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0) => {}
         Ok(_) => return Err("the environment is not finite".into()),
         Err(error) => named(&error, path)?,
     }
     for layer in ["beauty", "normal", "depth"] {
-        if let Err(error) = Image::read_layer(path, layer) {
+        if let Err(error) = image::read_layer(path, layer) {
             named(&error, path)?;
         }
     }

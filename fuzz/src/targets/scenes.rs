@@ -4,9 +4,12 @@ use super::{files::corpus, named};
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     environment::Environment,
-    import::{ImportError, ImportOptions, Imported, import_with, load_material},
     lights::LightsFile,
     scene::Scene,
+};
+use lapidary_interchange::{
+    environment, image,
+    import::{ImportError, ImportOptions, Imported, import_with, load_material},
 };
 use lapidary_precompute::{BakeJob, Preset, ResolvedBake, Silent, bake, resolve, verify};
 use lapidary_render::{Baked, Bounces, Components, CpuBackend, Illumination, LitScene, Look, View};
@@ -51,19 +54,21 @@ pub fn bake_file(path: &Path) -> Result<(), String> {
     if bake(scene, &BakeJob::new(tiny_bake(mode), output.clone()), &Silent).is_err() {
         return Ok(());
     }
-    let dataset = Dataset::read(&output).map_err(|error| format!("the bake ended well, its output not: {error}"))?;
+    let dataset = Dataset::read(&output, image::decode)
+        .map_err(|error| format!("the bake ended well, its output not: {error}"))?;
     show(dataset)
 }
 
 /// Reads a dataset, verifies and shows it, and writes it again.
 pub fn read_dataset(path: &Path) -> Result<(), String> {
-    let dataset = match Dataset::read(path) {
+    let dataset = match Dataset::read(path, image::decode) {
         Ok(dataset) => dataset,
         Err(error) => return named(&error, path),
     };
     let copy = path.with_extension("copy.cuts");
     dataset.write(&copy).map_err(|error| format!("it is read and cannot be written: {error}"))?;
-    Dataset::read(&copy).map_err(|error| format!("it is read, written, and cannot be read again: {error}"))?;
+    Dataset::read(&copy, image::decode)
+        .map_err(|error| format!("it is read, written, and cannot be read again: {error}"))?;
     verify(&dataset, 4);
     show(dataset)
 }
@@ -121,7 +126,7 @@ fn picture(baked: &Baked, change: impl Fn(&mut Look)) -> Result<(), String> {
 
 fn studio() -> Arc<Environment> {
     static STUDIO: OnceLock<Arc<Environment>> = OnceLock::new();
-    STUDIO.get_or_init(|| Environment::from_spec("constant:1,0.9,0.8").expect("a formula").0.into()).clone()
+    STUDIO.get_or_init(|| environment::from_spec("constant:1,0.9,0.8").expect("a formula").0.into()).clone()
 }
 
 /// The scene whose bakes are the sound datasets.

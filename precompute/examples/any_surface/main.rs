@@ -22,6 +22,7 @@ use lapidary_core::{
     meshless::{MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
     surfel::{Surface, Surfel},
 };
+use lapidary_interchange::image;
 use lapidary_precompute::{Silent, meshless_bake};
 use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, path::PathBuf, time::Instant};
@@ -76,7 +77,7 @@ fn main() -> Result<()> {
         ("indirect.png", picture(|p| p.indirect)),
         ("full.png", picture(|p| p.direct + p.indirect)),
     ] {
-        image.write(&args.out.join(name))?;
+        image::write(&image, &args.out.join(name))?;
     }
     Ok(())
 }

@@ -3,7 +3,6 @@
 use anyhow::Result;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    import::import,
     material::Material,
     meshless::{SenderSamples, Solver},
     ray::Intersector,
@@ -11,6 +10,7 @@ use lapidary_core::{
     sphere::{cosine_direction, frame_around},
     surfel::{Surface, Surfel},
 };
+use lapidary_interchange::import::import;
 use lapidary_precompute::{MeshSurface, Sidedness, classify};
 use rayon::prelude::*;
 

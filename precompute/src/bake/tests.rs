@@ -20,6 +20,7 @@ use lapidary_core::{
     lock::LockError,
     sources::{Source, SourceTree},
 };
+use lapidary_interchange::image;
 use std::{
     f32::consts::PI,
     path::Path,
@@ -296,7 +297,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
     for phase in ["points", "source-tree", "source-visibility"] {
         assert!(dataset.report.seconds(phase).is_some(), "{phase}");
     }
-    assert_eq!(indirect_contents(&Dataset::read(&job.output).unwrap()), indirect_contents(&dataset));
+    assert_eq!(indirect_contents(&Dataset::read(&job.output, image::decode).unwrap()), indirect_contents(&dataset));
     let plain = bake(interior(), &indirect_job(folder.path(), "b.cuts", BakeParts::ENVIRONMENT), &Silent).unwrap();
     assert!(plain.indirect.is_none() && plain.report.indirect.is_none());
     // A closed room sees none of the environment; that is known because it was traced.
@@ -371,7 +372,7 @@ fn the_meshless_basis_is_baked_and_read_back() {
     for phase in ["basis", "transport"] {
         assert!(dataset.report.seconds(phase).is_some(), "{phase}");
     }
-    let read = Dataset::read(&job.output).unwrap().meshless.unwrap();
+    let read = Dataset::read(&job.output, image::decode).unwrap().meshless.unwrap();
     assert_eq!((read.basis.points(), &read.transport), (bake_of.basis.points(), &bake_of.transport));
 }
 
@@ -380,7 +381,7 @@ fn environment_and_meshless_basis_are_baked_without_sources_as_they_are_with_the
     let folder = tempfile::tempdir().unwrap();
     let job = indirect_job(folder.path(), "a.cuts", BakeParts::ENVIRONMENT_MESHLESS);
     bake(interior(), &job, &Silent).unwrap();
-    let both = Dataset::read(&job.output).unwrap();
+    let both = Dataset::read(&job.output, image::decode).unwrap();
     assert_eq!(both.settings.mode, BakeParts::ENVIRONMENT_MESHLESS);
     assert!(both.indirect.is_none() && both.report.samples_resolved > 0);
     let parts = |dataset: &Dataset| (contents(dataset), dataset.meshless.as_ref().unwrap().transport.clone());

@@ -120,6 +120,7 @@ mod tests {
         dataset::{BakeParts, BakeSettings, MeshlessSettings},
         meshless::PackedLink,
     };
+    use lapidary_interchange::image;
 
     fn baked() -> Dataset {
         let folder = tempfile::tempdir().unwrap();
@@ -132,7 +133,7 @@ mod tests {
             folder.path().join("a.cuts"),
         );
         bake(scene_of(&triangles), &job, &Silent).unwrap();
-        Dataset::read(&job.output).unwrap()
+        Dataset::read(&job.output, image::decode).unwrap()
     }
 
     /// With other links of the same layout.

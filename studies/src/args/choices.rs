@@ -2,7 +2,8 @@
 
 use super::values::{choice, choice_of};
 use clap::builder::TypedValueParser;
-use lapidary_core::{ground::Ground, light_tree::TreeKind, materialx::Surface};
+use lapidary_core::{ground::Ground, light_tree::TreeKind};
+use lapidary_interchange::materialx::Surface;
 use lapidary_precompute::Preset;
 use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, ViewMode, compare::map::ErrorMap};
 use serde::Deserialize;

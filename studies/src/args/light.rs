@@ -9,9 +9,10 @@ use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::{
     dataset::{BakeParts, Dataset},
-    environment::{Environment, SunSettings},
+    environment::SunSettings,
     lights::{Light, LightsFile},
 };
+use lapidary_interchange::environment;
 use lapidary_render::{Bounces, Components, Illumination, Renderer, Solution, is_buried};
 use std::path::{Path, PathBuf};
 
@@ -85,7 +86,7 @@ impl EnvironmentArgs {
             NONE => DARK,
             spec => spec,
         };
-        let (environment, warnings) = Environment::from_spec(spec)?;
+        let (environment, warnings) = environment::from_spec(spec)?;
         warnings.iter().for_each(|w| console.warning(w));
         Ok(Illumination {
             environment: environment.into(),
@@ -97,7 +98,7 @@ impl EnvironmentArgs {
 
     /// No environment where none was baked, unless one is named: it would light nothing, but a reference would have its light.
     pub fn of_bake(&self, light: Illumination, mode: BakeParts, console: Console) -> Illumination {
-        let dark = || Environment::from_spec(DARK).map(|(environment, _)| environment.into());
+        let dark = || environment::from_spec(DARK).map(|(environment, _)| environment.into());
         match self.env.as_deref() {
             _ if mode.environment() => light,
             None => Illumination { environment: dark().unwrap_or(light.environment), ..light },

@@ -1,7 +1,7 @@
 //! Which files a scene or a material may name.
 
 use clap::Args;
-use lapidary_core::import::ImportOptions;
+use lapidary_interchange::import::ImportOptions;
 
 /// Whether files outside the folder are read.
 #[derive(Args, Clone, Copy, Debug, Default)]

@@ -9,10 +9,10 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::{
-    animation::{Animation, BoundAnimation, Playback},
-    import::ImportOptions,
+    animation::{BoundAnimation, Playback},
     scene::{Scene, pose::Poses},
 };
+use lapidary_interchange::{animation, import::ImportOptions};
 use std::{path::PathBuf, str::FromStr};
 
 /// Where objects are.
@@ -168,9 +168,9 @@ impl ClipArgs {
         let Some(path) = &self.animation else {
             bail!("a dataset holds no animation; add --animation FILE.gltf, the file that it was baked of");
         };
-        let animation = Animation::read(path, options)?;
+        let animation = animation::read(path, options)?;
         let clip = animation.clip(self.clip.as_deref())?;
-        animation.warnings().iter().for_each(|warning| console.warning(warning));
+        animation.warnings.iter().for_each(|warning| console.warning(warning));
         Ok(Motion { animation: BoundAnimation::new(animation, scene)?.into(), clip, times, playback })
     }
 

@@ -14,10 +14,13 @@ use lapidary_core::{
     camera::Camera,
     dataset::Dataset,
     ground::Ground,
-    import::{ImportOptions, load_material, material_in_file, pictures_of_material},
     material::{BrdfModel, Material, PRESETS, Preset},
     memory,
     scene::{Scene, camera_named, pose::Poses},
+};
+use lapidary_interchange::{
+    image,
+    import::{ImportOptions, load_material, material_in_file, pictures_of_material},
 };
 use lapidary_render::{Background, Baked, Illumination, Look, View};
 use std::{
@@ -193,7 +196,7 @@ impl ViewArgs {
         self.check_memory(1)?;
         let light = self.light.resolve(local, console)?;
         let lights = local.read()?;
-        let mut dataset = Dataset::read(&self.file)?;
+        let mut dataset = Dataset::read(&self.file, image::decode)?;
         let light = self.light.of_bake(light, dataset.settings.mode, console);
         let local = local.resolve(lights, &dataset, &self.file)?;
         self.material.apply(&mut dataset.scene, console)?;

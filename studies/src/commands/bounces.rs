@@ -14,6 +14,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use lapidary_precompute::Observer;
 use lapidary_render::{Bounces, FinishedPicture, Look, RenderStats, Solution};
 use serde::Serialize;
@@ -192,10 +193,10 @@ impl<'a> Comparison<'a> {
     fn write(&self, solution: Solution, truth: &Image, image: &Image, samples: Option<&Image>) -> Result<()> {
         let file = |what: &str| self.args.out.join(format!("{solution}{what}"));
         let [paths, solved, every_source, strip_of_all] = PICTURES.map(file);
-        truth.write(&paths)?;
-        image.write(&solved)?;
-        samples.map_or(Ok(()), |samples| samples.write(&every_source))?;
-        strip(truth, &[Some(image), samples])?.write(&strip_of_all)?;
+        image::write(truth, &paths)?;
+        image::write(image, &solved)?;
+        samples.map_or(Ok(()), |samples| image::write(samples, &every_source))?;
+        image::write(&strip(truth, &[Some(image), samples])?, &strip_of_all)?;
         Ok(())
     }
 }

@@ -9,6 +9,7 @@ use crate::{
 use anyhow::Result;
 use clap::Args;
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use lapidary_render::compare::{
     Metrics, compare,
     map::{ErrorMap, error_map},
@@ -106,8 +107,8 @@ pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
 
 fn read(path: &Path, layer: Option<&str>) -> Result<Image> {
     Ok(match layer {
-        Some(name) => Image::read_layer(path, name)?,
-        None => Image::read_rec_709(path)?,
+        Some(name) => image::read_layer(path, name)?,
+        None => image::read_rec_709(path)?,
     })
 }
 

@@ -11,6 +11,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use lapidary_precompute::VertexSampler;
 use lapidary_render::{
     BrdfSampling, Components, CpuBackend, CutLight, ErrorSplit, GatheredLight, LitScene, Look, NoCuts,
@@ -221,6 +222,6 @@ impl<'a> Explainer<'a> {
     }
 
     fn write(&self, name: &str, image: &Image) -> Result<()> {
-        Ok(image.write(&self.args.out.join(name))?)
+        Ok(image::write(image, &self.args.out.join(name))?)
     }
 }

@@ -13,7 +13,8 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use glam::Vec3;
-use lapidary_core::{lights::Light, materialx::Surface, scene::Scene};
+use lapidary_core::{lights::Light, scene::Scene};
+use lapidary_interchange::materialx::Surface;
 use lapidary_render::{Components, Illumination};
 use std::path::{Path, PathBuf};
 

@@ -7,8 +7,9 @@ use crate::{
 };
 use anyhow::Result;
 use clap::Args;
-use lapidary_core::{
-    dataset::{BakeAudit, BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text},
+use lapidary_core::dataset::{BakeAudit, BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
+use lapidary_interchange::{
+    image,
     import::{Imported, import},
 };
 use std::path::PathBuf;
@@ -42,7 +43,7 @@ impl InfoArgs {
                 print_out(&scene_text(&imported))
             };
         }
-        let dataset = Dataset::read(&self.file)?;
+        let dataset = Dataset::read(&self.file, image::decode)?;
         if self.json { print_out(&json_text(&info_json(&dataset))?) } else { print_out(&info_text(&dataset)) }
     }
 }

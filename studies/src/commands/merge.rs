@@ -8,6 +8,7 @@ use crate::{
 use anyhow::Result;
 use clap::Args;
 use lapidary_core::dataset::BakeReport;
+use lapidary_interchange::image;
 use lapidary_precompute::merge;
 use std::path::PathBuf;
 
@@ -35,7 +36,7 @@ impl MergeArgs {
     pub fn run(&self, quiet: bool) -> Result<BakeReport> {
         let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
         progress.cancel_on_interrupt();
-        let report = merge(&self.file, &progress)?.report;
+        let report = merge(&self.file, image::decode, &progress)?.report;
         progress.finish();
         Ok(report)
     }

@@ -10,6 +10,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use lapidary_precompute::Observer;
 use lapidary_render::{
     Background, BrdfSampling, Calibration, LitScene, Look, PredictedError, Renderer, View, calibrate,
@@ -158,9 +159,9 @@ impl Kind {
 fn write_map(predicted: &Image, path: &Path) -> Result<()> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         let nothing = Image::filled(predicted.size, Vec3::ZERO);
-        error_map(predicted, &nothing, ErrorMap::Absolute, None)?.image.write(path)?;
+        image::write(&error_map(predicted, &nothing, ErrorMap::Absolute, None)?.image, path)?;
     } else {
-        predicted.write(path)?;
+        image::write(predicted, path)?;
     }
     Ok(())
 }

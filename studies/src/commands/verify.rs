@@ -7,6 +7,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::{Args, builder::RangedU64ValueParser};
 use lapidary_core::dataset::Dataset;
+use lapidary_interchange::image;
 use lapidary_precompute::{Verification, verify};
 use std::path::PathBuf;
 
@@ -35,7 +36,7 @@ impl VerifyArgs {
     /// # Errors
     /// A dataset that cannot be read, or that does not agree with what was traced.
     pub fn run(&self) -> Result<()> {
-        let result = verify(&Dataset::read(&self.file)?, self.vertices);
+        let result = verify(&Dataset::read(&self.file, image::decode)?, self.vertices);
         if self.json {
             print_out(&json_text(&result)?)?;
         } else {

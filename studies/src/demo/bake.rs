@@ -2,10 +2,8 @@
 
 use crate::{bundled::DataFolder, terminal::Steps};
 use anyhow::Result;
-use lapidary_core::{
-    dataset::{BakeSettings, Dataset},
-    import::{Imported, import},
-};
+use lapidary_core::dataset::{BakeSettings, Dataset};
+use lapidary_interchange::import::{Imported, import};
 use lapidary_precompute::{BakeError, BakeJob, Preset, bake, resolve};
 use std::{path::Path, time::Instant};
 

@@ -6,6 +6,7 @@ use crate::{
     terminal::{Interrupted, Steps},
 };
 use anyhow::Result;
+use lapidary_interchange::image;
 use lapidary_render::{
     BrdfSampling, Look, PathSettings, Progress,
     compare::{
@@ -115,9 +116,8 @@ fn kept(still_life: &StillLife, look: &Look, Step { rung, metrics }: Step, truth
     let (name, look) = (format!("cut-{stem}"), rung.cuts.shown(look));
     let picture = still_life.keep(&name, &rung.cuts.label(), &look, &rung.image, rung.stats.seconds)?;
     let file = format!("error-{stem}.png");
-    error_map(&rung.image, &truth.image, ErrorMap::Relative, Some(MAP_TOP))?
-        .image
-        .write(&still_life.out.join(&file))?;
+    let map = error_map(&rung.image, &truth.image, ErrorMap::Relative, Some(MAP_TOP))?;
+    image::write(&map.image, &still_life.out.join(&file))?;
     Ok(Rung { picture: Picture { stats: Some(rung.stats), ..picture }, metrics, error_map: file })
 }
 

@@ -3,6 +3,7 @@
 use crate::{args::BackendOption, bundled::Environments, export::settings};
 use anyhow::Result;
 use lapidary_core::{dataset::Dataset, image::Image};
+use lapidary_interchange::image;
 use lapidary_render::{FinishedPicture, Illumination, LitScene, Look, RenderStats, Renderer, View};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -100,8 +101,8 @@ impl<'a> StillLife<'a> {
     /// A folder that cannot be written.
     pub fn keep(&self, name: &str, title: &str, look: &Look, image: &Image, seconds: f64) -> Result<Picture> {
         let [png, exr] = ["png", "exr"].map(|extension| format!("{name}.{extension}"));
-        image.write(&self.out.join(&png))?;
-        image.write(&self.out.join(&exr))?;
+        image::write(image, &self.out.join(&png))?;
+        image::write(image, &self.out.join(&exr))?;
         let (size, settings) = (look.view.size, settings(look, self.dataset()));
         Ok(Picture { title: title.into(), png, exr, size, settings, look: look.clone(), stats: None, seconds })
     }

@@ -9,12 +9,12 @@ use glam::Vec3;
 use lapidary_core::{
     cut::CutCriterion,
     dataset::{BakeParts, BakeSettings, Dataset},
-    import::{ImportOptions, Imported, import_with},
     light_tree::TreeKind,
     ray::OPEN,
     scene::Scene,
     sphere::fibonacci_directions,
 };
+use lapidary_interchange::import::{ImportOptions, Imported, import_with};
 use lapidary_precompute::{self as precompute, BakeJob, Preset};
 use lapidary_render::{Background, Components, Illumination, Look, Solution, View};
 use std::{

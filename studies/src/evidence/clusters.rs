@@ -13,6 +13,7 @@ use lapidary_core::{
     light_tree::{LightTree, TreeKind},
     sphere::{fibonacci_directions, frame_around},
 };
+use lapidary_interchange::image;
 use maud::{Markup, html};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -47,7 +48,7 @@ pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &
     for ((tree, beta), dataset) in TREES.into_iter().zip(&bakes.datasets) {
         let depth = DEPTH.min(dataset.tree.height());
         let png = format!("fig5-{}.png", label(tree).replace(' ', "-"));
-        picture(&nearest, &dataset.tree, depth).write(&measurement.out.join(&png))?;
+        image::write(&picture(&nearest, &dataset.tree, depth), &measurement.out.join(&png))?;
         let shape = Shape::of(&dataset.tree, depth);
         all.push(Clusters {
             metric: tree,

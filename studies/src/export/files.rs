@@ -4,8 +4,9 @@ use crate::export::{LayerKind, LayerList, Studio, Taken, layered, take_layers};
 use anyhow::Result;
 use lapidary_core::{
     dataset::Dataset,
-    image::{Image, ImageError, Layer},
+    image::{Image, ImageError},
 };
+use lapidary_interchange::image::{self, Layer};
 use lapidary_render::{Background, Look};
 use std::path::{Path, PathBuf};
 
@@ -39,7 +40,7 @@ pub fn has_extension(path: &Path, extension: &str) -> bool {
 /// The first path that cannot be written to; a file that was there before is kept then.
 pub fn write_pictures(image: &Image, coverage: Option<&[f32]>, paths: &[PathBuf]) -> Result<()> {
     for path in paths {
-        image.write_with(coverage, path)?;
+        image::write_with(image, coverage, path)?;
     }
     Ok(())
 }
@@ -82,7 +83,7 @@ impl Finished {
         }
         for path in paths.iter().filter(|path| has_extension(path, "hdr")) {
             let coverage = transparent.then_some(taken.coverage.as_slice());
-            taken.image.write_with(coverage, path)?;
+            image::write_with(&taken.image, coverage, path)?;
         }
         let exr: Vec<&PathBuf> = paths.iter().filter(|path| is_exr(path)).collect();
         let Some((last, others)) = exr.split_last() else { return Ok(()) };

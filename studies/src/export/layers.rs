@@ -4,7 +4,7 @@ use super::{Studio, Taken};
 use anyhow::{Result, bail};
 use glam::Vec3;
 use lapidary_core::ground::Ground;
-use lapidary_core::image::Layer;
+use lapidary_interchange::image::Layer;
 use lapidary_render::{Background, Components, Look, SurfaceLayers, ViewMode};
 use std::{fmt, str::FromStr};
 

@@ -2,10 +2,10 @@
 
 use crate::outputs::CommandFiles;
 use anyhow::Result;
-use lapidary_core::{
+use lapidary_core::scene::Scene;
+use lapidary_interchange::{
     export::{ExportOptions, Exported, pictures_beside, write_materials},
     materialx::Surface,
-    scene::Scene,
 };
 use std::path::{Path, PathBuf};
 

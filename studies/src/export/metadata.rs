@@ -4,9 +4,9 @@ use super::Taken;
 use lapidary_core::{
     animation::ClipTime,
     dataset::Dataset,
-    image::{Layer, LayeredImage, MetaValue, Metadata},
     scene::{Scene, pose::Poses},
 };
+use lapidary_interchange::image::{Layer, LayeredImage, MetaValue, Metadata};
 use lapidary_render::{Look, RenderStats};
 use serde_json::{Map, Value, json};
 

@@ -21,6 +21,7 @@ mod xml;
 use crate::outputs::create_folder;
 use anyhow::{Context, Result};
 use lapidary_core::{dataset::Dataset, lights::Light, output::write_atomically, scene::Scene};
+use lapidary_interchange::image;
 use lapidary_render::{Illumination, View};
 use meshes::Part;
 use std::{collections::BTreeSet, path::Path};
@@ -110,7 +111,7 @@ impl MitsubaScene<'_> {
     fn emitters(&self, folder: &Path) -> Result<String> {
         let mut text = String::new();
         if let Some(light) = self.environment {
-            emitters::environment_map(&light.environment.map).write(&folder.join(emitters::ENVIRONMENT_FILE))?;
+            image::write(&emitters::environment_map(&light.environment.map), &folder.join(emitters::ENVIRONMENT_FILE))?;
             text += &emitters::environment(light);
         }
         text.extend(self.lights.iter().copied().filter_map(emitters::local));

@@ -7,6 +7,7 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use lapidary_render::{Look, Post};
 use serde::Serialize;
 use std::path::Path;
@@ -123,8 +124,9 @@ impl StepFigures {
 /// # Errors
 /// A folder that cannot be written.
 pub fn write_picture(found: super::Found, folder: &Path, prefix: &str) -> Result<()> {
-    let write =
-        |name: &str, image: &Image| files(prefix, name).iter().try_for_each(|file| image.write(&folder.join(file)));
+    let write = |name: &str, image: &Image| {
+        files(prefix, name).iter().try_for_each(|file| image::write(image, &folder.join(file)))
+    };
     match found {
         super::Found::Picture(rung) => write(&rung_name(rung), &rung.image)?,
         super::Found::Truth(truth) => write("reference", &truth.image)?,

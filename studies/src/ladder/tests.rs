@@ -1,6 +1,7 @@
 use super::*;
 use glam::Vec3;
-use lapidary_core::{camera::Camera, environment::Environment, material::BrdfModel, test_scenes};
+use lapidary_core::{camera::Camera, material::BrdfModel, test_scenes};
+use lapidary_interchange::environment;
 use lapidary_render::{
     Backend, Background, BrdfSampling, Components, CpuBackend, Illumination, LitScene, Look, Post, Progress, Quiet,
     View,
@@ -12,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 fn look() -> Look {
     let camera = Camera::look_at(Vec3::new(0.4, 2.0, 0.5), Vec3::new(0.4, 0.0, 0.3), 30.0);
     let view = View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [16, 12]) };
-    let environment = Environment::from_spec("orientation").unwrap().0.into();
+    let environment = environment::from_spec("orientation").unwrap().0.into();
     let mut scene = test_scenes::dataset(&["a"], &[]).scene;
     scene.materials.iter_mut().for_each(|material| material.model = BrdfModel::Lambert);
     Look::under_environment(&scene, view, Illumination { environment, rotation: 0.0, intensity: 1.0, sun: None })

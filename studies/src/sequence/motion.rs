@@ -102,8 +102,9 @@ mod tests {
         bundled::DataFolder,
         sequence::{SequenceSettings, plan},
     };
-    use lapidary_core::{
-        animation::{Animation, ClipTime},
+    use lapidary_core::animation::ClipTime;
+    use lapidary_interchange::{
+        animation,
         import::{ImportOptions, import},
     };
     use lapidary_render::test_looks::look;
@@ -111,7 +112,7 @@ mod tests {
     fn motion(times: Times, playback: Playback) -> Motion {
         let path = DataFolder::find(None).unwrap().scene("bending-tower");
         let scene = import(&path).unwrap().scene;
-        let animation = Animation::read(&path, &ImportOptions::default()).unwrap();
+        let animation = animation::read(&path, &ImportOptions::default()).unwrap();
         Motion { animation: BoundAnimation::new(animation, &scene).unwrap().into(), clip: 0, times, playback }
     }
 

@@ -9,14 +9,8 @@ use crate::{
     terminal::Interrupted,
 };
 use anyhow::{Context, Result, bail};
-use lapidary_core::{
-    dataset::Dataset,
-    image::{Image, decode},
-    input,
-    lock::OutputLock,
-    output::folder_of,
-    texture::Texels,
-};
+use lapidary_core::{dataset::Dataset, input, lock::OutputLock, output::folder_of, texture::Texels};
+use lapidary_interchange::image::{self, decode};
 use lapidary_render::{Post, Progress};
 use std::{
     collections::BTreeSet,
@@ -223,7 +217,7 @@ impl SequenceTask {
         let is_png = |file: &&PathBuf| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         let shown = match files.iter().find(is_png) {
             Some(file) => read_png(file)?,
-            None => DisplayPicture::shown(&Image::read(&files[0])?, &frame.look.post),
+            None => DisplayPicture::shown(&image::read(&files[0])?, &frame.look.post),
         };
         Ok(tile(frame, &shown))
     }
@@ -244,7 +238,7 @@ fn read_png(path: &Path) -> Result<DisplayPicture> {
     let texture = decode(&input::read(path).with_context(unreadable)?, path).with_context(unreadable)?;
     match texture.texels {
         Texels::U8(pixels) => Ok(DisplayPicture { size: texture.size, pixels }),
-        Texels::F32(_) => Ok(DisplayPicture::shown(&Image::read(path)?, &Post::default())),
+        Texels::F32(_) => Ok(DisplayPicture::shown(&image::read(path)?, &Post::default())),
     }
 }
 

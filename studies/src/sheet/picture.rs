@@ -4,9 +4,10 @@ use anyhow::{Context, Result};
 use glam::Vec3;
 use lapidary_core::{
     color::{linear_from_srgb, srgb_from_linear},
-    image::{Image, encode_png_pixels},
+    image::Image,
     output::write_atomically,
 };
+use lapidary_interchange::image::encode_png_pixels;
 use lapidary_render::Post;
 use std::{ops::Range, path::Path};
 

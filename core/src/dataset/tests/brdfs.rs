@@ -1,9 +1,9 @@
 //! Files of BRDFs, and materials of before.
 
-use super::{dataset, replace};
+use super::{dataset, read, replace};
 use crate::{
     brdf::{BrdfModel, example_file},
-    dataset::{Dataset, DatasetError},
+    dataset::DatasetError,
     material::Material,
 };
 
@@ -20,7 +20,7 @@ fn a_measured_brdf_is_kept_once_for_all_its_materials() {
     let bytes = |path| std::fs::metadata(path).unwrap().len();
     written.scene.materials = vec![measured(), Material::default(), measured()];
     written.write(&path).unwrap();
-    let read = Dataset::read(&path).unwrap();
+    let read = read(&path).unwrap();
     assert_eq!(read.scene.materials, written.scene.materials);
     let more = bytes(&path) - bytes(&plain);
     assert!((8_748_000..8_752_000).contains(&more), "a table of 16-bit floats, once: {more}");
@@ -39,7 +39,7 @@ fn a_material_without_its_table_is_told() {
     let mut bytes = std::fs::read(&path).unwrap();
     replace(&mut bytes, r#"\"material_brdfs\":[0]"#, r#"\"material_brdfs\":[7]"#);
     std::fs::write(&path, bytes).unwrap();
-    let Err(error @ DatasetError::Damaged { .. }) = Dataset::read(&path) else { panic!("read") };
+    let Err(error @ DatasetError::Damaged { .. }) = read(&path) else { panic!("read") };
     assert!(error.to_string().contains("refers to BRDF 7, but there are 1"), "{error}");
 }
 
@@ -50,7 +50,7 @@ fn ward_of_version_7_is_ward_duer() {
     let mut written = dataset();
     written.scene.materials = vec![Material { model: BrdfModel::Ward, ..Default::default() }];
     written.write(&path).unwrap();
-    let model = |path| Dataset::read(path).unwrap().scene.materials[0].model;
+    let model = |path| read(path).unwrap().scene.materials[0].model;
     assert_eq!(model(&path), BrdfModel::Ward);
     let mut bytes = std::fs::read(&path).unwrap();
     replace(&mut bytes, r#"\"format_version\":8"#, r#"\"format_version\":7"#);

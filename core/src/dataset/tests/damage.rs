@@ -58,7 +58,7 @@ fn lights_and_cameras_that_are_none_are_named() {
     let mut bytes = std::fs::read(&path).unwrap();
     replace(&mut bytes, "325000000.0", "3.25e19");
     std::fs::write(&path, bytes).unwrap();
-    let camera = Dataset::read(&path).unwrap_err().to_string();
+    let camera = read(&path).unwrap_err().to_string();
     assert!(camera.contains("camera 0 (`Door`)"), "{camera}");
 }
 
@@ -110,7 +110,7 @@ fn every_tensor_needs_its_checksum() {
         let mut parts = FileParts::of(&bytes);
         change(&mut parts);
         std::fs::write(&path, parts.to_bytes()).unwrap();
-        Dataset::read(&path).map_err(|e| e.to_string())
+        read(&path).map_err(|e| e.to_string())
     };
     assert!(read(&|parts| parts.sum()).is_ok());
     let none = read(&|parts| parts.header["checksums"] = serde_json::json!({})).unwrap_err();

@@ -1,7 +1,7 @@
 //! The purpose of a file dialog: its title, the files it lists, and how its answer completes the action that asked.
 
 use crate::{actions::Action, preferences::FileUse};
-use lapidary_core::export::FORMATS;
+use lapidary_interchange::export::FORMATS;
 use std::path::{Path, PathBuf};
 
 /// Which dialog.

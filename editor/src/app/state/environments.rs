@@ -3,6 +3,7 @@
 use crate::{jobs::thumbnails::Thumbnails, panels::environment::thumbnail};
 use egui::{Context, TextureHandle, TextureOptions};
 use lapidary_core::environment::Environment;
+use lapidary_interchange::environment;
 use lapidary_studies::jobs::Wake;
 use std::{collections::HashMap, sync::Arc};
 
@@ -23,7 +24,7 @@ pub struct Environments {
 impl Environments {
     /// With none loaded.
     pub fn new(wake: Wake) -> Self {
-        let make = |spec: &str| Ok(thumbnail(&Environment::from_spec(spec)?.0, THUMBNAIL));
+        let make = |spec: &str| Ok(thumbnail(&environment::from_spec(spec)?.0, THUMBNAIL));
         let thumbnails = Thumbnails::start(make, wake);
         Self { loaded: None, asked: None, problem: None, thumbnails, pictures: HashMap::new() }
     }

@@ -10,7 +10,11 @@ use crate::{
     document::Document,
 };
 use egui_kittest::kittest::Queryable;
-use lapidary_core::{dataset::Dataset, environment::Environment, image::decode, texture::Texels};
+use lapidary_core::{dataset::Dataset, texture::Texels};
+use lapidary_interchange::{
+    environment,
+    image::{self, decode},
+};
 use lapidary_render::{Backend, CpuBackend, LitScene, Look};
 use std::{
     io::{BufRead, BufReader},
@@ -124,7 +128,7 @@ fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> f64 {
 
 /// The picture that a document asks for.
 fn expected(document: &Document, dataset: &Arc<Dataset>, size: [u32; 2]) -> Vec<[u8; 4]> {
-    let (environment, _) = Environment::from_spec(&document.environment.spec).unwrap();
+    let (environment, _) = environment::from_spec(&document.environment.spec).unwrap();
     let light = illumination(document, environment.into());
     let look = Look {
         appearance: document.appearance(),
@@ -205,7 +209,7 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
 
 /// The dataset with materials of metal, whose roughness is seen everywhere.
 fn polished(path: &Path) -> Dataset {
-    let mut dataset = Dataset::read(path).unwrap();
+    let mut dataset = Dataset::read(path, image::decode).unwrap();
     for material in &mut dataset.scene.materials {
         material.parameters.set("metalness", 1.0);
     }

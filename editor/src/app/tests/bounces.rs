@@ -10,10 +10,10 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, IndirectSettings},
-    import::import,
     lights::Light,
     material::Material,
 };
+use lapidary_interchange::import::import;
 use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve};
 use std::path::Path;
 

@@ -9,6 +9,7 @@ use crate::{
 use egui::Event;
 use lapidary_core::cut::lit::DEFAULT_TAU;
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use lapidary_render::{BrdfSampling, compare::map::ErrorMap};
 use lapidary_studies::{jobs::measure::ShownMap, ladder::Cuts};
 
@@ -128,7 +129,7 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
     let place = Place::new();
     let mut window = comparing(&place);
     let path = place.path("truth.exr");
-    Image::filled([40, 30], glam::Vec3::splat(0.5)).write(&path).unwrap();
+    image::write(&Image::filled([40, 30], glam::Vec3::splat(0.5)), &path).unwrap();
     window.perform(Action::ChooseReference(Some(path.clone())));
     window.wait("the file", |s| s.comparison.context().measured.is_some_and(|m| m.reference.image.size == [40, 30]));
     panel(&mut window).map = ShownMap::Error(ErrorMap::Signed);

@@ -1,6 +1,7 @@
 //! Documents are opened, saved and found again, and left only after a question.
 
 use super::*;
+use lapidary_interchange::image;
 
 #[test]
 fn what_was_edited_is_undone_saved_and_found_again() {
@@ -99,7 +100,7 @@ fn changes_are_asked_about_before_they_are_lost() {
 fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() {
     let place = Place::new();
     place.bake();
-    lapidary_core::image::Image::filled([3, 3], glam::Vec3::X).write(&place.path("red.png")).unwrap();
+    image::write(&lapidary_core::image::Image::filled([3, 3], glam::Vec3::X), &place.path("red.png")).unwrap();
     std::fs::write(place.path("broken.gltf"), b"{").unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
@@ -172,7 +173,7 @@ fn a_scene_without_a_bake_is_baked_from_the_notice() {
 /// A scene in a folder of its own, whose texture is above that.
 fn with_a_texture_outside(place: &Place) -> PathBuf {
     std::fs::create_dir(place.path("inner")).unwrap();
-    lapidary_core::image::Image::filled([3, 3], glam::Vec3::X).write(&place.path("red.png")).unwrap();
+    image::write(&lapidary_core::image::Image::filled([3, 3], glam::Vec3::X), &place.path("red.png")).unwrap();
     std::fs::write(place.path("inner/a.mtl"), "newmtl m\nmap_Kd ../red.png\n").unwrap();
     std::fs::write(place.path("inner/a.obj"), format!("mtllib a.mtl\nusemtl m\n{SCENE}")).unwrap();
     place.path("inner/a.obj")

@@ -6,7 +6,7 @@ use crate::{
     document::{Edit, ViewSettings},
 };
 use egui_kittest::kittest::Queryable;
-use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use std::path::Path;
 
 fn opened(place: &Place) -> Window {
@@ -53,7 +53,7 @@ fn a_turntable_is_described_and_written_with_its_sheet() {
     assert!(!window.shows("Export a sequence"), "the dialog is closed");
     is_idle(&mut window);
     assert!(window.has_said("Sequence written: 3 frames"));
-    let read = |name: &str| Image::read(&folder.join(name)).unwrap();
+    let read = |name: &str| image::read(&folder.join(name)).unwrap();
     assert_eq!(read("frame.0001.png").size, [24, 16]);
     assert_ne!(read("frame.0001.png"), read("frame.0002.png"));
     assert!(read("contact-sheet.png").size[0] > 2 * 24);
@@ -98,7 +98,7 @@ fn an_export_is_cancelled_from_the_status_line_and_leaves_whole_frames() {
     let frames: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|f| f.unwrap().path()).collect();
     let frames: Vec<_> = frames.iter().filter(|f| f.extension().is_some_and(|e| e == "png")).collect();
     assert!((1..400).contains(&frames.len()), "{}", frames.len());
-    assert!(frames.iter().all(|frame| Image::read(frame).is_ok()));
+    assert!(frames.iter().all(|frame| image::read(frame).is_ok()));
 }
 
 #[test]
@@ -114,12 +114,12 @@ fn the_picture_is_written_with_its_layers_and_is_that_of_the_window() {
     assert!(window.has_said("layers written"));
     window.perform(Action::ExportPicture(Some(plain.clone())));
     window.wait("the file", |_| plain.is_file());
-    let (beauty, plain) = (Image::read(&layers).unwrap(), Image::read(&plain).unwrap());
+    let (beauty, plain) = (image::read(&layers).unwrap(), image::read(&plain).unwrap());
     assert_eq!(beauty, plain);
-    let environment = Image::read_layer(&layers, "environment").unwrap();
+    let environment = image::read_layer(&layers, "environment").unwrap();
     assert_eq!(environment, beauty, "there is no other light");
-    assert_ne!(Image::read_layer(&layers, "normal").unwrap(), beauty, "negative control");
-    assert!(Image::read_layer(&layers, "indirect").is_err(), "no bounced light was baked");
+    assert_ne!(image::read_layer(&layers, "normal").unwrap(), beauty, "negative control");
+    assert!(image::read_layer(&layers, "indirect").is_err(), "no bounced light was baked");
 }
 
 #[test]

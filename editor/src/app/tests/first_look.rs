@@ -11,6 +11,7 @@ use lapidary_core::{
     dataset::{BakeSettings, Dataset},
     scene::pose::Pose,
 };
+use lapidary_interchange::image;
 
 /// Opens the scene and bakes it as if that had begun by itself, with few lights.
 fn baked_by_itself(place: &Place) -> super::Window {
@@ -80,13 +81,13 @@ fn a_bake_that_is_kept_is_written_beside_the_scene_without_baking_again() {
     window.perform(Action::Bake { resume: false });
     assert!(window.0.state().baking.progress().is_none());
     window.wait("the file", |s| s.messages.any_contains("The bake was written"));
-    assert_eq!(Dataset::read(&place.path("scene.cuts")).unwrap().tree.len(), few_lights().lights);
+    assert_eq!(Dataset::read(&place.path("scene.cuts"), image::decode).unwrap().tree.len(), few_lights().lights);
     assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
     // With other settings it is baked.
     window.0.state_mut().document.bake.lights = 512;
     window.perform(Action::Bake { resume: false });
     window.wait("the bake", |s| s.baking.progress().is_none());
-    assert_eq!(Dataset::read(&place.path("scene.cuts")).unwrap().tree.len(), 512);
+    assert_eq!(Dataset::read(&place.path("scene.cuts"), image::decode).unwrap().tree.len(), 512);
 }
 
 #[test]
@@ -101,7 +102,7 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     window.wait("the draft", |s| s.seen() == Seen::Draft);
     assert!(window.shows("Draft; full bake running"));
     let kept = draft_of(window.0.state().scene.kept_output.as_ref().unwrap());
-    window.wait("the file of the draft", |_| Dataset::read(&kept).is_ok());
+    window.wait("the file of the draft", |_| Dataset::read(&kept, image::decode).is_ok());
     window.perform(Action::CancelBake);
     window.wait("the end", |s| s.baking.progress().is_none());
     assert_eq!(window.0.state().seen(), Seen::Draft, "it stays in use");

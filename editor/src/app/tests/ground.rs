@@ -4,6 +4,7 @@ use super::{Place, Window, few_lights};
 use crate::{actions::Action, app::state::baking::Seen, document::Edit};
 use glam::Vec3;
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
+use lapidary_interchange::image;
 
 fn choose(window: &mut Window, ground: Ground) {
     let bake = BakeSettings { ground, ..window.0.state().document.bake.clone() };
@@ -89,7 +90,7 @@ fn a_bake_that_the_user_began_ends_before_that_of_a_ground_begins() {
     assert!(run.output == output && !run.cancelling);
     window.wait("both", |s| s.baking.progress().is_none() && s.seen() == Seen::Whole);
     assert!(has_ground(&window));
-    let written = lapidary_core::dataset::Dataset::read(&output).unwrap();
+    let written = lapidary_core::dataset::Dataset::read(&output, image::decode).unwrap();
     assert_eq!((written.tree.len(), written.scene.mesh.ground), (512, None));
 }
 

@@ -12,6 +12,7 @@ use lapidary_core::{
     image::Image,
     texture::{Texture, TextureSlot},
 };
+use lapidary_interchange::image;
 use lapidary_precompute::{BakeJob, Event, Leftover, Observer, Phase, Silent, bake, resolve};
 use std::{
     path::{Path, PathBuf},
@@ -21,7 +22,7 @@ use std::{
 
 /// A scene whose floor has a picture.
 fn textured(place: &Place) -> PathBuf {
-    Image::filled([2, 2], glam::Vec3::X).write(&place.path("paint.png")).unwrap();
+    image::write(&Image::filled([2, 2], glam::Vec3::X), &place.path("paint.png")).unwrap();
     std::fs::write(place.path("look.mtl"), "newmtl paint\nKd 1 1 1\nmap_Kd paint.png\n").unwrap();
     let text = "mtllib look.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 3/3 2/2\n";
     std::fs::write(place.path("textured.obj"), text).unwrap();
@@ -141,7 +142,7 @@ impl Observer for StopsInVisibility {
 #[test]
 fn only_a_bake_of_the_same_settings_is_resumed() {
     let place = Place::new();
-    let scene = lapidary_core::import::import(&place.path("scene.obj")).unwrap().scene;
+    let scene = lapidary_interchange::import::import(&place.path("scene.obj")).unwrap().scene;
     let output = place.path("scene.cuts");
     let job = BakeJob { chunks: Some(4), ..BakeJob::new(resolve(few_lights()).unwrap(), output) };
     assert!(bake(scene, &job, &StopsInVisibility::default()).is_err());
@@ -226,9 +227,9 @@ fn a_session_whose_texture_moved_is_relinked() {
     let place = Place::new();
     place.bake();
     let picture = place.path("red.png");
-    Image::filled([3, 3], glam::Vec3::X).write(&picture).unwrap();
+    image::write(&Image::filled([3, 3], glam::Vec3::X), &picture).unwrap();
     let mut document = opened(&place, Target::File(place.path("scene.obj"))).document;
-    let texture = Texture::read(&picture).unwrap().into();
+    let texture = image::read_texture(&picture).unwrap().into();
     document.textures.push(TextureEntry { texture, file: Some(picture.clone()) });
     let texture = (document.textures.len() - 1) as u32;
     document.materials[0].maps.set("base_color", Some(TextureSlot { texture, ..Default::default() }));

@@ -3,10 +3,8 @@
 use super::Place;
 use crate::actions::Action;
 use egui_kittest::kittest::Queryable;
-use lapidary_core::{
-    import::load_material,
-    material::{BrdfModel, PRESETS},
-};
+use lapidary_core::material::{BrdfModel, PRESETS};
+use lapidary_interchange::import::load_material;
 
 #[test]
 fn materials_are_exported_as_they_are_edited_and_loaded_again() {

@@ -59,7 +59,7 @@ fn a_bake_moves_the_object_that_was_moved_and_undo_and_selection_follow_it() {
 fn what_an_interrupted_bake_left_is_known_under_the_numbers_of_the_file() {
     let place = Place::new();
     let mut window = with_a_rug(&place);
-    let scene = lapidary_core::import::import(&place.path("scene.obj")).unwrap().scene;
+    let scene = lapidary_interchange::import::import(&place.path("scene.obj")).unwrap().scene;
     for (object, expected) in [(PYRAMID_NOW, Leftover::Fitting), (PYRAMID, Leftover::OfAnother)] {
         let mut poses = Poses::default();
         poses.set(object, MOVED);

@@ -3,7 +3,8 @@
 use super::{Place, Window, few_lights};
 use crate::{actions::Action, app::state::EditorState, document::Edit};
 use glam::Vec3;
-use lapidary_core::{animation::ClipTime, dataset::Dataset, import::import, scene::pose::Pose};
+use lapidary_core::{animation::ClipTime, dataset::Dataset, scene::pose::Pose};
+use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{BakeJob, Silent, bake, resolve};
 use lapidary_render::Tier;
 use std::{cell::Cell, path::Path};
@@ -113,7 +114,7 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     window.wait("the preview", |s| s.pictures.shown().is_some_and(|p| p.tier == Tier::Implicit));
     window.perform(Action::Bake { resume: false });
     window.wait("the bake", |s| s.baking.progress().is_none());
-    let baked = Dataset::read(&place.path("scene.cuts")).unwrap();
+    let baked = Dataset::read(&place.path("scene.cuts"), image::decode).unwrap();
     assert_eq!(baked.scene.placed_poses().of(PYRAMID), moved);
     window.wait("the picture by cuts", |s| s.pictures.shown().is_some_and(|p| p.tier == Tier::Cuts));
     assert!(!window.shows(words) && window.0.state().stale_reasons().is_empty());

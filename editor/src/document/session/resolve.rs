@@ -6,6 +6,7 @@ use super::{
 };
 use crate::document::{Document, TextureEntry};
 use lapidary_core::{ground, material::Material, parts::Part, scene::Scene, texture::Texture};
+use lapidary_interchange::image;
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -245,7 +246,7 @@ impl<'a> Textures<'a> {
         if let Some(&index) = self.by_file.get(file) {
             return index;
         }
-        let entry = match Texture::read(file) {
+        let entry = match image::read_texture(file) {
             Ok(texture) => TextureEntry { texture: texture.into(), file: Some(file.into()) },
             Err(error) => {
                 self.warnings.push(format!("a texture is replaced by a magenta chequerboard: {error}"));

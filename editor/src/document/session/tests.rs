@@ -5,9 +5,12 @@ mod broken_writes;
 mod damage;
 
 use super::*;
-use crate::document::{
-    BackgroundKind, Component, ComponentSettings, Document, EnvironmentSettings, TextureEntry, ViewSettings,
-    lights::LightKind,
+use crate::{
+    document::{
+        BackgroundKind, Component, ComponentSettings, Document, EnvironmentSettings, TextureEntry, ViewSettings,
+        lights::LightKind,
+    },
+    test_support::write_picture,
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -18,9 +21,10 @@ use lapidary_core::{
     opacity::PartOpacity,
     parts::Part,
     scene::{Object, pose::Pose},
-    test_scenes::{camera, dataset, light, write_picture},
+    test_scenes::{camera, dataset, light},
     texture::{Channel, ColorSpace, Procedural, Texture, TextureSlot},
 };
+use lapidary_interchange::image;
 use lapidary_render::{Post, Solution, ToneMap};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -56,7 +60,7 @@ impl Project {
     fn document(&self) -> Document {
         let mut document = Document::of_dataset(&self.dataset, self.path("a.cuts"), Some(self.path("a.gltf")));
         let picture = self.path("maps/linen.png");
-        let texture = Texture::read(&picture).unwrap().into();
+        let texture = image::read_texture(&picture).unwrap().into();
         document.textures.push(TextureEntry { texture, file: Some(picture) });
         document.materials[1] = Material {
             file: None,

@@ -2,10 +2,8 @@
 
 use super::*;
 use glam::Vec3;
-use lapidary_core::{
-    dataset::{BakeParts, Dataset},
-    import::import,
-};
+use lapidary_core::dataset::{BakeParts, Dataset};
+use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{ResolvedBake, SettingsError};
 use lapidary_studies::jobs::testing::{silent, wait_for};
 
@@ -59,7 +57,7 @@ fn a_draft_comes_first_and_leaves_nothing_behind() {
         (draft.dataset.tree.len(), dataset.dataset.tree.len()),
         (first_draft(&Preset::Normal.settings(), 0).lights, MANY_LIGHTS)
     );
-    assert_eq!(Dataset::read(&output).unwrap().tree.len(), MANY_LIGHTS);
+    assert_eq!(Dataset::read(&output, image::decode).unwrap().tree.len(), MANY_LIGHTS);
     assert_eq!(std::fs::read_dir(cache).unwrap().count(), 0);
     let progress = run.progress();
     assert_eq!((progress.draft, progress.phase), (false, Some(Phase::Pack)));

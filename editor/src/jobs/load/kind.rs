@@ -1,6 +1,7 @@
 //! The kind of a file: by its extension, by its shape for pictures, and by its contents for JSON.
 
-use lapidary_core::{brdf::ContentKind, image::dimensions, import::MaterialFile, input};
+use lapidary_core::{brdf::ContentKind, input};
+use lapidary_interchange::{image::dimensions, import::MaterialFile};
 use std::path::Path;
 
 /// What a file holds.
@@ -84,6 +85,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
     use lapidary_core::image::Image;
+    use lapidary_interchange::image;
 
     #[test]
     fn extensions_decide_in_any_case() {
@@ -112,8 +114,8 @@ mod tests {
     fn pictures_are_told_apart_by_shape_and_json_by_contents() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        Image::filled([8, 4], Vec3::ONE).write(&path("wide.png")).unwrap();
-        Image::filled([8, 5], Vec3::ONE).write(&path("square.png")).unwrap();
+        image::write(&Image::filled([8, 4], Vec3::ONE), &path("wide.png")).unwrap();
+        image::write(&Image::filled([8, 5], Vec3::ONE), &path("square.png")).unwrap();
         assert_eq!(kind_of(&path("wide.png")), Kind::Environment);
         assert_eq!(kind_of(&path("square.png")), Kind::Texture);
         let json = |text: &str| {

@@ -3,6 +3,7 @@
 use super::*;
 use glam::Vec3;
 use lapidary_core::image::Image;
+use lapidary_interchange::image;
 use lapidary_studies::jobs::testing::{silent, wait_for};
 
 fn next(loader: &mut Loader) -> LoadResult {
@@ -13,7 +14,7 @@ fn next(loader: &mut Loader) -> LoadResult {
 fn every_source_is_opened() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    Image::filled([2, 2], Vec3::ONE).write(&path("t.png")).unwrap();
+    image::write(&Image::filled([2, 2], Vec3::ONE), &path("t.png")).unwrap();
     std::fs::write(path("m.json"), r#"{"maps": {"base_color": {"file": "t.png"}}}"#).unwrap();
     let mut loader = Loader::new(silent());
     loader.load(Topic::Environment, Source::Environment("constant:2".into()));

@@ -9,7 +9,7 @@ use egui::{
     Align2, Color32, ColorImage, Rect, Response, RichText, Role, Sense, Stroke, StrokeKind, TextStyle, TextureHandle,
     TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
-use lapidary_core::environment::Environment;
+use lapidary_interchange::environment;
 use std::sync::mpsc::{Receiver, channel};
 
 /// Least width of a cell in points.
@@ -31,7 +31,7 @@ const FORMULAS: [(&str, &str); 4] = [
 pub struct LibraryEntry {
     /// Name for people.
     pub name: String,
-    /// What `Environment::from_spec` reads.
+    /// What `environment::from_spec` reads.
     pub spec: String,
     /// The file is not where it was.
     pub missing: bool,
@@ -52,7 +52,7 @@ impl FormulaThumbnails {
             let (sender, made) = channel();
             let context = ui.ctx().clone();
             std::thread::spawn(move || {
-                let maps = FORMULAS.iter().filter_map(|(_, spec)| Environment::from_spec(spec).ok());
+                let maps = FORMULAS.iter().filter_map(|(_, spec)| environment::from_spec(spec).ok());
                 for (map, _) in maps {
                     // Nobody listens any more if the window was closed meanwhile.
                     if sender.send(thumbnail(&map, THUMBNAIL)).is_ok() {

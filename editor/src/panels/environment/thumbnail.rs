@@ -63,6 +63,7 @@ fn covered(i: u32, to: u32, from: usize) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_interchange::environment;
 
     fn environment(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> Environment {
         Environment::new("test".into(), Image::from_fn(size, f))
@@ -93,7 +94,7 @@ mod tests {
 
     #[test]
     fn sides_are_not_swapped() {
-        let (card, _) = Environment::from_spec("orientation").unwrap();
+        let (card, _) = environment::from_spec("orientation").unwrap();
         let picture = thumbnail(&card, [64, 32]);
         let [left, right] = [16, 48].map(|x| picture.pixels[15 * 64 + x]);
         assert!(left.r() > left.g() + 50, "+X is red: {left:?}");

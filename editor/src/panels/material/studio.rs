@@ -1,6 +1,7 @@
 //! The light of the ball where no environment is in the picture: a neutral studio, so that a material can always be judged.
 
-use lapidary_core::{environment::Environment, light_tree::LightTree};
+use lapidary_core::light_tree::LightTree;
+use lapidary_interchange::environment;
 use lapidary_render::{Illumination, LightRig, SceneLighting};
 use std::sync::{Arc, OnceLock};
 
@@ -18,7 +19,7 @@ pub fn light() -> Option<Arc<SceneLighting>> {
 
 fn make() -> Option<Arc<SceneLighting>> {
     let tree = LightTree::geometric(LIGHTS).ok()?;
-    let (environment, _) = Environment::from_spec("studio").ok()?;
+    let (environment, _) = environment::from_spec("studio").ok()?;
     let illumination =
         Illumination { environment: Arc::new(environment), rotation: 0.0, intensity: INTENSITY, sun: None };
     Some(Arc::new(LightRig::new(&tree).lighting(&illumination, CUT)))

@@ -10,10 +10,10 @@ use egui::{
     containers::menu::{MenuButton, MenuConfig},
 };
 use lapidary_core::{
-    import::MaterialFile,
     material::{Material, MaterialMaps},
     texture::Texture,
 };
+use lapidary_interchange::import::MaterialFile;
 use std::sync::{Arc, Weak};
 
 /// A material that was copied, and the textures that its maps meant then.

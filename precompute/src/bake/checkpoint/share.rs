@@ -7,7 +7,7 @@ use crate::{
     shard::Shard,
 };
 use lapidary_core::{
-    dataset::{BakeSettings, Dataset},
+    dataset::{BakeSettings, Dataset, DecodePicture},
     input,
     lock::{LockError, OutputLock},
 };
@@ -96,14 +96,14 @@ impl Checkpoint {
         ShardError::OfAnother { shard: Shard::first(self.known.len()), path, first }.into()
     }
 
-    /// The scene of the shares.
+    /// The scene of the shares. `decode` decodes its pictures.
     ///
     /// # Errors
     /// The first share is not complete, or its scene cannot be read.
-    pub fn scene(&self) -> Result<Dataset, BakeError> {
+    pub fn scene(&self, decode: DecodePicture) -> Result<Dataset, BakeError> {
         let path = self.folder.join(SCENE);
         match path.try_exists() {
-            Ok(true) => Ok(Dataset::read(&path)?),
+            Ok(true) => Ok(Dataset::read(&path, decode)?),
             Ok(false) => Err(ShardError::Incomplete { shard: Shard::first(self.known.len()), path }.into()),
             Err(e) => Err(io_error("read", &path, e).into()),
         }

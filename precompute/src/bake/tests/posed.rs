@@ -6,12 +6,15 @@ use crate::{
     shard::Shard,
 };
 use lapidary_core::{
-    animation::{Animation, BoundAnimation, ClipTime},
-    import::{ImportOptions, import},
+    animation::{BoundAnimation, ClipTime},
     scene::{
         Mesh, Object,
         pose::{DeformedObject, Objects, Pose, PosedVertices, Poses},
     },
+};
+use lapidary_interchange::{
+    animation, image,
+    import::{ImportOptions, import},
 };
 
 /// A floor and a block, an object of its own.
@@ -41,7 +44,7 @@ fn a_posed_scene_is_baked_as_one_whose_file_is_so_and_keeps_its_file_and_its_pos
     assert_eq!(contents(&posed), contents(&expected));
     assert_ne!(contents(&baked(of_two(), Poses::default(), "as.cuts")), contents(&expected), "negative control");
     assert_eq!(posed.scene_hash, scene_hash(&of_two()));
-    let read = Dataset::read(&folder.path().join("posed.cuts")).unwrap();
+    let read = Dataset::read(&folder.path().join("posed.cuts"), image::decode).unwrap();
     assert_eq!((read.scene.placed_poses(), &read.scene.placed), (raised(0.5), &posed.scene.placed));
     assert!(read.scene.poses_since_baked(&raised(0.5)).is_empty());
     assert_eq!(expected.scene.placed, []);
@@ -96,11 +99,11 @@ fn chunks_of_other_keyframes_are_not_mixed() {
     };
     share(1, 0.5);
     share(2, 0.6);
-    let refused = merge(&job.output, &Silent).unwrap_err();
+    let refused = merge(&job.output, image::decode, &Silent).unwrap_err();
     assert!(matches!(refused, BakeError::Shard(ShardError::OfAnother { .. })), "{refused}");
     std::fs::remove_dir_all(Shard::new(2, 2).unwrap().folder_of(&job.output)).unwrap();
     share(2, 0.5);
-    let merged = merge(&job.output, &Silent).unwrap();
+    let merged = merge(&job.output, image::decode, &Silent).unwrap();
     assert_eq!(contents(&merged), contents(&bake(of_two(), &sliding(0.5, job), &Silent).unwrap()));
 }
 
@@ -109,7 +112,7 @@ fn an_object_that_was_baked_in_an_animation_is_shown_where_the_next_bake_has_it(
     const TOWER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/bending-tower/bending-tower.gltf");
     let (folder, scene) = (tempfile::tempdir().unwrap(), import(Path::new(TOWER)).unwrap().scene);
     let bound = |scene: &Scene| {
-        BoundAnimation::new(Animation::read(Path::new(TOWER), &ImportOptions::default()).unwrap(), scene).unwrap()
+        BoundAnimation::new(animation::read(Path::new(TOWER), &ImportOptions::default()).unwrap(), scene).unwrap()
     };
     let clip = bound(&scene).animation().clip(Some("Block")).unwrap();
     let block = scene.objects.iter().position(|object| object.name == "Block").unwrap() as u32;

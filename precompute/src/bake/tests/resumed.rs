@@ -7,6 +7,7 @@ use crate::{
     meshless::transport::steps::KeepsRows,
 };
 use lapidary_core::camera::Camera;
+use lapidary_interchange::image;
 
 #[test]
 fn a_cancelled_bake_resumes_to_the_same_bits() {
@@ -23,7 +24,7 @@ fn a_cancelled_bake_resumes_to_the_same_bits() {
     let resumed = bake(scene(), &BakeJob { resume: true, ..job.clone() }, &Silent).unwrap();
     assert_eq!(contents(&resumed), whole);
     assert!(!partial.exists());
-    assert_eq!(contents(&Dataset::read(&job.output).unwrap()), whole);
+    assert_eq!(contents(&Dataset::read(&job.output, image::decode).unwrap()), whole);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::{
     shard::Shard,
 };
 use lapidary_core::camera::Camera;
+use lapidary_interchange::image;
 use std::fs;
 
 /// Shares of a bake of the interior in three shards.
@@ -27,7 +28,7 @@ fn refusal(output: &Path) -> ShardError {
         names
     };
     let before = listed();
-    let error = merge(output, &Silent).unwrap_err();
+    let error = merge(output, image::decode, &Silent).unwrap_err();
     assert_eq!(listed(), before);
     let BakeError::Shard(error) = error else { panic!("{error:?}") };
     assert!(error.to_string().contains("shared.cuts"), "{error}");
@@ -41,7 +42,7 @@ fn merged_shares_are_the_file_of_one_bake() {
     bake(interior(), &whole, &Silent).unwrap();
     let job = shared(folder.path());
     assert!(!job.output.exists());
-    merge(&job.output, &Silent).unwrap();
+    merge(&job.output, image::decode, &Silent).unwrap();
     let [whole, merged] = [&whole.output, &job.output].map(|path| fs::read(path).unwrap());
     assert!(whole == merged, "equal bakes are equal files");
     assert!(Shard::all(3).all(|shard| !shard.folder_of(&job.output).exists()), "the shares are removed");
@@ -68,7 +69,7 @@ fn an_interrupted_share_goes_on_and_a_complete_one_stays_as_it_is() {
             "it is not made again"
         );
     }
-    let merged = merge(&job.output, &Silent).unwrap();
+    let merged = merge(&job.output, image::decode, &Silent).unwrap();
     let whole = bake(scene(), &BakeJob { output: folder.path().join("whole.cuts"), ..job }, &Silent).unwrap();
     assert_eq!(contents(&merged), contents(&whole));
 }
@@ -102,7 +103,7 @@ fn shares_that_do_not_belong_together_are_refused_and_nothing_is_lost() {
     let damaged = refusal(&job.output);
     assert!(matches!(&damaged, ShardError::Incomplete { path, .. } if *path == chunk), "{damaged}");
     fs::write(&chunk, &whole).unwrap();
-    assert!(merge(&job.output, &Silent).is_ok(), "negative control");
+    assert!(merge(&job.output, image::decode, &Silent).is_ok(), "negative control");
 }
 
 #[test]
@@ -115,19 +116,22 @@ fn a_share_that_was_killed_before_it_was_signed_is_merged_and_a_link_is_not_foll
     bake_shard(interior(), &job, Shard::new(3, 3).unwrap(), None, &Silent).unwrap();
 
     let busy = OutputLock::acquire(&share(1)).unwrap();
-    assert!(matches!(merge(&job.output, &Silent), Err(BakeError::Lock(LockError::Held { .. }))));
+    assert!(matches!(merge(&job.output, image::decode, &Silent), Err(BakeError::Lock(LockError::Held { .. }))));
     drop(busy);
     #[cfg(unix)]
     {
         let elsewhere = folder.path().join("elsewhere");
         fs::rename(share(2), &elsewhere).unwrap();
         std::os::unix::fs::symlink(&elsewhere, share(2)).unwrap();
-        assert!(matches!(merge(&job.output, &Silent), Err(BakeError::Checkpoint(CheckpointError::Foreign { .. }))));
+        assert!(matches!(
+            merge(&job.output, image::decode, &Silent),
+            Err(BakeError::Checkpoint(CheckpointError::Foreign { .. }))
+        ));
         assert!(elsewhere.join("shard.json").exists() && share(1).exists(), "nothing is removed");
         fs::remove_file(share(2)).unwrap();
         fs::rename(&elsewhere, share(2)).unwrap();
     }
-    assert!(merge(&job.output, &Silent).is_ok(), "negative control");
+    assert!(merge(&job.output, image::decode, &Silent).is_ok(), "negative control");
     assert!(Shard::all(3).all(|shard| !OutputLock::path_of(&shard.folder_of(&job.output)).exists()), "locks are gone");
 }
 
@@ -153,7 +157,7 @@ fn a_number_of_chunks_beyond_the_points_is_no_harm() {
     for shard in Shard::all(2) {
         bake_shard(scene(), &job, shard, None, &Silent).unwrap();
     }
-    let merged = merge(&job.output, &Silent).unwrap();
+    let merged = merge(&job.output, image::decode, &Silent).unwrap();
     assert_eq!(contents(&merged), contents(&bake(scene(), &job, &Silent).unwrap()));
 }
 

@@ -3,6 +3,7 @@
 use super::*;
 use crate::errors::PointsError;
 use lapidary_core::{camera::Camera, shot::Shot};
+use lapidary_interchange::image;
 
 #[test]
 fn light_is_baked_for_the_space_that_a_shot_is_taken_in() {
@@ -12,7 +13,7 @@ fn light_is_baked_for_the_space_that_a_shot_is_taken_in() {
     let camera = Camera::look_at(eye, Vec3::ZERO, 40.0);
     let reached_from = |job: &BakeJob| {
         bake(interior(), job, &Silent).unwrap();
-        Vec3::from(Dataset::read(&job.output).unwrap().report.indirect.unwrap().viewpoint)
+        Vec3::from(Dataset::read(&job.output, image::decode).unwrap().report.indirect.unwrap().viewpoint)
     };
     assert!(reached_from(&job) != eye, "negative control");
     let shots = vec![Shot { camera, aspect: 1.0 }];

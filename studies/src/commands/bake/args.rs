@@ -12,13 +12,16 @@ use anyhow::{Context, Error, Result};
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 use glam::Vec3;
 use lapidary_core::{
-    animation::{Animation, BoundAnimation, ClipTime, Playback},
+    animation::{BoundAnimation, ClipTime, Playback},
     dataset::{BakeParts, BakeReport, BakeSettings},
     ground::Ground,
-    import::{ImportOptions, import_with},
     light_tree::TreeKind,
     ray::RayDevices,
     scene::{Scene, pose::Poses},
+};
+use lapidary_interchange::{
+    animation,
+    import::{ImportOptions, import_with},
 };
 use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve};
 use lapidary_render::{
@@ -233,7 +236,7 @@ impl BakeArgs {
     /// Poses with what the animation of the scene deforms at the time that is asked for, and that time.
     fn posed_in_time(&self, poses: Poses, scene: &Scene, options: &ImportOptions) -> Result<(Poses, Option<ClipTime>)> {
         let Some(seconds) = self.time else { return Ok((poses, None)) };
-        let animation = BoundAnimation::new(Animation::read(&self.scene, options)?, scene)?;
+        let animation = BoundAnimation::new(animation::read(&self.scene, options)?, scene)?;
         let index = animation.animation().clip(self.clip.as_deref())?;
         let clip = &animation.clips()[index];
         let time = ClipTime { clip: clip.name.clone(), seconds: clip.time_at(seconds, Playback::Once) };

@@ -20,6 +20,7 @@ use lapidary_core::{
     material::{BrdfModel, Material},
     scene::pose::Objects,
 };
+use lapidary_interchange::image;
 use lapidary_render::{Baked, CpuBackend, LitScene, Look};
 use maud::{Markup, html};
 use serde::Serialize;
@@ -68,7 +69,7 @@ fn shown(measurement: &Measurement, bakes: &Bakes, dragged: &Dragged, roughness:
     let paths: LightPaths = measurement.posed_paths(&baked, &look, 0, measurement.scale.spp)?.into();
     let strip = strip(&paths.image, &[Some(&preview)])?;
     let png = format!("implicit-{}.png", roughness.map_or("diffuse".into(), |roughness| format!("glossy-{roughness}")));
-    strip.write(&measurement.out.join(&png))?;
+    image::write(&strip, &measurement.out.join(&png))?;
     let (figures, as_baked) = (paths.against(&preview)?, paths.against(&as_baked)?.error);
     Ok(Shown { roughness, figures, as_baked, png, size: strip.size })
 }

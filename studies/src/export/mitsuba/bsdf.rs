@@ -13,9 +13,9 @@ use lapidary_core::{
     brdf::{GgxParameters, Metal, OpenPbrParameters, widths},
     color::luminance,
     material::{BrdfModel, Material},
-    materialx::stretch::{of_openpbr, to_burley},
     texture::TextureSlot,
 };
+use lapidary_interchange::materialx::stretch::{of_openpbr, to_burley};
 
 /// Which BSDFs stand for materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,6 +11,7 @@ use lapidary_core::{
     test_scenes,
     texture::{Texels, Texture, TextureSlot},
 };
+use lapidary_interchange::image;
 use std::sync::Arc;
 
 /// Mitsuba's lookup: columns as here, rows from pole to pole with the first and last on the poles (`envmap.cpp`).
@@ -110,7 +111,7 @@ fn surfaces_send_the_light_of_their_maps() {
         maps.iter().for_each(|&map| material.maps.set(map, Some(TextureSlot::default())));
         let text = emitters::surface(&material, index, &mut writer).unwrap();
         let file = folder.path().join(format!("textures/material-{index}-emission.exr"));
-        (text, Image::read(&file).ok().map(|image| image.pixels[0]), emitters::remarks_of_surface(&material, false))
+        (text, image::read(&file).ok().map(|image| image.pixels[0]), emitters::remarks_of_surface(&material, false))
     };
     let (text, picture, remarks) = text_of(0, &[]);
     assert!(text.contains("\"radiance\" value=\"4, 2, 4\"") && picture.is_none() && remarks.is_empty(), "{text}");
@@ -138,7 +139,7 @@ fn maps_are_multiplied_by_their_parameters_and_differences_are_told() {
     let mut writer = TextureFolder::new(folder.path(), &textures);
     let text = bsdf::bsdfs(&material, 3, [true, true], bsdf::Models::Exact, &mut writer).unwrap();
     let read =
-        |name: &str| Image::read(&folder.path().join(format!("textures/material-3-{name}.exr"))).unwrap().pixels[0];
+        |name: &str| image::read(&folder.path().join(format!("textures/material-3-{name}.exr"))).unwrap().pixels[0];
     assert!((read("roughness") - 0.3).length() < 1e-6);
     assert!((read("ior") - 0.25).length() < 1e-6, "half of what 1.5 has above 1");
     assert!((read("normal") - Vec3::new(0.5, 0.25, -1.0)).length() < 1e-6);
@@ -183,7 +184,7 @@ fn what_a_layered_material_says_is_applied_or_told() {
     assert!(text.contains("\"base_color\" value=\"0.4, 0.4, 0.4\""), "{text}");
     assert!(text.contains("\"sheen\" value=\"0.25\""), "{text}");
     let read =
-        |name: &str| Image::read(&folder.path().join(format!("textures/material-7-{name}.exr"))).unwrap().pixels[0].x;
+        |name: &str| image::read(&folder.path().join(format!("textures/material-7-{name}.exr"))).unwrap().pixels[0].x;
     assert!((read("coat-weight") - 0.25).abs() < 1e-6 && (read("coat-gloss") - 0.75).abs() < 1e-6);
     let told = bsdf::remarks(&material).join("\n");
     assert!(told.contains("without its color") && told.contains("clear one of index 1.5"), "{told}");

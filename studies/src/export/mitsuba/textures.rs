@@ -7,6 +7,7 @@ use lapidary_core::{
     image::Image,
     texture::{Procedural, Texture, TextureSlot},
 };
+use lapidary_interchange::image;
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -45,7 +46,7 @@ impl<'a> TextureFolder<'a> {
                 None => self.textures[slot.texture as usize].clone(),
             };
             let texel = |x: u32, y: u32| value(texture.texel(x.into(), y.into(), slot.color_space));
-            Image::from_fn(texture.size, texel).write(&self.folder.join(&file))?;
+            image::write(&Image::from_fn(texture.size, texel), &self.folder.join(&file))?;
         }
         let properties = xml::value("string", "filename", file) + &xml::value("boolean", "raw", true) + &to_uv(slot);
         let name = name.map(|name| format!(" name=\"{name}\"")).unwrap_or_default();

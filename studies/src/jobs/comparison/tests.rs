@@ -4,6 +4,7 @@ use super::*;
 use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{camera::Camera, test_scenes};
+use lapidary_interchange::image;
 use lapidary_render::{Appearance, CpuBackend, Post, compare::compare, test_looks::plain_look};
 use std::time::Duration;
 
@@ -132,7 +133,7 @@ fn a_region_is_traced_alone() {
 fn a_file_is_compared_in_its_own_size_and_a_bad_one_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("truth.exr");
-    Image::filled([20, 15], Vec3::ONE).write(&path).unwrap();
+    image::write(&Image::filled([20, 15], Vec3::ONE), &path).unwrap();
     let mut thread = start();
     thread.request(comparison(ReferenceKind::File(path.clone())));
     let (test, reference) = pictures(&outcome(&mut thread));

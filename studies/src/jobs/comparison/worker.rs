@@ -7,6 +7,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use lapidary_core::{image::Image, scene::pose::Poses};
+use lapidary_interchange::image;
 use lapidary_render::{
     BackendError, BackendFactory, Baked, LitScene, Look, PathPicture, PathSettings, PictureStats, Preview, Progress,
     Renderer, View, ViewMode, predicted_error,
@@ -227,7 +228,7 @@ fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View 
 }
 
 fn read(path: &Path) -> Result<Image> {
-    let image = Image::read_rec_709(path)?;
+    let image = image::read_rec_709(path)?;
     let [width, height] = image.size;
     if width.max(height) > LONGEST_SIDE {
         bail!(

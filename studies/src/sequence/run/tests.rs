@@ -6,6 +6,7 @@ use lapidary_core::{
     scene::pose::{Pose, Poses},
     test_scenes,
 };
+use lapidary_interchange::image;
 use lapidary_render::{Appearance, Baked, CpuBackend, View};
 use lapidary_render::{Look, test_looks::look};
 use std::{
@@ -96,10 +97,10 @@ fn frames_are_written_in_all_formats_with_a_record_and_a_sheet() {
     assert_eq!(record["frames"][1]["values"]["intensity"], 2.0);
     assert_eq!(record["frames"][1]["files"][1], "f.02.exr");
     assert!(record["frames"][2]["seconds"].is_number());
-    let read = |name: &str| Image::read(&folder.join(name)).unwrap();
+    let read = |name: &str| image::read(&folder.join(name)).unwrap();
     let ratio = read("f.03.exr").pixels[0].x / read("f.01.exr").pixels[0].x;
     assert!((ratio - 3.0).abs() < 1e-4, "{ratio}");
-    let depth = Image::read_layer(&folder.join("f.01.exr"), "depth").unwrap();
+    let depth = image::read_layer(&folder.join("f.01.exr"), "depth").unwrap();
     assert!(depth.pixels.iter().any(|p| p.x < 10.0));
 }
 
@@ -189,5 +190,5 @@ fn a_write_that_fails_leaves_the_frames_before_it_and_says_how_to_go_on() {
     let mut studio = Studio::new(Box::new(CpuBackend::new()), baked).unwrap();
     let error = crate::terminal::error_text(&task.run(prepared, &mut studio, &Stop::never()).unwrap_err());
     assert!(error.contains("1 of 3 frames") && error.contains("--resume"), "{error}");
-    assert!(Image::read(&folder.path().join("f.01.exr")).is_ok());
+    assert!(image::read(&folder.path().join("f.01.exr")).is_ok());
 }

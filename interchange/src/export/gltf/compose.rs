@@ -1,0 +1,73 @@
+//! Pictures of components that come from several: glTF packs roughness and metalness into one.
+
+use crate::image::encode_png_pixels;
+use glam::Vec2;
+use lapidary_core::{
+    color::srgb_from_linear,
+    texture::{Channel, ColorSpace, Texture, TextureSlot},
+};
+use std::sync::Arc;
+
+/// A component of a new picture.
+#[derive(Clone, Copy)]
+pub struct Component {
+    /// The texture and its component; white without one.
+    of: Option<(u32, Channel, ColorSpace)>,
+    inverted: bool,
+}
+
+impl Component {
+    /// White.
+    pub const ONE: Self = Self { of: None, inverted: false };
+
+    /// That of a slot's texture.
+    pub fn of(slot: &TextureSlot, channel: Channel) -> Self {
+        Self { of: Some((slot.texture, channel, slot.color_space)), inverted: false }
+    }
+
+    /// One minus it.
+    pub fn inverted(self) -> Self {
+        Self { inverted: true, ..self }
+    }
+
+    fn texture<'a>(&self, textures: &'a [Arc<Texture>]) -> Option<&'a Texture> {
+        self.of.map(|(texture, ..)| &*textures[texture as usize])
+    }
+
+    fn value(&self, textures: &[Arc<Texture>], uv: Vec2) -> f32 {
+        let Some((texture, channel, color_space)) = self.of else { return 1.0 };
+        let value = textures[texture as usize].sample(uv, color_space)[channel as usize];
+        if self.inverted { 1.0 - value } else { value }
+    }
+}
+
+/// A new picture.
+pub struct Picture {
+    /// Red, green, blue and alpha.
+    pub components: [Component; 4],
+    /// Whether colours are sRGB encoded.
+    pub encodes: bool,
+}
+
+impl Picture {
+    /// The picture of 8 bits, as large as the largest that it is made of.
+    pub fn png(&self, textures: &[Arc<Texture>]) -> Vec<u8> {
+        let sizes = self.components.iter().filter_map(|component| component.texture(textures)).map(|t| t.size);
+        let size = sizes.fold([1, 1], |[w, h], size| [w.max(size[0]), h.max(size[1])]);
+        let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+        let pixel = |x: u32, y: u32| {
+            let uv = Vec2::new((x as f32 + 0.5) / size[0] as f32, (y as f32 + 0.5) / size[1] as f32);
+            let [r, g, b, a] = self.components.each_ref().map(|component| component.value(textures, uv));
+            let encode = |x: f32| byte(if self.encodes { srgb_from_linear(x) } else { x });
+            [encode(r), encode(g), encode(b), byte(a)]
+        };
+        let pixels: Vec<[u8; 4]> =
+            (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        encode_png_pixels(size, &pixels)
+    }
+}
+
+/// The mean of a slot's component.
+pub fn mean(texture: &Texture, slot: &TextureSlot) -> f32 {
+    texture.mean(slot.color_space)[slot.channel as usize]
+}

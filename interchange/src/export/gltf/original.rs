@@ -1,0 +1,204 @@
+//! The glTF file that a scene came from, with other materials. Buffers, meshes, nodes and what this program does not know stay byte
+//! for byte, and so do materials that are as they were.
+
+use super::{
+    super::{ExportError, Exported, pictures::extension},
+    MaterialWriter, Textures, container,
+    container::Members,
+};
+use crate::import::{ImportError, ImportOptions, Imported, import_with};
+use base64::Engine;
+use lapidary_core::{
+    input,
+    material::Material,
+    output::{folder_of, is_same_output, write_atomically},
+    scene::Scene,
+    texture::Texture,
+};
+use serde_json::{Value, json, value::RawValue};
+use std::{
+    collections::{BTreeSet, HashMap},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Writes the `original` to `path` with the materials of the scene.
+pub fn write(scene: &Scene, path: &Path, original: &Path) -> Result<Exported, ExportError> {
+    let bytes = input::read(original).map_err(|source| ImportError::Io { path: original.into(), source })?;
+    let imported = import_with(original, &ImportOptions { allow_outside: true, ..Default::default() })?;
+    let (json, chunks) = container::parts(&bytes);
+    let members: Members = serde_json::from_slice(json).map_err(|error| ExportError::text(original, error))?;
+    let count = members.list("materials").len();
+    if count > scene.materials.len() {
+        let (found, expected) = (count, scene.materials.len());
+        return Err(ExportError::Foreign { path: original.into(), found, expected });
+    }
+    let (text, mut exported) = rewritten(members, scene, &imported).map_err(|error| ExportError::text(path, error))?;
+    let is_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
+    let contents = match (chunks, is_binary) {
+        (Some(chunks), true) => container::binary(&text, chunks),
+        (None, true) => container::binary(&text, &[]),
+        (None, false) => Ok(text.into_bytes()),
+        (Some(_), false) => Err("the original is a binary file; end the name in .glb".into()),
+    };
+    let contents = contents.map_err(|reason| ExportError::text(path, reason))?;
+    exported.files = copy_companions(json, path, original)?;
+    write_atomically(path, &contents).map_err(ExportError::write(path))?;
+    exported.files.insert(0, path.into());
+    Ok(exported)
+}
+
+/// The JSON with the materials of the scene.
+fn rewritten(mut members: Members, scene: &Scene, imported: &Imported) -> serde_json::Result<(String, Exported)> {
+    let (before, raw) = (members.list("materials"), members.raw_list("materials"));
+    let theirs = &imported.scene;
+    let same = same_textures(&scene.textures, &theirs.textures);
+    let (textures, images) = (members.list("textures"), members.list("images"));
+    let known = known_textures(&before, theirs, &same);
+    let known = Textures { known, textures: textures.len(), images: images.len(), ..Default::default() };
+    let mut writer = MaterialWriter::new(&scene.textures, known);
+    let mut materials = Vec::new();
+    let mut changed = 0;
+    for ((material, before), raw) in scene.materials.iter().zip(before).zip(raw) {
+        let old = &theirs.materials[materials.len()];
+        if is_unchanged(material, old, &same) {
+            materials.push(raw);
+        } else {
+            changed += 1;
+            let value = writer.material(material, before);
+            materials.push(RawValue::from_string(value.to_string())?);
+        }
+    }
+    let mut remarks = std::mem::take(&mut writer.remarks);
+    let is_of_none = |index: usize| index >= materials.len() && Some(index as u32) != scene.mesh.ground_material();
+    let added = scene
+        .materials
+        .iter()
+        .enumerate()
+        .find(|(index, material)| is_of_none(*index) && theirs.materials.get(*index) != Some(material));
+    if added.is_some() {
+        remarks.push("surfaces without a material keep glTF's default".into());
+    }
+    let count = materials.len();
+    if changed > 0 {
+        members.set("materials", &materials)?;
+        add_pictures(&mut members, &writer, textures, images)?;
+        add_extensions(&mut members, &writer.used)?;
+    }
+    Ok((members.text()?, Exported { files: Vec::new(), materials: count, remarks }))
+}
+
+fn add_pictures(
+    members: &mut Members,
+    writer: &MaterialWriter,
+    mut textures: Vec<Value>,
+    mut images: Vec<Value>,
+) -> serde_json::Result<()> {
+    if writer.textures.pictures.is_empty() {
+        return Ok(());
+    }
+    textures.extend(writer.textures.new_textures());
+    images.extend(writer.textures.pictures.iter().map(|bytes| json!({"uri": data_uri(bytes)})));
+    members.set("textures", &textures)?;
+    members.set("images", &images)
+}
+
+/// A picture within the text.
+pub fn data_uri(bytes: &[u8]) -> String {
+    format!("data:{};base64,{}", mime_type(bytes), base64::engine::general_purpose::STANDARD.encode(bytes))
+}
+
+/// The type of a picture that glTF has.
+pub fn mime_type(bytes: &[u8]) -> &'static str {
+    if extension(bytes) == "jpg" { "image/jpeg" } else { "image/png" }
+}
+
+fn add_extensions(members: &mut Members, used: &BTreeSet<&'static str>) -> serde_json::Result<()> {
+    let mut all = members.list("extensionsUsed");
+    let known: BTreeSet<String> = all.iter().filter_map(|name| name.as_str().map(str::to_owned)).collect();
+    let new: Vec<Value> = used.iter().filter(|name| !known.contains(**name)).map(|name| (*name).into()).collect();
+    if new.is_empty() {
+        return Ok(());
+    }
+    all.extend(new);
+    members.set("extensionsUsed", &all)
+}
+
+/// For each texture of the scene the one of the original with the same bytes.
+fn same_textures(ours: &[Arc<Texture>], theirs: &[Arc<Texture>]) -> HashMap<u32, u32> {
+    let find = |texture: &Arc<Texture>| {
+        theirs.iter().position(|other| {
+            other.encoded == texture.encoded && (!texture.encoded.is_empty() || other.name == texture.name)
+        })
+    };
+    (0..).zip(ours).filter_map(|(index, texture)| Some((index, find(texture)? as u32))).collect()
+}
+
+fn is_unchanged(ours: &Material, theirs: &Material, same: &HashMap<u32, u32>) -> bool {
+    let mut ours = ours.clone();
+    for slot in ours.maps.slots_mut() {
+        slot.texture = same.get(&slot.texture).copied().unwrap_or(u32::MAX);
+    }
+    ours == *theirs
+}
+
+/// Places of textures in the JSON of a material, by the names that their maps may have.
+const PLACES: [(&str, &[&str]); 11] = [
+    ("/pbrMetallicRoughness/baseColorTexture", &["base_color"]),
+    ("/pbrMetallicRoughness/metallicRoughnessTexture", &["roughness", "specular_roughness"]),
+    ("/normalTexture", &["normal"]),
+    ("/emissiveTexture", &["emission_color"]),
+    ("/extensions/KHR_materials_specular/specularTexture", &["specular", "specular_weight"]),
+    ("/extensions/KHR_materials_specular/specularColorTexture", &["specular_color"]),
+    ("/extensions/KHR_materials_clearcoat/clearcoatTexture", &["coat_weight"]),
+    ("/extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture", &["coat_roughness"]),
+    ("/extensions/KHR_materials_sheen/sheenColorTexture", &["fuzz_color"]),
+    ("/extensions/KHR_materials_sheen/sheenRoughnessTexture", &["fuzz_roughness"]),
+    ("/extensions/KHR_materials_transmission/transmissionTexture", &["geometry_opacity"]),
+];
+
+/// Textures of the original for those of the scene.
+fn known_textures(before: &[Value], theirs: &Scene, same: &HashMap<u32, u32>) -> HashMap<u32, usize> {
+    let mut of_theirs = HashMap::new();
+    for (json, material) in before.iter().zip(&theirs.materials) {
+        for (place, names) in PLACES {
+            let index = json.pointer(place).and_then(|info| info["index"].as_u64());
+            let slot = names.iter().find_map(|name| material.maps.get(name));
+            if let (Some(index), Some(slot)) = (index, slot) {
+                of_theirs.entry(slot.texture).or_insert(index as usize);
+            }
+        }
+    }
+    same.iter().filter_map(|(ours, theirs)| Some((*ours, *of_theirs.get(theirs)?))).collect()
+}
+
+/// Copies buffers and pictures that the file names into another folder, so that they are found there.
+fn copy_companions(json: &[u8], path: &Path, original: &Path) -> Result<Vec<PathBuf>, ExportError> {
+    let (from, to) = (folder_of(original), folder_of(path));
+    let members: Members = serde_json::from_slice(json).map_err(|error| ExportError::text(original, error))?;
+    let all = [members.list("buffers"), members.list("images")].concat();
+    let uris = all.iter().filter_map(|item| item["uri"].as_str()).filter(|uri| !uri.starts_with("data:"));
+    let names: BTreeSet<String> = uris.map(crate::import::percent_decoded).collect();
+    let mut copied = Vec::new();
+    for name in names {
+        let (source, target) = (from.join(&name), to.join(&name));
+        // Files outside are found from a folder beside as before, or not at all.
+        let is_inside = Path::new(&name)
+            .components()
+            .all(|part| matches!(part, std::path::Component::Normal(_) | std::path::Component::CurDir));
+        if !source.is_file() || !is_inside || is_same_output(&source, &target) {
+            continue;
+        }
+        let bytes = input::read(&source).map_err(|error| ImportError::Io { path: source.clone(), source: error })?;
+        if target.exists() {
+            if input::read(&target).ok().as_ref() != Some(&bytes) {
+                return Err(ExportError::Occupied { path: target });
+            }
+            continue;
+        }
+        std::fs::create_dir_all(folder_of(&target)).map_err(ExportError::write(&target))?;
+        write_atomically(&target, &bytes).map_err(ExportError::write(&target))?;
+        copied.push(target);
+    }
+    Ok(copied)
+}

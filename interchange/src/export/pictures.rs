@@ -1,0 +1,107 @@
+//! The pictures of materials, in a folder beside the file that names them: the bytes that were imported.
+
+use super::{ExportError, pictures_beside};
+use crate::import::{MaterialFile, SlotFile};
+use lapidary_core::{material::Material, output::write_atomically, texture::Texture};
+use std::{
+    collections::{BTreeSet, HashMap},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// A folder of pictures, each written once.
+pub struct PictureFolder<'a> {
+    folder: PathBuf,
+    textures: &'a [Arc<Texture>],
+    /// Names of the pictures, by their texture.
+    names: HashMap<u32, Option<String>>,
+    taken: BTreeSet<String>,
+    /// What was written.
+    pub files: Vec<PathBuf>,
+    /// Pictures that are missing, in sentences.
+    pub remarks: Vec<String>,
+}
+
+impl<'a> PictureFolder<'a> {
+    /// For the file at `path`.
+    pub fn beside(path: &Path, textures: &'a [Arc<Texture>]) -> Self {
+        Self {
+            folder: pictures_beside(path),
+            textures,
+            names: HashMap::new(),
+            taken: BTreeSet::new(),
+            files: Vec::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    /// The material with maps that name pictures; those without one are left out.
+    pub fn material(&mut self, material: &Material) -> Result<MaterialFile, ExportError> {
+        let mut maps = material.maps.filter_map(|slot| Some((slot.clone(), None::<String>)));
+        for (slot, name) in maps.slots_mut() {
+            *name = self.picture(slot.texture)?;
+        }
+        Ok(material.with_maps(maps.filter_map(|(slot, name)| Some(SlotFile::of(slot, name.clone()?)))))
+    }
+
+    /// The name of a texture's picture, relative to the file beside the folder; written at the first time.
+    fn picture(&mut self, texture: u32) -> Result<Option<String>, ExportError> {
+        if let Some(known) = self.names.get(&texture) {
+            return Ok(known.clone());
+        }
+        let name = match self.textures.get(texture as usize) {
+            Some(texture) if !texture.encoded.is_empty() => Some(self.write(texture)?),
+            Some(texture) => {
+                self.remarks.push(format!("the picture \"{}\" was missing, and its maps are left out", texture.name));
+                None
+            }
+            None => None,
+        };
+        self.names.insert(texture, name.clone());
+        Ok(name)
+    }
+
+    fn write(&mut self, texture: &Texture) -> Result<String, ExportError> {
+        let file = self.name_of(texture);
+        let path = self.folder.join(&file);
+        std::fs::create_dir_all(&self.folder).map_err(ExportError::write(&self.folder))?;
+        write_atomically(&path, &texture.encoded).map_err(ExportError::write(&path))?;
+        self.files.push(path);
+        let folder = self.folder.file_name().unwrap_or_default().to_string_lossy();
+        Ok(format!("{folder}/{file}"))
+    }
+
+    /// A name of its own that every program can read, with the extension of what it is.
+    fn name_of(&mut self, texture: &Texture) -> String {
+        let last = texture.name.rsplit(['/', '\\']).next().unwrap_or_default();
+        let extension = extension(&texture.encoded);
+        let stem = last.rsplit_once('.').filter(|(_, end)| is_extension(end)).map_or(last, |(stem, _)| stem);
+        let letter = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        let stem: String = stem.chars().map(letter).take(80).collect();
+        let stem = stem.trim_start_matches('.');
+        let stem = if stem.is_empty() { "picture" } else { stem };
+        let mut name = format!("{stem}.{extension}");
+        let mut count = 1;
+        // Some file systems tell no case.
+        while !self.taken.insert(name.to_lowercase()) {
+            count += 1;
+            name = format!("{stem}-{count}.{extension}");
+        }
+        name
+    }
+}
+
+fn is_extension(text: &str) -> bool {
+    ["png", "jpg", "jpeg", "tga", "hdr", "exr"].contains(&text.to_ascii_lowercase().as_str())
+}
+
+/// The extension of a picture's format, by its first bytes; TGA has none of its own.
+pub fn extension(bytes: &[u8]) -> &'static str {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => "png",
+        [0xff, 0xd8, ..] => "jpg",
+        [0x76, 0x2f, 0x31, 0x01, ..] => "exr",
+        [b'#', b'?', ..] => "hdr",
+        _ => "tga",
+    }
+}

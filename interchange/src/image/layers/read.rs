@@ -1,0 +1,114 @@
+//! One layer of an OpenEXR file, whether its layers are parts or prefixes of channels.
+
+use super::super::read::{EXR_MAGIC, Footprint, damaged, exr_parts};
+use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
+use glam::Vec3;
+use lapidary_core::{
+    image::{Image, ImageError},
+    input, memory,
+};
+use std::{io::Cursor, path::Path};
+
+/// Name of the layer without a name, where a name is needed.
+const UNNAMED: &str = "beauty";
+
+/// Channels of a layer: their names without its own, and their samples.
+struct Group {
+    name: String,
+    size: [u32; 2],
+    channels: Vec<(String, openexr::FlatSamples)>,
+}
+
+/// Reads one layer of an OpenEXR file: its colours, its vectors, or its one value repeated. Names match in any
+/// case, `-` matches `_`, and the last words of a long name suffice; `beauty` is also the layer without a name.
+///
+/// # Errors
+/// A file that cannot be read or has no such layer.
+pub fn read_layer(path: &Path, name: &str) -> Result<Image, ImageError> {
+    let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+    let none = |has: String| ImageError::NoLayer { path: path.into(), name: name.into(), has };
+    if !bytes.starts_with(&EXR_MAGIC) {
+        return Err(none("only exr files have layers".into()));
+    }
+    let groups = groups(&bytes, path)?;
+    let known = || groups.iter().map(|group| group.name.as_str()).collect::<Vec<_>>().join(", ");
+    let group = find(&groups, name).ok_or_else(|| none(format!("the file has {}", known())))?;
+    group.image().map_err(|reason| damaged(path, reason))
+}
+
+fn find<'a>(groups: &'a [Group], name: &str) -> Option<&'a Group> {
+    let wanted = plain(name);
+    let suffix = format!(".{wanted}");
+    let exact = groups.iter().find(|group| plain(&group.name) == wanted);
+    exact.or_else(|| groups.iter().find(|group| plain(&group.name).ends_with(&suffix)))
+}
+
+fn plain(name: &str) -> String {
+    name.to_ascii_lowercase().replace('-', "_")
+}
+
+fn groups(bytes: &[u8], path: &Path) -> Result<Vec<Group>, ImageError> {
+    let parts = exr_parts(bytes, path)?;
+    // All parts are decoded, and one of them becomes a picture.
+    let decoding = parts.iter().fold(0, |sum: u64, part| sum.saturating_add(part.samples));
+    let held = parts.iter().map(|part| part.pixels.saturating_mul(12)).max().unwrap_or(0);
+    Footprint { held, decoding }.check(memory::available(), path)?;
+    let file = openexr::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|e| damaged(path, e))?;
+    let mut groups: Vec<Group> = Vec::new();
+    for part in file.layer_data {
+        let part_name = part.attributes.layer_name.as_ref().map(words).unwrap_or_default();
+        let size = [part.size.x() as u32, part.size.y() as u32];
+        for channel in part.channel_data.list {
+            let full = words(&channel.name);
+            let (prefix, channel_name) = full.rsplit_once('.').unwrap_or(("", &full));
+            let name = joined(&part_name, prefix);
+            let place = groups.iter().position(|group| group.name == name && group.size == size);
+            let place = place.unwrap_or_else(|| {
+                groups.push(Group { name, size, channels: Vec::new() });
+                groups.len() - 1
+            });
+            groups[place].channels.push((channel_name.to_owned(), channel.sample_data));
+        }
+    }
+    Ok(groups)
+}
+
+fn words(text: &openexr::Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
+/// A part may repeat its name in its channels, as Nuke has it.
+fn joined(part: &str, prefix: &str) -> String {
+    match (part, prefix) {
+        ("", "") => UNNAMED.into(),
+        (part, prefix) if part == prefix || prefix.is_empty() => part.into(),
+        ("", prefix) => prefix.into(),
+        (part, prefix) => format!("{part}.{prefix}"),
+    }
+}
+
+impl Group {
+    fn image(&self) -> Result<Image, String> {
+        let named = |name: &str| self.channels.iter().find(|(c, _)| c.eq_ignore_ascii_case(name)).map(|(_, s)| s);
+        let three = |[a, b, c]: [&str; 3]| Some([named(a)?, named(b)?, named(c)?]);
+        let repeated = || if let [(_, only)] = &self.channels[..] { Some([only; 3]) } else { None };
+        let planes = three(["R", "G", "B"]).or_else(|| three(["X", "Y", "Z"])).or_else(repeated).ok_or_else(|| {
+            let names: Vec<&str> = self.channels.iter().map(|(name, _)| name.as_str()).collect();
+            format!("its layer {} has the channels {} where R, G, B or one are needed", self.name, names.join(", "))
+        })?;
+        let count = self.size[0] as usize * self.size[1] as usize;
+        if planes.iter().any(|samples| samples.len() != count) {
+            return Err(format!("the channels of its layer {} differ in resolution", self.name));
+        }
+        let pixel = |i| Vec3::from_array(planes.map(|samples| samples.value_by_flat_index(i).to_f32()));
+        Ok(Image { size: self.size, pixels: (0..count).map(pixel).collect() })
+    }
+}

@@ -1,0 +1,340 @@
+//! Decoding of picture files. The `image` crate reads png, jpg, tga and hdr, the `exr` crate OpenEXR.
+//!
+//! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the memory that is free, channels by
+//! name.
+
+use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
+use glam::Vec3;
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use lapidary_core::{
+    color::linear_from_srgb,
+    image::{Image, ImageError},
+    input, memory,
+    texture::{Texels, Texture},
+};
+use std::{
+    io::{BufReader, Cursor},
+    path::Path,
+    sync::Arc,
+};
+
+/// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats per pixel.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Reads a texture from a png, jpg, tga, hdr or exr file. Texels out of range are replaced, see [`Texels::sanitize`].
+///
+/// # Errors
+/// A file that cannot be read, is no picture, or is too large.
+pub fn read_texture(path: &Path) -> Result<Texture, ImageError> {
+    let mut texture = texture_in(path)?;
+    texture.texels.sanitize();
+    Ok(texture)
+}
+
+/// The texture in a file, with all its texels as they are.
+fn texture_in(path: &Path) -> Result<Texture, ImageError> {
+    let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
+    decode(&bytes, path)
+}
+
+/// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.
+///
+/// # Errors
+/// A file that cannot be read, is no picture, or is too large.
+pub fn read(path: &Path) -> Result<Image, ImageError> {
+    Ok(linear_image(&texture_in(path)?))
+}
+
+/// Decodes a png, jpg, tga, hdr or exr file that was read from `path`, and keeps `bytes` with it.
+///
+/// 8-bit files stay 8-bit, and so do 16-bit colours, whose encoding (sRGB or linear) is known only to the slot that
+/// uses them. 16-bit greys, which hold heights, become floats.
+///
+/// # Errors
+/// Damaged, foreign or oversized contents.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
+    footprint(bytes, path)?.check(memory::available(), path)?;
+    let (size, texels) =
+        if bytes.starts_with(&EXR_MAGIC) { decode_exr(bytes, path)? } else { decode_common(bytes, path)? };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    Ok(Texture { encoded: Arc::from(bytes), ..Texture::new(name, size, texels) })
+}
+
+/// Bytes that a picture takes, estimated from its header alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Footprint {
+    /// Its texels as a texture holds them.
+    pub held: u64,
+    /// What the decoder needs beside them.
+    pub decoding: u64,
+}
+
+impl Footprint {
+    pub(super) fn check(self, available: Option<u64>, path: &Path) -> Result<(), ImageError> {
+        let needed = self.held.saturating_add(self.decoding);
+        match available {
+            Some(available) if needed > available => {
+                let [needed, available] = memory::in_megabytes(needed, available);
+                Err(ImageError::Memory { path: path.into(), needed, available })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The memory that [`decode`] takes for the bytes of a file that was read from `path`.
+///
+/// # Errors
+/// Damaged, foreign or oversized contents.
+pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
+    if bytes.starts_with(&EXR_MAGIC) {
+        // One of its parts is decoded.
+        let parts = exr_parts(bytes, path)?;
+        let largest = parts.into_iter().max_by_key(|part| part.samples).unwrap_or_default();
+        return Ok(Footprint { held: largest.pixels.saturating_mul(16), decoding: largest.samples });
+    }
+    let format = format_of(bytes, path)?;
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(|e| damaged(path, e))?;
+    let (width, height) = decoder.dimensions();
+    check_size(width.into(), height.into(), path)?;
+    let bytes_per_texel = if is_float(decoder.color_type()) { 16 } else { 4 };
+    let held = u64::from(width) * u64::from(height) * bytes_per_texel;
+    Ok(Footprint { held, decoding: held.max(decoder.total_bytes()) })
+}
+
+/// Width and height of a png, jpg, tga or hdr file, from its header alone.
+///
+/// # Errors
+/// A file that cannot be read, or is no such picture.
+pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
+    let io_error = |source| ImageError::Io { action: "read", path: path.into(), source };
+    let file = BufReader::new(input::open(path).map_err(io_error)?);
+    let mut reader = ImageReader::new(file);
+    if let Ok(format) = ImageFormat::from_path(path) {
+        reader.set_format(format);
+    }
+    let reader = reader.with_guessed_format().map_err(io_error)?;
+    let (width, height) = reader.into_dimensions().map_err(|e| damaged(path, e))?;
+    Ok([width, height])
+}
+
+/// The first bytes of every OpenEXR file.
+pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// The RGB texels of a texture as a scene-linear picture: 8-bit texels are decoded from sRGB.
+fn linear_image(texture: &Texture) -> Image {
+    let pixels = match &texture.texels {
+        Texels::U8(texels) => {
+            let lut: [f32; 256] = std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0));
+            texels.iter().map(|&[r, g, b, _]| Vec3::new(lut[r as usize], lut[g as usize], lut[b as usize])).collect()
+        }
+        Texels::F32(texels) => texels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
+    };
+    Image { size: texture.size, pixels }
+}
+
+pub(super) fn damaged(path: &Path, reason: impl ToString) -> ImageError {
+    ImageError::Decode { path: path.into(), reason: reason.to_string() }
+}
+
+pub(super) fn check_size(width: u64, height: u64, path: &Path) -> Result<(), ImageError> {
+    if width == 0 || height == 0 {
+        return Err(damaged(path, "it has no pixels"));
+    }
+    match width.checked_mul(height) {
+        Some(pixels) if pixels <= MAX_PIXELS => Ok(()),
+        _ => Err(ImageError::TooLarge { path: path.into(), width, height, limit: MAX_PIXELS }),
+    }
+}
+
+/// The format that the contents show; tga has no signature and goes by its extension.
+fn format_of(bytes: &[u8], path: &Path) -> Result<ImageFormat, ImageError> {
+    let by_name = ImageFormat::from_path(path).ok().filter(|f| *f == ImageFormat::Tga);
+    let format = image::guess_format(bytes).ok().or(by_name);
+    match format {
+        Some(f) if f.reading_enabled() => Ok(f),
+        Some(f) => Err(damaged(path, format!("{f:?} files are not supported"))),
+        None => Err(damaged(path, "its contents are of no known format")),
+    }
+}
+
+fn decode_common(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format_of(bytes, path)?);
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes per pixel and what the decoder needs beside them
+    reader.limits(limits);
+    let decoded = reader.decode().map_err(|e| damaged(path, e))?;
+    Ok(([decoded.width(), decoded.height()], texels_of(decoded)))
+}
+
+fn texels_of(decoded: DynamicImage) -> Texels {
+    if is_float(decoded.color()) {
+        Texels::F32(decoded.into_rgba32f().pixels().map(|p| p.0).collect())
+    } else {
+        Texels::U8(decoded.into_rgba8().pixels().map(|p| p.0).collect())
+    }
+}
+
+/// Whether a picture of these components is held as floats.
+fn is_float(color: ColorType) -> bool {
+    matches!(color, ColorType::Rgb32F | ColorType::Rgba32F | ColorType::L16 | ColorType::La16)
+}
+
+/// A part of an OpenEXR file, from its header.
+#[derive(Clone, Copy, Default)]
+pub(super) struct ExrPart {
+    pub pixels: u64,
+    /// Bytes of the samples of all channels.
+    pub samples: u64,
+}
+
+pub(super) fn exr_parts(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>, ImageError> {
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| damaged(path, e))?;
+    let part = |header: &exr::meta::header::Header| {
+        let [width, height] = [header.layer_size.x() as u64, header.layer_size.y() as u64];
+        check_size(width, height, path)?;
+        let pixels = width * height;
+        Ok(ExrPart { pixels, samples: pixels.saturating_mul(header.channels.bytes_per_pixel as u64) })
+    };
+    meta.headers.iter().map(part).collect()
+}
+
+fn decode_exr(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
+    let file = openexr::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|e| damaged(path, e))?;
+    let (size, channels) = (file.layer_data.size, &file.layer_data.channel_data.list);
+    let texels = exr_texels(channels, size.area()).map_err(|reason| damaged(path, reason))?;
+    Ok(([size.x() as u32, size.y() as u32], Texels::F32(texels)))
+}
+
+/// Interleaves the channels R, G, B and, if there is one, A, without a layer or of the layer `beauty`; or repeats Y.
+fn exr_texels(channels: &[openexr::AnyChannel<openexr::FlatSamples>], count: usize) -> Result<Vec<[f32; 4]>, String> {
+    let channel = |name: &str| channels.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
+    let named = |name: &str| channel(name).or_else(|| channel(&format!("beauty.{name}")));
+    let [r, g, b] = match (named("R"), named("G"), named("B"), named("Y")) {
+        (Some(r), Some(g), Some(b), _) => [r, g, b],
+        (None, None, None, Some(y)) => [y, y, y],
+        _ => {
+            let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
+            return Err(format!("it has the channels {} where R, G, B or Y are needed", names.join(", ")));
+        }
+    };
+    let alpha = named("A");
+    if [r, g, b].into_iter().chain(alpha).any(|samples| samples.len() != count) {
+        return Err("its channels differ in resolution".into());
+    }
+    let texel = |i| [r, g, b].map(|c| c.value_by_flat_index(i).to_f32());
+    Ok((0..count)
+        .map(|i| {
+            let [r, g, b] = texel(i);
+            [r, g, b, alpha.map_or(1.0, |a| a.value_by_flat_index(i).to_f32())]
+        })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{encode_png, write::encode};
+
+    fn ramp() -> Image {
+        Image::from_fn([13, 7], |x, y| Vec3::new(x as f32 / 12.0, y as f32 / 6.0, 0.25))
+    }
+
+    fn png(image: DynamicImage) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn sixteen_bit_greys_become_floats_and_colours_stay_for_the_slot_to_decode() {
+        let grey = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([257 * 51])));
+        let texture = decode(&png(grey), Path::new("height.png")).unwrap();
+        let Texels::F32(texels) = &texture.texels else { panic!("a height map lost its precision") };
+        assert!((texels[0][0] - 0.2).abs() < 1e-6);
+        let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([257 * 51, 0, 65535])));
+        let texture = decode(&png(colour), Path::new("colour.png")).unwrap();
+        assert_eq!(texture.texels, Texels::U8(vec![[51, 0, 255, 255]; 2]));
+    }
+
+    #[test]
+    fn a_tga_is_known_by_its_extension_only() {
+        let mut tga = vec![0u8; 18];
+        (tga[2], tga[12], tga[14], tga[16]) = (2, 1, 1, 24);
+        tga.extend([10, 20, 30]);
+        let texture = decode(&tga, Path::new("a.tga")).unwrap();
+        assert_eq!(texture.texels, Texels::U8(vec![[30, 20, 10, 255]]));
+        assert!(decode(&tga, Path::new("a.png")).is_err());
+    }
+
+    #[test]
+    fn an_exr_without_rgb_or_y_names_its_channels() {
+        let channels = openexr::SpecificChannels::build().with_channel("depth").with_pixel_fn(|_| (1.0f32,));
+        let mut bytes = Cursor::new(Vec::new());
+        use exr::prelude::WritableImage;
+        exr::image::Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
+        let message = decode(bytes.get_ref(), Path::new("z.exr")).unwrap_err().to_string();
+        assert!(message.contains("depth") && message.ends_with("(z.exr)"), "{message}");
+    }
+
+    #[test]
+    fn a_claimed_size_above_the_limit_is_refused_before_allocation() {
+        let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n";
+        let error = decode(header, Path::new("huge.hdr")).unwrap_err();
+        assert!(matches!(error, ImageError::TooLarge { width: 60000, limit: MAX_PIXELS, .. }), "{error}");
+    }
+
+    #[test]
+    fn the_memory_of_a_picture_is_known_from_its_header() {
+        let of = |name: &str| {
+            let path = Path::new(name);
+            footprint(&encode(&ramp(), None, path).unwrap(), path).unwrap()
+        };
+        let pixels = 13 * 7;
+        assert_eq!(of("a.png"), Footprint { held: 4 * pixels, decoding: 4 * pixels });
+        assert_eq!(of("a.hdr"), Footprint { held: 16 * pixels, decoding: 16 * pixels });
+        assert_eq!(of("a.exr"), Footprint { held: 16 * pixels, decoding: 12 * pixels });
+        let message = of("a.png").check(Some(8 * pixels - 1), Path::new("a.png")).unwrap_err().to_string();
+        assert!(message.contains("1 MB") && message.contains("0 MB") && message.ends_with("(a.png)"), "{message}");
+        assert!(of("a.png").check(Some(8 * pixels), Path::new("a.png")).is_ok());
+    }
+
+    #[test]
+    fn every_truncation_and_many_corruptions_are_errors_and_never_panics() {
+        let random = &mut fastrand::Rng::with_seed(7);
+        for name in ["a.exr", "a.hdr", "a.png"] {
+            let path = Path::new(name);
+            let whole = encode(&ramp(), None, path).unwrap();
+            assert_eq!(decode(&whole, path).unwrap().size, [13, 7]);
+            for length in 0..whole.len() {
+                // The last bytes of a png are an empty chunk that decoders need not see.
+                let accepted = decode(&whole[..length], path).is_ok();
+                assert!(!accepted || length + 16 > whole.len(), "{name} cut to {length} of {}", whole.len());
+            }
+            for _ in 0..2000 {
+                let mut bytes = whole.clone();
+                let at = random.usize(..bytes.len());
+                bytes[at] = random.u8(..);
+                let _ = decode(&bytes, path);
+            }
+        }
+    }
+
+    #[test]
+    fn eight_bit_pictures_decode_from_srgb() {
+        let texture = decode(&encode_png(&ramp()), Path::new("a.png")).unwrap();
+        let (read, expected) = (linear_image(&texture), ramp());
+        let worst = read.pixels.iter().zip(&expected.pixels).map(|(a, b)| (*a - *b).abs().max_element());
+        assert!(worst.fold(0.0, f32::max) < 0.005);
+        // Negative control: the same bytes taken as linear are far off in the middle of the ramp.
+        assert!((texture.texel(6, 3, lapidary_core::texture::ColorSpace::Linear).x - 0.5).abs() > 0.1);
+    }
+}

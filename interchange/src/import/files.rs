@@ -1,0 +1,194 @@
+//! The files that a scene or a material file names: found as artists' files name them, and read only from the folder of the
+//! file unless the user allows others. A file from a stranger could otherwise put any picture of the reader's machine into
+//! a dataset that is then passed on.
+
+use super::{
+    ImportError, ImportOptions, ImportReport,
+    budget::{Budget, OverBudget},
+    listed,
+};
+use lapidary_core::{image::ImageError, input, memory};
+use std::{
+    collections::{BTreeSet, HashMap},
+    ffi::OsString,
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
+
+/// Why something that a file names or holds is not read.
+pub(super) enum Trouble {
+    /// What is wrong, in words.
+    Reason(String),
+    /// The file of this name is outside the folder.
+    Outside(String),
+    /// There is no room.
+    Memory(OverBudget),
+}
+
+impl From<String> for Trouble {
+    fn from(reason: String) -> Self {
+        Self::Reason(reason)
+    }
+}
+
+impl From<&str> for Trouble {
+    fn from(reason: &str) -> Self {
+        Self::Reason(reason.into())
+    }
+}
+
+impl From<OverBudget> for Trouble {
+    fn from(over: OverBudget) -> Self {
+        Self::Memory(over)
+    }
+}
+
+impl From<ImageError> for Trouble {
+    fn from(error: ImageError) -> Self {
+        match error {
+            ImageError::Memory { needed, available, .. } => {
+                Self::Memory(OverBudget::new(needed * 1_000_000, available * 1_000_000))
+            }
+            other => Self::Reason(other.to_string()),
+        }
+    }
+}
+
+impl Trouble {
+    /// The error of a file at `path` of a format that cannot do without what is not read.
+    pub fn at(self, path: &Path, format: &'static str) -> ImportError {
+        match self {
+            Self::Reason(reason) => ImportError::Parse { path: path.into(), format, reason },
+            Self::Outside(name) => ImportError::Outside { path: path.into(), names: vec![name] },
+            Self::Memory(over) => over.at(path),
+        }
+    }
+}
+
+/// What may be read for a file, and the memory for it.
+pub(super) struct Files {
+    folder: PathBuf,
+    allow_outside: bool,
+    pub budget: Budget,
+    /// Names of files outside the folder.
+    outside: BTreeSet<String>,
+    listings: Listings,
+    /// The files that were read.
+    read: Vec<PathBuf>,
+}
+
+impl Files {
+    /// For a file at `path`: names are relative to its folder.
+    pub fn beside(path: &Path, options: &ImportOptions) -> Self {
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let budget = Budget::new(options.budget);
+        Self {
+            folder,
+            allow_outside: options.allow_outside,
+            budget,
+            outside: BTreeSet::new(),
+            listings: Listings::default(),
+            read: Vec::new(),
+        }
+    }
+
+    /// The file that `name` refers to, with either kind of slash and in any case. Where its path leads nowhere, or to where it
+    /// may not be read, the file's name alone counts: paths of another machine are found so, and files that were copied
+    /// into the folder.
+    pub fn find(&mut self, name: &str) -> Result<PathBuf, Trouble> {
+        let parts = name.trim().trim_matches('"').replace('\\', "/");
+        let last = parts.rsplit('/').next().unwrap_or(&parts);
+        let named = self.listings.file(&self.folder, &parts);
+        let beside = if last == parts { None } else { self.listings.file(&self.folder, last) };
+        let found: Vec<PathBuf> = named.into_iter().chain(beside).collect();
+        if found.is_empty() {
+            return Err("there is no such file beside it".into());
+        }
+        let is_inside = |path: &PathBuf| input::is_inside(&self.folder, path);
+        let chosen = found.iter().find(|path| self.allow_outside || is_inside(path));
+        if !chosen.is_some_and(is_inside) {
+            self.outside.insert(name.to_owned());
+        }
+        chosen.cloned().ok_or_else(|| Trouble::Outside(name.to_owned()))
+    }
+
+    /// The contents of a file that was found.
+    pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Trouble> {
+        let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        self.budget.take(length)?;
+        self.read.push(path.into());
+        input::read(path).map_err(|error| match error.kind() {
+            ErrorKind::OutOfMemory => OverBudget::new(length, memory::available().unwrap_or(0)).into(),
+            _ => error.to_string().into(),
+        })
+    }
+
+    /// Tells which files were read, and of those outside. Those that are not read are told where they are missed, too.
+    pub fn tell(self, report: &mut ImportReport) {
+        report.files.extend(self.read);
+        if self.outside.is_empty() {
+            return;
+        }
+        report.outside = self.outside.into_iter().collect();
+        let names = listed(&report.outside);
+        report.warnings.push(if self.allow_outside {
+            format!(
+                "the files {names} are outside the folder of the file that names them, and were read, as was allowed"
+            )
+        } else {
+            format!(
+                "the files {names} are outside the folder of the file that names them, and were not read; put them \
+                 beside it, or allow files outside the folder"
+            )
+        });
+    }
+}
+
+/// The entries of folders by their names in lower case, as they were when first asked for: to list a folder again for each
+/// name that it lacks would take a long time.
+#[derive(Default)]
+struct Listings(HashMap<PathBuf, HashMap<String, OsString>>);
+
+impl Listings {
+    /// The file at the path `name` from `folder`.
+    fn file(&mut self, folder: &Path, name: &str) -> Option<PathBuf> {
+        let exact = folder.join(name);
+        if exact.is_file() {
+            return Some(exact);
+        }
+        self.ignoring_case(folder, name).filter(|path| path.is_file())
+    }
+
+    /// Follows the parts of `name` from `folder`, each by exact name or else by the same name in another case.
+    fn ignoring_case(&mut self, folder: &Path, name: &str) -> Option<PathBuf> {
+        let mut at = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_path_buf() };
+        for part in name.split('/').filter(|p| !p.is_empty() && *p != ".") {
+            let exact = at.join(part);
+            at = if exact.exists() { exact } else { at.join(self.entries(&at).get(&part.to_lowercase())?) };
+        }
+        Some(at)
+    }
+
+    fn entries(&mut self, folder: &Path) -> &HashMap<String, OsString> {
+        self.0.entry(folder.into()).or_insert_with(|| {
+            let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+            let mut names: Vec<OsString> = entries.map(|entry| entry.file_name()).collect();
+            // Of names that differ in case alone, the first in order is kept.
+            names.sort_by(|a, b| b.cmp(a));
+            names.into_iter().map(|name| (name.to_string_lossy().to_lowercase(), name)).collect()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_without_room_is_a_matter_of_memory_and_a_damaged_one_is_not() {
+        let path = PathBuf::from("a.png");
+        let over = Trouble::from(ImageError::Memory { path: path.clone(), needed: 5, available: 4 });
+        assert!(matches!(over, Trouble::Memory(over) if over == OverBudget::new(5_000_000, 4_000_000)));
+        assert!(matches!(Trouble::from(ImageError::Decode { path, reason: "x".into() }), Trouble::Reason(_)));
+    }
+}

@@ -1,0 +1,205 @@
+//! Animations of a glTF file. Those that are damaged are told by their names, and the others can be played.
+
+use super::{
+    super::{
+        budget::{Budget, OverBudget},
+        listed,
+    },
+    buffers::Buffers,
+    pointers,
+    scene_file::SceneFile,
+};
+use gltf::{Accessor, accessor::Dimensions, animation as file, json::validation::Checked};
+use lapidary_core::animation::{
+    Clip,
+    clip::{Channel, Property},
+    keyframes::{Interpolation, Keyframes},
+};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
+
+/// Peak bytes of a number of a keyframe: its own, and as many while its list grows.
+const NUMBER: u64 = 8;
+
+/// Clips that can be played, and what is told of the others.
+#[derive(Default)]
+pub(super) struct Clips {
+    pub playable: Vec<Clip>,
+    /// Names of those that cannot be played, with what is wrong.
+    pub broken: Vec<(String, String)>,
+    /// Names of those with more than one channel for a property of a node.
+    doubled: Vec<String>,
+    /// Names of those with channels that move no node.
+    pointing: Vec<String>,
+}
+
+impl Clips {
+    /// Takes the memory of those that can be played from a budget.
+    pub fn read(file: &SceneFile, budget: &mut Budget) -> Self {
+        let mut clips = Self::default();
+        let names = file.gltf.animations().map(|animation| name(&animation)).collect();
+        for (animation, name) in file.gltf.animations().zip(numbered(names)) {
+            let mut reader = ChannelReader::new(file, budget);
+            let read = reader.channels(&animation);
+            let is_pointing = file.pointing.contains(&animation.index());
+            match read {
+                Ok(channels) if is_pointing && channels.is_empty() => {
+                    let reason = format!("it moves no node, only what {} names", pointers::EXTENSION);
+                    clips.broken.push((name, reason));
+                }
+                Ok(channels) => {
+                    *budget = reader.budget;
+                    clips.doubled.extend(reader.is_doubled.then(|| name.clone()));
+                    clips.pointing.extend(is_pointing.then(|| name.clone()));
+                    clips.playable.push(Clip::new(name, channels));
+                }
+                Err(reason) => clips.broken.push((name, reason)),
+            }
+        }
+        clips
+    }
+
+    /// What is told of those that cannot be played.
+    pub fn remarks_of_broken(&self) -> impl Iterator<Item = String> {
+        let remark = |(name, reason): &(String, String)| {
+            format!("the animation \"{name}\" cannot be played: {reason}; export it again")
+        };
+        self.broken.iter().map(remark)
+    }
+
+    /// What is told of those that play without some of their channels.
+    pub fn remarks_of_channels(&self) -> impl Iterator<Item = String> {
+        let doubled = "have several channels for one property of a node, of which the first plays; remove the others";
+        let pointing =
+            format!("have channels that move no node ({}), which were left out; the others play", pointers::EXTENSION);
+        let kinds = [(&self.doubled, doubled.to_owned()), (&self.pointing, pointing)];
+        let told = kinds.into_iter().filter(|(names, _)| !names.is_empty());
+        told.map(|(names, text)| format!("the animations {} {text}", listed(names)))
+    }
+}
+
+/// From the file, or made up from its place there.
+fn name(animation: &gltf::Animation) -> String {
+    animation.name().map_or_else(|| format!("clip {}", animation.index() + 1), str::to_owned)
+}
+
+/// Names with a number behind those that were there before, so that each is there once.
+fn numbered(names: Vec<String>) -> Vec<String> {
+    let mut taken: HashSet<String> = names.iter().cloned().collect();
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    let mut number = |name: String| {
+        let count = counts.entry(name.clone()).or_insert(0);
+        *count += 1;
+        if *count == 1 {
+            return name;
+        }
+        while !taken.insert(format!("{name} ({count})")) {
+            *count += 1;
+        }
+        format!("{name} ({count})")
+    };
+    names.into_iter().map(&mut number).collect()
+}
+
+/// Reads the channels of one animation.
+struct ChannelReader<'a> {
+    file: &'a SceneFile,
+    budget: Budget,
+    /// Samplers by index, and what their values are for: a property, and how many numbers.
+    samplers: HashMap<(usize, Property, usize), Arc<Keyframes>>,
+    /// Properties of nodes that have a channel.
+    moved: HashSet<(usize, Property)>,
+    /// Whether one of them has more.
+    is_doubled: bool,
+}
+
+impl<'a> ChannelReader<'a> {
+    fn new(file: &'a SceneFile, budget: &Budget) -> Self {
+        let (samplers, moved) = (HashMap::new(), HashSet::new());
+        Self { file, budget: budget.clone(), samplers, moved, is_doubled: false }
+    }
+
+    fn channels(&mut self, animation: &gltf::Animation) -> Result<Vec<Channel>, String> {
+        let gltf = &self.file.gltf;
+        let stored = &gltf.as_json().animations[animation.index()];
+        let mut channels = Vec::new();
+        for (index, channel) in animation.channels().enumerate() {
+            // The crate does not check these, and ends the program where they are wrong.
+            let target = &stored.channels[index].target;
+            let node = target.node.value();
+            if node >= gltf.nodes().count() || !matches!(target.path, Checked::Valid(_)) {
+                return Err(format!("channel {index} moves what is not there"));
+            }
+            channels.extend(self.channel(&channel, node).map_err(|reason| format!("channel {index}: {reason}"))?);
+        }
+        Ok(channels)
+    }
+
+    /// `None` for weights of a node without morph targets, and for what another channel moves.
+    fn channel(&mut self, channel: &file::Channel, node: usize) -> Result<Option<Channel>, String> {
+        let nodes = &self.file.nodes;
+        let (property, width) = match channel.target().property() {
+            file::Property::Translation => (Property::Translation, 3),
+            file::Property::Rotation => (Property::Rotation, 4),
+            file::Property::Scale => (Property::Scale, 3),
+            file::Property::MorphTargetWeights => (Property::Weights, nodes.get(node).weights.len()),
+        };
+        if !self.moved.insert((node, property)) {
+            self.is_doubled = true;
+            return Ok(None);
+        }
+        if width == 0 {
+            return Ok(None);
+        }
+        let channel = Channel { node, property, keys: self.keyframes(&channel.sampler(), property, width)? };
+        channel.check(nodes)?;
+        Ok(Some(channel))
+    }
+
+    /// Reads a sampler when it is first asked for.
+    fn keyframes(
+        &mut self,
+        sampler: &file::Sampler,
+        property: Property,
+        width: usize,
+    ) -> Result<Arc<Keyframes>, String> {
+        let key = (sampler.index(), property, width);
+        if let Some(known) = self.samplers.get(&key) {
+            return Ok(known.clone());
+        }
+        let dimensions = match property {
+            Property::Translation | Property::Scale => Dimensions::Vec3,
+            Property::Rotation => Dimensions::Vec4,
+            Property::Weights => Dimensions::Scalar,
+        };
+        let interpolation = match sampler.interpolation() {
+            file::Interpolation::Step => Interpolation::Step,
+            file::Interpolation::Linear => Interpolation::Linear,
+            file::Interpolation::CubicSpline => Interpolation::CubicSpline,
+        };
+        let numbers = [(sampler.input(), Dimensions::Scalar), (sampler.output(), dimensions)];
+        let count = |(accessor, dimensions): &(Accessor, Dimensions)| accessor.count() * dimensions.multiplicity();
+        let bytes = numbers.iter().map(count).fold(0, usize::saturating_add) as u64 * NUMBER;
+        self.budget.take(bytes).map_err(no_room)?;
+        let [times, values] =
+            numbers.map(|(accessor, dimensions)| numbers_of(&self.file.buffers, &accessor, dimensions));
+        let keys = Arc::new(Keyframes::new(times?, values?, width, interpolation)?);
+        self.samplers.insert(key, keys.clone());
+        Ok(keys)
+    }
+}
+
+fn no_room(over: OverBudget) -> String {
+    let [needed, available] = over.megabytes();
+    format!("with its keyframes the file takes about {needed} MB of memory, but {available} MB are free; reduce them")
+}
+
+/// Numbers of keyframes, which some buffer holds.
+fn numbers_of(buffers: &Buffers, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
+    if accessor.view().is_none() {
+        return Err(format!("accessor {} has no data", accessor.index()));
+    }
+    buffers.numbers(accessor, dimensions)
+}

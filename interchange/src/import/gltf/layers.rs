@@ -1,0 +1,313 @@
+//! Coat, sheen, anisotropy, transmission and strong emission of glTF materials (`KHR_materials_clearcoat`, `_sheen`,
+//! `_anisotropy`, `_transmission`, `_emissive_strength`), read from the JSON itself: the `gltf` crate does not offer them.
+//!
+//! A material with a coat, sheen or a colour of its highlight becomes OpenPBR. Its coat does not darken the base, as glTF's does
+//! not. Sheen is the same lobe here, of the square of glTF's roughness. What is transmitted would pass a thin surface straight on; no
+//! model has an opacity yet, so it is told that such a material shows opaque.
+
+use super::materials::Transform;
+use crate::materialx::stretch;
+use glam::Vec3;
+use lapidary_core::{
+    brdf::BrdfModel,
+    material::Material,
+    texture::{Channel, ColorSpace, TextureSlot},
+};
+use serde::{
+    Deserialize,
+    de::{DeserializeOwned, IgnoredAny},
+};
+use serde_json::Value;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// The extensions that are read here.
+pub(super) const EXTENSIONS: [&str; 5] = [CLEARCOAT, SHEEN, ANISOTROPY, TRANSMISSION, EMISSIVE_STRENGTH];
+const CLEARCOAT: &str = "KHR_materials_clearcoat";
+const SHEEN: &str = "KHR_materials_sheen";
+const ANISOTROPY: &str = "KHR_materials_anisotropy";
+const TRANSMISSION: &str = "KHR_materials_transmission";
+const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
+const SPECULAR: &str = "KHR_materials_specular";
+
+/// A texture and how it lies.
+#[derive(Clone, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureInfo {
+    /// Index of the texture.
+    pub index: usize,
+    /// Set of coordinates.
+    #[serde(default)]
+    pub tex_coord: u32,
+    #[serde(default)]
+    extensions: Value,
+}
+
+impl TextureInfo {
+    /// Its `KHR_texture_transform`, if any.
+    pub fn transform(&self) -> Transform {
+        serde_json::from_value(self.extensions["KHR_texture_transform"].clone()).unwrap_or_default()
+    }
+}
+
+#[derive(Clone, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Clearcoat {
+    clearcoat_factor: f32,
+    clearcoat_texture: Option<TextureInfo>,
+    clearcoat_roughness_factor: f32,
+    clearcoat_roughness_texture: Option<TextureInfo>,
+    clearcoat_normal_texture: Option<IgnoredAny>,
+}
+
+#[derive(Clone, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Sheen {
+    sheen_color_factor: Vec3,
+    sheen_color_texture: Option<TextureInfo>,
+    sheen_roughness_factor: f32,
+    sheen_roughness_texture: Option<TextureInfo>,
+}
+
+#[derive(Clone, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Anisotropy {
+    anisotropy_strength: f32,
+    anisotropy_rotation: f32,
+    anisotropy_texture: Option<IgnoredAny>,
+}
+
+#[derive(Clone, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Transmission {
+    transmission_factor: f32,
+    transmission_texture: Option<IgnoredAny>,
+}
+
+#[derive(Clone, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct EmissiveStrength {
+    emissive_strength: f32,
+}
+
+/// The colour of a highlight; its weight is read with the `gltf` crate.
+#[derive(Clone, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Specular {
+    specular_factor: f32,
+    specular_color_factor: Vec3,
+    specular_color_texture: Option<TextureInfo>,
+}
+
+impl Default for Specular {
+    fn default() -> Self {
+        Self { specular_factor: 1.0, specular_color_factor: Vec3::ONE, specular_color_texture: None }
+    }
+}
+
+impl Specular {
+    /// Whether it is a colour: a grey is part of the weight.
+    fn is_colored(&self) -> bool {
+        let color = self.specular_color_factor;
+        self.specular_color_texture.is_some() || color.max_element() != color.min_element()
+    }
+}
+
+/// What the extensions of a material say.
+#[derive(Clone, Default)]
+pub(super) struct Layers {
+    clearcoat: Option<Clearcoat>,
+    sheen: Option<Sheen>,
+    anisotropy: Option<Anisotropy>,
+    transmission: Option<Transmission>,
+    emission: Option<EmissiveStrength>,
+    specular: Option<Specular>,
+}
+
+/// Adds a map to a material.
+type AddMap<'f, E> =
+    dyn FnMut(&mut Material, &'static str, &Option<TextureInfo>, Channel, ColorSpace) -> Result<(), E> + 'f;
+
+impl Layers {
+    /// Of each material of a document.
+    pub fn of_all(document: &Value) -> Vec<Self> {
+        let of = |material: &Value| Self {
+            clearcoat: extension(material, CLEARCOAT),
+            sheen: extension(material, SHEEN),
+            anisotropy: extension(material, ANISOTROPY),
+            transmission: extension(material, TRANSMISSION),
+            emission: extension(material, EMISSIVE_STRENGTH),
+            specular: extension(material, SPECULAR),
+        };
+        document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(of).collect())
+    }
+
+    /// Gives them to a GGX material, the texels of whose roughness have this `mean`; `slot` makes the slot of a texture. Returns what
+    /// is to be told of the material.
+    ///
+    /// # Errors
+    /// Those of `slot`.
+    pub fn add_to<E>(
+        &self,
+        material: &mut Material,
+        mean: f32,
+        mut slot: impl FnMut(&TextureInfo) -> Result<TextureSlot, E>,
+    ) -> Result<Vec<&'static str>, E> {
+        let mut map =
+            |material: &mut Material, name: &'static str, info: &Option<TextureInfo>, channel, color_space| {
+                let made = info.as_ref().map(&mut slot).transpose()?;
+                material.maps.set(name, made.map(|slot| TextureSlot { channel, color_space, ..slot }));
+                Ok(())
+            };
+        let color = self.specular.as_ref().filter(|specular| specular.is_colored());
+        if self.clearcoat.is_some() || self.sheen.is_some() || color.is_some() {
+            material.change_model(BrdfModel::OpenPbr);
+        }
+        self.add_coat(material, &mut map)?;
+        self.add_sheen(material, &mut map)?;
+        if let Some(color) = color {
+            material.parameters.set("specular_weight", color.specular_factor);
+            material.parameters.set("specular_color", color.specular_color_factor);
+            map(material, "specular_color", &color.specular_color_texture, Channel::R, ColorSpace::Srgb)?;
+        }
+        let mut told = self.told();
+        if let Some(anisotropy) = &self.anisotropy {
+            told.extend(anisotropy.stretch(material, mean));
+        }
+        told.extend(self.transmission.as_ref().and_then(|transmission| transmission.thin_out(material)));
+        if let Some(emission) = &self.emission {
+            let luminance = material.parameters.number("emission_luminance");
+            material.parameters.set("emission_luminance", luminance * emission.emissive_strength);
+        }
+        Ok(told)
+    }
+
+    fn add_coat<E>(&self, material: &mut Material, map: &mut AddMap<E>) -> Result<(), E> {
+        let Some(coat) = &self.clearcoat else { return Ok(()) };
+        material.parameters.set("coat_weight", coat.clearcoat_factor);
+        material.parameters.set("coat_roughness", coat.clearcoat_roughness_factor);
+        material.parameters.set("coat_ior", 1.5);
+        material.parameters.set("coat_darkening", 0.0);
+        map(material, "coat_weight", &coat.clearcoat_texture, Channel::R, ColorSpace::Linear)?;
+        map(material, "coat_roughness", &coat.clearcoat_roughness_texture, Channel::G, ColorSpace::Linear)
+    }
+
+    fn add_sheen<E>(&self, material: &mut Material, map: &mut AddMap<E>) -> Result<(), E> {
+        let Some(sheen) = &self.sheen else { return Ok(()) };
+        let is_there = sheen.sheen_color_factor.max_element() > 0.0;
+        material.parameters.set("fuzz_weight", if is_there { 1.0 } else { 0.0 });
+        material.parameters.set("fuzz_color", sheen.sheen_color_factor);
+        material.parameters.set("fuzz_roughness", sheen.sheen_roughness_factor.powi(2));
+        map(material, "fuzz_color", &sheen.sheen_color_texture, Channel::R, ColorSpace::Srgb)?;
+        map(material, "fuzz_roughness", &sheen.sheen_roughness_texture, Channel::A, ColorSpace::Linear)
+    }
+
+    /// What is left out whatever the material is.
+    fn told(&self) -> Vec<&'static str> {
+        let has_normal = self.clearcoat.as_ref().is_some_and(|coat| coat.clearcoat_normal_texture.is_some());
+        let has_direction = self.anisotropy.as_ref().is_some_and(|anisotropy| anisotropy.anisotropy_texture.is_some());
+        [
+            (has_normal, "have a normal map of their coat, which is left out: the coat has that of the base"),
+            (
+                has_direction,
+                "have an anisotropy texture, which is left out: the highlight is stretched the same everywhere",
+            ),
+        ]
+        .into_iter()
+        .filter_map(|(lost, text)| lost.then_some(text))
+        .collect()
+    }
+}
+
+impl Transmission {
+    /// Takes what glTF's material lets pass from its opacity. Returns what is to be told.
+    fn thin_out(&self, material: &mut Material) -> Option<&'static str> {
+        const OPACITY: &str = "geometry_opacity";
+        const REFLECTED: f32 = 0.08;
+        if !(self.transmission_factor > 0.0) {
+            return None;
+        }
+        if self.transmission_texture.is_some() {
+            return Some("transmit light by a map, which is left out; they show opaque");
+        }
+        if material.parameters.number("opacity_cutoff") > 0.0 {
+            return Some("are cut out and transmit light, which is left out");
+        }
+        // What both faces of a sheet of glass reflect stays: it is seen and can be selected.
+        let stopped = (1.0 - self.transmission_factor).max(REFLECTED);
+        material.parameters.set(OPACITY, material.parameters.number(OPACITY) * stopped);
+        Some("transmit light, which passes straight on as through a thin sheet, without refraction or tint")
+    }
+}
+
+/// The extension of a material, if it is there and can be read.
+fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Option<T> {
+    let value = &material["extensions"][name];
+    (!value.is_null()).then(|| serde_json::from_value(value.clone()).ok()).flatten()
+}
+
+impl Anisotropy {
+    /// The roughness and stretch whose lobe is as wide as glTF says. A turn is along the tangent or across it, whichever is nearer.
+    /// Returns what is to be told.
+    ///
+    /// Where the roughness has a map, the lobe is that of its `mean`: glTF's stretch depends on the roughness of each texel, and the
+    /// stretch here does not.
+    fn stretch(&self, material: &mut Material, mean: f32) -> Option<&'static str> {
+        if !(self.anisotropy_strength > 0.0) {
+            return None;
+        }
+        let is_layered = material.model == BrdfModel::OpenPbr;
+        let [name, stretch_name] = if is_layered {
+            ["specular_roughness", "specular_roughness_anisotropy"]
+        } else {
+            ["roughness", "anisotropy"]
+        };
+        let factor = material.parameters.number(name);
+        let at_mean = (factor * mean).clamp(0.01, 1.0);
+        let lobe = stretch::of_gltf(at_mean, self.anisotropy_strength);
+        let from_tangent = (self.anisotropy_rotation.rem_euclid(2.0 * FRAC_PI_2) - FRAC_PI_2).abs();
+        let is_across = from_tangent < FRAC_PI_4;
+        let ([roughness, amount], told) = match (is_layered, is_across) {
+            (false, _) => {
+                let [roughness, squeeze] = stretch::to_burley(lobe);
+                let amount = (squeeze / 0.9).min(1.0);
+                ([roughness, if is_across { -amount } else { amount }], None)
+            }
+            (true, false) => (stretch::to_openpbr(lobe), None),
+            (true, true) => {
+                let [roughness, _] = stretch::to_burley(lobe);
+                let text =
+                    "have a highlight across the tangent below a coat or sheen, which cannot be shown; it is round";
+                ([roughness, 0.0], Some(text))
+            }
+        };
+        let wanted = if mean > 0.0 { factor.max(0.01) * roughness / at_mean } else { factor };
+        material.parameters.set(name, wanted.min(1.0));
+        material.parameters.set(stretch_name, amount);
+        let narrower =
+            "have a stretched highlight with a texture of roughness, whose factor ends at 1; it is narrower than meant";
+        told.or((wanted > 1.0).then_some(narrower))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::brdf::{GgxParameters, widths};
+
+    #[test]
+    fn a_stretched_lobe_is_as_wide_as_gltf_says() {
+        for (roughness, strength) in [(0.5_f32, 0.6_f32), (0.3, 0.2), (0.8, 1.0)] {
+            let mut material = Material::default();
+            material.parameters.set("roughness", roughness);
+            let along = Anisotropy { anisotropy_strength: strength, anisotropy_rotation: 0.1, ..Default::default() };
+            assert_eq!(along.stretch(&mut material, 1.0), None);
+            let p = GgxParameters::from(&material.parameters);
+            let alpha = roughness * roughness;
+            let expected = [alpha + (1.0 - alpha) * strength * strength, alpha];
+            let found = widths(p.roughness, p.anisotropy);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.05 * b), "{found:?} {expected:?}");
+            Anisotropy { anisotropy_rotation: FRAC_PI_2, ..along }.stretch(&mut material, 1.0);
+            assert!(material.parameters.number("anisotropy") < 0.0, "across the tangent");
+        }
+    }
+}

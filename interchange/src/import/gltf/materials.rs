@@ -1,0 +1,296 @@
+//! Metallic-roughness materials of a glTF file and their textures.
+
+use super::{
+    super::{
+        Source,
+        files::Trouble,
+        listed,
+        textures::{TextureLibrary, read_picture},
+    },
+    buffers::{Buffers, percent_decoded, read_uri},
+    document_with,
+    layers::Layers,
+};
+use glam::{Vec2, Vec3};
+use gltf::{buffer::View, material::AlphaMode, texture::WrappingMode};
+use lapidary_core::{
+    brdf::GgxParameters,
+    color::luminance,
+    material::Material,
+    texture::{Channel, ColorSpace, TextureSlot},
+};
+use serde::Deserialize;
+use serde_json::Value;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+/// Adds all materials in the order of the file.
+///
+/// # Errors
+/// [`Trouble::Memory`].
+pub(super) fn add_materials(
+    source: &mut Source,
+    gltf: &gltf::Gltf,
+    bytes: &[u8],
+    buffers: &Buffers,
+    library: &mut TextureLibrary,
+) -> Result<(), Trouble> {
+    let normal_transforms = normal_transforms(bytes);
+    let views = gltf.views().collect();
+    let layers = layers_of(bytes);
+    let ignored = Ignored::default();
+    let mut reader = MaterialReader { gltf, views, buffers, library, normal_transforms, layers, ignored };
+    source.materials = gltf.materials().map(|m| reader.material(&m)).collect::<Result<_, _>>()?;
+    reader.ignored.warn(&mut source.warnings);
+    Ok(())
+}
+
+/// The material of a primitive; the default of the format is added when the first primitive needs it.
+///
+/// `chosen` is that of a variant, which may not be there.
+pub(super) fn index_of(
+    source: &mut Source,
+    gltf: &gltf::Document,
+    primitive: &gltf::Primitive,
+    chosen: Option<usize>,
+) -> u32 {
+    let default = gltf.materials().count();
+    let chosen = chosen.filter(|index| *index < default);
+    let index = chosen.or(primitive.material().index()).unwrap_or(default);
+    if index == source.materials.len() {
+        source.materials.push(Material { name: "default".into(), ..Default::default() });
+    }
+    index as u32
+}
+
+/// Features of materials that are not supported.
+#[derive(Default)]
+struct Ignored {
+    second_uvs: Vec<String>,
+    not_repeated: Vec<String>,
+    /// Of the extensions: what is told, and of which material.
+    told: BTreeSet<(&'static str, String)>,
+}
+
+impl Ignored {
+    fn warn(&self, warnings: &mut Vec<String>) {
+        for (names, text) in [
+            (
+                &self.second_uvs,
+                "use a second set of texture coordinates and show with the first; unwrap them to one set",
+            ),
+            (
+                &self.not_repeated,
+                "clamp or mirror their textures, which repeat instead; keep coordinates within 0 to 1",
+            ),
+        ] {
+            if !names.is_empty() {
+                warnings.push(format!("the materials {} {text}", listed(names)));
+            }
+        }
+        let mut by_text: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        self.told.iter().for_each(|(text, name)| by_text.entry(text).or_default().push(name.clone()));
+        warnings.extend(by_text.iter().map(|(text, names)| format!("the materials {} {text}", listed(names))));
+    }
+}
+
+/// `KHR_texture_transform` on normal textures, where the `gltf` crate does not offer it.
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Transform {
+    offset: Vec2,
+    rotation: f32,
+    scale: Vec2,
+    tex_coord: Option<u32>,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self { offset: Vec2::ZERO, rotation: 0.0, scale: Vec2::ONE, tex_coord: None }
+    }
+}
+
+impl From<gltf::texture::TextureTransform<'_>> for Transform {
+    fn from(t: gltf::texture::TextureTransform) -> Self {
+        let (offset, scale) = (Vec2::from_array(t.offset()), Vec2::from_array(t.scale()));
+        Self { offset, rotation: t.rotation(), scale, tex_coord: t.tex_coord() }
+    }
+}
+
+/// The transform of each material's normal texture, from the JSON itself; empty if the file has none.
+fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
+    let document = document_with(bytes, "KHR_texture_transform").unwrap_or_default();
+    let transform = |material: &Value| {
+        let value = material["normalTexture"]["extensions"]["KHR_texture_transform"].clone();
+        serde_json::from_value(value).unwrap_or_default()
+    };
+    document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(transform).collect())
+}
+
+/// What the extensions of each material add; empty if the file has none.
+fn layers_of(bytes: &[u8]) -> Vec<Layers> {
+    let document = document_with(bytes, "KHR_materials_");
+    document.map(|document| Layers::of_all(&document)).unwrap_or_default()
+}
+
+struct MaterialReader<'a> {
+    gltf: &'a gltf::Gltf,
+    /// By their indices.
+    views: Vec<View<'a>>,
+    buffers: &'a Buffers,
+    library: &'a mut TextureLibrary,
+    normal_transforms: Vec<Transform>,
+    layers: Vec<Layers>,
+    ignored: Ignored,
+}
+
+impl MaterialReader<'_> {
+    fn material(&mut self, source: &gltf::Material) -> Result<Material, Trouble> {
+        let index = source.index().unwrap_or_default();
+        let name = source.name().map_or_else(|| format!("material {index}"), str::to_owned);
+        let mut material = Material {
+            name,
+            parameters: parameters(source).into(),
+            double_sided: source.double_sided(),
+            ..Default::default()
+        };
+        material.set_emission(Vec3::from_array(source.emissive_factor()));
+        self.add_maps(&mut material, source)?;
+        self.add_opacity(&mut material, source);
+        self.add_layers(&mut material, index)?;
+        Ok(material)
+    }
+
+    fn add_maps(&mut self, material: &mut Material, source: &gltf::Material) -> Result<(), Trouble> {
+        let pbr = source.pbr_metallic_roughness();
+        let name = &material.name;
+        let maps = &mut material.maps;
+        if let Some(info) = pbr.base_color_texture() {
+            maps.set("base_color", Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name)? }));
+        }
+        if let Some(info) = pbr.metallic_roughness_texture() {
+            let slot = self.slot(&info, name)?;
+            maps.set("roughness", Some(TextureSlot { channel: Channel::G, ..slot.clone() }));
+            maps.set("metalness", Some(TextureSlot { channel: Channel::B, ..slot }));
+        }
+        if let Some(info) = source.specular().and_then(|s| s.specular_texture()) {
+            maps.set("specular", Some(TextureSlot { channel: Channel::A, ..self.slot(&info, name)? }));
+        }
+        if let Some(info) = source.emissive_texture() {
+            maps.set("emission_color", Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name)? }));
+        }
+        if let Some(normal) = source.normal_texture() {
+            let transform = self.normal_transforms.get_mut(source.index().unwrap_or_default()).map(std::mem::take);
+            let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform.unwrap_or_default(), name)?;
+            maps.set("normal", Some(TextureSlot { strength: normal.scale(), ..slot }));
+        }
+        Ok(())
+    }
+
+    /// The alpha of the base colour, where the material says that it counts.
+    fn add_opacity(&self, material: &mut Material, source: &gltf::Material) {
+        let cutoff = match source.alpha_mode() {
+            AlphaMode::Opaque => return,
+            AlphaMode::Mask => source.alpha_cutoff().unwrap_or(0.5),
+            AlphaMode::Blend => 0.0,
+        };
+        if source.alpha_mode() == AlphaMode::Mask && cutoff <= 0.0 {
+            return; // nothing is cut out
+        }
+        let [.., alpha] = source.pbr_metallic_roughness().base_color_factor();
+        material.parameters.set("geometry_opacity", alpha);
+        if cutoff > 0.0 {
+            material.parameters.set("opacity_cutoff", cutoff);
+        }
+        let alpha = |slot: &TextureSlot| TextureSlot { channel: Channel::A, ..slot.clone() };
+        let has_alpha = |slot: &TextureSlot| {
+            let texture = &self.library.textures[slot.texture as usize];
+            texture.least(Channel::A as usize, slot.color_space) < 1.0
+        };
+        let map = material.maps.get("base_color").map(alpha).filter(has_alpha);
+        material.maps.set("geometry_opacity", map);
+    }
+
+    fn add_layers(&mut self, material: &mut Material, index: usize) -> Result<(), Trouble> {
+        let Some(layers) = self.layers.get(index).cloned() else { return Ok(()) };
+        let name = material.name.clone();
+        let mean = material.maps.get("roughness").map_or(1.0, |slot| {
+            self.library.textures[slot.texture as usize].mean(slot.color_space)[slot.channel as usize]
+        });
+        let told = layers.add_to(material, mean, |info| {
+            let missing = || Trouble::from(format!("a material refers to texture {}, which is not there", info.index));
+            let texture = self.gltf.textures().nth(info.index).ok_or_else(missing)?;
+            self.slot_of(&texture, info.tex_coord, info.transform(), &name)
+        })?;
+        self.ignored.told.extend(told.into_iter().map(|text| (text, material.name.clone())));
+        Ok(())
+    }
+
+    fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> Result<TextureSlot, Trouble> {
+        let transform = info.texture_transform().map(Transform::from).unwrap_or_default();
+        self.slot_of(&info.texture(), info.tex_coord(), transform, material)
+    }
+
+    fn slot_of(
+        &mut self,
+        texture: &gltf::Texture,
+        set: u32,
+        transform: Transform,
+        material: &str,
+    ) -> Result<TextureSlot, Trouble> {
+        let note = |list: &mut Vec<String>| {
+            if list.last().is_none_or(|last| last != material) {
+                list.push(material.to_owned());
+            }
+        };
+        if transform.tex_coord.unwrap_or(set) != 0 {
+            note(&mut self.ignored.second_uvs);
+        }
+        let sampler = texture.sampler();
+        if [sampler.wrap_s(), sampler.wrap_t()] != [WrappingMode::Repeat; 2] {
+            note(&mut self.ignored.not_repeated);
+        }
+        Ok(TextureSlot {
+            texture: self.texture(texture.source().index())?,
+            scale: transform.scale,
+            offset: transform.offset,
+            rotation: transform.rotation,
+            ..Default::default()
+        })
+    }
+
+    /// Loads an image from a file, a `data:` URI or a buffer view.
+    fn texture(&mut self, image: usize) -> Result<u32, Trouble> {
+        let json = &self.gltf.as_json().images[image];
+        let name = json.name.clone().unwrap_or_else(|| format!("image {image}"));
+        let (views, buffers) = (&self.views, self.buffers);
+        match &json.uri {
+            Some(uri) if !uri.starts_with("data:") => self.library.load(&percent_decoded(uri)),
+            Some(uri) => self.library.load_with(&format!("image {image}"), &name, |files| {
+                let bytes = read_uri(uri, files)?;
+                read_picture(&bytes, Path::new(&name), files)
+            }),
+            None => self.library.load_with(&format!("image {image}"), &name, |files| {
+                let view = json.buffer_view.and_then(|v| views.get(v.value())).ok_or("it has no data")?;
+                read_picture(buffers.view(view)?, Path::new(&name), files)
+            }),
+        }
+    }
+}
+
+fn parameters(source: &gltf::Material) -> GgxParameters {
+    let pbr = source.pbr_metallic_roughness();
+    let [r, g, b, _] = pbr.base_color_factor();
+    let specular =
+        source.specular().map_or(1.0, |s| s.specular_factor() * luminance(Vec3::from_array(s.specular_color_factor())));
+    GgxParameters {
+        base_color: Vec3::new(r, g, b),
+        roughness: pbr.roughness_factor(),
+        metalness: pbr.metallic_factor(),
+        ior: source.ior().unwrap_or(1.5),
+        specular,
+        ..Default::default()
+    }
+}

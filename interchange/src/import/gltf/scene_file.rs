@@ -1,0 +1,163 @@
+//! A glTF file that was parsed: its buffers, its nodes, and what some clip moves.
+
+use super::{
+    super::{
+        ImportError, Source, check_count,
+        files::{Files, Trouble},
+    },
+    Notes,
+    buffers::Buffers,
+    check_extensions, check_glb_header, deformations,
+    hierarchy::{self, Hierarchy},
+    is_surface, json_of, materials, no_variant, node_name, parse,
+    primitive::Primitive,
+    variants::{self, FileVariants},
+};
+use gltf::mesh::{Mode, Semantic};
+use lapidary_core::{
+    animation::{
+        Clip,
+        clip::Property,
+        nodes::Nodes,
+        shape::{Deformation, Posture},
+        skin::Skin,
+    },
+    parts::Part,
+};
+use std::{collections::HashSet, path::Path};
+
+/// A file that was parsed, with its buffers and its nodes.
+pub(super) struct SceneFile {
+    pub gltf: gltf::Gltf,
+    pub buffers: Buffers,
+    pub variants: FileVariants,
+    pub nodes: Nodes,
+    /// Nodes of scenes, parents first.
+    order: Vec<usize>,
+    /// Nodes whose rotation was normalised.
+    pub turned: Vec<String>,
+    pub skins: Vec<Result<Skin, String>>,
+    /// Animations that had channels that move no node.
+    pub pointing: HashSet<usize>,
+}
+
+impl SceneFile {
+    pub fn open(bytes: &[u8], path: &Path, files: &mut Files, variant: Option<&str>) -> Result<Self, ImportError> {
+        let failed = |trouble: Trouble| trouble.at(path, "glTF");
+        let parse_error = |reason: String| failed(reason.into());
+        check_glb_header(bytes).map_err(parse_error)?;
+        files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
+        check_extensions(bytes, path)?;
+        let (gltf, pointing) = parse(bytes).map_err(parse_error)?;
+        let bytes_of_nodes = hierarchy::bytes_of_weights(&gltf).saturating_add(deformations::bytes_of_skins(&gltf));
+        files.budget.take(bytes_of_nodes).map_err(|over| over.at(path))?;
+        let variants = FileVariants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
+        let buffers = Buffers::load(&gltf, files).map_err(failed)?;
+        let hierarchy = hierarchy::read(&gltf);
+        let skins = deformations::skins(&gltf, &buffers);
+        let Hierarchy { nodes, order, turned } = hierarchy;
+        let pointing = pointing.into_iter().collect();
+        let file = Self { gltf, buffers, variants, nodes, order, turned, skins, pointing };
+        file.check_size(files, path)?;
+        Ok(file)
+    }
+
+    pub fn nodes_of_scene(&self) -> impl Iterator<Item = gltf::Node<'_>> {
+        let all: Vec<gltf::Node> = self.gltf.nodes().collect();
+        self.order.iter().map(move |&index| all[index].clone())
+    }
+
+    pub fn at_rest(&self) -> Posture {
+        let skins: Vec<Skin> = self.skins.iter().map(|skin| skin.clone().unwrap_or_default()).collect();
+        Posture::new(&self.nodes, &skins, self.nodes.at_rest())
+    }
+
+    /// Counts what all instances will take before anything is read.
+    fn check_size(&self, files: &mut Files, path: &Path) -> Result<(), ImportError> {
+        let (mut vertices, mut triangles, mut deformations) = (0u64, 0u64, 0u64);
+        for primitive in self.nodes_of_scene().filter_map(|node| node.mesh()).flat_map(|mesh| mesh.primitives()) {
+            let positions = primitive.get(&Semantic::Positions).map_or(0, |a| a.count() as u64);
+            let corners = primitive.indices().map_or(positions, |a| a.count() as u64);
+            let per_triangle = if primitive.mode() == Mode::Triangles { 3 } else { 1 };
+            // One without anything takes time, too.
+            vertices = vertices.saturating_add(positions.max(1));
+            triangles = triangles.saturating_add((corners / per_triangle).max(1));
+            deformations = deformations.saturating_add(deformations::bytes(&primitive, positions));
+        }
+        check_count("vertices", vertices, path)?;
+        check_count("triangles", triangles, path)?;
+        let taken = files.budget.take_mesh(vertices, triangles).and_then(|()| files.budget.take(deformations));
+        taken.map_err(|over| over.at(path))
+    }
+
+    /// Adds the objects of the scene, and calls `each` with their primitives and the parts that these are.
+    pub fn add_objects(
+        &self,
+        source: &mut Source,
+        mut each: impl FnMut(&mut Source, &gltf::Node, &gltf::Primitive, Part) -> Result<(), ImportError>,
+    ) -> Result<(), ImportError> {
+        for node in self.nodes_of_scene() {
+            let Some(mesh) = node.mesh() else { continue };
+            let mut parts = variants::PartsOfNode::new(source, node_name(&node));
+            for primitive in mesh.primitives().filter(|p| is_surface(p.mode())) {
+                let mut material = |chosen| materials::index_of(source, &self.gltf, &primitive, chosen);
+                let place = [mesh.index(), primitive.index()];
+                let (own, looks) = (material(self.variants.chosen(place)), self.variants.looks(place, &mut material));
+                let part = parts.add(source, own, looks);
+                each(source, &node, &primitive, part)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The vertices and triangles of a primitive.
+    pub fn primitive(&self, primitive: &gltf::Primitive, path: &Path) -> Result<Primitive, ImportError> {
+        let parse_error = |reason: String| Trouble::from(reason).at(path, "glTF");
+        let read = Primitive::read(primitive, &self.buffers).map_err(parse_error)?;
+        read.check().map_err(|source| ImportError::Mesh { path: path.into(), source })?;
+        Ok(read)
+    }
+
+    /// What deforms a primitive, as far as it can be used.
+    pub fn deformation(&self, node: &gltf::Node, primitive: &gltf::Primitive, notes: &mut Notes) -> Deformation {
+        let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
+        let (deformation, troubles) = deformations::read(node, primitive, vertices, &self.skins, &self.buffers);
+        let told = |trouble| {
+            format!("\"{}\" shows without a part of its deformation, {trouble}; export it again", node_name(node))
+        };
+        notes.deformations.extend(troubles.into_iter().map(told));
+        deformation
+    }
+
+    /// What some clip moves.
+    pub fn moving(&self, clips: &[Clip]) -> Moving {
+        let channels = || clips.iter().flat_map(Clip::channels);
+        let marked = |is_meant: fn(Property) -> bool| {
+            let mut marked = vec![false; self.gltf.nodes().count()];
+            channels().filter(|c| is_meant(c.property)).for_each(|channel| marked[channel.node] = true);
+            marked
+        };
+        let nodes = self.nodes.carried(&marked(|property| property != Property::Weights));
+        let is_carried = |skin: &Skin| skin.joints.iter().any(|&joint| nodes[joint]);
+        let skins = self.skins.iter().map(|skin| skin.as_ref().is_ok_and(is_carried)).collect();
+        Moving { weights: marked(|property| property == Property::Weights), nodes, skins }
+    }
+}
+
+/// What clips move, by index.
+pub(super) struct Moving {
+    nodes: Vec<bool>,
+    weights: Vec<bool>,
+    skins: Vec<bool>,
+}
+
+impl Moving {
+    /// Whether they move a primitive of a node. A skin that cannot be used leaves it to its node.
+    pub fn reaches(&self, node: &gltf::Node, primitive: &gltf::Primitive) -> bool {
+        let index = node.index();
+        let has_targets = primitive.morph_targets().next().is_some();
+        self.nodes[index]
+            || self.weights[index] && has_targets
+            || node.skin().is_some_and(|skin| self.skins[skin.index()])
+    }
+}

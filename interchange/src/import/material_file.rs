@@ -1,0 +1,283 @@
+//! A material as a JSON file of its own: like [`Material`], but its maps name picture files beside it. Or one of a MaterialX document.
+
+use super::{
+    ImportError, ImportOptions, ImportReport,
+    files::{Files, Trouble},
+    ranges::{material_warning, repair_material},
+    read_file,
+    textures::sanitized,
+};
+use crate::{
+    image::{decode, footprint},
+    materialx::{self, MaterialXError, ReadMaterial},
+};
+use glam::Vec2;
+use lapidary_core::{
+    brdf::{BrdfFile, Content},
+    image::ImageError,
+    input,
+    material::{Maps, Material, MaterialOf, map_color_space},
+    scene::Scene,
+    texture::{Channel, ColorSpace, Procedural, TextureSlot},
+};
+use serde::{Deserialize, Serialize};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+
+/// The contents of a material file. An empty name is the file's.
+pub type MaterialFile = MaterialOf<SlotFile>;
+
+/// The maps of a [`MaterialFile`].
+pub type MapFiles = Maps<SlotFile>;
+
+/// A picture in use; see [`TextureSlot`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlotFile {
+    /// The picture, relative to the material file; empty for a pattern.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub file: String,
+    /// A pattern in place of a picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub procedural: Option<Procedural>,
+    /// Colour space of 8-bit texels; by default sRGB for the base colour and linear for all else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub color_space: Option<ColorSpace>,
+    /// Component for scalar parameters.
+    #[serde(default)]
+    pub channel: Channel,
+    /// Repetitions across the unit square.
+    #[serde(default = "one")]
+    pub scale: Vec2,
+    /// Added after scaling and rotating.
+    #[serde(default)]
+    pub offset: Vec2,
+    /// Counter-clockwise rotation of the coordinates in degrees.
+    #[serde(default)]
+    pub rotation_degrees: f32,
+    /// Scales normals and heights.
+    #[serde(default = "full_strength")]
+    pub strength: f32,
+    /// Normals have their green channel down (DirectX).
+    #[serde(default)]
+    pub flip_y: bool,
+}
+
+fn one() -> Vec2 {
+    Vec2::ONE
+}
+
+fn full_strength() -> f32 {
+    1.0
+}
+
+/// The file of a material's path, and the name of the material in it: a MaterialX document holds several, and `FILE.mtlx#NAME` is
+/// one of them.
+pub fn material_in_file(path: &Path) -> (&Path, Option<&str>) {
+    let split = path.to_str().filter(|_| !path.is_file()).and_then(|text| text.rsplit_once('#'));
+    match split {
+        Some((file, name)) if is_materialx(Path::new(file)) => (Path::new(file), Some(name)),
+        _ => (path, None),
+    }
+}
+
+/// Names of the materials to choose from in a MaterialX document, if the path names none of them; none of other files, and of those
+/// that cannot be read.
+pub fn materials_in_file(path: &Path) -> Vec<String> {
+    let (file, wanted) = material_in_file(path);
+    if wanted.is_some() || !is_materialx(file) {
+        return Vec::new();
+    }
+    let text = input::read(file).ok().and_then(|bytes| String::from_utf8(bytes.to_vec()).ok());
+    text.and_then(|text| materialx::names(&text).ok()).unwrap_or_default()
+}
+
+/// Whether a file is a MaterialX document, by its extension.
+pub fn is_materialx(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mtlx"))
+}
+
+/// Reads a material file, JSON or MaterialX ([`material_in_file`]), and adds its pictures to the textures of `scene` unless they are there already. Also returns what
+/// is to be told, in sentences.
+///
+/// # Errors
+/// A file or picture that cannot be read or may not, or contents that are no material. The scene is unchanged then.
+pub fn load_material(
+    path: &Path,
+    scene: &mut Scene,
+    options: &ImportOptions,
+) -> Result<(Material, Vec<String>), ImportError> {
+    let before = scene.textures.len();
+    let (path, wanted) = material_in_file(path);
+    let mut loader =
+        MaterialLoader { path, scene, files: Files::beside(path, options), report: ImportReport::default() };
+    let loaded = loader.load(wanted);
+    let MaterialLoader { files, mut report, .. } = loader;
+    files.tell(&mut report);
+    match loaded {
+        Ok(material) => Ok((material, report.warnings)),
+        Err(error) => {
+            scene.textures.truncate(before);
+            Err(error)
+        }
+    }
+}
+
+/// The pictures that a material file names, so far as they are there; none of a file that cannot be read.
+pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
+    let (path, wanted) = material_in_file(path);
+    let read = input::read(path).ok().and_then(|bytes| contents(path, &bytes, wanted).ok()).map(|read| read.material);
+    // Which file a name refers to depends on whether files outside are allowed.
+    let found = [false, true].into_iter().flat_map(|allow_outside| {
+        let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });
+        let slots = read.iter().flat_map(|file| file.maps.slots());
+        let brdf = read.iter().flat_map(|material| &material.file).map(|file| file.path.to_string_lossy());
+        let names: Vec<_> = slots.filter_map(SlotFile::picture).map(Into::into).chain(brdf).collect();
+        names.into_iter().filter_map(move |name| files.find(&name).ok())
+    });
+    found.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// What a material file holds.
+fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>) -> Result<ReadMaterial, ImportError> {
+    let parse_error = |format, reason| ImportError::Parse { path: path.into(), format, reason };
+    if is_materialx(path) {
+        let text = std::str::from_utf8(bytes).map_err(|e| parse_error("MaterialX", e.to_string()))?;
+        return materialx::read(text, wanted).map_err(|error| match error {
+            MaterialXError::NoSuchMaterial { .. } => ImportError::NoSuchMaterial { path: path.into(), source: error },
+            other => parse_error("MaterialX", other.to_string()),
+        });
+    }
+    let mut material: MaterialFile =
+        serde_json::from_slice(bytes).map_err(|e| parse_error("a material", e.to_string()))?;
+    if material.file.is_some() && !material.model.has_file() {
+        // The file is of a model that it had before, and so is what the file declares.
+        material = MaterialFile { file: None, ..material.own() };
+    }
+    Ok(ReadMaterial { material, remarks: Vec::new() })
+}
+
+struct MaterialLoader<'a> {
+    path: &'a Path,
+    scene: &'a mut Scene,
+    files: Files,
+    report: ImportReport,
+}
+
+impl SlotFile {
+    /// Of a slot whose picture is in `file`; empty for a pattern.
+    pub fn of(slot: &TextureSlot, file: String) -> Self {
+        Self {
+            file,
+            procedural: slot.procedural,
+            color_space: Some(slot.color_space),
+            channel: slot.channel,
+            scale: slot.scale,
+            offset: slot.offset,
+            rotation_degrees: slot.rotation.to_degrees(),
+            strength: slot.strength,
+            flip_y: slot.flip_y,
+        }
+    }
+
+    /// The name of its picture, unless it is a pattern.
+    fn picture(&self) -> Option<&str> {
+        self.procedural.is_none().then_some(&self.file)
+    }
+}
+
+impl MaterialLoader<'_> {
+    fn load(&mut self, wanted: Option<&str>) -> Result<Material, ImportError> {
+        let path = self.path;
+        let bytes = read_file(path, &mut self.files)?;
+        let ReadMaterial { material: file, remarks } = contents(path, &bytes, wanted)?;
+        if let Some((map, _)) = file.maps.iter().find(|(_, slot)| slot.picture() == Some("")) {
+            let reason = format!("the map `{map}` names neither a `file` nor a `procedural`");
+            return Err(self.unread(Trouble::Reason(reason), ""));
+        }
+        self.report.warnings.extend(remarks);
+        self.check_outside(&file)?;
+        let maps = file.maps.try_map(|kind, slot: &SlotFile| self.slot(slot, map_color_space(kind)))?;
+        let mut material = file.with_maps(maps);
+        material.file = file.file.as_ref().map(|file| self.brdf(file)).transpose()?;
+        if material.name.is_empty() {
+            material.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        }
+        if repair_material(&mut material) {
+            self.report.warnings.push(material_warning(std::slice::from_ref(&material.name)));
+        }
+        Ok(material)
+    }
+
+    /// Names all pictures that may not be read at once.
+    fn check_outside(&mut self, file: &MaterialFile) -> Result<(), ImportError> {
+        let mut names: Vec<String> = file.maps.slots().filter_map(SlotFile::picture).map(str::to_owned).collect();
+        names.extend(file.file.as_ref().map(|file| file.path.to_string_lossy().into_owned()));
+        names.sort();
+        names.dedup();
+        names.retain(|name| matches!(self.files.find(name), Err(Trouble::Outside(_))));
+        if names.is_empty() { Ok(()) } else { Err(ImportError::Outside { path: self.path.into(), names }) }
+    }
+
+    /// The file of its BRDF, read.
+    fn brdf(&mut self, file: &BrdfFile) -> Result<BrdfFile, ImportError> {
+        let name = file.path.to_string_lossy();
+        let failed = |reason: String| ImportError::Parse { path: self.path.into(), format: "a material", reason };
+        let path = match self.files.find(&name) {
+            Ok(path) => path,
+            Err(Trouble::Reason(reason)) => return Err(failed(format!("its BRDF {name}: {reason}"))),
+            Err(other) => return Err(other.at(self.path, "a material")),
+        };
+        let (content, remarks) = Content::read(&path).map_err(|error| failed(error.to_string()))?;
+        self.report.warnings.extend(remarks);
+        Ok(BrdfFile { path, content: Some(content) })
+    }
+
+    fn slot(&mut self, slot: &SlotFile, default_space: ColorSpace) -> Result<TextureSlot, ImportError> {
+        Ok(TextureSlot {
+            texture: slot.picture().map(|name| self.texture(name)).transpose()?.unwrap_or_default(),
+            color_space: slot.color_space.unwrap_or(default_space),
+            channel: slot.channel,
+            scale: slot.scale,
+            offset: slot.offset,
+            rotation: slot.rotation_degrees.to_radians(),
+            strength: slot.strength,
+            flip_y: slot.flip_y,
+            procedural: slot.procedural.map(Procedural::sanitized),
+        })
+    }
+
+    fn texture(&mut self, name: &str) -> Result<u32, ImportError> {
+        let bytes = self.files.find(name).and_then(|file| self.files.read(&file)).map_err(|t| self.unread(t, name))?;
+        if let Some(known) =
+            self.scene.textures.iter().position(|texture| !bytes.is_empty() && *texture.encoded == *bytes)
+        {
+            return Ok(known as u32);
+        }
+        let failed = |source| ImportError::Map { path: self.path.into(), source };
+        let footprint = footprint(&bytes, Path::new(name)).map_err(failed)?;
+        self.files.budget.take_picture(bytes.len(), footprint).map_err(|over| over.at(self.path))?;
+        let mut texture = decode(&bytes, Path::new(name)).map_err(failed)?;
+        texture.name = name.to_owned();
+        self.report.warnings.extend(sanitized(&mut texture));
+        self.scene.textures.push(texture.into());
+        Ok(self.scene.textures.len() as u32 - 1)
+    }
+
+    /// The error of a picture that is not read.
+    fn unread(&self, trouble: Trouble, name: &str) -> ImportError {
+        match trouble {
+            Trouble::Reason(reason) => {
+                let source =
+                    ImageError::Io { action: "read", path: name.into(), source: std::io::Error::other(reason) };
+                ImportError::Map { path: self.path.into(), source }
+            }
+            other => other.at(self.path, "a material"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

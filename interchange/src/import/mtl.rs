@@ -1,0 +1,397 @@
+//! Materials of a Wavefront MTL file, with the PBR keys that Blender and others add.
+//!
+//! Read here and not by `tobj`, which panics at a colour of fewer than three numbers and drops the whole library at
+//! one bad line.
+
+use super::{
+    Source,
+    budget::{Budget, OverBudget},
+    files::Trouble,
+    listed,
+    textures::TextureLibrary,
+};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    brdf::{BrdfModel, GgxParameters},
+    color::luminance,
+    material::Material,
+    texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
+};
+use std::collections::HashMap;
+
+/// Height in metres of a white texel of a bump map with multiplier 1, for which MTL has no unit.
+pub(crate) const BUMP_METRES: f32 = 0.01;
+
+/// A specular colour up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
+pub(crate) const LARGEST_DIELECTRIC_F0: f32 = 0.2;
+
+/// The statements of one material by lower-case key; of repeated ones the last.
+#[derive(Debug, Default)]
+pub(super) struct MtlEntry {
+    statements: HashMap<String, String>,
+}
+
+/// All materials of a library by name. Lines that are not understood are skipped.
+///
+/// # Errors
+/// More materials than there is room for.
+pub(super) fn parse(text: &str, budget: &mut Budget) -> Result<HashMap<String, MtlEntry>, OverBudget> {
+    let mut entries = HashMap::new();
+    let mut current: Option<(String, MtlEntry)> = None;
+    for line in text.lines().map(str::trim).filter(|l| !l.starts_with('#')) {
+        let (key, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if key == "newmtl" {
+            budget.take_names(1)?;
+            entries.extend(current.replace((value.trim().to_owned(), MtlEntry::default())));
+        } else if let Some((_, entry)) = &mut current {
+            entry.statements.insert(key.to_ascii_lowercase(), value.trim().to_owned());
+        }
+    }
+    entries.extend(current);
+    Ok(entries)
+}
+
+/// A texture statement: options and the file name, which may hold spaces.
+#[derive(Debug, PartialEq)]
+struct MapStatement {
+    file: String,
+    scale: Vec2,
+    offset: Vec2,
+    multiplier: f32,
+    channel: Option<Channel>,
+}
+
+impl MtlEntry {
+    fn number(&self, key: &str) -> Option<f32> {
+        self.statements.get(key)?.split_whitespace().next()?.parse().ok().filter(|x: &f32| x.is_finite())
+    }
+
+    /// Three numbers, or one for all.
+    fn color(&self, key: &str) -> Option<Vec3> {
+        let numbers: Option<Vec<f32>> =
+            self.statements.get(key)?.split_whitespace().take(3).map(|w| w.parse().ok()).collect();
+        match *numbers? {
+            [r, g, b] => Some(Vec3::new(r, g, b)),
+            [grey] => Some(Vec3::splat(grey)),
+            _ => None,
+        }
+        .filter(|c| c.is_finite())
+    }
+
+    fn map(&self, key: &str) -> Option<MapStatement> {
+        parse_map(self.statements.get(key)?)
+    }
+}
+
+/// Splits a texture statement such as `-bm 0.5 -s 2 2 1 my wood.png`.
+fn parse_map(statement: &str) -> Option<MapStatement> {
+    let mut map =
+        MapStatement { file: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, multiplier: 1.0, channel: None };
+    let mut rest = statement.trim();
+    while let Some(option) = rest.strip_prefix('-') {
+        let (name, after) = option.split_once(char::is_whitespace)?;
+        rest = after.trim_start();
+        match name {
+            "s" | "o" | "t" | "mm" => {
+                let numbers = take_numbers(&mut rest);
+                let pair = Vec2::new(*numbers.first()?, numbers.get(1).copied().unwrap_or(f32::from(name == "s")));
+                match name {
+                    "s" => map.scale = pair,
+                    "o" => map.offset = pair,
+                    _ => {}
+                }
+            }
+            "bm" => map.multiplier = *take_numbers(&mut rest).first()?,
+            "imfchan" => map.channel = channel(take_word(&mut rest)),
+            _ => _ = take_word(&mut rest), // blendu, blendv, clamp, cc, boost, texres, type: one word each
+        }
+    }
+    map.file = rest.trim().to_owned();
+    (!map.file.is_empty()).then_some(map)
+}
+
+fn channel(word: &str) -> Option<Channel> {
+    match word {
+        "r" => Some(Channel::R),
+        "g" => Some(Channel::G),
+        "b" => Some(Channel::B),
+        "m" => Some(Channel::A),
+        _ => None,
+    }
+}
+
+fn take_word<'a>(rest: &mut &'a str) -> &'a str {
+    let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+    *rest = after.trim_start();
+    word
+}
+
+/// Up to three numbers; the last word is the file's name and is left even if it is a number.
+fn take_numbers(rest: &mut &str) -> Vec<f32> {
+    let mut numbers = Vec::new();
+    while numbers.len() < 3 {
+        let Some((word, after)) = rest.split_once(char::is_whitespace) else { break };
+        let Ok(number) = word.parse::<f32>() else { break };
+        numbers.push(if number.is_finite() { number } else { 0.0 });
+        *rest = after.trim_start();
+    }
+    numbers
+}
+
+/// Features of materials that are not supported, by material.
+#[derive(Default)]
+struct Ignored {
+    invisible: Vec<String>,
+    shininess_maps: Vec<String>,
+}
+
+/// Adds the materials called `names` to `source`, from the library `entries`, and reports what is missing or ignored.
+///
+/// # Errors
+/// [`Trouble::Memory`].
+pub(super) fn add_materials(
+    source: &mut Source,
+    names: &[String],
+    entries: &HashMap<String, MtlEntry>,
+    library: &mut TextureLibrary,
+) -> Result<(), Trouble> {
+    let mut ignored = Ignored::default();
+    for name in names {
+        let material = match entries.get(name) {
+            Some(entry) => material(name, entry, library, &mut ignored)?,
+            None => Material { name: name.clone(), ..Default::default() },
+        };
+        source.materials.push(material);
+    }
+    let missing: Vec<String> = names.iter().filter(|n| !entries.contains_key(*n)).cloned().collect();
+    warn(
+        source,
+        &missing,
+        "the materials {} are in no material library and show grey; put the .mtl file beside the scene",
+    );
+    warn(
+        source,
+        &ignored.invisible,
+        "the materials {} stop no light and are not seen; if their file means the opposite, raise their opacity",
+    );
+    warn(
+        source,
+        &ignored.shininess_maps,
+        "the materials {} have a shininess map (map_Ns), which was left out; convert it to a roughness map (map_Pr)",
+    );
+    Ok(())
+}
+
+fn warn(source: &mut Source, names: &[String], text: &str) {
+    if !names.is_empty() {
+        source.warnings.push(text.replace("{}", &listed(names)));
+    }
+}
+
+fn material(
+    name: &str,
+    entry: &MtlEntry,
+    library: &mut TextureLibrary,
+    ignored: &mut Ignored,
+) -> Result<Material, Trouble> {
+    if entry.map("map_ns").is_some() {
+        ignored.shininess_maps.push(name.to_owned());
+    }
+    let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
+    let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
+    // Programs leave the colour black when a texture stands in for it.
+    material.set_emission(entry.color("ke").filter(|ke| ke.max_element() > 0.0).unwrap_or(whole));
+    let opacity = entry.number("d").unwrap_or_else(|| 1.0 - entry.number("tr").unwrap_or(0.0));
+    if opacity < 1.0 {
+        material.parameters.set("geometry_opacity", opacity.max(0.0));
+    }
+    if opacity <= 0.0 {
+        ignored.invisible.push(name.to_owned());
+    }
+    add_maps(&mut material, entry, library)?;
+    add_layers(&mut material, entry);
+    add_layer_maps(&mut material, entry, library)?;
+    Ok(material)
+}
+
+/// Coat (`Pc`, of roughness `Pcr`) and sheen (`Ps`): with one of them a material becomes OpenPBR.
+fn add_layers(material: &mut Material, entry: &MtlEntry) {
+    let [coat, sheen] = ["pc", "ps"].map(|key| entry.number(key).unwrap_or(0.0));
+    if coat <= 0.0 && sheen <= 0.0 {
+        return;
+    }
+    material.change_model(BrdfModel::OpenPbr);
+    let parameters = &mut material.parameters;
+    parameters.set("coat_weight", coat);
+    parameters.set("coat_roughness", entry.number("pcr").unwrap_or(0.0));
+    parameters.set("fuzz_weight", sheen);
+}
+
+/// Maps of coat and sheen, where the material has them.
+fn add_layer_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibrary) -> Result<(), Trouble> {
+    for (key, name) in [("map_pc", "coat_weight"), ("map_pcr", "coat_roughness"), ("map_ps", "fuzz_weight")] {
+        let Some(map) = entry.map(key).filter(|_| material.model == BrdfModel::OpenPbr) else { continue };
+        material.maps.set(name, Some(texture_slot(&map, ColorSpace::Linear, library)?));
+    }
+    Ok(())
+}
+
+/// `aniso`, turned by `anisor` of a whole turn: along the tangent, or across it, whichever is nearer.
+fn anisotropy(entry: &MtlEntry) -> f32 {
+    let amount = entry.number("aniso").unwrap_or(0.0);
+    let from_tangent = (2.0 * entry.number("anisor").unwrap_or(0.0)).rem_euclid(1.0);
+    if (from_tangent - 0.5).abs() < 0.25 { -amount } else { amount }
+}
+
+fn parameters(entry: &MtlEntry) -> GgxParameters {
+    let has = |map: &str| entry.map(map).is_some();
+    let diffuse = entry.color("kd");
+    let specular = entry.color("ks");
+    let diffuse_is_black = diffuse.is_some_and(|kd| luminance(kd) < 0.05);
+    let mirror = diffuse_is_black && specular.is_some_and(|ks| luminance(ks) > 0.6);
+    let metalness = entry.number("pm").unwrap_or(if has("map_pm") || mirror { 1.0 } else { 0.0 });
+    let base_color = match (diffuse, specular) {
+        (_, Some(ks)) if metalness > 0.5 && diffuse_is_black => ks,
+        // Programs leave the colour black when a texture stands in for it.
+        (Some(kd), _) if !(has("map_kd") && kd.max_element() <= 0.0) => kd,
+        _ if has("map_kd") => Vec3::ONE,
+        _ => GgxParameters::default().base_color,
+    };
+    let (ior, weight) = dielectric(entry.number("ni"), specular, has("map_ks"));
+    let roughness = entry.number("pr").unwrap_or_else(|| match entry.number("ns") {
+        _ if has("map_pr") => 1.0,
+        // The Blinn-Phong lobe as wide as alpha = sqrt(2 / (Ns + 2)), and roughness = sqrt(alpha).
+        Some(shininess) => (2.0 / (shininess.max(0.0) + 2.0)).powf(0.25),
+        None => GgxParameters::default().roughness,
+    });
+    let anisotropy = anisotropy(entry);
+    GgxParameters { base_color, roughness, metalness, anisotropy, ior, specular: weight, ..Default::default() }
+}
+
+/// Index of refraction and specular weight from `Ni` and `Ks`.
+fn dielectric(ni: Option<f32>, ks: Option<Vec3>, has_map: bool) -> (f32, f32) {
+    let ior = ni.filter(|n| *n > 1.0 && *n <= 4.0);
+    let f0 = |ior: f32| ((ior - 1.0) / (ior + 1.0)).powi(2);
+    match ks.map(|ks| luminance(ks).max(0.0)) {
+        Some(ks) if ks == 0.0 && has_map => (ior.unwrap_or(1.5), 1.0),
+        Some(ks) if ks > LARGEST_DIELECTRIC_F0 || ks == 0.0 => (ior.unwrap_or(1.5), ks.min(1.0)),
+        Some(ks) => match ior {
+            Some(ior) => (ior, (ks / f0(ior)).min(1.0)),
+            None => ((1.0 + ks.sqrt()) / (1.0 - ks.sqrt()), 1.0),
+        },
+        None => (ior.unwrap_or(1.5), 1.0),
+    }
+}
+
+fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibrary) -> Result<(), Trouble> {
+    // The first of the keys that the entry has.
+    let mut slot = |keys: &[&str], color_space| {
+        let map = keys.iter().find_map(|key| entry.map(key));
+        map.map(|m| texture_slot(&m, color_space, library).map(|slot| (m.multiplier, slot))).transpose()
+    };
+    let mut value = |key: &str, color_space| slot(&[key], color_space).map(|found| found.map(|(_, slot)| slot));
+    let maps = &mut material.maps;
+    maps.set("base_color", value("map_kd", ColorSpace::Srgb)?);
+    maps.set("roughness", value("map_pr", ColorSpace::Linear)?);
+    maps.set("metalness", value("map_pm", ColorSpace::Linear)?);
+    maps.set("emission_color", value("map_ke", ColorSpace::Srgb)?);
+    maps.set("specular", value("map_ks", ColorSpace::Linear)?);
+    maps.set("normal", slot(&["norm", "map_kn"], ColorSpace::Linear)?.map(with_strength));
+    let bump = slot(&["bump", "map_bump"], ColorSpace::Linear)?;
+    match bump {
+        // Many exporters name normal maps so.
+        Some(bump) if looks_like_normals(&library.textures[bump.1.texture as usize]) => {
+            let normal = maps.get("normal").cloned().unwrap_or_else(|| with_strength(bump));
+            maps.set("normal", Some(normal));
+        }
+        Some((multiplier, slot)) => maps.set("bump", Some(with_strength((BUMP_METRES * multiplier, slot)))),
+        None => {}
+    }
+    if let Some(map) = entry.map("map_d") {
+        let slot = texture_slot(&map, ColorSpace::Linear, library)?;
+        // A picture with an alpha channel has it there, whatever its colours are.
+        let has_alpha = library.textures[slot.texture as usize].least(Channel::A as usize, ColorSpace::Linear) < 1.0;
+        let channel = map.channel.unwrap_or(if has_alpha { Channel::A } else { Channel::R });
+        maps.set("geometry_opacity", Some(TextureSlot { channel, ..slot }));
+    }
+    Ok(())
+}
+
+fn with_strength((strength, slot): (f32, TextureSlot)) -> TextureSlot {
+    TextureSlot { strength, ..slot }
+}
+
+/// MTL counts v from the bottom of the picture: `1 - (s (1 - v) + o) = s v + (1 - s - o)`.
+fn texture_slot(
+    map: &MapStatement,
+    color_space: ColorSpace,
+    library: &mut TextureLibrary,
+) -> Result<TextureSlot, Trouble> {
+    Ok(TextureSlot {
+        texture: library.load(&map.file)?,
+        color_space,
+        channel: map.channel.unwrap_or_default(),
+        scale: map.scale,
+        offset: Vec2::new(map.offset.x, 1.0 - map.scale.y - map.offset.y),
+        ..Default::default()
+    })
+}
+
+/// Whether the mean texel is the light blue of tangent-space normals.
+fn looks_like_normals(texture: &Texture) -> bool {
+    let mean = match &texture.texels {
+        Texels::U8(texels) => {
+            let sum = texels.iter().fold([0u64; 3], |s, t| [0, 1, 2].map(|c| s[c] + u64::from(t[c])));
+            sum.map(|s| s as f32 / (255.0 * texels.len() as f32))
+        }
+        Texels::F32(texels) => {
+            let sum = texels.iter().fold([0f64; 3], |s, t| [0, 1, 2].map(|c| s[c] + f64::from(t[c])));
+            sum.map(|s| s as f32 / texels.len() as f32)
+        }
+    };
+    let [r, g, b] = mean;
+    (r - 0.5).abs() < 0.12 && (g - 0.5).abs() < 0.12 && b > 0.75
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(text: &str) -> MtlEntry {
+        parse(&format!("newmtl m\n{text}"), &mut Budget::new(None)).unwrap().remove("m").unwrap()
+    }
+
+    #[test]
+    fn map_options_and_names_with_spaces_are_told_apart() {
+        let map = parse_map("-s 2 3 1 -bm 0.5 -clamp on -o 0.25 my old\\wood 2.png").unwrap();
+        assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.25, 0.0)));
+        assert_eq!((map.multiplier, map.file.as_str()), (0.5, "my old\\wood 2.png"));
+        assert_eq!(parse_map("-bm 2 7").unwrap().file, "7");
+        assert_eq!(parse_map("-bm 0.5"), None);
+        assert_eq!(parse_map("-s"), None);
+    }
+
+    #[test]
+    fn damaged_lines_cost_only_themselves() {
+        let m = parameters(&entry("Kd 0.5\nKs spectral file.rfl\nNs\nPr 0.25\nKe 1 nan 0\nd"));
+        assert_eq!((m.base_color, m.roughness), (Vec3::splat(0.5), 0.25));
+    }
+
+    #[test]
+    fn shininess_becomes_roughness_unless_there_is_one() {
+        assert!((parameters(&entry("Ns 30")).roughness - 0.5).abs() < 1e-6); // alpha = 1/4
+        assert_eq!(parameters(&entry("Ns 30\nPr 0.9")).roughness, 0.9);
+    }
+
+    #[test]
+    fn specular_colours_become_reflectance_weight_or_metal() {
+        let glossy = parameters(&entry("Ks 0.04 0.04 0.04"));
+        assert!((glossy.ior - 1.5).abs() < 1e-5 && glossy.specular == 1.0);
+        assert_eq!(parameters(&entry("Ks 0 0 0\nNi 1.5")).specular, 0.0);
+        assert_eq!(parameters(&entry("Ks 0.5 0.5 0.5\nKd 0.01 0.01 0.01")).metalness, 0.0);
+        let mirror = parameters(&entry("Kd 0 0 0\nKs 0.9 0.8 0.7"));
+        assert_eq!((mirror.metalness, mirror.base_color), (1.0, Vec3::new(0.9, 0.8, 0.7)));
+        let metal = parameters(&entry("Kd 0 0 0\nKs 0.5 0.4 0.3\nPm 1"));
+        assert_eq!((metal.metalness, metal.base_color), (1.0, Vec3::new(0.5, 0.4, 0.3)));
+    }
+}

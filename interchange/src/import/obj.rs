@@ -1,0 +1,282 @@
+//! Wavefront OBJ, parsed by `tobj`.
+
+use super::{
+    ImportError, Source,
+    budget::{Budget, OverBudget},
+    check_count,
+    files::{Files, Trouble},
+    listed, mtl,
+    repair::RawMesh,
+    textures::TextureLibrary,
+};
+use glam::{Vec2, Vec3, Vec4};
+use lapidary_core::{material::Material, scene::Object};
+use std::{
+    cell::Cell,
+    collections::{HashMap, HashSet},
+    io::{BufRead, Read},
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+};
+
+pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
+    let failed = |trouble: Trouble| trouble.at(path, "OBJ");
+    let parse_error = |reason: String| failed(reason.into());
+    if bytes.contains(&0) {
+        return Err(parse_error("it holds binary data".into()));
+    }
+    // The text is copied for `tobj`, and may be once more where it is not UTF-8.
+    files.budget.take(2 * bytes.len() as u64).map_err(|over| over.at(path))?;
+    let over_budget = |over: OverBudget| over.at(path);
+    let outline = outline(&String::from_utf8_lossy(bytes), &mut files.budget).map_err(over_budget)?;
+    check_count("vertices", outline.positions, path)?;
+    check_count("triangles", outline.triangles, path)?;
+    let expected = outline.vertices();
+    files.budget.take_mesh(expected, outline.triangles).map_err(over_budget)?;
+    let models = parse(&outline).map_err(parse_error)?;
+    let vertices: u64 = models.iter().map(|model| model.mesh.positions.len() as u64 / 3).sum();
+    files.budget.take_mesh(vertices.saturating_sub(expected), 0).map_err(over_budget)?;
+    let mut source = Source::default();
+    let mut damaged = Damaged::default();
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut objects = HashMap::new();
+    for model in models.iter().filter(|m| !m.mesh.indices.is_empty()) {
+        let name = if model.name == "unnamed_object" { stem.to_string() } else { model.name.clone() };
+        let object = *objects.entry(name.clone()).or_insert_with(|| {
+            source.objects.push(Object { name: name.clone() });
+            source.objects.len() as u32 - 1
+        });
+        let material = model.mesh.material_id.unwrap_or(outline.materials.in_order.len());
+        add_model(&mut source.mesh, &model.mesh, object, material as u32);
+        damaged.note(&name, &model.mesh);
+    }
+    damaged.warn(&mut source.warnings);
+    add_materials(&mut source, &outline, TextureLibrary::new(files)).map_err(failed)?;
+    Ok(source)
+}
+
+/// Results of a first pass over the text, and the text in the form that `tobj` reads.
+#[derive(Default)]
+struct Outline {
+    text: String,
+    /// Names, in the order of first use; `tobj` refers to them by index.
+    materials: Names,
+    libraries: Names,
+    positions: u64,
+    uvs: u64,
+    normals: u64,
+    corners: u64,
+    triangles: u64,
+}
+
+/// Joins continued lines, drops comments behind numbers, and collects the names of materials and libraries.
+/// Line numbers stay as they are.
+fn outline(file: &str, budget: &mut Budget) -> Result<Outline, OverBudget> {
+    let mut outline = Outline { text: String::with_capacity(file.len() + 64), ..Default::default() };
+    let mut joined = 0;
+    for line in file.lines() {
+        if let Some(start) = line.strip_suffix('\\') {
+            outline.text.push_str(start);
+            outline.text.push(' ');
+            joined += 1;
+            continue;
+        }
+        outline.push_line(line, budget)?;
+        outline.text.extend(std::iter::repeat_n('\n', 1 + std::mem::take(&mut joined)));
+    }
+    Ok(outline)
+}
+
+impl Outline {
+    /// About how many vertices there will be. One is made for each combination that a corner names; most programs write half as
+    /// many more as there are positions, at seams and hard edges.
+    fn vertices(&self) -> u64 {
+        let most = self.positions.max(self.uvs).max(self.normals);
+        (most + most / 2).min(self.corners)
+    }
+
+    fn push_line(&mut self, line: &str, budget: &mut Budget) -> Result<(), OverBudget> {
+        let trimmed = line.trim();
+        let (key, value) = trimmed.split_once(char::is_whitespace).unwrap_or((trimmed, ""));
+        let value = value.trim();
+        match key {
+            "mtllib" => return self.libraries.add(value, budget),
+            "usemtl" if value.is_empty() => return Ok(()),
+            "usemtl" => {
+                self.text.push_str("usemtl ");
+                self.text.push_str(value);
+                return self.materials.add(value, budget);
+            }
+            "v" => self.positions += 1,
+            "vt" => self.uvs += 1,
+            "vn" => self.normals += 1,
+            "f" => {
+                let corners = value.split_whitespace().count() as u64;
+                self.corners += corners;
+                self.triangles += corners.saturating_sub(2);
+            }
+            _ => {}
+        }
+        let numeric = matches!(key, "v" | "vt" | "vn" | "f" | "l");
+        self.text.push_str(if numeric { trimmed.split('#').next().unwrap_or_default() } else { trimmed });
+        Ok(())
+    }
+}
+
+/// Names, each once.
+#[derive(Default)]
+struct Names {
+    in_order: Vec<String>,
+    known: HashSet<String>,
+}
+
+impl Names {
+    fn add(&mut self, name: &str, budget: &mut Budget) -> Result<(), OverBudget> {
+        if !self.known.contains(name) {
+            budget.take_names(1)?;
+            self.known.insert(name.to_owned());
+            self.in_order.push(name.to_owned());
+        }
+        Ok(())
+    }
+}
+
+/// Reads lines and counts them, to say where an error is.
+struct LineCounter<'a> {
+    rest: &'a [u8],
+    lines: &'a Cell<usize>,
+}
+
+impl Read for LineCounter<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.rest.read(buffer)
+    }
+}
+
+impl BufRead for LineCounter<'_> {
+    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
+        Ok(self.rest)
+    }
+
+    fn consume(&mut self, amount: usize) {
+        let (read, rest) = self.rest.split_at(amount);
+        self.lines.set(self.lines.get() + read.iter().filter(|b| **b == b'\n').count());
+        self.rest = rest;
+    }
+}
+
+/// Runs `tobj` over the text, whose materials are the names in use whether or not a library has them.
+fn parse(outline: &Outline) -> Result<Vec<tobj::Model>, String> {
+    let lines = Cell::new(0);
+    let library = "mtllib names\n".as_bytes();
+    let mut reader = library.chain(LineCounter { rest: outline.text.as_bytes(), lines: &lines });
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let names = |_: &Path| {
+        let materials =
+            outline.materials.in_order.iter().map(|n| tobj::Material { name: n.clone(), ..Default::default() });
+        let indices = outline.materials.in_order.iter().cloned().zip(0..).collect();
+        Ok((materials.collect(), indices))
+    };
+    // tobj computes with indices before it checks them: a file of absurd ones overflows, which panics in debug builds.
+    let parsed = catch_unwind(AssertUnwindSafe(|| tobj::load_obj_buf(&mut reader, &options, names)));
+    match parsed {
+        Ok(Ok((models, _))) => Ok(models),
+        Ok(Err(e)) => Err(format!("{e} at or before line {}", lines.get())),
+        Err(_) => Err(format!("an index is out of range at or before line {}", lines.get())),
+    }
+}
+
+fn triples(values: &[f32]) -> impl Iterator<Item = Vec3> {
+    values.chunks_exact(3).map(Vec3::from_slice)
+}
+
+/// Appends the mesh of one object and material. Normals and texture coordinates that only some of its faces have
+/// cannot be told to the vertices they belong to and count as missing.
+fn add_model(raw: &mut RawMesh, mesh: &tobj::Mesh, object: u32, material: u32) {
+    let (base, count) = (raw.positions.len(), mesh.positions.len() / 3);
+    raw.positions.extend(triples(&mesh.positions));
+    if mesh.normals.len() == 3 * count {
+        raw.normals.extend(triples(&mesh.normals));
+    }
+    if mesh.texcoords.len() == 2 * count {
+        // OBJ counts v from the bottom of the picture.
+        raw.uvs.extend(mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])));
+    }
+    raw.normals.resize(base + count, Vec3::ZERO);
+    raw.uvs.resize(base + count, RawMesh::NO_UV);
+    raw.tangents.resize(base + count, Vec4::ZERO);
+    for corners in mesh.indices.chunks_exact(3) {
+        raw.push_triangle(base, [corners[0], corners[1], corners[2]], material, object);
+    }
+}
+
+/// Objects whose normals or texture coordinates had to be dropped.
+#[derive(Default)]
+struct Damaged {
+    normals: Vec<String>,
+    uvs: Vec<String>,
+}
+
+impl Damaged {
+    fn note(&mut self, name: &str, mesh: &tobj::Mesh) {
+        let partial = |length: usize, width: usize| length > 0 && length / width != mesh.positions.len() / 3;
+        if partial(mesh.normals.len(), 3) {
+            self.normals.push(name.to_owned());
+        }
+        if partial(mesh.texcoords.len(), 2) {
+            self.uvs.push(name.to_owned());
+        }
+    }
+
+    fn warn(&self, warnings: &mut Vec<String>) {
+        for (what, names) in [("normals", &self.normals), ("texture coordinates", &self.uvs)] {
+            if !names.is_empty() {
+                warnings.push(format!(
+                    "only some faces of {} have {what}, which were rebuilt for all of them; \
+                     export these objects with {what} throughout to keep them",
+                    listed(names)
+                ));
+            }
+        }
+    }
+}
+
+fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLibrary) -> Result<(), Trouble> {
+    let mut entries = HashMap::new();
+    let mut unread = Vec::new();
+    for name in library_names(&outline.libraries.in_order, &mut library.files) {
+        match library.files.find(name).and_then(|file| library.files.read(&file)) {
+            Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes), &mut library.files.budget)?),
+            Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
+            Err(_) => unread.push(name.to_owned()),
+        }
+    }
+    if !unread.is_empty() {
+        let warning = format!(
+            "the material libraries {} cannot be read and their materials show grey; put them beside the scene",
+            listed(&unread)
+        );
+        source.unread.push(warning.clone());
+        source.warnings.push(warning);
+    }
+    mtl::add_materials(source, &outline.materials.in_order, &entries, &mut library)?;
+    let count = source.materials.len() as u32;
+    if source.mesh.triangle_material.contains(&count) {
+        source.materials.push(Material { name: "default".into(), ..Default::default() });
+    }
+    library.finish(source);
+    Ok(())
+}
+
+/// The names of material libraries, each once. A name may hold spaces, and a statement may hold several names.
+fn library_names<'a>(statements: &'a [String], files: &mut Files) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for statement in statements {
+        let is_one = !matches!(files.find(statement), Err(Trouble::Reason(_)));
+        let found: Vec<&str> = if is_one { vec![statement] } else { statement.split_whitespace().collect() };
+        names.extend(found);
+    }
+    let mut known = HashSet::new();
+    names.retain(|name| known.insert(*name));
+    names
+}

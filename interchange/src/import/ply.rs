@@ -1,0 +1,133 @@
+//! Stanford PLY, ascii and binary, parsed by `ply-rs-bw`.
+
+use super::{
+    ImportError, Source, check_count,
+    files::{Files, Trouble},
+    repair::RawMesh,
+};
+use glam::{Vec2, Vec3, Vec4};
+use lapidary_core::{material::Material, scene::Object};
+use ply_rs_bw::{
+    parser::{Parser, Reader},
+    ply::{Property, PropertyAccess, PropertyAccessResult},
+};
+use std::path::Path;
+
+pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
+    let parse_error = |reason: String| Trouble::from(reason).at(path, "PLY");
+    let mut reader = Reader::new(bytes);
+    let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(|e| parse_error(e.to_string()))?;
+    for element in header.elements.values() {
+        check_count("elements", element.count as u64, path)?;
+        // Ascii or binary, a property takes a byte at least.
+        let least = (element.count as u64).saturating_mul(element.properties.len() as u64);
+        if element.properties.is_empty() || least > bytes.len() as u64 {
+            return Err(parse_error(format!("it ends before its {} elements \"{}\"", element.count, element.name)));
+        }
+    }
+    // The corners of faces, at four bytes for one of the file.
+    files.budget.take(4 * bytes.len() as u64).map_err(|over| over.at(path))?;
+    let count = |name: &str| header.elements.get(name).map_or(0, |element| element.count as u64);
+    files.budget.take_mesh(count("vertex"), count("face")).map_err(|over| over.at(path))?;
+    let (mut vertices, mut faces): (Vec<Vertex>, Vec<Face>) = Default::default();
+    for element in header.elements.values() {
+        let result = match element.name.as_str() {
+            "vertex" => Parser::new().read_payload_for_element(&mut reader, element, &header).map(|v| vertices = v),
+            "face" => Parser::new().read_payload_for_element(&mut reader, element, &header).map(|f| faces = f),
+            _ => Parser::<Ignored>::new().read_payload_for_element(&mut reader, element, &header).map(drop),
+        };
+        result.map_err(|e| parse_error(e.to_string()))?;
+    }
+    let triangles: u64 = faces.iter().map(|face| face.corners.len().saturating_sub(2) as u64).sum();
+    check_count("triangles", triangles, path)?;
+    files.budget.take_mesh(0, triangles.saturating_sub(faces.len() as u64)).map_err(|over| over.at(path))?;
+    Ok(source(&vertices, &faces, path))
+}
+
+fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
+    let mut mesh = RawMesh {
+        positions: vertices.iter().map(|v| v.position).collect(),
+        normals: vertices.iter().map(|v| v.normal).collect(),
+        // PLY says nothing of its texture space; the programs that write one count v from the bottom.
+        uvs: vertices.iter().map(|v| Vec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
+        tangents: vec![Vec4::ZERO; vertices.len()],
+        ..Default::default()
+    };
+    for Face { corners } in faces {
+        for pair in corners.get(1..).unwrap_or_default().windows(2) {
+            mesh.push_triangle(0, [corners[0], pair[0], pair[1]], 0, 0);
+        }
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Source {
+        mesh,
+        materials: vec![Material { name: "default".into(), ..Default::default() }],
+        objects: vec![Object { name }],
+        ..Default::default()
+    }
+}
+
+/// An element that a mesh has no use for.
+#[derive(Clone, Debug)]
+struct Ignored;
+
+impl PropertyAccess for Ignored {
+    fn new() -> Self {
+        Self
+    }
+
+    fn set_property(&mut self, _name: &str, _value: Property) -> PropertyAccessResult {
+        PropertyAccessResult::Ignored
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Vertex {
+    position: Vec3,
+    normal: Vec3,
+    uv: Vec2,
+}
+
+impl PropertyAccess for Vertex {
+    /// Positions that a file does not have are not finite, which the repair reports.
+    fn new() -> Self {
+        Self { position: Vec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV }
+    }
+
+    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        let target = match name {
+            "x" => &mut self.position.x,
+            "y" => &mut self.position.y,
+            "z" => &mut self.position.z,
+            "nx" => &mut self.normal.x,
+            "ny" => &mut self.normal.y,
+            "nz" => &mut self.normal.z,
+            "u" | "s" | "texture_u" | "texture_s" => &mut self.uv.x,
+            "v" | "t" | "texture_v" | "texture_t" => &mut self.uv.y,
+            _ => return PropertyAccessResult::Ignored,
+        };
+        let Some(number) = value.to_f32_lossy() else { return PropertyAccessResult::UnsupportedType };
+        *target = number;
+        PropertyAccessResult::Set
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Face {
+    corners: Vec<u32>,
+}
+
+impl PropertyAccess for Face {
+    fn new() -> Self {
+        Self { corners: Vec::new() }
+    }
+
+    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        if name != "vertex_indices" && name != "vertex_index" {
+            return PropertyAccessResult::Ignored;
+        }
+        let Some(corners) = value.to_u32_list() else { return PropertyAccessResult::UnsupportedType };
+        self.corners = corners;
+        PropertyAccessResult::Set
+    }
+}

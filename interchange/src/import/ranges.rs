@@ -1,0 +1,56 @@
+//! What a scene holds beside its mesh, after the import: numbers out of range are replaced, and cameras and lights without
+//! a place are left out, each with a warning.
+
+use super::listed;
+use lapidary_core::{
+    camera::Camera,
+    lights::Light,
+    material::Material,
+    scene::{MOST_COORDINATE, Scene},
+};
+
+/// Keeps all of a scene but its mesh in range.
+pub(super) fn keep_in_range(scene: &mut Scene, warnings: &mut Vec<String>) {
+    let repaired: Vec<String> =
+        scene.materials.iter_mut().filter_map(|m| repair_material(m).then(|| m.name.clone())).collect();
+    if !repaired.is_empty() {
+        warnings.push(material_warning(&repaired));
+    }
+    leave_out_cameras(&mut scene.cameras, warnings);
+    leave_out_lights(&mut scene.lights, warnings);
+}
+
+/// Keeps the numbers of a material in range; returns whether one was not.
+pub(super) fn repair_material(material: &mut Material) -> bool {
+    let repaired = material.clone().sanitized();
+    let changed = repaired != *material;
+    *material = repaired;
+    changed
+}
+
+/// What is told of materials whose numbers were out of range.
+pub(super) fn material_warning(names: &[String]) -> String {
+    format!("the materials {} have numbers out of range, which were replaced; correct them", listed(names))
+}
+
+fn leave_out_cameras(cameras: &mut Vec<Camera>, warnings: &mut Vec<String>) {
+    let (valid, invalid) = std::mem::take(cameras).into_iter().partition(Camera::is_valid);
+    *cameras = valid;
+    warn("cameras", invalid.into_iter().map(|camera: Camera| camera.name).collect(), warnings);
+}
+
+fn leave_out_lights(lights: &mut Vec<Light>, warnings: &mut Vec<String>) {
+    let (valid, invalid) = std::mem::take(lights).into_iter().partition(|light| light.validate().is_ok());
+    *lights = valid;
+    warn("lights", invalid.into_iter().map(|light: Light| light.name).collect(), warnings);
+}
+
+fn warn(what: &str, names: Vec<String>, warnings: &mut Vec<String>) {
+    if !names.is_empty() {
+        warnings.push(format!(
+            "the {what} {} were left out: they have no direction, or a number that is invalid or beyond {MOST_COORDINATE:e}; \
+             correct them",
+            listed(&names)
+        ));
+    }
+}

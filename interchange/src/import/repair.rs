@@ -1,0 +1,376 @@
+//! From the mesh as a file has it to a clean one: checked, welded, with normals, texture coordinates and tangents.
+//!
+//! Normals that are missing are rebuilt as the mean of the face normals around a position, weighted by the angle of
+//! each face's corner there. A position keeps more than one normal only where edges sharper than
+//! [`CREASE_COSINE`] separate the faces around it into fans: one sharp edge alone, as the noise of a scan makes
+//! many, splits nothing. (On a scan of 100,250 vertices this adds 6 %, where its surface folds back on itself; joining
+//! the fans whose mean normals are similar took that to 5.9 % only, and rounded off chamfers elsewhere.)
+
+use super::{ImportReport, tangents};
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use lapidary_core::scene::{MOST_COORDINATE, Mesh, MeshError, check_extent};
+use std::collections::HashMap;
+
+/// Cosine of the crease angle: faces that meet at more than 60 degrees do not share a rebuilt normal. A hexagonal prism
+/// stays smooth, and a cube does not.
+const CREASE_COSINE: f32 = 0.499;
+
+/// Largest number of faces on an edge that each face is compared with: a file with thousands on one edge would take
+/// forever.
+const MOST_NEIGHBOURS: usize = 16;
+
+/// A triangle has no area if its doubled area is below this fraction of its longest edge squared: `f32` positions
+/// cannot express its normal.
+const DEGENERATE_RATIO: f64 = 1e-7;
+
+/// A mesh as a file has it. All vertex arrays have the same length; what a file lacks is marked, see the fields.
+#[derive(Default)]
+pub(super) struct RawMesh {
+    pub positions: Vec<Vec3>,
+    /// Not finite or zero where missing.
+    pub normals: Vec<Vec3>,
+    /// Not finite where missing.
+    pub uvs: Vec<Vec2>,
+    /// Zero where missing.
+    pub tangents: Vec<Vec4>,
+    pub triangles: Vec<[u32; 3]>,
+    pub triangle_material: Vec<u32>,
+    pub triangle_object: Vec<u32>,
+}
+
+impl RawMesh {
+    /// Marks a missing texture coordinate.
+    pub const NO_UV: Vec2 = Vec2::NAN;
+
+    /// Adds a triangle of vertices that are counted from `base`; an index past `u32` stays out of range.
+    pub fn push_triangle(&mut self, base: usize, corners: [u32; 3], material: u32, object: u32) {
+        self.triangles.push(corners.map(|c| u32::try_from(base + c as usize).unwrap_or(u32::MAX)));
+        self.triangle_material.push(material);
+        self.triangle_object.push(object);
+    }
+
+    fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|v| self.positions[v as usize])
+    }
+
+    /// Unit normal of a triangle, in double precision until it is one.
+    fn face_normal(&self, triangle: usize) -> Vec3 {
+        area_vector(self.corners(triangle)).normalize_or_zero().as_vec3()
+    }
+
+    /// Keeps the triangles for which `keep` says so.
+    fn retain_triangles(&mut self, keep: &[bool]) {
+        fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
+            let mut keep = keep.iter();
+            items.retain(|_| *keep.next().expect("one flag per triangle"));
+        }
+        retain(&mut self.triangles, keep);
+        retain(&mut self.triangle_material, keep);
+        retain(&mut self.triangle_object, keep);
+    }
+}
+
+fn area_vector([a, b, c]: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    (b - a).cross(c - a)
+}
+
+/// Makes a clean mesh and counts in `report` what that took.
+///
+/// # Errors
+/// No triangles with an area, positions that are not finite or too far or in one place, indices out of range.
+pub(super) fn repair(mut raw: RawMesh, report: &mut ImportReport) -> Result<Mesh, MeshError> {
+    check(&raw)?;
+    let referenced = count_referenced(&raw);
+    report.unreferenced_vertices = raw.positions.len() - referenced;
+    drop_degenerate(&mut raw, report);
+    if raw.triangles.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    mark_invalid_attributes(&mut raw);
+    turn_flipped_triangles(&mut raw, report);
+    let referenced = count_referenced(&raw);
+    let (mut mesh, has_uv) = weld(&raw, report);
+    tangents::complete(&mut mesh, &has_uv, report);
+    report.welded_vertices = referenced.saturating_sub(mesh.positions.len());
+    report.split_vertices = mesh.positions.len().saturating_sub(referenced);
+    (report.vertices, report.triangles) = (mesh.positions.len(), mesh.triangles.len());
+    Ok(mesh)
+}
+
+fn check(raw: &RawMesh) -> Result<(), MeshError> {
+    if raw.triangles.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    if let Some(index) = raw.positions.iter().position(|p| !p.is_finite()) {
+        return Err(MeshError::NotFinite { array: "position", index });
+    }
+    let count = raw.positions.len();
+    for (triangle, corners) in raw.triangles.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|&&v| v as usize >= count) {
+            return Err(MeshError::Index { triangle, array: "vertex", index, count });
+        }
+    }
+    // A vertex that no triangle uses is dropped, and may be anywhere.
+    let (referenced, anywhere) = (referenced(raw), raw.triangles[0][0] as usize);
+    check_extent((0..count).map(|v| raw.positions[if referenced[v] { v } else { anywhere }]))
+}
+
+/// Which vertices some triangle uses.
+fn referenced(raw: &RawMesh) -> Vec<bool> {
+    let mut referenced = vec![false; raw.positions.len()];
+    raw.triangles.iter().flatten().for_each(|&v| referenced[v as usize] = true);
+    referenced
+}
+
+fn count_referenced(raw: &RawMesh) -> usize {
+    referenced(raw).iter().filter(|r| **r).count()
+}
+
+fn drop_degenerate(raw: &mut RawMesh, report: &mut ImportReport) {
+    let has_area = |corners: [Vec3; 3]| {
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let longest_sq = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        area_vector(corners).length() > DEGENERATE_RATIO * longest_sq
+    };
+    let keep: Vec<bool> = (0..raw.triangles.len()).map(|t| has_area(raw.corners(t))).collect();
+    report.degenerate_triangles = keep.iter().filter(|k| !**k).count();
+    if report.degenerate_triangles > 0 {
+        raw.retain_triangles(&keep);
+    }
+}
+
+/// Normalises normals and tangents. Those that cannot be normalised, and invalid texture coordinates, are marked as
+/// missing.
+fn mark_invalid_attributes(raw: &mut RawMesh) {
+    for normal in &mut raw.normals {
+        // Almost unit normals stay as they are, so that equal ones stay equal.
+        let is_unit = (normal.length_squared() - 1.0).abs() < 1e-6;
+        if !is_unit {
+            *normal = normal.as_dvec3().normalize_or_zero().as_vec3();
+        }
+    }
+    for uv in raw.uvs.iter_mut().filter(|uv| !uv.abs().cmple(Vec2::splat(MOST_COORDINATE)).all()) {
+        *uv = RawMesh::NO_UV;
+    }
+    for tangent in &mut raw.tangents {
+        let direction = tangent.truncate().normalize_or_zero();
+        let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
+        *tangent = if direction == Vec3::ZERO { Vec4::ZERO } else { direction.extend(sign) };
+    }
+}
+
+/// Turns triangles whose stored normals are all on their back: programs shade by the normals, so a wrong winding goes
+/// unnoticed in them. Triangles on whose side the normals disagree are slivers of a curved surface and stay.
+fn turn_flipped_triangles(raw: &mut RawMesh, report: &mut ImportReport) {
+    for t in 0..raw.triangles.len() {
+        let face = raw.face_normal(t);
+        if raw.triangles[t].iter().all(|&v| raw.normals[v as usize].dot(face) < 0.0) {
+            raw.triangles[t].swap(1, 2);
+            report.flipped_triangles += 1;
+        }
+    }
+    if report.flipped_triangles > 0 {
+        report.warnings.push(format!(
+            "{} of {} triangles were wound against their normals and were turned around; \
+             if a surface now looks inside out, recalculate its normals in the modelling program",
+            report.flipped_triangles,
+            raw.triangles.len()
+        ));
+    }
+}
+
+/// All attributes of a vertex as bits, and its object: vertices with the same key are merged.
+type VertexKey = [u32; 13];
+
+fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
+    values.map(|x| (x + 0.0).to_bits()) // adding zero makes -0 and 0 agree
+}
+
+fn vertex_key(object: u32, position: Vec3, normal: Vec3, uv: Vec2, tangent: Vec4) -> VertexKey {
+    let mut key = [object; 13];
+    key[1..4].copy_from_slice(&bits(position.to_array()));
+    key[4..7].copy_from_slice(&bits(normal.to_array()));
+    key[7..9].copy_from_slice(&bits(uv.to_array()));
+    key[9..13].copy_from_slice(&bits(tangent.to_array()));
+    key
+}
+
+/// Gives every corner its normal and texture coordinates, and merges corners with equal attributes into vertices. Also
+/// returns which vertices of the mesh had texture coordinates in the file.
+fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, Vec<bool>) {
+    let rebuilt =
+        (raw.triangles.iter().flatten().any(|&v| raw.normals[v as usize] == Vec3::ZERO)).then(|| smooth_normals(raw));
+    let mut welder = Welder::new(raw);
+    let mut triangles = Vec::with_capacity(raw.triangles.len());
+    for (t, corners) in raw.triangles.iter().enumerate() {
+        let vertex = |k: usize| {
+            let stored = raw.normals[corners[k] as usize] != Vec3::ZERO;
+            let normal = (!stored).then(|| rebuilt.as_ref().map_or(Vec3::Y, |r| r[t][k]));
+            welder.vertex(corners[k], raw.triangle_object[t], normal)
+        };
+        triangles.push([0, 1, 2].map(vertex));
+    }
+    report.normals_rebuilt = welder.normals_rebuilt;
+    let mut mesh = welder.mesh;
+    report.uvs_projected = welder.has_uv.iter().filter(|has| !**has).count();
+    mesh.triangles = triangles;
+    mesh.triangle_material = raw.triangle_material.clone();
+    mesh.triangle_object = raw.triangle_object.clone();
+    (mesh, welder.has_uv)
+}
+
+struct Welder<'a> {
+    raw: &'a RawMesh,
+    mesh: Mesh,
+    /// The file had texture coordinates, one per vertex of `mesh`.
+    has_uv: Vec<bool>,
+    normals_rebuilt: usize,
+    by_key: HashMap<VertexKey, u32>,
+    /// The object and the new index of raw vertices whose normals are stored; most corners end here.
+    by_raw_vertex: Vec<Option<(u32, u32)>>,
+}
+
+impl<'a> Welder<'a> {
+    fn new(raw: &'a RawMesh) -> Self {
+        let by_raw_vertex = vec![None; raw.positions.len()];
+        let (has_uv, by_key) = (Vec::new(), HashMap::new());
+        Self { raw, mesh: Mesh::default(), has_uv, normals_rebuilt: 0, by_key, by_raw_vertex }
+    }
+
+    /// The new index of a corner at raw vertex `v`; `rebuilt` is its normal where the file has none.
+    fn vertex(&mut self, v: u32, object: u32, rebuilt: Option<Vec3>) -> u32 {
+        match self.by_raw_vertex[v as usize] {
+            Some((known_object, index)) if known_object == object && rebuilt.is_none() => index,
+            _ => {
+                let index = self.add(v as usize, object, rebuilt);
+                self.by_raw_vertex[v as usize] = rebuilt.is_none().then_some((object, index));
+                index
+            }
+        }
+    }
+
+    fn add(&mut self, v: usize, object: u32, rebuilt: Option<Vec3>) -> u32 {
+        let (raw, mesh) = (self.raw, &mut self.mesh);
+        let (position, normal) = (raw.positions[v], rebuilt.unwrap_or(raw.normals[v]));
+        let has_uv = !raw.uvs[v].is_nan();
+        let (uv, tangent) = if has_uv { (raw.uvs[v], raw.tangents[v]) } else { box_projection(position, normal) };
+        let next = mesh.positions.len() as u32;
+        let index = *self.by_key.entry(vertex_key(object, position, normal, uv, tangent)).or_insert(next);
+        if index == next {
+            mesh.positions.push(position);
+            mesh.normals.push(normal);
+            mesh.uvs.push(uv);
+            mesh.tangents.push(tangent);
+            self.has_uv.push(has_uv);
+            self.normals_rebuilt += usize::from(rebuilt.is_some());
+        }
+        index
+    }
+}
+
+/// Texture coordinates of one unit per metre seen along the axis that is nearest to the normal, with their tangent.
+/// Chosen by vertex and not by face, so that no vertex is split; triangles across two axes are stretched.
+fn box_projection(p: Vec3, normal: Vec3) -> (Vec2, Vec4) {
+    let size = normal.abs();
+    let (uv, axis) = if size.y >= size.x && size.y >= size.z {
+        (Vec2::new(p.x, p.z * normal.y.signum()), Vec3::X)
+    } else if size.x >= size.z {
+        (Vec2::new(-p.z * normal.x.signum(), -p.y), -Vec3::Z * normal.x.signum())
+    } else {
+        (Vec2::new(p.x * normal.z.signum(), -p.y), Vec3::X * normal.z.signum())
+    };
+    let tangent = (axis - normal * normal.dot(axis)).normalize_or(normal.any_orthonormal_vector());
+    (uv, tangent.extend(1.0))
+}
+
+/// The rebuilt normal of every corner of every triangle; see the top of the file.
+fn smooth_normals(raw: &RawMesh) -> Vec<[Vec3; 3]> {
+    let position_ids = position_ids(raw);
+    let faces: Vec<Vec3> = (0..raw.triangles.len()).map(|t| raw.face_normal(t)).collect();
+    let mut fans = fans_around_positions(raw, &position_ids, &faces);
+    let mut sums = vec![Vec3::ZERO; 3 * raw.triangles.len()];
+    for (t, face) in faces.iter().enumerate() {
+        for (k, angle) in corner_angles(raw.corners(t)).into_iter().enumerate() {
+            sums[fans.find(3 * t + k)] += angle * *face;
+        }
+    }
+    let normal = |t: usize, k: usize, fans: &mut Fans| sums[fans.find(3 * t + k)].normalize_or(faces[t]);
+    (0..raw.triangles.len()).map(|t| [0, 1, 2].map(|k| normal(t, k, &mut fans))).collect()
+}
+
+fn corner_angles([a, b, c]: [Vec3; 3]) -> [f32; 3] {
+    let at = |p: Vec3, q: Vec3, r: Vec3| (q - p).angle_between(r - p);
+    [at(a, b, c), at(b, c, a), at(c, a, b)].map(|angle| if angle.is_finite() { angle } else { 0.0 })
+}
+
+/// A number for each distinct position within an object, per vertex; 0 where no triangle uses the vertex.
+fn position_ids(raw: &RawMesh) -> Vec<u32> {
+    let mut ids = vec![0; raw.positions.len()];
+    let mut known = HashMap::new();
+    for (corners, &object) in raw.triangles.iter().zip(&raw.triangle_object) {
+        for &v in corners {
+            let next = known.len() as u32;
+            let key = (object, bits(raw.positions[v as usize].to_array()));
+            ids[v as usize] = *known.entry(key).or_insert(next);
+        }
+    }
+    ids
+}
+
+/// Joins the corners of faces that share an edge at which they are smooth.
+fn fans_around_positions(raw: &RawMesh, position_ids: &[u32], faces: &[Vec3]) -> Fans {
+    let mut edges = Vec::with_capacity(3 * raw.triangles.len());
+    for (t, corners) in raw.triangles.iter().enumerate() {
+        let ids = corners.map(|v| position_ids[v as usize]);
+        for k in 0..3 {
+            let (a, b) = ((ids[k], 3 * t + k), (ids[(k + 1) % 3], 3 * t + (k + 1) % 3));
+            let ((low, corner_low), (high, corner_high)) = if a.0 < b.0 { (a, b) } else { (b, a) };
+            edges.push((low, high, corner_low as u32, corner_high as u32));
+        }
+    }
+    edges.sort_unstable();
+    let mut fans = Fans::new(3 * raw.triangles.len());
+    for shared in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        join_across_edge(shared, faces, &mut fans);
+    }
+    fans
+}
+
+/// An edge as two position numbers, and the two corners of one of its faces at them.
+type Edge = (u32, u32, u32, u32);
+
+fn join_across_edge(shared: &[Edge], faces: &[Vec3], fans: &mut Fans) {
+    for (i, a) in shared.iter().enumerate() {
+        for b in shared[i + 1..].iter().take(MOST_NEIGHBOURS) {
+            if faces[a.2 as usize / 3].dot(faces[b.2 as usize / 3]) > CREASE_COSINE {
+                fans.join(a.2 as usize, b.2 as usize);
+                fans.join(a.3 as usize, b.3 as usize);
+            }
+        }
+    }
+}
+
+/// Disjoint sets of corners.
+struct Fans {
+    parent: Vec<u32>,
+}
+
+impl Fans {
+    fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect() }
+    }
+
+    fn find(&mut self, mut corner: usize) -> usize {
+        while self.parent[corner] as usize != corner {
+            self.parent[corner] = self.parent[self.parent[corner] as usize];
+            corner = self.parent[corner] as usize;
+        }
+        corner
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.parent[a.max(b)] = a.min(b) as u32;
+    }
+}

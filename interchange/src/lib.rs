@@ -1,0 +1,15 @@
+//! Formats of other programs, in and out.
+//!
+//! What a file holds becomes the data of `lapidary-core`, which knows none of these formats.
+//!
+//! * [`import`]: scenes and materials; [`export`]: materials of a scene, back to their formats
+//! * [`materialx`]: materials in and out of MaterialX documents
+//! * [`animation`]: clips, skins and morph targets of glTF files
+//! * [`image`]: files of pictures; [`environment`]: environments by the name of a file or of a formula
+
+pub mod animation;
+pub mod environment;
+pub mod export;
+pub mod image;
+pub mod import;
+pub mod materialx;

@@ -1,0 +1,62 @@
+//! What materials become where a format has no place for a part of them.
+
+use crate::import::SlotFile;
+use lapidary_core::{
+    brdf::{BrdfModel, SurfaceParameters},
+    material::{BUMP, Maps, MaterialOf, NORMAL},
+};
+use std::borrow::Cow;
+
+/// Quantities whose maps scale all that a BRDF of a file reflects.
+const TINTS: [&str; 2] = ["base_color", "tint"];
+
+/// A material whose BRDF comes from a file as one of GGX, or of Lambert if it has no lobe, of the same albedo and width;
+/// `remarks` are told so.
+pub(crate) fn without_file<'a, S: Clone>(
+    material: &'a MaterialOf<S>,
+    remarks: &mut Vec<String>,
+) -> Cow<'a, MaterialOf<S>> {
+    if !material.model.has_file() {
+        return Cow::Borrowed(material);
+    }
+    let brdf = material.plain_brdf();
+    let brdf = brdf.as_brdf();
+    let width = brdf.narrowest_lobe();
+    let model = if width.is_some() { BrdfModel::Ggx } else { BrdfModel::Lambert };
+    let mut near = MaterialOf { model, file: None, ..material.clone() };
+    let is_of_surface = |name: &str| SurfaceParameters::LIST.iter().any(|p| p.name == name);
+    near.parameters = Default::default();
+    for parameter in SurfaceParameters::LIST {
+        near.parameters.set(parameter.name, material.parameters.value(parameter));
+    }
+    near.parameters.set("base_color", brdf.albedo());
+    if let Some(width) = width {
+        near.parameters.set("roughness", width.sqrt());
+    }
+    near.parameters = near.parameters.sanitized();
+    near.maps.retain(|name, _| [NORMAL, BUMP].contains(&name) || is_of_surface(name));
+    let mapped = material.own_parameters().iter().filter_map(|p| Some((p, material.maps.get(p.name)?)));
+    for (parameter, slot) in mapped {
+        if TINTS.contains(&parameter.quantity) {
+            near.maps.set("base_color", Some(slot.clone()));
+        } else {
+            remarks.push(format!("the map of its {} is left out", parameter.label.to_lowercase()));
+        }
+    }
+    let kind = if material.model == BrdfModel::Merl { "measured" } else { "written" };
+    remarks.push(format!("its {kind} BRDF becomes the nearest of its color and of the width of its lobe"));
+    Cow::Owned(near)
+}
+
+/// Leaves out the patterns of a material, which name no picture; `remarks` are told so.
+pub(super) fn leave_out_patterns(maps: &mut Maps<SlotFile>, remarks: &mut Vec<String>) {
+    maps.retain(|name, slot| {
+        let is_picture = slot.procedural.is_none() && !slot.file.is_empty();
+        if !is_picture {
+            let what = name.replace('_', " ");
+            remarks
+                .push(format!("the pattern of its {what} is left out; an export of all materials makes it a picture"));
+        }
+        is_picture
+    });
+}

@@ -1,0 +1,473 @@
+//! The nodes behind an input: constants, and pictures behind nodes that pass them on.
+
+use super::placement::{placed, tiled};
+use glam::{Affine2, Vec2, Vec3};
+use lapidary_core::texture::{Channel, ColorSpace};
+use roxmltree::{Document, Node, NodeId};
+use std::{
+    cell::{Cell, RefCell},
+    collections::{BTreeSet, HashMap},
+};
+
+/// Most nodes that are passed on the way from an input to its picture.
+const MOST_STEPS: u32 = 256;
+
+/// An element of a document.
+type XmlNode<'a> = Node<'a, 'a>;
+
+/// Why an input is not read.
+#[derive(Debug, PartialEq)]
+pub enum Unread {
+    /// It is sound, and beyond what is read.
+    Beyond(String),
+    /// It is wrong.
+    Wrong(String),
+}
+
+type Result<T> = std::result::Result<T, Unread>;
+
+/// What an input is.
+#[derive(Clone, Debug)]
+pub enum Found {
+    /// Numbers, 1 to 4.
+    Constant(Vec<f32>),
+    /// A picture.
+    Picture(Box<Picture>),
+}
+
+/// A picture in use.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// As the document names it, with its prefix.
+    pub file: String,
+    /// Of its texels.
+    pub color_space: ColorSpace,
+    /// The component that is taken, if one is.
+    pub channel: Option<Channel>,
+    /// Whether its texels have three components.
+    pub is_color: bool,
+    /// Of coordinates whose v begins at the bottom.
+    pub transform: Affine2,
+    /// Texels are multiplied by this.
+    pub factor: Vec3,
+    /// And this is added.
+    pub added: Vec3,
+}
+
+/// A map of the normal, or of heights, and how strong it is.
+#[derive(Clone, Debug)]
+pub struct Relief {
+    /// The picture.
+    pub picture: Picture,
+    /// Scale of normals, or height in metres.
+    pub strength: f32,
+}
+
+/// Finds nodes of a document by name, and follows connections.
+pub struct Graph<'a> {
+    document: &'a Document<'a>,
+    names: HashMap<(NodeId, &'a str), XmlNode<'a>>,
+    steps: Cell<u32>,
+    remarks: RefCell<BTreeSet<String>>,
+}
+
+impl<'a> Graph<'a> {
+    /// Of a document.
+    pub fn new(document: &'a Document<'a>) -> Self {
+        let named = document.descendants().filter_map(|node| {
+            let (parent, name) = (node.parent_element()?, node.attribute("name")?);
+            Some(((parent.id(), name), node))
+        });
+        // Of nodes of one name the first counts.
+        let mut names = HashMap::new();
+        named.for_each(|(key, node)| _ = names.entry(key).or_insert(node));
+        Self { document, names, steps: Cell::new(0), remarks: RefCell::default() }
+    }
+
+    /// The line on which an element begins.
+    pub fn line(&self, node: XmlNode) -> u32 {
+        self.document.text_pos_at(node.range().start).row
+    }
+
+    /// An element within another by its name.
+    pub fn child(&self, of: XmlNode, name: &str) -> Option<XmlNode<'a>> {
+        self.names.get(&(of.id(), name)).copied()
+    }
+
+    /// Remarks about what was read otherwise, each once.
+    pub fn take_remarks(&self) -> Vec<String> {
+        self.remarks.take().into_iter().collect()
+    }
+
+    fn remark(&self, node: XmlNode, what: &str) {
+        self.remarks.borrow_mut().insert(format!("line {}: {what}", self.line(node)));
+    }
+
+    fn beyond<T>(&self, node: XmlNode, what: &str) -> Result<T> {
+        Err(Unread::Beyond(format!("line {}: {what}", self.line(node))))
+    }
+
+    fn step(&self, at: XmlNode) -> Result<()> {
+        self.steps.set(self.steps.get() + 1);
+        if self.steps.get() <= MOST_STEPS {
+            return Ok(());
+        }
+        self.beyond(at, &format!("its nodes lead in a circle, or there are more than {MOST_STEPS} of them"))
+    }
+
+    /// The value of an input of a surface.
+    pub fn input(&self, input: XmlNode<'a>) -> Result<Found> {
+        self.steps.set(0);
+        self.follow(input)
+    }
+
+    /// The node that an input or output is connected to, and the name of the output there; none for a value.
+    pub fn target(&self, end: XmlNode<'a>) -> Result<Option<(XmlNode<'a>, Option<&'a str>)>> {
+        self.step(end)?;
+        let output = end.attribute("output");
+        if let Some(name) = end.attribute("interfacename") {
+            let graph = end.ancestors().find(|node| node.has_tag_name("nodegraph"));
+            let Some(input) = graph.and_then(|graph| self.child(graph, name)) else {
+                return self.beyond(end, &format!("there is no input \"{name}\" around it"));
+            };
+            return self.target(input);
+        }
+        let Some(name) = end.attribute("nodegraph").or(end.attribute("nodename")) else { return Ok(None) };
+        // An output stands among the nodes; an input in one of them.
+        let holder = if end.has_tag_name("output") { Some(end) } else { end.parent_element() };
+        let scope = holder.and_then(|holder| holder.parent_element()).unwrap_or(self.document.root_element());
+        let found = self.child(scope, name).or_else(|| self.child(self.document.root_element(), name));
+        let Some(node) = found else { return self.beyond(end, &format!("there is no node \"{name}\"")) };
+        if !node.has_tag_name("nodegraph") {
+            return Ok(Some((node, output)));
+        }
+        let outputs = || node.children().filter(|child| child.has_tag_name("output"));
+        let inner = match output {
+            Some(output) => self.child(node, output),
+            None => outputs().next(),
+        };
+        let Some(inner) = inner else { return self.beyond(end, &format!("\"{name}\" has no such output")) };
+        match self.target(inner)? {
+            Some(target) => Ok(Some(target)),
+            None => self.beyond(inner, "the output is connected to nothing"),
+        }
+    }
+
+    /// The element that tells the value of an input: itself, or the input of the graph around it.
+    fn telling(&self, end: XmlNode<'a>) -> Option<XmlNode<'a>> {
+        let mut at = end;
+        for _ in 0..MOST_STEPS {
+            let Some(name) = at.attribute("interfacename") else { return Some(at) };
+            at = at.ancestors().find(|node| node.has_tag_name("nodegraph")).and_then(|g| self.child(g, name))?;
+        }
+        None
+    }
+
+    fn follow(&self, input: XmlNode<'a>) -> Result<Found> {
+        let found = match self.target(input)? {
+            Some((node, output)) => self.node(node, output)?,
+            None => Found::Constant(self.numbers(input)?),
+        };
+        // Documents before 1.39 choose components at the input.
+        match input.attribute("channels") {
+            Some(channels) => self.swizzled(input, found, channels),
+            None => Ok(found),
+        }
+    }
+
+    /// The numbers of a value.
+    fn numbers(&self, input: XmlNode<'a>) -> Result<Vec<f32>> {
+        let Some(told) = self.telling(input).filter(|told| told.attribute("value").is_some()) else {
+            return self.beyond(input, "the input has no value");
+        };
+        let text = told.attribute("value").unwrap_or_default();
+        let wrong = || {
+            let name = input.attribute("name").unwrap_or_default();
+            Unread::Wrong(format!(
+                "line {}: the value \"{text}\" of \"{name}\" is no number, nor 2 to 4 of them",
+                self.line(told)
+            ))
+        };
+        let number = |word: &str| match word.trim() {
+            "true" => Some(1.0),
+            "false" => Some(0.0),
+            word => word.parse::<f32>().ok(),
+        };
+        let numbers: Option<Vec<f32>> = text.split(',').take(5).map(number).collect();
+        let mut numbers = numbers.filter(|numbers| numbers.len() <= 4).ok_or_else(wrong)?;
+        if told.attribute("type").is_some_and(|kind| kind.starts_with("color"))
+            && self.color_space(told) == ColorSpace::Srgb
+        {
+            numbers.iter_mut().take(3).for_each(|x| *x = lapidary_core::color::linear_from_srgb(*x));
+        }
+        Ok(numbers)
+    }
+
+    fn node(&self, node: XmlNode<'a>, output: Option<&str>) -> Result<Found> {
+        self.step(node)?;
+        match node.tag_name().name() {
+            "image" | "tiledimage" | "gltf_image" | "gltf_colorimage" => self.image(node, output),
+            "constant" => self.follow(self.needed(node, "value")?),
+            "dot" | "convert" => self.follow(self.needed(node, "in")?),
+            "extract" => {
+                let found = self.follow(self.needed(node, "in")?)?;
+                let index = self.constant(node, "index", &[0.0])?[0];
+                self.extracted(node, found, index as usize)
+            }
+            "swizzle" => {
+                let found = self.follow(self.needed(node, "in")?)?;
+                let told = self.child(node, "channels").and_then(|input| input.attribute("value"));
+                self.swizzled(node, found, told.unwrap_or("x"))
+            }
+            "separate2" | "separate3" | "separate4" => {
+                let found = self.follow(self.needed(node, "in")?)?;
+                self.swizzled(node, found, output.unwrap_or_default().trim_start_matches("out"))
+            }
+            "multiply" => self.combined(node, true),
+            "add" => self.combined(node, false),
+            other => self.beyond(node, &format!("the node \"{other}\" is not read")),
+        }
+    }
+
+    fn needed(&self, node: XmlNode<'a>, name: &str) -> Result<XmlNode<'a>> {
+        match self.child(node, name) {
+            Some(input) => Ok(input),
+            None => self.beyond(node, &format!("the node has no input \"{name}\"")),
+        }
+    }
+
+    /// An input of a node that has to be a constant.
+    pub fn constant(&self, node: XmlNode<'a>, name: &str, default: &[f32]) -> Result<Vec<f32>> {
+        let Some(input) = self.child(node, name) else { return Ok(default.into()) };
+        match self.follow(input)? {
+            Found::Constant(numbers) if numbers.len() >= default.len() => Ok(numbers),
+            Found::Constant(_) => self.beyond(input, &format!("\"{name}\" has too few numbers")),
+            Found::Picture(_) => self.beyond(input, &format!("\"{name}\" is not the same everywhere")),
+        }
+    }
+
+    fn pair(&self, node: XmlNode<'a>, name: &str, default: Vec2) -> Result<Vec2> {
+        let numbers = self.constant(node, name, &default.to_array())?;
+        Ok(Vec2::new(numbers[0], numbers[1]))
+    }
+
+    /// The product or the sum of two inputs, one of which is a constant.
+    fn combined(&self, node: XmlNode<'a>, multiplies: bool) -> Result<Found> {
+        let [a, b] = ["in1", "in2"].map(|name| self.needed(node, name).and_then(|input| self.follow(input)));
+        let apply = |a: Vec3, b: Vec3| if multiplies { a * b } else { a + b };
+        match (a?, b?) {
+            (Found::Constant(a), Found::Constant(b)) => {
+                let count = a.len().max(b.len()).min(3);
+                Ok(Found::Constant(apply(triple(&a), triple(&b)).to_array()[..count].into()))
+            }
+            (Found::Picture(mut picture), Found::Constant(numbers))
+            | (Found::Constant(numbers), Found::Picture(mut picture)) => {
+                let number = triple(&numbers);
+                if multiplies {
+                    picture.factor *= number;
+                }
+                picture.added = apply(picture.added, number);
+                Ok(Found::Picture(picture))
+            }
+            _ => self.beyond(node, "two pictures are combined, which is not read"),
+        }
+    }
+
+    fn extracted(&self, node: XmlNode<'a>, found: Found, index: usize) -> Result<Found> {
+        let channel = [Channel::R, Channel::G, Channel::B, Channel::A].get(index);
+        match (found, channel) {
+            (Found::Constant(numbers), Some(_)) if numbers.len() == 1 => Ok(Found::Constant(numbers)),
+            (Found::Constant(numbers), Some(_)) if index < numbers.len() => Ok(Found::Constant(vec![numbers[index]])),
+            (Found::Picture(picture), Some(&channel)) => {
+                // A component of a component is itself.
+                let channel = picture.channel.unwrap_or(channel);
+                let of = |v: Vec3, other: f32| Vec3::splat(if index < 3 { v[index] } else { other });
+                let (factor, added) = (of(picture.factor, 1.0), of(picture.added, 0.0));
+                Ok(Found::Picture(Box::new(Picture {
+                    channel: Some(channel),
+                    is_color: false,
+                    factor,
+                    added,
+                    ..*picture
+                })))
+            }
+            _ => self.beyond(node, "there is no such component"),
+        }
+    }
+
+    fn swizzled(&self, node: XmlNode<'a>, found: Found, channels: &str) -> Result<Found> {
+        let index = |letter: char| "xyzw".find(letter).or_else(|| "rgba".find(letter));
+        let indices: Option<Vec<usize>> = channels.chars().take(5).map(index).collect();
+        match indices.as_deref() {
+            Some([index]) => self.extracted(node, found, *index),
+            Some([0, 1] | [0, 1, 2] | [0, 1, 2, 3]) => Ok(found),
+            Some([a, b, c]) if a == b && b == c => self.extracted(node, found, *a),
+            _ => self.beyond(node, &format!("the components \"{channels}\" are in another order, which is not read")),
+        }
+    }
+
+    /// The space of a colour: told there, or around it.
+    fn color_space(&self, element: XmlNode) -> ColorSpace {
+        let Some(name) = element.ancestors().find_map(|node| node.attribute("colorspace")) else {
+            return ColorSpace::Linear;
+        };
+        match name {
+            "srgb_texture" | "sRGB" | "srgb" => ColorSpace::Srgb,
+            "lin_rec709" | "linear" | "lin_srgb" | "none" | "raw" | "" => ColorSpace::Linear,
+            other => {
+                let is_linear = other.starts_with("lin_") || other == "acescg";
+                let taken = if is_linear { "linear Rec. 709" } else { "sRGB" };
+                self.remark(element, &format!("the color space \"{other}\" is taken for {taken}"));
+                if is_linear { ColorSpace::Linear } else { ColorSpace::Srgb }
+            }
+        }
+    }
+
+    fn image(&self, node: XmlNode<'a>, output: Option<&str>) -> Result<Found> {
+        let input = self.needed(node, "file")?;
+        let told = self.telling(input).filter(|told| !told.attribute("value").unwrap_or_default().trim().is_empty());
+        let Some(told) = told else { return self.beyond(input, "no picture is named") };
+        let file = told.attribute("value").unwrap_or_default().trim();
+        if file.contains('<') || file.contains('{') {
+            return self.beyond(told, &format!("the picture \"{file}\" stands for several, which are not read"));
+        }
+        let prefix = told.ancestors().find_map(|around| around.attribute("fileprefix")).unwrap_or_default();
+        let kind =
+            if node.has_tag_name("gltf_colorimage") { "color4" } else { node.attribute("type").unwrap_or("color3") };
+        // Only colours are converted from a space.
+        let color_space = if kind.starts_with("color") { self.color_space(told) } else { ColorSpace::Linear };
+        let is_clamped = |name: &str| {
+            let mode = self.child(node, name).and_then(|mode| mode.attribute("value"));
+            mode.is_some_and(|mode| mode != "periodic")
+        };
+        if is_clamped("uaddressmode") || is_clamped("vaddressmode") {
+            self.remark(node, "the picture repeats, and is not clamped or mirrored");
+        }
+        let picture = Picture {
+            file: format!("{prefix}{file}"),
+            color_space,
+            channel: None,
+            is_color: kind != "float",
+            transform: self.transform(node)?,
+            factor: self.factor_of_gltf(node)?,
+            added: Vec3::ZERO,
+        };
+        let found = Found::Picture(Box::new(picture));
+        if output == Some("outa") { self.extracted(node, found, 3) } else { Ok(found) }
+    }
+
+    /// `gltf_image` and `gltf_colorimage` multiply by a factor of their own.
+    fn factor_of_gltf(&self, node: XmlNode<'a>) -> Result<Vec3> {
+        let name = match node.tag_name().name() {
+            "gltf_image" => "factor",
+            "gltf_colorimage" => "color",
+            _ => return Ok(Vec3::ONE),
+        };
+        let numbers = self.constant(node, name, &[1.0])?;
+        Ok(triple(&numbers))
+    }
+
+    /// The transform of an image node, after that of its coordinates.
+    fn transform(&self, node: XmlNode<'a>) -> Result<Affine2> {
+        let before = match self.child(node, "texcoord") {
+            Some(input) => self.coordinates(input)?,
+            None => Affine2::IDENTITY,
+        };
+        let own = match node.tag_name().name() {
+            "tiledimage" => {
+                let real = self.pair(node, "realworldtilesize", Vec2::ONE)?
+                    / self.pair(node, "realworldimagesize", Vec2::ONE)?;
+                let (tiling, offset) =
+                    (self.pair(node, "uvtiling", Vec2::ONE)?, self.pair(node, "uvoffset", Vec2::ZERO)?);
+                Affine2::from_scale_angle_translation(real, 0.0, Vec2::ZERO) * tiled(tiling, offset)
+            }
+            "gltf_image" | "gltf_colorimage" | "gltf_normalmap" => {
+                // Its numbers are those of KHR_texture_transform.
+                let scale = self.pair(node, "scale", Vec2::ONE)?;
+                let offset = self.pair(node, "offset", Vec2::ZERO)?;
+                let pivot = self.pair(node, "pivot", Vec2::Y)?;
+                let degrees = self.constant(node, "rotate", &[0.0])?[0];
+                placed(pivot, 1.0 / scale, -degrees, Vec2::new(-offset.x, offset.y), false)
+            }
+            _ => Affine2::IDENTITY,
+        };
+        Ok(own * before)
+    }
+
+    fn coordinates(&self, input: XmlNode<'a>) -> Result<Affine2> {
+        let Some((node, _)) = self.target(input)? else { return Ok(Affine2::IDENTITY) };
+        self.step(node)?;
+        match node.tag_name().name() {
+            "texcoord" => {
+                if self.constant(node, "index", &[0.0])?[0] != 0.0 {
+                    self.remark(node, "the second set of texture coordinates is taken for the first");
+                }
+                Ok(Affine2::IDENTITY)
+            }
+            "place2d" => {
+                let before = match self.child(node, "texcoord") {
+                    Some(input) => self.coordinates(input)?,
+                    None => Affine2::IDENTITY,
+                };
+                let number = |name| self.constant(node, name, &[0.0]).map(|numbers| numbers[0]);
+                let [pivot, offset] = ["pivot", "offset"].map(|name| self.pair(node, name, Vec2::ZERO));
+                let scale = self.pair(node, "scale", Vec2::ONE)?;
+                Ok(placed(pivot?, scale, number("rotate")?, offset?, number("operationorder")? == 1.0) * before)
+            }
+            other => self.beyond(node, &format!("coordinates by the node \"{other}\" are not read")),
+        }
+    }
+
+    /// The maps behind the input of a normal: of normals and of heights.
+    pub fn reliefs(&self, input: XmlNode<'a>) -> Result<[Option<Relief>; 2]> {
+        self.steps.set(0);
+        self.reliefs_behind(input)
+    }
+
+    fn reliefs_behind(&self, input: XmlNode<'a>) -> Result<[Option<Relief>; 2]> {
+        let Some((node, _)) = self.target(input)? else { return Ok([None, None]) };
+        self.step(node)?;
+        match node.tag_name().name() {
+            "normalmap" | "gltf_normalmap" => Ok([Some(self.normals(node)?), None]),
+            "bump" => {
+                let [normals, _] = match self.child(node, "normal") {
+                    Some(below) => self.reliefs_behind(below)?,
+                    None => [None, None],
+                };
+                let height = self.needed(node, "height")?;
+                let Found::Picture(picture) = self.follow(height)? else { return Ok([normals, None]) };
+                let strength = self.constant(node, "scale", &[1.0])?[0] * picture.factor.x;
+                Ok([normals, Some(Relief { picture: *picture, strength })])
+            }
+            "dot" => self.reliefs_behind(self.needed(node, "in")?),
+            // The normal as it is.
+            "normal" => Ok([None, None]),
+            other => self.beyond(node, &format!("a normal by the node \"{other}\" is not read")),
+        }
+    }
+
+    fn normals(&self, node: XmlNode<'a>) -> Result<Relief> {
+        let found = if node.has_tag_name("gltf_normalmap") {
+            self.image(node, None)?
+        } else {
+            self.follow(self.needed(node, "in")?)?
+        };
+        let Found::Picture(picture) = found else { return self.beyond(node, "it has no picture of normals") };
+        if self.child(node, "space").and_then(|space| space.attribute("value")).is_some_and(|space| space != "tangent")
+        {
+            return self.beyond(node, "normals that are not those of tangent space are not read");
+        }
+        let strength = self.constant(node, "scale", &[1.0])?[0];
+        Ok(Relief { picture: *picture, strength })
+    }
+}
+
+/// The first three of some numbers, or one for all.
+fn triple(numbers: &[f32]) -> Vec3 {
+    match numbers {
+        [x] => Vec3::splat(*x),
+        [x, y] => Vec3::new(*x, *y, 0.0),
+        [x, y, z, ..] => Vec3::new(*x, *y, *z),
+        [] => Vec3::ZERO,
+    }
+}

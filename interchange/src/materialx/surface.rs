@@ -1,0 +1,234 @@
+//! The surfaces of MaterialX, and which of their inputs is which parameter of `openpbr`.
+
+use glam::Vec3;
+use lapidary_core::brdf::{BrdfModel, Parameter, Value};
+use serde::{Deserialize, Serialize};
+
+/// A shading model of MaterialX.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Surface {
+    /// `open_pbr_surface`: all that the model `openpbr` has, by the same names.
+    #[default]
+    OpenPbr,
+    /// `standard_surface` (Autodesk).
+    StandardSurface,
+    /// `gltf_pbr`.
+    GltfPbr,
+}
+
+/// An input that is a parameter.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// Name of the input.
+    pub input: &'static str,
+    /// Name of the parameter.
+    pub parameter: &'static str,
+    /// What the input has where it is not told.
+    pub default: Value,
+    /// The parameter is the input to this power.
+    pub power: f32,
+}
+
+/// Fuzz is Zeltner's by its roughness in OpenPBR; Standard Surface has Conty's. The power is that of the published translation.
+const SHEEN_POWER: f32 = 0.4;
+
+impl Row {
+    /// The input of a parameter's own name.
+    const fn of(p: &Parameter) -> Self {
+        Self { input: p.name, parameter: p.name, default: p.default, power: 1.0 }
+    }
+
+    const fn number(input: &'static str, parameter: &'static str, default: f32) -> Self {
+        Self { input, parameter, default: Value::Number(default), power: 1.0 }
+    }
+
+    const fn color(input: &'static str, parameter: &'static str, default: f32) -> Self {
+        Self { default: Value::Color(Vec3::splat(default)), ..Self::number(input, parameter, 0.0) }
+    }
+
+    const fn to_the(self, power: f32) -> Self {
+        Self { power, ..self }
+    }
+}
+
+const STANDARD_SURFACE: [Row; 21] = [
+    Row::number("base", "base_weight", 1.0),
+    Row::color("base_color", "base_color", 0.8),
+    Row::number("diffuse_roughness", "base_diffuse_roughness", 0.0),
+    Row::number("metalness", "base_metalness", 0.0),
+    Row::number("specular", "specular_weight", 1.0),
+    Row::color("specular_color", "specular_color", 1.0),
+    Row::number("specular_roughness", "specular_roughness", 0.2),
+    Row::number("specular_IOR", "specular_ior", 1.5),
+    Row::number("specular_anisotropy", "specular_roughness_anisotropy", 0.0),
+    Row::number("coat", "coat_weight", 0.0),
+    Row::color("coat_color", "coat_color", 1.0),
+    Row::number("coat_roughness", "coat_roughness", 0.1),
+    Row::number("coat_anisotropy", "coat_roughness_anisotropy", 0.0),
+    Row::number("coat_IOR", "coat_ior", 1.5),
+    Row::number("coat_affect_color", "coat_darkening", 0.0),
+    Row::number("sheen", "fuzz_weight", 0.0),
+    Row::color("sheen_color", "fuzz_color", 1.0),
+    Row::number("sheen_roughness", "fuzz_roughness", 0.3).to_the(SHEEN_POWER),
+    Row::number("emission", "emission_luminance", 0.0),
+    Row::color("emission_color", "emission_color", 1.0),
+    Row::number("opacity", "geometry_opacity", 1.0),
+];
+
+const GLTF_PBR: [Row; 14] = [
+    Row::color("base_color", "base_color", 1.0),
+    Row::number("metallic", "base_metalness", 1.0),
+    Row::number("roughness", "specular_roughness", 1.0),
+    Row::number("anisotropy_strength", "specular_roughness_anisotropy", 0.0),
+    Row::number("specular", "specular_weight", 1.0),
+    Row::color("specular_color", "specular_color", 1.0),
+    Row::number("ior", "specular_ior", 1.5),
+    Row::number("clearcoat", "coat_weight", 0.0),
+    Row::number("clearcoat_roughness", "coat_roughness", 0.0),
+    Row::color("sheen_color", "fuzz_color", 0.0),
+    Row::number("sheen_roughness", "fuzz_roughness", 0.0).to_the(2.0),
+    Row::color("emissive", "emission_color", 0.0),
+    Row::number("emissive_strength", "emission_luminance", 1.0),
+    Row::number("alpha", "geometry_opacity", 1.0),
+];
+
+/// An input that shows nowhere here unless it is zero, and what is lost with it.
+type Lost = (&'static str, &'static str);
+
+const LOST_OF_OPEN_PBR: [Lost; 3] = [
+    ("geometry_tangent", "the direction of the highlight"),
+    ("geometry_coat_tangent", "the direction of the coat's highlight"),
+    ("geometry_coat_normal", "the normal of the coat"),
+];
+
+const LOST_OF_STANDARD_SURFACE: [Lost; 8] = [
+    ("transmission", "transmission"),
+    ("subsurface", "subsurface scattering"),
+    ("thin_film_thickness", "the thin film"),
+    ("specular_rotation", "the turn of the highlight"),
+    ("coat_rotation", "the turn of the coat's highlight"),
+    ("tangent", "the direction of the highlight"),
+    ("coat_normal", "the normal of the coat"),
+    ("coat_affect_roughness", "how much the coat blurs the base"),
+];
+
+const LOST_OF_GLTF_PBR: [Lost; 7] = [
+    ("transmission", "transmission"),
+    ("iridescence", "iridescence"),
+    ("dispersion", "dispersion"),
+    ("thickness", "absorption inside"),
+    ("anisotropy_rotation", "the turn of the highlight"),
+    ("tangent", "the direction of the highlight"),
+    ("clearcoat_normal", "the normal of the coat"),
+];
+
+/// Inputs that are read elsewhere, and first parts of those that say more about what is lost.
+const OTHERS: [&str; 14] = [
+    "normal",
+    "geometry_normal",
+    "thin_walled",
+    "geometry_thin_walled",
+    "alpha_mode",
+    "alpha_cutoff",
+    "occlusion",
+    "transmission_",
+    "subsurface_",
+    "thin_film_",
+    "iridescence_",
+    "attenuation_",
+    "emission_",
+    "geometry_opacity",
+];
+
+impl Surface {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::OpenPbr, Self::StandardSurface, Self::GltfPbr];
+
+    /// The category of its node.
+    pub const fn node(self) -> &'static str {
+        match self {
+            Self::OpenPbr => "open_pbr_surface",
+            Self::StandardSurface => "standard_surface",
+            Self::GltfPbr => "gltf_pbr",
+        }
+    }
+
+    /// The surface of a node's category.
+    pub(super) fn of(node: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|surface| surface.node() == node)
+    }
+
+    /// Its inputs that are parameters.
+    pub(super) fn rows(self) -> Vec<Row> {
+        match self {
+            Self::OpenPbr => {
+                let own = BrdfModel::OpenPbr.parameters().iter();
+                own.filter(|p| p.name != OPACITY_CUTOFF).map(Row::of).collect()
+            }
+            Self::StandardSurface => STANDARD_SURFACE.into(),
+            Self::GltfPbr => GLTF_PBR.into(),
+        }
+    }
+
+    /// Its inputs that materials store and nothing renders.
+    pub(super) fn stored_rows(self) -> Vec<Row> {
+        match self {
+            Self::OpenPbr => BrdfModel::OpenPbr.stored_parameters().iter().map(Row::of).collect(),
+            Self::StandardSurface | Self::GltfPbr => Vec::new(),
+        }
+    }
+
+    /// Its inputs that are lost.
+    pub(super) const fn lost(self) -> &'static [Lost] {
+        match self {
+            Self::OpenPbr => &LOST_OF_OPEN_PBR,
+            Self::StandardSurface => &LOST_OF_STANDARD_SURFACE,
+            Self::GltfPbr => &LOST_OF_GLTF_PBR,
+        }
+    }
+
+    /// The input of its normal.
+    pub(super) const fn normal(self) -> &'static str {
+        if matches!(self, Self::OpenPbr) { "geometry_normal" } else { "normal" }
+    }
+
+    /// The input that says that both sides are seen, if it has one.
+    pub(super) const fn thin_walled(self) -> Option<&'static str> {
+        match self {
+            Self::OpenPbr => Some("geometry_thin_walled"),
+            Self::StandardSurface => Some("thin_walled"),
+            Self::GltfPbr => None,
+        }
+    }
+
+    /// Whether it has an input of this name.
+    pub(super) fn knows(self, input: &str) -> bool {
+        // Of OpenPBR all that begins so is stored or unknown.
+        let is_longer = |other: &str| self != Self::OpenPbr && input.starts_with(other);
+        let is_meant = |other: &str| if other.ends_with('_') { is_longer(other) } else { input == other };
+        self.rows().iter().chain(&self.stored_rows()).any(|row| row.input == input)
+            || self.lost().iter().any(|(name, _)| *name == input)
+            || OTHERS.into_iter().any(is_meant)
+    }
+}
+
+/// The parameter for the opacity below which a surface is cut out.
+pub(super) const OPACITY_CUTOFF: &str = "opacity_cutoff";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_name_parameters_of_the_model() {
+        let is_known = |name: &str| BrdfModel::OpenPbr.parameter(name).is_some();
+        for surface in Surface::ALL {
+            let rows = surface.rows();
+            assert!(rows.len() > 12 && rows.iter().all(|row| is_known(row.parameter)), "{surface:?}");
+            assert!(rows.iter().all(|row| surface.knows(row.input)) && !surface.knows("base_colour"));
+            assert_eq!(Surface::of(surface.node()), Some(surface));
+        }
+        assert!(!is_known("base"), "negative control");
+    }
+}

@@ -1,0 +1,498 @@
+//! From materials to a document.
+
+use super::{
+    estimate::{leave_out_patterns, without_file},
+    placement::Placement,
+    stretch,
+    surface::{OPACITY_CUTOFF, Row, Surface},
+};
+use crate::import::{MaterialFile, SlotFile};
+use glam::{Vec2, Vec3};
+use lapidary_core::{
+    brdf::{BrdfModel, MapUse, Parameter, Value},
+    material::{BUMP, MaterialOf, NORMAL},
+    texture::{Channel, ColorSpace},
+};
+use quick_xml::{
+    Writer,
+    events::{BytesDecl, BytesEnd, BytesStart, Event},
+};
+use std::{collections::BTreeSet, fmt::Display, io};
+
+/// A document.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// Its text.
+    pub text: String,
+    /// What it does not hold, in sentences.
+    pub remarks: Vec<String>,
+}
+
+/// Writes materials as one document of a surface. Maps name their pictures relative to the document.
+///
+/// # Errors
+/// None but those of the memory that the text is written to.
+pub fn write(materials: &[MaterialFile], surface: Surface) -> io::Result<Written> {
+    let mut document = DocumentWriter {
+        xml: Writer::new_with_indent(Vec::new(), b' ', 2),
+        surface,
+        names: BTreeSet::new(),
+        remarks: Vec::new(),
+    };
+    document.xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("utf-8"), None)))?;
+    document.open("materialx", &[("version", "1.39".into()), ("colorspace", "lin_rec709".into())])?;
+    materials.iter().try_for_each(|material| document.material(material))?;
+    document.close("materialx")?;
+    let mut bytes = document.xml.into_inner();
+    bytes.push(b'\n');
+    let text = String::from_utf8(bytes).map_err(io::Error::other)?;
+    Ok(Written { text, remarks: document.remarks })
+}
+
+type Attribute = (&'static str, String);
+
+struct DocumentWriter {
+    xml: Writer<Vec<u8>>,
+    surface: Surface,
+    /// Names that are taken.
+    names: BTreeSet<String>,
+    remarks: Vec<String>,
+}
+
+/// What an input is connected to, or its value.
+enum End {
+    Value(String),
+    Output { graph: String, output: String },
+}
+
+/// A map of an input: how its texels become the value.
+struct Mapped<'a> {
+    slot: &'a SlotFile,
+    is_color: bool,
+    factor: Value,
+    added: f32,
+}
+
+impl DocumentWriter {
+    fn element(name: &'static str, attributes: &[Attribute]) -> BytesStart<'static> {
+        let mut start = BytesStart::new(name);
+        attributes.iter().for_each(|(name, value)| start.push_attribute((*name, value.as_str())));
+        start
+    }
+
+    fn open(&mut self, name: &'static str, attributes: &[Attribute]) -> io::Result<()> {
+        self.xml.write_event(Event::Start(Self::element(name, attributes)))
+    }
+
+    fn empty(&mut self, name: &'static str, attributes: &[Attribute]) -> io::Result<()> {
+        self.xml.write_event(Event::Empty(Self::element(name, attributes)))
+    }
+
+    fn close(&mut self, name: &'static str) -> io::Result<()> {
+        self.xml.write_event(Event::End(BytesEnd::new(name)))
+    }
+
+    fn input(&mut self, name: &str, kind: &str, value: impl Display) -> io::Result<()> {
+        self.empty("input", &[("name", name.into()), ("type", kind.into()), ("value", value.to_string())])
+    }
+
+    fn connected(&mut self, name: &str, kind: &str, node: &str) -> io::Result<()> {
+        self.empty("input", &[("name", name.into()), ("type", kind.into()), ("nodename", node.into())])
+    }
+
+    /// A name of letters, digits and underscores that no other element has, nor will with the prefix of a surface or graph.
+    fn name_like(&mut self, wanted: &str) -> String {
+        let letters: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let stem = if letters.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            letters
+        } else {
+            format!("material_{letters}")
+        };
+        let mut name = stem.clone();
+        let all = |name: &str| ["", "SR_", "NG_"].map(|prefix| format!("{prefix}{name}"));
+        let mut count = 1;
+        while all(&name).iter().any(|name| self.names.contains(name)) {
+            count += 1;
+            name = format!("{stem}_{count}");
+        }
+        self.names.extend(all(&name));
+        name
+    }
+
+    fn material(&mut self, material: &MaterialFile) -> io::Result<()> {
+        let name = self.name_like(&material.name);
+        let mut remarks = Vec::new();
+        let mut nearest = nearest(material, self.surface, &mut remarks);
+        leave_out_patterns(&mut nearest.maps, &mut remarks);
+        let graph = format!("NG_{name}");
+        let mut ends: Vec<(Row, End)> = Vec::new();
+        let rendered = self.surface.rows().into_iter().filter_map(|row| Some((row, nearest.parameter(row.parameter)?)));
+        let is_stored = |row: Row| nearest.stored().find(|p| p.name == row.parameter).map(|p| (row, p));
+        let stored = self.surface.stored_rows().into_iter().filter_map(is_stored);
+        let rows: Vec<(Row, &Parameter)> = rendered.chain(stored).collect();
+        let reliefs = [NORMAL, BUMP].map(|map| nearest.maps.get(map));
+        let has_graph = rows.iter().any(|(row, _)| nearest.maps.get(row.parameter).is_some())
+            || reliefs.iter().any(Option::is_some);
+        if has_graph {
+            self.open("nodegraph", &[("name", graph.clone())])?;
+        }
+        for (row, parameter) in rows {
+            let end = self.end(&nearest, row, parameter, &graph)?;
+            ends.push((row, end));
+        }
+        let normal = self.reliefs(reliefs)?;
+        if has_graph {
+            self.close("nodegraph")?;
+        }
+        self.surface_of(&name, &nearest, ends, normal.map(|output| End::Output { graph, output }))?;
+        let label = if name == material.name { Vec::new() } else { vec![("uiname", material.name.clone())] };
+        let attributes = [vec![("name", name.clone()), ("type", "material".into())], label].concat();
+        self.open("surfacematerial", &attributes)?;
+        self.connected("surfaceshader", "surfaceshader", &format!("SR_{name}"))?;
+        self.close("surfacematerial")?;
+        self.remarks.extend(remarks.into_iter().map(|remark| format!("material \"{}\": {remark}", material.name)));
+        Ok(())
+    }
+
+    fn surface_of(
+        &mut self,
+        name: &str,
+        nearest: &MaterialFile,
+        ends: Vec<(Row, End)>,
+        normal: Option<End>,
+    ) -> io::Result<()> {
+        let node = self.surface.node();
+        self.open(node, &[("name", format!("SR_{name}")), ("type", "surfaceshader".into())])?;
+        for (row, end) in ends {
+            // Opacity is a number here and in OpenPBR, and a colour there.
+            let is_color = matches!(row.default, Value::Color(_)) || row.input == "opacity";
+            self.end_of(row.input, if is_color { "color3" } else { "float" }, end)?;
+        }
+        if let Some(end) = normal {
+            self.end_of(self.surface.normal(), "vector3", end)?;
+        }
+        if let Some(input) = self.surface.thin_walled().filter(|_| nearest.double_sided) {
+            self.input(input, "boolean", true)?;
+        }
+        if self.surface == Surface::GltfPbr {
+            self.alpha(nearest)?;
+        }
+        self.close(node)
+    }
+
+    fn alpha(&mut self, nearest: &MaterialFile) -> io::Result<()> {
+        let cutoff = nearest.parameters.number(OPACITY_CUTOFF);
+        let shows =
+            nearest.maps.get("geometry_opacity").is_some() || nearest.parameters.number("geometry_opacity") < 1.0;
+        let mode = match (cutoff > 0.0, shows) {
+            (true, _) => 1,
+            (false, true) => 2,
+            (false, false) => 0,
+        };
+        self.input("alpha_mode", "integer", mode)?;
+        if mode == 1 {
+            self.input("alpha_cutoff", "float", cutoff)?;
+        }
+        Ok(())
+    }
+
+    fn end_of(&mut self, input: &str, kind: &str, end: End) -> io::Result<()> {
+        match end {
+            End::Value(value) if kind == "color3" && !value.contains(',') => {
+                self.input(input, kind, format!("{value}, {value}, {value}"))
+            }
+            End::Value(value) => self.input(input, kind, value),
+            End::Output { graph, output } => {
+                let connection = [("nodegraph", graph), ("output", output)];
+                let attributes = [[("name", input.to_owned()), ("type", kind.into())], connection].concat();
+                self.empty("input", &attributes)
+            }
+        }
+    }
+
+    /// The value of an input, or the output of the nodes that are written for its map.
+    fn end(&mut self, nearest: &MaterialFile, row: Row, parameter: &Parameter, graph: &str) -> io::Result<End> {
+        let value = nearest.parameters.value(parameter);
+        let unpowered = |x: f32| if row.power == 1.0 { x } else { x.max(0.0).powf(1.0 / row.power) };
+        let Some(slot) = nearest.maps.get(row.parameter) else {
+            return Ok(End::Value(match value {
+                Value::Number(x) => unpowered(x).to_string(),
+                Value::Color(c) => triple(c),
+            }));
+        };
+        let added = if parameter.map == MapUse::ScalesAboveOne { 1.0 } else { 0.0 };
+        let factor = match value {
+            Value::Number(x) => Value::Number(unpowered(x - added)),
+            color => color,
+        };
+        let mapped = Mapped { slot, is_color: parameter.is_color(), factor, added };
+        let mut node = self.mapped(row.input, &mapped)?;
+        if row.input == "opacity" {
+            node = self.node("convert", &format!("{node}_color"), "color3", &[("in", "float", node.clone())])?;
+        }
+        let output = format!("out_{}", row.input);
+        let kind = if parameter.is_color() || row.input == "opacity" { "color3" } else { "float" };
+        self.empty("output", &[("name", output.clone()), ("type", kind.into()), ("nodename", node)])?;
+        Ok(End::Output { graph: graph.into(), output })
+    }
+
+    /// A node whose inputs are connected; returns its name.
+    fn node(
+        &mut self,
+        category: &'static str,
+        name: &str,
+        kind: &str,
+        inputs: &[(&str, &str, String)],
+    ) -> io::Result<String> {
+        self.open(category, &[("name", name.into()), ("type", kind.into())])?;
+        for (input, kind, node) in inputs {
+            self.connected(input, kind, node)?;
+        }
+        self.close(category)?;
+        Ok(name.into())
+    }
+
+    /// `multiply` or `add` of a node and a value; returns its name.
+    fn combined(
+        &mut self,
+        category: &'static str,
+        name: &str,
+        kind: &str,
+        node: String,
+        value: String,
+    ) -> io::Result<String> {
+        self.open(category, &[("name", name.into()), ("type", kind.into())])?;
+        self.connected("in1", kind, &node)?;
+        self.input("in2", kind, value)?;
+        self.close(category)?;
+        Ok(name.into())
+    }
+
+    /// The nodes of a map; returns the name of the last.
+    fn mapped(&mut self, input: &str, mapped: &Mapped) -> io::Result<String> {
+        let Mapped { slot, is_color, factor, added } = *mapped;
+        let kind = if is_color { "color3" } else { "float" };
+        let mut node = if is_color { self.image(input, slot, "color3")? } else { self.component(input, slot)? };
+        let is_one = factor == Value::Number(1.0) || factor == Value::Color(Vec3::ONE);
+        if !is_one {
+            let value = match factor {
+                Value::Number(x) => x.to_string(),
+                Value::Color(c) => triple(c),
+            };
+            node = self.combined("multiply", &format!("{input}_scaled"), kind, node, value)?;
+        }
+        if added != 0.0 {
+            node = self.combined("add", &format!("{input}_shifted"), kind, node, added.to_string())?;
+        }
+        Ok(node)
+    }
+
+    /// One component of a picture.
+    fn component(&mut self, input: &str, slot: &SlotFile) -> io::Result<String> {
+        let is_encoded = slot.color_space == Some(ColorSpace::Srgb);
+        let kind = match (slot.channel, is_encoded) {
+            (Channel::R, false) => return self.image(input, slot, "float"),
+            (Channel::A, true) => "color4",
+            (Channel::A, false) => "vector4",
+            (_, true) => "color3",
+            (_, false) => "vector3",
+        };
+        let image = self.image(input, slot, kind)?;
+        let name = format!("{input}_component");
+        self.open("extract", &[("name", name.clone()), ("type", "float".into())])?;
+        self.connected("in", kind, &image)?;
+        self.input("index", "integer", slot.channel as usize)?;
+        self.close("extract")?;
+        Ok(name)
+    }
+
+    /// A picture; returns the name of its node.
+    fn image(&mut self, input: &str, slot: &SlotFile, kind: &str) -> io::Result<String> {
+        let placement = Placement { scale: slot.scale, offset: slot.offset, rotation_degrees: slot.rotation_degrees };
+        let tiling = placement.tiling();
+        let category = if tiling.is_some() { "tiledimage" } else { "image" };
+        let name = format!("{input}_picture");
+        if tiling.is_none() {
+            self.place2d(&format!("{name}_place"), &placement)?;
+        }
+        self.open(category, &[("name", name.clone()), ("type", kind.into())])?;
+        let mut file: Vec<Attribute> =
+            vec![("name", "file".into()), ("type", "filename".into()), ("value", slot.file.clone())];
+        if slot.color_space == Some(ColorSpace::Srgb) && kind.starts_with("color") {
+            file.push(("colorspace", "srgb_texture".into()));
+        }
+        self.empty("input", &file)?;
+        match tiling {
+            Some([tiling, offset]) => {
+                self.input("uvtiling", "vector2", pair(tiling))?;
+                self.input("uvoffset", "vector2", pair(offset))?;
+            }
+            None => self.connected("texcoord", "vector2", &format!("{name}_place"))?,
+        }
+        self.close(category)?;
+        Ok(name)
+    }
+
+    fn place2d(&mut self, name: &str, placement: &Placement) -> io::Result<()> {
+        let coordinates = format!("{name}_texcoord");
+        self.empty("texcoord", &[("name", coordinates.clone()), ("type", "vector2".into())])?;
+        let (scale, degrees, offset) = placement.place2d();
+        self.open("place2d", &[("name", name.into()), ("type", "vector2".into())])?;
+        self.connected("texcoord", "vector2", &coordinates)?;
+        self.input("pivot", "vector2", pair(Vec2::Y))?;
+        self.input("scale", "vector2", pair(scale))?;
+        self.input("rotate", "float", degrees)?;
+        self.input("offset", "vector2", pair(offset))?;
+        self.close("place2d")
+    }
+
+    /// The nodes of normals and heights; returns the name of their output.
+    fn reliefs(&mut self, [normal, bump]: [Option<&SlotFile>; 2]) -> io::Result<Option<String>> {
+        let below = normal.map(|slot| self.normals(slot)).transpose()?;
+        let above = match bump {
+            Some(slot) => Some(self.heights(slot, below.as_deref())?),
+            None => below,
+        };
+        let Some(node) = above else { return Ok(None) };
+        let output = "out_normal".to_owned();
+        self.empty("output", &[("name", output.clone()), ("type", "vector3".into()), ("nodename", node)])?;
+        Ok(Some(output))
+    }
+
+    fn normals(&mut self, slot: &SlotFile) -> io::Result<String> {
+        const KIND: &str = "vector3";
+        let mut node = self.image("normal", slot, KIND)?;
+        if slot.flip_y {
+            node = self.combined("multiply", "normal_turned", KIND, node, "1, -1, 1".into())?;
+            node = self.combined("add", "normal_flipped", KIND, node, "0, 1, 0".into())?;
+        }
+        self.open("normalmap", &[("name", "normal_map".into()), ("type", KIND.into())])?;
+        self.connected("in", KIND, &node)?;
+        self.input("scale", "float", slot.strength)?;
+        self.close("normalmap")?;
+        Ok("normal_map".into())
+    }
+
+    fn heights(&mut self, slot: &SlotFile, below: Option<&str>) -> io::Result<String> {
+        let height = self.component("height", slot)?;
+        self.open("bump", &[("name", "height_map".into()), ("type", "vector3".into())])?;
+        self.connected("height", "float", &height)?;
+        self.input("scale", "float", slot.strength)?;
+        if let Some(normal) = below {
+            self.connected("normal", "vector3", normal)?;
+        }
+        self.close("bump")?;
+        Ok("height_map".into())
+    }
+}
+
+fn triple(Vec3 { x, y, z }: Vec3) -> String {
+    format!("{x}, {y}, {z}")
+}
+
+fn pair(Vec2 { x, y }: Vec2) -> String {
+    format!("{x}, {y}")
+}
+
+/// The parameters of `openpbr` that say a material best to a surface; `remarks` get what is lost.
+pub(crate) fn nearest<S: Clone>(
+    material: &MaterialOf<S>,
+    surface: Surface,
+    remarks: &mut Vec<String>,
+) -> MaterialOf<S> {
+    let mut nearest = as_openpbr(material, remarks);
+    nearest.parameters = nearest.parameters.sanitized();
+    match surface {
+        Surface::OpenPbr => {
+            if nearest.parameters.number(OPACITY_CUTOFF) > 0.0 {
+                remarks.push("OpenPBR has no opacity below which it is cut out; it is blended".into());
+            }
+        }
+        Surface::StandardSurface => {
+            unstretched(&mut nearest, ["specular_roughness", "specular_roughness_anisotropy"], stretch::to_burley);
+            unstretched(&mut nearest, ["coat_roughness", "coat_roughness_anisotropy"], stretch::to_burley);
+        }
+        Surface::GltfPbr => {
+            unstretched(&mut nearest, ["specular_roughness", "specular_roughness_anisotropy"], stretch::to_gltf);
+            say_to_gltf(&mut nearest, remarks);
+        }
+    }
+    if surface != Surface::OpenPbr {
+        if nearest.maps.get("fuzz_roughness").is_some() {
+            remarks.push("the map of its fuzz roughness is written as it is, without a change of its scale".into());
+        }
+        let stored: Vec<String> = nearest.stored().map(|p| p.label.to_lowercase()).collect();
+        if !stored.is_empty() {
+            remarks.push(format!("what it stores and does not render is left out: {}", stored.join(", ")));
+        }
+    }
+    nearest
+}
+
+/// What the rows of glTF's surface do not say: weights are multiplied into colours.
+fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
+    let p = &nearest.parameters;
+    let (base, fuzz) = (p.number("base_weight"), p.number("fuzz_weight"));
+    let (base_color, fuzz_color) = (base * p.color("base_color"), fuzz * p.color("fuzz_color"));
+    let told = [
+        (p.number("base_diffuse_roughness") > 0.0, "glTF has no roughness of the diffuse base"),
+        (p.number("coat_weight") > 0.0 && p.color("coat_color") != Vec3::ONE, "glTF has no color of the coat"),
+        (p.number("coat_weight") > 0.0 && p.number("coat_darkening") > 0.0, "glTF's coat does not darken"),
+        (p.number("coat_weight") > 0.0 && (p.number("coat_ior") - 1.5).abs() > 1e-6, "glTF's coat has the index 1.5"),
+        (p.number("coat_roughness_anisotropy") > 0.0, "glTF's coat is not stretched"),
+    ];
+    remarks.extend(told.into_iter().filter(|(lost, _)| *lost).map(|(_, text)| text.to_owned()));
+    for weight in ["base_weight", "fuzz_weight", "base_diffuse_roughness", "coat_color", "coat_ior", "coat_darkening"] {
+        if nearest.maps.get(weight).is_some() {
+            remarks.push(format!("the map of its {} is left out", weight.replace('_', " ")));
+        }
+    }
+    nearest.parameters.set("base_color", base_color);
+    nearest.parameters.set("fuzz_color", fuzz_color);
+}
+
+/// The other surface's numbers in place of OpenPBR's, of the same lobe.
+fn unstretched<S>(nearest: &mut MaterialOf<S>, names: [&'static str; 2], numbers: fn(stretch::Widths) -> [f32; 2]) {
+    let [roughness, anisotropy] = names.map(|name| nearest.parameters.number(name));
+    let is_mapped = names.iter().any(|name| nearest.maps.get(name).is_some());
+    if anisotropy > 0.0 && !is_mapped {
+        let lobe = numbers(stretch::of_openpbr(roughness, anisotropy));
+        names.into_iter().zip(lobe).for_each(|(name, number)| nearest.parameters.set(name, number));
+    }
+}
+
+/// A material as one of `openpbr`, with the lobe as wide as it is; `remarks` get what has no place there.
+pub(crate) fn as_openpbr<S: Clone>(material: &MaterialOf<S>, remarks: &mut Vec<String>) -> MaterialOf<S> {
+    let material = &*without_file(material, remarks);
+    let mut nearest = material.own();
+    if material.model == BrdfModel::OpenPbr {
+        return nearest;
+    }
+    // What is not told is the default of its model, not of the other.
+    for parameter in material.model.parameters() {
+        nearest.parameters.set(parameter.name, parameter.sanitized(material.parameters.value(parameter)));
+    }
+    nearest.change_model(BrdfModel::OpenPbr);
+    // A name that two models have may have different defaults.
+    if material.model.parameter_for("roughness").is_none() {
+        nearest.parameters.set("specular_weight", 0.0);
+        nearest.parameters.set("specular_roughness", 1.0);
+    }
+    let number = |quantity: &str| {
+        material.model.parameter_for(quantity).map_or(0.0, |p| p.sanitized(material.parameters.value(p)).number())
+    };
+    let anisotropy = number("anisotropy");
+    if anisotropy < 0.0 {
+        remarks.push("its highlight is stretched across the tangent, which OpenPBR cannot say; it is round".into());
+    }
+    if anisotropy > 0.0 {
+        let lobe = stretch::to_openpbr(stretch::of_burley(number("roughness"), 0.9 * anisotropy));
+        nearest.parameters.set("specular_roughness", lobe[0]);
+        nearest.parameters.set("specular_roughness_anisotropy", lobe[1]);
+    }
+    let edge = material.model.parameter("edge_color");
+    if edge.is_some_and(|p| material.parameters.value(p) != p.default) && number("metalness") > 0.0 {
+        remarks.push("the color of its metal toward the edge becomes that of OpenPBR".into());
+    }
+    nearest
+}
