@@ -1,5 +1,6 @@
 //! A scene on a renderer that shows one look after another, and repeats only what an edit changes ([`Redo`]).
 
+mod ladder;
 mod pose_rigs;
 mod posing;
 
@@ -32,6 +33,10 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     pose_rigs: PoseRigs,
     /// Detail level for posed lighting.
     detail: Detail,
+    /// The one that a drag has time for.
+    drag_detail: Detail,
+    /// Whether the solver of bounced light has more steps to do.
+    is_unsolved: bool,
     environment_rig: LightRig,
     local_rig: LocalRig,
     /// What the renderer has; `None` after a failure, so that everything is set again.
@@ -98,6 +103,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
             posing: None,
             pose_rigs: PoseRigs::default(),
             detail: Detail::FINEST,
+            drag_detail: Detail::OF_A_DRAG,
+            is_unsolved: false,
             environment_rig,
             local_rig,
             lit: None,
@@ -187,6 +194,15 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
     pub fn light(&mut self, look: &Look) -> Result<(), BackendError> {
+        self.light_first(look)?;
+        while self.is_unsolved {
+            self.advance()?;
+        }
+        Ok(())
+    }
+
+    /// [`Self::light`] with the first step of bounced light.
+    fn light_first(&mut self, look: &Look) -> Result<(), BackendError> {
         let redo = self.redo(look);
         self.arrange(look, redo.light)?;
         let (before, changes) = (self.lit.take().map(|lit| lit.local), redo.light);
@@ -282,7 +298,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// Prepares local lights, bounced light, and the shown components. Bounced light that is not shown is not computed.
     fn light_locally(&mut self, look: &Look, redo: Redo) -> Result<LocalLighting, BackendError> {
         let (situation, solution) = (&self.situation, look.shown_solution());
-        while look.components.indirect && self.local_rig.advance(situation, solution) {}
+        self.is_unsolved = look.components.indirect && self.local_rig.advance(situation, solution);
         let mut local = self.local_rig.lighting(situation, look.components, solution);
         let rig = self.pose_rigs.used().filter(|_| !situation.poses.is_empty());
         local.posed = rig.map(|rig| rig.lit(situation).light(solution.bounces()).into());
@@ -292,6 +308,22 @@ impl<B: Backend + ?Sized> LitScene<B> {
             self.remarks.replace(2, remarks);
         }
         Ok(local)
+    }
+
+    /// Gives the renderer the next step of bounced light.
+    fn advance(&mut self) -> Result<(), BackendError> {
+        let Some(mut lit) = self.lit.take() else { return Ok(()) };
+        let (solution, posed) = (lit.look.shown_solution(), lit.local.posed.take());
+        self.is_unsolved = self.local_rig.advance(&self.situation, solution);
+        let local = self.local_rig.lighting(&self.situation, lit.look.components, solution);
+        lit.local = LocalLighting { posed, ..local };
+        let remarks = self.backend.set_local_lighting(&lit.local)?;
+        self.remarks.replace(2, remarks);
+        self.finished = false;
+        self.stale.bounce = Pixels::All;
+        self.drift.reset();
+        self.lit = Some(lit);
+        Ok(())
     }
 
     /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials

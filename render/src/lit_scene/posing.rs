@@ -1,10 +1,7 @@
-//! Where the objects of a lit scene are, and how finely they are lit there.
+//! Where the objects of a lit scene are.
 
 use super::{LitScene, pose_rigs::PoseRigs};
-use crate::{
-    Backend, BackendError, Baked, Look, Posing, Redo,
-    light::implicit::{self, detail::Detail},
-};
+use crate::{Backend, BackendError, Baked, Posing, light::implicit};
 use lapidary_core::scene::{MeshError, pose::Poses};
 
 impl<B: Backend + ?Sized> LitScene<B> {
@@ -39,39 +36,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(())
     }
 
-    fn check_objects(&self) -> Result<(), MeshError> {
+    pub(super) fn check_objects(&self) -> Result<(), MeshError> {
         let (found, most) = (self.baked.dataset.scene.objects.len(), implicit::MOST_OBJECTS);
         if found <= most { Ok(()) } else { Err(MeshError::TooManyObjects { found, most }) }
-    }
-
-    /// Begins to prepare, on a thread, what poses need at some detail, so that they do not wait.
-    pub fn prepare_to_pose(&mut self, detail: Detail) {
-        if self.check_objects().is_err() {
-            return;
-        }
-        self.pose_rigs.prepare(detail, &self.baked, || self.backend.compute());
-    }
-
-    /// Whether poses do not wait at some detail.
-    pub fn is_prepared_to_pose(&mut self, detail: Detail) -> bool {
-        self.pose_rigs.is_made(detail)
-    }
-
-    /// How finely posed objects are lit from the next look on; the finest if nothing is said.
-    pub fn set_detail(&mut self, detail: Detail) {
-        self.detail = detail;
-    }
-
-    /// Whether a look has the light of the last one, whatever its view.
-    pub fn is_lit_as(&self, look: &Look) -> bool {
-        self.lit.as_ref().is_some_and(|lit| {
-            let Redo { light, shown, .. } = Redo::between(&lit.look, look);
-            !light.any() && !shown
-        })
-    }
-
-    /// How finely posed objects are lit; `None` where nothing is posed.
-    pub fn detail(&self) -> Option<Detail> {
-        self.pose_rigs.detail().filter(|_| !self.situation.poses.is_empty())
     }
 }

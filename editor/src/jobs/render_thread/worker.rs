@@ -10,7 +10,7 @@ use super::{
 use crate::{jobs::budget::Pace, panels::bake::remedy_control};
 use glam::Vec2;
 use lapidary_core::{camera::Camera, scene::pose::Poses};
-use lapidary_render::{BackendError, BackendFactory, Baked, Detail, LitScene, Look, PictureStats, Redo, Remedy, View};
+use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, Remedy, View};
 use lapidary_studies::jobs::panic_text;
 use std::{
     ops::Range,
@@ -92,8 +92,6 @@ pub struct Worker {
     seen_from: Option<(Camera, [u32; 2], Poses)>,
     /// Whether the picture replaces that of another bake of the scene, which stays on the screen until it has a whole sample.
     replaces: bool,
-    /// How finely posed objects are lit while something moves.
-    drag_detail: Detail,
     /// What its light left of the frame time, in milliseconds.
     budget_ms: f32,
     /// Distance of the lattice that was shown of the wanted look, in pixels of the full picture.
@@ -130,7 +128,6 @@ impl Worker {
             begun: None,
             seen_from: None,
             replaces: false,
-            drag_detail: Detail::OF_A_DRAG,
             budget_ms: 0.0,
             shown_apart: None,
             sketch_pace: SketchPace::default(),
@@ -267,7 +264,7 @@ impl Worker {
             self.publish(&request)?;
         }
         if request.may_pose && self.begun.as_ref().is_some_and(|begun| begun.complete > 0) {
-            self.scene.iter_mut().for_each(|scene| scene.prepare_to_pose(self.drag_detail));
+            self.scene.as_mut().map(LitScene::prepare_to_drag);
         }
         if self.refine(&request)? {
             return Ok(());
@@ -292,14 +289,15 @@ impl Worker {
         self.begun = None;
         self.replaces = false;
         let start = Instant::now();
-        let is_prepared = self.scene.as_mut().is_some_and(|scene| scene.is_prepared_to_pose(self.drag_detail));
+        let is_prepared = self.scene.as_mut().is_some_and(LitScene::is_prepared_to_drag);
         if let Some(baked) = &request.baked {
             self.light(baked, &request.look)?;
         }
         let (budget, millis) = (request.frame_budget_ms, millis_since(start));
         self.budget_ms = (budget - millis as f32).max(PICTURE_SHARE * budget);
         if is_prepared && self.seen_from.as_ref().is_some_and(|(_, _, poses)| *poses != request.look.poses) {
-            self.adapt_detail(millis, f64::from((1.0 - PICTURE_SHARE) * budget));
+            let budget = f64::from((1.0 - PICTURE_SHARE) * budget);
+            self.scene.iter_mut().for_each(|scene| scene.adapt(millis, budget));
         }
         let full = request.look.view.size;
         if request.baked.is_none() || full.contains(&0) {
@@ -377,11 +375,7 @@ impl Worker {
             }
             None => self.scene.insert(LitScene::new((self.factory)()?, baked.clone())?.keep_unseen_changes()),
         };
-        // Another view needs no other light.
-        if !scene.is_lit_as(look) {
-            scene.set_detail(self.drag_detail);
-        }
-        scene.light(look)?;
+        scene.light_soon(look)?;
         scene.remarks().into_iter().for_each(|remark| self.outbox.event(RenderEvent::Remark(remark)));
         Ok(())
     }

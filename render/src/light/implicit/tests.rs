@@ -234,7 +234,8 @@ fn too_many_objects_are_refused_and_shown_as_they_were_baked() {
     let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.into()).unwrap();
     let before = scene.show_whole(&look).unwrap().image;
     let still = std::mem::replace(&mut look.poses, posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED }));
-    scene.prepare_to_pose(Detail::LADDER[0]);
+    scene.prepare_to_drag();
+    assert!(!scene.is_prepared_to_drag());
     let refusal = scene.show_whole(&look).unwrap_err().to_string();
     assert!(refusal.contains("65537 objects, and at most 65536") && refusal.contains("join"), "{refusal}");
     look.poses = still;

@@ -61,7 +61,7 @@ impl BounceSolver for Even {
 mod tests {
     use super::*;
     use crate::{
-        Appearance, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
+        Appearance, Backend, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
         appearance::ResolvedAppearance,
         test_looks::look,
         test_scenes::{from_above, linked_floor_and_wall, point_light},
@@ -86,6 +86,32 @@ mod tests {
             assert!((found - expected).length() < 1e-5 * expected.length(), "{found} for {expected}");
             assert!((at_center(Solution::Cuts, intensity) - expected).length() > 0.1 * expected.length(), "control");
         }
+    }
+
+    #[test]
+    fn a_picture_may_be_shown_between_the_steps_and_is_whole_after_the_last() {
+        let baked = Baked::from(linked_floor_and_wall());
+        let components = Components { indirect: true, ..Components::NONE };
+        let (view, lights) = (View { aa: 1, ..from_above(8) }, [point_light(Vec3::ONE, 2.0)].into());
+        let appearance = Appearance::of(&baked.dataset.scene);
+        let look = Look { appearance, lights, components, solution: Solution::Even, view, ..look() };
+        let begin = || LitScene::new(Box::new(CpuBackend::new()), baked.clone()).unwrap();
+        let mut scene = begin();
+        let shown = |scene: &mut LitScene<CpuBackend>| {
+            scene.resume(&look.view, look.sampling).unwrap();
+            scene.render_rows(0, 0..8).unwrap();
+            scene.backend().read(1).unwrap().0
+        };
+        scene.light_soon(&look).unwrap();
+        let mut pictures = vec![shown(&mut scene)];
+        while scene.is_coarse() {
+            assert!(scene.refine(&look).unwrap());
+            pictures.push(shown(&mut scene));
+        }
+        let shares: Vec<f32> = pictures.iter().map(|p| p.pixels[27].x / pictures[2].pixels[27].x * 0.875).collect();
+        assert!(shares.iter().zip([0.5, 0.75, 0.875]).all(|(a, b)| (a - b).abs() < 1e-5), "{shares:?}");
+        assert!(pictures[2] == begin().show_whole(&look).unwrap().image);
+        assert!(!scene.refine(&look).unwrap(), "nothing is left to do");
     }
 
     #[test]

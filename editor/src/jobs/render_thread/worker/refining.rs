@@ -1,28 +1,14 @@
-//! How finely posed objects are lit: as there is time for in a drag, and as finely as can be at rest.
+//! Steps of the light beyond those that a drag has time for, once nothing moves.
 
 use super::{PictureStage, RenderRequest, Worker};
-use lapidary_render::{BackendError, Detail, LitScene};
+use lapidary_render::{BackendError, LitScene};
 use std::{sync::atomic::Ordering::SeqCst, time::Instant};
 
 impl Worker {
-    /// Chooses how finely the next steps of a drag are lit, by the milliseconds that the light of the last one took and may take. What
-    /// they need is made while the drag goes on as it is.
-    pub(super) fn adapt_detail(&mut self, millis: f64, budget: f64) {
-        let Some((scene, detail)) = self.scene.as_mut().and_then(|scene| scene.detail().map(|d| (scene, d))) else {
-            return;
-        };
-        let wanted = detail.within(millis, budget);
-        scene.prepare_to_pose(wanted);
-        if scene.is_prepared_to_pose(wanted) {
-            self.drag_detail = wanted;
-        }
-    }
-
-    /// Whether posed objects are lit less finely than can be, and nothing moves.
+    /// Whether the light can be made finer, and nothing moves.
     pub(super) fn may_be_finer(&self) -> bool {
         let is_moving = self.wanted.as_ref().is_none_or(|request| request.moving);
-        let is_coarse = self.scene.as_ref().and_then(LitScene::detail).is_some_and(|detail| detail != Detail::FINEST);
-        is_coarse && !is_moving
+        !is_moving && self.scene.as_ref().is_some_and(LitScene::is_coarse)
     }
 
     /// Whether other work needs the cores, or a better picture is on its way.
@@ -30,7 +16,7 @@ impl Worker {
         self.shared.held.load(SeqCst) || self.shared.is_preview.load(SeqCst)
     }
 
-    /// Lights posed objects as finely as can be once the full picture is due. Returns whether it has begun so.
+    /// Makes the light finer once the full picture is due. Returns whether a picture has begun with it.
     pub(super) fn refine(&mut self, request: &RenderRequest) -> Result<bool, BackendError> {
         let is_due = match self.stage {
             PictureStage::Rest | PictureStage::Full { .. } => self.begun.is_some(),
@@ -41,13 +27,10 @@ impl Worker {
             return Ok(false);
         }
         let Some(scene) = &mut self.scene else { return Ok(false) };
-        scene.prepare_to_pose(Detail::FINEST);
-        if !scene.is_prepared_to_pose(Detail::FINEST) {
-            return Ok(false);
+        let is_finer = scene.refine(&request.look)?;
+        if is_finer {
+            self.begin(request, request.look.view.size)?;
         }
-        scene.set_detail(Detail::FINEST);
-        scene.light(&request.look)?;
-        self.begin(request, request.look.view.size)?;
-        Ok(true)
+        Ok(is_finer)
     }
 }
