@@ -6,14 +6,14 @@
 
 mod build;
 mod features;
-mod lighting;
 mod nearest;
+mod node_light;
 mod radiance;
 
 pub use build::{cluster_order, cluster_order_of_groups};
 pub use features::{Features, PilotVisibility};
-pub use lighting::Lighting;
 pub use nearest::NearestLeaf;
+pub use node_light::NodeLight;
 pub use radiance::{EnvironmentSampler, GridEnergy};
 
 use crate::sphere::fibonacci_directions;

@@ -4,12 +4,11 @@
 //! value of a vertex's cut at a node is the mean solid angle of the node's sources, as seen from the vertex, zero for
 //! hidden sources (`<V G>` of the paper, 3).
 
+mod light;
 mod near_field;
-mod radiance;
 mod tree;
 
 pub use near_field::{NearField, OWNED_WITHIN, Origin, owners};
-pub use radiance::SourceRadiance;
 pub use tree::SourceTree;
 
 use crate::{

@@ -34,6 +34,7 @@ mod sampling;
 mod shade;
 mod sketch;
 mod stale;
+mod summed;
 #[cfg(any(test, feature = "test-scenes"))]
 pub mod test_looks;
 #[cfg(test)]
@@ -56,7 +57,7 @@ pub use light::{
     bounce::{MeshlessLight, SourceLighting, SourceRig},
     buried::is_buried,
     components::Components,
-    environment::{Illumination, LightRig, SceneLighting},
+    environment::{Distant, Illumination, LightRig, SceneLighting},
     implicit::{
         Sides,
         detail::Detail,
@@ -68,6 +69,7 @@ pub use light::{
         BounceLight,
         solutions::{Bounces, Solution},
     },
+    tree_light::TreeLight,
 };
 pub use lit_scene::{FinishedPicture, LitScene};
 pub use look::{Look, Redo};

@@ -5,10 +5,6 @@
 //! pixels that have exactly `i` samples and leaves those that have more. So a picture after an edit is the picture
 //! rendered from nothing, but for the rounding of lights that were added: these are summed by themselves.
 
-use crate::light::bounce::{LightKey, light_key};
-use lapidary_core::lights::Light;
-use std::collections::HashMap;
-
 /// The parts of a picture's light, each with a sum of its own in every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
@@ -158,83 +154,9 @@ impl Stale {
     }
 }
 
-/// The local lights whose direct light the sums of a picture have.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct SummedLights {
-    /// In [`Part::Direct`].
-    pub direct: Vec<Light>,
-    /// In [`Part::Added`].
-    pub added: Vec<Light>,
-}
-
-/// What becomes of the sums of local lights' direct light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DirectStep {
-    /// Both stay.
-    Keep,
-    /// [`Part::Added`] begins anew.
-    Add,
-    /// [`Part::Added`] is added to [`Part::Direct`], and then begins anew.
-    MergeAndAdd,
-    /// Both begin anew.
-    Anew,
-}
-
-impl DirectStep {
-    /// Whether a part begins anew.
-    pub fn forgets(self, part: Part) -> bool {
-        match part {
-            Part::Environment | Part::Bounce => false,
-            Part::Direct => self == Self::Anew,
-            Part::Added => self != Self::Keep,
-        }
-    }
-}
-
-impl SummedLights {
-    /// Replaces the lights by those `wanted`. Lights that were added since stay by themselves until all pixels have all
-    /// samples (`complete`) and others are added.
-    pub fn update(&mut self, wanted: &[Light], complete: bool) -> DirectStep {
-        let wanted: Vec<Light> = wanted.iter().filter(|light| light.shines()).cloned().collect();
-        let Some(rest) = without(&wanted, &self.direct).filter(|_| !self.direct.is_empty()) else {
-            let same = wanted.is_empty() && self.direct.is_empty();
-            *self = Self { direct: wanted, added: Vec::new() };
-            return if same { DirectStep::Keep } else { DirectStep::Anew };
-        };
-        match without(&rest, &self.added) {
-            Some(others) if others.is_empty() => DirectStep::Keep,
-            Some(others) if complete && !self.added.is_empty() => {
-                self.direct.append(&mut self.added);
-                self.added = others;
-                DirectStep::MergeAndAdd
-            }
-            _ => {
-                self.added = rest;
-                DirectStep::Add
-            }
-        }
-    }
-}
-
-/// `lights` without each of `taken`; `None` if one of those is not among them. Names make no difference.
-fn without(lights: &[Light], taken: &[Light]) -> Option<Vec<Light>> {
-    let mut counts: HashMap<LightKey, usize> = HashMap::new();
-    taken.iter().for_each(|light| *counts.entry(light_key(light)).or_default() += 1);
-    let mut rest = Vec::new();
-    for light in lights {
-        match counts.get_mut(&light_key(light)).filter(|count| **count > 0) {
-            Some(count) => *count -= 1,
-            None => rest.push(light.clone()),
-        }
-    }
-    counts.values().all(|&count| count == 0).then_some(rest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::point_light;
-    use glam::Vec3;
 
     #[test]
     fn what_has_something_in_common_meets_and_sums_of_edits_contain_both() {
@@ -248,27 +170,5 @@ mod tests {
         assert!(both.contain(of(3)) && both.contain(of(5)) && !both.contain(of(4)));
         assert!(both.and(Pixels::All).contain(of(4)) && !Pixels::Nothing.contain(of(4)));
         assert_eq!(Pixels::Nothing.and(both), both);
-    }
-
-    #[test]
-    fn lights_that_are_added_stay_by_themselves_and_others_begin_anew() {
-        let lamp = |x: f32| point_light(Vec3::new(x, 1.0, 0.0), 1.0);
-        let lamps = |xs: &[f32]| xs.iter().map(|&x| lamp(x)).collect::<Vec<_>>();
-        let mut summed = SummedLights::default();
-        let mut step = |xs: &[f32], complete| summed.update(&lamps(xs), complete);
-        assert_eq!(step(&[], true), DirectStep::Keep);
-        assert_eq!(step(&[1.0, 2.0], true), DirectStep::Anew, "there were none");
-        assert_eq!(step(&[2.0, 1.0], true), DirectStep::Keep, "the order makes no difference");
-        assert_eq!(step(&[1.0, 2.0, 3.0], true), DirectStep::Add);
-        assert_eq!(step(&[1.0, 2.0, 3.5], true), DirectStep::Add, "the added one moves");
-        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0], false), DirectStep::Add, "both again: the first is not complete");
-        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0, 5.0], true), DirectStep::MergeAndAdd);
-        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0], true), DirectStep::Add, "off again: the added part is empty");
-        assert_eq!(step(&[1.0, 2.0, 3.5], true), DirectStep::Anew);
-        let mut named = lamps(&[1.0, 2.0, 3.5]);
-        named[1].name = "renamed".into();
-        named.push(Light { enabled: false, ..lamp(7.0) });
-        assert_eq!(summed.update(&named, true), DirectStep::Keep);
-        assert_eq!(summed.update(&lamps(&[1.0]), true), DirectStep::Anew);
     }
 }

@@ -46,7 +46,7 @@ impl Clusters {
 }
 
 fn dots(projection: &Projection, rect: Rect, intersector: &Intersector, lighting: &SourceLighting) -> Mesh {
-    let (sources, nodes) = (lighting.tree.sources(), node_of_each(lighting));
+    let (sources, nodes) = (lighting.lights.sources(), node_of_each(lighting));
     let eye = projection.eye();
     let mut mesh = Mesh::default();
     for (source, node) in sources.iter().zip(nodes).step_by(sources.len().div_ceil(MOST_DOTS)) {
@@ -67,7 +67,7 @@ fn dots(projection: &Projection, rect: Rect, intersector: &Intersector, lighting
 
 /// For every source the number of its node in the illumination cut.
 fn node_of_each(lighting: &SourceLighting) -> impl Iterator<Item = usize> + '_ {
-    let leaves = lighting.tree.len();
+    let leaves = lighting.lights.len();
     let of_node = move |(number, node): (usize, &u16)| std::iter::repeat_n(number, leaves >> packed::depth(*node));
     lighting.cut.iter().enumerate().flat_map(of_node)
 }

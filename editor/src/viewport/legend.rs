@@ -33,7 +33,7 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
     match (view.mode, context.clusters()) {
         (ViewMode::Shaded, None) => {}
         (ViewMode::Shaded, Some(sources)) => {
-            let (points, clusters) = (grouped(sources.tree.len() as u64), grouped(sources.cut.len() as u64));
+            let (points, clusters) = (grouped(sources.leaves() as u64), grouped(sources.cut.len() as u64));
             let colors = "Bounce light: one color per cluster".to_owned();
             words(painter, rect, &[colors, format!("{points} points in {clusters} clusters")]);
         }

@@ -23,9 +23,9 @@ use crate::{
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
     },
-    stale::{DirectStep, Part, Pixels, Stale, SummedLights},
+    stale::{Part, Stale},
+    summed::{DirectStep, Summed, SummedLights},
     view::View,
-    view_mode::ViewMode,
 };
 use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use std::{ops::Range, sync::Arc};
@@ -63,39 +63,19 @@ fn remark_on_rays(lights: &[Light]) -> Option<String> {
 
 /// The picture that was begun.
 struct Begun {
-    view: View,
-    sampling: BrdfSampling,
+    summed: Summed,
     backdrop: Backdrop,
     picture: Picture,
-    /// The local lights in its sums.
-    lights: SummedLights,
-    /// Samples that all pixels have of every part.
-    complete: u32,
 }
 
 impl Begun {
-    /// Whether an edit leaves nothing of the picture. The other modes do not show the parts of the light one by one.
-    fn is_lost(&self, stale: &Stale) -> bool {
-        stale.surfaces || (self.view.mode != ViewMode::Shaded && stale.any())
-    }
-
-    /// Whether the picture, from another camera or of another size, shows the same surfaces in the same light.
-    fn is_of_same_light(&self, view: &View, sampling: BrdfSampling, stale: &Stale, local: &LocalLighting) -> bool {
-        let lights = || self.lights.clone().update(&local.shown_lights(), false);
-        (self.view.is_same_but_seen_from(view), self.sampling) == (true, sampling)
-            && !stale.any()
-            && lights() == DirectStep::Keep
-    }
-
     /// Drops what edits have changed.
     fn forget(&mut self, stale: &Stale, step: DirectStep) {
         let picture = &mut self.picture;
         if step == DirectStep::MergeAndAdd {
             picture.merge_added();
         }
-        for part in Part::ALL {
-            picture.forget(part, stale.pixels(part).and(Pixels::all_if(step.forgets(part))));
-        }
+        Part::ALL.into_iter().for_each(|part| picture.forget(part, step.forgets(stale, part)));
     }
 }
 
@@ -157,7 +137,7 @@ impl CpuBackend {
     /// The picture that was begun, with what samples and paints its pixels.
     fn at_work(&mut self) -> Option<AtWork<'_>> {
         let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
-        let Begun { view, sampling, backdrop, picture, lights, complete } = begun;
+        let Begun { summed: Summed { view, sampling, lights, complete }, backdrop, picture } = begun;
         let environment = self.light.as_ref().filter(|_| self.local.components.environment);
         let light = light_of(Some(renderer), environment, &self.local, lights);
         let sampler = PixelSampler::new(renderer, view, backdrop);
@@ -224,17 +204,18 @@ impl Backend for CpuBackend {
     }
 
     fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
-        let keeps = |begun: &Begun| (&begun.view, begun.sampling) == (view, sampling) && !begun.is_lost(stale);
+        let lights = self.local.shown_lights();
         let (kept, last) = match self.begun.take() {
-            Some(begun) if keeps(&begun) => (Some(begun), None),
-            begun => (None, begun.filter(|begun| begun.is_of_same_light(view, sampling, stale, &self.local))),
+            Some(begun) if begun.summed.stays(view, sampling, stale) => (Some(begun), None),
+            begun => (None, begun.filter(|begun| begun.summed.has_light_of(view, sampling, stale, &lights))),
         };
         let light = self.light.as_ref().map(|(light, _)| light);
         let backdrop = Backdrop::new(view, light, self.local.components.environment, &mut self.blur);
-        let mut lights = kept.as_ref().map(|begun| begun.lights.clone()).unwrap_or_default();
-        let complete = kept.as_ref().is_some_and(|begun| begun.complete >= view.aa.max(1));
-        let step = lights.update(&self.local.shown_lights(), complete);
-        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &lights);
+        let mut summed = Summed::new(view, sampling);
+        let known = kept.as_ref().map(|begun| &begun.summed);
+        summed.lights = known.map(|summed| summed.lights.clone()).unwrap_or_default();
+        let step = summed.lights.update(&lights, known.is_some_and(Summed::is_complete));
+        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &summed.lights);
         let parts = shown.parts(view.mode);
         self.sketch.begin(&view.camera, view.size, last.as_ref().map(|begun| &begun.picture));
         let picture = match kept {
@@ -245,7 +226,7 @@ impl Backend for CpuBackend {
                 begun.picture
             }
         };
-        self.begun = Some(Begun { view: view.clone(), sampling, backdrop, picture, lights, complete: 0 });
+        self.begun = Some(Begun { summed, backdrop, picture });
         Ok(())
     }
 
@@ -277,7 +258,9 @@ impl Backend for CpuBackend {
     }
 
     fn display(&mut self, post: &Post, _samples: u32) -> Result<Vec<[u8; 4]>, BackendError> {
-        let Some(Begun { view, sampling, picture, .. }) = &self.begun else { return Ok(Vec::new()) };
+        let Some(Begun { summed: Summed { view, sampling, .. }, picture, .. }) = &self.begun else {
+            return Ok(Vec::new());
+        };
         let illum_cut = self.light.as_ref().map_or(0, |(_, lighting)| lighting.max_nodes);
         Ok(picture.display(view, post, view.mode.count_top(*sampling, illum_cut)))
     }

@@ -37,9 +37,9 @@ use crate::{
     post::Post,
     sampling::BrdfSampling,
     sketch::Tiles,
-    stale::{DirectStep, Part, Pixels, Stale, SummedLights},
+    stale::{Part, Stale},
+    summed::{DirectStep, Summed, SummedLights},
     view::View,
-    view_mode::ViewMode,
 };
 use bounce::ShownBounce;
 use glam::Vec4;
@@ -88,13 +88,9 @@ pub struct GpuBackend {
 
 /// Which picture the sums have.
 struct SumState {
-    view: View,
-    sampling: BrdfSampling,
-    /// The local lights in them, and their shadow maps.
-    lights: SummedLights,
+    summed: Summed,
+    /// Shadow maps of the local lights in them.
     plan: Plan,
-    /// Samples that all pixels have of every part.
-    complete: u32,
     /// Which of each part's textures holds the sums.
     front: usize,
     /// Samples of which the pixels know what they show.
@@ -254,7 +250,7 @@ impl GpuBackend {
     fn sample_done(&mut self, sample: u32) {
         self.flip();
         if let Some(state) = &mut self.state {
-            state.complete = sample + 1;
+            state.summed.complete = sample + 1;
         }
     }
 
@@ -275,22 +271,12 @@ impl GpuBackend {
     fn begin_anew(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {
         (self.picture, self.state) = (None, None);
         self.check_size(view.size)?;
-        let mut lights = SummedLights::default();
-        self.step_lights(&mut lights, None);
+        let mut summed = Summed::new(view, sampling);
+        self.step_lights(&mut summed.lights, None);
         self.picture = Some(self.prepared(view, sampling)?);
-        let (view, plan) = (view.clone(), self.local_lights.plan().clone());
-        let (complete, front, marked, marks_front) = (0, 0, 0, 0);
-        self.state = Some(SumState { view, sampling, lights, plan, complete, front, marked, marks_front });
+        let plan = self.local_lights.plan().clone();
+        self.state = Some(SumState { summed, plan, front: 0, marked: 0, marks_front: 0 });
         self.submit(|s, encoder| s.clear_all(encoder))
-    }
-
-    /// Whether the picture, from another camera or of another size, shows the same surfaces in the same light.
-    fn is_of_same_light(&self, view: &View, sampling: BrdfSampling, stale: &Stale) -> bool {
-        let (Some(state), true) = (&self.state, self.picture.is_some()) else { return false };
-        let lights = || state.lights.clone().update(&self.local.shown_lights(), false);
-        (state.view.is_same_but_seen_from(view), state.sampling) == (true, sampling)
-            && !stale.any()
-            && lights() == DirectStep::Keep
     }
 
     fn loaded(&self) -> &Loaded {
@@ -436,24 +422,25 @@ impl Backend for GpuBackend {
     }
 
     fn resume(&mut self, view: &View, sampling: BrdfSampling, stale: &Stale) -> Result<(), BackendError> {
-        // Other modes do not show the parts of the light one by one.
-        let is_lost = stale.surfaces || (view.mode != ViewMode::Shaded && stale.any());
         self.check_size(view.size)?;
-        if self.is_of_same_light(view, sampling, stale) {
+        let lights = self.local.shown_lights();
+        let shows_same = |state: &SumState| state.summed.has_light_of(view, sampling, stale, &lights);
+        if self.picture.is_some() && self.state.as_ref().is_some_and(shows_same) {
             self.remember()?;
         } else {
             self.history = None;
         }
-        let kept = self.state.take().filter(|state| (&state.view, state.sampling) == (view, sampling) && !is_lost);
+        let kept = self.state.take().filter(|state| state.summed.stays(view, sampling, stale));
         let Some(mut state) = kept else { return self.begin_anew(view, sampling) };
         self.picture = None;
-        let before = (&state.plan, state.complete >= view.aa.max(1));
-        let step = self.step_lights(&mut state.lights, Some(before));
+        let before = (&state.plan, state.summed.is_complete());
+        let step = self.step_lights(&mut state.summed.lights, Some(before));
         self.picture = Some(self.prepared(view, sampling)?);
-        (state.plan, state.complete) = (self.local_lights.plan().clone(), 0);
+        (state.plan, state.summed.complete) = (self.local_lights.plan().clone(), 0);
         self.state = Some(state);
-        let pixels = |part| stale.pixels(part).and(Pixels::all_if(step.forgets(part)));
-        self.submit(|s, encoder| s.encode_kept(encoder, pixels, step == DirectStep::MergeAndAdd))
+        self.submit(|s, encoder| {
+            s.encode_kept(encoder, |part| step.forgets(stale, part), step == DirectStep::MergeAndAdd)
+        })
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {

@@ -16,7 +16,8 @@ use crate::{
         storage,
     },
     error::BackendError,
-    stale::{Part, SummedLights},
+    stale::Part,
+    summed::SummedLights,
 };
 use glam::Vec3;
 use lapidary_core::lights::{Disc, Emission, Light, RectangleShape};

@@ -3,7 +3,7 @@
 
 use super::{
     lit::{GpuLitCuts, LitField, LitPass},
-    scene::{GpuScene, SourceCuts, cut_view, float_texture},
+    scene::{GpuCuts, GpuScene, SourceCuts, cut_view, float_texture},
 };
 use crate::{
     device::{GpuDevice, layout::Node, storage},
@@ -11,6 +11,8 @@ use crate::{
     light::{
         bounce::SourceLighting,
         environment::{Illumination, SceneLighting},
+        node_row::{NodeExtent, NodeRow},
+        tree_light::TreeLight,
     },
 };
 use glam::Vec3;
@@ -21,15 +23,63 @@ use lapidary_core::{
 };
 use std::{borrow::Cow, sync::Arc};
 
-/// Light of one scene.
+/// The light of a tree's nodes, and the lit cuts of a scene over it.
 #[derive(Clone)]
-pub struct GpuLight {
+pub struct GpuTreeLight {
     pub nodes: wgpu::Buffer,
     pub brightness: wgpu::Buffer,
     pub cut: wgpu::TextureView,
     pub lit: GpuLitCuts,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
+}
+
+impl GpuTreeLight {
+    /// Uploads a few megabytes, and makes the lit cuts.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn new<L>(
+        gpu: &GpuDevice,
+        pass: &LitPass,
+        (field, cuts): (LitField, &GpuCuts),
+        light: &TreeLight<L>,
+    ) -> Result<Self, BackendError> {
+        let node = |(row, extent): (&NodeRow, &NodeExtent)| Node {
+            radiance: row.radiance.to_array(),
+            spread: row.spread,
+            place: row.place.to_array(),
+            radius: extent.radius,
+        };
+        let nodes: Vec<Node> = light.rows.iter().zip(&light.extents).map(node).collect();
+        let nodes = storage(gpu, "light of a tree", bytemuck::cast_slice(&nodes));
+        let brightness: Vec<f32> = light.extents.iter().map(|extent| extent.brightness).collect();
+        Ok(Self {
+            lit: pass.make(gpu, field, (cuts, light.height()), &nodes, &light.lit)?,
+            nodes,
+            brightness: storage(gpu, "brightness", bytemuck::cast_slice(&brightness)),
+            cut: cut_view(gpu, "illumination cut", &light.cut),
+            max_nodes: light.max_nodes,
+        })
+    }
+
+    /// No light, for a tree of `height`.
+    fn dark(gpu: &GpuDevice, height: u32) -> Self {
+        let nodes = 2_usize << height;
+        Self {
+            nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
+            brightness: storage(gpu, "no brightness", &vec![0; nodes * size_of::<f32>()]),
+            lit: GpuLitCuts::none(gpu),
+            cut: cut_view(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
+            max_nodes: 0,
+        }
+    }
+}
+
+/// Light of the environment.
+#[derive(Clone)]
+pub struct GpuLight {
+    pub tree: GpuTreeLight,
     pub rotation: f32,
     pub intensity: f32,
     /// The map for sharp lobes.
@@ -59,7 +109,7 @@ impl GpuPyramid {
 }
 
 impl GpuLight {
-    /// Uploads a few megabytes, and makes the lit cuts of a scene. What of `before` is the same is kept.
+    /// Uploads the light of the environment. What of `before` is the same is kept.
     ///
     /// # Errors
     /// A lost device.
@@ -72,53 +122,24 @@ impl GpuLight {
         before: Option<&Self>,
     ) -> Result<Self, BackendError> {
         let before = before.and_then(|before| before.mirrored.as_ref());
-        let nodes = storage(gpu, "light tree", bytemuck::cast_slice(&nodes(lighting)));
-        let stored = (&scene.cuts, scene.tree_height);
+        let mirrored = lighting.lights.mirrored.as_ref();
         Ok(Self {
-            lit: pass.make(gpu, LitField::Environment, stored, &nodes, &lighting.lit)?,
-            nodes,
-            brightness: storage(gpu, "brightness", bytemuck::cast_slice(&lighting.brightness)),
-            cut: cut_view(gpu, "illumination cut", &lighting.cut),
-            max_nodes: lighting.max_nodes,
+            tree: GpuTreeLight::new(gpu, pass, (LitField::Environment, &scene.cuts), lighting)?,
             rotation: light.rotation,
             intensity: light.intensity,
-            mirrored: lighting.mirrored.as_ref().map(|map| GpuPyramid::new(gpu, map.pyramid(), before)),
+            mirrored: mirrored.map(|map| GpuPyramid::new(gpu, map.pyramid(), before)),
         })
     }
 
     /// No light, for a tree of `height`.
     pub fn dark(gpu: &GpuDevice, height: u32) -> Self {
-        let nodes = 2_usize << height;
-        Self {
-            nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
-            brightness: storage(gpu, "no brightness", &vec![0; nodes * size_of::<f32>()]),
-            lit: GpuLitCuts::none(gpu),
-            cut: cut_view(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
-            max_nodes: 0,
-            rotation: 0.0,
-            intensity: 0.0,
-            mirrored: None,
-        }
+        Self { tree: GpuTreeLight::dark(gpu, height), rotation: 0.0, intensity: 0.0, mirrored: None }
     }
-}
-
-fn nodes(lighting: &SceneLighting) -> Vec<Node> {
-    let n = &lighting.nodes;
-    let node = |i: usize| Node {
-        radiance: n.radiance[i].to_array(),
-        spread: n.inv_kappa[i],
-        place: n.direction[i].to_array(),
-        radius: lighting.radii[i],
-    };
-    (0..n.radiance.len()).map(node).collect()
 }
 
 /// Surface sources that send light.
 pub struct GpuSources {
-    pub nodes: wgpu::Buffer,
-    pub brightness: wgpu::Buffer,
-    pub lit: GpuLitCuts,
-    pub cut: wgpu::TextureView,
+    pub tree: GpuTreeLight,
     lighting: Arc<SourceLighting>,
 }
 
@@ -137,23 +158,8 @@ impl GpuSources {
         if let Some(same) = before.filter(|b| Arc::ptr_eq(&b.lighting, lighting)) {
             return Ok(same);
         }
-        let (n, radii) = (&lighting.nodes, lighting.tree.radii());
-        let node = |i: usize| Node {
-            radiance: n.radiance[i].to_array(),
-            spread: n.spread[i],
-            place: n.center[i].to_array(),
-            radius: radii[i],
-        };
-        let nodes: Vec<Node> = (0..n.radiance.len()).map(node).collect();
-        let nodes = storage(gpu, "source tree", bytemuck::cast_slice(&nodes));
-        let stored = (&baked.cuts, baked.tree_height);
-        Ok(Self {
-            lit: pass.make(gpu, LitField::Sources, stored, &nodes, &lighting.lit)?,
-            nodes,
-            brightness: storage(gpu, "brightness of sources", bytemuck::cast_slice(&lighting.brightness)),
-            cut: cut_view(gpu, "illumination cut of sources", &lighting.cut),
-            lighting: lighting.clone(),
-        })
+        let tree = GpuTreeLight::new(gpu, pass, (LitField::Sources, &baked.cuts), lighting)?;
+        Ok(Self { tree, lighting: lighting.clone() })
     }
 }
 

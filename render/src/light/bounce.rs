@@ -13,73 +13,32 @@ mod source_parts;
 use crate::{
     baked::Baked,
     light::{
-        brightness,
-        node_row::{NodeExtent, NodeRow},
         situation::{Changes, Lit, Situation},
+        tree_light::TreeLight,
     },
 };
 use glam::Vec3;
 use irradiance::environment_irradiance;
-use lapidary_core::{
-    color::luminance,
-    cut::{
-        illumination::{IlluminationCriterion, intensity_cut},
-        lit::{CutValues, DEFAULT_TAU, LitCuts},
-    },
-    dataset::Dataset,
-    ray::offset,
-    sources::{SourceRadiance, SourceTree},
-};
+use lapidary_core::{cut::lit::CutValues, dataset::Dataset, ray::offset, sources::SourceTree};
 use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 pub use functions::MeshlessLight;
-pub(crate) use light_groups::{LightKey, light_key};
 pub(crate) use lit_points::LitPoints;
 pub use meshless::MeshlessRig;
 
 /// Samples of an area light along each of its sides, at each of a source's parts.
 const AREA_SAMPLES: u32 = 2;
 
-/// A source tree under one illumination.
-#[derive(Clone, Debug)]
-pub struct SourceLighting {
-    /// Where the sources are.
-    pub tree: Arc<SourceTree>,
-    /// Radiance, centres and spreads by heap index.
-    pub nodes: SourceRadiance,
-    /// Packed illumination cut.
-    pub cut: Vec<u16>,
-    /// The vertices' lit cuts.
-    pub lit: LitCuts,
-    /// How bright each node is somewhere, over the mean of the whole tree; at least 1.
-    pub brightness: Vec<f32>,
-    /// Centre, spread and radiance of each node side by side, for pixels.
-    pub(crate) rows: Vec<NodeRow>,
-    /// Radius and brightness side by side.
-    pub(crate) extents: Vec<NodeExtent>,
-    /// Most nodes that the illumination cut was allowed.
-    pub max_nodes: u32,
-}
+/// The light of a tree of surface sources.
+pub type SourceLighting = TreeLight<Arc<SourceTree>>;
 
 impl SourceLighting {
     /// Computes means up the tree from `leaf_radiance` (one value per source) and an illumination cut of at most
     /// `illum_cut` nodes.
     pub fn new(tree: Arc<SourceTree>, leaf_radiance: &[Vec3], illum_cut: u32) -> Self {
-        let nodes = SourceRadiance::new(&tree, leaf_radiance);
-        let criterion = IlluminationCriterion::with_budget(illum_cut);
-        let cut = intensity_cut(&nodes.power, &nodes.power_sq, criterion);
-        let luminances = nodes.radiance.iter().map(|&l| luminance(l));
-        let lit = LitCuts::new(CutValues::SolidAngles, luminances, DEFAULT_TAU);
-        let brightness = brightness(&nodes.power, &nodes.power_sq);
-        let rows = NodeRow::of_all(&nodes.center, &nodes.spread, &nodes.radiance);
-        let extents = NodeExtent::of_all(tree.radii(), &brightness);
-        Self { tree, nodes, cut, lit, brightness, rows, extents, max_nodes: illum_cut }
-    }
-
-    /// The same light with lit cuts of another `tau`, see [`LitCuts`].
-    pub fn with_tau(self, tau: f32) -> Self {
-        Self { lit: self.lit.with_tau(tau), ..self }
+        let nodes = tree.light(leaf_radiance);
+        Self::of(tree.clone(), nodes, tree.radii(), CutValues::SolidAngles, illum_cut)
     }
 }
 

@@ -134,7 +134,7 @@ fn share(change: Vec3, light: Vec3) -> f32 {
 /// darker, over the light that they send now.
 fn gathered_changes(baked: &Baked, old: &SourceLighting, new: &SourceLighting) -> Option<Vec<f32>> {
     let cuts = &baked.dataset.indirect.as_ref()?.cuts;
-    let height = new.tree.height();
+    let height = new.height();
     let solid_angles: Vec<f32> = (0..=VALUE_MAX).map(solid_angle).collect();
     let of_vertex = |vertex: u32| {
         let (mut change, mut light) = (Vec3::ZERO, Vec3::ZERO);

@@ -30,7 +30,8 @@ pub(crate) struct NodeRow {
 pub(crate) struct NodeExtent {
     /// Half-angle in radians of the cone of directions, or radius in metres.
     pub radius: f32,
-    /// How bright the node is somewhere, see [`brightness`](crate::light::brightness).
+    /// How bright the node is somewhere, over the mean of the whole tree: the root of the mean square of its leaves' intensities, and
+    /// at least 1. A lobe that hardly looks at a node still shows it, in proportion to its light.
     pub brightness: f32,
 }
 
@@ -68,10 +69,13 @@ impl NodeRow {
 }
 
 impl NodeExtent {
-    /// Extents of all nodes, from an array a property.
-    pub fn of_all(radii: &[f32], brightness: &[f32]) -> Vec<Self> {
-        let extent = |(&radius, &brightness)| Self { radius, brightness };
-        radii.iter().zip(brightness).map(extent).collect()
+    /// Extents of all nodes, from their radii and the means of their leaves' intensities and of the squares.
+    pub fn of_all(radii: &[f32], means: &[f32], means_sq: &[f32]) -> Vec<Self> {
+        let extent = |(&radius, sq): (&f32, &f32)| {
+            let ratio = sq.sqrt() / means[1];
+            Self { radius, brightness: if ratio.is_finite() { ratio.max(1.0) } else { 1.0 } }
+        };
+        radii.iter().zip(means_sq).map(extent).collect()
     }
 
     /// Radii and brightnesses of eight of `extents`.

@@ -242,10 +242,10 @@ impl FieldJob for Explain<'_> {
         let explained = |eight: &EightTerms, lane: usize| explained_node(&field, self.tree, eight, lane);
         shader.traverse(
             &self.point,
-            |interval| dark_nodes.push(interval.heap_index(1 << field.height())),
+            |interval| dark_nodes.push(interval.heap_index(1 << field.tree().height())),
             |eight: &EightTerms| nodes.extend((0..8).filter_map(|lane| explained(eight, lane))),
         );
-        nodes.sort_by_key(|node: &ExplainedNode| leaves_below(node.heap_index, 1 << field.height()).start);
+        nodes.sort_by_key(|node: &ExplainedNode| leaves_below(node.heap_index, 1 << field.tree().height()).start);
         let of_nodes: Vec3 = nodes.iter().map(|node| node.contribution).sum();
         let rendered = Shader::new(field, self.cuts, self.sampling).shade(&self.point);
         // The same sum in another order differs by rounding.
@@ -256,8 +256,8 @@ impl FieldJob for Explain<'_> {
             index: self.point.vertices[i],
             position: self.point.corners[i],
             weight: self.point.weights[i],
-            cut_nodes: self.cuts.cut(field.height(), self.point.vertices[i]).len(),
-            lit_nodes: is_lit.then(|| field.lit_cuts().of(self.cuts, self.point.vertices[i]).len()),
+            cut_nodes: self.cuts.cut(field.tree().height(), self.point.vertices[i]).len(),
+            lit_nodes: is_lit.then(|| field.tree().lit.of(self.cuts, self.point.vertices[i]).len()),
         };
         PixelExplanation {
             pixel: self.pixel,
@@ -265,7 +265,7 @@ impl FieldJob for Explain<'_> {
             position: self.point.position,
             normal: self.point.world_from_local.z_axis,
             vertices: [0, 1, 2].map(vertex),
-            illumination_nodes: if is_lit { 0 } else { field.illumination_cut().len() },
+            illumination_nodes: if is_lit { 0 } else { field.tree().cut.len() },
             merged_nodes: shader.work.merged_nodes,
             mirror,
             radiance: of_nodes + mirror,
@@ -284,7 +284,7 @@ fn explained_node(field: &impl NodeField, tree: TreeOf, eight: &EightTerms, lane
         return None;
     }
     let depth = term.node.ilog2();
-    let leaves = 1 << (field.height() - depth);
+    let leaves = 1 << (field.tree().height() - depth);
     let of_leaf = field.solid_angle();
     let (solid_angle, visibility) = match tree {
         TreeOf::Environment => (of_leaf * leaves as f32, term.visibility),

@@ -179,10 +179,11 @@ impl Renderer {
     pub fn split_error(&self, job: &SplitJob, progress: &dyn Progress) -> Result<Option<ErrorSplit>, SplitError> {
         job.region.check(job.view.size)?;
         let cuts = job.light.cuts_of(&self.dataset)?;
-        let plain = match job.light {
-            CutLight::Environment(lighting) => Some(SceneLighting { mirrored: None, ..lighting.clone() }),
+        let mut plain = match job.light {
+            CutLight::Environment(lighting) => Some(lighting.clone()),
             CutLight::Sources(_) => None,
         };
+        plain.iter_mut().for_each(|lighting| lighting.lights.mirrored = None);
         let job = &SplitJob { light: plain.as_ref().map_or(job.light, CutLight::Environment), ..*job };
         let view = job.view.of_surfaces();
         let backdrop = Backdrop::black();
@@ -304,9 +305,9 @@ impl Chain<'_> {
                 CutLight::Environment(&leaves).with_field(MeanBrdf { chain: self, number: 2 })
             }
             CutLight::Sources(lighting) => {
-                let count = lighting.tree.len();
+                let count = lighting.lights.len();
                 let radiance = &lighting.nodes.radiance[count..];
-                let leaves = SourceLighting::new(lighting.tree.clone(), radiance, count as u32);
+                let leaves = SourceLighting::new(lighting.lights.clone(), radiance, count as u32);
                 CutLight::Sources(&leaves).with_field(MeanBrdf { chain: self, number: 2 })
             }
         }

@@ -151,7 +151,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         let &Shader { field, cuts, sampling, .. } = shader;
         let mirrored = point.world_from_local * Vec3::new(-point.wo.x, -point.wo.y, point.wo.z);
         let refinement = Refinement::new(point.lobes());
-        Self { field, cuts, height: field.height(), sampling, point, refinement, mirrored, mirror }
+        Self { field, cuts, height: field.tree().height(), sampling, point, refinement, mirrored, mirror }
     }
 
     /// Finds the terms, and hands the nodes without visible light to `dark`, left to right. Returns the number of nodes of the
@@ -201,7 +201,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
     #[inline(always)]
     fn stored(&self, open: &mut Terms, mut dark: impl FnMut(Interval)) -> u64 {
         let ([a, b, c], mut count) = (self.stored_cursors(), 0);
-        let mut cursors = [a, b, c, PackedCursor::new(self.height, self.field.illumination_cut())];
+        let mut cursors = [a, b, c, PackedCursor::new(self.height, &self.field.tree().cut)];
         merge(
             self.leaves(),
             &mut cursors,
@@ -235,7 +235,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
 
     #[inline(always)]
     fn lit_cursors(&self) -> [PackedCursor<'_, LitNode>; 3] {
-        let lit = self.field.lit_cuts();
+        let lit = &self.field.tree().lit;
         self.point.vertices.map(|v| PackedCursor::new(self.height, lit.of(self.cuts, v)))
     }
 

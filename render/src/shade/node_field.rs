@@ -3,26 +3,28 @@
 
 use crate::light::{
     bounce::SourceLighting,
-    environment::SceneLighting,
+    environment::{Distant, SceneLighting},
     mirrored_map::MirroredMap,
     node_row::{EightNodes, NodeExtent, NodeRow},
+    tree_light::TreeLight,
 };
 use glam::Vec3;
 use lapidary_core::{
     brdf::LobeMomentsX8,
-    cut::{lit::LitCuts, packed::VALUE_MAX, solid_angles},
+    cut::{packed::VALUE_MAX, solid_angles},
     simd::{Lanes, Vec3x8},
+    sources::SourceTree,
 };
+use std::sync::Arc;
 use wide::f32x8;
 
 /// A light tree under one illumination. Nodes are heap indices.
 pub(crate) trait NodeField: Copy {
-    /// Height of the tree.
-    fn height(&self) -> u32;
-    /// Packed illumination cut.
-    fn illumination_cut(&self) -> &[u16];
-    /// The vertices' lit cuts.
-    fn lit_cuts(&self) -> &LitCuts;
+    /// The leaves of the tree.
+    type Lights;
+
+    /// The tree.
+    fn tree(&self) -> &TreeLight<Self::Lights>;
     /// Value of a 12-bit code of a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
     /// Solid angle of a leaf whose cut value is one, in steradians.
@@ -37,14 +39,18 @@ pub(crate) trait NodeField: Copy {
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8;
     /// Angular spread that the references use for the light from eight leaves.
     fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8;
-    /// Mean radiance.
-    fn radiance(&self, node: usize) -> Vec3;
     /// Centre of a node's light, if it is not infinitely far.
     fn center(&self, node: usize) -> Option<Vec3>;
     /// The map that its samples stand for, if there is one.
     fn mirrored<'m>(self) -> Option<&'m MirroredMap>
     where
         Self: 'm;
+
+    /// Mean radiance.
+    #[inline(always)]
+    fn radiance(&self, node: usize) -> Vec3 {
+        self.tree().nodes.radiance[node]
+    }
 }
 
 /// Light that arrives from eight nodes.
@@ -74,24 +80,16 @@ pub(crate) struct EightCones<L> {
     pub direction: Vec3x8<L>,
     /// Half-angles in radians.
     pub radius: L,
-    /// How bright the nodes are somewhere, see [`brightness`](crate::light::brightness).
+    /// How bright the nodes are somewhere, see [`NodeExtent`].
     pub brightness: L,
 }
 
 impl NodeField for &SceneLighting {
-    #[inline(always)]
-    fn height(&self) -> u32 {
-        (self.nodes.radiance.len() / 2).ilog2()
-    }
+    type Lights = Distant;
 
     #[inline(always)]
-    fn illumination_cut(&self) -> &[u16] {
-        &self.cut
-    }
-
-    #[inline(always)]
-    fn lit_cuts(&self) -> &LitCuts {
-        &self.lit
+    fn tree(&self) -> &SceneLighting {
+        self
     }
 
     #[inline(always)]
@@ -101,7 +99,7 @@ impl NodeField for &SceneLighting {
 
     #[inline(always)]
     fn solid_angle(&self) -> f32 {
-        self.leaf_solid_angle
+        self.lights.leaf_solid_angle
     }
 
     #[inline(always)]
@@ -121,23 +119,18 @@ impl NodeField for &SceneLighting {
 
     #[inline(always)]
     fn directions(&self, nodes: [usize; 8], _from: Vec3) -> Vec3x8 {
-        Vec3x8::from_array(nodes.map(|n| self.nodes.direction[n]))
+        Vec3x8::from_array(nodes.map(|n| self.nodes.place[n]))
     }
 
     #[inline(always)]
     fn inv_kappas(&self, nodes: [usize; 8], _from: Vec3) -> f32x8 {
-        f32x8::new(nodes.map(|n| self.nodes.inv_kappa[n]))
+        f32x8::new(nodes.map(|n| self.nodes.spread[n]))
     }
 
     /// Samples are single directions.
     #[inline(always)]
     fn leaf_inv_kappas(&self, _leaves: [usize; 8], _from: Vec3) -> f32x8 {
         f32x8::ZERO
-    }
-
-    #[inline(always)]
-    fn radiance(&self, node: usize) -> Vec3 {
-        self.nodes.radiance[node]
     }
 
     fn center(&self, _node: usize) -> Option<Vec3> {
@@ -148,7 +141,7 @@ impl NodeField for &SceneLighting {
     where
         Self: 'm,
     {
-        self.mirrored.as_ref()
+        self.lights.mirrored.as_ref()
     }
 }
 
@@ -171,19 +164,11 @@ impl<'a> SourceField<'a> {
 pub(crate) const LEAST_DISTANCE: f32 = 1e-6;
 
 impl NodeField for SourceField<'_> {
-    #[inline(always)]
-    fn height(&self) -> u32 {
-        self.lighting.tree.height()
-    }
+    type Lights = Arc<SourceTree>;
 
     #[inline(always)]
-    fn illumination_cut(&self) -> &[u16] {
-        &self.lighting.cut
-    }
-
-    #[inline(always)]
-    fn lit_cuts(&self) -> &LitCuts {
-        &self.lighting.lit
+    fn tree(&self) -> &SourceLighting {
+        self.lighting
     }
 
     #[inline(always)]
@@ -237,13 +222,8 @@ impl NodeField for SourceField<'_> {
         self.inv_kappas(leaves, from)
     }
 
-    #[inline(always)]
-    fn radiance(&self, node: usize) -> Vec3 {
-        self.lighting.nodes.radiance[node]
-    }
-
     fn center(&self, node: usize) -> Option<Vec3> {
-        Some(self.lighting.nodes.center[node])
+        Some(self.lighting.nodes.place[node])
     }
 
     fn mirrored<'m>(self) -> Option<&'m MirroredMap>
@@ -257,7 +237,7 @@ impl NodeField for SourceField<'_> {
 impl SourceField<'_> {
     #[inline(always)]
     fn toward_centers(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8 {
-        Vec3x8::from_array(nodes.map(|n| self.lighting.nodes.center[n])) - Vec3x8::splat(from)
+        Vec3x8::from_array(nodes.map(|n| self.lighting.nodes.place[n])) - Vec3x8::splat(from)
     }
 }
 

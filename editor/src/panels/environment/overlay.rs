@@ -136,7 +136,7 @@ fn subtree_color(subtree: usize) -> Color32 {
 
 /// The nodes of an illumination cut, left to right.
 fn cut_marks(lighting: &SceneLighting) -> Vec<Mark> {
-    let count = lighting.nodes.radiance.len() / 2;
+    let count = lighting.leaves();
     let height = count.ilog2();
     let mut first = 0;
     let mut nodes = Vec::with_capacity(lighting.cut.len());
@@ -152,8 +152,8 @@ fn cut_marks(lighting: &SceneLighting) -> Vec<Mark> {
     let post = adapted(weighted);
     let mark = |(depth, node, leaves): (u32, usize, Range<usize>)| {
         let radiance: Vec3 = lighting.nodes.radiance[node];
-        let solid_angle = leaves.len() as f32 * lighting.leaf_solid_angle;
-        let place = place(lighting.nodes.direction[node]);
+        let solid_angle = leaves.len() as f32 * lighting.lights.leaf_solid_angle;
+        let place = place(lighting.nodes.place[node]);
         Mark { depth, leaves, radiance, solid_angle, place, color: display_color(&post, radiance) }
     };
     nodes.into_iter().map(mark).collect()

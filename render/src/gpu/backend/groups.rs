@@ -4,7 +4,8 @@ use super::{GpuBackend, Loaded};
 use crate::{
     device::bind,
     gpu::{
-        light::GpuLight,
+        light::{GpuLight, GpuTreeLight},
+        scene::GpuCuts,
         targets::{Sums, Targets},
     },
     stale::Part,
@@ -71,31 +72,25 @@ impl GpuBackend {
         let marks = |from: usize| {
             group("marks", &layouts.marks, &[View(&targets.triangle.view), View(&targets.marks[from].view)])
         };
-        let lit = [
-            light.nodes.as_entire_binding(),
-            light.brightness.as_entire_binding(),
-            View(&scene.cuts.view),
-            View(&light.cut),
-            light.lit.nodes.as_entire_binding(),
-            light.lit.offsets.as_entire_binding(),
-        ];
+        let lit = |label, tree: &GpuTreeLight, cuts: &GpuCuts| {
+            let inputs = [
+                tree.nodes.as_entire_binding(),
+                tree.brightness.as_entire_binding(),
+                View(&cuts.view),
+                View(&tree.cut),
+                tree.lit.nodes.as_entire_binding(),
+                tree.lit.offsets.as_entire_binding(),
+            ];
+            group(label, &layouts.light, &inputs)
+        };
+        let sources = self.sources.as_ref().zip(scene.sources.as_ref());
         Groups {
             frame: group("frame", &layouts.frame, &[self.frame.as_entire_binding()]),
             scene: materials.bound_with(&self.gpu, &layouts.scene, scene),
-            light: group("light", &layouts.light, &lit),
+            light: lit("light", &light.tree, &scene.cuts),
             triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
             parameters: group("parameters", &layouts.parameters, &[View(&targets.geometry.view), View(map)]),
-            sources: self.sources.as_ref().zip(scene.sources.as_ref()).map(|(lit, baked)| {
-                let sent = [
-                    lit.nodes.as_entire_binding(),
-                    lit.brightness.as_entire_binding(),
-                    View(&baked.cuts.view),
-                    View(&lit.cut),
-                    lit.lit.nodes.as_entire_binding(),
-                    lit.lit.offsets.as_entire_binding(),
-                ];
-                group("sources", &layouts.light, &sent)
-            }),
+            sources: sources.map(|(light, baked)| lit("sources", &light.tree, &baked.cuts)),
             patches: group("patches", &layouts.patches, &[loaded.patches.as_entire_binding()]),
             marks: [0, 1].map(marks),
             display: [0, 1].map(display),

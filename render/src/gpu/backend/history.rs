@@ -44,7 +44,7 @@ impl GpuBackend {
     /// Keeps a picture that was sketched for one from another camera. What was never shown tells less than the picture
     /// before it.
     pub(super) fn remember(&mut self) -> Result<(), BackendError> {
-        let (is_complete, lattices) = (self.state().complete > 0, &self.picture().lattices);
+        let (is_complete, lattices) = (self.state().summed.complete > 0, &self.picture().lattices);
         let (is_filled, is_shown) = (lattices.filled, is_complete || lattices.was_filled);
         if lattices.making.is_none() || !is_shown {
             return Ok(());

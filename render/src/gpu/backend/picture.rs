@@ -123,7 +123,7 @@ impl GpuBackend {
         let additions = self.additions(view)?;
         let groups = self.groups(self.loaded(), &light, &map, self.targets());
         // As on the CPU and in the legend, whether the environment is shown or not.
-        let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.max_nodes);
+        let illum_cut = self.light.as_ref().map_or(0, |(light, _)| light.tree.max_nodes);
         let count_top = view.mode.count_top(sampling, illum_cut);
         let offsets = view.pixel_offsets();
         Ok(Picture {

@@ -65,7 +65,8 @@ fn mirrors_agree_and_read_the_map() {
         let sky = illumination(size, |x, y| Vec3::new(0.3, (x % 3) as f32, (y % 2) as f32 + 0.1));
         let sky = crate::Illumination { rotation: 0.7, intensity: 1.3, ..sky };
         let lighting = Arc::new(renderer.lighting(&sky, 64));
-        let blurred = crate::SceneLighting { mirrored: None, ..(*lighting).clone() };
+        let mut blurred = (*lighting).clone();
+        blurred.lights.mirrored = None;
         for (model, parameters) in [
             (BrdfModel::Ggx, Parameters::from(parameters(0.08, 0.0))),
             (BrdfModel::Ward, Parameters::from(parameters(0.1, 0.7))),

@@ -117,7 +117,7 @@ pub fn environment_irradiance_of(points: &[Surfel], dataset: &Dataset, lighting:
 
 /// Irradiance under a weighted sum of visibility cuts.
 fn received<const N: usize>(visible: &[(f32, &[u16]); N], normal: Vec3, lighting: &SceneLighting) -> Vec3 {
-    let height = (lighting.nodes.radiance.len() / 2).ilog2();
+    let height = lighting.height();
     let mut cursors: Vec<_> = visible.iter().map(|(_, nodes)| PackedCursor::new(height, nodes)).collect();
     cursors.push(PackedCursor::new(height, &lighting.cut));
     let mut sum = Vec3::ZERO;
@@ -125,9 +125,9 @@ fn received<const N: usize>(visible: &[(f32, &[u16]); N], normal: Vec3, lighting
         let visibility: f32 = visible.iter().zip(cursors).map(|((weight, _), cursor)| weight * cursor.value()).sum();
         if visibility > 0.0 {
             let node = interval.heap_index(1 << height) as usize;
-            let cos = lighting.nodes.direction[node].dot(normal).max(0.0);
+            let cos = lighting.nodes.place[node].dot(normal).max(0.0);
             sum += lighting.nodes.radiance[node] * (cos * visibility * interval.size() as f32);
         }
     });
-    sum * lighting.leaf_solid_angle
+    sum * lighting.lights.leaf_solid_angle
 }

@@ -2,18 +2,16 @@
 //! changed. The first edit of a light casts rays for all lights of its group. Edited lights then have groups of their
 //! own.
 
+use crate::light::light_counts::{LightCounts, LightKey, light_key};
 use glam::Vec3;
-use lapidary_core::lights::{Emission, Light};
-use std::collections::{HashMap, HashSet};
+use lapidary_core::lights::Light;
+use std::collections::HashSet;
 
 /// Largest number of groups; each takes 12 bytes per point.
 pub(super) const LIGHT_GROUPS: usize = 64;
 
 /// Groups that edited lights may take up.
 const EDITED_GROUPS: usize = LIGHT_GROUPS / 2;
-
-/// Bits of everything that the irradiance of a light depends on.
-pub(crate) type LightKey = [u32; 12];
 
 /// Some lights and their joint irradiance at each point, visibility included.
 pub(super) struct LightGroup {
@@ -31,7 +29,7 @@ impl LightGroups {
     /// Replaces the lights; `cast` computes the irradiance of some of them.
     pub fn update(&mut self, lights: &[Light], cast: impl Fn(&[Light]) -> Vec<Vec3>) {
         let on: Vec<&Light> = lights.iter().filter(|light| light.enabled).collect();
-        let mut wanted = Wanted::new(&on);
+        let mut wanted = LightCounts::of(on.iter().copied());
         let (kept, broken): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.groups).into_iter().partition(|group| wanted.take(&group.lights));
         let known: HashSet<LightKey> = broken.into_iter().flat_map(|group| group.lights).collect();
@@ -62,42 +60,6 @@ impl LightGroups {
             into.irradiance.iter_mut().zip(small.irradiance).for_each(|(sum, part)| *sum += part);
         }
     }
-}
-
-/// How many of each light are still to be found.
-struct Wanted(HashMap<LightKey, usize>);
-
-impl Wanted {
-    fn new(lights: &[&Light]) -> Self {
-        let mut counts = HashMap::new();
-        lights.iter().for_each(|light| *counts.entry(light_key(light)).or_default() += 1);
-        Self(counts)
-    }
-
-    /// Takes all of these or, if one is not wanted, none.
-    fn take(&mut self, lights: &[LightKey]) -> bool {
-        for (i, light) in lights.iter().enumerate() {
-            let Some(count) = self.0.get_mut(light).filter(|count| **count > 0) else {
-                lights[..i].iter().for_each(|taken| *self.0.entry(*taken).or_default() += 1);
-                return false;
-            };
-            *count -= 1;
-        }
-        true
-    }
-}
-
-/// Equal for lights that shine alike.
-pub(crate) fn light_key(light: &Light) -> LightKey {
-    let [kind, a, b] = match light.emission {
-        Emission::Point => [0.0; 3],
-        Emission::Spot { cone_degrees, penumbra_degrees } => [1.0, cone_degrees, penumbra_degrees],
-        Emission::Directional { angle_degrees } => [2.0, angle_degrees, 0.0],
-        Emission::Rectangle { width, height } => [3.0, width, height],
-    };
-    let ([px, py, pz], [tx, ty, tz], [r, g, blue]) =
-        (light.position.to_array(), light.target.to_array(), light.intensity.to_array());
-    [kind, a, b, px, py, pz, tx, ty, tz, r, g, blue].map(f32::to_bits)
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ fn on_the_ground(rig: &mut LightRig, light: &Illumination) -> f64 {
     let directions = rig.tree.leaf_directions().iter();
     let sampled = directions.zip(&lighting.nodes.radiance[leaves..]).map(|(d, l)| f64::from(d.y.max(0.0) * l.x));
     let of_suns = light.suns().into_iter().map(|sun| f64::from(-sun.forward().unwrap().y.min(0.0) * sun.intensity.x));
-    sampled.sum::<f64>() * f64::from(lighting.leaf_solid_angle) + of_suns.sum::<f64>()
+    sampled.sum::<f64>() * f64::from(lighting.lights.leaf_solid_angle) + of_suns.sum::<f64>()
 }
 
 #[test]

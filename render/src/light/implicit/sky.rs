@@ -12,8 +12,8 @@ pub struct SkyGrid {
 impl SkyGrid {
     pub fn new(environment: Option<&SceneLighting>) -> Self {
         let Some(lighting) = environment else { return Self { cells: Vec::new() } };
-        let leaves = lighting.nodes.radiance.len() / 2;
-        let leaf = |leaf: usize| (lighting.nodes.direction[leaves + leaf], lighting.nodes.radiance[leaves + leaf]);
+        let leaves = lighting.leaves();
+        let leaf = |leaf: usize| (lighting.nodes.place[leaves + leaf], lighting.nodes.radiance[leaves + leaf]);
         let mut sums = vec![(Vec3::ZERO, 0.0_f32); CELLS];
         for (direction, radiance) in (0..leaves).map(leaf) {
             let (sum, count) = &mut sums[cell_of(direction)];

@@ -110,7 +110,7 @@ impl Renderer {
     }
 
     fn source_map(&self, explanation: &PixelExplanation, lighting: &SourceLighting, size: [u32; 2]) -> CutMap {
-        let leaves = lighting.tree.len();
+        let leaves = lighting.lights.len();
         let around = SourcesAround::new(self, lighting);
         let points: Vec<Vec3> = directions(size).collect();
         let source_of: Vec<Option<usize>> = points.par_iter().map(|&d| around.along(&explanation.point, d)).collect();
@@ -179,7 +179,7 @@ struct SourcesAround<'a> {
 
 impl<'a> SourcesAround<'a> {
     fn new(renderer: &'a Renderer, lighting: &SourceLighting) -> Self {
-        let (members, owners) = owners(lighting.tree.sources());
+        let (members, owners) = owners(lighting.lights.sources());
         let far = FAR * renderer.dataset.scene.mesh.bounds().diagonal();
         Self { renderer, owners, members, far }
     }

@@ -23,7 +23,7 @@ pub struct LeafSum<F> {
 impl<F: NodeField> LeafSum<F> {
     /// In the dark.
     pub fn new(field: F) -> Self {
-        Self { lit: vec![Vec3::ZERO; 1 << field.height()], field }
+        Self { lit: vec![Vec3::ZERO; 1 << field.tree().height()], field }
     }
 
     /// Reflected radiance toward the eye.

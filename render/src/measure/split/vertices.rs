@@ -29,7 +29,7 @@ pub struct TracedVertices<'a> {
 impl<'a> TracedVertices<'a> {
     /// Of all leaves of the tree of `lighting`.
     pub fn new(lighting: &SceneLighting, trace: TraceVertex<'a>) -> Self {
-        Self { trace, leaves: lighting.nodes.radiance.len() / 2, known: Mutex::default() }
+        Self { trace, leaves: lighting.leaves(), known: Mutex::default() }
     }
 
     /// Shades points by them.

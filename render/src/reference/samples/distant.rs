@@ -36,14 +36,14 @@ impl LightSamples {
             let lane = |chunk: &[Vec3], i: usize| chunk.get(i).copied().unwrap_or(Vec3::ZERO);
             values.chunks(8).map(|c| Vec3x8::from_array(std::array::from_fn(|i| lane(c, i)))).collect()
         };
-        let spreads = lighting.nodes.inv_kappa[tree.len()..].chunks(8);
+        let spreads = lighting.nodes.spread[tree.len()..].chunks(8);
         let spread = |chunk: &[f32]| f32x8::new(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0)));
         Self {
             directions: DirectionSet::new(tree.leaf_directions()),
             wi: eight(tree.leaf_directions()),
             radiance: eight(leaf_radiance),
             inv_kappa: spreads.map(spread).collect(),
-            mirrored: lighting.mirrored.clone(),
+            mirrored: lighting.lights.mirrored.clone(),
             solid_angle: tree.leaf_solid_angle(),
         }
     }

@@ -29,7 +29,7 @@ pub(crate) struct SourceSamples<'a> {
 impl<'a> SourceSamples<'a> {
     pub fn new(renderer: &Renderer, lighting: &'a SourceLighting) -> Self {
         let off_surface = offset::TRANSPORT * renderer.dataset.scene.mesh.bounds().diagonal();
-        let sources = lighting.tree.sources();
+        let sources = lighting.lights.sources();
         let ends = sources.iter().map(|s| s.surfel.position + s.surfel.normal * off_surface).collect();
         let near = NearField::new(sources);
         Self { lighting, ends, near }
@@ -71,11 +71,11 @@ impl SourceShader<'_> {
     fn trace_far(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) -> bool {
         let Self { samples, solid_angles, wanted, .. } = self;
         let lighting = samples.lighting;
-        let leaves = lighting.tree.len();
+        let leaves = lighting.lights.len();
         let mut has_near = false;
         wanted.clear();
         solid_angles.fill(0.0);
-        for (i, source) in lighting.tree.sources().iter().enumerate() {
+        for (i, source) in lighting.lights.sources().iter().enumerate() {
             let sends = lighting.nodes.radiance[leaves + i] != Vec3::ZERO;
             let solid_angle = source.solid_angle_from(point.position);
             if solid_angle == 0.0 || !sends || !receives(source.surfel.position - point.position) {
@@ -92,7 +92,7 @@ impl SourceShader<'_> {
         let intersector = self.renderer.intersector();
         self.batch.trace(intersector, point.ray_origin, &samples.ends, wanted, hidden);
         for &i in wanted.iter().filter(|_| intersector.has_veils()) {
-            let opacity = intersector.opacity_at(samples.lighting.tree.sources()[i as usize].surfel.place);
+            let opacity = intersector.opacity_at(samples.lighting.lights.sources()[i as usize].surfel.place);
             solid_angles[i as usize] *=
                 opacity * intersector.past_veils_between(point.ray_origin, samples.ends[i as usize]);
         }
@@ -102,7 +102,7 @@ impl SourceShader<'_> {
     /// Near sources, by rays in all directions.
     fn gather_near(&mut self, point: &SurfacePoint, receives: impl Fn(Vec3) -> bool) {
         let Self { samples, solid_angles, wanted, renderer, .. } = self;
-        let sources = samples.lighting.tree.sources();
+        let sources = samples.lighting.lights.sources();
         let lifted = point.ray_origin - point.position;
         let origin = Origin {
             position: point.ray_origin,
@@ -125,7 +125,7 @@ impl PointShader for SourceShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         self.trace(point);
         let receiver = ReceiverX8::new(point);
-        let leaves = self.samples.lighting.tree.len();
+        let leaves = self.samples.lighting.lights.len();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for group in self.wanted.chunks(8) {
             // Padding repeats the first source without a solid angle.

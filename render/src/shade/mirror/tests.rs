@@ -54,7 +54,8 @@ fn mirrors_show_what_light_samples_cannot() {
     for alpha in [0.0025, 0.01, 0.02] {
         let renderer = metallic(mesh(32, true), alpha);
         let lighting = renderer.lighting(&light, 256);
-        let blurred = crate::SceneLighting { mirrored: None, ..lighting.clone() };
+        let mut blurred = lighting.clone();
+        blurred.lights.mirrored = None;
         let [sharp, blurred] = [&lighting, &blurred].map(|lighting| {
             error(&renderer, &light, &renderer.render_lit(&view(), &light, lighting, BrdfSampling::Lit).0)
         });

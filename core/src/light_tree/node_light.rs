@@ -1,28 +1,30 @@
-//! What changes when the light changes: radiance and directions of all nodes of a light tree.
+//! What changes when the light changes: radiance, places and spreads of all nodes of a tree of lights.
 
 use super::{LightTree, means_up_the_tree};
 use crate::color::luminance;
 use glam::Vec3;
 
-/// A light tree under one illumination; all arrays by heap index.
+/// A tree of lights under one illumination; all arrays by heap index.
 #[derive(Clone, Debug)]
-pub struct Lighting {
-    /// Mean radiance of the leaves below each node.
+pub struct NodeLight {
+    /// Mean radiance of the leaves below each node; of surface sources weighted by area. Their cuts hold solid angles, which are
+    /// proportional to area, so the product of both means is close to the mean of the product.
     pub radiance: Vec<Vec3>,
-    /// Unit direction that represents each node: the mean of its leaves' directions, weighted by their luminance.
-    ///
-    /// In a cluster that contains a bright spot, the BRDF must be evaluated for the direction of the spot.
-    pub direction: Vec<Vec3>,
-    /// Inverse concentration `1 / kappa` of each node as a von Mises-Fisher lobe (Banerjee et al. 2005), with the same
-    /// weights.
-    pub inv_kappa: Vec<f32>,
-    /// Mean squared luminance of the leaves below each node, for the error bound of illumination cuts.
-    pub luminance_sq: Vec<f32>,
+    /// Where the light of each node comes from: its mean unit direction, or of surface sources its mean position in metres,
+    /// weighted by luminance. In a cluster that contains a bright spot, the BRDF must be evaluated for that spot.
+    pub place: Vec<Vec3>,
+    /// How far the light spreads around its place, with the same weights: the inverse concentration `1 / kappa` as a von
+    /// Mises-Fisher lobe (Banerjee et al. 2005), or a radius in metres.
+    pub spread: Vec<f32>,
+    /// Mean intensity of the leaves below each node, for illumination cuts: luminance, of surface sources times area.
+    pub intensity: Vec<f32>,
+    /// Mean of its square.
+    pub intensity_sq: Vec<f32>,
 }
 
-impl Lighting {
-    /// Computes means up the tree from `leaf_radiance`, one value per leaf in tree order.
-    pub fn new(tree: &LightTree, leaf_radiance: &[Vec3]) -> Self {
+impl NodeLight {
+    /// Computes means up a tree of distant lights from `leaf_radiance`, one value per leaf in tree order.
+    pub fn distant(tree: &LightTree, leaf_radiance: &[Vec3]) -> Self {
         assert_eq!(leaf_radiance.len(), tree.len(), "one radiance a leaf");
         let luminances: Vec<f32> = leaf_radiance.iter().map(|&l| luminance(l)).collect();
         let squares: Vec<f32> = luminances.iter().map(|l| l * l).collect();
@@ -35,11 +37,13 @@ impl Lighting {
             // Dark nodes contribute nothing; any direction inside them will do.
             if weight[i] > 0.0 { weighted[i] / weight[i] } else { plain }
         };
+        let radiance = means_up_the_tree(leaf_radiance);
         Self {
-            radiance: means_up_the_tree(leaf_radiance),
-            direction: nodes.clone().map(|i| mean(i).normalize_or(Vec3::Y)).collect(),
-            inv_kappa: nodes.map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect(),
-            luminance_sq: means_up_the_tree(&squares),
+            intensity: radiance.iter().map(|&l| luminance(l)).collect(),
+            radiance,
+            place: nodes.clone().map(|i| mean(i).normalize_or(Vec3::Y)).collect(),
+            spread: nodes.map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect(),
+            intensity_sq: means_up_the_tree(&squares),
         }
     }
 }
@@ -65,8 +69,8 @@ mod tests {
         let tree = LightTree::geometric(64).unwrap();
         let mut leaves = vec![Vec3::splat(0.01); 64];
         leaves[5] = Vec3::splat(1000.0);
-        let lighting = Lighting::new(&tree, &leaves);
-        assert!(lighting.direction[1].dot(tree.leaf_directions()[5]) > 0.999);
+        let lighting = NodeLight::distant(&tree, &leaves);
+        assert!(lighting.place[1].dot(tree.leaf_directions()[5]) > 0.999);
         let energy: Vec3 = leaves.iter().sum::<Vec3>() * (SPHERE / 64.0);
         assert!((lighting.radiance[1] * SPHERE - energy).length() < 1e-2 * energy.length());
     }

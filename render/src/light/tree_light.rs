@@ -1,0 +1,62 @@
+//! The light of a tree's nodes as pixels merge it, whatever its leaves are: samples of the environment or surface sources.
+
+use super::node_row::{NodeExtent, NodeRow};
+use lapidary_core::{
+    color::luminance,
+    cut::{
+        illumination::{IlluminationCriterion, intensity_cut},
+        lit::{CutValues, DEFAULT_TAU, LitCuts},
+    },
+    light_tree::NodeLight,
+};
+
+/// A tree of lights `L` under one illumination.
+#[derive(Clone, Debug)]
+pub struct TreeLight<L> {
+    /// The leaves, as far as merging asks for them.
+    pub lights: L,
+    /// Radiance, places and spreads by heap index.
+    pub nodes: NodeLight,
+    /// Packed illumination cut.
+    pub cut: Vec<u16>,
+    /// Most nodes that it was allowed.
+    pub max_nodes: u32,
+    /// The vertices' lit cuts.
+    pub lit: LitCuts,
+    /// Place, spread and radiance of each node side by side, for pixels.
+    pub(crate) rows: Vec<NodeRow>,
+    /// Radius of each node, a half-angle in radians or in metres, and its brightness.
+    pub(crate) extents: Vec<NodeExtent>,
+}
+
+impl<L> TreeLight<L> {
+    /// Of nodes that have these radii, with an illumination cut of at most `max_nodes` nodes. Cuts of vertices hold `values`.
+    pub(super) fn of(lights: L, nodes: NodeLight, radii: &[f32], values: CutValues, max_nodes: u32) -> Self {
+        let criterion = IlluminationCriterion::with_budget(max_nodes);
+        let luminances = nodes.radiance.iter().map(|&radiance| luminance(radiance));
+        Self {
+            cut: intensity_cut(&nodes.intensity, &nodes.intensity_sq, criterion),
+            lit: LitCuts::new(values, luminances, DEFAULT_TAU),
+            rows: NodeRow::of_all(&nodes.place, &nodes.spread, &nodes.radiance),
+            extents: NodeExtent::of_all(radii, &nodes.intensity, &nodes.intensity_sq),
+            lights,
+            nodes,
+            max_nodes,
+        }
+    }
+
+    /// Leaves of the tree.
+    pub fn leaves(&self) -> usize {
+        self.nodes.radiance.len() / 2
+    }
+
+    /// Height of the tree.
+    pub fn height(&self) -> u32 {
+        self.leaves().ilog2()
+    }
+
+    /// The same light with lit cuts of another `tau`, see [`LitCuts`].
+    pub fn with_tau(self, tau: f32) -> Self {
+        Self { lit: self.lit.with_tau(tau), ..self }
+    }
+}

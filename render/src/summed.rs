@@ -1,0 +1,142 @@
+//! What the sums of a picture have, on either renderer.
+
+use crate::{
+    light::light_counts::{LightCounts, light_key},
+    sampling::BrdfSampling,
+    stale::{Part, Pixels, Stale},
+    view::View,
+    view_mode::ViewMode,
+};
+use lapidary_core::lights::Light;
+
+/// The picture that sums are of, and how much of it they have.
+pub(crate) struct Summed {
+    /// What it shows.
+    pub view: View,
+    /// How the BRDF is sampled.
+    pub sampling: BrdfSampling,
+    /// The local lights in the sums.
+    pub lights: SummedLights,
+    /// Samples that all pixels have of every part.
+    pub complete: u32,
+}
+
+impl Summed {
+    /// Nothing of a picture.
+    pub fn new(view: &View, sampling: BrdfSampling) -> Self {
+        Self { view: view.clone(), sampling, lights: SummedLights::default(), complete: 0 }
+    }
+
+    /// Whether some samples stay for a picture after edits. Modes without parts of the light lose all by any edit.
+    pub fn stays(&self, view: &View, sampling: BrdfSampling, stale: &Stale) -> bool {
+        let is_lost = stale.surfaces || (view.mode != ViewMode::Shaded && stale.any());
+        (&self.view, self.sampling) == (view, sampling) && !is_lost
+    }
+
+    /// Whether a picture, from another camera or of another size, shows the same surfaces in the same light.
+    pub fn has_light_of(&self, view: &View, sampling: BrdfSampling, stale: &Stale, lights: &[Light]) -> bool {
+        (self.view.is_same_but_seen_from(view), self.sampling) == (true, sampling)
+            && !stale.any()
+            && self.lights.clone().update(lights, false) == DirectStep::Keep
+    }
+
+    /// Whether all pixels have all samples.
+    pub fn is_complete(&self) -> bool {
+        self.complete >= self.view.aa.max(1)
+    }
+}
+
+/// The local lights whose direct light the sums of a picture have.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SummedLights {
+    /// In [`Part::Direct`].
+    pub direct: Vec<Light>,
+    /// In [`Part::Added`].
+    pub added: Vec<Light>,
+}
+
+/// What becomes of the sums of local lights' direct light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DirectStep {
+    /// Both stay.
+    Keep,
+    /// [`Part::Added`] begins anew.
+    Add,
+    /// [`Part::Added`] is added to [`Part::Direct`], and then begins anew.
+    MergeAndAdd,
+    /// Both begin anew.
+    Anew,
+}
+
+impl DirectStep {
+    /// The pixels that lose their samples of a part by this step and by edits.
+    pub fn forgets(self, stale: &Stale, part: Part) -> Pixels {
+        let begins_anew = match part {
+            Part::Environment | Part::Bounce => false,
+            Part::Direct => self == Self::Anew,
+            Part::Added => self != Self::Keep,
+        };
+        stale.pixels(part).and(Pixels::all_if(begins_anew))
+    }
+}
+
+impl SummedLights {
+    /// Replaces the lights by those `wanted`. Lights that were added since stay by themselves until all pixels have all
+    /// samples (`complete`) and others are added.
+    pub fn update(&mut self, wanted: &[Light], complete: bool) -> DirectStep {
+        let wanted: Vec<Light> = wanted.iter().filter(|light| light.shines()).cloned().collect();
+        let Some(rest) = without(&wanted, &self.direct).filter(|_| !self.direct.is_empty()) else {
+            let same = wanted.is_empty() && self.direct.is_empty();
+            *self = Self { direct: wanted, added: Vec::new() };
+            return if same { DirectStep::Keep } else { DirectStep::Anew };
+        };
+        match without(&rest, &self.added) {
+            Some(others) if others.is_empty() => DirectStep::Keep,
+            Some(others) if complete && !self.added.is_empty() => {
+                self.direct.append(&mut self.added);
+                self.added = others;
+                DirectStep::MergeAndAdd
+            }
+            _ => {
+                self.added = rest;
+                DirectStep::Add
+            }
+        }
+    }
+}
+
+/// `lights` without each of `taken`; `None` if one of those is not among them.
+fn without(lights: &[Light], taken: &[Light]) -> Option<Vec<Light>> {
+    let mut taken = LightCounts::of(taken.iter());
+    let rest = lights.iter().filter(|light| !taken.take(&[light_key(light)])).cloned().collect();
+    taken.is_empty().then_some(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::point_light;
+    use glam::Vec3;
+
+    #[test]
+    fn lights_that_are_added_stay_by_themselves_and_others_begin_anew() {
+        let lamp = |x: f32| point_light(Vec3::new(x, 1.0, 0.0), 1.0);
+        let lamps = |xs: &[f32]| xs.iter().map(|&x| lamp(x)).collect::<Vec<_>>();
+        let mut summed = SummedLights::default();
+        let mut step = |xs: &[f32], complete| summed.update(&lamps(xs), complete);
+        assert_eq!(step(&[], true), DirectStep::Keep);
+        assert_eq!(step(&[1.0, 2.0], true), DirectStep::Anew, "there were none");
+        assert_eq!(step(&[2.0, 1.0], true), DirectStep::Keep, "the order makes no difference");
+        assert_eq!(step(&[1.0, 2.0, 3.0], true), DirectStep::Add);
+        assert_eq!(step(&[1.0, 2.0, 3.5], true), DirectStep::Add, "the added one moves");
+        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0], false), DirectStep::Add, "both again: the first is not complete");
+        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0, 5.0], true), DirectStep::MergeAndAdd);
+        assert_eq!(step(&[1.0, 2.0, 3.5, 4.0], true), DirectStep::Add, "off again: the added part is empty");
+        assert_eq!(step(&[1.0, 2.0, 3.5], true), DirectStep::Anew);
+        let mut named = lamps(&[1.0, 2.0, 3.5]);
+        named[1].name = "renamed".into();
+        named.push(Light { enabled: false, ..lamp(7.0) });
+        assert_eq!(summed.update(&named, true), DirectStep::Keep);
+        assert_eq!(summed.update(&lamps(&[1.0]), true), DirectStep::Anew);
+    }
+}
