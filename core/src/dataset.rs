@@ -56,14 +56,17 @@ pub use modes::{IndirectReport, IndirectSettings, sigma_text};
 pub use parts::{BakeParts, PartsError};
 
 use crate::{
-    animation::ClipTime,
     camera::Camera,
     cut::{CutCriterion, packed::PackedCuts},
     ground::Ground,
     image::ImageError,
     light_tree::{LightTree, TreeKind},
+    mesh::Mesh,
     meshless::MeshlessBake,
-    scene::{Mesh, Scene, placed, pose::Poses},
+    scene::{
+        Scene, placed,
+        pose::{ClipTime, Poses},
+    },
     shot::Shot,
     sources::IndirectBake,
     texture::Texture,

@@ -2,14 +2,15 @@
 
 use super::validate::MOST_LINK_SCALE;
 use crate::{
+    bounds::MOST_COORDINATE,
     brdf::BrdfFileError,
     camera::field_of_view_range,
     cut::CutError,
     image::ImageError,
     lights::{LightProblem, MAX_LIGHTS},
     material::MaterialProblem,
+    mesh::MeshError,
     meshless::{BasisError, TransportError},
-    scene::{MOST_COORDINATE, MeshError},
 };
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -2,8 +2,14 @@
 
 use super::{BakeReport, BakeSettings};
 use crate::{
-    animation::ClipTime, brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material,
-    opacity::PartOpacity, parts::Variants, scene::placed::Placed,
+    brdf::ContentKind,
+    camera::Camera,
+    lights::Light,
+    material::Material,
+    mesh::GroundStart,
+    opacity::PartOpacity,
+    parts::Variants,
+    scene::{placed::Placed, pose::ClipTime},
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

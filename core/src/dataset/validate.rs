@@ -8,12 +8,14 @@ use super::{
     indirect::{SOURCE_CUTS, SOURCE_ENVIRONMENT_CUTS},
 };
 use crate::{
+    bounds::is_within_reach,
     cut::packed::PackedCuts,
     light_tree::{height_of, is_permutation},
     lights::MAX_LIGHTS,
+    mesh::is_unit,
     meshless::{MeshlessBake, TransportError},
     ray::is_number_per_probe,
-    scene::{Scene, is_unit, is_within_reach},
+    scene::Scene,
     shot::Shot,
     sources::{IndirectBake, Source},
     surfel::Surfel,
