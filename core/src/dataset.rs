@@ -49,11 +49,11 @@ mod write;
 
 pub use audit::BakeAudit;
 pub use error::{Damage, DatasetError, MeshlessDamage, SourceDamage, SurfelDamage};
-#[cfg(any(test, feature = "test-scenes"))]
-pub(crate) use header::METADATA_KEY;
 pub use meshless::{MeshlessReport, MeshlessSettings};
 pub use modes::{IndirectReport, IndirectSettings, sigma_text};
 pub use parts::{BakeParts, PartsError};
+#[cfg(any(test, feature = "test-scenes"))]
+pub(crate) use tensors::METADATA_KEY;
 
 use crate::{
     camera::Camera,

@@ -14,9 +14,6 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Key of the JSON in the safetensors metadata.
-pub(crate) const METADATA_KEY: &str = "lapidary";
-
 /// The JSON part of a dataset.
 #[derive(PartialEq, Serialize, Deserialize)]
 pub(super) struct Header {
