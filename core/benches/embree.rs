@@ -7,8 +7,8 @@ use glam::Vec3;
 use lapidary_core::{
     dataset::Dataset,
     light_tree::LightTree,
+    mesh::Mesh,
     ray::{DirectionSet, HalfSpace, Intersector},
-    scene::Mesh,
     texture::Texture,
 };
 use libloading::{Library, Symbol};

@@ -19,11 +19,11 @@ mod sheets;
 pub mod skin;
 pub mod surface;
 
+pub use crate::scene::pose::ClipTime;
 pub use bound::BoundAnimation;
 pub use clip::{Clip, Playback};
 
 use nodes::{NodeState, Nodes};
-use serde::{Deserialize, Serialize};
 use shape::{Posture, Shape};
 use skin::Skin;
 use std::path::PathBuf;
@@ -48,16 +48,6 @@ pub struct Animation {
     pub objects: Vec<String>,
     /// What of the file cannot be used, and what to do.
     pub warnings: Vec<String>,
-}
-
-/// A time of a clip.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct ClipTime {
-    /// Name of the clip.
-    pub clip: String,
-    /// In seconds from its beginning.
-    pub seconds: f32,
 }
 
 /// Why a scene cannot be posed by a file's animation.

@@ -1,6 +1,15 @@
-//! Axis-aligned boxes.
+//! Axis-aligned boxes, and how far coordinates reach.
 
 use glam::Vec3;
+
+/// The farthest from the origin, in metres along an axis, that anything of a scene may be. The fourth power of a distance
+/// has to stay far below the largest `f32`.
+pub const MOST_COORDINATE: f32 = 1e9;
+
+/// Whether a place is finite and no farther than [`MOST_COORDINATE`] along any axis.
+pub fn is_within_reach(place: Vec3) -> bool {
+    place.abs().cmple(Vec3::splat(MOST_COORDINATE)).all()
+}
 
 /// Axis-aligned bounds in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

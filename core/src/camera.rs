@@ -1,6 +1,6 @@
 //! A pinhole camera and its rays.
 
-use crate::scene::is_within_reach;
+use crate::bounds::is_within_reach;
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 

@@ -49,21 +49,24 @@ mod write;
 
 pub use audit::BakeAudit;
 pub use error::{Damage, DatasetError, MeshlessDamage, SourceDamage, SurfelDamage};
-#[cfg(any(test, feature = "test-scenes"))]
-pub(crate) use header::METADATA_KEY;
 pub use meshless::{MeshlessReport, MeshlessSettings};
 pub use modes::{IndirectReport, IndirectSettings, sigma_text};
 pub use parts::{BakeParts, PartsError};
+#[cfg(any(test, feature = "test-scenes"))]
+pub(crate) use tensors::METADATA_KEY;
 
 use crate::{
-    animation::ClipTime,
     camera::Camera,
     cut::{CutCriterion, packed::PackedCuts},
     ground::Ground,
     image::ImageError,
     light_tree::{LightTree, TreeKind},
+    mesh::Mesh,
     meshless::MeshlessBake,
-    scene::{Mesh, Scene, placed, pose::Poses},
+    scene::{
+        Scene, placed,
+        pose::{ClipTime, Poses},
+    },
     shot::Shot,
     sources::IndirectBake,
     texture::Texture,

@@ -8,10 +8,11 @@ mod floor;
 pub use floor::has_floor;
 
 use crate::{
-    bounds::Bounds,
+    bounds::{Bounds, MOST_COORDINATE},
     brdf::GgxParameters,
     material::{BrdfModel, Material},
-    scene::{MOST_COORDINATE, Mesh, Object, Scene},
+    mesh::Mesh,
+    scene::{Object, Scene},
 };
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
@@ -53,15 +54,6 @@ impl fmt::Display for Ground {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name())
     }
-}
-
-/// Where the ground of a mesh begins: its vertices and triangles are the last ones, and nothing else uses them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct GroundStart {
-    /// Its first vertex.
-    pub vertex: u32,
-    /// Its first triangle.
-    pub triangle: u32,
 }
 
 /// Name of the ground's object and material.
@@ -136,27 +128,6 @@ fn triangles_of_rings() -> Vec<[u32; 3]> {
 }
 
 impl Mesh {
-    /// Number of vertices but those of the ground.
-    pub fn vertices_of_scene(&self) -> usize {
-        self.ground.map_or(self.positions.len(), |start| start.vertex as usize)
-    }
-
-    /// Number of triangles but those of the ground.
-    fn triangles_of_scene(&self) -> usize {
-        self.ground.map_or(self.triangles.len(), |start| start.triangle as usize)
-    }
-
-    /// Whether a triangle belongs to the ground.
-    #[inline]
-    pub fn is_ground(&self, triangle: u32) -> bool {
-        self.ground.is_some_and(|start| triangle >= start.triangle)
-    }
-
-    /// The material of the ground, if there is one.
-    pub fn ground_material(&self) -> Option<u32> {
-        self.triangle_material.get(self.ground?.triangle as usize).copied()
-    }
-
     /// 0 for a triangle of the scene; for one of the ground 1 and more, the larger the farther out it is, by factors of four.
     pub(crate) fn shell_of_ground(&self, triangle: u32, bounds: Bounds) -> u32 {
         if !self.is_ground(triangle) {
@@ -176,44 +147,9 @@ impl Mesh {
         middle.with_y(0.0).distance(bounds.center().with_y(0.0))
     }
 
-    /// The object of the ground, if there is one.
-    pub fn ground_object(&self) -> Option<u32> {
-        self.triangle_object.get(self.ground?.triangle as usize).copied()
-    }
-
     /// Whether a triangle lies so far out on the ground that its light reaches no other surface. `bounds` are those of the mesh.
     pub fn is_far_ground(&self, triangle: u32, bounds: Bounds) -> bool {
         self.is_ground(triangle) && self.distance_of(triangle, bounds) > REACH * 0.5 * bounds.diagonal()
-    }
-
-    /// Appends a ground, which is a mesh of its own with the objects and materials of this one.
-    pub fn append_ground(&mut self, ground: Self) {
-        let start = GroundStart { vertex: self.positions.len() as u32, triangle: self.triangles.len() as u32 };
-        self.positions.extend(ground.positions);
-        self.normals.extend(ground.normals);
-        self.tangents.extend(ground.tangents);
-        self.uvs.extend(ground.uvs);
-        self.triangles.extend(ground.triangles.into_iter().map(|corners| corners.map(|v| start.vertex + v)));
-        self.triangle_material.extend(ground.triangle_material);
-        self.triangle_object.extend(ground.triangle_object);
-        self.ground = Some(start);
-    }
-
-    /// Takes the ground away, as a mesh of its own.
-    pub fn split_off_ground(&mut self) -> Option<Self> {
-        let GroundStart { vertex, triangle } = self.ground.take()?;
-        let (from_vertex, from_triangle) = (vertex as usize, triangle as usize);
-        let triangles = self.triangles.split_off(from_triangle);
-        Some(Self {
-            positions: self.positions.split_off(from_vertex),
-            normals: self.normals.split_off(from_vertex),
-            tangents: self.tangents.split_off(from_vertex),
-            uvs: self.uvs.split_off(from_vertex),
-            triangles: triangles.into_iter().map(|corners| corners.map(|v| v - vertex)).collect(),
-            triangle_material: self.triangle_material.split_off(from_triangle),
-            triangle_object: self.triangle_object.split_off(from_triangle),
-            ground: None,
-        })
     }
 }
 

@@ -19,7 +19,7 @@
 //! # Rooms
 //!
 //! The scene:
-//! * [`scene`]: the mesh, and what is in the scene with it; [`bounds`]: axis-aligned boxes
+//! * [`mesh`]: triangles; [`scene`]: a mesh, and what is in the scene with it; [`bounds`]: axis-aligned boxes
 //! * [`camera`]: where it is seen from; [`shot`]: the pictures that a bake is for
 //! * [`material`]: parameters and maps; [`texture`]: the images that maps read
 //! * [`lights`]: local lights and their file; [`environment`]: distant light, maps and skies
@@ -58,6 +58,7 @@ pub mod lights;
 pub mod lock;
 pub mod material;
 pub mod memory;
+pub mod mesh;
 pub mod meshless;
 pub mod opacity;
 pub mod output;

@@ -1,6 +1,6 @@
 //! Parts of a scene, which can have materials of their own without a bake, and the variants that a file offers for them.
 
-use crate::scene::Mesh;
+use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 /// The triangles of one object that have one material: a primitive of glTF, what a group of OBJ uses of a material.

@@ -30,8 +30,9 @@ pub use segments::SegmentBatch;
 
 use crate::{
     bounds::Bounds,
+    mesh::Mesh,
     opacity::Opacities,
-    scene::{Mesh, Scene},
+    scene::Scene,
     surfel::{MeshPlace, Surfel},
     threads::on_threads,
 };

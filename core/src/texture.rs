@@ -4,11 +4,13 @@
 mod footprint;
 mod levels;
 mod procedural;
+mod reduction;
 mod slopes;
 
 pub use footprint::{MOST_TAPS, TEXELS_PER_WIDTH, Taps, UvFootprint};
-pub use levels::{Level, Levels, level_sizes};
+pub use levels::{Level, Levels};
 pub use procedural::{NOISE_CELLS, Pattern, Procedural};
+pub use reduction::level_sizes;
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 
 use crate::color::linear_from_srgb;

@@ -4,13 +4,14 @@
 use fastrand::Rng;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    bounds::MOST_COORDINATE,
     brdf::GgxParameters,
     camera::Camera,
     dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     environment::MOST_RADIANCE,
     lights::{self, Emission, Light},
     material::{MOST_MATERIAL_NUMBER, MaterialMaps},
-    scene::{MOST_COORDINATE, Scene},
+    scene::Scene,
     shot::Shot,
     test_files::FileParts,
     test_scenes::{cuboid, floor, room, scene_of},

@@ -9,7 +9,7 @@ use super::{
     shape::{Posture, Shape},
     surface::{BATCH, Surface},
 };
-use crate::scene::{Mesh, is_within_reach, pose::PosedVertices};
+use crate::{bounds::is_within_reach, mesh::Mesh, scene::pose::PosedVertices};
 use glam::{Mat3, Vec3, Vec4};
 use rayon::prelude::*;
 

@@ -1,10 +1,13 @@
 //! An animation bound to a scene: to the repaired and tessellated mesh of a bake.
 
 use super::{Animation, AnimationError, Clip, ClipTime, binding::BoundObject, shape::Posture};
-use crate::scene::{
-    Object, Scene, is_within_reach,
-    placed::Placed,
-    pose::{DeformedObject, Objects, PosedVertices, Poses},
+use crate::{
+    bounds::is_within_reach,
+    scene::{
+        Object, Scene,
+        placed::Placed,
+        pose::{DeformedObject, Objects, PosedVertices, Poses},
+    },
 };
 use rayon::prelude::*;
 use std::sync::{

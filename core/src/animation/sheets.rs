@@ -10,7 +10,7 @@ use super::{
     shape::{Posture, Shape},
     surface::BATCH,
 };
-use crate::{bounds::Bounds, scene::is_within_reach};
+use crate::bounds::{Bounds, is_within_reach};
 use glam::Vec3;
 use rayon::prelude::*;
 

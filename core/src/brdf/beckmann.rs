@@ -6,8 +6,9 @@
 use super::{
     Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::Albedo,
-    gaussian_lobe::GaussianLobe,
-    microfacet::{DiffuseBase, HalfVectorLobe, HalfVectors, Interface, Sym2x8, glossy_share, is_seen, widths},
+    diffuse_base::DiffuseBase,
+    gaussian_lobe::{GaussianLobe, shadowing},
+    microfacet::{HalfVectorLobe, HalfVectors, Interface, glossy_share, is_seen, widths},
     parameter::parameters,
     shared,
 };
@@ -55,24 +56,6 @@ impl Beckmann {
         let fresnel = self.interface.fresnel(f32x8::splat(wo.z.max(0.0))).lane(0);
         glossy_share(luminance(fresnel), luminance(self.base.own_albedo()))
     }
-}
-
-/// The lobe times the cosine over the density of a half vector, for an isotropic width.
-pub(super) fn weight(alpha: f32, wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
-    let sq = f32x8::splat(alpha * alpha);
-    let alpha_sq = Sym2x8 { xx: sq, xy: f32x8::ZERO, yy: sq };
-    let of = |w: Vec3| shadowing(&alpha_sq, f32x8::splat(w.x), f32x8::splat(w.y), f32x8::splat(w.z)).to_array()[0];
-    of(wi) * of(wo) * wi.dot(h) / (wo.z * h.z)
-}
-
-/// Shadowing of one direction.
-#[inline(always)]
-fn shadowing<L: Lanes>(alpha_sq: &Sym2x8<L>, x: L, y: L, cosine: L) -> L {
-    // The cosine over the width times the sine, of which larger ones than 1.6 are not shadowed.
-    let ratio = cosine / alpha_sq.quadratic(x, y).at_least(1e-12).sqrt();
-    let above = ratio * (L::splat(3.535) + L::splat(2.181) * ratio);
-    let below = L::splat(1.0) + ratio * (L::splat(2.276) + L::splat(2.577) * ratio);
-    ratio.simd_lt(L::splat(1.6)).select(above / below, L::splat(1.0))
 }
 
 impl Model for Beckmann {

@@ -6,7 +6,8 @@
 use super::{
     Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::Albedo,
-    microfacet::{DiffuseBase, HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
+    diffuse_base::DiffuseBase,
+    microfacet::{HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
     parameter::parameters,
     phong_lobe::PhongLobe,
     shared,

@@ -3,7 +3,7 @@
 //! The contents are shared: a material holds them, and so does each point that is shaded with it. A lifetime on every BRDF would
 //! spread through all of shading, and what is kept for ever would grow with each file that is tried.
 
-use super::{BrdfModel, Measured, MeasuredError, SampledLobe, Values, Written, WrittenError};
+use super::{Measured, MeasuredError, SampledLobe, Values, Written, WrittenError};
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},
@@ -197,14 +197,6 @@ impl ContentKind {
         }
     }
 
-    /// The model that has such a file.
-    pub fn model(self) -> BrdfModel {
-        match self {
-            Self::Measured => BrdfModel::Merl,
-            Self::Written => BrdfModel::Wgsl,
-        }
-    }
-
     /// So that a file of gigabytes is not read first.
     fn check_length(self, found: u64, path: &Path) -> Result<(), BrdfFileError> {
         let too_long = |expected| match self {
@@ -269,7 +261,7 @@ impl From<BrdfFile> for PathBuf {
 /// A file for tests of a model that needs one.
 #[cfg(any(test, feature = "test-scenes"))]
 pub fn example_file(model: super::BrdfModel) -> Option<BrdfFile> {
-    use super::{Brdf, Ggx, GgxParameters};
+    use super::{Brdf, BrdfModel, Ggx, GgxParameters};
     use std::sync::LazyLock;
     static MERL: LazyLock<BrdfFile> = LazyLock::new(|| {
         let base_color = glam::Vec3::new(0.6, 0.3, 0.1);

@@ -7,6 +7,7 @@ use super::{
 use crate::simd::Lanes;
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use wide::f32x8;
 
 /// Widths along the tangent and the bitangent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,4 +79,27 @@ impl HalfVectorLobe for GaussianLobe {
     fn density(&self, wi: Vec3, wo: Vec3) -> f32 {
         self.pdf(wi, wo)
     }
+}
+
+/// Beckmann's lobe times the cosine over the density of a half vector, for an isotropic width.
+pub fn beckmann_weight(alpha: f32, wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
+    let sq = f32x8::splat(alpha * alpha);
+    let alpha_sq = Sym2x8 { xx: sq, xy: f32x8::ZERO, yy: sq };
+    let of = |w: Vec3| shadowing(&alpha_sq, f32x8::splat(w.x), f32x8::splat(w.y), f32x8::splat(w.z)).to_array()[0];
+    of(wi) * of(wo) * wi.dot(h) / (wo.z * h.z)
+}
+
+/// Ward's lobe of 1992 times the cosine over the density of a half vector, for a reflectance of 1.
+pub fn ward_weight(wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
+    (wi.z / wo.z).sqrt() * h.z.powi(3) * wi.dot(h)
+}
+
+/// Shadowing of one direction, for Beckmann's lobe.
+#[inline(always)]
+pub fn shadowing<L: Lanes>(alpha_sq: &Sym2x8<L>, x: L, y: L, cosine: L) -> L {
+    // The cosine over the width times the sine, of which larger ones than 1.6 are not shadowed.
+    let ratio = cosine / alpha_sq.quadratic(x, y).at_least(1e-12).sqrt();
+    let above = ratio * (L::splat(3.535) + L::splat(2.181) * ratio);
+    let below = L::splat(1.0) + ratio * (L::splat(2.276) + L::splat(2.577) * ratio);
+    ratio.simd_lt(L::splat(1.6)).select(above / below, L::splat(1.0))
 }

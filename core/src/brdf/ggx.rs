@@ -7,8 +7,9 @@
 use super::{
     Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
     albedo::{Albedo, multiple_reflectance},
+    diffuse_base::DiffuseBase,
     ggx_lobe::GgxLobe,
-    microfacet::{DiffuseBase, HalfVectorLobe, HalfVectors, Interface, glossy_share, is_seen, widths},
+    microfacet::{HalfVectorLobe, HalfVectors, Interface, glossy_share, is_seen, widths},
     parameter::parameters,
     shared,
 };

@@ -1,7 +1,7 @@
 //! What models of glossy surfaces share: widths, half vectors, and how a lobe and a diffuse base share light.
 
 use super::{
-    Albedo, LightsX8, SpreadX8,
+    SpreadX8,
     fresnel::{Metal, dielectric_x8},
 };
 use crate::{
@@ -179,38 +179,6 @@ impl Interface {
     /// For light from the normal.
     pub fn at_normal(&self) -> Vec3 {
         self.fresnel(wide::f32x8::splat(1.0)).lane(0)
-    }
-}
-
-/// A diffuse base below a dielectric: it reflects of the light that the dielectric leaves.
-#[derive(Clone, Copy, Debug)]
-pub struct DiffuseBase {
-    albedo: Vec3,
-    above: Albedo,
-}
-
-impl DiffuseBase {
-    /// Of an albedo, below what has the albedo `above`.
-    #[inline]
-    pub fn new(albedo: Vec3, above: Albedo) -> Self {
-        Self { albedo, above }
-    }
-
-    /// Times the cosine.
-    #[inline(always)]
-    pub fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
-        let left = self.above.left(lights.wi.z, L::splat(wo.z));
-        Vec3x8::splat(self.albedo * (FRAC_1_PI * self.above.normalization())) * (left * lights.cosine)
-    }
-
-    /// For light from a direction with this cosine.
-    pub fn albedo_at(&self, cosine: f32) -> Vec3 {
-        self.albedo * (1.0 - self.above.at_one(cosine))
-    }
-
-    /// Albedo without what is above.
-    pub fn own_albedo(&self) -> Vec3 {
-        self.albedo
     }
 }
 

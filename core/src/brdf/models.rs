@@ -2,33 +2,13 @@
 //! its line here.
 
 use super::{
-    AshikhminShirley, Beckmann, BlinnPhong, Brdf, FilePart, Ggx, Lambert, LightsX8, Merl, OpenPbr, OrenNayar,
-    Parameter, SpreadX8, SurfaceParameters, Values, Ward, WardDuer, Wgsl, surface::with_surface, written,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, ContentKind, FilePart, Ggx, Lambert, LightsX8, Merl, Model, OpenPbr,
+    OrenNayar, Parameter, SpreadX8, SurfaceParameters, Values, Ward, WardDuer, Wgsl, surface::with_surface, written,
 };
 use crate::simd::Vec3x8;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use wide::f32x8;
-
-/// A reflectance model that materials can have.
-pub trait Model: Brdf + Sized {
-    /// Name for people.
-    const LABEL: &'static str;
-    /// What it is good for, in one or two sentences.
-    const SUMMARY: &'static str;
-    /// Its parameters.
-    const PARAMETERS: &'static [Parameter];
-    /// What its materials keep for other programs. Nothing is rendered of it, so that it is in no other list.
-    const STORED: &'static [Parameter] = &[];
-
-    /// With values in the order of [`Self::PARAMETERS`] and in their ranges. Others may follow them.
-    fn from_values(values: &Values) -> Self;
-
-    /// The same, of a model that a file has a part in; without the file what shows that it is not there.
-    fn of_file(values: &Values, _file: Option<FilePart>) -> Self {
-        Self::from_values(values)
-    }
-}
 
 macro_rules! models {
     ($($(#[$attribute:meta])* $variant:ident($ty:ty) = $key:literal,)*) => {
@@ -205,5 +185,15 @@ impl BrdfModel {
     /// Its parameter for a quantity, such as `base_color` or `roughness`.
     pub fn parameter_for(self, quantity: &str) -> Option<&'static Parameter> {
         self.parameters().iter().find(|p| p.quantity == quantity)
+    }
+}
+
+impl ContentKind {
+    /// The model that has such a file.
+    pub fn model(self) -> BrdfModel {
+        match self {
+            Self::Measured => BrdfModel::Merl,
+            Self::Written => BrdfModel::Wgsl,
+        }
     }
 }

@@ -54,11 +54,6 @@ impl Ward {
     }
 }
 
-/// The lobe times the cosine over the density of a half vector, for a reflectance of 1.
-pub(super) fn weight(wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
-    (wi.z / wo.z).sqrt() * h.z.powi(3) * wi.dot(h)
-}
-
 impl Model for Ward {
     const LABEL: &'static str = "Ward";
     const SUMMARY: &'static str =

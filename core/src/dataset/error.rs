@@ -1,18 +1,22 @@
 //! Why a dataset cannot be written or read.
 
-use super::validate::MOST_LINK_SCALE;
 use crate::{
+    bounds::MOST_COORDINATE,
     brdf::BrdfFileError,
     camera::field_of_view_range,
     cut::CutError,
     image::ImageError,
     lights::{LightProblem, MAX_LIGHTS},
     material::MaterialProblem,
+    mesh::MeshError,
     meshless::{BasisError, TransportError},
-    scene::{MOST_COORDINATE, MeshError},
 };
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// Largest vector irradiance of one step of a stored link: a sender of unit radiance that fills the sphere would give 4π
+/// over 32,767 steps, and children may undo what their parents carry.
+pub(super) const MOST_LINK_SCALE: f32 = 64.0 / 32_767.0;
 
 /// Why a dataset cannot be written or read. Paths come last.
 #[derive(Debug, Error)]

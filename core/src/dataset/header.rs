@@ -2,14 +2,17 @@
 
 use super::{BakeReport, BakeSettings};
 use crate::{
-    animation::ClipTime, brdf::ContentKind, camera::Camera, ground::GroundStart, lights::Light, material::Material,
-    opacity::PartOpacity, parts::Variants, scene::placed::Placed,
+    brdf::ContentKind,
+    camera::Camera,
+    lights::Light,
+    material::Material,
+    mesh::GroundStart,
+    opacity::PartOpacity,
+    parts::Variants,
+    scene::{placed::Placed, pose::ClipTime},
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Key of the JSON in the safetensors metadata.
-pub(crate) const METADATA_KEY: &str = "lapidary";
 
 /// The JSON part of a dataset.
 #[derive(PartialEq, Serialize, Deserialize)]

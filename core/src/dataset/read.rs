@@ -10,7 +10,8 @@ use super::{
 use crate::{
     light_tree::{LightTree, is_permutation},
     material::Material,
-    scene::{Mesh, Object, Scene},
+    mesh::Mesh,
+    scene::{Object, Scene},
     texture::Texture,
 };
 use safetensors::Dtype;

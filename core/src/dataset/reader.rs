@@ -3,7 +3,11 @@
 //! A file is not mapped: one that is cut short meanwhile, or whose drive goes away, must be an error and not the end of the
 //! program.
 
-use super::{DatasetError, error::Damage, header::METADATA_KEY, tensors::checksum};
+use super::{
+    DatasetError,
+    error::Damage,
+    tensors::{METADATA_KEY, checksum},
+};
 use crate::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts},
     input,

@@ -1,12 +1,14 @@
 //! Named arrays of a file, about to be written. `reader.rs` makes values of them again.
 
-use super::header::METADATA_KEY;
 use crate::cut::packed::PackedCuts;
 use safetensors::{
     Dtype, SafeTensorError,
     tensor::{Metadata, TensorInfo},
 };
 use std::{borrow::Cow, collections::HashMap};
+
+/// Key of the JSON in the safetensors metadata.
+pub(crate) const METADATA_KEY: &str = "lapidary";
 
 /// A tensor about to be written.
 pub(super) struct Tensor<'a> {

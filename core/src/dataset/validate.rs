@@ -3,17 +3,19 @@
 
 use super::{
     Dataset,
-    error::{Damage, MeshlessDamage, SourceDamage, SurfelDamage},
+    error::{Damage, MOST_LINK_SCALE, MeshlessDamage, SourceDamage, SurfelDamage},
     header::Header,
     indirect::{SOURCE_CUTS, SOURCE_ENVIRONMENT_CUTS},
 };
 use crate::{
+    bounds::is_within_reach,
     cut::packed::PackedCuts,
     light_tree::{height_of, is_permutation},
     lights::MAX_LIGHTS,
+    mesh::is_unit,
     meshless::{MeshlessBake, TransportError},
     ray::is_number_per_probe,
-    scene::{Scene, is_unit, is_within_reach},
+    scene::Scene,
     shot::Shot,
     sources::{IndirectBake, Source},
     surfel::Surfel,
@@ -21,9 +23,6 @@ use crate::{
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// Largest vector irradiance of one step of a stored link: a sender of unit radiance that fills the sphere would give 4π
-/// over 32,767 steps, and children may undo what their parents carry.
-pub(super) const MOST_LINK_SCALE: f32 = 64.0 / 32_767.0;
 /// Largest area of a source in squares of the scene's diagonal, and spacing in diagonals. A scene may be folded.
 const MOST_SOURCE_SIZE: f32 = 64.0;
 /// How far weights of a triangle's corners may be outside 0 to 1 by rounding.

@@ -1,6 +1,6 @@
 //! Whether a scene has a floor of its own, by the lowest surfaces over its footprint.
 
-use crate::{bounds::Bounds, scene::Mesh};
+use crate::{bounds::Bounds, mesh::Mesh};
 use glam::{Vec2, Vec3};
 
 /// Cells along each side of the grid over a scene's footprint.

@@ -6,7 +6,7 @@
 use super::bins::CubeBins;
 use crate::{
     light_tree::{Features, cluster_order},
-    scene::Mesh,
+    mesh::Mesh,
     surfel::{
         disc_forest::DiscForest,
         forest::{

@@ -1,6 +1,6 @@
 //! The scene that the links of the paper are timed and tested on: of any number of vertices, and with known form factors.
 
-use crate::scene::Mesh;
+use crate::mesh::Mesh;
 use glam::Vec3;
 
 /// An empty closed room of 2 m around the origin, seen from inside. Each of its six walls is a grid of `side` x `side` squares that

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{
+    mesh::Mesh,
     ray::Intersector,
-    scene::Mesh,
     sphere::{concentric::HemisphereCells, frame_around},
     surfel::{disc_forest::DiscForest, forest::SurfelForest},
     test_scenes::{cuboid, quad, room, scene_of},

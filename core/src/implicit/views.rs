@@ -2,12 +2,9 @@
 
 use super::{
     direct::{Bins, EMPTY, node_of},
-    layout::BinLayout,
+    layout::{AROUND_A_HOLE, BinLayout},
 };
 use rayon::prelude::*;
-
-/// One empty neighbour in so many still makes a hole. With two in eight and more, real openings close as well.
-pub(super) const AROUND_A_HOLE: usize = 8;
 
 /// The node that each cell of each leaf sees. It is what [`super::Bins`] become once all layers are in them.
 ///
@@ -20,6 +17,13 @@ pub struct Views {
     first_leaf: u32,
     /// By leaf and cell; [`EMPTY`] for the sky.
     nodes: Vec<u32>,
+}
+
+impl Bins {
+    /// The node that each bin sees, with holes closed.
+    pub fn views(self) -> Views {
+        Views::new(self.layout(), self.into_keys())
+    }
 }
 
 impl Views {

@@ -1,7 +1,7 @@
 //! Checks of the values of lights.
 
 use super::{Emission, Light};
-use crate::scene::{MOST_COORDINATE, is_within_reach};
+use crate::bounds::{MOST_COORDINATE, is_within_reach};
 use glam::Vec3;
 use thiserror::Error;
 

@@ -1,11 +1,7 @@
 //! Hierarchical basis functions around scattered surface points (meshless paper, 2.1 and 2.2).
 
 use super::{grid::FunctionGrid, sparse::SparseRows};
-use crate::{
-    scene::{is_unit, is_within_reach},
-    surfel::Surfel,
-    transport::Coefficient,
-};
+use crate::{bounds::is_within_reach, mesh::is_unit, surfel::Surfel, transport::Coefficient};
 use glam::Vec3;
 use std::{
     fmt,

@@ -4,7 +4,7 @@
 //! nothing moves keeps the hierarchy that it has.
 
 use super::{Intersector, LeafBlocks, Veils, hierarchy, widen_boxes};
-use crate::{bounds::Bounds, opacity::Opacities, scene::Mesh};
+use crate::{bounds::Bounds, mesh::Mesh, opacity::Opacities};
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;

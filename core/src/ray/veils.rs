@@ -2,8 +2,8 @@
 
 use super::{DirectionSet, Hit, Intersector, OPEN, triangle::TriangleFrom};
 use crate::{
+    mesh::Mesh,
     opacity::{Opacities, Opacity, chance},
-    scene::Mesh,
     surfel::MeshPlace,
 };
 use glam::{Vec2, Vec3};

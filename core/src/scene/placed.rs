@@ -2,14 +2,9 @@
 //!
 //! Poses of a document are relative to the file, those of a picture to the bake that it is made from.
 
-use super::{
-    Mesh, MeshError, Scene,
-    pose::{Objects, Pose, PosedVertices, Poses},
-};
-use crate::animation::ClipTime;
+use super::pose::{ClipTime, Pose, PosedVertices, Poses};
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 
 /// An object of a bake that is not where its file has it, or is deformed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +30,7 @@ impl Placed {
     }
 
     /// A pose relative to the bake, from one relative to the file.
-    fn since_baked(&self, of_file: Pose) -> Pose {
+    pub(super) fn since_baked(&self, of_file: Pose) -> Pose {
         if of_file == self.pose {
             return Pose::AS_BAKED;
         }
@@ -48,68 +43,9 @@ impl Placed {
     }
 
     /// Whether it can be of a scene with so many objects.
-    pub(crate) fn fits(&self, objects: usize) -> bool {
+    pub(super) fn fits(&self, objects: usize) -> bool {
         let are_finite = self.center.is_finite() && self.baked_center.is_finite();
         (self.object as usize) < objects && are_finite && self.pose.validate("").is_ok()
-    }
-}
-
-impl Scene {
-    /// Places the objects of a scene that is as its file has it. Where poses deform objects, its `clip_time` should say so.
-    ///
-    /// # Errors
-    /// Places beyond [`MOST_COORDINATE`](super::MOST_COORDINATE); the scene stays as it is then.
-    pub fn place(&mut self, poses: &Poses) -> Result<(), MeshError> {
-        let before = Objects::of(self);
-        self.mesh = poses.pose(&self.mesh, &before)?;
-        let after = Objects::of(self);
-        // What is only deformed has another box than in its file, and turns about that of the file all the same.
-        let moved = poses.moved().filter(|&object| (object as usize) < before.len());
-        let placed = |object| Placed {
-            object,
-            pose: poses.of(object),
-            center: before.center(object),
-            baked_center: after.center(object),
-        };
-        self.placed = moved.map(placed).collect();
-        Ok(())
-    }
-
-    /// Where its objects are, relative to the file.
-    pub fn placed_poses(&self) -> Poses {
-        let mut poses = Poses::default();
-        self.placed.iter().for_each(|placed| poses.set(placed.object, placed.pose));
-        poses
-    }
-
-    /// Poses relative to where the objects are, from poses relative to the file.
-    pub fn poses_since_baked(&self, of_file: &Poses) -> Poses {
-        let mut poses = of_file.clone();
-        self.placed.iter().for_each(|placed| poses.set(placed.object, placed.since_baked(of_file.of(placed.object))));
-        poses
-    }
-
-    /// Where its objects would be if none were placed.
-    pub(crate) fn unplaced(&self) -> Mesh {
-        let (mut mesh, objects) = (self.mesh.clone(), Objects::of(self));
-        for placed in &self.placed {
-            let (file_from_baked, rotation) = (placed.baked_from_file().inverse(), placed.pose.rotation().inverse());
-            for &vertex in objects.vertices(placed.object) {
-                mesh.turn_vertex(vertex as usize, file_from_baked, rotation);
-            }
-        }
-        mesh
-    }
-
-    /// The centre of an object as its file has it, if it is elsewhere or deformed.
-    pub fn center_in_file(&self, object: u32) -> Option<Vec3> {
-        self.placed.iter().find(|placed| placed.object == object).map(|placed| placed.center)
-    }
-
-    /// Whether all of what it says of placed objects fits its objects.
-    pub(crate) fn placed_fits(&self) -> bool {
-        let different: BTreeSet<u32> = self.placed.iter().map(|placed| placed.object).collect();
-        different.len() == self.placed.len() && self.placed.iter().all(|placed| placed.fits(self.objects.len()))
     }
 }
 
@@ -139,106 +75,4 @@ pub fn deformed_hash(poses: &Poses) -> Option<String> {
         hasher.update(bytemuck::cast_slice(normals)).update(bytemuck::cast_slice(tangents));
     }
     (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{scene::pose::DeformedObject, test_scenes::cubes};
-
-    fn pose(x: f32, degrees: f32, scale: f32) -> Pose {
-        let rotate_degrees = Vec3::new(degrees, -0.5 * degrees, 2.0 * degrees);
-        Pose { translate: Vec3::new(x, 0.3, -x), rotate_degrees, scale }
-    }
-
-    fn poses(of: [(u32, Pose); 2]) -> Poses {
-        let mut poses = Poses::default();
-        of.into_iter().for_each(|(object, pose)| poses.set(object, pose));
-        poses
-    }
-
-    #[test]
-    fn poses_since_a_bake_lead_to_where_those_of_the_file_do() {
-        let file = cubes(3);
-        let baked_so = poses([(0, pose(0.4, 25.0, 1.5)), (2, pose(-0.7, -70.0, 0.6))]);
-        let now = poses([(0, pose(-0.2, 10.0, 0.9)), (1, pose(0.1, 5.0, 1.1))]);
-        let mut baked = file.clone();
-        baked.place(&baked_so).unwrap();
-        let since = baked.poses_since_baked(&now);
-        let found = since.pose(&baked.mesh, &Objects::of(&baked)).unwrap();
-        let expected = now.pose(&file.mesh, &Objects::of(&file)).unwrap();
-        let apart = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
-        assert!(apart(&found.positions, &expected.positions) < 1e-5 && apart(&found.normals, &expected.normals) < 1e-5);
-        let as_in_the_file = now.pose(&baked.mesh, &Objects::of(&baked)).unwrap();
-        assert!(apart(&as_in_the_file.positions, &expected.positions) > 0.3, "negative control");
-        assert!(baked.poses_since_baked(&baked_so).is_empty(), "to the bit");
-        assert_eq!((baked.placed_poses(), baked.center_in_file(1)), (baked_so, None));
-    }
-
-    /// What an animation makes of a cube that slides and grows.
-    fn slid(scene: &Scene, object: u32, x: f32) -> DeformedObject {
-        let (mesh, objects) = (&scene.mesh, Objects::of(scene));
-        let mut vertices = PosedVertices::default();
-        for vertex in objects.vertices(object).iter().map(|&vertex| vertex as usize) {
-            vertices.positions.push(mesh.positions[vertex] * Vec3::new(1.0, 1.2, 1.0) + Vec3::X * x);
-            vertices.normals.push(mesh.normals[vertex]);
-            vertices.tangents.push(mesh.tangents[vertex]);
-        }
-        DeformedObject::new(vertices, [0, 0, x.to_bits()])
-    }
-
-    #[test]
-    fn an_object_that_was_baked_deformed_turns_about_its_center_at_rest() {
-        let file = cubes(3);
-        let mut at_that_time = Poses::default();
-        at_that_time.deform(1, Some(slid(&file, 1, 2.0)));
-        let mut baked = file.clone();
-        baked.place(&at_that_time).unwrap();
-        assert!(baked.placed_poses().is_empty() && baked.poses_since_baked(&Poses::default()).is_empty());
-        assert_eq!(baked.center_in_file(1), Some(Objects::of(&file).center(1)));
-        assert_eq!(baked.unplaced(), baked.mesh, "to the bit");
-        let turned = poses([(1, pose(0.1, 90.0, 1.1)), (2, pose(0.2, 30.0, 1.0))]);
-        let shown = baked.poses_since_baked(&turned).pose(&baked.mesh, &Objects::of(&baked)).unwrap();
-        let mut again = file.clone();
-        let mut both = turned.clone();
-        both.deform(1, at_that_time.deformed(1).cloned());
-        again.place(&both).unwrap();
-        let apart = |mesh: &Mesh| {
-            let places = mesh.positions.iter().zip(&again.mesh.positions);
-            places.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
-        };
-        assert!(apart(&shown) < 1e-5, "{}", apart(&shown));
-        let about_its_box = turned.pose(&baked.mesh, &Objects::of(&baked)).unwrap();
-        assert!(apart(&about_its_box) > 1.0, "negative control");
-    }
-
-    #[test]
-    fn a_scene_is_told_apart_by_its_poses() {
-        let (one, other) = (
-            poses([(0, pose(1.0, 0.0, 1.0)), (1, Pose::AS_BAKED)]),
-            poses([(1, pose(1.0, 0.0, 1.0)), (0, Pose::AS_BAKED)]),
-        );
-        assert!(hash(&one, None).is_some() && hash(&one, None) != hash(&other, None));
-        assert_eq!(hash(&Poses::default(), None), None);
-        let at = |seconds| ClipTime { clip: "walk".into(), seconds };
-        assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, Some(&at(2.0))));
-        assert_ne!(hash(&one, Some(&at(1.0))), hash(&one, None));
-        let deformed = |object, x| {
-            let mut poses = one.clone();
-            poses.deform(object, Some(slid(&cubes(2), object, x)));
-            deformed_hash(&poses)
-        };
-        assert!(deformed(0, 1.0).is_some() && deformed(0, 1.0) == deformed(0, 1.0));
-        assert!(deformed(0, 1.0) != deformed(0, 1.5) && deformed(0, 1.0) != deformed(1, 1.0));
-        assert_eq!(deformed_hash(&one), None);
-        assert_eq!(one.clone().at(at(1.0)), one, "nothing is deformed");
-    }
-
-    #[test]
-    fn objects_out_of_reach_leave_the_scene_as_it_is() {
-        let mut scene = cubes(1);
-        let far = poses([(0, Pose { translate: Vec3::splat(1e30), ..Pose::AS_BAKED }), (1, Pose::AS_BAKED)]);
-        assert!(scene.place(&far).is_err());
-        assert_eq!((scene.mesh, scene.placed), (cubes(1).mesh, Vec::new()));
-    }
 }

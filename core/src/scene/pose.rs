@@ -3,16 +3,20 @@
 //! A pose scales and turns an object about the centre of its box, and then moves it. An animation deforms it before that. All triangles
 //! stay the same, so that what a bake says of a vertex is found by its index under any pose.
 
+mod check;
 mod deformed;
 mod file;
 mod similarity;
 
+pub use check::PoseError;
 pub use deformed::{DeformedObject, PosedVertices};
-pub use file::{PoseError, PoseFileError};
+pub use file::PoseFileError;
 pub use similarity::Similarity;
 
-use super::{Mesh, MeshError, Scene};
-use crate::{animation::ClipTime, bounds::Bounds};
+use crate::{
+    bounds::Bounds,
+    mesh::{Mesh, MeshError, check_extent},
+};
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -63,6 +67,16 @@ impl Pose {
             Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), self.rotation(), Vec3::ZERO);
         Affine3A::from_translation(center + self.translate) * about_center * Affine3A::from_translation(-center)
     }
+}
+
+/// A time of a clip of an animation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ClipTime {
+    /// Name of the clip.
+    pub clip: String,
+    /// In seconds from its beginning.
+    pub seconds: f32,
 }
 
 /// The poses of the objects that are not where they were baked, by index.
@@ -155,7 +169,7 @@ impl Poses {
     /// The mesh with its objects posed.
     ///
     /// # Errors
-    /// Places beyond [`MOST_COORDINATE`](super::MOST_COORDINATE), and vertices of a deformed object that are not those of the mesh.
+    /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE), and vertices of a deformed object that are not those of the mesh.
     pub fn pose(&self, mesh: &Mesh, objects: &Objects) -> Result<Mesh, MeshError> {
         let mut posed = mesh.clone();
         for (&object, deformed) in self.deformed.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
@@ -164,7 +178,7 @@ impl Poses {
         for (&object, pose) in self.of_object.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
             pose_vertices(&mut posed, objects.vertices(object), pose, objects.center(object));
         }
-        super::check_extent(posed.positions[..posed.vertices_of_scene()].iter().copied())?;
+        check_extent(posed.positions[..posed.vertices_of_scene()].iter().copied())?;
         Ok(posed)
     }
 }
@@ -187,16 +201,6 @@ fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {
     vertices.iter().for_each(|&vertex| mesh.turn_vertex(vertex as usize, world_from_baked, rotation));
 }
 
-impl Mesh {
-    /// Takes a vertex elsewhere by a similarity with this rotation.
-    pub(crate) fn turn_vertex(&mut self, vertex: usize, similarity: Affine3A, rotation: Quat) {
-        self.positions[vertex] = similarity.transform_point3(self.positions[vertex]);
-        self.normals[vertex] = rotation * self.normals[vertex];
-        let tangent = self.tangents[vertex];
-        self.tangents[vertex] = (rotation * tangent.truncate()).extend(tangent.w);
-    }
-}
-
 /// The vertices of each object of a mesh, and the centres that they turn about.
 #[derive(Clone, Debug, Default)]
 pub struct Objects {
@@ -206,13 +210,13 @@ pub struct Objects {
 }
 
 impl Objects {
-    /// Those of a scene, as it was baked. A vertex of several objects goes to the first of them.
-    pub fn of(scene: &Scene) -> Self {
-        let (positions, owner) = (&scene.mesh.positions, scene.mesh.owners());
+    /// Those of a mesh, as it was baked, by their indices up to `count`.
+    pub(super) fn of_mesh(mesh: &Mesh, count: usize) -> Self {
+        let (positions, owner) = (&mesh.positions, mesh.owners());
         let mut vertices: Vec<u32> = (0..positions.len() as u32).filter(|&v| owner[v as usize] != u32::MAX).collect();
         vertices.sort_by_key(|&vertex| owner[vertex as usize]);
         let start = |object: u32| vertices.partition_point(|&vertex| owner[vertex as usize] < object);
-        let ranges: Vec<_> = (0..scene.objects.len() as u32).map(|object| start(object)..start(object + 1)).collect();
+        let ranges: Vec<_> = (0..count as u32).map(|object| start(object)..start(object + 1)).collect();
         let place = |&vertex: &u32| positions[vertex as usize];
         let center = |range: &Range<usize>| match range.is_empty() {
             true => Vec3::ZERO,

@@ -205,7 +205,7 @@ impl NearField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scene::Mesh, surfel::Surfel};
+    use crate::{mesh::Mesh, surfel::Surfel};
     use std::f32::consts::PI;
 
     /// Distance of the sources, which is that of their places on a grid.

@@ -13,7 +13,7 @@ pub mod quadtrees;
 mod shares;
 
 use super::{MeshPlace, Surfel, disc_forest::DiscForest};
-use crate::scene::Mesh;
+use crate::mesh::Mesh;
 use glam::Vec3;
 use nodes::Disc;
 use placement::{Carried, Sides};

@@ -7,7 +7,7 @@
 
 use super::{
     Channel, ColorSpace, Procedural, Quad, Taps, Texture, TextureSlot, UvFootprint,
-    levels::{for_each_covered, level_sizes},
+    reduction::{for_each_covered, level_sizes},
 };
 use glam::{Mat2, Vec2, Vec3, Vec4Swizzles};
 

@@ -7,8 +7,8 @@
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use glam::Vec3;
 use lapidary_core::{
+    bounds::{MOST_COORDINATE, is_within_reach},
     camera::Camera,
-    scene::{MOST_COORDINATE, is_within_reach},
 };
 use lapidary_studies::args::values;
 

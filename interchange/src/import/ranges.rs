@@ -2,12 +2,7 @@
 //! a place are left out, each with a warning.
 
 use super::listed;
-use lapidary_core::{
-    camera::Camera,
-    lights::Light,
-    material::Material,
-    scene::{MOST_COORDINATE, Scene},
-};
+use lapidary_core::{bounds::MOST_COORDINATE, camera::Camera, lights::Light, material::Material, scene::Scene};
 
 /// Keeps all of a scene but its mesh in range.
 pub(super) fn keep_in_range(scene: &mut Scene, warnings: &mut Vec<String>) {

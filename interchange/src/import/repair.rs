@@ -8,7 +8,11 @@
 
 use super::{ImportReport, tangents};
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use lapidary_core::scene::{MOST_COORDINATE, Mesh, MeshError, check_extent};
+use lapidary_core::{
+    bounds::MOST_COORDINATE,
+    mesh::check_extent,
+    scene::{Mesh, MeshError},
+};
 use std::collections::HashMap;
 
 /// Cosine of the crease angle: faces that meet at more than 60 degrees do not share a rebuilt normal. A hexagonal prism

@@ -2,7 +2,8 @@
 
 use super::{gltf::Gltf, *};
 use lapidary_core::{
-    scene::{LEAST_DIAGONAL, MOST_COORDINATE, is_within_reach},
+    bounds::{MOST_COORDINATE, is_within_reach},
+    mesh::LEAST_DIAGONAL,
     texture::{Texels, TextureSlot},
 };
 use proptest::prelude::*;

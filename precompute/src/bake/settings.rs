@@ -2,11 +2,11 @@
 
 use crate::{errors::SettingsError, setting::Setting};
 use lapidary_core::{
+    bounds::MOST_COORDINATE,
     cut::CutCriterion,
     dataset::{BakeSettings, IndirectSettings, MeshlessSettings},
     ground::Ground,
     light_tree::height_of,
-    scene::MOST_COORDINATE,
     shot::Shot,
 };
 use serde::{Deserialize, Serialize};

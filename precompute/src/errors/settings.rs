@@ -1,7 +1,7 @@
 //! Why no bake can be made with some settings.
 
 use crate::setting::{Naming, Setting};
-use lapidary_core::{camera::field_of_view_range, light_tree::LightCountError, scene::MOST_COORDINATE};
+use lapidary_core::{bounds::MOST_COORDINATE, camera::field_of_view_range, light_tree::LightCountError};
 use std::fmt;
 use thiserror::Error;
 

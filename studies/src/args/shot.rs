@@ -3,8 +3,9 @@
 use super::values::vector;
 use anyhow::Result;
 use lapidary_core::{
+    bounds::MOST_COORDINATE,
     camera::Camera,
-    scene::{MOST_COORDINATE, Scene},
+    scene::Scene,
     shot::{DEFAULT_ASPECT, Shot, WIDEST},
 };
 

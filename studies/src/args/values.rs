@@ -3,8 +3,8 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use lapidary_core::{
+    bounds::{MOST_COORDINATE, is_within_reach},
     environment::MOST_INTENSITY,
-    scene::{MOST_COORDINATE, is_within_reach},
 };
 use lapidary_render::Region;
 use serde::{

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{
+    mesh::Mesh,
     ray::{HalfSpace, Intersector, OPEN},
-    scene::Mesh,
     sphere::fibonacci_directions,
     test_scenes::soup,
 };

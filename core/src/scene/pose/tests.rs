@@ -3,6 +3,7 @@
 use super::*;
 use crate::{
     ground::add_ground,
+    scene::Scene,
     test_scenes::{cubes, dataset},
 };
 use std::path::Path;

@@ -7,7 +7,7 @@
 use crate::{
     bounds::Bounds,
     light_tree::{Features, cluster_order_of_groups},
-    scene::Mesh,
+    mesh::Mesh,
     surfel::Surfel,
 };
 use glam::{Vec2, Vec3};

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    scene::Mesh,
+    mesh::Mesh,
     sphere::frame_around,
     test_scenes::{cuboid, quad, room, scene_of},
     threads::on_threads,
