@@ -1,6 +1,9 @@
 //! Animations of glTF and GLB files.
 
-use crate::import::{self, ImportError, ImportOptions, listed};
+use crate::{
+    import::{self, ImportError, ImportOptions},
+    names::listed,
+};
 use lapidary_core::animation::{Animation, AnimationError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;

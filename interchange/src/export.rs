@@ -8,6 +8,7 @@
 //!
 //! Each writer says what its format does not hold. What it holds is read again as it was, within 1e-6.
 
+mod error;
 mod gltf;
 mod mtl;
 mod patterns;
@@ -15,14 +16,16 @@ mod pictures;
 #[cfg(test)]
 mod tests;
 
+pub use error::{ExportError, Exported};
+pub use pictures::pictures_beside;
+
 use crate::{
-    import::{ImportError, MaterialFile},
+    material_file::MaterialFile,
     materialx::{self, Surface},
 };
 use lapidary_core::{output::write_atomically, scene::Scene};
 use pictures::PictureFolder;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
 /// Endings of the files that can be written.
 pub const FORMATS: [&str; 4] = ["mtlx", "mtl", "gltf", "glb"];
@@ -35,79 +38,6 @@ pub struct ExportOptions<'a> {
     /// The glTF file that the scene was imported from: its materials are written anew, all else stays. Without it, a glTF file has
     /// the meshes and materials of the scene.
     pub original: Option<&'a Path>,
-}
-
-/// What was written.
-#[derive(Clone, Debug, Default)]
-pub struct Exported {
-    /// The files, the one that was asked for first.
-    pub files: Vec<PathBuf>,
-    /// Materials in it.
-    pub materials: usize,
-    /// What the format does not hold, in sentences.
-    pub remarks: Vec<String>,
-}
-
-/// Why materials were not written.
-#[derive(Debug, Error)]
-pub enum ExportError {
-    /// The ending names no format.
-    #[error("the name ends in none of .mtlx, .mtl, .gltf and .glb; choose one of them ({})", path.display())]
-    Format {
-        /// The output.
-        path: PathBuf,
-    },
-    /// The file system refused.
-    #[error("cannot write: {source}; check the permissions and the free space ({})", path.display())]
-    Write {
-        /// Which file.
-        path: PathBuf,
-        /// Error of the system.
-        source: std::io::Error,
-    },
-    /// The original cannot be read.
-    #[error("the original of the scene cannot be read: {0}")]
-    Original(#[from] ImportError),
-    /// The original holds other materials.
-    #[error("the file has {found} materials, more than the {expected} of the scene, so the scene did not come from it; name the file that it came from ({})", path.display())]
-    Foreign {
-        /// The original.
-        path: PathBuf,
-        /// How many it has.
-        found: usize,
-        /// How many the scene has.
-        expected: usize,
-    },
-    /// A file that has to lie beside the output is another there.
-    #[error("there is another file where one of the scene's has to be copied; choose another folder ({})", path.display())]
-    Occupied {
-        /// Which.
-        path: PathBuf,
-    },
-    /// Text that is no text, or JSON that is none.
-    #[error("the materials cannot be written: {reason} ({})", path.display())]
-    Text {
-        /// The output.
-        path: PathBuf,
-        /// What went wrong.
-        reason: String,
-    },
-}
-
-impl ExportError {
-    fn write(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
-        |source| Self::Write { path: path.into(), source }
-    }
-
-    fn text(path: &Path, reason: impl ToString) -> Self {
-        Self::Text { path: path.into(), reason: reason.to_string() }
-    }
-}
-
-/// The folder beside a file of materials that takes their pictures.
-pub fn pictures_beside(path: &Path) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-maps"))
 }
 
 /// Writes the materials of a scene, but that of its ground, in the format that the ending of `path` names.

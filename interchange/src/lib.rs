@@ -12,4 +12,6 @@ pub mod environment;
 pub mod export;
 pub mod image;
 pub mod import;
+mod material_file;
 pub mod materialx;
+mod names;

@@ -1,10 +1,8 @@
 //! A library of materials in MTL, with the PBR keys that Blender and others have; what `import::mtl` reads.
 
 use crate::{
-    import::{
-        MaterialFile, SlotFile,
-        mtl::{BUMP_METRES, LARGEST_DIELECTRIC_F0},
-    },
+    import::mtl::{BUMP_METRES, LARGEST_DIELECTRIC_F0},
+    material_file::{MaterialFile, SlotFile},
     materialx::{stretch, without_file},
 };
 use glam::Vec3;

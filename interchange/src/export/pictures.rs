@@ -1,7 +1,7 @@
 //! The pictures of materials, in a folder beside the file that names them: the bytes that were imported.
 
-use super::{ExportError, pictures_beside};
-use crate::import::{MaterialFile, SlotFile};
+use super::error::ExportError;
+use crate::material_file::{MaterialFile, SlotFile};
 use lapidary_core::{material::Material, output::write_atomically, texture::Texture};
 use std::{
     collections::{BTreeSet, HashMap},
@@ -104,4 +104,10 @@ pub fn extension(bytes: &[u8]) -> &'static str {
         [b'#', b'?', ..] => "hdr",
         _ => "tga",
     }
+}
+
+/// The folder beside a file of materials that takes their pictures.
+pub fn pictures_beside(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-maps"))
 }

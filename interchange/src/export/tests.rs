@@ -12,7 +12,7 @@ use lapidary_core::{
     scene::{Mesh, Object},
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
-use std::{fs, sync::Arc};
+use std::{fs, path::PathBuf, sync::Arc};
 
 /// A picture of 2 x 2 texels.
 fn texture(name: &str, texels: [[u8; 4]; 4]) -> Arc<Texture> {

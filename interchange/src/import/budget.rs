@@ -1,8 +1,7 @@
 //! The memory that an import may take. All of it is estimated from headers and counts before anything is allocated: a small
 //! file can ask for a thousand times its own size.
 
-use super::ImportError;
-use crate::image::Footprint;
+use crate::{image::Footprint, import::report::ImportError};
 use lapidary_core::memory;
 use std::path::Path;
 

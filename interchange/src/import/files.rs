@@ -2,10 +2,10 @@
 //! file unless the user allows others. A file from a stranger could otherwise put any picture of the reader's machine into
 //! a dataset that is then passed on.
 
-use super::{
-    ImportError, ImportOptions, ImportReport,
-    budget::{Budget, OverBudget},
-    listed,
+use super::budget::{Budget, OverBudget};
+use crate::{
+    import::report::{ImportError, ImportOptions, ImportReport},
+    names::listed,
 };
 use lapidary_core::{image::ImageError, input, memory};
 use std::{
@@ -142,6 +142,13 @@ impl Files {
             )
         });
     }
+}
+
+/// Reads the file that is imported, within the memory that it may take.
+pub(super) fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
+    let bytes = input::read(path).map_err(|source| ImportError::Io { path: path.into(), source })?;
+    files.budget.take(bytes.len() as u64).map_err(|over| over.at(path))?;
+    Ok(bytes)
 }
 
 /// The entries of folders by their names in lower case, as they were when first asked for: to list a folder again for each

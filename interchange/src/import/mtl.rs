@@ -4,12 +4,11 @@
 //! one bad line.
 
 use super::{
-    Source,
     budget::{Budget, OverBudget},
     files::Trouble,
-    listed,
     textures::TextureLibrary,
 };
+use crate::{import::source::Source, names::listed};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{BrdfModel, GgxParameters},

@@ -1,13 +1,18 @@
 //! Wavefront OBJ, parsed by `tobj`.
 
 use super::{
-    ImportError, Source,
     budget::{Budget, OverBudget},
-    check_count,
     files::{Files, Trouble},
-    listed, mtl,
+    mtl,
     repair::RawMesh,
     textures::TextureLibrary,
+};
+use crate::{
+    import::{
+        report::ImportError,
+        source::{Source, check_count},
+    },
+    names::listed,
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{material::Material, scene::Object};

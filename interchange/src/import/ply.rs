@@ -1,9 +1,12 @@
 //! Stanford PLY, ascii and binary, parsed by `ply-rs-bw`.
 
 use super::{
-    ImportError, Source, check_count,
     files::{Files, Trouble},
     repair::RawMesh,
+};
+use crate::import::{
+    report::ImportError,
+    source::{Source, check_count},
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{material::Material, scene::Object};

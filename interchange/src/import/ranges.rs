@@ -1,7 +1,7 @@
 //! What a scene holds beside its mesh, after the import: numbers out of range are replaced, and cameras and lights without
 //! a place are left out, each with a warning.
 
-use super::listed;
+use crate::names::listed;
 use lapidary_core::{bounds::MOST_COORDINATE, camera::Camera, lights::Light, material::Material, scene::Scene};
 
 /// Keeps all of a scene but its mesh in range.

@@ -6,7 +6,8 @@
 //! many, splits nothing. (On a scan of 100,250 vertices this adds 6 %, where its surface folds back on itself; joining
 //! the fans whose mean normals are similar took that to 5.9 % only, and rounded off chamfers elsewhere.)
 
-use super::{ImportReport, tangents};
+use super::tangents;
+use crate::import::report::ImportReport;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use lapidary_core::{
     bounds::MOST_COORDINATE,

@@ -1,6 +1,6 @@
 //! Tangents where a mesh has none: by MikkTSpace from texture coordinates, as the programs that bake normal maps do.
 
-use super::ImportReport;
+use crate::import::report::ImportReport;
 use bevy_mikktspace::{Geometry, TangentSpace};
 use glam::{Vec3, Vec4};
 use lapidary_core::scene::Mesh;

@@ -1,10 +1,10 @@
 //! Textures of an import: loaded once each, replaced visibly where missing.
 
-use super::{
-    ImportReport, Source,
-    files::{Files, Trouble},
+use super::files::{Files, Trouble};
+use crate::{
+    image::{decode, footprint},
+    import::{report::ImportReport, source::Source},
 };
-use crate::image::{decode, footprint};
 use lapidary_core::texture::Texture;
 use std::{collections::HashMap, path::Path};
 

@@ -1,6 +1,6 @@
 //! What materials become where a format has no place for a part of them.
 
-use crate::import::SlotFile;
+use crate::material_file::SlotFile;
 use lapidary_core::{
     brdf::{BrdfModel, SurfaceParameters},
     material::{BUMP, Maps, MaterialOf, NORMAL},

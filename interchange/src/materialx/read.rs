@@ -6,7 +6,7 @@ use super::{
     stretch,
     surface::{OPACITY_CUTOFF, Row, Surface},
 };
-use crate::import::{MaterialFile, SlotFile};
+use crate::material_file::{MaterialFile, SlotFile};
 use glam::Vec3;
 use lapidary_core::{
     brdf::{BrdfModel, MapUse, Parameter, Value},
@@ -48,7 +48,7 @@ pub enum MaterialXError {
     #[error("{0}")]
     Value(String),
     /// No material is called so.
-    #[error("it has no material \"{name}\", but {}", crate::import::listed(known))]
+    #[error("it has no material \"{name}\", but {}", crate::names::listed(known))]
     NoSuchMaterial {
         /// What was asked for.
         name: String,
@@ -210,7 +210,7 @@ impl<'a> Reader<'_, 'a> {
                 "it has {} materials, of which \"{}\" was read; add #NAME to the file's name for another: {}",
                 all.len(),
                 chosen.name,
-                crate::import::listed(&others)
+                crate::names::listed(&others)
             ));
         }
         if root.children().any(|node| node.tag_name().name() == "include") {

@@ -1,7 +1,7 @@
 //! Documents that are written and read again, and documents of other programs.
 
 use super::*;
-use crate::import::{MaterialFile, SlotFile};
+use crate::material_file::{MaterialFile, SlotFile};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{BrdfModel, GgxParameters, Parameter, Parameters, Value},

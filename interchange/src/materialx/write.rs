@@ -6,7 +6,7 @@ use super::{
     stretch,
     surface::{OPACITY_CUTOFF, Row, Surface},
 };
-use crate::import::{MaterialFile, SlotFile};
+use crate::material_file::{MaterialFile, SlotFile};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{BrdfModel, MapUse, Parameter, Value},

@@ -7,8 +7,7 @@ use crate::{
     panels::comparison::{CompareView, ComparisonPanel, KindChoice},
 };
 use egui::Event;
-use lapidary_core::cut::lit::DEFAULT_TAU;
-use lapidary_core::image::Image;
+use lapidary_core::{cut::lit::DEFAULT_TAU, image::Image};
 use lapidary_interchange::image;
 use lapidary_render::{BrdfSampling, compare::map::ErrorMap};
 use lapidary_studies::{jobs::measure::ShownMap, ladder::Cuts};

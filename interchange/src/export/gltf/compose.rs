@@ -1,4 +1,4 @@
-//! Pictures of components that come from several: glTF packs roughness and metalness into one.
+//! Pictures of components that come from several: glTF packs roughness and metalness into one. And all pictures of a file.
 
 use crate::image::encode_png_pixels;
 use glam::Vec2;
@@ -6,7 +6,8 @@ use lapidary_core::{
     color::srgb_from_linear,
     texture::{Channel, ColorSpace, Texture, TextureSlot},
 };
-use std::sync::Arc;
+use serde_json::{Value, json};
+use std::{collections::HashMap, sync::Arc};
 
 /// A component of a new picture.
 #[derive(Clone, Copy)]
@@ -70,4 +71,35 @@ impl Picture {
 /// The mean of a slot's component.
 pub fn mean(texture: &Texture, slot: &TextureSlot) -> f32 {
     texture.mean(slot.color_space)[slot.channel as usize]
+}
+
+/// The pictures and textures of a file that materials refer to.
+#[derive(Default)]
+pub struct Textures {
+    /// The texture of the file for a texture of the scene, where it has one.
+    pub known: HashMap<u32, usize>,
+    /// How many textures and pictures the file has.
+    pub textures: usize,
+    pub images: usize,
+    /// New pictures: each has a new texture.
+    pub pictures: Vec<Arc<[u8]>>,
+    pub by_bytes: HashMap<Arc<[u8]>, usize>,
+}
+
+impl Textures {
+    /// The texture of a picture, which is new unless it was before.
+    pub fn of_bytes(&mut self, bytes: Arc<[u8]>) -> usize {
+        if let Some(&known) = self.by_bytes.get(&bytes) {
+            return known;
+        }
+        let index = self.textures + self.pictures.len();
+        self.by_bytes.insert(bytes.clone(), index);
+        self.pictures.push(bytes);
+        index
+    }
+
+    /// The elements of `textures` that the new pictures need.
+    pub fn new_textures(&self) -> Vec<Value> {
+        (0..self.pictures.len()).map(|index| json!({"source": self.images + index})).collect()
+    }
 }

@@ -2,11 +2,16 @@
 //! for byte, and so do materials that are as they were.
 
 use super::{
-    super::{ExportError, Exported, pictures::extension},
-    MaterialWriter, Textures, container,
-    container::Members,
+    super::pictures::extension,
+    container::{self, Members},
 };
-use crate::import::{ImportError, ImportOptions, Imported, import_with};
+use crate::{
+    export::{
+        error::{ExportError, Exported},
+        gltf::{compose::Textures, materials::MaterialWriter},
+    },
+    import::{ImportError, ImportOptions, Imported, import_with},
+};
 use base64::Engine;
 use lapidary_core::{
     input,

@@ -1,9 +1,9 @@
 //! A glTF file of a scene's own: its meshes and materials, in world space, without the ground.
 
-use super::{
-    super::{ExportError, Exported},
-    MaterialWriter, Textures, container,
-    original::mime_type,
+use super::{container, original::mime_type};
+use crate::export::{
+    error::{ExportError, Exported},
+    gltf::{compose::Textures, materials::MaterialWriter},
 };
 use base64::Engine;
 use glam::Vec3;

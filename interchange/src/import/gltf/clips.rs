@@ -1,14 +1,12 @@
 //! Animations of a glTF file. Those that are damaged are told by their names, and the others can be played.
 
 use super::{
-    super::{
-        budget::{Budget, OverBudget},
-        listed,
-    },
+    super::budget::{Budget, OverBudget},
     buffers::Buffers,
     pointers,
     scene_file::SceneFile,
 };
+use crate::names::listed;
 use gltf::{Accessor, accessor::Dimensions, animation as file, json::validation::Checked};
 use lapidary_core::animation::{
     Clip,

@@ -1,6 +1,5 @@
 //! The nodes of a glTF file.
 
-use super::node_name;
 use glam::{Mat4, Quat, Vec3};
 use gltf::scene::Transform as Stored;
 use lapidary_core::animation::nodes::{Node, Nodes, Transform, unit_rotation};
@@ -122,4 +121,10 @@ fn decomposed(matrix: Mat4) -> Transform {
 fn completed(weights: &[f32], targets: usize) -> Vec<f32> {
     let weight = |k: usize| weights.get(k).copied().filter(|weight| weight.is_finite()).unwrap_or(0.0);
     (0..targets).map(weight).collect()
+}
+
+/// The name of a node, or of its mesh, or one made up from its place in the file.
+pub(super) fn node_name(node: &gltf::Node) -> String {
+    let mesh_name = node.mesh().and_then(|m| m.name().map(str::to_owned));
+    node.name().map(str::to_owned).or(mesh_name).unwrap_or_else(|| format!("node {}", node.index()))
 }

@@ -5,9 +5,8 @@
 //! not. Sheen is the same lobe here, of the square of glTF's roughness. What is transmitted would pass a thin surface straight on; no
 //! model has an opacity yet, so it is told that such a material shows opaque.
 
-use super::materials::Transform;
 use crate::materialx::stretch;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::BrdfModel,
     material::Material,
@@ -28,6 +27,29 @@ const ANISOTROPY: &str = "KHR_materials_anisotropy";
 const TRANSMISSION: &str = "KHR_materials_transmission";
 const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 const SPECULAR: &str = "KHR_materials_specular";
+
+/// `KHR_texture_transform`.
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Transform {
+    pub offset: Vec2,
+    pub rotation: f32,
+    pub scale: Vec2,
+    pub tex_coord: Option<u32>,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self { offset: Vec2::ZERO, rotation: 0.0, scale: Vec2::ONE, tex_coord: None }
+    }
+}
+
+impl From<gltf::texture::TextureTransform<'_>> for Transform {
+    fn from(t: gltf::texture::TextureTransform) -> Self {
+        let (offset, scale) = (Vec2::from_array(t.offset()), Vec2::from_array(t.scale()));
+        Self { offset, rotation: t.rotation(), scale, tex_coord: t.tex_coord() }
+    }
+}
 
 /// A texture and how it lies.
 #[derive(Clone, Deserialize)]

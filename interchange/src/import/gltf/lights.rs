@@ -4,7 +4,7 @@
 //! The extension counts in candela and lux. They are taken as W/sr and W/m², without a luminous efficacy: renderers of
 //! linear RGB have no other unit of brightness, and exporters disagree about the factor.
 
-use super::super::{Source, listed};
+use crate::{import::source::Source, names::listed};
 use glam::{Mat4, Vec3};
 use lapidary_core::lights::{Emission, Light, MAX_LIGHTS};
 use serde::Deserialize;

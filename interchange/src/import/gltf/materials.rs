@@ -2,16 +2,17 @@
 
 use super::{
     super::{
-        Source,
         files::Trouble,
-        listed,
         textures::{TextureLibrary, read_picture},
     },
     buffers::{Buffers, percent_decoded, read_uri},
-    document_with,
-    layers::Layers,
+    layers::{Layers, Transform},
 };
-use glam::{Vec2, Vec3};
+use crate::{
+    import::{gltf::json::document_with, source::Source},
+    names::listed,
+};
+use glam::Vec3;
 use gltf::{buffer::View, material::AlphaMode, texture::WrappingMode};
 use lapidary_core::{
     brdf::GgxParameters,
@@ -19,7 +20,6 @@ use lapidary_core::{
     material::Material,
     texture::{Channel, ColorSpace, TextureSlot},
 };
-use serde::Deserialize;
 use serde_json::Value;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -93,29 +93,6 @@ impl Ignored {
         let mut by_text: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         self.told.iter().for_each(|(text, name)| by_text.entry(text).or_default().push(name.clone()));
         warnings.extend(by_text.iter().map(|(text, names)| format!("the materials {} {text}", listed(names))));
-    }
-}
-
-/// `KHR_texture_transform` on normal textures, where the `gltf` crate does not offer it.
-#[derive(Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub(super) struct Transform {
-    offset: Vec2,
-    rotation: f32,
-    scale: Vec2,
-    tex_coord: Option<u32>,
-}
-
-impl Default for Transform {
-    fn default() -> Self {
-        Self { offset: Vec2::ZERO, rotation: 0.0, scale: Vec2::ONE, tex_coord: None }
-    }
-}
-
-impl From<gltf::texture::TextureTransform<'_>> for Transform {
-    fn from(t: gltf::texture::TextureTransform) -> Self {
-        let (offset, scale) = (Vec2::from_array(t.offset()), Vec2::from_array(t.scale()));
-        Self { offset, rotation: t.rotation(), scale, tex_coord: t.tex_coord() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Channels of animations that move no node. The format lets extensions have them, as KHR_animation_pointer has for what moves
 //! materials, lights and cameras. The `gltf` crate refuses the whole file, so they are removed before it reads one.
 
-use super::json_of;
+use crate::import::gltf::json::json_of;
 use gltf::{Document, Glb, Gltf};
 use serde_json::Value;
 

@@ -1,6 +1,7 @@
 //! Primitives of a glTF mesh: vertices and triangles.
 
-use super::{super::Source, buffers::Buffers};
+use super::buffers::Buffers;
+use crate::import::source::Source;
 use glam::Vec2;
 use gltf::mesh::Mode;
 use lapidary_core::{
@@ -79,4 +80,9 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
         }
         _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
     }
+}
+
+/// Whether triangles are drawn of it, and not points or lines.
+pub(super) fn is_surface(mode: Mode) -> bool {
+    matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }

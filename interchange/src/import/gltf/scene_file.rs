@@ -1,17 +1,24 @@
 //! A glTF file that was parsed: its buffers, its nodes, and what some clip moves.
 
 use super::{
-    super::{
-        ImportError, Source, check_count,
-        files::{Files, Trouble},
-    },
-    Notes,
+    super::files::{Files, Trouble},
     buffers::Buffers,
-    check_extensions, check_glb_header, deformations,
+    deformations,
     hierarchy::{self, Hierarchy},
-    is_surface, json_of, materials, no_variant, node_name, parse,
+    materials,
     primitive::Primitive,
     variants::{self, FileVariants},
+};
+use crate::import::{
+    gltf::{
+        document::{check_extensions, check_glb_header, parse},
+        hierarchy::node_name,
+        json::json_of,
+        notes::Notes,
+        primitive::is_surface,
+    },
+    report::ImportError,
+    source::{Source, check_count},
 };
 use gltf::mesh::{Mode, Semantic};
 use lapidary_core::{
@@ -51,7 +58,8 @@ impl SceneFile {
         let (gltf, pointing) = parse(bytes).map_err(parse_error)?;
         let bytes_of_nodes = hierarchy::bytes_of_weights(&gltf).saturating_add(deformations::bytes_of_skins(&gltf));
         files.budget.take(bytes_of_nodes).map_err(|over| over.at(path))?;
-        let variants = FileVariants::of(bytes, variant).map_err(|known| no_variant(path, variant, known))?;
+        let variants =
+            FileVariants::of(bytes, variant).map_err(|known| ImportError::no_variant(path, variant, known))?;
         let buffers = Buffers::load(&gltf, files).map_err(failed)?;
         let hierarchy = hierarchy::read(&gltf);
         let skins = deformations::skins(&gltf, &buffers);

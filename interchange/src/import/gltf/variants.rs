@@ -1,7 +1,7 @@
 //! Variants of materials (`KHR_materials_variants`), read from the JSON itself: which variants there are, and which material a
 //! primitive has in one of them.
 
-use super::{super::Source, document_with};
+use crate::import::{gltf::json::document_with, source::Source};
 use lapidary_core::{
     parts::{Part, PartVariants},
     scene::Object,
@@ -75,7 +75,7 @@ impl FileVariants {
             Some(chosen) => format!("\"{}\" is shown", self.names[chosen]),
             None => "none is chosen, and the materials are those of the file".into(),
         };
-        Some(format!("the scene has the material variants {}; {shown}", crate::import::listed(&self.names)))
+        Some(format!("the scene has the material variants {}; {shown}", crate::names::listed(&self.names)))
     }
 }
 

@@ -1,77 +1,31 @@
-//! A material as a JSON file of its own: like [`Material`], but its maps name picture files beside it. Or one of a MaterialX document.
+//! Materials of files of their own, in JSON or in MaterialX documents.
 
 use super::{
-    ImportError, ImportOptions, ImportReport,
     files::{Files, Trouble},
     ranges::{material_warning, repair_material},
-    read_file,
     textures::sanitized,
 };
 use crate::{
     image::{decode, footprint},
+    import::{
+        files::read_file,
+        report::{ImportError, ImportOptions, ImportReport},
+    },
+    material_file::{MaterialFile, SlotFile},
     materialx::{self, MaterialXError, ReadMaterial},
 };
-use glam::Vec2;
 use lapidary_core::{
     brdf::{BrdfFile, Content},
     image::ImageError,
     input,
-    material::{Maps, Material, MaterialOf, map_color_space},
+    material::{Material, map_color_space},
     scene::Scene,
-    texture::{Channel, ColorSpace, Procedural, TextureSlot},
+    texture::{ColorSpace, Procedural, TextureSlot},
 };
-use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
 };
-
-/// The contents of a material file. An empty name is the file's.
-pub type MaterialFile = MaterialOf<SlotFile>;
-
-/// The maps of a [`MaterialFile`].
-pub type MapFiles = Maps<SlotFile>;
-
-/// A picture in use; see [`TextureSlot`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SlotFile {
-    /// The picture, relative to the material file; empty for a pattern.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub file: String,
-    /// A pattern in place of a picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub procedural: Option<Procedural>,
-    /// Colour space of 8-bit texels; by default sRGB for the base colour and linear for all else.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub color_space: Option<ColorSpace>,
-    /// Component for scalar parameters.
-    #[serde(default)]
-    pub channel: Channel,
-    /// Repetitions across the unit square.
-    #[serde(default = "one")]
-    pub scale: Vec2,
-    /// Added after scaling and rotating.
-    #[serde(default)]
-    pub offset: Vec2,
-    /// Counter-clockwise rotation of the coordinates in degrees.
-    #[serde(default)]
-    pub rotation_degrees: f32,
-    /// Scales normals and heights.
-    #[serde(default = "full_strength")]
-    pub strength: f32,
-    /// Normals have their green channel down (DirectX).
-    #[serde(default)]
-    pub flip_y: bool,
-}
-
-fn one() -> Vec2 {
-    Vec2::ONE
-}
-
-fn full_strength() -> f32 {
-    1.0
-}
 
 /// The file of a material's path, and the name of the material in it: a MaterialX document holds several, and `FILE.mtlx#NAME` is
 /// one of them.
@@ -164,28 +118,6 @@ struct MaterialLoader<'a> {
     scene: &'a mut Scene,
     files: Files,
     report: ImportReport,
-}
-
-impl SlotFile {
-    /// Of a slot whose picture is in `file`; empty for a pattern.
-    pub fn of(slot: &TextureSlot, file: String) -> Self {
-        Self {
-            file,
-            procedural: slot.procedural,
-            color_space: Some(slot.color_space),
-            channel: slot.channel,
-            scale: slot.scale,
-            offset: slot.offset,
-            rotation_degrees: slot.rotation.to_degrees(),
-            strength: slot.strength,
-            flip_y: slot.flip_y,
-        }
-    }
-
-    /// The name of its picture, unless it is a pattern.
-    fn picture(&self) -> Option<&str> {
-        self.procedural.is_none().then_some(&self.file)
-    }
 }
 
 impl MaterialLoader<'_> {

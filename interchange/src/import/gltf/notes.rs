@@ -1,0 +1,46 @@
+//! What of a file's objects is left out, told at the end.
+
+use super::primitive::is_surface;
+use crate::names::listed;
+use gltf::mesh::Semantic;
+
+/// Most sentences of one kind that are told one by one.
+const MOST_SENTENCES: usize = 5;
+
+/// Objects of which something was left out.
+#[derive(Default)]
+pub(super) struct Notes {
+    pub not_surfaces: Vec<String>,
+    /// Sentences of what deforms objects and cannot be used.
+    pub deformations: Vec<String>,
+    pub colored: Vec<String>,
+    pub turned: Vec<String>,
+}
+
+impl Notes {
+    pub fn inspect(&mut self, name: &str, mesh: &gltf::Mesh) {
+        let mut note = |list: fn(&mut Self) -> &mut Vec<String>, applies: bool| {
+            if applies {
+                list(self).push(name.to_owned());
+            }
+        };
+        note(|n| &mut n.not_surfaces, mesh.primitives().any(|p| !is_surface(p.mode())));
+        note(|n| &mut n.colored, mesh.primitives().any(|p| p.get(&Semantic::Colors(0)).is_some()));
+    }
+
+    pub fn warn(&self, warnings: &mut Vec<String>) {
+        warnings.extend(self.deformations.iter().take(MOST_SENTENCES).cloned());
+        if let Some(more) = self.deformations.len().checked_sub(MOST_SENTENCES).filter(|more| *more > 0) {
+            warnings.push(format!("{more} more objects show without a part of their deformation"));
+        }
+        for (names, text) in [
+            (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
+            (&self.turned, "have a rotation that is no unit quaternion, which was normalised; export them again"),
+            (&self.colored, "have vertex colours, which were left out; bake them to a texture"),
+        ] {
+            if !names.is_empty() {
+                warnings.push(format!("the objects {} {text}", listed(names)));
+            }
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! What the reader of a format finds in a file.
+
+use super::{repair::RawMesh, report::ImportError};
+use lapidary_core::{
+    camera::Camera, lights::Light, material::Material, parts::Variants, scene::Object, texture::Texture,
+};
+use std::path::{Path, PathBuf};
+
+/// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
+const MAX_ELEMENTS: u64 = 100_000_000;
+
+/// Output of the reader of one format.
+#[derive(Default)]
+pub(super) struct Source {
+    pub mesh: RawMesh,
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    pub objects: Vec<Object>,
+    pub cameras: Vec<Camera>,
+    pub lights: Vec<Light>,
+    pub variants: Variants,
+    pub warnings: Vec<String>,
+    pub unread: Vec<String>,
+    pub outside: Vec<String>,
+    pub files: Vec<PathBuf>,
+}
+
+/// Checks that a file holds no more of something than can be read.
+pub(super) fn check_count(what: &'static str, count: u64, path: &Path) -> Result<(), ImportError> {
+    if count <= MAX_ELEMENTS {
+        return Ok(());
+    }
+    Err(ImportError::TooLarge { path: path.into(), what, count, limit: MAX_ELEMENTS })
+}
