@@ -7,6 +7,7 @@ mod actions;
 mod app;
 mod check;
 mod cli;
+mod control_names;
 mod document;
 mod dragged;
 mod edit;

@@ -5,21 +5,18 @@ use super::{
     opening::{draft_of, kept_in},
     state::{
         EditorState,
-        baking::{Ended, Looked, Run, Seen},
+        baking::{Asker, BakeOrder, Ended, From, Looked, Run, Seen},
     },
 };
 use crate::{
+    control_names::control_name,
     document::{
         Document, TextureEntry,
         objects::ObjectNumbers,
         parts::{OwnMaterials, Renumbering},
     },
-    jobs::{
-        Imported,
-        bake::{BakeMessage, BakeRun, BakeTask, draft_is_sooner},
-        kept_bakes,
-    },
-    panels::bake::{BakeStatus, Pace, control_name, stale_reasons},
+    jobs::{Imported, kept_bakes},
+    panels::bake::{BakeStatus, stale_reasons},
 };
 use lapidary_core::{
     animation::{BoundAnimation, ClipTime},
@@ -30,30 +27,71 @@ use lapidary_core::{
 };
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
 use lapidary_render::Baked;
-use lapidary_studies::jobs::spawn;
+use lapidary_studies::jobs::{
+    bake::{BakeMessage, BakeTask, draft_is_sooner},
+    spawn,
+};
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, mpsc::channel},
-    time::{Duration, Instant, SystemTime},
+    time::SystemTime,
 };
 
 /// Why a bake does not start while there is one.
 const UNDER_WAY: &str = "A bake is under way; cancel it first";
 
 impl EditorState {
-    /// Bakes with the document's settings, or goes on with what was interrupted; `progressive` bakes a draft to look at first.
-    pub(super) fn start_bake(&mut self, resume: bool, progressive: bool) {
-        if !resume && self.write_kept() {
-            return;
+    /// Bakes with the document's settings, or goes on with what was interrupted. What the user began stays for the user to resume.
+    pub(super) fn bake(&mut self, order: BakeOrder) {
+        let output = match (order.asked_by, order.from) {
+            (Asker::Nobody, _) => self.scene.kept_output.clone(),
+            (Asker::User, From::Checkpoint) => self.interrupted().or_else(|| self.scene.bake_output.clone()),
+            (Asker::User, From::Beginning) if self.write_kept() => return,
+            (Asker::User, From::Beginning) => self.scene.bake_output.clone(),
+        };
+        if self.baking.run.is_some() {
+            return self.messages.note(UNDER_WAY);
         }
-        let interrupted = if resume { self.interrupted() } else { None };
-        self.bake(interrupted.or_else(|| self.scene.bake_output.clone()), resume, progressive, false);
+        match self.task(order, output) {
+            Ok(Some(task)) => self.baking.begin(task, order, self.wake.clone()),
+            // What would be written over was told of.
+            Ok(None) => {}
+            Err(error) => self.messages.error(error),
+        }
     }
 
-    /// Bakes without being asked. A checkpoint of other settings is no reason to stop.
-    pub(super) fn bake_by_itself(&mut self, resume: bool, progressive: bool) {
-        // What the user began stays for the user to resume.
-        self.bake(self.scene.kept_output.clone(), resume, progressive, true);
+    /// What the driver of bakes is given for an order; `None` if its output may not be written.
+    fn task(&mut self, order: BakeOrder, output: Option<PathBuf>) -> Result<Option<BakeTask>, String> {
+        let nothing = "There is no scene file to bake; open a scene (.gltf, .glb, .obj, .ply)";
+        let (source, output) = self.scene.source.clone().zip(output).ok_or(nothing)?;
+        let settings = resolve(self.document.bake.clone());
+        let settings =
+            settings.map_err(|error| format!("The bake settings do not work: {}", error.text(control_name)))?;
+        if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder)
+                .map_err(|error| format!("cannot create the folder for the bake: {error} ({})", folder.display()))?;
+        }
+        if !self.may_write(&output, Written::Dataset) {
+            return Ok(None);
+        }
+        // Of another version than the bake that is seen, it may have its objects in another order.
+        let document = self.document.with_objects_of(&source.scene).into_owned();
+        let (poses, clip_time) = poses_to_bake(&document, &source)?;
+        let Imported { mut scene, import_secs, report, .. } = source;
+        if document.lets_through_otherwise(&scene) {
+            document.give_opacities(Arc::make_mut(&mut scene));
+        }
+        let (inputs, warnings, resume) = (report.files, report.warnings, order.from == From::Checkpoint);
+        let job = BakeJob { settings, poses, clip_time, output, inputs, chunks: None, resume, import_secs, warnings };
+        Ok(Some(BakeTask {
+            scene,
+            job,
+            progressive: order.draft_first,
+            or_afresh: order.asked_by == Asker::Nobody,
+            turn: self.baking.turn.clone(),
+            cache: self.folders.cache.clone(),
+            name_of: control_name,
+        }))
     }
 
     /// Writes the bake that is shown to where the user wants it, if it is what a bake would give. Returns whether it is.
@@ -98,81 +136,6 @@ impl EditorState {
         outputs.into_iter().flatten().find(|output| checkpoint_time(output).is_some()).cloned()
     }
 
-    fn bake(&mut self, output: Option<PathBuf>, resume: bool, progressive: bool, or_afresh: bool) {
-        if self.baking.run.is_some() {
-            self.messages.note(UNDER_WAY);
-            return;
-        }
-        let Some((source, output)) = self.scene.source.clone().zip(output) else {
-            self.messages.error("There is no scene file to bake; open a scene (.gltf, .glb, .obj, .ply)");
-            return;
-        };
-        let settings = match resolve(self.document.bake.clone()) {
-            Ok(settings) => settings,
-            Err(error) => {
-                return self.messages.error(format!("The bake settings do not work: {}", error.text(control_name)));
-            }
-        };
-        if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty())
-            && let Err(error) = std::fs::create_dir_all(folder)
-        {
-            return self
-                .messages
-                .error(format!("cannot create the folder for the bake: {error} ({})", folder.display()));
-        }
-        if !self.may_write(&output, Written::Dataset) {
-            return;
-        }
-        // Of another version than the bake that is seen, it may have its objects in another order.
-        let document = self.document.with_objects_of(&source.scene).into_owned();
-        let (poses, clip_time) = match poses_to_bake(&document, &source) {
-            Ok(poses) => poses,
-            Err(error) => return self.messages.error(error),
-        };
-        let Imported { mut scene, import_secs, report, .. } = source;
-        if document.lets_through_otherwise(&scene) {
-            document.give_opacities(Arc::make_mut(&mut scene));
-        }
-        let (mode, has_ground) = (settings.mode, settings.ground != Ground::Off);
-        let (inputs, warnings) = (report.files, report.warnings);
-        let job = BakeJob {
-            settings,
-            poses,
-            clip_time,
-            output: output.clone(),
-            inputs,
-            chunks: None,
-            resume,
-            import_secs,
-            warnings,
-        };
-        let task = BakeTask {
-            scene,
-            job,
-            progressive,
-            or_afresh,
-            turn: self.baking.turn.clone(),
-            cache: self.folders.cache.clone(),
-        };
-        let now = Instant::now();
-        let job = BakeRun::start(task, self.wake.clone());
-        self.baking.ended = None;
-        self.baking.run = Some(Run {
-            job,
-            mode,
-            output,
-            since: now,
-            phase: None,
-            phase_since: now,
-            waited_before: Duration::ZERO,
-            pace: Pace::default(),
-            cancelling: false,
-            draft_shown: false,
-            has_ground,
-            by_itself: or_afresh,
-        });
-    }
-
     /// A long bake begins with a draft if it brings light that cannot be seen yet.
     pub(super) fn wants_draft(&self) -> bool {
         let wanted = &self.document.bake;
@@ -186,7 +149,6 @@ impl EditorState {
 
     pub(super) fn cancel_bake(&mut self) {
         if let Some(run) = &mut self.baking.run {
-            run.cancelling = true;
             run.job.cancel();
         }
     }
@@ -194,7 +156,6 @@ impl EditorState {
     pub(super) fn collect_bake(&mut self) {
         self.collect_written();
         let Some(run) = &mut self.baking.run else { return };
-        run.follow();
         let messages = run.job.messages();
         for message in messages {
             match message {
@@ -222,7 +183,7 @@ impl EditorState {
 
     /// Tells of a bake that is done, and remembers its file if the user asked for it.
     fn note_bake(&mut self, run: &Run, vertices: usize) {
-        self.messages.note(format!("Baked {vertices} vertices in {:.0} s", run.since.elapsed().as_secs_f64()));
+        self.messages.note(format!("Baked {vertices} vertices in {:.0} s", run.job.elapsed_secs()));
         if self.scene.bake_output.as_ref() == Some(&run.output) {
             self.document.dataset = Some(run.output.clone());
         }
@@ -317,13 +278,13 @@ impl EditorState {
         let wants_ground = self.baking.wants_ground && self.document.bake.ground != Ground::Off;
         match &self.baking.run {
             Some(run) if run.has_ground => self.baking.wants_ground = false,
-            Some(run) if wants_ground && run.by_itself && !run.cancelling => {
+            Some(run) if wants_ground && run.asked_by == Asker::Nobody && !run.job.is_cancelling() => {
                 self.cancel_bake();
                 self.baking.begins_anew = true;
             }
             None if wants_ground || self.baking.begins_anew => {
                 (self.baking.wants_ground, self.baking.begins_anew) = (false, false);
-                self.bake_by_itself(false, true);
+                self.bake(BakeOrder { asked_by: Asker::Nobody, from: From::Beginning, draft_first: true });
             }
             _ => {}
         }

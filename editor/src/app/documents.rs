@@ -6,6 +6,7 @@ use super::{
     opening::{Opened, Ready, Target},
     state::{
         EditorState, OpenScene,
+        baking::{Asker, BakeOrder, From},
         ladder::LadderWindow,
         prompt::{Again, Prompt, Then},
         selection::Selection,
@@ -177,7 +178,8 @@ impl EditorState {
         recent.into_iter().for_each(|path| self.remember(&path));
         if lacks_bake && self.preferences.bakes_scenes && self.scene.source.is_some() {
             let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() == Leftover::Fitting);
-            self.bake_by_itself(has_draft && has_chunks, !has_draft);
+            let from = if has_draft && has_chunks { From::Checkpoint } else { From::Beginning };
+            self.bake(BakeOrder { asked_by: Asker::Nobody, from, draft_first: !has_draft });
         }
     }
 

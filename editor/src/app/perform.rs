@@ -2,7 +2,11 @@
 
 use super::{
     opening::Target,
-    state::{EditorState, interface::Inspector},
+    state::{
+        EditorState,
+        baking::{Asker, BakeOrder, From},
+        interface::Inspector,
+    },
     theme,
 };
 use crate::{
@@ -55,7 +59,10 @@ impl EditorState {
             Action::PasteCamera => self.ask_for_camera(ctx),
             Action::Preferences(preferences) => self.prefer(preferences),
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
-            Action::Bake { resume } => self.start_bake(resume, self.wants_draft()),
+            Action::Bake { resume } => {
+                let from = if resume { From::Checkpoint } else { From::Beginning };
+                self.bake(BakeOrder { asked_by: Asker::User, from, draft_first: self.wants_draft() });
+            }
             Action::CancelBake => self.cancel_for_good(),
             Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
             Action::Open(Some(path)) => self.open(Target::File(path)),

@@ -21,7 +21,10 @@ mod poses;
 
 use super::{
     opening::Target,
-    state::{Bundled, EditorState, Setup},
+    state::{
+        Bundled, EditorState, Setup,
+        baking::{Asker, BakeOrder, From},
+    },
 };
 use crate::{actions::Action, paths::Folders, preferences::Preferences};
 use egui::{Key, Modifiers, vec2};
@@ -126,6 +129,12 @@ impl Window {
             }
             is_so(state)
         });
+    }
+
+    /// Begins a bake that nobody asked for.
+    fn bake_by_itself(&mut self, draft_first: bool) {
+        let order = BakeOrder { asked_by: Asker::Nobody, from: From::Beginning, draft_first };
+        self.0.state_mut().bake(order);
     }
 
     fn perform(&mut self, action: Action) {

@@ -3,10 +3,8 @@
 mod bounces;
 mod estimate;
 mod mode;
-mod pace;
 mod progress;
 mod report;
-mod setting_names;
 mod settings;
 mod stale;
 #[cfg(test)]
@@ -14,13 +12,11 @@ mod tests;
 mod views;
 
 pub use estimate::SceneStats;
-pub use pace::Pace;
 pub use progress::line;
-pub use setting_names::{control_name, remedy_control};
 pub use stale::stale_reasons;
 
 use super::widgets::{copyable, section};
-use crate::{actions::Action, document::Document};
+use crate::{actions::Action, control_names::error_text, document::Document};
 use egui::{RichText, Ui};
 use estimate::Speed;
 use lapidary_core::dataset::{BakeParts, Dataset};
@@ -204,5 +200,5 @@ fn obstacle(document: &Document) -> Option<String> {
     if document.scene.is_none() {
         return Some("Open the scene file to bake it; a dataset alone cannot be baked again.".into());
     }
-    resolve(document.bake.clone()).err().map(|error| setting_names::error_text(&error))
+    resolve(document.bake.clone()).err().map(|error| error_text(&error))
 }

@@ -1,15 +1,16 @@
 //! The bake at work, and how the last one ended.
 
-use crate::{
-    jobs::bake::{BakeProgress, BakeRun},
-    panels::bake::{BakeStatus, Draft, Pace, line},
+use crate::panels::bake::{BakeStatus, Draft, line};
+use lapidary_core::{dataset::BakeParts, ground::Ground};
+use lapidary_precompute::{BakeJob, Leftover, Phase, ResolvedBake};
+use lapidary_studies::jobs::{
+    Wake,
+    bake::{BakeProgress, BakeRun, BakeTask},
 };
-use lapidary_core::dataset::BakeParts;
-use lapidary_precompute::{Leftover, Phase, ResolvedBake};
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex, mpsc::Receiver},
-    time::{Duration, Instant, SystemTime},
+    time::SystemTime,
 };
 
 /// The bake at work, or how the last one ended.
@@ -45,20 +46,41 @@ pub struct Run {
     pub(in crate::app) mode: BakeParts,
     /// Where it goes.
     pub(in crate::app) output: PathBuf,
-    pub(in crate::app) since: Instant,
-    pub(in crate::app) phase: Option<Phase>,
-    pub(in crate::app) phase_since: Instant,
-    /// How long it had waited for others when the phase began.
-    pub(in crate::app) waited_before: Duration,
-    /// How fast the phase goes.
-    pub(in crate::app) pace: Pace,
-    pub(in crate::app) cancelling: bool,
     /// A draft of it is shown.
     pub(in crate::app) draft_shown: bool,
     /// It is of a scene on a ground.
     pub(in crate::app) has_ground: bool,
-    /// It began without being asked for.
-    pub(in crate::app) by_itself: bool,
+    /// Who asked for it.
+    pub(in crate::app) asked_by: Asker,
+}
+
+/// Who asks for a bake.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asker {
+    /// The user, whose checkpoints of other settings are a reason to stop.
+    User,
+    /// Nobody: it begins by itself, and afresh where a checkpoint is of other settings.
+    Nobody,
+}
+
+/// Where a bake begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum From {
+    /// At its first phase; a checkpoint is discarded.
+    Beginning,
+    /// At the checkpoint that an interrupted one left.
+    Checkpoint,
+}
+
+/// How a bake is to go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BakeOrder {
+    /// Who asks for it.
+    pub asked_by: Asker,
+    /// Where it begins.
+    pub from: From,
+    /// Whether a draft is baked first, to look at.
+    pub draft_first: bool,
 }
 
 /// What the picture is rendered by.
@@ -81,6 +103,15 @@ pub enum Ended {
 }
 
 impl Baking {
+    /// Begins a bake.
+    pub(in crate::app) fn begin(&mut self, task: BakeTask, order: BakeOrder, wake: Wake) {
+        let BakeJob { settings, output, .. } = &task.job;
+        let (mode, has_ground, output) = (settings.mode, settings.ground != Ground::Off, output.clone());
+        let job = BakeRun::start(task, wake);
+        self.run = Some(Run { job, mode, output, draft_shown: false, has_ground, asked_by: order.asked_by });
+        self.ended = None;
+    }
+
     /// Makes the bake at work wait, or go on.
     pub fn hold(&self, hold: bool) {
         self.run.iter().for_each(|run| run.job.hold(hold));
@@ -115,22 +146,6 @@ impl Baking {
 }
 
 impl Run {
-    /// Takes note of how far it is.
-    pub(in crate::app) fn follow(&mut self) {
-        let BakeProgress { phase, done, .. } = self.job.progress();
-        if phase != self.phase {
-            (self.phase, self.phase_since, self.waited_before) = (phase, Instant::now(), self.job.waited());
-            self.pace = Pace::default();
-        }
-        self.pace.note(self.phase_secs(), done);
-    }
-
-    /// Seconds that it has worked on the present phase.
-    fn phase_secs(&self) -> f64 {
-        let waited = self.job.waited().saturating_sub(self.waited_before);
-        self.phase_since.elapsed().saturating_sub(waited).as_secs_f64()
-    }
-
     /// How far it is, as the panel shows it.
     pub(in crate::app) fn status(&self) -> BakeStatus {
         let BakeProgress { draft, phase, unit, done, total } = self.job.progress();
@@ -146,9 +161,9 @@ impl Run {
             done,
             total,
             unit,
-            cancelling: self.cancelling,
-            elapsed_secs: self.since.elapsed().as_secs_f64(),
-            left_secs: self.pace.left(done, total),
+            cancelling: self.job.is_cancelling(),
+            elapsed_secs: self.job.elapsed_secs(),
+            left_secs: self.job.left_secs(),
         }
     }
 }

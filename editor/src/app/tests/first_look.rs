@@ -17,7 +17,7 @@ fn baked_by_itself(place: &Place) -> super::Window {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.0.state_mut().document.bake = few_lights();
-    window.0.state_mut().bake_by_itself(false, true);
+    window.bake_by_itself(true);
     window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
     window
 }
@@ -97,7 +97,7 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     // The whole takes a minute, and is cancelled long before that.
     let long = BakeSettings { lights: 32_768, max_vertices: Some(100_000), ..few_lights() };
     window.0.state_mut().document.bake = long;
-    window.0.state_mut().bake_by_itself(false, true);
+    window.bake_by_itself(true);
     window.wait("the draft", |s| s.seen() == Seen::Draft);
     assert!(window.shows("Draft; full bake running"));
     let kept = draft_of(window.0.state().scene.kept_output.as_ref().unwrap());
@@ -138,7 +138,7 @@ fn a_posed_bake_that_is_kept_is_seen_as_it_was_baked() {
     window.0.state_mut().document.bake = few_lights();
     let moved = Pose { translate: Vec3::X * 0.2, ..Pose::AS_BAKED };
     window.0.state_mut().document.poses.set(1, moved);
-    window.0.state_mut().bake_by_itself(false, false);
+    window.bake_by_itself(false);
     window.wait("the bake", |s| s.baking.progress().is_none());
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
@@ -153,7 +153,7 @@ fn a_scene_that_changes_during_its_bake_is_seen_as_it_is() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.0.state_mut().document.bake = few_lights();
-    window.0.state_mut().bake_by_itself(false, false);
+    window.bake_by_itself(false);
     // Read again before the bake is taken.
     std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
     let changed = Imported::read(&place.path("scene.obj"), false).unwrap();

@@ -38,7 +38,7 @@ fn a_ground_that_is_chosen_is_seen_at_once_and_baked() {
     // The bake at work has it.
     choose(&mut window, Ground::Off);
     choose(&mut window, Ground::Shadow);
-    assert!(!window.0.state().baking.run.as_ref().unwrap().cancelling);
+    assert!(!window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
     window.wait("the bake", |s| s.baking.progress().is_none());
     assert!(window.0.state().seen() == Seen::Whole && has_ground(&window));
     let ground = window.0.state().document.materials.last().unwrap().name.clone();
@@ -86,7 +86,7 @@ fn a_bake_that_the_user_began_ends_before_that_of_a_ground_begins() {
     let output = window.0.state().baking.run.as_ref().unwrap().output.clone();
     choose(&mut window, Ground::Shadow);
     let run = window.0.state().baking.run.as_ref().unwrap();
-    assert!(run.output == output && !run.cancelling);
+    assert!(run.output == output && !run.job.is_cancelling());
     window.wait("both", |s| s.baking.progress().is_none() && s.seen() == Seen::Whole);
     assert!(has_ground(&window));
     let written = lapidary_core::dataset::Dataset::read(&output).unwrap();
@@ -100,18 +100,18 @@ fn a_bake_that_ended_for_a_ground_begins_anew_whatever_is_chosen_by_then() {
     window.open(&place.path("scene.obj"));
     window.0.state_mut().preferences.bakes_scenes = true;
     window.0.state_mut().document.bake = BakeSettings { lights: 8192, max_vertices: Some(20_000), ..few_lights() };
-    window.0.state_mut().bake_by_itself(false, false);
+    window.bake_by_itself(false);
     for ground in [Ground::Shadow, Ground::Off] {
         let bake = BakeSettings { ground, lights: 256, max_vertices: None, ..window.0.state().document.bake.clone() };
         window.0.state_mut().document.bake = bake;
         window.0.state_mut().follow_ground();
     }
-    assert!(window.0.state().baking.run.as_ref().unwrap().cancelling);
+    assert!(window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
     window.wait("another bake", |s| s.seen() == Seen::Whole && s.baking.progress().is_none());
     assert_eq!(window.0.state().scene.shown().unwrap().dataset.tree.len(), 256);
     // What the user cancels stays cancelled.
     window.0.state_mut().document.bake.lights = 8192;
-    window.0.state_mut().bake_by_itself(false, false);
+    window.bake_by_itself(false);
     window.perform(Action::CancelBake);
     window.wait("the end", |s| s.baking.progress().is_none());
     window.0.run_steps(3);

@@ -7,7 +7,7 @@ use super::{
     sketching::{SketchPace, Sketching},
     stage::{PictureStage, Restarts},
 };
-use crate::{jobs::budget::Pace, panels::bake::remedy_control};
+use crate::{control_names::remedy_control, jobs::budget::Pace};
 use glam::Vec2;
 use lapidary_core::{camera::Camera, scene::pose::Poses};
 use lapidary_render::{BackendError, BackendFactory, Baked, Detail, LitScene, Look, PictureStats, Redo, Remedy, View};

@@ -3,11 +3,11 @@
 use super::{
     BakeContext,
     estimate::{Estimate, Speed},
-    setting_names::error_text,
     stale::tree_name,
 };
 use crate::{
     actions::Action,
+    control_names::error_text,
     document::Edit,
     panels::{
         edit_row,

@@ -1,13 +1,14 @@
 //! A single triangle, which is baked in no time.
 
 use super::*;
+use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeParts, Dataset},
+    cut::{CutCriterion, SourceCriterion},
+    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
     import::import,
 };
-use lapidary_precompute::{ResolvedBake, SettingsError};
-use lapidary_studies::jobs::testing::{silent, wait_for};
+use lapidary_precompute::{Preset, ResolvedBake, SettingsError};
 
 const LIGHTS: usize = 256;
 /// More than a draft has.
@@ -27,6 +28,7 @@ fn task(folder: &Path, progressive: bool) -> BakeTask {
         or_afresh: false,
         turn: Arc::default(),
         cache: folder.join("cache"),
+        name_of: Setting::name,
     }
 }
 
@@ -76,7 +78,7 @@ fn a_bake_that_is_held_waits_and_then_goes_on() {
     run.hold(true);
     drop(lock);
     std::thread::sleep(Duration::from_millis(300));
-    assert!(run.messages().is_empty() && run.waited() >= Duration::from_millis(300));
+    assert!(run.messages().is_empty() && run.door.waited() >= Duration::from_millis(300));
     run.hold(false);
     assert!(matches!(all(&mut run)[..], [BakeMessage::Done(_)]));
     let folder = tempfile::tempdir().unwrap();

@@ -1,19 +1,22 @@
-//! Bakes on a worker: progress, cancellation, resuming from a checkpoint, and a draft to show meanwhile.
+//! Bakes on a worker: progress, cancellation, resuming from a checkpoint, and a draft to show meanwhile. Commands bake on
+//! their own thread instead; both give the same [`BakeJob`] to [`bake`].
 
-use super::guest::{Door, lower_priority};
-use crate::panels::bake::control_name;
-use lapidary_core::{
-    cut::{CutCriterion, SourceCriterion},
-    dataset::{BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
-    output::OutputError,
-    scene::Scene,
-    threads::on_threads,
+mod draft;
+mod pace;
+#[cfg(test)]
+mod tests;
+
+pub use draft::{draft_is_sooner, first_draft};
+
+use super::{
+    Wake, guarded,
+    guest::{Door, lower_priority},
+    spawn,
 };
-use lapidary_precompute::{
-    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Preset, bake, resolve, with_room,
-};
+use lapidary_core::{dataset::Dataset, output::OutputError, scene::Scene, threads::on_threads};
+use lapidary_precompute::{BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Setting, bake, resolve};
 use lapidary_render::Baked;
-use lapidary_studies::jobs::{Wake, guarded, spawn};
+use pace::PhasePace;
 use std::{
     path::{Path, PathBuf},
     sync::{
@@ -25,7 +28,7 @@ use std::{
 };
 use tempfile::TempDir;
 
-/// A bake of the window.
+/// A bake that is asked for.
 #[derive(Clone, Debug)]
 pub struct BakeTask {
     /// As imported. Copied by the thread that bakes, not by the window's.
@@ -40,6 +43,8 @@ pub struct BakeTask {
     pub turn: Arc<Mutex<()>>,
     /// Folder in which the draft is written and removed again.
     pub cache: PathBuf,
+    /// What the user calls a setting.
+    pub name_of: fn(Setting) -> &'static str,
 }
 
 /// How far a bake is.
@@ -85,6 +90,8 @@ pub struct BakeRun {
     progress: Arc<Mutex<BakeProgress>>,
     cancel: Arc<AtomicBool>,
     door: Door,
+    since: Instant,
+    pace: PhasePace,
 }
 
 impl BakeRun {
@@ -105,17 +112,19 @@ impl BakeRun {
             wake,
             woken: Arc::default(),
             draft: false,
+            name_of: task.name_of,
         };
         spawn("bake", move || {
             lower_priority();
             let end = guarded("the bake", || Ok(run(task, &teller))).unwrap_or_else(BakeMessage::Failed);
             teller.tell(end);
         });
-        Self { messages, progress, cancel, door }
+        Self { messages, progress, cancel, door, since: Instant::now(), pace: PhasePace::default() }
     }
 
-    /// Events since the last call.
+    /// Events since the last call. Each call also measures the pace.
     pub fn messages(&mut self) -> Vec<BakeMessage> {
+        self.pace.follow(self.progress(), self.door.waited());
         self.messages.try_iter().collect()
     }
 
@@ -129,14 +138,25 @@ impl BakeRun {
         self.door.hold(hold);
     }
 
-    /// How long it has waited.
-    pub fn waited(&self) -> Duration {
-        self.door.waited()
+    /// Seconds since it began.
+    pub fn elapsed_secs(&self) -> f64 {
+        self.since.elapsed().as_secs_f64()
+    }
+
+    /// Seconds that the present phase will still take, if that is known.
+    pub fn left_secs(&self) -> Option<f64> {
+        let BakeProgress { done, total, .. } = self.progress();
+        self.pace.left(done, total)
     }
 
     /// Asks it to stop; [`BakeMessage::Cancelled`] follows when it has.
     pub fn cancel(&self) {
         self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it was asked to stop, and may not have noticed yet.
+    pub fn is_cancelling(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
     }
 }
 
@@ -157,6 +177,7 @@ struct Teller {
     /// When progress last woke the window.
     woken: Arc<Mutex<Option<Instant>>>,
     draft: bool,
+    name_of: fn(Setting) -> &'static str,
 }
 
 impl Teller {
@@ -198,7 +219,7 @@ impl Observer for Teller {
             }
             Event::Warning { message } => {
                 drop(progress);
-                return self.tell(BakeMessage::Warning(message.text(control_name)));
+                return self.tell(BakeMessage::Warning(message.text(self.name_of)));
             }
         }
         drop(progress);
@@ -209,58 +230,6 @@ impl Observer for Teller {
         self.door.pass(|| self.is_cancelled());
         self.is_cancelled()
     }
-}
-
-/// Settings of the first bake that is shown. It has the same components and viewpoint, is coarser than a draft, because
-/// the user waits for it, and in nothing finer than the bake asked for. What is sharp in the light of an environment are suns,
-/// which have shadows without a bake; for the rest few lights and evenly spread vertices do. The mesh has `mesh_vertices`.
-pub fn first_draft(wanted: &BakeSettings, mesh_vertices: usize) -> BakeSettings {
-    let draft = Preset::Draft.settings();
-    let lights = (draft.lights / 16).min(wanted.lights);
-    // A quarter of the lights at half the sigma is the same error in solid angle.
-    let as_fine_as = |other: &BakeSettings| other.criterion.sigma * (lights as f32 / other.lights as f32).sqrt();
-    let sigma = as_fine_as(&draft).max(as_fine_as(wanted));
-    let criterion = CutCriterion { sigma, max_nodes: wanted.criterion.max_nodes, ..draft.criterion };
-    let most = Some(with_room(15_000, mesh_vertices));
-    // A mesh that is to stay as it is does so in the draft.
-    let max_vertices = most.min(wanted.max_vertices);
-    let (indirect, meshless) = (draft_of_sources(&wanted.indirect), draft_of_basis(&wanted.meshless));
-    let pilot_clusters = wanted.pilot_clusters.min(64);
-    BakeSettings {
-        mode: wanted.mode,
-        ground: wanted.ground,
-        shots: wanted.shots.clone(),
-        lights,
-        pilot_clusters,
-        criterion,
-        max_vertices,
-        even_vertices: true,
-        indirect,
-        meshless,
-        ..draft
-    }
-}
-
-fn draft_of_sources(wanted: &IndirectSettings) -> IndirectSettings {
-    let draft = Preset::Draft.settings().indirect;
-    let sources = (draft.sources / 4).min(wanted.sources);
-    let sigma = draft.criterion.sigma.max(wanted.criterion.sigma * (sources as f32 / wanted.sources as f32).sqrt());
-    IndirectSettings { sources, criterion: SourceCriterion { sigma, ..draft.criterion }, viewpoint: wanted.viewpoint }
-}
-
-fn draft_of_basis(wanted: &MeshlessSettings) -> MeshlessSettings {
-    let (levels, sender_levels) = (wanted.levels.min(3), wanted.sender_levels.min(3));
-    let (rays, epsilon) = (wanted.rays.min(128), wanted.epsilon.max(MeshlessSettings::default().epsilon));
-    MeshlessSettings { levels, sender_levels, rays, epsilon, coarse_radius: wanted.coarse_radius }
-}
-
-/// Whether a draft is ready sooner than the bake itself.
-pub fn draft_is_sooner(wanted: &BakeSettings) -> bool {
-    let (draft, mode) = (first_draft(wanted, 0), wanted.mode);
-    let (few, many) = (draft.meshless, wanted.meshless);
-    (mode.environment() && draft.lights < wanted.lights)
-        || (mode.sources() && draft.indirect.sources < wanted.indirect.sources)
-        || (mode.meshless() && (few.levels < many.levels || few.rays < many.rays))
 }
 
 /// The draft, if one is wanted, and then the bake itself.
@@ -281,13 +250,15 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
         match on_threads(cores, draft) {
             Ok(dataset) => teller.tell(BakeMessage::Draft(Baked::from(dataset))),
             Err(BakeError::Cancelled) => return BakeMessage::Cancelled,
-            Err(error) => teller.tell(BakeMessage::Warning(format!("there is no draft: {}", error.text(control_name)))),
+            Err(error) => {
+                teller.tell(BakeMessage::Warning(format!("there is no draft: {}", error.text(teller.name_of))))
+            }
         }
     }
     match on_threads(cores, || bake_whole(task, teller)) {
         Ok(dataset) => BakeMessage::Done(Baked::from(dataset)),
         Err(BakeError::Cancelled) => BakeMessage::Cancelled,
-        Err(error) => BakeMessage::Failed(error.text(control_name)),
+        Err(error) => BakeMessage::Failed(error.text(teller.name_of)),
     }
 }
 
@@ -308,6 +279,3 @@ fn scratch(cache: &Path) -> Result<TempDir, OutputError> {
         std::fs::create_dir_all(cache).and_then(|()| tempfile::Builder::new().prefix("draft-").tempdir_in(cache));
     made.map_err(|source| OutputError::Folder { folder: cache.into(), source })
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,11 +1,47 @@
 //! How long the present phase of a bake will still take, at its latest pace: beside a picture in the making a bake of low priority
 //! hardly moves.
 
-use std::collections::VecDeque;
+use super::BakeProgress;
+use lapidary_precompute::Phase;
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
+};
+
+/// The pace of the phase that a bake is at.
+pub struct PhasePace {
+    phase: Option<Phase>,
+    since: Instant,
+    /// How long the bake had waited for others when the phase began.
+    waited_before: Duration,
+    pace: Pace,
+}
+
+impl Default for PhasePace {
+    fn default() -> Self {
+        Self { phase: None, since: Instant::now(), waited_before: Duration::ZERO, pace: Pace::default() }
+    }
+}
+
+impl PhasePace {
+    /// Takes note of how far a bake is that has `waited` for others.
+    pub fn follow(&mut self, progress: BakeProgress, waited: Duration) {
+        if progress.phase != self.phase {
+            *self = Self { phase: progress.phase, waited_before: waited, ..Self::default() };
+        }
+        let worked = self.since.elapsed().saturating_sub(waited.saturating_sub(self.waited_before));
+        self.pace.note(worked.as_secs_f64(), progress.done);
+    }
+
+    /// Seconds that the rest will take, if that is known.
+    pub fn left(&self, done: u64, total: u64) -> Option<f64> {
+        self.pace.left(done, total)
+    }
+}
 
 /// What was done of a phase, at some times.
 #[derive(Clone, Debug, Default)]
-pub struct Pace {
+struct Pace {
     /// Seconds of work on the phase, and units done by then.
     marks: VecDeque<(f64, u64)>,
 }
@@ -19,7 +55,7 @@ impl Pace {
     const KNOWN_AFTER: f64 = 0.02;
 
     /// Takes note of what is done after some seconds of a phase.
-    pub fn note(&mut self, secs: f64, done: u64) {
+    fn note(&mut self, secs: f64, done: u64) {
         if self.marks.back().is_some_and(|&(before, had)| secs < before || done < had) {
             self.marks.clear();
         }
@@ -32,7 +68,7 @@ impl Pace {
     }
 
     /// Seconds that the rest will take, if that is known.
-    pub fn left(&self, done: u64, total: u64) -> Option<f64> {
+    fn left(&self, done: u64, total: u64) -> Option<f64> {
         let (&(begun, had), &(secs, has)) = self.marks.front().zip(self.marks.back())?;
         // Some steps have a little to do after all units are done.
         let is_known = done as f64 > Self::KNOWN_AFTER * total as f64 && done < total && has > had;
