@@ -21,7 +21,6 @@ mod ladder;
 mod layout;
 mod lights;
 mod menus;
-mod messages;
 mod notice;
 mod opening;
 mod pacing;
@@ -42,7 +41,6 @@ mod theme;
 mod toolbar;
 
 pub use start::{Launch, run};
-pub use state::pictures::Faded;
 
 use egui::{Ui, ViewportCommand};
 use pacing::Pacing;

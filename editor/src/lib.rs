@@ -12,6 +12,7 @@ mod document;
 mod dragged;
 mod edit;
 mod jobs;
+mod messages;
 mod panels;
 mod paths;
 mod preferences;
@@ -19,12 +20,15 @@ mod preferences;
 mod test_support;
 mod typing;
 mod viewport;
+mod widgets;
 
-pub use check::{Checked, check};
-pub use document::session::SessionError;
+pub use crate::{
+    check::{Checked, check},
+    document::session::SessionError,
+};
 
+use crate::cli::Cli;
 use clap::Parser;
-use cli::Cli;
 use lapidary_studies::terminal::{Console, Outcome, error_text};
 use std::process::ExitCode;
 

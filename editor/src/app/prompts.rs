@@ -11,7 +11,7 @@ use super::{
 use crate::{
     actions::Action,
     document::{autosave::Recovery, session::LoadedSession},
-    panels::widgets::copyable,
+    widgets::copyable,
 };
 use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
 use std::{path::Path, time::SystemTime};

@@ -1,14 +1,13 @@
 //! The dialog for an image sequence: what rotates, which parameter is swept, how many frames, and the output folder.
 
-use crate::panels::widgets::{check_box, copyable};
+use crate::widgets::{check_box, copyable};
 use anyhow::{Result, bail};
 use egui::{Button, ComboBox, Context, DragValue, Grid, Modal, RichText, TextEdit, Ui};
 use glam::Vec3;
 use lapidary_core::brdf::BrdfModel;
 use lapidary_render::Look;
 use lapidary_studies::{
-    export::LayerList,
-    export::wanted_layers,
+    export::{LayerList, wanted_layers},
     sequence::{
         Domain, Existing, FrameNames, Parameter, SequenceSettings, SequenceTask, SheetTask, Sweep, Target, Turn, Value,
         plan,

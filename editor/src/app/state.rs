@@ -16,7 +16,6 @@ pub mod selection;
 use super::{
     dialogs::FileDialogs,
     first_view::FirstView,
-    messages::Messages,
     opening::{Consent, Opening, Target},
 };
 use crate::{
@@ -28,6 +27,7 @@ use crate::{
         session::Unknown,
     },
     jobs::{Imported, load::Loader, render_thread::RenderThread, watch::Watcher},
+    messages::Messages,
     paths::Folders,
     preferences::Preferences,
     viewport::pick,

@@ -1,10 +1,11 @@
 //! The status line: what happened last, and the figures of the picture.
 
-use super::{
+use super::state::EditorState;
+use crate::{
+    jobs::render_thread::RenderedFrame,
     messages::{self, Severity},
-    state::EditorState,
+    widgets::copyable,
 };
-use crate::{jobs::render_thread::RenderedFrame, panels::widgets::copyable};
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Shows the line.

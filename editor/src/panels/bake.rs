@@ -15,8 +15,12 @@ pub use estimate::SceneStats;
 pub use progress::line;
 pub use stale::stale_reasons;
 
-use super::widgets::{copyable, section};
-use crate::{actions::Action, control_names::error_text, document::Document};
+use crate::{
+    actions::Action,
+    control_names::error_text,
+    document::Document,
+    widgets::{copyable, section},
+};
 use egui::{RichText, Ui};
 use estimate::Speed;
 use lapidary_core::dataset::{BakeParts, Dataset};

@@ -4,15 +4,17 @@ mod figures;
 #[cfg(test)]
 mod tests;
 
-use crate::{actions::Action, panels::widgets::copyable};
+use crate::{actions::Action, widgets::copyable};
 use egui::{Align2, Button, ComboBox, DragValue, ProgressBar, RichText, Ui, UiBuilder, vec2};
 use lapidary_core::image::Region;
 use lapidary_render::{Baked, Look, ViewMode, compare::map::ErrorMap};
-use lapidary_studies::jobs::{
-    comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
-    measure::{Measured, ShownMap},
+use lapidary_studies::{
+    jobs::{
+        comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
+        measure::{Measured, ShownMap},
+    },
+    ladder::Cuts,
 };
-use lapidary_studies::ladder::Cuts;
 use std::path::{Path, PathBuf};
 
 /// Pixels of the live picture along each axis for one of the comparison.

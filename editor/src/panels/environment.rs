@@ -10,14 +10,14 @@ mod thumbnail;
 pub use library::LibraryEntry;
 pub use thumbnail::thumbnail;
 
-use super::{
-    edit_row,
-    entries::{Decades, combo_row, decades_row},
-    widgets::{Edited, Number, check_row, choice_row, color_row, section, slider_row},
-};
 use crate::{
     actions::Action,
     document::{Document, Edit, EnvironmentSettings, Orientation, SunChoice},
+    widgets::{
+        Edited, Number, check_row, choice_row, color_row, edit_row,
+        entries::{Decades, combo_row, decades_row},
+        section, slider_row,
+    },
 };
 use egui::{RichText, Ui};
 use glam::Vec3;

@@ -7,8 +7,7 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-use super::units::grouped;
-use crate::panels::widgets::{copyable, section};
+use crate::widgets::{copyable, section, units::grouped};
 use egui::{Grid, RichText, Ui};
 use glam::Vec3;
 use lapidary_core::color::luminance;

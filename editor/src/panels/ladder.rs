@@ -1,7 +1,7 @@
 //! The size of the illumination cut that suffices for this shot: pictures of growing sizes and of lit cuts beside the reference,
 //! each with its error and time, both curves, and two sentences.
 
-use crate::{actions::Action, panels::widgets::copyable};
+use crate::{actions::Action, widgets::copyable};
 use egui::{Button, Color32, Grid, ProgressBar, RichText, ScrollArea, TextureHandle, Ui, Vec2, vec2};
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
 use lapidary_studies::{

@@ -10,8 +10,7 @@ mod tests;
 pub use components::environment_hint;
 pub use list::{add_menu, display_color};
 
-use super::widgets::section;
-use crate::{actions::Action, document::Document};
+use crate::{actions::Action, document::Document, widgets::section};
 use egui::{RichText, Ui};
 use lapidary_core::{dataset::BakeParts, lights::Light, transport::BounceEnergy};
 use lapidary_render::{Baked, Bounces};

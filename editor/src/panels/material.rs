@@ -18,7 +18,7 @@ mod transfer;
 use crate::{
     actions::Action,
     document::{Document, Edit},
-    panels::widgets::{Edited, section},
+    widgets::{Edited, section},
 };
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use lapidary_core::{

@@ -5,12 +5,12 @@ mod pose;
 #[cfg(test)]
 mod tests;
 
-use super::widgets::{outline, section};
 use crate::{
     actions::Action,
     document::Document,
     dragged::Dragged,
     viewport::gizmo::{Pivot, Subject},
+    widgets::{outline, section},
 };
 use egui::{
     Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,

@@ -3,14 +3,14 @@
 #[cfg(test)]
 mod tests;
 
-use super::{
-    edit_row,
-    entries::{Decades, combo_row, decades_row, point_row},
-    widgets::{Edited, Number, check_row, choice_row, color_row, row, section, slider_row},
-};
 use crate::{
     actions::Action,
     document::{BackgroundKind, Document, Edit, ShownMaterials, ViewSettings},
+    widgets::{
+        Edited, Number, check_row, choice_row, color_row, edit_row,
+        entries::{Decades, combo_row, decades_row, point_row},
+        row, section, slider_row,
+    },
 };
 use egui::{Button, Ui};
 use lapidary_core::{camera::Camera, cut::lit::DEFAULT_TAU};

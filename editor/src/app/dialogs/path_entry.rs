@@ -1,7 +1,7 @@
 //! A file dialog of the window's own: a path to type, and the folder's entries to click.
 
 use super::{Mode, Purpose};
-use crate::{document::absolute, panels::widgets::copyable};
+use crate::{document::absolute, widgets::copyable};
 use egui::{
     Align, Context, Key, Label, Layout, Modal, RichText, ScrollArea, TextEdit, Ui,
     text::{CCursor, CCursorRange},

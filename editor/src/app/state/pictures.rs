@@ -1,7 +1,7 @@
 //! The picture on the screen, and pictures on their way to files.
 
-use crate::jobs::render_thread::RenderedFrame;
-use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
+use crate::{jobs::render_thread::RenderedFrame, viewport::Faded};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use lapidary_render::{Detail, Tier};
 use std::{
     path::PathBuf,
@@ -35,17 +35,6 @@ struct Fading {
     texture: TextureHandle,
     size: [u32; 2],
     since: f64,
-}
-
-/// A picture that is fading.
-#[derive(Clone, Copy, Debug)]
-pub struct Faded {
-    /// Its texture.
-    pub texture: TextureId,
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// How much of it is left, 0 to 1.
-    pub opacity: f32,
 }
 
 /// Pictures, on the screen and on their way to files.

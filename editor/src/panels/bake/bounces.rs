@@ -4,10 +4,10 @@ use super::settings::count_row;
 use crate::{
     actions::Action,
     document::Edit,
-    panels::{
-        edit_row,
+    widgets::{
+        Number, edit_row,
         entries::{Decades, decades_row},
-        widgets::{Number, slider_row},
+        slider_row,
     },
 };
 use egui::Ui;

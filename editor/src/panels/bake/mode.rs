@@ -3,7 +3,7 @@
 use super::estimate::Speed;
 use crate::{
     actions::Action,
-    panels::{entries::combo_row, units::duration, widgets::check_row},
+    widgets::{check_row, entries::combo_row, units::duration},
 };
 use egui::{RichText, Ui};
 use lapidary_core::dataset::{BakeParts, BakeSettings};

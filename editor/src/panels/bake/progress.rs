@@ -4,7 +4,7 @@
 use super::{BakeStatus, Draft};
 use crate::{
     actions::Action,
-    panels::units::{duration, grouped},
+    widgets::units::{duration, grouped},
 };
 use egui::{Align, Button, Grid, Layout, ProgressBar, RichText, Ui};
 use lapidary_core::dataset::BakeParts;

@@ -1,9 +1,9 @@
 //! What the last bake did: a table, the sizes of its cuts, and what it remarked.
 
 use super::progress::described;
-use crate::panels::{
+use crate::widgets::{
+    copyable,
     units::{bytes, duration, grouped},
-    widgets::copyable,
 };
 use egui::{Grid, RichText, Ui};
 use egui_plot::{Bar, BarChart, Plot};

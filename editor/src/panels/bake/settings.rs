@@ -9,11 +9,11 @@ use crate::{
     actions::Action,
     control_names::error_text,
     document::Edit,
-    panels::{
-        edit_row,
+    widgets::{
+        Edited, Number, check_row, copyable, edit_row,
         entries::{Decades, combo_row, limit_row},
+        slider_row,
         units::{bytes, duration, grouped},
-        widgets::{Edited, Number, check_row, copyable, slider_row},
     },
 };
 use egui::{Button, Grid, RichText, Ui};

@@ -1,7 +1,7 @@
 //! Whether a bake would give another dataset than the one there is, and why.
 
 use super::mode::name as mode_name;
-use crate::{document::Document, panels::units::grouped};
+use crate::{document::Document, widgets::units::grouped};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset},

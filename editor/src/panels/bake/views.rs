@@ -1,6 +1,6 @@
 //! Which views a bake is for: all alike, or those that most vertices are meant for.
 
-use crate::{actions::Action, document::Document, panels::entries::combo_row};
+use crate::{actions::Action, document::Document, widgets::entries::combo_row};
 use egui::Ui;
 use lapidary_core::camera::Camera;
 

@@ -1,7 +1,7 @@
 //! What both pictures differ by: metrics, and how the errors are distributed.
 
 use super::{ComparisonPanel, Tool};
-use crate::panels::widgets::copyable;
+use crate::widgets::copyable;
 use egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
 use lapidary_render::compare::{Metrics, map::ErrorField};
 use lapidary_studies::jobs::{comparison::TestPicture, measure::Measured};

@@ -4,7 +4,7 @@ use super::{EnvironmentContext, overlay, thumbnail, wrapped};
 use crate::{
     actions::Action,
     document::{Edit, EnvironmentSettings},
-    panels::widgets::check_box,
+    widgets::check_box,
 };
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, DragValue, FontId, Painter, Rect, Response, Role, Sense, TextureHandle,

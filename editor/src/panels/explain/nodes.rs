@@ -1,6 +1,6 @@
 //! The nodes of a merged cut as a table that can be sorted.
 
-use crate::panels::units::grouped;
+use crate::widgets::units::grouped;
 use egui::{Button, FontId, Grid, Label, RichText, Sense, Ui};
 use lapidary_core::color::luminance;
 use lapidary_render::{ExplainedNode, PixelExplanation};

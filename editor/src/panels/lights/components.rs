@@ -4,11 +4,7 @@ use super::{LightsContext, LightsPanel};
 use crate::{
     actions::Action,
     document::{Component, ComponentSettings, Document, Edit},
-    panels::{
-        edit_row,
-        entries::combo_row,
-        widgets::{Edited, check_box, note, row},
-    },
+    widgets::{Edited, check_box, edit_row, entries::combo_row, note, row},
 };
 use egui::{Button, RichText, Ui};
 use lapidary_core::{dataset::BakeParts, transport::BounceEnergy};

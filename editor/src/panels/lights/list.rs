@@ -7,7 +7,7 @@ use crate::{
         Edit, EnvironmentSettings, SunChoice,
         lights::{LightKind, color_and_intensity},
     },
-    panels::widgets::{check_box, outline},
+    widgets::{check_box, outline},
 };
 use egui::{
     Align2, Button, Color32, Key, Layout, Rect, Response, RichText, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind,

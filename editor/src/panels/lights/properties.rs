@@ -7,10 +7,10 @@ use crate::{
         Edit,
         lights::{ANGLE_DEGREES, CONE_DEGREES, LightKind, MOST_INTENSITY, SIDES, color_and_intensity, with_kind},
     },
-    panels::{
-        edit_row,
+    widgets::{
+        Edited, Number, color_row, edit_row,
         entries::{Decades, combo_row, decades_row, point_row},
-        widgets::{Edited, Number, color_row, slider_row},
+        slider_row,
     },
 };
 use egui::{Button, Ui};

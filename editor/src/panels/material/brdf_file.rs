@@ -1,7 +1,7 @@
 //! The row of a BRDF's file.
 
 use super::maps::dropped_on;
-use crate::{actions::Action, panels::widgets::wide_row};
+use crate::{actions::Action, widgets::wide_row};
 use egui::{Button, Label, RichText, Ui};
 use lapidary_core::material::Material;
 

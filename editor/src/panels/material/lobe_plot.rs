@@ -1,7 +1,7 @@
 //! The reflection lobe as a polar plot: how much of the light that arrives along one ray leaves in each direction of the
 //! plane of incidence. Drag in the plot to move the light.
 
-use crate::panels::widgets::{Number, choice_row, slider_row};
+use crate::widgets::{Number, choice_row, slider_row};
 use egui::{Color32, Ui};
 use egui_plot::{Line, LineStyle, Plot, PlotPoints};
 use glam::Vec3;

@@ -4,7 +4,7 @@ use super::{Changes, MaterialPanel, patterns};
 use crate::{
     actions::Action,
     document::{Document, TextureEntry},
-    panels::widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
+    widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
 };
 use egui::{
     Align, Button, CollapsingHeader, Label, Layout, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextureHandle,

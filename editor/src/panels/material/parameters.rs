@@ -7,10 +7,7 @@ use super::{
 use crate::{
     actions::Action,
     document::Document,
-    panels::{
-        entries::combo_row,
-        widgets::{Number, color_row, group, note, section, slider_row},
-    },
+    widgets::{Number, color_row, entries::combo_row, group, note, section, slider_row},
 };
 use egui::Ui;
 use lapidary_core::{

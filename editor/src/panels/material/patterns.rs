@@ -3,7 +3,7 @@
 use super::{Changes, maps::Target, new_slot};
 use crate::{
     actions::Action,
-    panels::widgets::{Edited, Number, color_row, slider_row},
+    widgets::{Edited, Number, color_row, slider_row},
 };
 use egui::{Button, Context, TextureHandle, TextureOptions, Ui, containers::menu::MenuButton};
 use glam::Vec3;

@@ -7,7 +7,7 @@ use super::{
     preview_worker::displayed,
     studio,
 };
-use crate::{dragged::Dragged, panels::widgets::check_box};
+use crate::{dragged::Dragged, widgets::check_box};
 use egui::{
     Color32, ColorImage, Context, Rect, Response, Role, Sense, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2,
     vec2,

@@ -4,12 +4,12 @@ use super::SceneContext;
 use crate::{
     actions::Action,
     document::Edit,
-    panels::{
-        edit_row,
-        entries::{Decades, combo_row, decades_row, point_row, turns_row},
-        widgets::{Edited, note, section},
-    },
     viewport::gizmo::{Movable, Pivot, Tool},
+    widgets::{
+        Edited, edit_row,
+        entries::{Decades, combo_row, decades_row, point_row, turns_row},
+        note, section,
+    },
 };
 use egui::Ui;
 use lapidary_core::scene::pose::{MOST_SCALE, Pose};

@@ -1,9 +1,7 @@
 //! The selected objects in a viewport without a window: where drags of their handles lead.
 
-use super::{
-    super::{Pivot, Tool},
-    *,
-};
+use super::*;
+use crate::viewport::gizmo::{Pivot, Tool};
 use lapidary_core::scene::pose::Pose;
 
 /// The right square of the scene, and its centre.

@@ -1,7 +1,7 @@
 //! Messages to the user: notes at the lower right that disappear after reading time, errors that stay until they are
 //! dismissed, and a log that keeps all of them with the time.
 
-use crate::panels::widgets::copyable;
+use crate::widgets::copyable;
 use egui::{
     Align, Align2, Area, Button, Context, Frame, Id, Layout, Order, Rect, RichText, ScrollArea, Ui, Window, vec2,
 };

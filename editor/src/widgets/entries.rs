@@ -1,6 +1,6 @@
 //! Rows for special values: ranges over decades, counts, optional limits, long lists of choices, points.
 
-use super::widgets::{Edited, RowName, check_box, note, number_size, row, row_of, slider_width};
+use super::{Edited, RowName, check_box, note, number_size, row, row_of, slider_width};
 use egui::{
     Align, ComboBox, DragValue, Layout, Response, Slider, TextStyle, TextWrapMode, Ui, WidgetText, emath::Numeric,
 };

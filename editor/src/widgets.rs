@@ -6,9 +6,13 @@
 //! many frames is one step of undo. Every control carries the row's name for screen readers, and tests find it by that.
 
 mod color;
+mod edit_row;
+pub mod entries;
 mod layout;
+pub mod units;
 
 pub use color::color_row;
+pub use edit_row::edit_row;
 pub use layout::{RowName, row, row_of};
 
 use egui::{
