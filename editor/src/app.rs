@@ -13,7 +13,6 @@ mod environments;
 mod explain;
 mod export;
 mod files;
-mod first_view;
 mod frame;
 mod icons;
 mod keys;
@@ -29,7 +28,6 @@ mod perform;
 mod pictures;
 mod prompts;
 mod requests;
-mod selection;
 mod sequence_dialog;
 mod side_panels;
 mod start;
@@ -61,8 +59,8 @@ impl EditorApp {
 
     /// The title names the document, and marks changes.
     fn update_title(&mut self, ui: &Ui) {
-        let mark = if self.state.is_modified() { "*" } else { "" };
-        let title = format!("{mark}{} - Lapidary", self.state.title());
+        let mark = if self.state.work.is_modified() { "*" } else { "" };
+        let title = format!("{mark}{} - Lapidary", self.state.work.title());
         if title != self.title {
             ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;

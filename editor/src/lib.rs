@@ -5,6 +5,7 @@
 
 mod actions;
 mod app;
+mod bounds;
 mod check;
 mod cli;
 mod control_names;
@@ -13,6 +14,7 @@ mod dragged;
 mod edit;
 mod jobs;
 mod messages;
+mod navigation;
 mod panels;
 mod paths;
 mod preferences;
@@ -21,6 +23,7 @@ mod test_support;
 mod typing;
 mod viewport;
 mod widgets;
+mod workspace;
 
 pub use crate::{
     check::{Checked, check},

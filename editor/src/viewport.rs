@@ -21,7 +21,6 @@ mod dropping;
 pub mod gizmo;
 mod input;
 mod legend;
-pub mod navigation;
 mod outline;
 mod paint;
 pub mod pick;

@@ -10,47 +10,44 @@ use lapidary_render::Baked;
 use std::sync::Arc;
 
 impl EditorState {
-    /// What moves in the scene file.
-    pub(super) fn animation(&self) -> Option<&Arc<Animation>> {
-        self.scene.source.as_ref().map_or(&self.scene.animation, |source| &source.animation).as_ref()
-    }
-
     /// Where the document has objects, relative to a bake: by themselves, and at its time of an animation. What cannot be posed in
     /// time stays as it was baked.
     pub(super) fn poses_since(&self, baked: &Baked) -> Poses {
-        let in_time = self.requests.in_time(&self.document, self.animation(), baked);
-        in_time.unwrap_or_else(|_| baked.dataset.scene.poses_since_baked(&self.document.poses))
+        let in_time = self.requests.in_time(&self.work.document, self.work.scene.animation(), baked);
+        in_time.unwrap_or_else(|_| baked.dataset.scene.poses_since_baked(&self.work.document.poses))
     }
 
     /// Why the scene that is seen cannot be posed as its animation says, in words.
     pub(super) fn trouble_in_time(&self) -> Option<String> {
-        let (animation, baked) = self.animation().zip(self.scene.rendered())?;
-        let in_time = || self.requests.in_time(&self.document, Some(animation), baked);
+        let (animation, baked) = self.work.scene.animation().zip(self.work.scene.rendered())?;
+        let in_time = || self.requests.in_time(&self.work.document, Some(animation), baked);
         self.requests.bound(animation, baked).map(drop).and_then(|()| in_time().map(drop)).err()
     }
 
     /// The scene that is seen where its objects are, to be pointed at. While something moves it is that of before.
     pub(super) fn posed(&self, ctx: &Context) -> Option<Baked> {
-        let baked = self.scene.rendered()?;
+        let baked = self.work.scene.rendered()?;
         let is_held = self.interface.timeline.playing || ctx.input(|input| input.pointer.any_down());
         Some(self.requests.posed(self.poses_since(baked), baked, is_held))
     }
 
     /// Goes on without the time of a clip that the scene file does not have, and tells why.
     pub(super) fn drop_lost_clip(&mut self) {
-        let Some((source, time)) = self.scene.source.as_ref().zip(self.document.clip_time.as_ref()) else { return };
-        let no_clips = || AnimationError::NoClips { path: self.document.scene.clone().unwrap_or_default() };
+        let Some((source, time)) = self.work.scene.source.as_ref().zip(self.work.document.clip_time.as_ref()) else {
+            return;
+        };
+        let no_clips = || AnimationError::NoClips { path: self.work.document.scene.clone().unwrap_or_default() };
         let found = source.animation.as_ref().ok_or_else(no_clips).and_then(|all| all.clip(Some(&time.clip)));
         if let Err(error) = found {
-            self.messages.warning(format!("\"{}\" cannot be shown: {error}", time.clip));
-            self.document.clip_time = None;
+            self.work.messages.warning(format!("\"{}\" cannot be shown: {error}", time.clip));
+            self.work.document.clip_time = None;
         }
     }
 
     /// Plays the animation, or stops.
     pub(super) fn toggle_playing(&mut self) {
-        let Some(animation) = self.animation().cloned() else { return };
-        self.interface.timeline.toggle(&mut self.document.clip_time, animation.clips());
+        let Some(animation) = self.work.scene.animation().cloned() else { return };
+        self.interface.timeline.toggle(&mut self.work.document.clip_time, animation.clips());
     }
 
     /// Goes on in time where the animation plays. Nothing plays without one that poses the scene that is seen.
@@ -61,7 +58,7 @@ impl EditorState {
         let stopped = match self.playable() {
             Some(animation) => {
                 let passed = ctx.input(|input| input.stable_dt);
-                self.interface.timeline.advance(&mut self.document.clip_time, animation.clips(), passed)
+                self.interface.timeline.advance(&mut self.work.document.clip_time, animation.clips(), passed)
             }
             None => true,
         };
@@ -70,7 +67,7 @@ impl EditorState {
     }
 
     fn playable(&self) -> Option<Arc<Animation>> {
-        let (animation, baked) = self.animation().zip(self.scene.rendered())?;
+        let (animation, baked) = self.work.scene.animation().zip(self.work.scene.rendered())?;
         self.requests.bound(animation, baked).ok().map(|_| animation.clone())
     }
 }

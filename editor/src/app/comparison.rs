@@ -11,7 +11,7 @@ impl EditorState {
     /// Compares the picture that was asked for last, once nothing moves.
     pub(super) fn compare(&mut self) {
         let panel = &self.interface.comparison;
-        if !panel.open || self.scene.rendered().is_none() {
+        if !panel.open || self.work.scene.rendered().is_none() {
             return self.comparison.end();
         }
         let Some(picture) = self.requests.last_sent().cloned() else { return };
@@ -25,7 +25,7 @@ impl EditorState {
         if self.comparison.jobs().tracing.request(request) {
             self.comparison.forget();
         }
-        self.comparison.measure(panel, self.document.view.post, self.interface.viewport_size);
+        self.comparison.measure(panel, self.work.document.view.post, self.work.viewport_size);
     }
 
     /// Takes what the comparison's threads have made.
@@ -38,7 +38,7 @@ impl EditorState {
                 ComparisonEvent::Test(test) => self.comparison.test = Some(test),
                 ComparisonEvent::Reference(reference) => self.comparison.reference = Some(reference),
                 ComparisonEvent::Failed(text) => self.comparison.trace_problem = Some(text),
-                ComparisonEvent::Remark(text) => self.messages.warning(text),
+                ComparisonEvent::Remark(text) => self.work.messages.warning(text),
             }
         }
         let generation = self.comparison.generation;
@@ -49,7 +49,7 @@ impl EditorState {
     /// Begins or ends the comparison; there must be a picture to begin it.
     pub(super) fn toggle_comparison(&mut self) {
         if !self.interface.comparison.open && !self.can_compare() {
-            self.messages.warning("There is no picture to compare; open and bake a scene first");
+            self.work.messages.warning("There is no picture to compare; open and bake a scene first");
             return;
         }
         let panel = &mut self.interface.comparison;
@@ -66,6 +66,6 @@ impl EditorState {
 
     /// Whether there is a picture to compare.
     pub(super) fn can_compare(&self) -> bool {
-        self.scene.rendered().is_some() && Pictures::shown(&self.pictures).is_some()
+        self.work.scene.rendered().is_some() && Pictures::shown(&self.pictures).is_some()
     }
 }

@@ -1,20 +1,18 @@
 //! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
 
 use super::{
-    files::Written,
-    first_view::FirstView,
     opening::{Opened, Ready, Target},
     state::{
-        EditorState, OpenScene,
+        EditorState,
         baking::{Asker, BakeOrder, From},
         ladder::LadderWindow,
         prompt::{Again, Prompt, Then},
-        selection::Selection,
     },
 };
 use crate::{
     actions::Action,
-    document::{Document, History, library::maps_in, session},
+    document::{History, library::maps_in, session},
+    workspace::{OpenScene, Selection, Written, first_view::FirstView},
 };
 use egui::{Context, ViewportCommand};
 use lapidary_precompute::Leftover;
@@ -23,7 +21,7 @@ use std::path::{Path, PathBuf};
 impl EditorState {
     /// The window closes, after changes were asked about.
     pub(super) fn quit(&mut self, ctx: &Context) {
-        if self.history.is_modified() {
+        if self.work.history.is_modified() {
             self.ask(Prompt::Unsaved { then: Then::Quit });
         } else {
             self.leave_now(ctx, Then::Quit);
@@ -53,34 +51,34 @@ impl EditorState {
     pub fn open_bundled(&mut self, index: usize) {
         match self.bundled.scenes.get(index).cloned() {
             Some(scene) => self.open(Target::Bundled(scene)),
-            None => self.messages.error(
+            None => self.work.messages.error(
                 "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",
             ),
         }
     }
 
     pub(super) fn save(&mut self, ctx: &Context) {
-        match self.scene.session.clone() {
+        match self.work.scene.session.clone() {
             Some(path) => self.save_to(ctx, &path),
             None => self.ask_for_path(Action::SaveAs(None)),
         }
     }
 
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) {
-        if !self.may_write(path, Written::Session) {
+        if !self.work.may_write(path, Written::Session) {
             self.after_save = None;
             return;
         }
-        if let Err(error) = session::save(&self.document, &self.scene.unknown, path) {
+        if let Err(error) = session::save(&self.work.document, &self.work.scene.unknown, path) {
             self.after_save = None;
-            return self.messages.error(error.to_string());
+            return self.work.messages.error(error.to_string());
         }
-        self.history.mark_saved();
+        self.work.history.mark_saved();
         self.forget_autosave();
         self.forget_recovered();
-        self.scene.session = Some(path.to_owned());
+        self.work.scene.session = Some(path.to_owned());
         self.remember(path);
-        self.messages.note(format!("Saved ({})", path.display()));
+        self.work.messages.note(format!("Saved ({})", path.display()));
         if let Some(then) = self.after_save.take() {
             self.leave_now(ctx, then);
         }
@@ -88,15 +86,16 @@ impl EditorState {
 
     pub(super) fn remember(&mut self, path: &Path) {
         if let Err(error) = self.recent.add(path) {
-            self.messages.warning(format!("{error:#}"));
+            self.work.messages.warning(format!("{error:#}"));
         }
     }
 
     pub(super) fn forget_recent(&mut self, path: &Path) {
-        self.messages
+        self.work
+            .messages
             .warning(format!("The file is not there any more; it was taken off the list ({})", path.display()));
         if let Err(error) = self.recent.remove(path) {
-            self.messages.warning(format!("{error:#}"));
+            self.work.messages.warning(format!("{error:#}"));
         }
     }
 
@@ -104,21 +103,21 @@ impl EditorState {
         let Some(result) = self.opening.as_ref().and_then(|opening| opening.poll()) else { return };
         self.opening = None;
         match result {
-            Ok(Opened::Ready(ready)) if self.history.is_modified() => {
+            Ok(Opened::Ready(ready)) if self.work.history.is_modified() => {
                 self.ask(Prompt::Unsaved { then: Then::Show(ready) });
             }
             Ok(Opened::Ready(ready)) => self.take_document(*ready),
             Ok(Opened::Missing { loaded, path, recovery, found }) => {
                 if let Some(found) = found {
                     let missing = loaded.missing.len();
-                    self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
+                    self.work.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
                 }
                 self.ask(Prompt::Missing { loaded, path, recovery });
             }
             Ok(Opened::Outside { target, scene, names }) => {
                 self.ask(Prompt::Outside { file: scene, names, then: Again::Open(*target) });
             }
-            Err(error) => self.messages.error(error),
+            Err(error) => self.work.messages.error(error),
         }
     }
 
@@ -144,14 +143,14 @@ impl EditorState {
         self.ladder = LadderWindow::default();
         self.loader.forget_document();
         self.loading.clear();
-        self.document = document;
-        self.history = if recovery.is_some() { History::unsaved() } else { History::new() };
+        self.work.document = document;
+        self.work.history = if recovery.is_some() { History::unsaved() } else { History::new() };
         self.recovered = recovery;
         // The cameras of sessions and of recovered work are as they were left.
         let is_kept = session.is_some() || self.recovered.is_some();
-        let first_view = Some(FirstView::of(&self.document, is_kept));
+        let first_view = Some(FirstView::of(&self.work.document, is_kept));
         let show_stale = false;
-        self.scene = OpenScene {
+        self.work.scene = OpenScene {
             baked,
             preview,
             source,
@@ -167,17 +166,17 @@ impl EditorState {
         self.interface.timeline.playing = false;
         self.interface.lights.forget_document();
         self.interface.material.forget_document();
-        self.selection =
-            Selection { material: (!self.document.materials.is_empty()).then_some(0), ..Selection::default() };
+        self.work.selection =
+            Selection { material: (!self.work.document.materials.is_empty()).then_some(0), ..Selection::default() };
         self.reset_camera();
         self.pictures.clear();
         self.requests.forget();
-        let name = self.title();
-        self.messages.warnings(&name, &warnings);
+        let name = self.work.title();
+        self.work.messages.warnings(&name, &warnings);
         self.drop_lost_clip();
         recent.into_iter().for_each(|path| self.remember(&path));
-        if lacks_bake && self.preferences.bakes_scenes && self.scene.source.is_some() {
-            let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() == Leftover::Fitting);
+        if lacks_bake && self.work.preferences.bakes_scenes && self.work.scene.source.is_some() {
+            let (has_draft, has_chunks) = (self.work.scene.baked.is_some(), self.leftover() == Leftover::Fitting);
             let from = if has_draft && has_chunks { From::Checkpoint } else { From::Beginning };
             self.bake(BakeOrder { asked_by: Asker::Nobody, from, draft_first: !has_draft });
         }
@@ -205,16 +204,9 @@ impl EditorState {
             let moved = self.library.remove(&entry.path).and_then(|()| self.library.add(std::slice::from_ref(map)));
             match moved {
                 Ok(_) => found += 1,
-                Err(error) => self.messages.error(format!("{error:#}")),
+                Err(error) => self.work.messages.error(format!("{error:#}")),
             }
         }
-        self.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
-    }
-
-    /// Title of the window.
-    pub fn title(&self) -> String {
-        let Document { scene, dataset, .. } = &self.document;
-        let path = self.scene.session.as_ref().or(scene.as_ref()).or(dataset.as_ref());
-        path.and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
+        self.work.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
     }
 }

@@ -22,7 +22,8 @@ impl EditorState {
         for path in dropped {
             match kind_of(&path) {
                 Kind::Scene | Kind::Dataset | Kind::Session if opened => {
-                    self.messages
+                    self.work
+                        .messages
                         .warning(format!("One scene is open at a time; this one was left out ({})", path.display()));
                 }
                 Kind::Scene | Kind::Dataset | Kind::Session => {
@@ -39,7 +40,7 @@ impl EditorState {
                     path: Some(path),
                 }),
                 Kind::Lights => actions.push(Action::LoadLights(Some(path))),
-                Kind::Unknown => self.messages.error(foreign(&path)),
+                Kind::Unknown => self.work.messages.error(foreign(&path)),
             }
         }
     }
@@ -53,14 +54,15 @@ impl EditorState {
         actions: &mut Vec<Action>,
         action: impl FnOnce(usize, PathBuf) -> Action,
     ) {
-        match self.material_under_pointer(ctx, laid).or(self.selection.material) {
+        match self.material_under_pointer(ctx, laid).or(self.work.selection.material) {
             Some(material) => {
-                self.selection.material = Some(material);
+                self.work.selection.material = Some(material);
                 actions.push(action(material, path));
             }
-            None => {
-                self.messages.error(format!("Drop it on an object, or select a material first ({})", path.display()))
-            }
+            None => self
+                .work
+                .messages
+                .error(format!("Drop it on an object, or select a material first ({})", path.display())),
         }
     }
 
@@ -68,13 +70,13 @@ impl EditorState {
         let rect = laid.viewport.rect;
         // Some systems tell no position while files are dragged; then there is none, or an old one outside.
         let pointer = ctx.input(|i| i.pointer.latest_pos()).filter(|p| rect.contains(*p))?;
-        let baked = self.scene.rendered()?;
+        let baked = self.work.scene.rendered()?;
         let baked = self.requests.posed(self.poses_since(baked), baked, false);
         let size = laid.viewport.size_px;
         let share = (pointer - rect.min) / rect.size();
         let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);
         let mesh = &baked.dataset.scene.mesh;
-        let (scene, document) = ((mesh, baked.intersector_if_ready()?), &self.document);
+        let (scene, document) = ((mesh, baked.intersector_if_ready()?), &self.work.document);
         pick::pick(scene, document.bake.ground, &document.camera, pixel, size)
             .map(|picked| document.material_of(picked.part()))
     }

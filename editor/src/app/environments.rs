@@ -8,7 +8,7 @@ use std::sync::Arc;
 impl EditorState {
     /// Loads the map that the document names, unless that was tried already.
     pub(super) fn load_environment(&mut self) {
-        let spec = &self.document.environment.spec;
+        let spec = &self.work.document.environment.spec;
         if self.environments.asked.as_ref() != Some(spec) {
             self.environments.asked = Some(spec.clone());
             self.loader.load(Topic::Environment, Source::Environment(spec.clone()));
@@ -19,12 +19,12 @@ impl EditorState {
     pub(super) fn environment_loaded(&mut self, result: Result<(Arc<Environment>, Vec<String>), String>) {
         match result {
             Ok((environment, warnings)) => {
-                self.messages.warnings("Environment", &warnings);
+                self.work.messages.warnings("Environment", &warnings);
                 self.environments.problem = None;
                 self.environments.loaded = Some(environment);
             }
             Err(error) => {
-                self.messages.error(&error);
+                self.work.messages.error(&error);
                 self.environments.problem = Some(error);
                 if self.environments.loaded.is_none() {
                     self.fall_back_to_studio();

@@ -23,7 +23,7 @@ impl EditorState {
         (self.explain.explained, self.explain.job, self.explain.message) = (None, None, None);
         self.explain.picture = self.picture_to_explain();
         match self.explain.picture.clone() {
-            Some(picture) => self.explain.job = Some(ExplainJob::pixel(picture, pixel, self.wake.clone())),
+            Some(picture) => self.explain.job = Some(ExplainJob::pixel(picture, pixel, self.work.wake.clone())),
             None => self.explain.message = Some("The picture has no light that is gathered by cuts".into()),
         }
     }
@@ -57,7 +57,7 @@ impl EditorState {
         let size = picture.look.view.size;
         let drawn = self.interface.comparison.region_of(size);
         let region = drawn.unwrap_or_else(|| Region::around(pixel, AROUND, size));
-        self.explain.splitting = Some(ExplainJob::split(picture, region, self.wake.clone()));
+        self.explain.splitting = Some(ExplainJob::split(picture, region, self.work.wake.clone()));
     }
 
     /// Shows the window, while it is open. Closing it ends the work.
@@ -70,7 +70,7 @@ impl EditorState {
             return;
         }
         let has_both = self.pictures.shown().is_some_and(|shown| shown.local.sources().is_some())
-            && self.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+            && self.work.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
         let outdated = self.explanation_is_outdated();
         let window = &mut self.explain;
         let before = window.tree;

@@ -1,20 +1,19 @@
 //! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
 
 use super::{
-    files::Written,
     sequence_dialog::{SequenceAnswer, SequenceDialog},
     state::{EditorState, exporting::Run},
 };
-use crate::{actions::Action, document::folder_of};
+use crate::{actions::Action, document::folder_of, workspace::Written};
 use egui::Context;
 use lapidary_core::{materialx::Surface, scene::Scene};
 use lapidary_render::{Baked, Look};
-use lapidary_studies::jobs::export::{ExportMessage, ExportRun, ExportTask};
 use lapidary_studies::{
     export::{
         LayerList, has_extension,
         materials::{MaterialExport, summary},
     },
+    jobs::export::{ExportMessage, ExportRun, ExportTask},
     outputs::CommandFiles,
     terminal::error_text,
 };
@@ -34,15 +33,15 @@ const KEEPS_PARTS: &str = "Surfaces that were given other materials have those o
 impl EditorState {
     /// The picture that is exported, and its scene; `None` while there is none.
     fn exported(&mut self) -> Option<(Look, Baked)> {
-        let baked = self.scene.rendered()?.clone();
-        Some((self.look(self.interface.viewport_size)?, baked))
+        let baked = self.work.scene.rendered()?.clone();
+        Some((self.look(self.work.viewport_size)?, baked))
     }
 
     /// Opens the dialog for sequences.
     pub(super) fn describe_sequence(&mut self) {
-        let Some((look, _)) = self.exported() else { return self.messages.error(NOTHING) };
-        let document = &self.document;
-        let open = self.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
+        let Some((look, _)) = self.exported() else { return self.work.messages.error(NOTHING) };
+        let document = &self.work.document;
+        let open = self.work.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
         let folder = open.map_or_else(|| PathBuf::from("."), folder_of);
         self.exporting.dialog = Some(SequenceDialog::new(&look, &folder));
     }
@@ -85,7 +84,7 @@ impl EditorState {
             anyhow::bail!(UNDER_WAY);
         }
         let task = dialog.task(look)?;
-        task.command_files(CommandFiles::default().reads(self.inputs(Written::Other))).check()?;
+        task.command_files(CommandFiles::default().reads(self.work.inputs(Written::Other))).check()?;
         let prepared = task.prepare(&baked.dataset)?;
         self.start_export(ExportTask::Sequence { task, prepared }, baked);
         Ok(())
@@ -94,54 +93,54 @@ impl EditorState {
     /// Writes the picture with all layers that it has.
     pub(super) fn export_layers(&mut self, path: PathBuf) {
         if self.exporting.is_running() {
-            return self.messages.note(UNDER_WAY);
+            return self.work.messages.note(UNDER_WAY);
         }
-        let Some((look, baked)) = self.exported() else { return self.messages.error(NOTHING) };
-        if !self.may_write(&path, Written::Other) {
+        let Some((look, baked)) = self.exported() else { return self.work.messages.error(NOTHING) };
+        if !self.work.may_write(&path, Written::Other) {
             return;
         }
         match LayerList::All.of(&look) {
             Ok(layers) => self.start_export(ExportTask::Layers { look: look.into(), layers, path }, baked),
-            Err(error) => self.messages.error(error_text(&error)),
+            Err(error) => self.work.messages.error(error_text(&error)),
         }
     }
 
     /// Writes the materials of the document. A glTF scene is written with the materials in place of its own.
     pub(super) fn export_materials(&mut self, path: PathBuf) {
-        let Some(baked) = self.scene.rendered().cloned() else { return self.messages.error(NOTHING) };
+        let Some(baked) = self.work.scene.rendered().cloned() else { return self.work.messages.error(NOTHING) };
         let is_gltf = |path: &Path| has_extension(path, "gltf") || has_extension(path, "glb");
-        let original = self.document.scene.clone().filter(|scene| is_gltf(scene) && is_gltf(&path));
+        let original = self.work.document.scene.clone().filter(|scene| is_gltf(scene) && is_gltf(&path));
         let export = MaterialExport { path, surface: Surface::default(), original };
         let written = export
-            .files(CommandFiles::default().reads(self.inputs(Written::Other)))
+            .files(CommandFiles::default().reads(self.work.inputs(Written::Other)))
             .check()
             .and_then(|()| export.write(&self.scene_of_document(&baked)));
         match written {
             Ok(exported) => {
                 let text = format!("Materials written: {}", summary(&exported, &export.path));
-                exported.remarks.into_iter().for_each(|remark| self.messages.warning(remark));
-                if export.original.is_some() && !self.document.assigned.is_empty() {
-                    self.messages.warning(KEEPS_PARTS);
+                exported.remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
+                if export.original.is_some() && !self.work.document.assigned.is_empty() {
+                    self.work.messages.warning(KEEPS_PARTS);
                 }
-                self.messages.note(text);
+                self.work.messages.note(text);
             }
-            Err(error) => self.messages.error(error_text(&error)),
+            Err(error) => self.work.messages.error(error_text(&error)),
         }
     }
 
     /// The scene with the materials and textures as they are edited.
     fn scene_of_document(&self, baked: &Baked) -> Scene {
-        let textures = self.document.shared_textures();
-        let materials = self.document.materials.clone();
+        let textures = self.work.document.shared_textures();
+        let materials = self.work.document.materials.clone();
         let mut scene = Scene { materials, textures, part_opacities: Vec::new(), ..baked.dataset.scene.clone() };
-        if let Some(assigned) = self.document.assigned_to(&scene.mesh) {
+        if let Some(assigned) = self.work.document.assigned_to(&scene.mesh) {
             scene.mesh.triangle_material = assigned.to_vec();
         }
         scene
     }
 
     fn start_export(&mut self, task: ExportTask, baked: Baked) {
-        let job = ExportRun::start(task, baked, self.factory.clone(), self.wake.clone());
+        let job = ExportRun::start(task, baked, self.work.factory.clone(), self.work.wake.clone());
         self.exporting.run = Some(Run { job, since: None, cancelling: false });
     }
 
@@ -160,16 +159,16 @@ impl EditorState {
         }
         for message in run.job.messages() {
             match message {
-                ExportMessage::Remark(text) => self.messages.warning(text),
+                ExportMessage::Remark(text) => self.work.messages.warning(text),
                 ExportMessage::Done(text) | ExportMessage::Cancelled(text) => {
                     self.exporting.run = None;
-                    self.messages.withdraw(UNDER_WAY);
-                    self.messages.note(text);
+                    self.work.messages.withdraw(UNDER_WAY);
+                    self.work.messages.note(text);
                 }
                 ExportMessage::Failed(text) => {
                     self.exporting.run = None;
-                    self.messages.withdraw(UNDER_WAY);
-                    self.messages.error(format!("The export failed: {text}"));
+                    self.work.messages.withdraw(UNDER_WAY);
+                    self.work.messages.error(format!("The export failed: {text}"));
                 }
             }
         }

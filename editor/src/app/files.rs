@@ -10,6 +10,7 @@ use crate::{
     jobs::load::{LoadResult, Loaded, Source, Topic},
     panels::material::new_slot,
     preferences::AllowedFolders,
+    workspace::{Written, brdf_files, files_in_use},
 };
 use anyhow::{Context as _, Result};
 use lapidary_core::{
@@ -18,7 +19,7 @@ use lapidary_core::{
     input,
     material::{BUMP, BrdfModel, Material, NORMAL, map_label},
     materialx::{self, Surface},
-    output::{check_output, write_atomically},
+    output::write_atomically,
     texture::{Texture, TextureSlot},
 };
 use lapidary_studies::args::shader_source;
@@ -27,17 +28,6 @@ use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
-
-/// What is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Written {
-    /// The session, whose file it may replace.
-    Session,
-    /// A bake, which may replace the one before.
-    Dataset,
-    /// Something that the document does not read.
-    Other,
-}
 
 impl EditorState {
     /// Begins to read a file.
@@ -52,17 +42,17 @@ impl EditorState {
             match (topic, result) {
                 (Topic::Environment, result) => self.environment_loaded(result.and_then(into_environment)),
                 (Topic::Reload(path), result) => self.reloaded(&path, result),
-                (_, Err(error)) => self.messages.error(error),
+                (_, Err(error)) => self.work.messages.error(error),
                 (Topic::Map { material, map }, Ok(Loaded::Texture(texture))) => {
                     self.use_texture(material, map, texture, path);
                 }
                 (Topic::Brdf(index), Ok(Loaded::Brdf { content, remarks })) => {
-                    remarks.into_iter().for_each(|remark| self.messages.warning(remark));
+                    remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
                     path.into_iter()
                         .for_each(|path| self.use_brdf(index, BrdfFile { path, content: Some(content.clone()) }));
                 }
                 (Topic::Material(index), Ok(Loaded::Material { material, textures, given, warnings })) => {
-                    warnings.into_iter().for_each(|warning| self.messages.warning(warning));
+                    warnings.into_iter().for_each(|warning| self.work.messages.warning(warning));
                     self.use_material(index, *material, &textures[given..], given, path);
                 }
                 (Topic::Material(material), Ok(Loaded::Several(names))) => {
@@ -81,25 +71,25 @@ impl EditorState {
 
     /// Gives a material a map, as a step of undo.
     fn use_texture(&mut self, index: usize, map: &'static str, texture: Arc<Texture>, file: Option<PathBuf>) {
-        let Some(mut material) = self.document.materials.get(index).cloned() else { return };
-        self.document.textures.push(TextureEntry { texture, file });
-        let texture = (self.document.textures.len() - 1) as u32;
+        let Some(mut material) = self.work.document.materials.get(index).cloned() else { return };
+        self.work.document.textures.push(TextureEntry { texture, file });
+        let texture = (self.work.document.textures.len() - 1) as u32;
         let slot = match material.maps.get(map) {
             Some(old) => TextureSlot { texture, procedural: None, ..old.clone() },
             None => new_slot(map, texture),
         };
         material.maps.set(map, Some(slot));
-        self.edit_material(index, material, map_label(map));
+        self.work.do_step(Edit::Material { index, material: material.into() }, map_label(map));
     }
 
     /// Gives a material the BRDF of a file, as a step of undo.
     fn use_brdf(&mut self, index: usize, file: BrdfFile) {
-        let Some(mut material) = self.document.materials.get(index).cloned() else { return };
+        let Some(mut material) = self.work.document.materials.get(index).cloned() else { return };
         if let Some(content) = &file.content {
             material.change_model(content.kind().model());
         }
         material.file = Some(file);
-        self.edit_material(index, material, "Load BRDF");
+        self.work.do_step(Edit::Material { index, material: material.into() }, "Load BRDF");
     }
 
     /// `added` are the textures that the material refers to after the first `given` ones of the document, which may
@@ -113,88 +103,63 @@ impl EditorState {
         file: Option<PathBuf>,
     ) {
         let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let since = self.document.textures.len().saturating_sub(given);
+        let since = self.work.document.textures.len().saturating_sub(given);
         for slot in material.maps.slots_mut().filter(|slot| slot.texture as usize >= given) {
             slot.texture += since as u32;
         }
         for texture in added {
             let (texture, path) = (texture.clone(), folder.join(&texture.name));
-            self.document.textures.push(TextureEntry { texture, file: path.is_file().then_some(path) });
+            self.work.document.textures.push(TextureEntry { texture, file: path.is_file().then_some(path) });
         }
-        let Some(old) = self.document.materials.get(index) else { return };
+        let Some(old) = self.work.document.materials.get(index) else { return };
         // Which sides reflect was baked.
         let material = Material { double_sided: old.double_sided, ..material };
-        self.edit_material(index, material, "Load material");
-    }
-
-    fn edit_material(&mut self, index: usize, material: Material, label: &'static str) {
-        self.history.end_gesture();
-        let edit = Edit::Material { index, material: Box::new(material) };
-        self.history.apply(&mut self.document, edit, label);
-        self.history.end_gesture();
+        self.work.do_step(Edit::Material { index, material: material.into() }, "Load material");
     }
 
     pub(super) fn save_material(&mut self, index: usize, path: &Path) {
-        if !self.may_write(path, Written::Other) {
+        if !self.work.may_write(path, Written::Other) {
             return;
         }
-        let Some(material) = self.document.materials.get(index) else { return };
-        let (file, left_out) = material_file(material, &self.document, path);
+        let Some(material) = self.work.document.materials.get(index) else { return };
+        let (file, left_out) = material_file(material, &self.work.document, path);
         let written = write_material(&file, path);
         let remarks = written.as_ref().map_or(Vec::new(), Clone::clone);
-        remarks.into_iter().for_each(|remark| self.messages.warning(remark));
+        remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
         match written {
-            Ok(_) if left_out == 0 => self.messages.note(format!("Material written ({})", path.display())),
-            Ok(_) => self.messages.warning(format!(
+            Ok(_) if left_out == 0 => self.work.messages.note(format!("Material written ({})", path.display())),
+            Ok(_) => self.work.messages.warning(format!(
                 "Material written without {left_out} maps that came inside the scene's file; load pictures of their own for \
                  them first ({})",
                 path.display()
             )),
-            Err(error) => self.messages.error(format!("{error:#}")),
+            Err(error) => self.work.messages.error(format!("{error:#}")),
         }
-    }
-
-    /// Whether a file can be written without a loss; says why not.
-    pub(super) fn may_write(&mut self, path: &Path, what: Written) -> bool {
-        let inputs = self.inputs(what);
-        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        let checked = check_output(path, &inputs);
-        if let Err(error) = &checked {
-            self.messages.error(error.to_string());
-        }
-        checked.is_ok()
-    }
-
-    /// Files that are lost if something is written over them that is no successor of theirs.
-    pub(super) fn inputs(&self, what: Written) -> Vec<PathBuf> {
-        let dataset =
-            [&self.document.dataset, &self.scene.bake_output].into_iter().filter(|_| what != Written::Dataset);
-        let session = [&self.scene.session].into_iter().filter(|_| what != Written::Session);
-        files_in_use(&self.document).into_iter().chain(dataset.chain(session).flatten().cloned()).collect()
     }
 
     /// Watches the files in use, and reads those again that have changed.
     pub(super) fn collect_changed_files(&mut self) {
-        let files: Vec<PathBuf> = files_in_use(&self.document).into_iter().chain(shader_source().files()).collect();
+        let files: Vec<PathBuf> =
+            files_in_use(&self.work.document).into_iter().chain(shader_source().files()).collect();
         if files != self.watched {
             self.watcher.watch(files.clone());
             self.watched = files;
         }
         for path in self.watcher.changed() {
-            let is_brdf = brdf_files(&self.document).any(|file| file.path == path);
+            let is_brdf = brdf_files(&self.work.document).any(|file| file.path == path);
             if !is_brdf && path.extension().is_some_and(|e| e == "wgsl") {
                 self.render.reload();
                 continue;
             }
-            let spec = &self.document.environment.spec;
-            let source = if self.document.environment.file() == Some(&path) {
+            let spec = &self.work.document.environment.spec;
+            let source = if self.work.document.environment.file() == Some(&path) {
                 self.environments.forget_picture(spec);
                 Source::Environment(spec.clone())
-            } else if self.document.scene.as_ref() == Some(&path) {
-                Source::Scene { path: path.clone(), allow_outside: self.preferences.outside.allow(&path) }
+            } else if self.work.document.scene.as_ref() == Some(&path) {
+                Source::Scene { path: path.clone(), allow_outside: self.work.preferences.outside.allow(&path) }
             } else if is_brdf {
                 Source::Brdf(path.clone())
-            } else if may_be_read(&path, &self.document, &self.preferences.outside) {
+            } else if may_be_read(&path, &self.work.document, &self.work.preferences.outside) {
                 Source::Texture(path.clone())
             } else {
                 continue;
@@ -207,30 +172,31 @@ impl EditorState {
     fn reloaded(&mut self, path: &Path, result: Result<Loaded, String>) {
         match result {
             Ok(Loaded::Texture(texture)) => {
-                let files: Vec<_> = self.document.textures.iter().map(|e| self.document.file_of(e)).collect();
-                let of_file = self.document.textures.iter_mut().zip(files).filter(|(_, f)| f.as_deref() == Some(path));
+                let files: Vec<_> = self.work.document.textures.iter().map(|e| self.work.document.file_of(e)).collect();
+                let of_file =
+                    self.work.document.textures.iter_mut().zip(files).filter(|(_, f)| f.as_deref() == Some(path));
                 for (entry, _) in of_file {
                     // The scene knows it by this name.
                     let name = entry.texture.name.clone();
                     entry.texture = Texture { name, ..(*texture).clone() }.into();
                 }
-                self.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Loaded again ({})", path.display()));
             }
             Ok(Loaded::Brdf { content, remarks }) => {
-                remarks.into_iter().for_each(|remark| self.messages.warning(remark));
-                let materials = self.document.materials.iter_mut().chain(self.history.materials_mut());
+                remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
+                let materials = self.work.document.materials.iter_mut().chain(self.work.history.materials_mut());
                 let files = materials.filter_map(|material| material.file.as_mut());
                 files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
-                self.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Loaded again ({})", path.display()));
             }
             Ok(Loaded::Scene(source)) => self.scene_changed(path, *source),
             // Another one may have been chosen meanwhile.
-            Ok(_) if self.document.environment.file() != Some(path) => {}
+            Ok(_) if self.work.document.environment.file() != Some(path) => {}
             Ok(loaded) => {
                 self.environment_loaded(into_environment(loaded));
-                self.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Loaded again ({})", path.display()));
             }
-            Err(error) => self.messages.warning(format!("A file has changed and cannot be read now: {error}")),
+            Err(error) => self.work.messages.warning(format!("A file has changed and cannot be read now: {error}")),
         }
     }
 }
@@ -242,23 +208,6 @@ fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
         Loaded::Environment { environment, warnings } => Ok((environment, warnings)),
         _ => Err("that is no environment".into()),
     }
-}
-
-/// Files that the document's scene, materials and light are made of, each once.
-fn files_in_use(document: &Document) -> Vec<PathBuf> {
-    let slots = document.materials.iter().flat_map(|m| m.maps.slots());
-    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
-    let environment = document.environment.file().map(Path::to_owned);
-    let brdfs = brdf_files(document).map(|file| file.path.clone());
-    let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environment).chain(document.scene.clone()).collect();
-    files.sort();
-    files.dedup();
-    files
-}
-
-/// The files of materials' BRDFs.
-fn brdf_files(document: &Document) -> impl Iterator<Item = &BrdfFile> {
-    document.materials.iter().filter_map(|material| material.file.as_ref())
 }
 
 /// Whether a picture was chosen by the user, is in the folder of the scene, or may be elsewhere.

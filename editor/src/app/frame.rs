@@ -17,13 +17,13 @@ impl EditorState {
     /// One frame: results of jobs, the interface, its requests, and the next request to the render thread.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        if self.themed.as_ref() != Some(&self.preferences) {
-            theme::apply(&ctx, &self.preferences);
-            self.themed = Some(self.preferences.clone());
+        if self.themed.as_ref() != Some(&self.work.preferences) {
+            theme::apply(&ctx, &self.work.preferences);
+            self.themed = Some(self.work.preferences.clone());
         }
         self.note_window_size(&ctx);
         self.collect(&ctx);
-        self.bounds.update(self.posed(&ctx).as_ref(), self.selection.objects());
+        self.work.bounds.update(self.posed(&ctx).as_ref(), self.work.selection.objects());
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
         let escape_is_taken = escape_is_taken(&ctx);
@@ -34,7 +34,7 @@ impl EditorState {
         self.show_explanation(&ctx);
         prompts::show(&ctx, self, &mut actions);
         self.show_sequence_dialog(&ctx, &mut actions);
-        self.messages.show(&ctx, laid.viewport.rect);
+        self.work.messages.show(&ctx, laid.viewport.rect);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
             // What is on the screen is from before the actions.
@@ -64,8 +64,8 @@ impl EditorState {
             return;
         }
         let mut actions = Vec::new();
-        if self.scene.rendered().is_some() {
-            viewport::turn_environment(ctx, &self.document, &mut actions);
+        if self.work.scene.rendered().is_some() {
+            viewport::turn_environment(ctx, &self.work.document, &mut actions);
         }
         let commands = keys::pressed(ctx);
         if !commands.is_empty() || !actions.is_empty() {
@@ -102,7 +102,7 @@ impl EditorState {
 
     /// Remembers how large the window is, for the next start.
     fn note_window_size(&mut self, ctx: &egui::Context) {
-        let scale = self.preferences.ui_scale;
+        let scale = self.work.preferences.ui_scale;
         self.window_size = ctx.input(|i| {
             let window = i.viewport();
             let fills = window.maximized == Some(true) || window.fullscreen == Some(true);
@@ -119,7 +119,7 @@ impl EditorState {
             self.after_save = None;
         }
         if let Some((files, folder)) = self.dialogs.left() {
-            let mut preferences = self.preferences.clone();
+            let mut preferences = self.work.preferences.clone();
             preferences.folders.remember(files, &folder);
             actions.push(Action::Preferences(preferences));
         }
@@ -165,17 +165,23 @@ impl EditorState {
 
     /// Writes the document aside when it is time, and comes back for it.
     fn keep_safe(&mut self, ctx: &egui::Context) {
-        let session = self.scene.session.as_deref();
-        let tick = self.autosave.tick(Instant::now(), &self.document, &self.history, &self.scene.unknown, session);
+        let session = self.work.scene.session.as_deref();
+        let tick = self.autosave.tick(
+            Instant::now(),
+            &self.work.document,
+            &self.work.history,
+            &self.work.scene.unknown,
+            session,
+        );
         match tick {
             Ok(true) => {
-                self.autosaved = self.history.revision();
+                self.autosaved = self.work.history.revision();
                 self.forget_recovered();
             }
             Ok(false) => {}
-            Err(error) => self.messages.error(format!("The autosave failed: {error}")),
+            Err(error) => self.work.messages.error(format!("The autosave failed: {error}")),
         }
-        if self.history.is_modified() && self.autosaved != self.history.revision() {
+        if self.work.history.is_modified() && self.autosaved != self.work.history.revision() {
             ctx.request_repaint_after(AUTOSAVE_INTERVAL);
         }
     }
@@ -185,14 +191,14 @@ impl EditorState {
         if let Some(recovered) = self.recovered.take()
             && let Err(error) = recovered.discard()
         {
-            self.messages.warning(format!("An autosave cannot be removed: {error}"));
+            self.work.messages.warning(format!("An autosave cannot be removed: {error}"));
         }
     }
 
     /// Begins with another document.
     pub(super) fn forget_autosave(&mut self) {
         if let Err(error) = self.autosave.finish() {
-            self.messages.warning(error.to_string());
+            self.work.messages.warning(error.to_string());
         }
         self.autosaved = 0;
     }
@@ -201,9 +207,9 @@ impl EditorState {
     pub fn finish(&mut self) {
         self.forget_autosave();
         if let Some(size) = self.window_size {
-            self.preferences.window_size = size;
+            self.work.preferences.window_size = size;
         }
-        if let Err(error) = self.preferences.save(&self.folders.config) {
+        if let Err(error) = self.work.preferences.save(&self.work.folders.config) {
             eprintln!("warning: {error:#}");
         }
     }

@@ -1,6 +1,6 @@
 //! The keyboard: one table of commands with their keys, from which menus, the keyboard map and the handling are made.
 
-use crate::viewport::{gizmo::Tool, navigation::AxisView};
+use crate::{navigation::AxisView, viewport::gizmo::Tool};
 use egui::{Context, Event, Grid, Key, KeyboardShortcut, Modal, Modifiers, RichText, ScrollArea, Ui};
 use lapidary_render::ViewMode;
 

@@ -13,10 +13,10 @@ impl EditorState {
     /// Begins to climb for the picture that is shown.
     pub(super) fn start_ladder(&mut self) {
         let Some(picture) = self.requests.last_sent().filter(|_| self.can_compare()).cloned() else {
-            self.messages.warning("There is no picture to try cut sizes on; open and bake a scene first");
+            self.work.messages.warning("There is no picture to try cut sizes on; open and bake a scene first");
             return;
         };
-        let job = LadderJob::start(self.factory.clone(), picture.baked, picture.look, self.wake.clone());
+        let job = LadderJob::start(self.work.factory.clone(), picture.baked, picture.look, self.work.wake.clone());
         self.ladder = LadderWindow { job: Some(job), result: LadderResult::default(), open: true };
         self.hold_for_ladder();
     }
@@ -31,14 +31,14 @@ impl EditorState {
 
     /// Other cuts, as a step of undo: then the viewport shows the picture that was chosen.
     pub(super) fn use_cuts(&mut self, cuts: Cuts) {
-        let before = self.document.view.clone();
+        let before = self.work.document.view.clone();
         let settings = ViewSettings {
             sampling: cuts.sampling(),
             illum_cut: cuts.size().unwrap_or(before.illum_cut),
             tau: cuts.tau().unwrap_or(before.tau),
             ..before
         };
-        self.do_step(Edit::View(settings), if cuts.size().is_some() { "Light cut" } else { "Lit cuts" });
+        self.work.do_step(Edit::View(settings), if cuts.size().is_some() { "Light cut" } else { "Lit cuts" });
     }
 
     /// Takes what was found, and shows it. Closing the window ends the work.
@@ -55,7 +55,7 @@ impl EditorState {
             return;
         }
         window.result.progress = window.job.as_ref().map(LadderJob::progress);
-        let current = self.document.view.cuts();
+        let current = self.work.document.view.cuts();
         let shown = Window::new("Which cut size is enough?")
             .open(&mut window.open)
             .default_size(ladder::SIZE)

@@ -6,13 +6,7 @@ use super::{
     menus, notice,
     requests::illumination,
     side_panels::{self, Edge},
-    state::{
-        EditorState, OpenScene,
-        baking::Seen,
-        environments::Environments,
-        interface::{Inspector, Interface, Side},
-        pictures::Pictures,
-    },
+    state::{EditorState, baking::Seen, environments::Environments, pictures::Pictures},
     status, toolbar,
 };
 use crate::{
@@ -35,6 +29,7 @@ use crate::{
         compare::Compared,
         gizmo::{Movable, Subject},
     },
+    workspace::{Inspector, OpenScene, Side, Tabs},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{lights::Light, material::Material};
@@ -61,13 +56,13 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
     let menus = Panel::top("menus").show(ui, |ui| menus::show(ui, state, actions));
     let menus = menus.inner.then_some(menus.response.rect);
     Panel::bottom("status").show(ui, |ui| status::show(ui, state));
-    let sides = if state.interface.panels_hidden {
+    let sides = if state.work.tabs.panels_hidden {
         None
     } else {
         Panel::top("tools").show(ui, |ui| toolbar::show(ui, state, actions));
         Some(if side_panels::are_strips(ui.ctx()) { show_strips(ui, state) } else { show_columns(ui, state, actions) })
     };
-    let is_scrubbing = !state.interface.panels_hidden && show_timeline(ui, state, actions);
+    let is_scrubbing = !state.work.tabs.panels_hidden && show_timeline(ui, state, actions);
     if state.interface.comparison.open {
         // Its height does not depend on its contents: another size of the viewport would restart the reference.
         let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
@@ -83,8 +78,8 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         None => {}
     }
     viewport.moving |= is_scrubbing;
-    viewport.size_px = state.interface.settled_size(ui.ctx(), viewport.size_px);
-    state.interface.viewport_size = viewport.size_px;
+    viewport.size_px = state.interface.settled_size(ui.ctx(), state.work.viewport_size, viewport.size_px);
+    state.work.viewport_size = viewport.size_px;
     if state.interface.keys_open {
         state.interface.keys_open = keys::show_map(ui.ctx());
     }
@@ -104,24 +99,32 @@ fn drag_edges(ui: &Ui, rects: [Rect; 2], state: &mut EditorState, actions: &mut 
     let ended = Edge::BOTH.map(|edge| side_panels::drag_edge(ui, edge, panels, rects[edge as usize]));
     if ended.contains(&true) {
         let [side_width, inspector_width] = panels.widths;
-        actions.push(Action::Preferences(Preferences { side_width, inspector_width, ..state.preferences.clone() }));
+        actions.push(Action::Preferences(Preferences {
+            side_width,
+            inspector_width,
+            ..state.work.preferences.clone()
+        }));
     }
 }
 
 /// Shows the strips of icons that stand for both panels in a narrow window.
 fn show_strips(ui: &mut Ui, state: &mut EditorState) -> [Rect; 2] {
-    let Interface { sides, side, inspector, .. } = &mut state.interface;
-    let tabs = Side::ALL.map(|tab| (tab, tab.label(), tab.icon()));
-    let left = side_panels::strip(ui, Edge::Left, sides, side, &tabs);
-    let tabs = Inspector::ALL.map(|tab| (tab, tab.label(), tab.icon()));
-    [left, side_panels::strip(ui, Edge::Right, sides, inspector, &tabs)]
+    let Tabs { side, inspector, unfolded: [left, right], .. } = &mut state.work.tabs;
+    let tabs = Side::ALL.map(|tab| (tab, tab.label(), side_panels::icon_of_side(tab)));
+    let left = side_panels::strip(ui, Edge::Left, left, side, &tabs);
+    let tabs = Inspector::ALL.map(|tab| (tab, tab.label(), side_panels::icon_of(tab)));
+    [left, side_panels::strip(ui, Edge::Right, right, inspector, &tabs)]
 }
 
 /// Shows the panels that are opened over the picture.
 fn show_unfolded(ui: &Ui, picture: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let panels = state.interface.sides;
-    side_panels::unfolded(ui.ctx(), Edge::Left, &panels, picture, |ui| show_side(ui, state, actions));
-    side_panels::unfolded(ui.ctx(), Edge::Right, &panels, picture, |ui| show_inspector(ui, state, actions));
+    let (panels, [left, right]) = (state.interface.sides, state.work.tabs.unfolded);
+    if left {
+        side_panels::unfolded(ui.ctx(), Edge::Left, &panels, picture, |ui| show_side(ui, state, actions));
+    }
+    if right {
+        side_panels::unfolded(ui.ctx(), Edge::Right, &panels, picture, |ui| show_inspector(ui, state, actions));
+    }
 }
 
 fn tabs<T: Copy + PartialEq>(ui: &mut Ui, chosen: &mut T, all: &[(T, &str)]) {
@@ -142,44 +145,50 @@ fn scrolled(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
 }
 
 fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    tabs(ui, &mut state.interface.side, &Side::ALL.map(|tab| (tab, tab.label())));
-    match state.interface.side {
+    tabs(ui, &mut state.work.tabs.side, &Side::ALL.map(|tab| (tab, tab.label())));
+    match state.work.tabs.side {
         Side::Scene => {
             let context = SceneContext {
-                document: &state.document,
-                dataset: state.scene.rendered().map(|b| &*b.dataset),
-                selected_object: state.selection.object,
-                other_objects: &state.selection.others,
+                document: &state.work.document,
+                dataset: state.work.scene.rendered().map(|b| &*b.dataset),
+                selected_object: state.work.selection.object,
+                other_objects: &state.work.selection.others,
                 posable: &posable(state),
-                selected_material: state.selection.material,
+                selected_material: state.work.selection.material,
             };
             scrolled(ui, |ui| scene::show(ui, &mut state.interface.scene, &context, actions));
         }
         Side::Library => {
             let library = library(state);
-            let context =
-                environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &library);
+            let context = environment_context(
+                &state.work.document,
+                &state.work.scene,
+                &state.environments,
+                &state.pictures,
+                &library,
+            );
             scrolled(ui, |ui| environment::show_library(ui, &mut state.interface.environment, &context, actions));
         }
     }
 }
 
 fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    tabs(ui, &mut state.interface.inspector, &Inspector::ALL.map(|tab| (tab, tab.label())));
-    match state.interface.inspector {
+    tabs(ui, &mut state.work.tabs.inspector, &Inspector::ALL.map(|tab| (tab, tab.label())));
+    match state.work.tabs.inspector {
         Inspector::Material => show_material(ui, state, actions),
         Inspector::Environment => {
-            let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &[]);
-            let baked = state.scene.rendered().map(|baked| baked.dataset.settings.mode);
-            let can_bake = state.scene.source.is_some();
+            let context =
+                environment_context(&state.work.document, &state.work.scene, &state.environments, &state.pictures, &[]);
+            let baked = state.work.scene.rendered().map(|baked| baked.dataset.settings.mode);
+            let can_bake = state.work.scene.source.is_some();
             scrolled(ui, |ui| {
-                lights::environment_hint(ui, baked, state.document.bake.mode, can_bake, actions);
+                lights::environment_hint(ui, baked, state.work.document.bake.mode, can_bake, actions);
                 environment::show(ui, &mut state.interface.environment, &context, actions);
             });
         }
         Inspector::Lights => show_lights(ui, state, actions),
         Inspector::View => {
-            let context = ViewContext { document: &state.document };
+            let context = ViewContext { document: &state.work.document };
             scrolled(ui, |ui| view::show(ui, &context, actions));
         }
         Inspector::Bake => show_bake(ui, state, actions),
@@ -187,17 +196,17 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
 }
 
 fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let has_environment = state.document.components.shows(Component::Environment)
-        && state.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+    let has_environment = state.work.document.components.shows(Component::Environment)
+        && state.work.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
     // The root of the tree has the mean of all light.
     let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.nodes.radiance[1].max_element() > 0.0;
     let shown = state.pictures.shown().filter(is_lit);
     let context = MaterialContext {
-        document: &state.document,
-        selected: state.selection.material,
-        part: state.selection.part,
-        parts: &state.bounds.parts,
-        ground: state.ground_material(),
+        document: &state.work.document,
+        selected: state.work.selection.material,
+        part: state.work.selection.part,
+        parts: &state.work.bounds.parts,
+        ground: state.work.scene.ground_material(),
         lighting: shown.map(|s| &s.lighting),
         light_revision: shown.map_or(0, |s| s.light_revision),
     };
@@ -205,17 +214,17 @@ fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
 }
 
 fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let scene = state.scene.rendered();
+    let scene = state.work.scene.rendered();
     let suns = suns(state);
     let context = LightsContext {
         suns: &suns,
-        document: &state.document,
-        selected: state.selected_light(),
+        document: &state.work.document,
+        selected: state.work.selected_light(),
         bounces: scene.map(|baked| Bounces::of(&baked.dataset)),
         baked: scene.map(|baked| baked.dataset.settings.mode),
         energy: state.pictures.shown().and_then(|shown| shown.local.energy),
         scene,
-        can_bake: state.scene.source.is_some(),
+        can_bake: state.work.scene.source.is_some(),
     };
     scrolled(ui, |ui| lights::show(ui, &mut state.interface.lights, &context, actions));
 }
@@ -223,23 +232,23 @@ fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) 
 /// The suns of the environment as if they were switched on.
 fn suns(state: &EditorState) -> Vec<Light> {
     // They shine where the environment does.
-    let is_lit = state.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+    let is_lit = state.work.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
     let Some(environment) = state.environments.loaded().filter(|_| is_lit) else { return Vec::new() };
-    let mut document = state.document.environment.clone();
+    let mut document = state.work.document.environment.clone();
     document.sun.enabled = true;
-    let light = Illumination { sun: document.suns(), ..illumination(&state.document, environment.clone()) };
+    let light = Illumination { sun: document.suns(), ..illumination(&state.work.document, environment.clone()) };
     light.suns()
 }
 
 fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let status = state.bake_status();
-    let source = state.scene.source.as_ref();
+    let source = state.work.scene.source.as_ref();
     let report = source.map(|source| &source.report);
-    let (may_try, mode) = (!matches!(status, BakeStatus::Running { .. }), state.document.bake.mode);
+    let (may_try, mode) = (!matches!(status, BakeStatus::Running { .. }), state.work.document.bake.mode);
     let bounces = mode.sources() || mode.meshless();
     let context = BakeContext {
-        document: &state.document,
-        dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
+        document: &state.work.document,
+        dataset: state.work.scene.baked.as_ref().map(|b| &*b.dataset),
         status: &status,
         reasons: &state.stale_reasons(),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
@@ -285,9 +294,9 @@ fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
 
 /// Shows the timeline where the scene has clips. Returns whether its place is dragged.
 fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> bool {
-    let Some(animation) = state.animation().cloned() else { return false };
+    let Some(animation) = state.work.scene.animation().cloned() else { return false };
     let trouble = state.trouble_in_time();
-    let context = TimelineContext { clips: animation.clips(), time: state.document.clip_time.as_ref(), trouble };
+    let context = TimelineContext { clips: animation.clips(), time: state.work.document.clip_time.as_ref(), trouble };
     let timeline = &mut state.interface.timeline;
     Panel::bottom("timeline").show(ui, |ui| timeline::show(ui, timeline, &context, actions)).inner
 }
@@ -302,7 +311,7 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
         return Some("Preview: implicit visibility. Shadows of what moved are coarse; bake again for exact ones");
     }
     let opacity = || {
-        let is_other = state.document.lets_through_otherwise(&baked.dataset.scene);
+        let is_other = state.work.document.lets_through_otherwise(&baked.dataset.scene);
         is_other.then_some("Opacity was edited; bake again for its shadows")
     };
     state.baking.words(state.seen()).or_else(opacity)
@@ -310,7 +319,7 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
 
 /// The selected objects, if they have handles: a ground has none, nor has anything beside a selected light.
 pub(super) fn movable(state: &EditorState) -> Option<Movable> {
-    let tool = state.interface.tool.filter(|_| state.selected_light().is_none())?;
+    let tool = state.interface.tool.filter(|_| state.work.selected_light().is_none())?;
     let posable = posable(state);
     let (&active, others) = posable.split_first()?;
     Some(Movable { active, others: others.to_vec(), pivot: state.interface.scene.pivot, tool })
@@ -318,17 +327,18 @@ pub(super) fn movable(state: &EditorState) -> Option<Movable> {
 
 /// The selected objects that can be posed, the active one first; none without that, which may be a ground.
 fn posable(state: &EditorState) -> Vec<Subject> {
-    let Some(baked) = state.scene.rendered() else { return Vec::new() };
-    let can_be_posed =
-        |object: u32| (object as usize) < state.document.objects.len() && state.ground_object() != Some(object);
+    let Some(baked) = state.work.scene.rendered() else { return Vec::new() };
+    let can_be_posed = |object: u32| {
+        (object as usize) < state.work.document.objects.len() && state.work.scene.ground_object() != Some(object)
+    };
     let poses = state.poses_since(baked);
     let subject = |object: u32| state.requests.subject(baked, &poses, object).filter(|_| can_be_posed(object));
-    let Some(active) = state.selection.object.and_then(subject) else { return Vec::new() };
-    [active].into_iter().chain(state.selection.others.iter().filter_map(|&object| subject(object))).collect()
+    let Some(active) = state.work.selection.object.and_then(subject) else { return Vec::new() };
+    [active].into_iter().chain(state.work.selection.others.iter().filter_map(|&object| subject(object))).collect()
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
-    let baked = state.scene.rendered();
+    let baked = state.work.scene.rendered();
     let posed = state.posed(ui.ctx());
     let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
     let busy = baked.and_then(|baked| words_over_picture(state, baked));
@@ -336,27 +346,27 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     let accent = ui.visuals().selection.bg_fill;
     let panel = &state.interface.comparison;
     let compares = panel.open && shown.is_some();
-    let size_px = state.interface.viewport_size;
+    let size_px = state.work.viewport_size;
     let compared = compares.then(|| Compared {
         explained: state.explain.pixel().map(|pixel| pixel_share(pixel, size_px)),
         marks: state.explain.marks(),
-        ..state.comparison.compared(panel, state.document.view.cuts(), accent)
+        ..state.comparison.compared(panel, state.work.document.view.cuts(), accent)
     });
     let context = ViewportContext {
-        document: &state.document,
+        document: &state.work.document,
         picture: shown.and_then(|_| state.pictures.texture()).map(|texture| texture.id()),
         picture_size: shown.map_or([1, 1], |s| s.size),
         faded: state.pictures.faded(ui.ctx()),
-        checker: state.document.view.background == BackgroundKind::Transparent,
+        checker: state.work.document.view.background == BackgroundKind::Transparent,
         mesh,
         intersector: posed.as_ref().and_then(Baked::intersector_if_ready),
-        scene_bounds: state.bounds.scene,
-        selected_objects: state.selection.objects().collect(),
-        selection_bounds: &state.bounds.selection,
+        scene_bounds: state.work.bounds.scene,
+        selected_objects: state.work.selection.objects().collect(),
+        selection_bounds: &state.work.bounds.selection,
         movable: movable(state),
-        selected_light: state.selected_light(),
+        selected_light: state.work.selected_light(),
         shows_lights: state.interface.lights.in_viewport,
-        aiming: state.interface.lights.aiming && state.selected_light().is_some(),
+        aiming: state.interface.lights.aiming && state.work.selected_light().is_some(),
         baked: baked.map(|b| b.dataset.settings.mode),
         sources: shown.and_then(|s| s.local.sources()),
         shows_clusters: state.interface.lights.shows_clusters,
@@ -364,7 +374,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         busy,
         // What to say where there is no picture comes from the notice, which has buttons.
         placeholder: baked.is_none().then_some(""),
-        stale: state.scene.is_stale(),
+        stale: state.work.scene.is_stale(),
         compared,
     };
     let response = viewport::show(ui, &mut state.interface.viewport, &context, actions);
@@ -373,9 +383,9 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         actions.extend(asked.map(|share| Action::ExplainPixel(pixel_at(share, response.size_px))));
     }
     if let Some(unlit) = unlit(state) {
-        notice::show_unlit(ui, response.rect, unlit, &mut state.interface, actions);
+        notice::show_unlit(ui, response.rect, unlit, &mut state.work.tabs, actions);
     }
-    if state.scene.rendered().is_none() {
+    if state.work.scene.rendered().is_none() {
         notice::show(ui, response.rect, state, actions);
     } else if state.seen() == Seen::Unshadowed && state.baking.progress().is_none() {
         notice::show_below(ui, response.rect, state, actions);
@@ -385,7 +395,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
 
 /// Why a lit picture is black, if one is shown by itself.
 fn unlit(state: &EditorState) -> Option<Unlit> {
-    let (document, baked) = (&state.document, state.scene.rendered()?);
+    let (document, baked) = (&state.work.document, state.work.scene.rendered()?);
     let is_alone = document.view.mode == ViewMode::Shaded && !state.interface.comparison.open;
     let shines = document.materials.iter().any(Material::shines);
     let unlit = is_alone.then(|| Unlit::of(&document.lights, shines, document.components, &baked.dataset)).flatten();

@@ -1,12 +1,12 @@
 //! Local lights: what is done with them, as steps of undo.
 
-use super::{
-    files::Written,
-    state::{EditorState, interface::Inspector},
-};
-use crate::document::{
-    Edit,
-    lights::{LightKind, copied_name, new_light},
+use super::state::EditorState;
+use crate::{
+    document::{
+        Edit,
+        lights::{LightKind, copied_name, new_light},
+    },
+    workspace::{Inspector, Written},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -26,33 +26,28 @@ const COPY_BESIDE: f32 = 0.03;
 const FRAMED_AROUND: f32 = 0.1;
 
 impl EditorState {
-    /// The selected light, if it is there.
-    pub(super) fn selected_light(&self) -> Option<usize> {
-        self.selection.light.filter(|&index| index < self.document.lights.len())
-    }
-
     /// Selects a light in place of objects.
     pub(super) fn select_light(&mut self, light: Option<usize>) {
-        self.selection.light = light;
+        self.work.selection.light = light;
         self.interface.lights.aiming = false;
         if light.is_some() {
-            self.selection.set_object(None);
-            self.interface.inspector = Inspector::Lights;
+            self.work.selection.set_object(None);
+            self.work.tabs.inspector = Inspector::Lights;
         }
     }
 
     pub(super) fn add_light(&mut self, kind: LightKind) {
-        let mut lights = self.document.lights.clone();
-        let light = new_light(kind, &lights, &self.document.camera, self.place_for_light());
+        let mut lights = self.work.document.lights.clone();
+        let light = new_light(kind, &lights, &self.work.document.camera, self.place_for_light());
         lights.push(light);
         let last = lights.len() - 1;
         self.set_lights(lights, "Add light", Some(last));
     }
 
     pub(super) fn duplicate_light(&mut self, index: usize) {
-        let mut lights = self.document.lights.clone();
+        let mut lights = self.work.document.lights.clone();
         let Some(light) = lights.get(index).cloned() else { return };
-        let beside = COPY_BESIDE * self.scene_size() * self.document.camera.world_from_view().x_axis;
+        let beside = COPY_BESIDE * self.work.scene_size() * self.work.document.camera.world_from_view().x_axis;
         let name = copied_name(&lights, &light.name);
         let copy = Light { name, position: light.position + beside, target: light.target + beside, ..light };
         lights.insert(index + 1, copy);
@@ -60,7 +55,7 @@ impl EditorState {
     }
 
     pub(super) fn delete_light(&mut self, index: usize) {
-        let mut lights = self.document.lights.clone();
+        let mut lights = self.work.document.lights.clone();
         if index >= lights.len() {
             return;
         }
@@ -71,11 +66,11 @@ impl EditorState {
     /// Aims the selected light.
     pub(super) fn aim_light(&mut self, place: Option<Vec3>) {
         self.interface.lights.aiming = false;
-        let (Some(target), Some(index)) = (place, self.selected_light()) else { return };
-        let light = Light { target, ..self.document.lights[index].clone() };
+        let (Some(target), Some(index)) = (place, self.work.selected_light()) else { return };
+        let light = Light { target, ..self.work.document.lights[index].clone() };
         match light.validate() {
-            Ok(()) => self.do_step(Edit::Light { index, light: Box::new(light) }, "Aim light"),
-            Err(problem) => self.messages.warning(format!("The light stays as it is, since {problem}")),
+            Ok(()) => self.work.do_step(Edit::Light { index, light: Box::new(light) }, "Aim light"),
+            Err(problem) => self.work.messages.warning(format!("The light stays as it is, since {problem}")),
         }
     }
 
@@ -84,24 +79,24 @@ impl EditorState {
             Ok(file) => {
                 let count = file.lights.len();
                 let added = file.lights.into_iter().map(named);
-                let lights: Vec<Light> = self.document.lights.iter().cloned().chain(added).collect();
-                let first = (count > 0).then_some(self.document.lights.len());
+                let lights: Vec<Light> = self.work.document.lights.iter().cloned().chain(added).collect();
+                let first = (count > 0).then_some(self.work.document.lights.len());
                 if self.set_lights(lights, "Load lights", first) {
-                    self.messages.note(format!("Lights added: {count} ({})", path.display()));
+                    self.work.messages.note(format!("Lights added: {count} ({})", path.display()));
                 }
             }
-            Err(error) => self.messages.error(error.to_string()),
+            Err(error) => self.work.messages.error(error.to_string()),
         }
     }
 
     pub(super) fn save_lights(&mut self, path: &Path) {
-        if !self.may_write(path, Written::Other) {
+        if !self.work.may_write(path, Written::Other) {
             return;
         }
-        let lights = LightsFile { lights: self.document.lights.clone() };
+        let lights = LightsFile { lights: self.work.document.lights.clone() };
         match lights.write(path) {
-            Ok(()) => self.messages.note(format!("Lights written: {} ({})", lights.lights.len(), path.display())),
-            Err(error) => self.messages.error(error.to_string()),
+            Ok(()) => self.work.messages.note(format!("Lights written: {} ({})", lights.lights.len(), path.display())),
+            Err(error) => self.work.messages.error(error.to_string()),
         }
     }
 
@@ -109,42 +104,31 @@ impl EditorState {
     fn set_lights(&mut self, lights: Vec<Light>, label: &'static str, selected: Option<usize>) -> bool {
         let count = lights.len();
         if count > MAX_LIGHTS {
-            self.messages.error(format!("{count} lights are more than the {MAX_LIGHTS} of a scene; remove some first"));
+            self.work
+                .messages
+                .error(format!("{count} lights are more than the {MAX_LIGHTS} of a scene; remove some first"));
             return false;
         }
-        self.do_step(Edit::Lights(lights), label);
+        self.work.do_step(Edit::Lights(lights), label);
         self.select_light(selected);
         true
     }
 
-    /// An edit that is a step of undo by itself.
-    pub(super) fn do_step(&mut self, edit: Edit, label: &'static str) {
-        self.history.end_gesture();
-        self.history.apply(&mut self.document, edit, label);
-        self.history.end_gesture();
-    }
-
     /// Where a new light stands: beside the view, but before any wall, as the eye is.
     fn place_for_light(&self) -> Vec3 {
-        let camera = &self.document.camera;
-        let distance = camera.eye.distance(camera.target).min(self.scene_size());
+        let camera = &self.work.document.camera;
+        let distance = camera.eye.distance(camera.target).min(self.work.scene_size());
         let place = camera.target + distance * (camera.world_from_view() * NEW_AT);
         let (direction, reach) = ((place - camera.eye).normalize_or(Vec3::Y), place.distance(camera.eye));
-        let intersector = self.scene.rendered().and_then(Baked::intersector_if_ready);
+        let intersector = self.work.scene.rendered().and_then(Baked::intersector_if_ready);
         let wall = intersector.and_then(|i| i.closest_hit(camera.eye, direction)).map(|hit| hit.distance);
         camera.eye + direction * wall.map_or(reach, |wall| reach.min(BEFORE_A_WALL * wall))
     }
 
-    fn scene_size(&self) -> f32 {
-        let camera = &self.document.camera;
-        let diagonal = self.scene_bounds().map(|bounds| bounds.diagonal());
-        diagonal.filter(|size| *size > 0.0).unwrap_or_else(|| camera.eye.distance(camera.target))
-    }
-
     /// The selected light and what it is aimed at.
     pub(super) fn light_bounds(&self) -> Option<Bounds> {
-        let light = &self.document.lights[self.selected_light()?];
-        let around = Vec3::splat(FRAMED_AROUND * self.scene_size());
+        let light = &self.work.document.lights[self.work.selected_light()?];
+        let around = Vec3::splat(FRAMED_AROUND * self.work.scene_size());
         let target = if light.emission.is_aimed() { light.target } else { light.position };
         Some(Bounds::around([light.position - around, light.position + around, target]))
     }

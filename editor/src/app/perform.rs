@@ -5,17 +5,17 @@ use super::{
     state::{
         EditorState,
         baking::{Asker, BakeOrder, From},
-        interface::Inspector,
     },
     theme,
 };
 use crate::{
     actions::Action,
     app::{dialogs::Purpose, keys::Command},
-    document::{Edit, ViewSettings, folder_of, session},
+    document::{Edit, EnvironmentSettings, ViewSettings, folder_of, session},
     jobs::load::{Source, Topic},
+    navigation::axis_view,
     preferences::{FileUse, Preferences},
-    viewport::navigation::axis_view,
+    workspace::Inspector,
 };
 use egui::{Context, ViewportCommand};
 use lapidary_core::{
@@ -29,20 +29,20 @@ impl EditorState {
     /// Does what was asked for; a path that is missing is asked for by a dialog.
     pub(super) fn perform(&mut self, ctx: &Context, action: Action) {
         match action {
-            Action::Edit { edit, label } => self.edit(edit, label),
-            Action::EndGesture => self.history.end_gesture(),
-            Action::Undo => self.undo(),
-            Action::Redo => self.redo(),
-            Action::ClipTime(time) => self.document.clip_time = time,
+            Action::Edit { edit, label } => self.work.edit(edit, label),
+            Action::EndGesture => self.work.history.end_gesture(),
+            Action::Undo => self.work.undo(),
+            Action::Redo => self.work.redo(),
+            Action::ClipTime(time) => self.work.document.clip_time = time,
             Action::Play => self.toggle_playing(),
-            Action::Camera(camera) => self.document.camera = camera,
+            Action::Camera(camera) => self.work.document.camera = camera,
             Action::FrameSelection => self.frame_selection(),
             Action::FrameAll => self.frame_all(),
             Action::ResetCamera => self.reset_camera(),
-            Action::SelectObject(object) => self.select_object(object),
-            Action::ToggleObject(object) => self.toggle_object(object),
-            Action::SelectMaterial(material) => self.select_material(material),
-            Action::SelectPart(part) => self.selection.part = Some(part),
+            Action::SelectObject(object) => self.work.select_object(object),
+            Action::ToggleObject(object) => self.work.toggle_object(object),
+            Action::SelectMaterial(material) => self.work.select_material(material),
+            Action::SelectPart(part) => self.work.selection.part = Some(part),
             Action::Assign { part, material } => self.assign(part, material),
             Action::MakeUnique { part, material } => self.make_unique(part, material.map(|material| *material)),
             Action::ChooseVariant(variant) => self.choose_variant(variant),
@@ -57,7 +57,7 @@ impl EditorState {
             Action::BakeForViews(cameras) => self.bake_for_views(cameras),
             Action::CopyCamera => self.copy_camera(ctx),
             Action::PasteCamera => self.ask_for_camera(ctx),
-            Action::Preferences(preferences) => self.prefer(preferences),
+            Action::Preferences(preferences) => self.work.prefer(preferences),
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
             Action::Bake { resume } => {
                 let from = if resume { From::Checkpoint } else { From::Beginning };
@@ -112,14 +112,17 @@ impl EditorState {
     }
 
     fn choose_bake(&mut self, mode: BakeParts) {
-        self.interface.show_inspector(Inspector::Bake);
-        self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
+        self.work.tabs.show_inspector(Inspector::Bake);
+        self.work.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.work.document.bake.clone() })), "Bake of");
     }
 
     fn bake_for_views(&mut self, cameras: Vec<Camera>) {
-        let aspect = self.aspect();
+        let aspect = self.work.aspect();
         let shots = cameras.into_iter().map(|camera| Shot { camera, aspect }).collect();
-        self.do_step(Edit::Bake(Box::new(BakeSettings { shots, ..self.document.bake.clone() })), "Views of the bake");
+        self.work.do_step(
+            Edit::Bake(Box::new(BakeSettings { shots, ..self.work.document.bake.clone() })),
+            "Views of the bake",
+        );
     }
 
     /// The clipboard comes as an event, some frames later.
@@ -129,8 +132,8 @@ impl EditorState {
     }
 
     pub(super) fn load_material(&mut self, material: usize, path: PathBuf) {
-        let allow_outside = self.preferences.outside.allow(&path);
-        let textures = self.document.shared_textures();
+        let allow_outside = self.work.preferences.outside.allow(&path);
+        let textures = self.work.document.shared_textures();
         self.load(Topic::Material(material), Source::Material { path: path.clone(), textures, allow_outside }, path);
     }
 
@@ -138,7 +141,7 @@ impl EditorState {
     pub(super) fn command(&mut self, command: Command, actions: &mut Vec<Action>) {
         let is_step = matches!(command, Command::Mode(_) | Command::Wireframe);
         let view = |change: &dyn Fn(&mut ViewSettings)| {
-            let mut settings = self.document.view.clone();
+            let mut settings = self.work.document.view.clone();
             change(&mut settings);
             Edit::View(settings)
         };
@@ -154,11 +157,11 @@ impl EditorState {
             Command::FrameSelection => Action::FrameSelection,
             Command::FrameAll => Action::FrameAll,
             Command::ResetCamera => Action::ResetCamera,
-            Command::Along(axis) => Action::Camera(axis_view(&self.document.camera, axis)),
+            Command::Along(axis) => Action::Camera(axis_view(&self.work.document.camera, axis)),
             Command::CopyCamera => Action::CopyCamera,
             Command::PasteCamera => Action::PasteCamera,
             Command::DuplicateLight | Command::DeleteLight => {
-                let Some(index) = self.selected_light() else { return };
+                let Some(index) = self.work.selected_light() else { return };
                 let is_copy = command == Command::DuplicateLight;
                 if is_copy { Action::DuplicateLight(index) } else { Action::DeleteLight(index) }
             }
@@ -169,14 +172,16 @@ impl EditorState {
             Command::Wireframe => Action::Edit { edit: view(&|v| v.wireframe = !v.wireframe), label: "Wireframe" },
             Command::LargerInterface => Action::Preferences(self.scaled(1)),
             Command::SmallerInterface => Action::Preferences(self.scaled(-1)),
-            Command::DefaultInterface => Action::Preferences(Preferences { ui_scale: 1.0, ..self.preferences.clone() }),
+            Command::DefaultInterface => {
+                Action::Preferences(Preferences { ui_scale: 1.0, ..self.work.preferences.clone() })
+            }
             Command::Tool(tool) => {
                 self.interface.tool = tool;
                 return;
             }
             Command::Play => Action::Play,
             Command::TogglePanels => {
-                self.interface.panels_hidden = !self.interface.panels_hidden;
+                self.work.tabs.panels_hidden = !self.work.tabs.panels_hidden;
                 return;
             }
         });
@@ -186,68 +191,26 @@ impl EditorState {
     }
 
     fn scaled(&self, steps: i32) -> Preferences {
-        Preferences { ui_scale: theme::scaled(self.preferences.ui_scale, steps), ..self.preferences.clone() }
-    }
-
-    fn edit(&mut self, edit: Edit, label: &'static str) {
-        self.history.apply(&mut self.document, edit, label);
-    }
-
-    fn undo(&mut self) {
-        let before = self.material_of_selected_part();
-        if let Some(name) = self.history.undo(&mut self.document) {
-            self.messages.remark(format!("Undone: {name}"));
-            self.follow_selected_part(before);
-        }
-    }
-
-    fn redo(&mut self) {
-        let before = self.material_of_selected_part();
-        if let Some(name) = self.history.redo(&mut self.document) {
-            self.messages.remark(format!("Redone: {name}"));
-            self.follow_selected_part(before);
-        }
-    }
-
-    fn material_of_selected_part(&self) -> Option<usize> {
-        self.selection.part.map(|part| self.document.material_of(part))
-    }
-
-    /// Selects the material of the selected part if that was another one before.
-    fn follow_selected_part(&mut self, before: Option<usize>) {
-        let now = self.material_of_selected_part();
-        if now != before {
-            self.selection.material = now;
-        }
+        Preferences { ui_scale: theme::scaled(self.work.preferences.ui_scale, steps), ..self.work.preferences.clone() }
     }
 
     /// Lights the scene by a map or formula, as a step of undo.
     pub(super) fn use_environment(&mut self, spec: &str) {
-        let environment =
-            crate::document::EnvironmentSettings { spec: spec.into(), ..self.document.environment.clone() };
-        self.history.end_gesture();
-        self.edit(Edit::Environment(environment), "Environment");
-        self.history.end_gesture();
-    }
-
-    pub(super) fn prefer(&mut self, preferences: Preferences) {
-        self.preferences = preferences.clamped();
-        if let Err(error) = self.preferences.save(&self.folders.config) {
-            self.messages.warning(format!("{error:#}"));
-        }
+        let environment = EnvironmentSettings { spec: spec.into(), ..self.work.document.environment.clone() };
+        self.work.do_step(Edit::Environment(environment), "Environment");
     }
 
     fn add_to_library(&mut self, path: PathBuf) {
         match self.library.add(&[path]) {
-            Ok(0) => self.messages.note("It is in the library already"),
-            Ok(count) => self.messages.note(format!("Added to the library: {count}")),
-            Err(error) => self.messages.error(format!("{error:#}")),
+            Ok(0) => self.work.messages.note("It is in the library already"),
+            Ok(count) => self.work.messages.note(format!("Added to the library: {count}")),
+            Err(error) => self.work.messages.error(format!("{error:#}")),
         }
     }
 
     pub(super) fn ask_for_path(&mut self, action: Action) {
-        let document = &self.document;
-        let path = self.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
+        let document = &self.work.document;
+        let path = self.work.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
         let stem = path.and_then(Path::file_stem).map_or("untitled".into(), |s| s.to_string_lossy().into_owned());
         let name = match &action {
             Action::SaveAs(_) => Some(format!("{stem}.{}", session::EXTENSION)),
@@ -256,7 +219,7 @@ impl EditorState {
             Action::ExportMaterials(_) => Some(format!("{stem}-materials.mtlx")),
             Action::SaveLights(_) => Some(format!("{stem}-lights.json")),
             Action::SaveMaterial { material, .. } => {
-                self.document.materials.get(*material).map(|m| format!("{}.json", m.name))
+                self.work.document.materials.get(*material).map(|m| format!("{}.json", m.name))
             }
             _ => None,
         };
@@ -265,11 +228,11 @@ impl EditorState {
             Some(FileUse::Environment) => self.folder_of_environments().or(of_document),
             _ => of_document,
         };
-        self.dialogs.ask(action, &self.preferences.folders, folder, name);
+        self.dialogs.ask(action, &self.work.preferences.folders, folder, name);
     }
 
     /// Where the map in use lies, or else those that came with the program.
     fn folder_of_environments(&self) -> Option<PathBuf> {
-        self.document.environment.file().or(self.bundled.environments.first().map(PathBuf::as_path)).map(folder_of)
+        self.work.document.environment.file().or(self.bundled.environments.first().map(PathBuf::as_path)).map(folder_of)
     }
 }

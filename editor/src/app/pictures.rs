@@ -1,17 +1,17 @@
 //! Takes results of the render thread: the picture for the screen, and pictures for files.
 
-use super::{
-    files::Written,
-    state::{EditorState, pictures::Export},
-};
+use super::state::{EditorState, pictures::Export};
 use crate::{
     document::BackgroundKind,
     jobs::render_thread::{LinearPicture, RenderEvent},
+    workspace::Written,
 };
 use anyhow::Result;
 use egui::Context;
-use lapidary_studies::jobs::{guarded, spawn};
-use lapidary_studies::sheet::DisplayPicture;
+use lapidary_studies::{
+    jobs::{guarded, spawn},
+    sheet::DisplayPicture,
+};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -23,43 +23,43 @@ impl EditorState {
         let events = self.render.events();
         // A picture of the scene before may still have been on its way.
         if let Some(frame) = self.render.frames()
-            && self.scene.rendered().is_some_and(|baked| Arc::ptr_eq(&baked.dataset, &frame.dataset))
+            && self.work.scene.rendered().is_some_and(|baked| Arc::ptr_eq(&baked.dataset, &frame.dataset))
         {
             self.pictures.show(ctx, frame);
         }
         for event in events {
             match event {
-                RenderEvent::Remark(text) => self.messages.warning(text),
+                RenderEvent::Remark(text) => self.work.messages.warning(text),
                 RenderEvent::Failed(text) => {
                     self.pictures.clear();
-                    self.messages.error(text);
+                    self.work.messages.error(text);
                 }
                 RenderEvent::Picture { id, result } => self.write_picture(id, result),
             }
         }
         while let Ok(written) = self.pictures.written.1.try_recv() {
             match written {
-                Ok(path) => self.messages.note(format!("Picture written ({})", path.display())),
-                Err(error) => self.messages.error(error),
+                Ok(path) => self.work.messages.note(format!("Picture written ({})", path.display())),
+                Err(error) => self.work.messages.error(error),
             }
         }
     }
 
     /// Asks for the complete picture, which is written when it is there.
     pub(super) fn export_picture(&mut self, path: PathBuf) {
-        if self.scene.rendered().is_none() {
-            self.messages.error("There is no picture to export; open and bake a scene first");
+        if self.work.scene.rendered().is_none() {
+            self.work.messages.error("There is no picture to export; open and bake a scene first");
             return;
         }
-        if !self.may_write(&path, Written::Other) {
+        if !self.work.may_write(&path, Written::Other) {
             return;
         }
-        let transparent = self.document.view.background == BackgroundKind::Transparent;
+        let transparent = self.work.document.view.background == BackgroundKind::Transparent;
         self.pictures.exports_asked += 1;
         let id = self.pictures.exports_asked;
         self.pictures.exports.push(Export { id, path, transparent });
         self.render.read_picture(id);
-        self.messages.note("The picture is written when all its samples are there");
+        self.work.messages.note("The picture is written when all its samples are there");
     }
 
     fn write_picture(&mut self, id: u64, result: Result<LinearPicture, String>) {
@@ -72,7 +72,7 @@ impl EditorState {
         }
         let shown = shown.filter(|_| is_png).map(|shown| (shown.pixels.clone(), shown.size));
         let Export { path, transparent, .. } = self.pictures.exports.swap_remove(place);
-        let (sender, wake) = (self.pictures.written.0.clone(), self.wake.clone());
+        let (sender, wake) = (self.pictures.written.0.clone(), self.work.wake.clone());
         spawn("export", move || {
             let write = |picture: LinearPicture| match shown {
                 Some((pixels, size)) => write_png(&pixels, size, transparent, &path),

@@ -35,7 +35,7 @@ pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
     if state.dialogs.is_open() {
         return;
     }
-    let title = state.title();
+    let title = state.work.title();
     let modal = Modal::new(egui::Id::unique("prompt")).show(ctx, |ui| {
         ui.set_max_width(440.0);
         match prompt {
@@ -190,9 +190,9 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
             state.open(Target::Session { loaded, path, recovery, look_in: None });
         }
         (Some(Prompt::Outside { file, then, .. }), Answer::ReadOutside) => {
-            let mut preferences = state.preferences.clone();
+            let mut preferences = state.work.preferences.clone();
             preferences.outside.remember(&file);
-            state.prefer(preferences);
+            state.work.prefer(preferences);
             match then {
                 Again::Open(target) => state.open(target),
                 Again::Load(material) => state.load_material(material, file),
@@ -211,7 +211,7 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
 fn discard(state: &mut EditorState, found: Vec<Recovery>) {
     for recovery in found {
         if let Err(error) = recovery.discard() {
-            state.messages.warning(format!("An autosave cannot be removed: {error}"));
+            state.work.messages.warning(format!("An autosave cannot be removed: {error}"));
         }
     }
 }

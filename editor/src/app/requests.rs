@@ -25,11 +25,11 @@ impl EditorState {
         self.render.set_preview(self.seen() == Seen::Unshadowed && self.baking.progress().is_some());
         let Some(look) = self.look(viewport.size_px) else { return };
         let request = RenderRequest {
-            baked: self.scene.rendered().cloned(),
+            baked: self.work.scene.rendered().cloned(),
             look,
             moving,
             may_pose: movable(self).is_some(),
-            frame_budget_ms: self.document.view.frame_budget_ms,
+            frame_budget_ms: self.work.document.view.frame_budget_ms,
             pointer: ctx.input(|i| i.pointer.latest_pos()).and_then(|at| viewport.place(at)),
         };
         let sent = self.requests.sent.as_ref().filter(|_| !self.requests.is_forgotten);
@@ -43,8 +43,8 @@ impl EditorState {
     /// The look of the document in a viewport of `size` pixels; `None` without an environment.
     pub(super) fn look(&self, size: [u32; 2]) -> Option<Look> {
         let environment = self.environments.loaded()?.clone();
-        let document = &self.document;
-        let baked = self.scene.rendered();
+        let document = &self.work.document;
+        let baked = self.work.scene.rendered();
         let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
         let assigned = baked.and_then(|baked| self.requests.assigned(document, baked));
         Some(Look {
@@ -64,7 +64,7 @@ impl EditorState {
 
     /// Whether a button is held and has changed the document, as in a drag of a slider.
     fn is_editing_by_pointer(&mut self, ctx: &Context) -> bool {
-        let revision = self.history.revision();
+        let revision = self.work.history.revision();
         if !ctx.input(|i| i.pointer.any_down()) {
             self.requests.at_rest = revision;
         }

@@ -12,7 +12,7 @@ use egui::{Align, Label, Layout, RichText, Ui};
 pub fn show(ui: &mut Ui, state: &mut EditorState) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            figures(ui, state.pictures.shown().filter(|_| state.scene.rendered().is_some()));
+            figures(ui, state.pictures.shown().filter(|_| state.work.scene.rendered().is_some()));
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let running = state.exporting.is_running();
                 if running
@@ -28,12 +28,12 @@ pub fn show(ui: &mut Ui, state: &mut EditorState) {
 
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
-    let remark = || state.messages.last_remark().map(str::to_owned);
+    let remark = || state.work.messages.last_remark().map(str::to_owned);
     let held = || state.ladder.is_climbing().then(|| "The full picture waits for the trial of cut sizes".to_owned());
     let work = || state.exporting.line().or_else(|| state.baking.line()).or_else(held);
     let text = match opening.or_else(work).or_else(remark) {
         Some(line) => RichText::new(line),
-        None => match state.messages.last() {
+        None => match state.work.messages.last() {
             Some(entry) if entry.severity != Severity::Note => {
                 RichText::new(&entry.text).color(messages::color(ui, entry.severity))
             }

@@ -170,7 +170,7 @@ impl Window {
     }
 
     fn roughness(&self) -> f32 {
-        self.0.state().document.materials[0].parameters.number("roughness")
+        self.0.state().work.document.materials[0].parameters.number("roughness")
     }
 
     fn drop_file(&mut self, path: PathBuf) {
@@ -181,11 +181,11 @@ impl Window {
     /// What undo would take back.
     fn undo_name(&self) -> Option<String> {
         let state = self.0.state();
-        state.history.undo_name(&state.document)
+        state.work.history.undo_name(&state.work.document)
     }
 
     fn has_said(&self, text: &str) -> bool {
-        self.0.state().messages.any_contains(text)
+        self.0.state().work.messages.any_contains(text)
     }
 }
 
@@ -222,13 +222,13 @@ fn the_camera_goes_back_to_where_the_scene_was_first_seen_from() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    let first = window.0.state().document.camera.clone();
+    let first = window.0.state().work.document.camera.clone();
     window.perform(Action::Camera(lapidary_core::camera::Camera { eye: glam::Vec3::ONE, ..first.clone() }));
     window.perform(Action::FrameAll);
-    assert_ne!(window.0.state().document.camera, first, "negative control");
+    assert_ne!(window.0.state().work.document.camera, first, "negative control");
     window.0.key_press(Key::Home);
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.camera, first);
+    assert_eq!(window.0.state().work.document.camera, first);
 }
 
 #[test]
@@ -283,9 +283,9 @@ fn a_dropped_picture_goes_on_the_selected_material_as_a_step_of_undo() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.drop_file(place.path("red.png"));
-    window.wait("the texture", |s| s.document.materials[0].maps.get("base_color").is_some());
+    window.wait("the texture", |s| s.work.document.materials[0].maps.get("base_color").is_some());
     window.perform(Action::Undo);
-    assert!(window.0.state().document.materials[0].maps.get("base_color").is_none());
+    assert!(window.0.state().work.document.materials[0].maps.get("base_color").is_none());
 }
 
 #[test]
@@ -296,12 +296,12 @@ fn keys_act_and_a_failed_open_keeps_what_is_open() {
     window.open(&place.path("scene.obj"));
     window.0.key_press(Key::Num2);
     window.0.run_steps(3);
-    assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::Normals);
+    assert_eq!(window.0.state().work.document.view.mode, lapidary_render::ViewMode::Normals);
     window.0.key_press(Key::F1);
     window.0.run_steps(3);
     assert!(window.shows("Keyboard and pointer"));
     window.open(&place.path("gone.obj"));
-    assert!(window.has_said("gone.obj") && window.0.state().scene.shown().is_some());
+    assert!(window.has_said("gone.obj") && window.0.state().work.scene.shown().is_some());
 }
 
 #[test]
@@ -315,12 +315,12 @@ fn a_changed_texture_of_the_scene_is_loaded_again() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.wait("the watch", |s| s.watched.contains(&place.path("paint.png")));
-    let old = window.0.state().document.textures[0].texture.clone();
+    let old = window.0.state().work.document.textures[0].texture.clone();
     let repaint =
         || lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
-    window.wait_for_watch("the new texture", repaint, |s| s.document.textures[0].texture.size == [4, 2]);
+    window.wait_for_watch("the new texture", repaint, |s| s.work.document.textures[0].texture.size == [4, 2]);
     assert_eq!((old.size, &*old.name), ([2, 2], "paint.png"));
-    assert_eq!(window.0.state().document.textures[0].texture.name, "paint.png", "as the scene has it");
+    assert_eq!(window.0.state().work.document.textures[0].texture.name, "paint.png", "as the scene has it");
     assert!(window.has_said("Loaded again"));
 }
 
@@ -333,12 +333,12 @@ fn a_changed_texture_is_loaded_again() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.drop_file(place.path("paint.png"));
-    window.wait("the texture", |s| s.document.materials[0].maps.get("base_color").is_some());
-    let old = window.0.state().document.textures[0].texture.clone();
+    window.wait("the texture", |s| s.work.document.materials[0].maps.get("base_color").is_some());
+    let old = window.0.state().work.document.textures[0].texture.clone();
     window.wait("the watch", |s| !s.watched.is_empty());
     let repaint =
         || lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
-    window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.document.textures[0].texture, &old));
+    window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.work.document.textures[0].texture, &old));
     assert!(window.has_said("Loaded again"));
 }
 
@@ -353,10 +353,10 @@ fn what_is_typed_into_a_field_is_no_command_even_if_enter_comes_in_the_same_fram
     let keys = || [key(Key::Num5, true), egui::Event::Text("5".into()), key(Key::Num5, false), key(Key::Enter, true)];
     window.0.input_mut().events.extend(keys());
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::Shaded);
+    assert_eq!(window.0.state().work.document.view.mode, lapidary_render::ViewMode::Shaded);
     window.0.input_mut().events.extend(keys());
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::VisibilityCut, "negative control");
+    assert_eq!(window.0.state().work.document.view.mode, lapidary_render::ViewMode::VisibilityCut, "negative control");
 }
 
 const NONE: Modifiers = Modifiers::NONE;

@@ -1,9 +1,10 @@
 //! A preset or a material is dragged over the picture: the surface that would take it is outlined and named, and takes it
 //! where it is let go.
 
-use super::{ViewportContext, outline, pick};
+use super::{ViewportContext, outline};
 use crate::{
     actions::Action,
+    bounds::part_bounds,
     document::{Document, Edit},
     dragged::Dragged,
 };
@@ -66,7 +67,7 @@ pub(super) fn handle(
 }
 
 fn surface(known: Option<Surface>, context: &ViewportContext, part: Part, alone: bool) -> Surface {
-    let bounds = || context.mesh.and_then(|mesh| pick::part_bounds(mesh, part));
+    let bounds = || context.mesh.and_then(|mesh| part_bounds(mesh, part));
     let is_ground = context.mesh.is_some_and(|mesh| mesh.ground_object() == Some(part.object));
     let bounds = known.filter(|known| known.part == part).map_or_else(bounds, |known| known.bounds);
     Surface { part, alone: alone && !is_ground, bounds }

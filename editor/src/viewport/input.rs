@@ -4,10 +4,11 @@ mod keys;
 
 pub use keys::turn_environment;
 
-use super::{ViewportContext, ViewportState, gizmo, navigation, pick::Picked, pixel};
+use super::{ViewportContext, ViewportState, gizmo, pick::Picked, pixel};
 use crate::{
     actions::Action,
     document::{Edit, EnvironmentSettings},
+    navigation,
 };
 use egui::{CursorIcon, Event, InputState, Modifiers, MouseWheelUnit, PointerButton, Pos2, Response, Ui};
 use glam::Vec2;

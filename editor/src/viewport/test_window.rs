@@ -82,7 +82,7 @@ impl App {
     fn movable(&self) -> Option<gizmo::Movable> {
         let (active, tool) = self.selected.zip(self.tool)?;
         let subject = |object| {
-            let center = pick::object_bounds(&self.mesh, object)?.center();
+            let center = crate::bounds::object_bounds(&self.mesh, object)?.center();
             Some(gizmo::Subject { object, center, middle: center })
         };
         let others = self.others.iter().filter_map(|&object| subject(object)).collect();
@@ -111,9 +111,9 @@ impl App {
             Action::SelectObject(object) => (self.selected, self.others) = (*object, Vec::new()),
             Action::SelectLight(light) => self.selected_light = *light,
             Action::FrameSelection => {
-                let bounds = pick::object_bounds(&self.mesh, self.selected.unwrap_or(0)).unwrap();
+                let bounds = crate::bounds::object_bounds(&self.mesh, self.selected.unwrap_or(0)).unwrap();
                 let aspect = response.rect.aspect_ratio();
-                self.document.camera = navigation::framed(&self.document.camera, bounds, aspect);
+                self.document.camera = crate::navigation::framed(&self.document.camera, bounds, aspect);
             }
             _ => {}
         }

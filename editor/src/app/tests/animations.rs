@@ -80,24 +80,24 @@ fn middle(scene: &Scene) -> Vec3 {
 
 /// The middle of the pyramid's box where pictures have it.
 fn middle_shown(state: &EditorState) -> Vec3 {
-    let baked = state.scene.rendered().unwrap();
+    let baked = state.work.scene.rendered().unwrap();
     middle(&baked.posed(&state.poses_since(baked)).unwrap().dataset.scene)
 }
 
 fn opened(path: &Path, place: &Place) -> Window {
     let mut window = place.window();
     window.open(path);
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     window
 }
 
 fn bake(window: &mut Window) {
     window.perform(Action::Bake { resume: false });
-    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
 }
 
 fn seconds(state: &EditorState) -> f32 {
-    state.document.clip_time.as_ref().map_or(0.0, |time| time.seconds)
+    state.work.document.clip_time.as_ref().map_or(0.0, |time| time.seconds)
 }
 
 fn is_playing(window: &Window) -> bool {
@@ -111,7 +111,7 @@ fn a_scene_that_was_baked_at_a_time_is_seen_at_rest_and_at_other_times() {
     window.perform(Action::ClipTime(at(1.0)));
     bake(&mut window);
     let state = window.0.state();
-    assert!(state.poses_since(state.scene.shown().unwrap()).is_empty() && state.stale_reasons().is_empty());
+    assert!(state.poses_since(state.work.scene.shown().unwrap()).is_empty() && state.stale_reasons().is_empty());
     for (time, x) in [(at(1.0), 0.5), (None, 0.0), (at(0.5), 0.25), (at(0.0), 0.0)] {
         window.perform(Action::ClipTime(time.clone()));
         let shown = middle_shown(window.0.state());
@@ -127,8 +127,8 @@ fn a_clip_plays_by_its_button_and_by_space_while_a_bake_goes_on() {
     assert!(is_playing(&window) && window.shows("Stop"));
     bake(&mut window);
     assert!(is_playing(&window), "the bake did not wait for its end");
-    let baked_at = window.0.state().scene.shown().unwrap().dataset.scene.clip_time.clone();
-    window.wait("time to go by", |s| s.document.clip_time != baked_at);
+    let baked_at = window.0.state().work.scene.shown().unwrap().dataset.scene.clip_time.clone();
+    window.wait("time to go by", |s| s.work.document.clip_time != baked_at);
     window.0.key_press(Key::Space);
     window.0.run_steps(2);
     assert!(!is_playing(&window));
@@ -153,7 +153,7 @@ fn playing_ends_with_its_scene_and_begins_in_none_without_clips() {
     window.perform(Action::Play);
     window.open(&place.path("scene.obj"));
     window.perform(Action::Play);
-    assert!(!is_playing(&window) && window.0.state().document.clip_time.is_none());
+    assert!(!is_playing(&window) && window.0.state().work.document.clip_time.is_none());
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
 fn handles(window: &mut Window) -> Vec3 {
     window.0.run_steps(2);
     let state = window.0.state();
-    movable(state).unwrap().place(&state.document.poses)
+    movable(state).unwrap().place(&state.work.document.poses)
 }
 
 #[test]
@@ -229,12 +229,12 @@ fn keyframes_that_change_on_disk_are_seen_at_once() {
     let path = sliding(&place, Some(0.5));
     let mut window = opened(&path, &place);
     window.perform(Action::ClipTime(at(1.0)));
-    let hash = window.0.state().scene.source.as_ref().unwrap().hash.clone();
+    let hash = window.0.state().work.scene.source.as_ref().unwrap().hash.clone();
     for (metres, x) in [(0.5, 0.5), (0.25, 0.25)] {
         change(&mut window, &path, Some(metres));
         assert!(middle_shown(window.0.state()).distance(Vec3::new(x, 0.3, 0.0)) < 1e-5);
     }
-    assert_eq!(window.0.state().scene.source.as_ref().unwrap().hash, hash, "the mesh is the same");
+    assert_eq!(window.0.state().work.scene.source.as_ref().unwrap().hash, hash, "the mesh is the same");
 }
 
 /// Writes the scene file anew, and lets the window know.
@@ -255,12 +255,12 @@ fn a_clip_that_the_file_does_not_have_any_more_is_left_out_with_a_warning() {
     window.perform(Action::SaveAs(Some(session.clone())));
     change(&mut window, &path, Some(0.25));
     let words = "the file has no animation";
-    assert!(window.0.state().document.clip_time == at(0.5) && !window.has_said(words), "negative control");
+    assert!(window.0.state().work.document.clip_time == at(0.5) && !window.has_said(words), "negative control");
     change(&mut window, &path, None);
-    assert!(window.0.state().document.clip_time.is_none() && window.has_said(words));
+    assert!(window.0.state().work.document.clip_time.is_none() && window.has_said(words));
     let mut again = place.window();
     again.open(&session);
-    assert!(again.0.state().document.clip_time.is_none() && again.has_said(words));
+    assert!(again.0.state().work.document.clip_time.is_none() && again.has_said(words));
 }
 
 #[test]
@@ -275,12 +275,12 @@ fn a_bundled_scene_opens_at_the_time_and_in_the_place_that_were_baked() {
         window
     };
     let mut window = opened();
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     window.perform(Action::ClipTime(at(0.5)));
     window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID_OBJECT, raised)].into()), label: "Move object" });
     bake(&mut window);
     let again = opened();
-    let Document { poses, clip_time, .. } = &again.0.state().document;
+    let Document { poses, clip_time, .. } = &again.0.state().work.document;
     assert_eq!((poses.of(PYRAMID_OBJECT), clip_time), (raised, &at(0.5)));
     assert!(again.0.state().stale_reasons().is_empty() && !again.shows("Preview"));
 }
@@ -292,8 +292,8 @@ fn a_clip_plays_on_its_timeline_and_sessions_keep_its_time() {
     assert!(window.shows("Play"));
     window.perform(Action::ClipTime(at(0.5)));
     let moved = |s: &EditorState| {
-        let baked = s.scene.rendered().unwrap();
-        s.poses_since(baked).moved().map(|object| s.document.objects[object as usize].clone()).collect::<Vec<_>>()
+        let baked = s.work.scene.rendered().unwrap();
+        s.poses_since(baked).moved().map(|object| s.work.document.objects[object as usize].clone()).collect::<Vec<_>>()
     };
     assert_eq!(moved(window.0.state()), ["pyramid"]);
     assert!(window.shows("Preview: implicit visibility"));
@@ -307,7 +307,7 @@ fn a_clip_plays_on_its_timeline_and_sessions_keep_its_time() {
     assert!(moved(window.0.state()).is_empty(), "negative control: at rest");
     let mut again = place.window();
     again.open(&session);
-    assert_eq!(again.0.state().document.clip_time, at(0.75));
+    assert_eq!(again.0.state().work.document.clip_time, at(0.75));
     let mut other = place.window();
     other.open(&place.path("scene.obj"));
     assert!(!other.shows("Play"), "nothing moves there");

@@ -14,14 +14,14 @@ fn what_was_edited_is_undone_saved_and_found_again() {
     assert_eq!(window.roughness(), 0.25);
     window.perform(Action::Undo);
     assert_eq!(window.roughness(), before);
-    assert!(!window.0.state().is_modified());
+    assert!(!window.0.state().work.is_modified());
     window.perform(Action::Redo);
     window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
-    assert!(!window.0.state().is_modified() && window.has_said("Saved"));
+    assert!(!window.0.state().work.is_modified() && window.has_said("Saved"));
     let mut again = place.window();
     again.open(&place.path("look.lapidary"));
     assert_eq!(again.roughness(), 0.25);
-    assert_eq!(again.0.state().title(), "look.lapidary");
+    assert_eq!(again.0.state().work.title(), "look.lapidary");
     again.wait("a picture", |s| s.pictures.shown().is_some());
     assert_eq!(again.0.state().recent.entries().len(), 2);
 }
@@ -55,11 +55,11 @@ fn nothing_is_written_over_what_the_document_is_made_of() {
     }
     for file in &used[..2] {
         window.perform(Action::SaveAs(Some(file.clone())));
-        assert!(window.0.state().is_modified() && window.0.state().title() == "look.lapidary");
+        assert!(window.0.state().work.is_modified() && window.0.state().work.title() == "look.lapidary");
     }
     assert_eq!(contents(), before);
     window.perform(Action::Save);
-    assert!(!window.0.state().is_modified(), "its own session is written again");
+    assert!(!window.0.state().work.is_modified(), "its own session is written again");
     assert!(std::fs::read_to_string(session).unwrap().contains("0.25"));
 }
 
@@ -114,7 +114,7 @@ fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() 
     window.perform(Action::Open(Some(place.path("scene.cuts"))));
     window.wait("the question", |s| !s.prompts.is_empty());
     window.click("Discard");
-    assert!(!window.0.state().is_modified() && window.0.state().title() == "scene.cuts");
+    assert!(!window.0.state().work.is_modified() && window.0.state().work.title() == "scene.cuts");
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn a_foreign_file_is_refused_with_what_can_be_opened() {
     assert!(window.has_said(".gltf") && window.has_said("notes.docx"));
     assert!(window.0.state().opening.is_none());
     window.drop_file(place.path("scene.obj"));
-    window.wait("the scene", |s| s.scene.source.is_some());
+    window.wait("the scene", |s| s.work.scene.source.is_some());
 }
 
 #[test]
@@ -150,10 +150,10 @@ fn a_bake_of_another_version_is_not_shown_until_it_is_asked_for() {
     std::fs::write(place.path("scene.obj"), SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    assert!(window.shows("has changed") && window.0.state().scene.shown().is_none());
+    assert!(window.shows("has changed") && window.0.state().work.scene.shown().is_none());
     window.click("Show anyway");
     window.wait("a picture", |s| s.pictures.shown().is_some());
-    assert!(!window.shows("has changed") && window.0.state().scene.is_stale());
+    assert!(!window.shows("has changed") && window.0.state().work.scene.is_stale());
 }
 
 #[test]
@@ -162,11 +162,11 @@ fn a_scene_without_a_bake_is_baked_from_the_notice() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     assert!(window.shows("is not baked yet"));
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     window.click("Bake now");
-    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
     assert!(place.path("scene.cuts").is_file() && window.has_said("Baked"));
-    assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
+    assert_eq!(window.0.state().work.document.dataset, Some(place.path("scene.cuts")));
 }
 
 /// A scene in a folder of its own, whose texture is above that.
@@ -182,17 +182,17 @@ fn with_a_texture_outside(place: &Place) -> PathBuf {
 fn files_outside_the_folder_of_a_scene_are_read_after_a_question_that_is_asked_once() {
     let place = Place::new();
     let scene = with_a_texture_outside(&place);
-    let texture = |window: &Window| window.0.state().document.textures[0].texture.size;
+    let texture = |window: &Window| window.0.state().work.document.textures[0].texture.size;
     let mut window = place.window();
     window.open(&scene);
     assert!(window.shows("Read files from elsewhere?") && window.shows("../red.png"));
-    assert!(window.0.state().scene.source.is_none(), "nothing is opened before the answer");
+    assert!(window.0.state().work.scene.source.is_none(), "nothing is opened before the answer");
     window.click("Open without them");
-    window.wait("the scene", |s| s.scene.source.is_some());
+    window.wait("the scene", |s| s.work.scene.source.is_some());
     assert_eq!(texture(&window), [8, 8], "the chequerboard");
     window.open(&scene);
     window.click("Read them");
-    window.wait("the picture", |s| s.document.textures.first().is_some_and(|t| t.texture.size == [3, 3]));
+    window.wait("the picture", |s| s.work.document.textures.first().is_some_and(|t| t.texture.size == [3, 3]));
     let mut later = place.window();
     later.open(&scene);
     assert!(!later.shows("Read files from elsewhere?"), "the folder is remembered");
@@ -214,10 +214,10 @@ fn pictures_outside_the_folder_of_a_material_are_read_after_a_question() {
     window.wait("the question", |s| !s.prompts.is_empty());
     assert!(window.shows("../red.png"));
     window.click("Cancel");
-    assert!(window.0.state().document.textures.is_empty() && window.0.state().prompts.is_empty());
+    assert!(window.0.state().work.document.textures.is_empty() && window.0.state().prompts.is_empty());
     window.perform(load());
     window.wait("the question", |s| !s.prompts.is_empty());
     window.click("Read them");
-    window.wait("the map", |s| s.document.materials[0].maps.get("base_color").is_some());
-    assert_eq!(window.0.state().document.textures[0].texture.size, [3, 3]);
+    window.wait("the map", |s| s.work.document.materials[0].maps.get("base_color").is_some());
+    assert_eq!(window.0.state().work.document.textures[0].texture.size, [3, 3]);
 }

@@ -105,7 +105,7 @@ fn an_export_is_cancelled_from_the_status_line_and_leaves_whole_frames() {
 fn the_picture_is_written_with_its_layers_and_is_that_of_the_window() {
     let place = Place::new();
     let mut window = opened(&place);
-    let view = ViewSettings { aa: 1, ..window.0.state().document.view.clone() };
+    let view = ViewSettings { aa: 1, ..window.0.state().work.document.view.clone() };
     window.perform(Action::Edit { edit: Edit::View(view), label: "Samples" });
     let (layers, plain) = (place.path("layers.exr"), place.path("plain.exr"));
     window.perform(Action::ExportLayers(Some(layers.clone())));

@@ -6,7 +6,7 @@ use glam::Vec3;
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
 
 fn choose(window: &mut Window, ground: Ground) {
-    let bake = BakeSettings { ground, ..window.0.state().document.bake.clone() };
+    let bake = BakeSettings { ground, ..window.0.state().work.document.bake.clone() };
     window.perform(Action::Edit { edit: Edit::Bake(Box::new(bake)), label: "Ground" });
     window.perform(Action::EndGesture);
 }
@@ -16,13 +16,13 @@ fn opened(place: &Place, by_itself: bool) -> Window {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().preferences.bakes_scenes = by_itself;
+    window.0.state_mut().work.preferences.bakes_scenes = by_itself;
     assert_eq!((window.0.state().seen(), has_ground(&window)), (Seen::Whole, false));
     window
 }
 
 fn has_ground(window: &Window) -> bool {
-    window.0.state().scene.rendered().unwrap().has_ground()
+    window.0.state().work.scene.rendered().unwrap().has_ground()
 }
 
 fn is_baking(window: &Window) -> bool {
@@ -41,7 +41,7 @@ fn a_ground_that_is_chosen_is_seen_at_once_and_baked() {
     assert!(!window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
     window.wait("the bake", |s| s.baking.progress().is_none());
     assert!(window.0.state().seen() == Seen::Whole && has_ground(&window));
-    let ground = window.0.state().document.materials.last().unwrap().name.clone();
+    let ground = window.0.state().work.document.materials.last().unwrap().name.clone();
     assert_eq!(ground, "Ground");
     // It is hidden and shown without another bake.
     for other in [Ground::On, Ground::Off, Ground::Shadow] {
@@ -56,21 +56,21 @@ fn a_ground_that_is_chosen_is_seen_at_once_and_baked() {
 fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
     let place = Place::new();
     let mut window = opened(&place, false);
-    let materials = window.0.state().document.materials.len();
+    let materials = window.0.state().work.document.materials.len();
     choose(&mut window, Ground::On);
     assert!(window.0.state().seen() == Seen::Unshadowed && has_ground(&window) && !is_baking(&window));
-    window.0.state_mut().document.materials[materials].parameters.set("base_color", Vec3::X);
+    window.0.state_mut().work.document.materials[materials].parameters.set("base_color", Vec3::X);
     choose(&mut window, Ground::Off);
     assert!(window.0.state().seen() == Seen::Whole && !has_ground(&window));
-    assert_eq!(window.0.state().document.materials.len(), materials);
+    assert_eq!(window.0.state().work.document.materials.len(), materials);
     let session = place.path("look.lapidary");
     window.perform(Action::SaveAs(Some(session.clone())));
     choose(&mut window, Ground::On);
-    let color = |window: &Window| window.0.state().document.materials[materials].parameters.color("base_color");
+    let color = |window: &Window| window.0.state().work.document.materials[materials].parameters.color("base_color");
     assert_eq!(color(&window), Vec3::X, "its material is kept");
     let mut again = place.window();
     again.open(&session);
-    assert_eq!(again.0.state().document.materials.len(), materials);
+    assert_eq!(again.0.state().work.document.materials.len(), materials);
     choose(&mut again, Ground::On);
     assert_eq!(color(&again), Vec3::X, "in sessions too");
     window.perform(Action::Undo);
@@ -81,7 +81,7 @@ fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
 fn a_bake_that_the_user_began_ends_before_that_of_a_ground_begins() {
     let place = Place::new();
     let mut window = opened(&place, true);
-    window.0.state_mut().document.bake = BakeSettings { lights: 512, ..few_lights() };
+    window.0.state_mut().work.document.bake = BakeSettings { lights: 512, ..few_lights() };
     window.perform(Action::Bake { resume: false });
     let output = window.0.state().baking.run.as_ref().unwrap().output.clone();
     choose(&mut window, Ground::Shadow);
@@ -98,19 +98,20 @@ fn a_bake_that_ended_for_a_ground_begins_anew_whatever_is_chosen_by_then() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().preferences.bakes_scenes = true;
-    window.0.state_mut().document.bake = BakeSettings { lights: 8192, max_vertices: Some(20_000), ..few_lights() };
+    window.0.state_mut().work.preferences.bakes_scenes = true;
+    window.0.state_mut().work.document.bake = BakeSettings { lights: 8192, max_vertices: Some(20_000), ..few_lights() };
     window.bake_by_itself(false);
     for ground in [Ground::Shadow, Ground::Off] {
-        let bake = BakeSettings { ground, lights: 256, max_vertices: None, ..window.0.state().document.bake.clone() };
-        window.0.state_mut().document.bake = bake;
+        let bake =
+            BakeSettings { ground, lights: 256, max_vertices: None, ..window.0.state().work.document.bake.clone() };
+        window.0.state_mut().work.document.bake = bake;
         window.0.state_mut().follow_ground();
     }
     assert!(window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
     window.wait("another bake", |s| s.seen() == Seen::Whole && s.baking.progress().is_none());
-    assert_eq!(window.0.state().scene.shown().unwrap().dataset.tree.len(), 256);
+    assert_eq!(window.0.state().work.scene.shown().unwrap().dataset.tree.len(), 256);
     // What the user cancels stays cancelled.
-    window.0.state_mut().document.bake.lights = 8192;
+    window.0.state_mut().work.document.bake.lights = 8192;
     window.bake_by_itself(false);
     window.perform(Action::CancelBake);
     window.wait("the end", |s| s.baking.progress().is_none());

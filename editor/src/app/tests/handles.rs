@@ -46,10 +46,10 @@ fn keys_and_buttons_choose_the_tool_and_r_is_for_the_reference_while_comparing()
 
 /// Shows a ground, and returns which object it is.
 fn show_ground(window: &mut Window) -> u32 {
-    let bake = BakeSettings { ground: Ground::On, ..window.0.state().document.bake.clone() };
+    let bake = BakeSettings { ground: Ground::On, ..window.0.state().work.document.bake.clone() };
     window.perform(Action::Edit { edit: Edit::Bake(Box::new(bake)), label: "Ground" });
-    window.wait("the ground", |s| s.scene.rendered().is_some_and(|baked| baked.has_ground()));
-    window.0.state().ground_object().unwrap()
+    window.wait("the ground", |s| s.work.scene.rendered().is_some_and(|baked| baked.has_ground()));
+    window.0.state().work.scene.ground_object().unwrap()
 }
 
 /// Drags the middle of the viewport, where the centre of what is selected is seen.
@@ -80,11 +80,11 @@ fn a_drag_in_the_window_is_one_step_of_undo() {
     press(&mut window, Key::W);
     window.perform(Action::SelectObject(Some(PYRAMID)));
     drag_middle(&mut window);
-    assert!(!window.0.state().document.poses.is_as_baked(PYRAMID));
+    assert!(!window.0.state().work.document.poses.is_as_baked(PYRAMID));
     assert_eq!(window.undo_name().as_deref(), Some("Move pyramid"));
     window.perform(Action::Undo);
     assert!(window.shows("Undone: Move pyramid"));
-    assert!(window.0.state().document.poses.is_empty());
+    assert!(window.0.state().work.document.poses.is_empty());
     assert_eq!(window.undo_name(), None);
 }
 
@@ -95,19 +95,20 @@ fn a_drag_of_several_objects_is_one_step_of_undo_that_restores_all() {
     press(&mut window, Key::W);
     window.perform(Action::SelectObject(Some(FLOOR)));
     window.perform(Action::ToggleObject(PYRAMID));
-    let moves = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().document.poses.of(object).translate);
+    let moves =
+        |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().work.document.poses.of(object).translate);
     window.perform(Action::FrameSelection);
-    let eye = window.0.state().document.camera.eye;
+    let eye = window.0.state().work.document.camera.eye;
     let active = movable(window.0.state()).unwrap().active.center;
     // Straight before the eye, so that the handles lie in the middle.
-    window.0.state_mut().document.camera.target = active;
+    window.0.state_mut().work.document.camera.target = active;
     drag_middle_as_it_is(&mut window);
-    assert_eq!(window.0.state().document.camera.eye, eye, "no orbit");
+    assert_eq!(window.0.state().work.document.camera.eye, eye, "no orbit");
     assert_eq!(window.undo_name().as_deref(), Some("Move 2 objects"));
     let [floor, pyramid] = moves(&window);
     assert!(floor.length() > 0.01 && floor == pyramid, "{floor} {pyramid}");
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
+    assert!(window.0.state().work.document.poses.is_empty() && window.undo_name().is_none());
     window.perform(Action::Redo);
     assert_eq!(moves(&window), [floor, pyramid]);
 }
@@ -123,13 +124,13 @@ fn a_number_of_several_objects_is_one_step_of_undo_that_restores_all() {
     window.0.get_by_label("Scale value").type_text("2");
     window.0.key_press(Key::Enter);
     window.0.run_steps(3);
-    let poses = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().document.poses.of(object));
+    let poses = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().work.document.poses.of(object));
     let scaled = poses(&window);
     assert_eq!(scaled.map(|pose| pose.scale), [2.0, 2.0]);
     // The pyramid's centre is 0.3 m above the floor, the pyramid the pivot.
     assert!((scaled[0].translate.y + 0.3).abs() < 1e-5 && scaled[1].translate == glam::Vec3::ZERO, "{scaled:?}");
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
+    assert!(window.0.state().work.document.poses.is_empty() && window.undo_name().is_none());
     window.perform(Action::Redo);
     assert_eq!(poses(&window), scaled);
 }
@@ -154,7 +155,7 @@ fn the_ground_and_what_lies_beside_a_selected_light_have_no_handles() {
 fn after_escape(window: &mut Window) -> Vec<u32> {
     window.0.key_press(Key::Escape);
     window.0.run_steps(3);
-    window.0.state().selection.objects().collect()
+    window.0.state().work.selection.objects().collect()
 }
 
 #[test]
@@ -198,10 +199,10 @@ fn escape_gives_up_a_drag_and_keeps_the_selection() {
     window.0.step();
     window.0.hover_at(from + egui::vec2(60.0, 0.0));
     window.0.run_steps(2);
-    assert!(!window.0.state().document.poses.is_as_baked(PYRAMID), "negative control");
+    assert!(!window.0.state().work.document.poses.is_as_baked(PYRAMID), "negative control");
     for press in ["puts it back", "does nothing while the button is held"] {
         assert_eq!(after_escape(&mut window), [PYRAMID], "{press}");
-        assert!(window.0.state().document.poses.is_empty(), "{press}");
+        assert!(window.0.state().work.document.poses.is_empty(), "{press}");
     }
     window.0.drop_at(from + egui::vec2(60.0, 0.0));
     window.0.run_steps(2);
@@ -215,7 +216,7 @@ fn clicks_with_ctrl_add_and_take_away_objects_but_not_the_ground() {
     let ground = show_ground(&mut window);
     let mut after = |action: Action| {
         window.perform(action);
-        window.0.state().selection.objects().collect::<Vec<_>>()
+        window.0.state().work.selection.objects().collect::<Vec<_>>()
     };
     assert_eq!(after(Action::SelectObject(Some(FLOOR))), [FLOOR]);
     assert_eq!(after(Action::ToggleObject(PYRAMID)), [PYRAMID, FLOOR]);

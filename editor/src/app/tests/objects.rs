@@ -17,7 +17,7 @@ fn with_a_rug(place: &Place) -> Window {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     window.perform(Action::SelectObject(Some(FLOOR)));
     window.perform(Action::ToggleObject(PYRAMID));
     window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, MOVED)].into()), label: "Move object" });
@@ -31,7 +31,7 @@ fn with_a_rug(place: &Place) -> Window {
     let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
     window.0.state_mut().scene_changed(&place.path("scene.obj"), changed);
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.objects, ["floor", "pyramid"], "the bake before is still seen");
+    assert_eq!(window.0.state().work.document.objects, ["floor", "pyramid"], "the bake before is still seen");
     window
 }
 
@@ -42,17 +42,17 @@ fn a_bake_moves_the_object_that_was_moved_and_undo_and_selection_follow_it() {
     window.perform(Action::Bake { resume: false });
     window.wait("the bake", |s| s.baking.progress().is_none());
     let state = window.0.state();
-    assert_eq!(state.document.objects, ["floor", "rug", "pyramid"]);
+    assert_eq!(state.work.document.objects, ["floor", "rug", "pyramid"]);
     let mut expected = Poses::default();
     expected.set(PYRAMID_NOW, MOVED);
-    assert_eq!(state.scene.shown().unwrap().dataset.scene.placed_poses(), expected);
-    assert_eq!(state.document.poses, expected);
-    assert_eq!(state.selection.objects().collect::<Vec<_>>(), [PYRAMID_NOW, FLOOR]);
-    assert_eq!(state.selection.part.map(|part| part.object), Some(PYRAMID_NOW));
+    assert_eq!(state.work.scene.shown().unwrap().dataset.scene.placed_poses(), expected);
+    assert_eq!(state.work.document.poses, expected);
+    assert_eq!(state.work.selection.objects().collect::<Vec<_>>(), [PYRAMID_NOW, FLOOR]);
+    assert_eq!(state.work.selection.part.map(|part| part.object), Some(PYRAMID_NOW));
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty());
+    assert!(window.0.state().work.document.poses.is_empty());
     window.perform(Action::Redo);
-    assert_eq!(window.0.state().document.poses, expected);
+    assert_eq!(window.0.state().work.document.poses, expected);
 }
 
 #[test]

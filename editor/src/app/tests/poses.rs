@@ -45,7 +45,7 @@ fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_pictu
     let mut again = place.window();
     again.open(&session);
     wait_for_picture(&mut again);
-    assert_eq!(again.0.state().document.poses.of(PYRAMID), moved);
+    assert_eq!(again.0.state().work.document.poses.of(PYRAMID), moved);
     assert!(again.shows(words));
     again.wait("the posed picture", |s| pixels(s) == posed);
 
@@ -91,7 +91,7 @@ fn an_object_is_selected_and_framed_where_it_is() {
     window.perform(Action::SelectObject(Some(PYRAMID)));
     let target = |window: &mut Window| {
         window.perform(Action::FrameSelection);
-        window.0.state().document.camera.target
+        window.0.state().work.document.camera.target
     };
     let before = target(&mut window);
     pose(&mut window, Pose { translate: Vec3::new(3.0, 0.0, 0.0), ..Pose::AS_BAKED });
@@ -106,7 +106,7 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     wait_for_picture(&mut window);
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     let (words, moved) = ("Preview: implicit visibility", Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED });
     pose(&mut window, moved);
     assert!(window.shows(words));
@@ -124,7 +124,7 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     let mut alone = place.window();
     alone.open(&place.path("scene.cuts"));
     wait_for_picture(&mut alone);
-    assert_eq!(alone.0.state().document.poses.of(PYRAMID), moved);
+    assert_eq!(alone.0.state().work.document.poses.of(PYRAMID), moved);
     assert!(!alone.shows(words), "as it was baked");
 }
 
@@ -145,13 +145,16 @@ fn a_dataset_alone_has_the_timeline_of_the_scene_file_beside_it() {
         window
     };
     let alone = opened("bending-tower.cuts");
-    assert!(!alone.shows("Play") && alone.0.state().scene.animation.is_none(), "negative control: no file is there");
+    assert!(
+        !alone.shows("Play") && alone.0.state().work.scene.animation.is_none(),
+        "negative control: no file is there"
+    );
     for name in ["bending-tower.gltf", "bending-tower.bin"] {
         std::fs::copy(bundled.join(name), place.path(name)).unwrap();
     }
     std::fs::copy(place.path("bending-tower.gltf"), place.path("scene.gltf")).unwrap();
     let other = opened("scene.cuts");
-    let scene = &other.0.state().scene;
+    let scene = &other.0.state().work.scene;
     assert!(scene.animation.is_none() && scene.shown().is_some(), "the file beside it is of another scene");
     let mut alone = opened("bending-tower.cuts");
     assert!(alone.shows("Play"));

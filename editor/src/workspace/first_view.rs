@@ -1,6 +1,6 @@
 //! The camera by which a document is first seen, and goes back to.
 
-use crate::{document::Document, viewport::navigation};
+use crate::{document::Document, navigation};
 use lapidary_core::{bounds::Bounds, camera::Camera};
 
 /// Width by height of the pictures that cameras of scene files are taken to be set up for.

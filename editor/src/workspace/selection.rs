@@ -1,5 +1,6 @@
 //! What is selected.
 
+use super::{Inspector, Workspace};
 use crate::document::objects::ObjectNumbers;
 use lapidary_core::parts::Part;
 
@@ -14,7 +15,7 @@ pub struct Selection {
     pub part: Option<Part>,
     /// A material.
     pub material: Option<usize>,
-    /// A local light; undo may have taken it away, see [`EditorState::selected_light`](super::EditorState::selected_light).
+    /// A local light; undo may have taken it away, see [`Workspace::selected_light`].
     pub light: Option<usize>,
 }
 
@@ -56,6 +57,52 @@ impl Selection {
             .chain(&mut self.others)
             .for_each(|object| *object = numbers.of(*object).unwrap_or(*object));
         self.part = self.part.and_then(|part| numbers.of_part(part));
+    }
+}
+
+impl Workspace {
+    /// Selects an object alone, and with it the part and the material of its first triangle.
+    pub fn select_object(&mut self, object: Option<u32>) {
+        self.selection.set_object(object);
+        self.show_active_object();
+    }
+
+    /// Adds an object to the selection, or takes it away. A ground, which cannot be moved, is only selected alone.
+    pub fn toggle_object(&mut self, object: u32) {
+        let ground = self.scene.ground_object();
+        if ground == Some(object) {
+            self.messages.remark("The ground stays where it is, and is only selected alone");
+            return;
+        }
+        self.selection.retain_objects(|selected| Some(selected) != ground);
+        self.selection.toggle_object(object);
+        self.show_active_object();
+    }
+
+    /// Selects the part and the material of the active object's first triangle.
+    fn show_active_object(&mut self) {
+        (self.selection.part, self.selection.light) = (None, None);
+        let Some((object, baked)) = self.selection.object.zip(self.scene.rendered()) else { return };
+        let mesh = &baked.dataset.scene.mesh;
+        let first = mesh.triangle_object.iter().position(|&o| o == object);
+        if let Some(part) = first.and_then(|triangle| Part::of_triangle(mesh, triangle)) {
+            self.selection.part = Some(part);
+            self.selection.material = Some(self.document.material_of(part));
+            self.tabs.inspector = Inspector::Material;
+        }
+    }
+
+    /// Selects a material, or none.
+    pub fn select_material(&mut self, material: Option<usize>) {
+        self.selection.material = material;
+        if material.is_some() {
+            self.tabs.inspector = Inspector::Material;
+        }
+    }
+
+    /// The selected light, if it is there.
+    pub fn selected_light(&self) -> Option<usize> {
+        self.selection.light.filter(|&index| index < self.document.lights.len())
     }
 }
 
