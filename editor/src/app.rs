@@ -2,7 +2,6 @@
 //! one.
 
 mod animations;
-mod baking;
 mod camera;
 mod comparison;
 mod dialogs;

@@ -3,6 +3,7 @@
 pub mod autosave;
 mod components;
 mod edit;
+pub mod fitting;
 mod history;
 pub mod library;
 pub mod lights;

@@ -5,6 +5,7 @@
 
 mod actions;
 mod app;
+mod bake;
 mod bounds;
 mod check;
 mod cli;

@@ -1,6 +1,5 @@
 //! The panels around the viewport. They read the document and return their requests as actions.
 
-pub mod bake;
 pub mod comparison;
 pub mod environment;
 pub mod explain;

@@ -1,6 +1,7 @@
 //! What all features of the window share: the document with its history, the scene that is open, what is selected, messages,
 //! preferences. Features change it; it knows none of them.
 
+mod another_scene;
 pub mod first_view;
 mod outputs;
 mod scene;
@@ -10,7 +11,7 @@ mod steps;
 mod tabs;
 
 pub use outputs::{Written, brdf_files, files_in_use};
-pub use scene::OpenScene;
+pub use scene::{OpenScene, Seen};
 pub use selection::Selection;
 pub use shown_bounds::ShownBounds;
 pub use tabs::{Inspector, Side, Tabs};

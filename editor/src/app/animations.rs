@@ -2,10 +2,7 @@
 
 use super::state::EditorState;
 use egui::Context;
-use lapidary_core::{
-    animation::{Animation, AnimationError},
-    scene::pose::Poses,
-};
+use lapidary_core::{animation::Animation, scene::pose::Poses};
 use lapidary_render::Baked;
 use std::sync::Arc;
 
@@ -29,19 +26,6 @@ impl EditorState {
         let baked = self.work.scene.rendered()?;
         let is_held = self.interface.timeline.playing || ctx.input(|input| input.pointer.any_down());
         Some(self.requests.posed(self.poses_since(baked), baked, is_held))
-    }
-
-    /// Goes on without the time of a clip that the scene file does not have, and tells why.
-    pub(super) fn drop_lost_clip(&mut self) {
-        let Some((source, time)) = self.work.scene.source.as_ref().zip(self.work.document.clip_time.as_ref()) else {
-            return;
-        };
-        let no_clips = || AnimationError::NoClips { path: self.work.document.scene.clone().unwrap_or_default() };
-        let found = source.animation.as_ref().ok_or_else(no_clips).and_then(|all| all.clip(Some(&time.clip)));
-        if let Err(error) = found {
-            self.work.messages.warning(format!("\"{}\" cannot be shown: {error}", time.clip));
-            self.work.document.clip_time = None;
-        }
     }
 
     /// Plays the animation, or stops.

@@ -4,13 +4,13 @@ use super::{
     opening::{Opened, Ready, Target},
     state::{
         EditorState,
-        baking::{Asker, BakeOrder, From},
         ladder::LadderWindow,
         prompt::{Again, Prompt, Then},
     },
 };
 use crate::{
     actions::Action,
+    bake::{Asker, BakeOrder, From},
     document::{History, library::maps_in, session},
     workspace::{OpenScene, Selection, Written, first_view::FirstView},
 };
@@ -173,12 +173,13 @@ impl EditorState {
         self.requests.forget();
         let name = self.work.title();
         self.work.messages.warnings(&name, &warnings);
-        self.drop_lost_clip();
+        self.work.drop_lost_clip();
         recent.into_iter().for_each(|path| self.remember(&path));
         if lacks_bake && self.work.preferences.bakes_scenes && self.work.scene.source.is_some() {
-            let (has_draft, has_chunks) = (self.work.scene.baked.is_some(), self.leftover() == Leftover::Fitting);
+            let (has_draft, has_chunks) =
+                (self.work.scene.baked.is_some(), self.baking.leftover(&self.work) == Leftover::Fitting);
             let from = if has_draft && has_chunks { From::Checkpoint } else { From::Beginning };
-            self.bake(BakeOrder { asked_by: Asker::Nobody, from, draft_first: !has_draft });
+            self.baking.bake(&mut self.work, BakeOrder { asked_by: Asker::Nobody, from, draft_first: !has_draft });
         }
     }
 

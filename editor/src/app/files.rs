@@ -189,7 +189,7 @@ impl EditorState {
                 files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
                 self.work.messages.note(format!("Loaded again ({})", path.display()));
             }
-            Ok(Loaded::Scene(source)) => self.scene_changed(path, *source),
+            Ok(Loaded::Scene(source)) => self.work.scene_changed(path, *source),
             // Another one may have been chosen meanwhile.
             Ok(_) if self.work.document.environment.file() != Some(path) => {}
             Ok(loaded) => {

@@ -146,8 +146,8 @@ impl EditorState {
     fn collect(&mut self, ctx: &egui::Context) {
         self.collect_opened();
         self.collect_loaded();
-        self.collect_bake();
-        self.follow_ground();
+        self.baking.collect(&mut self.work);
+        self.baking.follow_ground(&mut self.work);
         self.collect_pictures(ctx);
         self.collect_comparison(ctx);
         self.collect_export();

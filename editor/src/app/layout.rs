@@ -6,15 +6,18 @@ use super::{
     menus, notice,
     requests::illumination,
     side_panels::{self, Edge},
-    state::{EditorState, baking::Seen, environments::Environments, pictures::Pictures},
+    state::{EditorState, environments::Environments, pictures::Pictures},
     status, toolbar,
 };
 use crate::{
     actions::Action,
+    bake::{
+        panel::{self, BakeContext, BakeStatus, SceneStats},
+        stale_now,
+    },
     document::{self, BackgroundKind, Component, Document, Unlit},
     jobs::render_thread::RenderedFrame,
     panels::{
-        bake::{self, BakeContext, BakeStatus, SceneStats},
         comparison,
         environment::{self, EnvironmentContext, LibraryEntry},
         lights::{self, LightsContext},
@@ -29,7 +32,7 @@ use crate::{
         compare::Compared,
         gizmo::{Movable, Subject},
     },
-    workspace::{Inspector, OpenScene, Side, Tabs},
+    workspace::{Inspector, OpenScene, Seen, Side, Tabs},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{lights::Light, material::Material};
@@ -241,7 +244,7 @@ fn suns(state: &EditorState) -> Vec<Light> {
 }
 
 fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let status = state.bake_status();
+    let status = state.baking.status(&state.work);
     let source = state.work.scene.source.as_ref();
     let report = source.map(|source| &source.report);
     let (may_try, mode) = (!matches!(status, BakeStatus::Running { .. }), state.work.document.bake.mode);
@@ -250,13 +253,13 @@ fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         document: &state.work.document,
         dataset: state.work.scene.baked.as_ref().map(|b| &*b.dataset),
         status: &status,
-        reasons: &state.stale_reasons(),
+        reasons: &stale_now(&state.work),
         scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
         trial: source.and_then(|source| source.trial(may_try)),
         bounce_trial: source.filter(|_| bounces).and_then(|source| source.bounce_trial(may_try)),
         cores: std::thread::available_parallelism().map_or(1, usize::from),
     };
-    scrolled(ui, |ui| bake::show(ui, &context, actions));
+    scrolled(ui, |ui| panel::show(ui, &context, actions));
 }
 
 fn environment_context<'a>(
@@ -314,7 +317,7 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
         let is_other = state.work.document.lets_through_otherwise(&baked.dataset.scene);
         is_other.then_some("Opacity was edited; bake again for its shadows")
     };
-    state.baking.words(state.seen()).or_else(opacity)
+    state.baking.words(state.work.scene.seen()).or_else(opacity)
 }
 
 /// The selected objects, if they have handles: a ground has none, nor has anything beside a selected light.
@@ -387,7 +390,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     }
     if state.work.scene.rendered().is_none() {
         notice::show(ui, response.rect, state, actions);
-    } else if state.seen() == Seen::Unshadowed && state.baking.progress().is_none() {
+    } else if state.work.scene.seen() == Seen::Unshadowed && state.baking.progress().is_none() {
         notice::show_below(ui, response.rect, state, actions);
     }
     response

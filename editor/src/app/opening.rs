@@ -1,16 +1,17 @@
 //! Opens a file completely: scene, dataset, session and the files that they name. A thread reads them until the
 //! document is complete. Files outside the folder of a scene are read only with the user's consent.
 
-use super::baking::fit_materials;
 use crate::{
     document::{
         Document,
         autosave::Recovery,
+        fitting::fit_materials,
         parts::{OwnMaterials, Renumbering},
         session::{self, LoadedSession, Unknown},
     },
     jobs::{
-        Imported as Source, kept_bakes,
+        Imported as Source,
+        kept_bakes::{self, draft_of, kept_in},
         load::{Kind, foreign, kind_of},
     },
     preferences::AllowedFolders,
@@ -274,17 +275,6 @@ fn animation_beside(dataset: &Path, scene: &Scene) -> Option<Arc<Animation>> {
     let file = ["gltf", "glb"].map(|ending| dataset.with_extension(ending)).into_iter().find(|file| file.is_file())?;
     let animation = Arc::new(Animation::read(&file, &ImportOptions::default()).ok()?);
     BoundAnimation::new(animation.clone(), scene).is_ok().then_some(animation)
-}
-
-/// Path of the draft of a bake, which is shown at once while the bake continues.
-pub fn draft_of(output: &Path) -> PathBuf {
-    output.with_extension("draft.cuts")
-}
-
-/// Path in the folder `bakes` of a bake that began by itself. Another version of the scene has another bake.
-pub fn kept_in(bakes: &Path, scene: &Path, hash: &str) -> PathBuf {
-    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
-    bakes.join(format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash)))
 }
 
 /// The bakes of a scene.

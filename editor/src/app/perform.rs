@@ -1,16 +1,10 @@
 //! Performs actions: the one place where requests of the interface meet the document, its history and the jobs.
 
-use super::{
-    opening::Target,
-    state::{
-        EditorState,
-        baking::{Asker, BakeOrder, From},
-    },
-    theme,
-};
+use super::{opening::Target, state::EditorState, theme};
 use crate::{
     actions::Action,
     app::{dialogs::Purpose, keys::Command},
+    bake::{Asker, BakeOrder, From, wants_draft},
     document::{Edit, EnvironmentSettings, ViewSettings, folder_of, session},
     jobs::load::{Source, Topic},
     navigation::axis_view,
@@ -61,9 +55,10 @@ impl EditorState {
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
             Action::Bake { resume } => {
                 let from = if resume { From::Checkpoint } else { From::Beginning };
-                self.bake(BakeOrder { asked_by: Asker::User, from, draft_first: self.wants_draft() });
+                let order = BakeOrder { asked_by: Asker::User, from, draft_first: wants_draft(&self.work) };
+                self.baking.bake(&mut self.work, order);
             }
-            Action::CancelBake => self.cancel_for_good(),
+            Action::CancelBake => self.baking.cancel_for_good(),
             Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
             Action::Open(Some(path)) => self.open(Target::File(path)),
             Action::OpenBundled(index) => self.open_bundled(index),

@@ -1,14 +1,12 @@
 //! From the document to requests for the render thread. A request is sent when it differs from the last one, so that
 //! nothing is rendered, and nothing compared there, while nothing changes.
 
-use super::{
-    layout::movable,
-    state::{EditorState, baking::Seen},
-};
+use super::{layout::movable, state::EditorState};
 use crate::{
     document::{Document, lights::shines},
     jobs::render_thread::RenderRequest,
     viewport::ViewportResponse,
+    workspace::Seen,
 };
 use egui::Context;
 use lapidary_core::environment::Environment;
@@ -22,7 +20,7 @@ impl EditorState {
         // A clip may play for hours.
         self.baking.hold(is_dragging);
         let moving = is_dragging || self.interface.timeline.playing;
-        self.render.set_preview(self.seen() == Seen::Unshadowed && self.baking.progress().is_some());
+        self.render.set_preview(self.work.scene.seen() == Seen::Unshadowed && self.baking.progress().is_some());
         let Some(look) = self.look(viewport.size_px) else { return };
         let request = RenderRequest {
             baked: self.work.scene.rendered().cloned(),

@@ -1,7 +1,6 @@
 //! The state of the window. Its behaviour is in the files of this folder: each adds a part to [`EditorState`], which
 //! knows none of them.
 
-pub mod baking;
 pub mod comparison;
 pub mod environments;
 pub mod explain;
@@ -17,6 +16,7 @@ use super::{
     opening::{Consent, Opening, Target},
 };
 use crate::{
+    bake::Baking,
     document::{
         autosave::{self, Autosave, Recovery},
         library::EnvironmentLibrary,
@@ -27,7 +27,6 @@ use crate::{
     preferences::Preferences,
     workspace::Workspace,
 };
-use baking::Baking;
 use comparison::Comparison;
 use environments::Environments;
 use explain::ExplainWindow;

@@ -21,12 +21,14 @@ mod poses;
 
 use super::{
     opening::Target,
-    state::{
-        Bundled, EditorState, Setup,
-        baking::{Asker, BakeOrder, From},
-    },
+    state::{Bundled, EditorState, Setup},
 };
-use crate::{actions::Action, paths::Folders, preferences::Preferences};
+use crate::{
+    actions::Action,
+    bake::{Asker, BakeOrder, From, panel::BakeStatus},
+    paths::Folders,
+    preferences::Preferences,
+};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use lapidary_core::{dataset::BakeSettings, import::import};
@@ -134,7 +136,13 @@ impl Window {
     /// Begins a bake that nobody asked for.
     fn bake_by_itself(&mut self, draft_first: bool) {
         let order = BakeOrder { asked_by: Asker::Nobody, from: From::Beginning, draft_first };
-        self.0.state_mut().bake(order);
+        let state = self.0.state_mut();
+        state.baking.bake(&mut state.work, order);
+    }
+
+    fn bake_status(&mut self) -> BakeStatus {
+        let state = self.0.state_mut();
+        state.baking.status(&state.work)
     }
 
     fn perform(&mut self, action: Action) {

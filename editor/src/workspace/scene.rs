@@ -33,6 +33,17 @@ pub struct OpenScene {
     pub first_view: Option<FirstView>,
 }
 
+/// What the picture is rendered by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// The scene without shadows.
+    Unshadowed,
+    /// A draft of a bake.
+    Draft,
+    /// A bake.
+    Whole,
+}
+
 impl OpenScene {
     /// Whether the dataset was baked from another version of the scene.
     pub fn is_stale(&self) -> bool {
@@ -49,6 +60,15 @@ impl OpenScene {
     /// What is rendered: the dataset, or the scene without shadows.
     pub fn rendered(&self) -> Option<&Baked> {
         self.shown().or(self.preview.as_ref())
+    }
+
+    /// What the picture is rendered by.
+    pub fn seen(&self) -> Seen {
+        match self.shown() {
+            None => Seen::Unshadowed,
+            Some(_) if self.is_draft => Seen::Draft,
+            Some(_) => Seen::Whole,
+        }
     }
 
     /// What moves in the scene file.

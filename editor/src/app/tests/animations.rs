@@ -4,6 +4,7 @@ use super::{Place, Window, few_lights};
 use crate::{
     actions::Action,
     app::{layout::movable, opening::Target, state::EditorState},
+    bake::stale_now,
     document::{Document, Edit},
     jobs::{Imported, render_thread::RenderRequest},
     viewport::gizmo::Tool,
@@ -111,7 +112,7 @@ fn a_scene_that_was_baked_at_a_time_is_seen_at_rest_and_at_other_times() {
     window.perform(Action::ClipTime(at(1.0)));
     bake(&mut window);
     let state = window.0.state();
-    assert!(state.poses_since(state.work.scene.shown().unwrap()).is_empty() && state.stale_reasons().is_empty());
+    assert!(state.poses_since(state.work.scene.shown().unwrap()).is_empty() && stale_now(&state.work).is_empty());
     for (time, x) in [(at(1.0), 0.5), (None, 0.0), (at(0.5), 0.25), (at(0.0), 0.0)] {
         window.perform(Action::ClipTime(time.clone()));
         let shown = middle_shown(window.0.state());
@@ -241,7 +242,7 @@ fn keyframes_that_change_on_disk_are_seen_at_once() {
 fn change(window: &mut Window, path: &Path, metres: Option<f32>) {
     write_sliding(path, metres);
     let changed = Imported::read(path, false).unwrap();
-    window.0.state_mut().scene_changed(path, changed);
+    window.0.state_mut().work.scene_changed(path, changed);
     window.0.run_steps(2);
 }
 
@@ -282,7 +283,7 @@ fn a_bundled_scene_opens_at_the_time_and_in_the_place_that_were_baked() {
     let again = opened();
     let Document { poses, clip_time, .. } = &again.0.state().work.document;
     assert_eq!((poses.of(PYRAMID_OBJECT), clip_time), (raised, &at(0.5)));
-    assert!(again.0.state().stale_reasons().is_empty() && !again.shows("Preview"));
+    assert!(stale_now(&again.0.state().work).is_empty() && !again.shows("Preview"));
 }
 
 #[test]

@@ -4,8 +4,12 @@ use super::{Place, Window, few_lights};
 use crate::{
     actions::Action,
     app::opening::{Consent, Opened, Ready, Target, open},
-    document::{Document, TextureEntry, autosave, autosave::Autosave, session},
-    panels::bake::BakeStatus,
+    bake::panel::BakeStatus,
+    document::{
+        Document, TextureEntry,
+        autosave::{self, Autosave},
+        session,
+    },
 };
 use lapidary_core::{
     dataset::BakeParts,
@@ -147,12 +151,12 @@ fn only_a_bake_of_the_same_settings_is_resumed() {
     assert!(bake(scene, &job, &StopsInVisibility::default()).is_err());
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::Cancelled { leftover: Leftover::OfAnother });
+    assert_eq!(window.bake_status(), BakeStatus::Cancelled { leftover: Leftover::OfAnother });
     window.0.state_mut().work.document.bake = few_lights();
-    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::Cancelled { leftover: Leftover::Fitting });
+    assert_eq!(window.bake_status(), BakeStatus::Cancelled { leftover: Leftover::Fitting });
     window.perform(Action::Bake { resume: true });
     window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
-    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::UpToDate);
+    assert_eq!(window.bake_status(), BakeStatus::UpToDate);
 }
 
 /// An autosave of a process that is gone.

@@ -29,7 +29,7 @@ fn with_a_rug(place: &Place) -> Window {
             .fold(shifted, |text, (before, now)| text.replace(before, now));
     std::fs::write(place.path("scene.obj"), shifted).unwrap();
     let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
-    window.0.state_mut().scene_changed(&place.path("scene.obj"), changed);
+    window.0.state_mut().work.scene_changed(&place.path("scene.obj"), changed);
     window.0.run_steps(2);
     assert_eq!(window.0.state().work.document.objects, ["floor", "pyramid"], "the bake before is still seen");
     window
@@ -66,7 +66,8 @@ fn what_an_interrupted_bake_left_is_known_under_the_numbers_of_the_file() {
         let job = BakeJob::new(resolve(few_lights()).unwrap(), place.path("scene.cuts"));
         let job = BakeJob { chunks: Some(4), poses, ..job };
         assert!(bake(scene.clone(), &job, &StopsInVisibility::default()).is_err());
-        window.0.state_mut().baking.leftover = None;
-        assert_eq!(window.0.state_mut().leftover(), expected);
+        let state = window.0.state_mut();
+        state.baking.leftover = None;
+        assert_eq!(state.baking.leftover(&state.work), expected);
     }
 }

@@ -1,7 +1,7 @@
 //! Objects are posed in the window: the picture follows at once, and undo and sessions know it.
 
 use super::{Place, Window, few_lights};
-use crate::{actions::Action, app::state::EditorState, document::Edit};
+use crate::{actions::Action, app::state::EditorState, bake::stale_now, document::Edit};
 use glam::Vec3;
 use lapidary_core::{animation::ClipTime, dataset::Dataset, import::import, scene::pose::Pose};
 use lapidary_precompute::{BakeJob, Silent, bake, resolve};
@@ -116,10 +116,10 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     let baked = Dataset::read(&place.path("scene.cuts")).unwrap();
     assert_eq!(baked.scene.placed_poses().of(PYRAMID), moved);
     window.wait("the picture by cuts", |s| s.pictures.shown().is_some_and(|p| p.tier == Tier::Cuts));
-    assert!(!window.shows(words) && window.0.state().stale_reasons().is_empty());
+    assert!(!window.shows(words) && stale_now(&window.0.state().work).is_empty());
     window.perform(Action::Undo);
     assert!(window.shows(words), "back by a preview: the bake is of another place");
-    assert!(window.0.state().stale_reasons().iter().any(|reason| reason.contains("moved")));
+    assert!(stale_now(&window.0.state().work).iter().any(|reason| reason.contains("moved")));
 
     let mut alone = place.window();
     alone.open(&place.path("scene.cuts"));

@@ -1,4 +1,5 @@
 use super::*;
+use crate::bake::stale::stale_reasons;
 use crate::{
     document::Edit,
     test_support::{WIDTH, assert_fits, baked_triangle},

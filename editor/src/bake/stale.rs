@@ -1,7 +1,7 @@
 //! Whether a bake would give another dataset than the one there is, and why.
 
-use super::mode::name as mode_name;
-use crate::{document::Document, widgets::units::grouped};
+use super::panel::mode::name as mode_name;
+use crate::{document::Document, widgets::units::grouped, workspace::Workspace};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeParts, BakeSettings, Dataset},
@@ -30,6 +30,13 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
     let differing = now.iter().zip(&baked).filter(|(now, baked)| now != baked);
     reasons.extend(differing.map(|((name, now), (_, baked))| format!("{name}: {now} now, {baked} in the bake")));
     reasons
+}
+
+/// Differences between the bake that there is and what another would give now.
+pub fn stale_now(work: &Workspace) -> Vec<String> {
+    let hash = work.scene.source.as_ref().map(|source| source.hash.as_str());
+    let baked = work.scene.baked.as_ref();
+    baked.map_or_else(Vec::new, |baked| stale_reasons(&work.document, &baked.dataset, hash))
 }
 
 /// Name for people.

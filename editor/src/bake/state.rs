@@ -1,6 +1,9 @@
 //! The bake at work, and how the last one ended.
 
-use crate::panels::bake::{BakeStatus, Draft, line};
+use crate::{
+    bake::panel::{BakeStatus, Draft, line},
+    workspace::Seen,
+};
 use lapidary_core::{dataset::BakeParts, ground::Ground};
 use lapidary_precompute::{BakeJob, Leftover, Phase, ResolvedBake};
 use lapidary_studies::jobs::{
@@ -16,42 +19,42 @@ use std::{
 /// The bake at work, or how the last one ended.
 #[derive(Default)]
 pub struct Baking {
-    pub(in crate::app) run: Option<Run>,
-    pub(in crate::app) ended: Option<Ended>,
+    pub run: Option<Run>,
+    pub ended: Option<Ended>,
     /// Held by the bake at work, also by one that was left and has not noticed yet.
-    pub(in crate::app) turn: Arc<Mutex<()>>,
+    pub turn: Arc<Mutex<()>>,
     /// A kept bake that is being written to where the user wants it.
-    pub(in crate::app) written: Option<Receiver<Result<PathBuf, String>>>,
+    pub written: Option<Receiver<Result<PathBuf, String>>>,
     /// What an interrupted bake left, and when it was read.
-    pub(in crate::app) leftover: Option<(Looked, Leftover)>,
+    pub leftover: Option<(Looked, Leftover)>,
     /// A bake is to begin for a ground that was asked for, once the one at work has ended.
-    pub(in crate::app) wants_ground: bool,
+    pub wants_ground: bool,
     /// The bake at work was cancelled for a ground, and another is to follow whatever is chosen by then.
-    pub(in crate::app) begins_anew: bool,
+    pub begins_anew: bool,
 }
 
 /// The inputs that decide what an interrupted bake left, small enough to compare every frame.
 #[derive(PartialEq)]
 pub struct Looked {
-    pub(in crate::app) output: PathBuf,
-    pub(in crate::app) scene_hash: String,
-    pub(in crate::app) settings: ResolvedBake,
+    pub output: PathBuf,
+    pub scene_hash: String,
+    pub settings: ResolvedBake,
     /// When the folder was last written to.
-    pub(in crate::app) written: SystemTime,
+    pub written: SystemTime,
 }
 
 /// A bake at work.
 pub struct Run {
-    pub(in crate::app) job: BakeRun,
-    pub(in crate::app) mode: BakeParts,
+    pub job: BakeRun,
+    pub mode: BakeParts,
     /// Where it goes.
-    pub(in crate::app) output: PathBuf,
+    pub output: PathBuf,
     /// A draft of it is shown.
-    pub(in crate::app) draft_shown: bool,
+    pub draft_shown: bool,
     /// It is of a scene on a ground.
-    pub(in crate::app) has_ground: bool,
+    pub has_ground: bool,
     /// Who asked for it.
-    pub(in crate::app) asked_by: Asker,
+    pub asked_by: Asker,
 }
 
 /// Who asks for a bake.
@@ -83,17 +86,6 @@ pub struct BakeOrder {
     pub draft_first: bool,
 }
 
-/// What the picture is rendered by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seen {
-    /// The scene without shadows.
-    Unshadowed,
-    /// A draft of a bake.
-    Draft,
-    /// A bake.
-    Whole,
-}
-
 /// How a bake ended that has no result.
 pub enum Ended {
     /// It can be resumed.
@@ -104,7 +96,7 @@ pub enum Ended {
 
 impl Baking {
     /// Begins a bake.
-    pub(in crate::app) fn begin(&mut self, task: BakeTask, order: BakeOrder, wake: Wake) {
+    pub fn begin(&mut self, task: BakeTask, order: BakeOrder, wake: Wake) {
         let BakeJob { settings, output, .. } = &task.job;
         let (mode, has_ground, output) = (settings.mode, settings.ground != Ground::Off, output.clone());
         let job = BakeRun::start(task, wake);
@@ -147,7 +139,7 @@ impl Baking {
 
 impl Run {
     /// How far it is, as the panel shows it.
-    pub(in crate::app) fn status(&self) -> BakeStatus {
+    pub fn status(&self) -> BakeStatus {
         let BakeProgress { draft, phase, unit, done, total } = self.job.progress();
         let draft = match (draft, self.draft_shown) {
             (true, _) => Draft::UnderWay,

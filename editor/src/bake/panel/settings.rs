@@ -3,10 +3,10 @@
 use super::{
     BakeContext,
     estimate::{Estimate, Speed},
-    stale::tree_name,
 };
 use crate::{
     actions::Action,
+    bake::stale::tree_name,
     control_names::error_text,
     document::Edit,
     widgets::{

@@ -2,18 +2,16 @@
 
 mod bounces;
 mod estimate;
-mod mode;
+pub mod mode;
 mod progress;
 mod report;
 mod settings;
-mod stale;
 #[cfg(test)]
 mod tests;
 mod views;
 
 pub use estimate::SceneStats;
 pub use progress::line;
-pub use stale::stale_reasons;
 
 use crate::{
     actions::Action,
