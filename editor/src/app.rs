@@ -1,33 +1,23 @@
 //! The window. [`EditorState`] is its state and behaviour without a window, so that tests can run it; [`start`] opens
 //! one.
 
-mod animations;
 mod camera;
-mod comparison;
 mod dialogs;
 mod dismissal;
 mod documents;
 mod drops;
-mod environments;
-mod explain;
-mod export;
 mod files;
 mod frame;
 mod icons;
 mod keys;
-mod ladder;
 mod layout;
-mod lights;
 mod menus;
 mod notice;
 mod opening;
 mod pacing;
-mod parts;
 mod perform;
-mod pictures;
 mod prompts;
 mod requests;
-mod sequence_dialog;
 mod side_panels;
 mod start;
 mod state;
@@ -70,7 +60,7 @@ impl EditorApp {
 impl eframe::App for EditorApp {
     fn raw_input_hook(&mut self, _ctx: &egui::Context, _raw_input: &mut egui::RawInput) {
         if let Some(pacing) = &mut self.pacing {
-            pacing.wait(self.state.render.works());
+            pacing.wait(self.state.picture.render.works());
         }
     }
 

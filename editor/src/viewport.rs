@@ -27,7 +27,7 @@ pub mod pick;
 
 pub use input::turn_environment;
 
-use crate::{actions::Action, document::Document, panels::comparison::CompareView};
+use crate::{actions::Action, document::Document, viewport::compare::CompareView};
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
 use glam::Vec2;
 use lapidary_core::{bounds::Bounds, camera::Camera, dataset::BakeParts, ray::Intersector, scene::Mesh};

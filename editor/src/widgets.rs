@@ -11,7 +11,7 @@ pub mod entries;
 mod layout;
 pub mod units;
 
-pub use color::color_row;
+pub use color::{color_row, display_color};
 pub use edit_row::edit_row;
 pub use layout::{RowName, row, row_of};
 

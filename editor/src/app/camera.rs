@@ -1,18 +1,18 @@
 //! Where the document is seen from: framed, put back, copied and pasted.
 
 use super::state::EditorState;
-use crate::{bounds::object_bounds, navigation, viewport::camera_text};
+use crate::{bounds::object_bounds, lights::light_bounds, navigation, viewport::camera_text};
 use egui::Context;
 use lapidary_core::{bounds::Bounds, camera::Camera};
 use lapidary_render::Baked;
 
 impl EditorState {
     pub(super) fn frame_selection(&mut self) {
-        if let Some(bounds) = self.light_bounds() {
+        if let Some(bounds) = light_bounds(&self.work) {
             self.work.document.camera = navigation::framed(&self.work.document.camera, bounds, self.work.aspect());
             return;
         }
-        let posed = self.work.scene.rendered().map(|baked| self.requests.posed(self.poses_since(baked), baked, false));
+        let posed = self.pose.posed_at_rest(&self.work);
         let bounds_in = |posed: &Baked| {
             let mesh = &posed.dataset.scene.mesh;
             let each = self.work.selection.objects().filter_map(|object| object_bounds(mesh, object));

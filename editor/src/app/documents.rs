@@ -4,14 +4,14 @@ use super::{
     opening::{Opened, Ready, Target},
     state::{
         EditorState,
-        ladder::LadderWindow,
         prompt::{Again, Prompt, Then},
     },
 };
 use crate::{
-    actions::Action,
+    actions::{Action, FileAction},
     bake::{Asker, BakeOrder, From},
-    document::{History, library::maps_in, session},
+    document::{History, session},
+    ladder::LadderWindow,
     workspace::{OpenScene, Selection, Written, first_view::FirstView},
 };
 use egui::{Context, ViewportCommand};
@@ -60,7 +60,7 @@ impl EditorState {
     pub(super) fn save(&mut self, ctx: &Context) {
         match self.work.scene.session.clone() {
             Some(path) => self.save_to(ctx, &path),
-            None => self.ask_for_path(Action::SaveAs(None)),
+            None => self.ask_for_path(Action::File(FileAction::SaveAs(None))),
         }
     }
 
@@ -142,7 +142,6 @@ impl EditorState {
         self.baking.clear();
         self.ladder = LadderWindow::default();
         self.loader.forget_document();
-        self.loading.clear();
         self.work.document = document;
         self.work.history = if recovery.is_some() { History::unsaved() } else { History::new() };
         self.recovered = recovery;
@@ -163,14 +162,14 @@ impl EditorState {
             unknown,
             first_view,
         };
-        self.interface.timeline.playing = false;
-        self.interface.lights.forget_document();
-        self.interface.material.forget_document();
+        self.pose.timeline.playing = false;
+        self.lights.forget_document();
+        self.materials.forget_document();
         self.work.selection =
             Selection { material: (!self.work.document.materials.is_empty()).then_some(0), ..Selection::default() };
         self.reset_camera();
-        self.pictures.clear();
-        self.requests.forget();
+        self.picture.clear();
+        self.picture.requests.forget();
         let name = self.work.title();
         self.work.messages.warnings(&name, &warnings);
         self.work.drop_lost_clip();
@@ -191,23 +190,8 @@ impl EditorState {
             }
             other => {
                 other.into_iter().for_each(|prompt| self.prompts.push_front(prompt));
-                self.relink_library(&folder);
+                self.environments.relink_library(&mut self.work, &folder);
             }
         }
-    }
-
-    /// Looks for the maps of the library that are not where they were.
-    fn relink_library(&mut self, folder: &Path) {
-        let maps = maps_in(folder);
-        let mut found = 0;
-        for entry in self.library.entries().into_iter().filter(|entry| entry.missing && !entry.bundled) {
-            let Some(map) = maps.iter().find(|map| map.file_name() == entry.path.file_name()) else { continue };
-            let moved = self.library.remove(&entry.path).and_then(|()| self.library.add(std::slice::from_ref(map)));
-            match moved {
-                Ok(_) => found += 1,
-                Err(error) => self.work.messages.error(format!("{error:#}")),
-            }
-        }
-        self.work.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
     }
 }

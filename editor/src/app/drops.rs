@@ -2,7 +2,7 @@
 
 use super::{files::as_base_color, layout::Laid, state::EditorState};
 use crate::{
-    actions::Action,
+    actions::{Action, EnvironmentAction, FileAction, LightAction, MaterialAction},
     jobs::load::{Kind, foreign, kind_of},
     viewport::pick,
 };
@@ -28,18 +28,17 @@ impl EditorState {
                 }
                 Kind::Scene | Kind::Dataset | Kind::Session => {
                     opened = true;
-                    actions.push(Action::Open(Some(path)));
+                    actions.push(Action::File(FileAction::Open(Some(path))));
                 }
-                Kind::Environment => actions.push(Action::LoadEnvironment(Some(path))),
+                Kind::Environment => actions.push(Action::Environment(EnvironmentAction::Load(Some(path)))),
                 Kind::Texture => self.drop_on_material(ctx, laid, path, actions, as_base_color),
                 Kind::Material => self.drop_on_material(ctx, laid, path, actions, |material, path| {
-                    Action::LoadMaterial { material, path: Some(path) }
+                    Action::Material(MaterialAction::Load { material, path: Some(path) })
                 }),
-                Kind::Brdf => self.drop_on_material(ctx, laid, path, actions, |material, path| Action::LoadBrdf {
-                    material,
-                    path: Some(path),
+                Kind::Brdf => self.drop_on_material(ctx, laid, path, actions, |material, path| {
+                    Action::Material(MaterialAction::LoadBrdf { material, path: Some(path) })
                 }),
-                Kind::Lights => actions.push(Action::LoadLights(Some(path))),
+                Kind::Lights => actions.push(Action::Light(LightAction::Load(Some(path)))),
                 Kind::Unknown => self.work.messages.error(foreign(&path)),
             }
         }
@@ -70,8 +69,7 @@ impl EditorState {
         let rect = laid.viewport.rect;
         // Some systems tell no position while files are dragged; then there is none, or an old one outside.
         let pointer = ctx.input(|i| i.pointer.latest_pos()).filter(|p| rect.contains(*p))?;
-        let baked = self.work.scene.rendered()?;
-        let baked = self.requests.posed(self.poses_since(baked), baked, false);
+        let baked = self.pose.posed_at_rest(&self.work)?;
         let size = laid.viewport.size_px;
         let share = (pointer - rect.min) / rect.size();
         let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);

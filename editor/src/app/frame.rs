@@ -23,17 +23,22 @@ impl EditorState {
         }
         self.note_window_size(&ctx);
         self.collect(&ctx);
-        self.work.bounds.update(self.posed(&ctx).as_ref(), self.work.selection.objects());
+        self.work.bounds.update(self.pose.posed(&self.work, &ctx).as_ref(), self.work.selection.objects());
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
         let escape_is_taken = escape_is_taken(&ctx);
         let laid = layout::show(ui, self, &mut actions);
         self.take_drops(&ctx, &laid, &mut actions);
         self.show_dialog(&ctx, &mut actions);
-        self.show_ladder(&ctx, &mut actions);
-        self.show_explanation(&ctx);
+        self.ladder.collect(&ctx);
+        self.hold_for_ladder();
+        self.ladder.show(&ctx, &self.work, &mut actions);
+        self.explain.show(&ctx, &self.work, &self.picture, &self.comparison.panel);
         prompts::show(&ctx, self, &mut actions);
-        self.show_sequence_dialog(&ctx, &mut actions);
+        if !self.dialogs.is_open() && self.exporting.dialog.is_some() {
+            let (exported, pixel_secs) = (self.exported(), self.picture.pixel_secs());
+            self.exporting.show_dialog(&ctx, &self.work, exported, pixel_secs, &mut actions);
+        }
         self.work.messages.show(&ctx, laid.viewport.rect);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
@@ -48,11 +53,19 @@ impl EditorState {
         }
         self.take_keys(&ctx);
         dismissal::shield(&ctx, laid.menus);
-        self.load_environment();
-        self.play(&ctx);
+        self.environments.load(&self.work, &mut self.loader);
+        self.pose.play(&mut self.work, &ctx);
         self.request_picture(&ctx, laid.viewport);
-        self.compare();
+        self.comparison.follow(&self.work, &self.picture);
         self.keep_safe(&ctx);
+    }
+
+    /// While the ladder is climbed, comparison and full picture leave the cores to it, because the user waits for it
+    /// and it measures times.
+    pub(super) fn hold_for_ladder(&self) {
+        let climbing = self.ladder.is_climbing();
+        self.picture.render.hold(climbing);
+        self.comparison.hold(climbing);
     }
 
     /// Does what the keys ask for that are not for a text field. Each does what it does before the next, so that two
@@ -89,7 +102,7 @@ impl EditorState {
     fn flicker(&mut self, ctx: &egui::Context, are_commands: bool) {
         let is_press = |event: &Event| matches!(event, Event::Key { key: Key::R, pressed: true, modifiers, .. } if modifiers.is_none());
         let (is_held, is_pressed) = ctx.input(|i| (i.key_down(Key::R), i.events.iter().any(is_press)));
-        let panel = &mut self.interface.comparison;
+        let panel = &mut self.comparison.panel;
         let flickers = panel.open && is_held && (panel.flicker || is_pressed && are_commands);
         if panel.open && are_commands {
             ctx.input_mut(|i| i.events.retain(|event| !is_press(event)));
@@ -148,9 +161,9 @@ impl EditorState {
         self.collect_loaded();
         self.baking.collect(&mut self.work);
         self.baking.follow_ground(&mut self.work);
-        self.collect_pictures(ctx);
-        self.collect_comparison(ctx);
-        self.collect_export();
+        self.picture.collect(&mut self.work, ctx);
+        self.comparison.collect(&mut self.work, ctx);
+        self.exporting.collect(&mut self.work);
         self.collect_changed_files();
         self.environments.collect(ctx);
     }

@@ -5,8 +5,8 @@ use super::{
     state::{EditorState, prompt::Prompt},
 };
 use crate::{
-    actions::Action,
-    panels::lights,
+    actions::{Action, BakeAction, ExportAction, FileAction, LadderAction},
+    lights,
     preferences::{Preferences, Theme},
     viewport::gizmo::Tool,
     workspace::Inspector,
@@ -79,10 +79,10 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     let (shown, running) = (state.work.scene.rendered().is_some(), state.exporting.is_running());
     let entries = [
-        ("Export layered EXR...", Action::ExportLayers(None), shown && !running),
-        ("Export sequence...", Action::DescribeSequence, shown && !running),
-        ("Export materials...", Action::ExportMaterials(None), shown),
-        ("Cancel the export", Action::CancelExport, running),
+        ("Export layered EXR...", Action::Export(ExportAction::Layers(None)), shown && !running),
+        ("Export sequence...", Action::Export(ExportAction::DescribeSequence), shown && !running),
+        ("Export materials...", Action::Export(ExportAction::Materials(None)), shown),
+        ("Cancel the export", Action::Export(ExportAction::Cancel), running),
     ];
     for (label, action, enabled) in entries {
         if ui.add_enabled(enabled, Button::new(label)).clicked() {
@@ -108,7 +108,7 @@ fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     }
     match chosen {
         Some(file) if file.missing && !file.path.exists() => state.forget_recent(&file.path),
-        Some(file) => actions.push(Action::Open(Some(file.path))),
+        Some(file) => actions.push(Action::File(FileAction::Open(Some(file.path)))),
         None => {}
     }
     ui.separator();
@@ -126,7 +126,7 @@ fn bundled(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     }
     for (index, scene) in state.bundled.scenes.iter().enumerate() {
         if ui.button(title(scene)).clicked() {
-            actions.push(Action::OpenBundled(index));
+            actions.push(Action::File(FileAction::OpenBundled(index)));
             ui.close();
         }
     }
@@ -162,7 +162,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 fn tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for tool in Tool::ALL.map(Some).into_iter().chain([None]) {
         let command = Command::Tool(tool);
-        let button = Button::selectable(state.interface.tool == tool, keys::binding(command).label);
+        let button = Button::selectable(state.pose.tool == tool, keys::binding(command).label);
         if ui.add(button.shortcut_text(keys::text(ui.ctx(), command))).clicked() {
             state.command(command, actions);
             ui.close();
@@ -193,11 +193,11 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::FrameAll, is_shown);
     entry(ui, state, actions, Command::ResetCamera, is_shown);
     ui.separator();
-    let compare = if state.interface.comparison.open { "End the comparison" } else { "Compare with a reference" };
-    let can_compare = state.interface.comparison.open || state.can_compare();
+    let compare = if state.comparison.panel.open { "End the comparison" } else { "Compare with a reference" };
+    let can_compare = state.comparison.panel.open || state.picture.can_be_compared(&state.work);
     entry_as(ui, state, actions, Command::Compare, compare, can_compare);
-    if ui.add_enabled(state.can_compare(), Button::new("Which cut size is enough?")).clicked() {
-        actions.push(Action::StartLadder);
+    if ui.add_enabled(state.picture.can_be_compared(&state.work), Button::new("Which cut size is enough?")).clicked() {
+        actions.push(Action::Ladder(LadderAction::Start));
         ui.close();
     }
     ui.separator();
@@ -220,7 +220,7 @@ fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let running = state.baking.progress().is_some();
     entry(ui, state, actions, Command::Bake, !running && state.work.scene.source.is_some());
     if ui.add_enabled(running, Button::new("Cancel the bake")).clicked() {
-        actions.push(Action::CancelBake);
+        actions.push(Action::Bake(BakeAction::Cancel));
         ui.close();
     }
     if ui.button("Bake settings").clicked() {

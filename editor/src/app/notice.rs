@@ -2,9 +2,9 @@
 
 use super::state::EditorState;
 use crate::{
-    actions::Action,
+    actions::{Action, BakeAction, FileAction},
     document::Unlit,
-    panels::lights::add_menu,
+    lights::panel::add_menu,
     workspace::{Inspector, Tabs},
 };
 use egui::{Align, Align2, Frame, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
@@ -84,7 +84,7 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
     // Not in the middle, where a second click on the button that began the bake would find it.
     ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
         if ui.button("Cancel").clicked() {
-            actions.push(Action::CancelBake);
+            actions.push(Action::Bake(BakeAction::Cancel));
         }
     });
 }
@@ -94,7 +94,7 @@ fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Ac
     ui.label("The bake beside it was made of another version of the scene: its shadows and reflections are not right.");
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake again").strong()).clicked() {
-        actions.push(Action::Bake { resume: false });
+        actions.push(Action::Bake(BakeAction::Begin { resume: false }));
     }
     if ui.button("Show anyway").clicked() {
         state.work.scene.show_stale = true;
@@ -108,7 +108,7 @@ fn not_baked(ui: &mut Ui, title: &str, actions: &mut Vec<Action>) {
     );
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake now").strong()).clicked() {
-        actions.push(Action::Bake { resume: false });
+        actions.push(Action::Bake(BakeAction::Begin { resume: false }));
     }
 }
 
@@ -117,9 +117,9 @@ fn nothing(ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.label("Drop a scene here (.gltf, .glb, .obj, .ply), a baked scene (.cuts) or a session (.lapidary).");
     ui.add_space(6.0);
     if ui.button("Open...").clicked() {
-        actions.push(Action::Open(None));
+        actions.push(Action::File(FileAction::Open(None)));
     }
     if ui.button("Open the bundled scene").clicked() {
-        actions.push(Action::OpenBundled(0));
+        actions.push(Action::File(FileAction::OpenBundled(0)));
     }
 }

@@ -9,8 +9,9 @@ use super::{
     },
 };
 use crate::{
-    actions::Action,
+    actions::{Action, FileAction},
     document::{autosave::Recovery, session::LoadedSession},
+    materials,
     widgets::copyable,
 };
 use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
@@ -174,12 +175,12 @@ fn age(time: SystemTime) -> String {
 fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Vec<Action>) {
     // Looking for files keeps the question open.
     if matches!(answer, Answer::Look) {
-        return actions.push(Action::Relink(None));
+        return actions.push(Action::File(FileAction::Relink(None)));
     }
     match (state.prompts.pop_front(), answer) {
         (Some(Prompt::Unsaved { then }), Answer::Save) => {
             state.after_save = Some(then);
-            actions.push(Action::Save);
+            actions.push(Action::File(FileAction::Save));
         }
         (Some(Prompt::Unsaved { then }), Answer::Discard) => state.leave_now(ctx, then),
         (Some(Prompt::Recover(found)), Answer::DiscardAll) => discard(state, found),
@@ -195,13 +196,13 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
             state.work.prefer(preferences);
             match then {
                 Again::Open(target) => state.open(target),
-                Again::Load(material) => state.load_material(material, file),
+                Again::Load(material) => materials::load(&state.work, &mut state.loader, material, file),
             }
         }
         (Some(Prompt::Several { file, names, material }), Answer::Choose(chosen)) => {
             let mut named = file.into_os_string();
             named.push(format!("#{}", names[chosen]));
-            state.load_material(material, named.into());
+            materials::load(&state.work, &mut state.loader, material, named.into());
         }
         (Some(Prompt::Outside { then: Again::Open(target), .. }), Answer::OpenWithout) => state.open_without(target),
         _ => {}

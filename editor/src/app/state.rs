@@ -1,15 +1,8 @@
 //! The state of the window. Its behaviour is in the files of this folder: each adds a part to [`EditorState`], which
 //! knows none of them.
 
-pub mod comparison;
-pub mod environments;
-pub mod explain;
-pub mod exporting;
 pub mod interface;
-pub mod ladder;
-pub mod pictures;
 pub mod prompt;
-pub mod requests;
 
 use super::{
     dialogs::FileDialogs,
@@ -17,32 +10,30 @@ use super::{
 };
 use crate::{
     bake::Baking,
+    compare::Comparison,
     document::{
         autosave::{self, Autosave, Recovery},
         library::EnvironmentLibrary,
         recent::RecentFiles,
     },
-    jobs::{load::Loader, render_thread::RenderThread, watch::Watcher},
+    environment::Environments,
+    explain::ExplainWindow,
+    export::Exporting,
+    jobs::{load::Loader, watch::Watcher},
+    ladder::LadderWindow,
+    lights::LightsPanel,
+    materials::MaterialPanel,
     paths::Folders,
+    picture::Picture,
+    pose::Posing,
     preferences::Preferences,
     workspace::Workspace,
 };
-use comparison::Comparison;
-use environments::Environments;
-use explain::ExplainWindow;
-use exporting::Exporting;
 use interface::Interface;
-use ladder::LadderWindow;
 use lapidary_render::BackendFactory;
 use lapidary_studies::jobs::Wake;
-use pictures::Pictures;
 use prompt::{Prompt, Then};
-use requests::Requests;
-use std::{
-    collections::{HashMap, VecDeque},
-    path::PathBuf,
-    time::Duration,
-};
+use std::{collections::VecDeque, path::PathBuf, time::Duration};
 
 /// Seconds between two autosaves.
 pub(super) const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(20);
@@ -80,23 +71,20 @@ pub struct EditorState {
     /// The action after the session has been saved.
     pub(super) after_save: Option<Then>,
     pub(super) recent: RecentFiles,
-    pub(super) library: EnvironmentLibrary,
     pub(super) bundled: Bundled,
-    pub(super) render: RenderThread,
     pub(super) loader: Loader,
-    /// Files that the loader reads, by the load's number.
-    pub(super) loading: HashMap<u64, PathBuf>,
     pub(super) watcher: Watcher,
-    pub(super) watched: Vec<PathBuf>,
     pub(super) opening: Option<Opening>,
     pub(super) baking: Baking,
     pub(super) environments: Environments,
-    pub(super) pictures: Pictures,
+    pub(super) picture: Picture,
     pub(super) comparison: Comparison,
     pub(super) ladder: LadderWindow,
     pub(super) explain: ExplainWindow,
     pub(super) exporting: Exporting,
-    pub(super) requests: Requests,
+    pub(super) pose: Posing,
+    pub(super) lights: LightsPanel,
+    pub(super) materials: MaterialPanel,
     pub(super) autosave: Autosave,
     pub(super) autosaved: u64,
     /// The autosave that the document was recovered from, until it is written elsewhere.
@@ -122,22 +110,20 @@ impl EditorState {
             prompts,
             after_save: None,
             recent: RecentFiles::open(&work.folders.config),
-            library,
             bundled,
-            render: RenderThread::start(factory.clone(), wake.clone()),
             loader: Loader::new(wake.clone()),
-            loading: HashMap::new(),
             watcher: Watcher::start(wake.clone()),
-            watched: Vec::new(),
             opening: None,
             baking: Baking::default(),
-            environments: Environments::new(wake.clone()),
-            pictures: Pictures::default(),
+            environments: Environments::new(library, wake.clone()),
+            picture: Picture::new(factory.clone(), wake.clone()),
             comparison: Comparison::new(factory, wake),
             ladder: LadderWindow::default(),
             explain: ExplainWindow::default(),
             exporting: Exporting::default(),
-            requests: Requests::default(),
+            pose: Posing::default(),
+            lights: LightsPanel::default(),
+            materials: MaterialPanel::default(),
             autosave: Autosave::new(&work.folders.state, AUTOSAVE_INTERVAL),
             autosaved: 0,
             recovered: None,

@@ -12,13 +12,13 @@ use egui::{Align, Label, Layout, RichText, Ui};
 pub fn show(ui: &mut Ui, state: &mut EditorState) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            figures(ui, state.pictures.shown().filter(|_| state.work.scene.rendered().is_some()));
+            figures(ui, state.picture.shown().filter(|_| state.work.scene.rendered().is_some()));
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let running = state.exporting.is_running();
                 if running
                     && ui.small_button("Cancel").on_hover_text("Stop the export; what is complete stays").clicked()
                 {
-                    state.cancel_export();
+                    state.exporting.cancel();
                 }
                 message(ui, state);
             });

@@ -24,7 +24,7 @@ use super::{
     state::{Bundled, EditorState, Setup},
 };
 use crate::{
-    actions::Action,
+    actions::{Action, CameraAction, ExportAction},
     bake::{Asker, BakeOrder, From, panel::BakeStatus},
     paths::Folders,
     preferences::Preferences,
@@ -216,7 +216,7 @@ fn at_rest_nothing_asks_for_another_frame() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("the whole picture", |s| s.pictures.shown().is_some_and(|p| p.samples == p.of_samples));
+    window.wait("the whole picture", |s| s.picture.shown().is_some_and(|p| p.samples == p.of_samples));
     // The preview ball and other pictures come from threads, and each asks for a frame.
     let start = Instant::now();
     while window.0.try_run().is_err() {
@@ -231,8 +231,11 @@ fn the_camera_goes_back_to_where_the_scene_was_first_seen_from() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     let first = window.0.state().work.document.camera.clone();
-    window.perform(Action::Camera(lapidary_core::camera::Camera { eye: glam::Vec3::ONE, ..first.clone() }));
-    window.perform(Action::FrameAll);
+    window.perform(Action::Camera(CameraAction::To(lapidary_core::camera::Camera {
+        eye: glam::Vec3::ONE,
+        ..first.clone()
+    })));
+    window.perform(Action::Camera(CameraAction::FrameAll));
     assert_ne!(window.0.state().work.document.camera, first, "negative control");
     window.0.key_press(Key::Home);
     window.0.run_steps(2);
@@ -245,7 +248,7 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window.0.key_press_modifiers(Modifiers::SHIFT, Key::W);
     window.0.run_steps(2);
     let with = exported(&mut window, &place.path("with.png"));
@@ -259,10 +262,10 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
 
 /// Exports the picture, which is that on the screen, and reads it.
 fn exported(window: &mut Window, path: &Path) -> Vec<[u8; 4]> {
-    window.perform(Action::ExportPicture(Some(path.to_owned())));
+    window.perform(Action::Export(ExportAction::Picture(Some(path.to_owned()))));
     window.wait("the file", |_| path.is_file());
     let read = lapidary_core::image::decode(&std::fs::read(path).unwrap(), path).unwrap();
-    let shown = window.0.state().pictures.shown().unwrap();
+    let shown = window.0.state().picture.shown().unwrap();
     assert_eq!((shown.samples, read.size), (shown.of_samples, shown.size));
     let lapidary_core::texture::Texels::U8(texels) = read.texels else { panic!("8 bits per channel") };
     assert_eq!(texels, shown.pixels);
@@ -322,7 +325,7 @@ fn a_changed_texture_of_the_scene_is_loaded_again() {
     std::fs::write(place.path("scene.obj"), format!("mtllib scene.mtl\nusemtl paint\n{obj}")).unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("the watch", |s| s.watched.contains(&place.path("paint.png")));
+    window.wait("the watch", |s| s.watcher.watched.contains(&place.path("paint.png")));
     let old = window.0.state().work.document.textures[0].texture.clone();
     let repaint =
         || lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
@@ -343,7 +346,7 @@ fn a_changed_texture_is_loaded_again() {
     window.drop_file(place.path("paint.png"));
     window.wait("the texture", |s| s.work.document.materials[0].maps.get("base_color").is_some());
     let old = window.0.state().work.document.textures[0].texture.clone();
-    window.wait("the watch", |s| !s.watched.is_empty());
+    window.wait("the watch", |s| !s.watcher.watched.is_empty());
     let repaint =
         || lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y).write(&place.path("paint.png")).unwrap();
     window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.work.document.textures[0].texture, &old));

@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         ui.separator();
         pose_tools(ui, state, actions);
         ui.separator();
-        let can_compare = state.interface.comparison.open || state.can_compare();
+        let can_compare = state.comparison.panel.open || state.picture.can_be_compared(&state.work);
         tool(ui, state, actions, Command::Compare, "Compare", can_compare);
         ui.separator();
         view_tools(ui, &state.work.document.view, actions);
@@ -48,7 +48,7 @@ fn pose_tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for (tool, label) in tools {
         let command = Command::Tool(tool);
         let help = format!("{} ({})", keys::binding(command).label, keys::text(ui.ctx(), command));
-        let response = ui.selectable_label(state.interface.tool == tool, label).on_hover_text(help);
+        let response = ui.selectable_label(state.pose.tool == tool, label).on_hover_text(help);
         if response.accessible_name(format!("{label} tool")).clicked() {
             state.command(command, actions);
         }

@@ -14,7 +14,7 @@ pub use estimate::SceneStats;
 pub use progress::line;
 
 use crate::{
-    actions::Action,
+    actions::{Action, BakeAction},
     control_names::error_text,
     document::Document,
     widgets::{copyable, section},
@@ -182,7 +182,7 @@ fn buttons(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         let mut button = |text: &str, help: &str, resume: bool| {
             let button = ui.add_enabled(obstacle.is_none(), egui::Button::new(text)).on_hover_text(help);
             if button.on_disabled_hover_text(obstacle.as_deref().unwrap_or_default()).clicked() {
-                actions.push(Action::Bake { resume });
+                actions.push(Action::Bake(BakeAction::Begin { resume }));
             }
         };
         if can_resume {

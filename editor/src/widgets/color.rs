@@ -1,7 +1,8 @@
 //! A row that edits a scene-linear colour, by egui's picker or as sRGB hex.
 
 use super::{Edited, number_size, outline, row, slider_width};
-use egui::{Align2, FontSelection, Response, TextEdit, TextStyle, Ui};
+use crate::document::lights::color_and_intensity;
+use egui::{Align2, Color32, FontSelection, Response, TextEdit, TextStyle, Ui};
 use glam::Vec3;
 use lapidary_core::color::{linear_from_srgb, srgb_from_linear};
 
@@ -75,4 +76,11 @@ pub fn linear_from_hex(text: &str) -> Option<Vec3> {
     let packed = u32::from_str_radix(&digits, 16).ok()?;
     let component = |shift: u32| linear_from_srgb((packed >> shift & 255) as f32 / 255.0);
     Some(Vec3::new(component(16), component(8), component(0)))
+}
+
+/// The colour of a light for a display.
+pub fn display_color(intensity: Vec3) -> Color32 {
+    let (color, _) = color_and_intensity(intensity);
+    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8);
+    Color32::from_rgb(r, g, b)
 }

@@ -1,7 +1,7 @@
 //! What is selected.
 
 use super::{Inspector, Workspace};
-use crate::document::objects::ObjectNumbers;
+use crate::{actions::SelectAction, document::objects::ObjectNumbers};
 use lapidary_core::parts::Part;
 
 /// The selection.
@@ -61,6 +61,16 @@ impl Selection {
 }
 
 impl Workspace {
+    /// Selects what is asked for.
+    pub fn perform_select(&mut self, action: SelectAction) {
+        match action {
+            SelectAction::Object(object) => self.select_object(object),
+            SelectAction::Toggle(object) => self.toggle_object(object),
+            SelectAction::Material(material) => self.select_material(material),
+            SelectAction::Part(part) => self.selection.part = Some(part),
+        }
+    }
+
     /// Selects an object alone, and with it the part and the material of its first triangle.
     pub fn select_object(&mut self, object: Option<u32>) {
         self.selection.set_object(object);

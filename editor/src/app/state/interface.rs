@@ -1,13 +1,6 @@
 //! State of the interface between frames.
 
-use crate::{
-    app::side_panels::SidePanels,
-    panels::{
-        comparison::ComparisonPanel, environment::EnvironmentPanel, lights::LightsPanel, material::MaterialPanel,
-        scene::ScenePanel, timeline::Timeline,
-    },
-    viewport::{ViewportState, gizmo::Tool},
-};
+use crate::{app::side_panels::SidePanels, scene::ScenePanel, viewport::ViewportState};
 use egui::{Context, Rect, Vec2};
 use std::time::Duration;
 
@@ -26,18 +19,8 @@ pub struct Interface {
     pub sides: SidePanels,
     /// Size of the window in points, and when it changed last, in seconds.
     pub(in crate::app) window: (Vec2, f64),
-    /// What handles do to the selected objects; `None` shows no handles.
-    pub tool: Option<Tool>,
-    /// The panel of local lights.
-    pub lights: LightsPanel,
-    /// The panel of materials.
-    pub material: MaterialPanel,
-    /// The strip under the viewport.
-    pub comparison: ComparisonPanel,
     pub(in crate::app) viewport: ViewportState,
-    pub(in crate::app) environment: EnvironmentPanel,
     pub(in crate::app) scene: ScenePanel,
-    pub(in crate::app) timeline: Timeline,
 }
 
 impl Interface {
@@ -49,14 +32,8 @@ impl Interface {
             pasting_camera: 0,
             sides: SidePanels::new(widths),
             window: (Vec2::ZERO, f64::NEG_INFINITY),
-            tool: None,
-            lights: LightsPanel::default(),
-            material: MaterialPanel::default(),
-            comparison: ComparisonPanel::default(),
             viewport: ViewportState::default(),
-            environment: EnvironmentPanel::default(),
             scene: ScenePanel::default(),
-            timeline: Timeline::default(),
         }
     }
 

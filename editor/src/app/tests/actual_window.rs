@@ -5,7 +5,7 @@
 
 use super::{Place, Window};
 use crate::{
-    actions::Action,
+    actions::{Action, FileAction},
     app::requests::{illumination, view_of},
     document::Document,
 };
@@ -176,7 +176,7 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     // Program, twin and expectation all render large pictures beside other tests, whose work would wait for theirs.
     twin.0.state_mut().work.document.view.aa = 2;
     // A session keeps the camera as it is; that of a scene is fitted to the viewport, which has no size yet at first.
-    twin.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    twin.perform(Action::File(FileAction::SaveAs(Some(place.path("look.lapidary")))));
     let viewport = twin.0.get_by_label("Viewport").rect().translate(-MARGIN);
     let size = twin.0.state().work.viewport_size;
     let mut screen = Screen::start(&program(), &place);

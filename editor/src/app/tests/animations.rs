@@ -2,8 +2,8 @@
 
 use super::{Place, Window, few_lights};
 use crate::{
-    actions::Action,
-    app::{layout::movable, opening::Target, state::EditorState},
+    actions::{Action, BakeAction, FileAction, PoseAction, SelectAction},
+    app::{opening::Target, state::EditorState},
     bake::stale_now,
     document::{Document, Edit},
     jobs::{Imported, render_thread::RenderRequest},
@@ -82,7 +82,7 @@ fn middle(scene: &Scene) -> Vec3 {
 /// The middle of the pyramid's box where pictures have it.
 fn middle_shown(state: &EditorState) -> Vec3 {
     let baked = state.work.scene.rendered().unwrap();
-    middle(&baked.posed(&state.poses_since(baked)).unwrap().dataset.scene)
+    middle(&baked.posed(&state.pose.poses_since(&state.work, baked)).unwrap().dataset.scene)
 }
 
 fn opened(path: &Path, place: &Place) -> Window {
@@ -93,7 +93,7 @@ fn opened(path: &Path, place: &Place) -> Window {
 }
 
 fn bake(window: &mut Window) {
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
 }
 
@@ -102,19 +102,22 @@ fn seconds(state: &EditorState) -> f32 {
 }
 
 fn is_playing(window: &Window) -> bool {
-    window.0.state().interface.timeline.playing
+    window.0.state().pose.timeline.playing
 }
 
 #[test]
 fn a_scene_that_was_baked_at_a_time_is_seen_at_rest_and_at_other_times() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
-    window.perform(Action::ClipTime(at(1.0)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(1.0))));
     bake(&mut window);
     let state = window.0.state();
-    assert!(state.poses_since(state.work.scene.shown().unwrap()).is_empty() && stale_now(&state.work).is_empty());
+    assert!(
+        state.pose.poses_since(&state.work, state.work.scene.shown().unwrap()).is_empty()
+            && stale_now(&state.work).is_empty()
+    );
     for (time, x) in [(at(1.0), 0.5), (None, 0.0), (at(0.5), 0.25), (at(0.0), 0.0)] {
-        window.perform(Action::ClipTime(time.clone()));
+        window.perform(Action::Pose(PoseAction::ClipTime(time.clone())));
         let shown = middle_shown(window.0.state());
         assert!(shown.distance(Vec3::new(x, 0.3, 0.0)) < 1e-5, "{time:?}: {shown}");
     }
@@ -147,13 +150,13 @@ fn playing_ends_with_its_scene_and_begins_in_none_without_clips() {
     let place = Place::new();
     let path = sliding(&place, Some(0.5));
     let mut window = opened(&path, &place);
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::Play));
     assert!(is_playing(&window), "negative control");
     window.open(&path);
     assert!(!is_playing(&window));
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::Play));
     window.open(&place.path("scene.obj"));
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::Play));
     assert!(!is_playing(&window) && window.0.state().work.document.clip_time.is_none());
 }
 
@@ -161,10 +164,10 @@ fn playing_ends_with_its_scene_and_begins_in_none_without_clips() {
 fn a_time_out_of_reach_is_told_below_controls_that_stay() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(1e30)), &place);
-    window.perform(Action::ClipTime(at(0.0)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.0))));
     assert!(!window.shows("out of reach"), "negative control");
-    window.perform(Action::ClipTime(at(1.0)));
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::ClipTime(at(1.0))));
+    window.perform(Action::Pose(PoseAction::Play));
     let trouble = "out of reach, or to no place at all";
     assert!(window.shows(trouble) && window.shows("Loop"));
     let told = window.0.get_by_label_contains(trouble).rect();
@@ -178,10 +181,10 @@ fn a_time_out_of_reach_is_told_below_controls_that_stay() {
 fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
-    window.perform(Action::ClipTime(at(0.5)));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
+    window.wait("a picture", |s| s.picture.shown().is_some());
     let is_moving =
-        |window: &Window| window.0.state().requests.last_sent().is_some_and(|sent: &RenderRequest| sent.moving);
+        |window: &Window| window.0.state().picture.requests.last_sent().is_some_and(|sent: &RenderRequest| sent.moving);
     let button =
         |pos, pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: super::NONE };
     let slider = window.0.get_by_label("Place in the clip").rect().left_center() + egui::vec2(16.0, 0.0);
@@ -199,23 +202,23 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
 fn handles(window: &mut Window) -> Vec3 {
     window.0.run_steps(2);
     let state = window.0.state();
-    movable(state).unwrap().place(&state.work.document.poses)
+    state.pose.movable(&state.work).unwrap().place(&state.work.document.poses)
 }
 
 #[test]
 fn handles_lie_where_an_animation_takes_their_object_whatever_was_baked() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
-    window.perform(Action::SelectObject(Some(PYRAMID_OBJECT)));
-    window.0.state_mut().interface.tool = Some(Tool::Turn);
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID_OBJECT))));
+    window.0.state_mut().pose.tool = Some(Tool::Turn);
     let turned = Pose { rotate_degrees: Vec3::Y * 90.0, translate: Vec3::Y * 0.2, ..Pose::AS_BAKED };
     for baked_at in [None, at(1.0), at(0.5)] {
         if baked_at.is_some() {
-            window.perform(Action::ClipTime(baked_at));
+            window.perform(Action::Pose(PoseAction::ClipTime(baked_at)));
             bake(&mut window);
         }
         for time in [None, at(0.5), at(1.0)] {
-            window.perform(Action::ClipTime(time.clone()));
+            window.perform(Action::Pose(PoseAction::ClipTime(time.clone())));
             let (shown, found) = (middle_shown(window.0.state()), handles(&mut window));
             assert!(found.distance(shown) < 1e-4, "at {time:?}: {found} in place of {shown}");
         }
@@ -229,7 +232,7 @@ fn keyframes_that_change_on_disk_are_seen_at_once() {
     let place = Place::new();
     let path = sliding(&place, Some(0.5));
     let mut window = opened(&path, &place);
-    window.perform(Action::ClipTime(at(1.0)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(1.0))));
     let hash = window.0.state().work.scene.source.as_ref().unwrap().hash.clone();
     for (metres, x) in [(0.5, 0.5), (0.25, 0.25)] {
         change(&mut window, &path, Some(metres));
@@ -251,9 +254,9 @@ fn a_clip_that_the_file_does_not_have_any_more_is_left_out_with_a_warning() {
     let place = Place::new();
     let path = sliding(&place, Some(0.5));
     let mut window = opened(&path, &place);
-    window.perform(Action::ClipTime(at(0.5)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
     let session = place.path("slide.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
     change(&mut window, &path, Some(0.25));
     let words = "the file has no animation";
     assert!(window.0.state().work.document.clip_time == at(0.5) && !window.has_said(words), "negative control");
@@ -277,7 +280,7 @@ fn a_bundled_scene_opens_at_the_time_and_in_the_place_that_were_baked() {
     };
     let mut window = opened();
     window.0.state_mut().work.document.bake = few_lights();
-    window.perform(Action::ClipTime(at(0.5)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
     window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID_OBJECT, raised)].into()), label: "Move object" });
     bake(&mut window);
     let again = opened();
@@ -291,20 +294,24 @@ fn a_clip_plays_on_its_timeline_and_sessions_keep_its_time() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
     assert!(window.shows("Play"));
-    window.perform(Action::ClipTime(at(0.5)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
     let moved = |s: &EditorState| {
         let baked = s.work.scene.rendered().unwrap();
-        s.poses_since(baked).moved().map(|object| s.work.document.objects[object as usize].clone()).collect::<Vec<_>>()
+        s.pose
+            .poses_since(&s.work, baked)
+            .moved()
+            .map(|object| s.work.document.objects[object as usize].clone())
+            .collect::<Vec<_>>()
     };
     assert_eq!(moved(window.0.state()), ["pyramid"]);
     assert!(window.shows("Preview: implicit visibility"));
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::Play));
     window.wait("time to go by", |s| seconds(s) > 0.55);
-    window.perform(Action::Play);
-    window.perform(Action::ClipTime(at(0.75)));
+    window.perform(Action::Pose(PoseAction::Play));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.75))));
     let session = place.path("slide.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
-    window.perform(Action::ClipTime(None));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
+    window.perform(Action::Pose(PoseAction::ClipTime(None)));
     assert!(moved(window.0.state()).is_empty(), "negative control: at rest");
     let mut again = place.window();
     again.open(&session);

@@ -36,7 +36,7 @@ fn opened(place: &Place) -> Window {
 
 /// Mean colour of the left and the right half of the picture, once it is finished.
 fn halves(state: &EditorState) -> Option<[Vec3; 2]> {
-    let shown = state.pictures.shown().filter(|p| p.full_size && p.samples == p.of_samples)?;
+    let shown = state.picture.shown().filter(|p| p.full_size && p.samples == p.of_samples)?;
     let width = shown.size[0] as usize;
     let mean = |right: bool| {
         let of_half = shown.pixels.iter().enumerate().filter(|(i, _)| (2 * (i % width) >= width) == right);

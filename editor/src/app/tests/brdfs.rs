@@ -26,7 +26,7 @@ fn a_written_brdf_has_its_sliders_follows_its_file_and_survives_mistakes() {
     window.0.state_mut().work.selection.material = Some(0);
     window.drop_file(path.clone());
     window.wait("the BRDF", |s| s.work.document.materials[0].model == BrdfModel::Wgsl);
-    window.wait("the watch", |s| s.watched.contains(&path));
+    window.wait("the watch", |s| s.watcher.watched.contains(&path));
     assert!(window.shows("Sheen") && window.shows("mine.wgsl"));
     let before = material(&window).clone();
     let spoil = || std::fs::write(&path, text("sheen_of_mine", "return vec3(0.2 * q);")).unwrap();

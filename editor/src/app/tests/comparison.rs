@@ -2,13 +2,14 @@
 
 use super::*;
 use crate::{
-    app::state::ladder::LadderWindow,
+    actions::{CompareAction, LadderAction},
+    compare::panel::{ComparisonPanel, KindChoice},
     document::Edit,
-    panels::comparison::{CompareView, ComparisonPanel, KindChoice},
+    ladder::LadderWindow,
+    viewport::compare::CompareView,
 };
 use egui::Event;
-use lapidary_core::cut::lit::DEFAULT_TAU;
-use lapidary_core::image::Image;
+use lapidary_core::{cut::lit::DEFAULT_TAU, image::Image};
 use lapidary_render::{BrdfSampling, compare::map::ErrorMap};
 use lapidary_studies::{jobs::measure::ShownMap, ladder::Cuts};
 
@@ -17,7 +18,7 @@ fn comparing(place: &Place) -> Window {
     place.bake();
     let mut window = place.window_of(vec2(1300.0, 760.0));
     window.open(&place.path("scene.cuts"));
-    window.wait("a picture", |s| s.can_compare());
+    window.wait("a picture", |s| s.picture.can_be_compared(&s.work));
     window.0.key_press(Key::C);
     window.0.run_steps(2);
     *panel(&mut window) =
@@ -27,7 +28,7 @@ fn comparing(place: &Place) -> Window {
 }
 
 fn panel(window: &mut Window) -> &mut ComparisonPanel {
-    &mut window.0.state_mut().interface.comparison
+    &mut window.0.state_mut().comparison.panel
 }
 
 fn finished(window: &mut Window) {
@@ -129,13 +130,13 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
     let mut window = comparing(&place);
     let path = place.path("truth.exr");
     Image::filled([40, 30], glam::Vec3::splat(0.5)).write(&path).unwrap();
-    window.perform(Action::ChooseReference(Some(path.clone())));
+    window.perform(Action::Compare(CompareAction::Reference(Some(path.clone()))));
     window.wait("the file", |s| s.comparison.context().measured.is_some_and(|m| m.reference.image.size == [40, 30]));
     panel(&mut window).map = ShownMap::Error(ErrorMap::Signed);
     window
         .wait("the signed map", |s| s.comparison.context().measured.is_some_and(|m| m.field.kind == ErrorMap::Signed));
     std::fs::write(&path, b"nothing").unwrap();
-    window.perform(Action::ChooseReference(Some(path)));
+    window.perform(Action::Compare(CompareAction::Reference(Some(path))));
     window.wait("the problem", |s| s.comparison.context().problem.is_some());
     assert!(window.shows("not a picture"));
     panel(&mut window).kind = KindChoice::Samples;
@@ -147,13 +148,13 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
 fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     let place = Place::new();
     let mut window = comparing(&place);
-    window.0.state_mut().start_ladder();
+    window.perform(Action::Ladder(LadderAction::Start));
     assert!(window.0.state().comparison.context().held);
     window.0.state_mut().ladder = LadderWindow::default();
     window.0.run_steps(1);
     assert!(!window.0.state().comparison.context().held, "a window that is closed gives the cores back");
     window.click("Cut sizes...");
-    window.wait("all figures", |s| s.ladder_figures() == 7);
+    window.wait("all figures", |s| s.ladder.figures() == 7);
     window.0.run_steps(3);
     assert!(!window.0.state().comparison.context().held, "its end gives the cores back");
     assert!(window.shows("enough: ") || window.shows("Every size lowers the error"));

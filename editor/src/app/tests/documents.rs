@@ -1,6 +1,7 @@
 //! Documents are opened, saved and found again, and left only after a question.
 
 use super::*;
+use crate::actions::{BakeAction, ExportAction, FileAction, LightAction, MaterialAction};
 
 #[test]
 fn what_was_edited_is_undone_saved_and_found_again() {
@@ -8,7 +9,7 @@ fn what_was_edited_is_undone_saved_and_found_again() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     let before = window.roughness();
     window.type_roughness("0.25");
     assert_eq!(window.roughness(), 0.25);
@@ -16,13 +17,13 @@ fn what_was_edited_is_undone_saved_and_found_again() {
     assert_eq!(window.roughness(), before);
     assert!(!window.0.state().work.is_modified());
     window.perform(Action::Redo);
-    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("look.lapidary")))));
     assert!(!window.0.state().work.is_modified() && window.has_said("Saved"));
     let mut again = place.window();
     again.open(&place.path("look.lapidary"));
     assert_eq!(again.roughness(), 0.25);
     assert_eq!(again.0.state().work.title(), "look.lapidary");
-    again.wait("a picture", |s| s.pictures.shown().is_some());
+    again.wait("a picture", |s| s.picture.shown().is_some());
     assert_eq!(again.0.state().recent.entries().len(), 2);
 }
 
@@ -32,9 +33,9 @@ fn nothing_is_written_over_what_the_document_is_made_of() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     let session = place.path("look.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
     let used = ["scene.obj", "scene.cuts", "look.lapidary"].map(|name| place.path(name));
     let contents = || used.clone().map(|file| std::fs::read(file).unwrap());
     let before = contents();
@@ -42,23 +43,23 @@ fn nothing_is_written_over_what_the_document_is_made_of() {
     for file in &used {
         let path = || Some(file.clone());
         for action in [
-            Action::SaveMaterial { material: 0, path: path() },
-            Action::SaveLights(path()),
-            Action::ExportPicture(path()),
-            Action::ExportLayers(path()),
+            Action::Material(MaterialAction::Save { material: 0, path: path() }),
+            Action::Light(LightAction::Save(path())),
+            Action::Export(ExportAction::Picture(path())),
+            Action::Export(ExportAction::Layers(path())),
         ] {
             window.perform(action);
             let text = format!("written over an input; choose another name ({})", file.display());
             assert!(window.has_said(&text), "{}", file.display());
-            assert!(!window.0.state().exporting.is_running() && window.0.state().pictures.exports.is_empty());
+            assert!(!window.0.state().exporting.is_running() && window.0.state().picture.exports.is_empty());
         }
     }
     for file in &used[..2] {
-        window.perform(Action::SaveAs(Some(file.clone())));
+        window.perform(Action::File(FileAction::SaveAs(Some(file.clone()))));
         assert!(window.0.state().work.is_modified() && window.0.state().work.title() == "look.lapidary");
     }
     assert_eq!(contents(), before);
-    window.perform(Action::Save);
+    window.perform(Action::File(FileAction::Save));
     assert!(!window.0.state().work.is_modified(), "its own session is written again");
     assert!(std::fs::read_to_string(session).unwrap().contains("0.25"));
 }
@@ -69,7 +70,7 @@ fn a_bake_over_something_else_than_a_file_does_not_start() {
     std::fs::create_dir(place.path("scene.cuts")).unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     assert!(window.has_said("is a folder") && window.0.state().baking.run.is_none());
 }
 
@@ -83,7 +84,7 @@ fn changes_are_asked_about_before_they_are_lost() {
     assert!(window.0.state().may_close, "there is nothing to lose");
     window.0.state_mut().may_close = false;
     window.type_roughness("0.1");
-    window.perform(Action::Open(Some(place.path("scene.cuts"))));
+    window.perform(Action::File(FileAction::Open(Some(place.path("scene.cuts")))));
     window.wait("the question", |s| !s.prompts.is_empty());
     assert!(window.shows("Save the changes?"));
     window.click("Cancel");
@@ -107,11 +108,11 @@ fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() 
     for (file, said) in
         [("red.png", "a picture and no scene"), ("broken.gltf", "broken.gltf"), ("gone.obj", "gone.obj")]
     {
-        window.perform(Action::Open(Some(place.path(file))));
+        window.perform(Action::File(FileAction::Open(Some(place.path(file)))));
         window.wait("the answer", |s| s.opening.is_none());
         assert!(window.has_said(said) && window.0.state().prompts.is_empty(), "{file}");
     }
-    window.perform(Action::Open(Some(place.path("scene.cuts"))));
+    window.perform(Action::File(FileAction::Open(Some(place.path("scene.cuts")))));
     window.wait("the question", |s| !s.prompts.is_empty());
     window.click("Discard");
     assert!(!window.0.state().work.is_modified() && window.0.state().work.title() == "scene.cuts");
@@ -123,7 +124,7 @@ fn saving_before_leaving_goes_on_with_what_was_asked_for() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("look.lapidary")))));
     window.type_roughness("0.1");
     window.perform(Action::Quit);
     window.click("Save");
@@ -152,7 +153,7 @@ fn a_bake_of_another_version_is_not_shown_until_it_is_asked_for() {
     window.open(&place.path("scene.obj"));
     assert!(window.shows("has changed") && window.0.state().work.scene.shown().is_none());
     window.click("Show anyway");
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     assert!(!window.shows("has changed") && window.0.state().work.scene.is_stale());
 }
 
@@ -209,7 +210,7 @@ fn pictures_outside_the_folder_of_a_material_are_read_after_a_question() {
     std::fs::write(place.path("inner/x.json"), json).unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    let load = || Action::LoadMaterial { material: 0, path: Some(place.path("inner/x.json")) };
+    let load = || Action::Material(MaterialAction::Load { material: 0, path: Some(place.path("inner/x.json")) });
     window.perform(load());
     window.wait("the question", |s| !s.prompts.is_empty());
     assert!(window.shows("../red.png"));

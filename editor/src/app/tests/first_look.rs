@@ -2,7 +2,7 @@
 
 use super::{Place, few_lights};
 use crate::{
-    actions::Action,
+    actions::{Action, BakeAction},
     jobs::{Imported, kept_bakes::draft_of},
     workspace::Seen,
 };
@@ -27,7 +27,7 @@ fn a_scene_without_a_bake_is_seen_without_shadows() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     assert!(window.shows("No shadows yet") && window.shows("is not baked yet"));
     let state = window.0.state();
     assert_eq!(state.work.scene.seen(), Seen::Unshadowed);
@@ -36,7 +36,7 @@ fn a_scene_without_a_bake_is_seen_without_shadows() {
         baked.dataset.scene.mesh.positions.len(),
         state.work.scene.source.as_ref().unwrap().scene.mesh.positions.len()
     );
-    let picture = state.pictures.shown().unwrap();
+    let picture = state.picture.shown().unwrap();
     assert!(picture.lighting.nodes.radiance[1].max_element() > 0.0, "it is lit");
 }
 
@@ -47,7 +47,7 @@ fn a_bake_begins_by_itself_if_that_is_wanted() {
     window.0.state_mut().work.preferences.bakes_scenes = true;
     window.open(&place.path("scene.obj"));
     assert!(window.0.state().baking.progress().is_some() && !window.shows("is not baked yet"));
-    window.perform(Action::CancelBake);
+    window.perform(Action::Bake(BakeAction::Cancel));
     window.wait("the end", |s| s.baking.progress().is_none());
     assert!(window.0.state().work.scene.rendered().is_some(), "what there was stays in use");
     place.bake();
@@ -80,14 +80,14 @@ fn what_is_baked_by_itself_is_kept_and_not_beside_the_scene() {
 fn a_bake_that_is_kept_is_written_beside_the_scene_without_baking_again() {
     let place = Place::new();
     let mut window = baked_by_itself(&place);
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     assert!(window.0.state().baking.progress().is_none());
     window.wait("the file", |s| s.work.messages.any_contains("The bake was written"));
     assert_eq!(Dataset::read(&place.path("scene.cuts")).unwrap().tree.len(), few_lights().lights);
     assert_eq!(window.0.state().work.document.dataset, Some(place.path("scene.cuts")));
     // With other settings it is baked.
     window.0.state_mut().work.document.bake.lights = 512;
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.baking.progress().is_none());
     assert_eq!(Dataset::read(&place.path("scene.cuts")).unwrap().tree.len(), 512);
 }
@@ -105,13 +105,13 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     assert!(window.shows("Draft; full bake running"));
     let kept = draft_of(window.0.state().work.scene.kept_output.as_ref().unwrap());
     window.wait("the file of the draft", |_| Dataset::read(&kept).is_ok());
-    window.perform(Action::CancelBake);
+    window.perform(Action::Bake(BakeAction::Cancel));
     window.wait("the end", |s| s.baking.progress().is_none());
     assert_eq!(window.0.state().work.scene.seen(), Seen::Draft, "it stays in use");
     let mut later = place.window();
     later.open(&place.path("scene.obj"));
     assert_eq!(later.0.state().work.scene.seen(), Seen::Draft);
-    later.wait("its badge", |s| s.pictures.shown().is_some());
+    later.wait("its badge", |s| s.picture.shown().is_some());
     assert!(later.shows("Draft"));
 }
 
@@ -151,7 +151,7 @@ fn a_posed_bake_that_is_kept_is_seen_as_it_was_baked() {
     again.open(&place.path("scene.obj"));
     let state = again.0.state();
     assert_eq!((state.work.scene.seen(), state.work.document.poses.of(1)), (Seen::Whole, moved));
-    assert!(state.poses_since(state.work.scene.shown().unwrap()).is_empty());
+    assert!(state.pose.poses_since(&state.work, state.work.scene.shown().unwrap()).is_empty());
 }
 
 #[test]

@@ -1,7 +1,11 @@
 //! A ground that is chosen: seen at once, baked, and hidden again.
 
 use super::{Place, Window, few_lights};
-use crate::{actions::Action, document::Edit, workspace::Seen};
+use crate::{
+    actions::{Action, BakeAction, FileAction},
+    document::Edit,
+    workspace::Seen,
+};
 use glam::Vec3;
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
 
@@ -67,7 +71,7 @@ fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
     assert!(window.0.state().work.scene.seen() == Seen::Whole && !has_ground(&window));
     assert_eq!(window.0.state().work.document.materials.len(), materials);
     let session = place.path("look.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
     choose(&mut window, Ground::On);
     let color = |window: &Window| window.0.state().work.document.materials[materials].parameters.color("base_color");
     assert_eq!(color(&window), Vec3::X, "its material is kept");
@@ -85,7 +89,7 @@ fn a_bake_that_the_user_began_ends_before_that_of_a_ground_begins() {
     let place = Place::new();
     let mut window = opened(&place, true);
     window.0.state_mut().work.document.bake = BakeSettings { lights: 512, ..few_lights() };
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     let output = window.0.state().baking.run.as_ref().unwrap().output.clone();
     choose(&mut window, Ground::Shadow);
     let run = window.0.state().baking.run.as_ref().unwrap();
@@ -117,7 +121,7 @@ fn a_bake_that_ended_for_a_ground_begins_anew_whatever_is_chosen_by_then() {
     // What the user cancels stays cancelled.
     window.0.state_mut().work.document.bake.lights = 8192;
     window.bake_by_itself(false);
-    window.perform(Action::CancelBake);
+    window.perform(Action::Bake(BakeAction::Cancel));
     window.wait("the end", |s| s.baking.progress().is_none());
     window.0.run_steps(3);
     assert!(!is_baking(&window));

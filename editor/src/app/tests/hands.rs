@@ -2,7 +2,7 @@
 
 use super::{NONE, Place, Window};
 use crate::{
-    actions::Action,
+    actions::{Action, CameraAction},
     document::{Edit, ViewSettings},
 };
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
@@ -15,7 +15,7 @@ fn opened(place: &Place) -> Window {
     window.open(&place.path("scene.obj"));
     // Somewhere that no command goes to.
     let camera = Camera { eye: glam::Vec3::new(0.3, 2.0, 0.4), ..window.0.state().work.document.camera.clone() };
-    window.perform(Action::Camera(camera));
+    window.perform(Action::Camera(CameraAction::To(camera)));
     window.wait("what clicks meet", |s| s.work.scene.shown().is_some_and(|b| b.intersector_if_ready().is_some()));
     window
 }
@@ -163,22 +163,22 @@ fn a_dialog_that_a_key_opens_has_the_keys_at_once() {
 fn the_reference_flickers_by_its_key_and_not_by_typing() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.0.state_mut().interface.comparison.open = true;
+    window.0.state_mut().comparison.panel.open = true;
     window.0.run_steps(2);
     let field = window.0.get_by_label("Filter objects and materials").rect().center();
     window.frame_of(click(field));
     window.0.key_down(Key::R);
     window.0.run_steps(2);
     window.frame_of(press(NONE, Key::Enter));
-    assert!(!window.0.state().interface.comparison.flicker, "the letter was typed");
+    assert!(!window.0.state().comparison.panel.flicker, "the letter was typed");
     window.0.key_up(Key::R);
     window.0.run_steps(2);
     window.0.key_down(Key::R);
     window.0.run_steps(2);
-    assert!(window.0.state().interface.comparison.flicker, "negative control");
+    assert!(window.0.state().comparison.panel.flicker, "negative control");
     window.0.key_up(Key::R);
     window.0.run_steps(2);
-    assert!(!window.0.state().interface.comparison.flicker);
+    assert!(!window.0.state().comparison.panel.flicker);
 }
 
 #[test]

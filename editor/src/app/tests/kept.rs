@@ -2,7 +2,7 @@
 
 use super::{Place, Window, few_lights};
 use crate::{
-    actions::Action,
+    actions::{Action, BakeAction, EnvironmentAction, FileAction},
     app::opening::{Consent, Opened, Ready, Target, open},
     bake::panel::BakeStatus,
     document::{
@@ -66,7 +66,7 @@ fn a_session_saved_before_the_first_bake_finds_bake_and_textures_later() {
     let mut window = place.window();
     window.open(&file);
     window.0.state_mut().work.document.bake = few_lights();
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
     assert!(!is_stand_in(&window.0.state().work.document) && first.bake_output.unwrap().is_file());
 }
@@ -105,7 +105,7 @@ fn the_menu_opens_each_bundled_scene_by_its_name() {
     }
     window.wait("the scene", |s| s.work.document.scene.is_some());
     assert_eq!(window.0.state().work.document.scene, Some(place.path("second-scene.obj")));
-    window.perform(Action::OpenBundled(7));
+    window.perform(Action::File(FileAction::OpenBundled(7)));
     assert!(window.has_said("--data DIR"));
 }
 
@@ -154,7 +154,7 @@ fn only_a_bake_of_the_same_settings_is_resumed() {
     assert_eq!(window.bake_status(), BakeStatus::Cancelled { leftover: Leftover::OfAnother });
     window.0.state_mut().work.document.bake = few_lights();
     assert_eq!(window.bake_status(), BakeStatus::Cancelled { leftover: Leftover::Fitting });
-    window.perform(Action::Bake { resume: true });
+    window.perform(Action::Bake(BakeAction::Begin { resume: true }));
     window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
     assert_eq!(window.bake_status(), BakeStatus::UpToDate);
 }
@@ -186,7 +186,7 @@ fn recovered_work_is_kept_until_it_is_saved_elsewhere() {
     window.wait("the recovered work", |s| s.opening.is_none() && !s.work.document.materials.is_empty());
     assert_eq!(window.roughness(), 0.125);
     assert!(window.0.state().work.is_modified() && orphan.is_file());
-    window.perform(Action::SaveAs(Some(place.path("saved.lapidary"))));
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("saved.lapidary")))));
     assert!(!orphan.exists() && !window.0.state().work.is_modified());
 }
 
@@ -204,7 +204,7 @@ fn recovery_that_was_given_up_keeps_the_autosave() {
     assert!(window.shows("Files are missing"));
     window.click("Cancel");
     window.open(&place.path("scene.obj"));
-    window.perform(Action::SaveAs(Some(place.path("other.lapidary"))));
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("other.lapidary")))));
     assert!(orphan.is_file(), "it is of another document");
 }
 
@@ -217,7 +217,7 @@ fn edits_made_while_a_file_opens_are_asked_about() {
     window.0.state_mut().open(Target::File(place.path("scene.cuts")));
     let ctx = window.0.ctx.clone();
     // Before the frame that would collect what was opened.
-    window.0.state_mut().perform(&ctx, Action::LoadEnvironment(Some("sun-sky".into())));
+    window.0.state_mut().perform(&ctx, Action::Environment(EnvironmentAction::Load(Some("sun-sky".into()))));
     window.wait("the file", |s| s.opening.is_none());
     assert!(window.shows("Save the changes?"));
     assert_eq!(window.0.state().work.document.environment.spec, "sun-sky");
@@ -243,10 +243,10 @@ fn a_session_whose_texture_moved_is_relinked() {
     window.open(&place.path("look.lapidary"));
     assert!(window.shows("Files are missing") && window.shows("red.png"));
     std::fs::create_dir(place.path("elsewhere")).unwrap();
-    window.perform(Action::Relink(Some(place.path("elsewhere"))));
+    window.perform(Action::File(FileAction::Relink(Some(place.path("elsewhere")))));
     window.wait("the question again", |s| s.opening.is_none());
     assert!(window.shows("Files are missing") && window.has_said("Found 0 of the missing files; 1 are still missing"));
-    window.perform(Action::Relink(Some(place.path("moved"))));
+    window.perform(Action::File(FileAction::Relink(Some(place.path("moved")))));
     window.wait("the session", |s| s.opening.is_none() && !s.work.document.materials.is_empty());
     assert!(!window.shows("Files are missing") && !is_stand_in(&window.0.state().work.document));
     let files: Vec<_> = window.0.state().work.document.textures.iter().filter_map(|t| t.file.clone()).collect();
@@ -259,7 +259,7 @@ fn a_scene_that_changes_on_disk_is_said_and_its_bake_is_marked() {
     place.bake();
     let mut window: Window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("the watch", |s| s.watched.contains(&place.path("scene.obj")));
+    window.wait("the watch", |s| s.watcher.watched.contains(&place.path("scene.obj")));
     let change = || std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.95 0")).unwrap();
     window.wait_for_watch("the change", change, |s| s.work.scene.is_stale());
     assert!(window.has_said("The scene file has changed") && window.0.state().work.scene.shown().is_some());

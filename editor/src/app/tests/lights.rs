@@ -2,7 +2,7 @@
 
 use super::{Place, Window};
 use crate::{
-    actions::Action,
+    actions::{Action, CameraAction, FileAction, LightAction, SelectAction},
     document::{Component, ComponentSettings, Edit, lights::LightKind},
     workspace::Inspector,
 };
@@ -36,7 +36,7 @@ fn lights_are_added_in_view_duplicated_and_deleted_each_as_a_step_of_undo() {
     let place = Place::new();
     let mut window = opened(&place);
     for kind in LightKind::ALL {
-        window.perform(Action::AddLight(kind));
+        window.perform(Action::Light(LightAction::Add(kind)));
     }
     assert_eq!(selected(&window), Some(3));
     assert!(window.shows("Selected light") && window.shows("Rectangle 1"));
@@ -61,12 +61,12 @@ fn lights_are_added_in_view_duplicated_and_deleted_each_as_a_step_of_undo() {
 fn a_drag_in_the_viewport_is_one_step_of_undo() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Spot));
+    window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
     let before = lights(&window)[0].clone();
     // In the middle of the view, so that its disc is where the pointer goes down.
     let mut centred = window.0.state().work.document.camera.clone();
     centred.target = before.position;
-    window.perform(Action::Camera(centred));
+    window.perform(Action::Camera(CameraAction::To(centred)));
     let from = window.0.state().interface.viewport_rect.center();
     window.0.drag_at(from);
     window.0.run_steps(2);
@@ -87,10 +87,10 @@ fn a_drag_in_the_viewport_is_one_step_of_undo() {
 fn lights_switches_and_solo_are_in_the_session() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Rectangle));
+    window.perform(Action::Light(LightAction::Add(LightKind::Rectangle)));
     window.click("Solo Lights");
     window.click("Switch off Rectangle 1");
-    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("look.lapidary")))));
     let mut again = place.window();
     again.open(&place.path("look.lapidary"));
     assert_eq!(lights(&again), lights(&window));
@@ -104,21 +104,21 @@ fn lights_switches_and_solo_are_in_the_session() {
 fn a_lights_file_is_added_to_the_lights_and_a_bad_one_is_refused() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Spot));
+    window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
     let first = lights(&window)[0].clone();
-    window.perform(Action::SaveLights(Some(place.path("lights.json"))));
-    window.perform(Action::LoadLights(Some(place.path("lights.json"))));
+    window.perform(Action::Light(LightAction::Save(Some(place.path("lights.json")))));
+    window.perform(Action::Light(LightAction::Load(Some(place.path("lights.json")))));
     assert_eq!(lights(&window), [first.clone(), first.clone()]);
     assert!(window.has_said("Lights added: 1"));
     window.drop_file(place.path("lights.json"));
     assert_eq!(lights(&window).len(), 3, "dropped lights are added, and are no material");
     window.perform(Action::Undo);
     std::fs::write(place.path("bad.json"), r#"{"lights": [{"kind": "laser", "position": [0, 0, 0]}]}"#).unwrap();
-    window.perform(Action::LoadLights(Some(place.path("bad.json"))));
+    window.perform(Action::Light(LightAction::Load(Some(place.path("bad.json")))));
     assert!(window.has_said("bad.json") && lights(&window).len() == 2);
     let many = vec![first; lapidary_core::lights::MAX_LIGHTS];
     lapidary_core::lights::LightsFile { lights: many }.write(&place.path("many.json")).unwrap();
-    window.perform(Action::LoadLights(Some(place.path("many.json"))));
+    window.perform(Action::Light(LightAction::Load(Some(place.path("many.json")))));
     assert!(window.has_said("4098 lights are more than the 4096") && lights(&window).len() == 2);
 }
 
@@ -126,15 +126,15 @@ fn a_lights_file_is_added_to_the_lights_and_a_bad_one_is_refused() {
 fn selecting_an_object_lets_go_of_the_light_and_aiming_needs_a_direction() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Spot));
+    window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
     let light = lights(&window)[0].clone();
-    window.perform(Action::AimLight(Some(light.position)));
+    window.perform(Action::Light(LightAction::Aim(Some(light.position))));
     assert!(window.has_said("stays as it is") && lights(&window)[0] == light);
-    window.perform(Action::AimLight(Some(Vec3::new(0.1, 0.0, 0.2))));
+    window.perform(Action::Light(LightAction::Aim(Some(Vec3::new(0.1, 0.0, 0.2)))));
     assert_eq!(lights(&window)[0].target, Vec3::new(0.1, 0.0, 0.2));
-    window.perform(Action::SelectObject(Some(0)));
+    window.perform(Action::Select(SelectAction::Object(Some(0))));
     assert_eq!(selected(&window), None);
-    window.perform(Action::SelectLight(Some(0)));
+    window.perform(Action::Light(LightAction::Select(Some(0))));
     assert!(selected(&window) == Some(0) && window.0.state().work.selection.object.is_none());
     window.perform(Action::Edit { edit: Edit::Lights(Vec::new()), label: "Delete light" });
     assert_eq!(selected(&window), None, "it is not there any more");
@@ -155,7 +155,7 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
 fn a_black_picture_says_why_and_leads_to_light() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     assert!(!window.shows("Nothing gives light") && !window.shows("switched off"), "negative control: the environment");
     window.click("Lights");
     window.click("Solo Lights");

@@ -1,7 +1,7 @@
 //! Materials leave the window in the formats of other programs, and come back.
 
 use super::Place;
-use crate::actions::Action;
+use crate::actions::{Action, ExportAction, MaterialAction};
 use egui_kittest::kittest::Queryable;
 use lapidary_core::{
     import::load_material,
@@ -14,10 +14,10 @@ fn materials_are_exported_as_they_are_edited_and_loaded_again() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window.type_roughness("0.25");
     for name in ["all.mtlx", "all.mtl", "all.glb", "all.gltf"] {
-        window.perform(Action::ExportMaterials(Some(place.path(name))));
+        window.perform(Action::Export(ExportAction::Materials(Some(place.path(name)))));
         assert!(window.has_said("Materials written") && place.path(name).is_file(), "{name}");
     }
     let selected = window.0.state().work.selection.material.unwrap_or(0);
@@ -25,11 +25,11 @@ fn materials_are_exported_as_they_are_edited_and_loaded_again() {
     let path = format!("{}#{name}", place.path("all.mtlx").display());
     let read = load_material(path.as_ref(), &mut Default::default(), &Default::default()).unwrap().0;
     assert!((read.parameters.number("specular_roughness") - 0.25).abs() < 1e-6, "{:?}", read.parameters);
-    window.perform(Action::LoadMaterial { material: selected, path: Some(place.path("all.mtlx")) });
+    window.perform(Action::Material(MaterialAction::Load { material: selected, path: Some(place.path("all.mtlx")) }));
     window.wait("the material", |s| s.work.document.materials[selected].model == BrdfModel::OpenPbr);
-    window.perform(Action::ExportMaterials(Some(place.path("scene.obj"))));
+    window.perform(Action::Export(ExportAction::Materials(Some(place.path("scene.obj")))));
     assert!(window.has_said("written over an input"));
-    window.perform(Action::ExportMaterials(Some(place.path("a.fbx"))));
+    window.perform(Action::Export(ExportAction::Materials(Some(place.path("a.fbx")))));
     assert!(window.has_said("ends in none of .mtlx"));
 }
 
@@ -80,11 +80,11 @@ fn a_file_of_several_materials_asks_which() {
     window.open(&place.path("scene.obj"));
     let before = window.0.state().work.document.materials.clone();
     for (answer, roughness) in [("Cancel", None), ("steel", Some(0.125)), ("gold", Some(0.5))] {
-        window.perform(Action::LoadMaterial { material: 0, path: Some(place.path("all.mtlx")) });
+        window.perform(Action::Material(MaterialAction::Load { material: 0, path: Some(place.path("all.mtlx")) }));
         window.wait("the question", |s| !s.prompts.is_empty());
         assert!(window.shows("Which material?") && window.shows("all.mtlx has 2 materials"));
         window.click(answer);
-        window.wait("the answer", |s| s.prompts.is_empty() && s.loading.is_empty());
+        window.wait("the answer", |s| s.prompts.is_empty() && s.loader.is_idle());
         let material = &window.0.state().work.document.materials[0];
         match roughness {
             None => assert_eq!(*material, before[0], "negative control"),

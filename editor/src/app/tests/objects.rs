@@ -1,7 +1,11 @@
 //! A scene file whose objects have other numbers after a change: what was said of an object stays with it.
 
 use super::{Place, Window, few_lights, kept::StopsInVisibility};
-use crate::{actions::Action, document::Edit, jobs::Imported};
+use crate::{
+    actions::{Action, BakeAction, SelectAction},
+    document::Edit,
+    jobs::Imported,
+};
 use glam::Vec3;
 use lapidary_core::scene::pose::{Pose, Poses};
 use lapidary_precompute::{BakeJob, Leftover, bake, resolve};
@@ -18,8 +22,8 @@ fn with_a_rug(place: &Place) -> Window {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.0.state_mut().work.document.bake = few_lights();
-    window.perform(Action::SelectObject(Some(FLOOR)));
-    window.perform(Action::ToggleObject(PYRAMID));
+    window.perform(Action::Select(SelectAction::Object(Some(FLOOR))));
+    window.perform(Action::Select(SelectAction::Toggle(PYRAMID)));
     window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, MOVED)].into()), label: "Move object" });
     let rug = "o rug\nv -0.9 0.01 0.5\nv 0.9 0.01 0.5\nv 0.9 0.01 0.9\nf 5 7 6\no pyramid";
     let shifted = super::SCENE.replace("o pyramid", rug);
@@ -39,7 +43,7 @@ fn with_a_rug(place: &Place) -> Window {
 fn a_bake_moves_the_object_that_was_moved_and_undo_and_selection_follow_it() {
     let place = Place::new();
     let mut window = with_a_rug(&place);
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.baking.progress().is_none());
     let state = window.0.state();
     assert_eq!(state.work.document.objects, ["floor", "rug", "pyramid"]);

@@ -2,7 +2,7 @@
 
 use super::{Place, Window, hands};
 use crate::{
-    actions::Action,
+    actions::{Action, SelectAction},
     preferences::{Preferences, SIDE_WIDTHS},
     workspace::{Inspector, Side},
 };
@@ -15,7 +15,7 @@ fn opened(place: &Place, size: Vec2) -> Window {
     place.bake();
     let mut window = place.window_of(size);
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window
 }
 
@@ -26,7 +26,7 @@ impl Window {
 
     /// Size of the picture that was asked for last.
     fn asked(&self) -> [u32; 2] {
-        self.0.state().requests.last_sent().unwrap().look.view.size
+        self.0.state().picture.requests.last_sent().unwrap().look.view.size
     }
 
     fn columns(&self, rows: &[&str]) -> Vec<[f32; 4]> {
@@ -175,8 +175,8 @@ fn is_whole(window: &Window, text: &str) -> bool {
 fn the_numbers_and_the_pivot_of_a_pose_fit_the_narrowest_panel() {
     let place = Place::new();
     let mut window = opened(&place, vec2(1300.0, 1000.0));
-    window.perform(Action::SelectObject(Some(0)));
-    window.perform(Action::ToggleObject(1));
+    window.perform(Action::Select(SelectAction::Object(Some(0))));
+    window.perform(Action::Select(SelectAction::Toggle(1)));
     let moved = Pose { translate: glam::Vec3::splat(-0.383), ..Pose::AS_BAKED };
     window.0.state_mut().work.document.poses.set(1, moved);
     let [narrowest, widest] = SIDE_WIDTHS;

@@ -1,7 +1,11 @@
 //! Parts get materials of their own and those of variants, without a bake.
 
 use super::{Place, Window};
-use crate::{actions::Action, app::state::EditorState, document::Edit};
+use crate::{
+    actions::{Action, BakeAction, FileAction, MaterialAction, SelectAction},
+    app::state::EditorState,
+    document::Edit,
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{dataset::BakeSettings, ground::Ground, material::Material, parts::Part};
 use std::sync::Arc;
@@ -17,12 +21,12 @@ fn opened(place: &Place) -> Window {
 }
 
 fn wait_for_picture(window: &mut Window) {
-    window.wait("the whole picture", |s| s.pictures.shown().is_some_and(|p| p.samples == p.of_samples));
+    window.wait("the whole picture", |s| s.picture.shown().is_some_and(|p| p.samples == p.of_samples));
 }
 
 /// The share of the picture that is red.
 fn red(state: &EditorState) -> f32 {
-    let Some(shown) = state.pictures.shown() else { return 0.0 };
+    let Some(shown) = state.picture.shown() else { return 0.0 };
     let is_red = |[r, g, b, _]: &&[u8; 4]| *r > 60 && r / 3 > *g && r / 3 > *b;
     shown.pixels.iter().filter(is_red).count() as f32 / shown.pixels.len() as f32
 }
@@ -47,7 +51,7 @@ fn a_part_gets_a_material_of_its_own_without_a_bake_and_sessions_keep_it() {
     let mut window = opened(&place);
     let before = window.0.state().work.document.clone();
     let baked = window.0.state().work.scene.shown().unwrap().dataset.clone();
-    window.perform(Action::SelectObject(Some(1)));
+    window.perform(Action::Select(SelectAction::Object(Some(1))));
     window.click("Make unique");
     let state = window.0.state();
     assert_eq!(
@@ -64,13 +68,13 @@ fn a_part_gets_a_material_of_its_own_without_a_bake_and_sessions_keep_it() {
     assert!(Arc::ptr_eq(&baked, &state.work.scene.shown().unwrap().dataset) && state.baking.progress().is_none());
 
     let session = place.path("look.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
     let mut again = place.window();
     again.open(&session);
     assert_eq!(again.0.state().work.document.material_of(PYRAMID), 1);
     wait_for_red(&mut again, true);
 
-    window.perform(Action::Assign { part: PYRAMID, material: 0 });
+    window.perform(Action::Material(MaterialAction::Assign { part: PYRAMID, material: 0 }));
     wait_for_red(&mut window, false);
     window.perform(Action::Undo);
     assert_eq!(window.0.state().work.selection.material, Some(1), "what the panel edits is the part's");
@@ -91,7 +95,7 @@ fn a_bake_takes_the_opacity_of_a_part_with_a_material_of_its_own() {
     let place = Place::new();
     let mut window = opened(&place);
     let words = "Opacity was edited; bake again for its shadows";
-    window.perform(Action::MakeUnique { part: PYRAMID, material: None });
+    window.perform(Action::Material(MaterialAction::MakeUnique { part: PYRAMID, material: None }));
     window.0.run_ok();
     assert!(!window.shows(words), "negative control: nothing lets light through");
     let mut glass = window.0.state().work.document.materials[1].clone();
@@ -101,7 +105,7 @@ fn a_bake_takes_the_opacity_of_a_part_with_a_material_of_its_own() {
     window.perform(Action::EndGesture);
     assert!(window.shows(words));
     window.0.state_mut().work.document.bake.lights = 512;
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.baking.progress().is_none());
     wait_for_picture(&mut window);
     assert!(!window.shows(words));
@@ -115,7 +119,7 @@ fn a_bake_takes_the_opacity_of_a_part_with_a_material_of_its_own() {
     assert!(!again.shows(words));
     let document = &again.0.state().work.document;
     assert_eq!((document.added, document.material_of(PYRAMID)), (1, 1));
-    window.perform(Action::Assign { part: PYRAMID, material: 0 });
+    window.perform(Action::Material(MaterialAction::Assign { part: PYRAMID, material: 0 }));
     window.0.run_ok();
     assert!(window.shows(words), "the bake still lets light through");
 }
@@ -124,7 +128,7 @@ fn a_bake_takes_the_opacity_of_a_part_with_a_material_of_its_own() {
 fn a_material_that_was_added_stays_that_of_its_part_while_a_ground_comes_and_goes() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::MakeUnique { part: PYRAMID, material: None });
+    window.perform(Action::Material(MaterialAction::MakeUnique { part: PYRAMID, material: None }));
     paint(&mut window, 1, Vec3::X);
     let color = |state: &EditorState| {
         let material = state.work.document.material_of(PYRAMID);
@@ -144,10 +148,10 @@ fn a_material_that_was_added_stays_that_of_its_part_while_a_ground_comes_and_goe
     );
     let ground = Part { object: 2, material: 1 };
     for refused in [
-        Action::Assign { part: PYRAMID, material: 1 },
-        Action::Assign { part: ground, material: 0 },
-        Action::MakeUnique { part: ground, material: None },
-        Action::Assign { part: PYRAMID, material: 9 },
+        Action::Material(MaterialAction::Assign { part: PYRAMID, material: 1 }),
+        Action::Material(MaterialAction::Assign { part: ground, material: 0 }),
+        Action::Material(MaterialAction::MakeUnique { part: ground, material: None }),
+        Action::Material(MaterialAction::Assign { part: PYRAMID, material: 9 }),
     ] {
         window.perform(refused.clone());
         let document = &window.0.state().work.document;
@@ -171,12 +175,12 @@ fn a_surface_that_has_a_material_alone_already_takes_the_values_of_others() {
     for roughness in [0.25, 0.5] {
         let mut material = gold.clone();
         material.parameters.set("roughness", roughness);
-        window.perform(Action::MakeUnique { part: PYRAMID, material: Some(material.into()) });
+        window.perform(Action::Material(MaterialAction::MakeUnique { part: PYRAMID, material: Some(material.into()) }));
         let document = &window.0.state().work.document;
         assert_eq!((document.materials.len(), document.materials[1].name.as_str()), (2, "Gold"));
         assert_eq!(document.materials[1].parameters.number("roughness"), roughness);
     }
-    window.perform(Action::MakeUnique { part: PYRAMID, material: None });
+    window.perform(Action::Material(MaterialAction::MakeUnique { part: PYRAMID, material: None }));
     assert_eq!(window.undo_name().as_deref(), Some("Material of its own"));
     window.perform(Action::Undo);
     assert_eq!(window.0.state().work.document.materials[1].parameters.number("roughness"), 0.25, "one step each");
@@ -212,6 +216,6 @@ fn a_variant_is_chosen_in_the_window_without_a_bake_as_a_step_of_undo() {
     window.0.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.0.run_steps(2);
     assert!(window.shows("Undone: Variant") && window.0.state().work.document.assigned.is_empty());
-    window.perform(Action::ChooseVariant(Some(7)));
+    window.perform(Action::Material(MaterialAction::ChooseVariant(Some(7))));
     assert!(window.0.state().work.document.assigned.is_empty(), "one that is not there");
 }

@@ -1,7 +1,12 @@
 //! Objects are posed in the window: the picture follows at once, and undo and sessions know it.
 
 use super::{Place, Window, few_lights};
-use crate::{actions::Action, app::state::EditorState, bake::stale_now, document::Edit};
+use crate::{
+    actions::{Action, BakeAction, CameraAction, FileAction, PoseAction, SelectAction},
+    app::state::EditorState,
+    bake::stale_now,
+    document::Edit,
+};
 use glam::Vec3;
 use lapidary_core::{animation::ClipTime, dataset::Dataset, import::import, scene::pose::Pose};
 use lapidary_precompute::{BakeJob, Silent, bake, resolve};
@@ -11,11 +16,11 @@ use std::{cell::Cell, path::Path};
 const PYRAMID: u32 = 1;
 
 fn wait_for_picture(window: &mut Window) {
-    window.wait("the whole picture", |s| s.pictures.shown().is_some_and(|p| p.samples == p.of_samples));
+    window.wait("the whole picture", |s| s.picture.shown().is_some_and(|p| p.samples == p.of_samples));
 }
 
 fn pixels(state: &EditorState) -> Vec<[u8; 4]> {
-    state.pictures.shown().map(|shown| shown.pixels.to_vec()).unwrap_or_default()
+    state.picture.shown().map(|shown| shown.pixels.to_vec()).unwrap_or_default()
 }
 
 fn pose(window: &mut Window, pose: Pose) {
@@ -41,7 +46,7 @@ fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_pictu
     let posed = pixels(window.0.state());
 
     let session = place.path("posed.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
     let mut again = place.window();
     again.open(&session);
     wait_for_picture(&mut again);
@@ -63,22 +68,22 @@ fn the_picture_as_baked_goes_over_into_that_of_a_posed_object() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     wait_for_picture(&mut window);
-    let (ctx, as_baked) = (window.0.ctx.clone(), window.0.state().pictures.texture().unwrap().id());
-    assert!(window.0.state().pictures.faded(&ctx).is_none(), "negative control: nothing was before it");
+    let (ctx, as_baked) = (window.0.ctx.clone(), window.0.state().picture.texture().unwrap().id());
+    assert!(window.0.state().picture.faded(&ctx).is_none(), "negative control: nothing was before it");
     pose(&mut window, Pose { translate: Vec3::new(0.4, 0.3, 0.0), ..Pose::AS_BAKED });
-    let of = |s: &EditorState, tier| s.pictures.shown().is_some_and(|shown| shown.tier == tier);
+    let of = |s: &EditorState, tier| s.picture.shown().is_some_and(|shown| shown.tier == tier);
     // The window's time goes on by more than a fade with each frame.
     let faded = Cell::new(None);
     window.wait("the preview", |s| {
-        faded.set(s.pictures.faded(&ctx));
+        faded.set(s.picture.faded(&ctx));
         of(s, Tier::Implicit)
     });
     let before = faded.get().unwrap();
     assert_eq!((before.texture, before.opacity), (as_baked, 1.0));
-    assert_ne!(window.0.state().pictures.texture().unwrap().id(), as_baked);
+    assert_ne!(window.0.state().picture.texture().unwrap().id(), as_baked);
     wait_for_picture(&mut window);
     window.0.run_steps(2);
-    assert!(window.0.state().pictures.faded(&ctx).is_none(), "it is gone");
+    assert!(window.0.state().picture.faded(&ctx).is_none(), "it is gone");
 }
 
 #[test]
@@ -88,9 +93,9 @@ fn an_object_is_selected_and_framed_where_it_is() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     wait_for_picture(&mut window);
-    window.perform(Action::SelectObject(Some(PYRAMID)));
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID))));
     let target = |window: &mut Window| {
-        window.perform(Action::FrameSelection);
+        window.perform(Action::Camera(CameraAction::FrameSelection));
         window.0.state().work.document.camera.target
     };
     let before = target(&mut window);
@@ -110,12 +115,12 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     let (words, moved) = ("Preview: implicit visibility", Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED });
     pose(&mut window, moved);
     assert!(window.shows(words));
-    window.wait("the preview", |s| s.pictures.shown().is_some_and(|p| p.tier == Tier::Implicit));
-    window.perform(Action::Bake { resume: false });
+    window.wait("the preview", |s| s.picture.shown().is_some_and(|p| p.tier == Tier::Implicit));
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.baking.progress().is_none());
     let baked = Dataset::read(&place.path("scene.cuts")).unwrap();
     assert_eq!(baked.scene.placed_poses().of(PYRAMID), moved);
-    window.wait("the picture by cuts", |s| s.pictures.shown().is_some_and(|p| p.tier == Tier::Cuts));
+    window.wait("the picture by cuts", |s| s.picture.shown().is_some_and(|p| p.tier == Tier::Cuts));
     assert!(!window.shows(words) && stale_now(&window.0.state().work).is_empty());
     window.perform(Action::Undo);
     assert!(window.shows(words), "back by a preview: the bake is of another place");
@@ -158,6 +163,6 @@ fn a_dataset_alone_has_the_timeline_of_the_scene_file_beside_it() {
     assert!(scene.animation.is_none() && scene.shown().is_some(), "the file beside it is of another scene");
     let mut alone = opened("bending-tower.cuts");
     assert!(alone.shows("Play"));
-    alone.perform(Action::ClipTime(Some(ClipTime { clip: "Block".into(), seconds: 0.5 })));
+    alone.perform(Action::Pose(PoseAction::ClipTime(Some(ClipTime { clip: "Block".into(), seconds: 0.5 }))));
     assert!(alone.shows("Preview: implicit visibility"));
 }

@@ -2,7 +2,7 @@
 
 use super::estimate::Speed;
 use crate::{
-    actions::Action,
+    actions::{Action, BakeAction},
     widgets::{check_row, entries::combo_row, units::duration},
 };
 use egui::{RichText, Ui};
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<A
     let choices: Vec<_> = modes.iter().zip(&costs).map(|(&mode, text)| (mode, name(mode), text.as_str())).collect();
     let mut chosen = mode;
     if combo_row(ui, "Bake of", "What is baked; more takes longer.", &mut chosen, &choices).changed {
-        actions.push(Action::ChooseBake(chosen));
+        actions.push(Action::Bake(BakeAction::Choose(chosen)));
     }
     ui.label(RichText::new(gives_and_costs(bake, speed)).weak().small());
 }
@@ -77,6 +77,10 @@ fn gives_and_costs(bake: &BakeSettings, speed: &Speed) -> String {
 pub fn advanced(ui: &mut Ui, mode: BakeParts, actions: &mut Vec<Action>) {
     let mut is_meshless = mode == BakeParts::MESHLESS;
     if check_row(ui, "Many soft bounces only", gives(BakeParts::MESHLESS), &mut is_meshless).changed {
-        actions.push(Action::ChooseBake(if is_meshless { BakeParts::MESHLESS } else { BakeParts::INDIRECT }));
+        actions.push(Action::Bake(BakeAction::Choose(if is_meshless {
+            BakeParts::MESHLESS
+        } else {
+            BakeParts::INDIRECT
+        })));
     }
 }

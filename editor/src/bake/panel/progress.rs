@@ -3,7 +3,7 @@
 
 use super::{BakeStatus, Draft};
 use crate::{
-    actions::Action,
+    actions::{Action, BakeAction},
     widgets::units::{duration, grouped},
 };
 use egui::{Align, Button, Grid, Layout, ProgressBar, RichText, Ui};
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
     ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
         let cancel = ui.add_enabled(!cancelling, Button::new("Cancel"));
         if cancel.on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
-            actions.push(Action::CancelBake);
+            actions.push(Action::Bake(BakeAction::Cancel));
         }
     });
 }

@@ -1,6 +1,7 @@
 use super::*;
-use crate::bake::stale::stale_reasons;
 use crate::{
+    actions::BakeAction,
+    bake::stale::stale_reasons,
     document::Edit,
     test_support::{WIDTH, assert_fits, baked_triangle},
 };
@@ -80,11 +81,11 @@ fn bake_asked(actions: &[Action]) -> Option<BakeSettings> {
 #[test]
 fn bake_resume_and_cancel_ask_for_what_they_say() {
     let mut fresh = panel(BakeStatus::None, document(), None);
-    assert!(matches!(clicked(&mut fresh, "Bake")[..], [Action::Bake { resume: false }]));
+    assert!(matches!(clicked(&mut fresh, "Bake")[..], [Action::Bake(BakeAction::Begin { resume: false })]));
     assert!(fresh.query_by_label("Resume").is_none() && fresh.query_by_label("Cancel").is_none());
     let mut stopped = panel(BakeStatus::Cancelled { leftover: Leftover::Fitting }, document(), None);
-    assert!(matches!(clicked(&mut stopped, "Resume")[..], [Action::Bake { resume: true }]));
-    assert!(matches!(clicked(&mut stopped, "Start over")[..], [Action::Bake { resume: false }]));
+    assert!(matches!(clicked(&mut stopped, "Resume")[..], [Action::Bake(BakeAction::Begin { resume: true })]));
+    assert!(matches!(clicked(&mut stopped, "Start over")[..], [Action::Bake(BakeAction::Begin { resume: false })]));
     let failed =
         BakeStatus::Failed { message: "the disk is full; free some space".into(), leftover: Leftover::Nothing };
     let failed = panel(failed, document(), None);
@@ -116,7 +117,7 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     assert!(panel.query_by_label("Bake").is_none());
     assert!(panel.query_by_label("Source visibility progress").is_none(), "negative control: no bounces");
     assert!(panel.query_by_label_contains("Cancelling").is_none());
-    assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::CancelBake]));
+    assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::Bake(BakeAction::Cancel)]));
     let BakeStatus::Running { cancelling, .. } = &mut panel.state_mut().status else { panic!("it runs") };
     *cancelling = true;
     panel.run();
@@ -155,7 +156,7 @@ fn a_stale_bake_is_named_with_its_reasons() {
     let mut outdated = panel(stale, document(), Some(baked_triangle()));
     assert!(outdated.query_by_label("The bake is out of date").is_some());
     assert!(outdated.query_by_label_contains("scene file changed").is_some());
-    assert!(matches!(clicked(&mut outdated, "Bake")[..], [Action::Bake { resume: false }]));
+    assert!(matches!(clicked(&mut outdated, "Bake")[..], [Action::Bake(BakeAction::Begin { resume: false })]));
     let current = panel(BakeStatus::UpToDate, document(), Some(baked_triangle()));
     assert!(current.query_by_label("The bake is out of date").is_none(), "negative control");
 }
@@ -259,7 +260,7 @@ fn a_bake_is_for_the_views_that_are_chosen() {
         panel.get_by_label("For").click();
         panel.run();
         match &clicked(&mut panel, name)[..] {
-            [Action::BakeForViews(cameras)] => cameras.clone(),
+            [Action::Bake(BakeAction::ForViews(cameras))] => cameras.clone(),
             _ => panic!("no views"),
         }
     };
@@ -326,5 +327,5 @@ fn what_is_baked_is_chosen_and_presets_keep_it() {
     assert!(both.query_by_label_contains("Takes longest").is_some(), "what it gives and costs");
     both.get_by_label("Bounce light").click();
     both.run();
-    assert!(matches!(both.state().actions[..], [Action::ChooseBake(BakeParts::INDIRECT)]));
+    assert!(matches!(both.state().actions[..], [Action::Bake(BakeAction::Choose(BakeParts::INDIRECT))]));
 }

@@ -1,6 +1,10 @@
 //! Which views a bake is for: all alike, or those that most vertices are meant for.
 
-use crate::{actions::Action, document::Document, widgets::entries::combo_row};
+use crate::{
+    actions::{Action, BakeAction},
+    document::Document,
+    widgets::entries::combo_row,
+};
 use egui::Ui;
 use lapidary_core::camera::Camera;
 
@@ -36,9 +40,9 @@ pub fn show(ui: &mut Ui, document: &Document, actions: &mut Vec<Action>) {
     }
     if combo_row(ui, "For", "Which views the bake is for.", &mut chosen, &choices).changed {
         match chosen {
-            Views::All => actions.push(Action::BakeForViews(Vec::new())),
-            Views::Present => actions.push(Action::BakeForViews(vec![document.camera.clone()])),
-            Views::Bookmarked => actions.push(Action::BakeForViews(document.bookmarks.clone())),
+            Views::All => actions.push(Action::Bake(BakeAction::ForViews(Vec::new()))),
+            Views::Present => actions.push(Action::Bake(BakeAction::ForViews(vec![document.camera.clone()]))),
+            Views::Bookmarked => actions.push(Action::Bake(BakeAction::ForViews(document.bookmarks.clone()))),
             Views::Others => {}
         }
     }

@@ -1,0 +1,48 @@
+//! The ladder of cut sizes, as far as it is climbed.
+
+use crate::ladder::panel::{LadderResult, LadderTile, LadderTruth};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use lapidary_studies::{
+    jobs::ladder::{LadderEvent, LadderJob},
+    sheet::DisplayPicture,
+};
+
+/// The ladder, while its window is open.
+#[derive(Default)]
+pub struct LadderWindow {
+    pub job: Option<LadderJob>,
+    pub result: LadderResult,
+    pub open: bool,
+}
+
+impl LadderWindow {
+    /// Whether cuts are being tried.
+    pub fn is_climbing(&self) -> bool {
+        self.job.is_some()
+    }
+
+    pub fn take(&mut self, ctx: &Context, event: LadderEvent) {
+        match event {
+            LadderEvent::Picture { cuts, shown } => {
+                let texture = texture(ctx, &shown);
+                self.result.tiles.push(LadderTile { cuts, texture, figures: None });
+            }
+            LadderEvent::Truth { shown, seconds, what } => {
+                self.result.truth = Some(LadderTruth { texture: texture(ctx, &shown), seconds, what });
+            }
+            LadderEvent::Step(figures) => {
+                let tile = self.result.tiles.iter_mut().find(|tile| tile.cuts == figures.cuts);
+                tile.into_iter().for_each(|tile| tile.figures = Some(figures));
+            }
+            LadderEvent::Ended(result) => {
+                self.job = None;
+                self.result.problem = result.err();
+            }
+        }
+    }
+}
+
+fn texture(ctx: &Context, shown: &DisplayPicture) -> TextureHandle {
+    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
+    ctx.load_texture("ladder", image, TextureOptions::LINEAR)
+}
