@@ -5,6 +5,7 @@ pub mod budget;
 mod imported;
 pub mod kept_bakes;
 pub mod load;
+pub mod opening;
 pub mod render_thread;
 pub mod thumbnails;
 pub mod watch;

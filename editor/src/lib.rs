@@ -36,11 +36,13 @@ mod viewport;
 mod widgets;
 mod workspace;
 
-pub use check::{Checked, check};
-pub use document::session::SessionError;
+pub use crate::{
+    check::{Checked, check},
+    document::session::SessionError,
+};
 
+use crate::cli::Cli;
 use clap::Parser;
-use cli::Cli;
 use lapidary_studies::terminal::{Console, Outcome, error_text};
 use std::process::ExitCode;
 

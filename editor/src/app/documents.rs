@@ -1,16 +1,14 @@
 //! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
 
-use super::{
-    opening::{Opened, Ready, Target},
-    state::{
-        EditorState,
-        prompt::{Again, Prompt, Then},
-    },
+use super::state::{
+    EditorState,
+    prompt::{Again, Prompt, Then},
 };
 use crate::{
     actions::{Action, FileAction},
     bake::{Asker, BakeOrder, From},
     document::{History, session},
+    jobs::opening::{Opened, Ready, Target},
     ladder::LadderWindow,
     workspace::{OpenScene, Selection, Written, first_view::FirstView},
 };
@@ -22,18 +20,10 @@ impl EditorState {
     /// The window closes, after changes were asked about.
     pub(super) fn quit(&mut self, ctx: &Context) {
         if self.work.history.is_modified() {
-            self.ask(Prompt::Unsaved { then: Then::Quit });
+            self.questions.ask(Prompt::Unsaved { then: Then::Quit });
         } else {
             self.leave_now(ctx, Then::Quit);
         }
-    }
-
-    /// Asks a question, after those that wait. Of two about leaving the document the later counts.
-    pub(super) fn ask(&mut self, prompt: Prompt) {
-        if let Prompt::Unsaved { .. } = prompt {
-            self.prompts.retain(|waiting| !matches!(waiting, Prompt::Unsaved { .. }));
-        }
-        self.prompts.push_back(prompt);
     }
 
     /// Goes on without asking.
@@ -41,7 +31,7 @@ impl EditorState {
         match then {
             Then::Show(ready) => self.take_document(*ready),
             Then::Quit => {
-                self.may_close = true;
+                self.questions.may_close = true;
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
         }
@@ -66,20 +56,20 @@ impl EditorState {
 
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) {
         if !self.work.may_write(path, Written::Session) {
-            self.after_save = None;
+            self.questions.after_save = None;
             return;
         }
         if let Err(error) = session::save(&self.work.document, &self.work.scene.unknown, path) {
-            self.after_save = None;
+            self.questions.after_save = None;
             return self.work.messages.error(error.to_string());
         }
         self.work.history.mark_saved();
-        self.forget_autosave();
-        self.forget_recovered();
+        self.safe.forget_autosave(&mut self.work);
+        self.safe.forget_recovered(&mut self.work);
         self.work.scene.session = Some(path.to_owned());
         self.remember(path);
         self.work.messages.note(format!("Saved ({})", path.display()));
-        if let Some(then) = self.after_save.take() {
+        if let Some(then) = self.questions.after_save.take() {
             self.leave_now(ctx, then);
         }
     }
@@ -104,7 +94,7 @@ impl EditorState {
         self.opening = None;
         match result {
             Ok(Opened::Ready(ready)) if self.work.history.is_modified() => {
-                self.ask(Prompt::Unsaved { then: Then::Show(ready) });
+                self.questions.ask(Prompt::Unsaved { then: Then::Show(ready) });
             }
             Ok(Opened::Ready(ready)) => self.take_document(*ready),
             Ok(Opened::Missing { loaded, path, recovery, found }) => {
@@ -112,10 +102,10 @@ impl EditorState {
                     let missing = loaded.missing.len();
                     self.work.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
                 }
-                self.ask(Prompt::Missing { loaded, path, recovery });
+                self.questions.ask(Prompt::Missing { loaded, path, recovery });
             }
             Ok(Opened::Outside { target, scene, names }) => {
-                self.ask(Prompt::Outside { file: scene, names, then: Again::Open(*target) });
+                self.questions.ask(Prompt::Outside { file: scene, names, then: Again::Open(*target) });
             }
             Err(error) => self.work.messages.error(error),
         }
@@ -138,15 +128,15 @@ impl EditorState {
             warnings,
             recent,
         } = ready;
-        self.forget_autosave();
+        self.safe.forget_autosave(&mut self.work);
         self.baking.clear();
         self.ladder = LadderWindow::default();
         self.loader.forget_document();
         self.work.document = document;
         self.work.history = if recovery.is_some() { History::unsaved() } else { History::new() };
-        self.recovered = recovery;
+        self.safe.recovered = recovery;
         // The cameras of sessions and of recovered work are as they were left.
-        let is_kept = session.is_some() || self.recovered.is_some();
+        let is_kept = session.is_some() || self.safe.recovered.is_some();
         let first_view = Some(FirstView::of(&self.work.document, is_kept));
         let show_stale = false;
         self.work.scene = OpenScene {
@@ -184,12 +174,12 @@ impl EditorState {
 
     /// Looks for the missing files of the session that waits for it.
     pub(super) fn relink(&mut self, folder: PathBuf) {
-        match self.prompts.pop_front() {
+        match self.questions.waiting.pop_front() {
             Some(Prompt::Missing { loaded, path, recovery }) => {
                 self.open(Target::Session { loaded, path, recovery, look_in: Some(folder) });
             }
             other => {
-                other.into_iter().for_each(|prompt| self.prompts.push_front(prompt));
+                other.into_iter().for_each(|prompt| self.questions.waiting.push_front(prompt));
                 self.environments.relink_library(&mut self.work, &folder);
             }
         }

@@ -44,11 +44,11 @@ impl EditorState {
                 }
                 (Topic::Material(material), Ok(Loaded::Several(names))) => {
                     let prompt = |file| Prompt::Several { file, names, material };
-                    path.map(prompt).into_iter().for_each(|prompt| self.ask(prompt));
+                    path.map(prompt).into_iter().for_each(|prompt| self.questions.ask(prompt));
                 }
                 (Topic::Material(index), Ok(Loaded::Outside(names))) => {
                     let material = |file| Prompt::Outside { file, names, then: Again::Load(index) };
-                    path.map(material).into_iter().for_each(|prompt| self.ask(prompt));
+                    path.map(material).into_iter().for_each(|prompt| self.questions.ask(prompt));
                 }
                 // Topics and sources go together where they are asked for.
                 _ => {}

@@ -1,25 +1,20 @@
 //! A frame of the window: results of jobs, the interface, and its requests. It also runs without a window, in tests.
 
-use super::{
-    dismissal, keys, layout, prompts,
-    state::{AUTOSAVE_INTERVAL, EditorState},
-    theme,
-};
+use super::{dismissal, keys, layout, prompts, state::EditorState, theme};
 use crate::{
     actions::Action,
     typing::{escape_is_taken, keys_are_commands, take_escape},
     viewport,
 };
 use egui::{Event, Key, Ui, ViewportCommand};
-use std::time::Instant;
 
 impl EditorState {
     /// One frame: results of jobs, the interface, its requests, and the next request to the render thread.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        if self.themed.as_ref() != Some(&self.work.preferences) {
+        if self.interface.themed.as_ref() != Some(&self.work.preferences) {
             theme::apply(&ctx, &self.work.preferences);
-            self.themed = Some(self.work.preferences.clone());
+            self.interface.themed = Some(self.work.preferences.clone());
         }
         self.note_window_size(&ctx);
         self.collect(&ctx);
@@ -57,7 +52,7 @@ impl EditorState {
         self.pose.play(&mut self.work, &ctx);
         self.request_picture(&ctx, laid.viewport);
         self.comparison.follow(&self.work, &self.picture);
-        self.keep_safe(&ctx);
+        self.safe.keep(&mut self.work, &ctx);
     }
 
     /// While the ladder is climbed, comparison and full picture leave the cores to it, because the user waits for it
@@ -95,7 +90,7 @@ impl EditorState {
     /// Whether a dialog or a question is open, or opens in the next frame.
     fn is_asking(&self) -> bool {
         let has_dialog = self.dialogs.is_open() || self.exporting.dialog.is_some();
-        has_dialog || self.interface.keys_open || !self.prompts.is_empty()
+        has_dialog || self.interface.keys_open || !self.questions.waiting.is_empty()
     }
 
     /// Shows the reference as long as R is held, if its press was for that. The press is no command then.
@@ -116,7 +111,7 @@ impl EditorState {
     /// Remembers how large the window is, for the next start.
     fn note_window_size(&mut self, ctx: &egui::Context) {
         let scale = self.work.preferences.ui_scale;
-        self.window_size = ctx.input(|i| {
+        self.interface.window_size = ctx.input(|i| {
             let window = i.viewport();
             let fills = window.maximized == Some(true) || window.fullscreen == Some(true);
             // The interface's points are larger than the window's by its scale.
@@ -129,7 +124,7 @@ impl EditorState {
         let was_open = self.dialogs.is_open();
         let chosen = self.dialogs.show(ctx);
         if was_open && !self.dialogs.is_open() && chosen.is_empty() {
-            self.after_save = None;
+            self.questions.after_save = None;
         }
         if let Some((files, folder)) = self.dialogs.left() {
             let mut preferences = self.work.preferences.clone();
@@ -170,56 +165,16 @@ impl EditorState {
 
     /// A window that is about to close asks about changes first.
     fn ask_before_closing(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
-        if ctx.input(|i| i.viewport().close_requested()) && !self.may_close {
+        if ctx.input(|i| i.viewport().close_requested()) && !self.questions.may_close {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             actions.push(Action::Quit);
         }
     }
 
-    /// Writes the document aside when it is time, and comes back for it.
-    fn keep_safe(&mut self, ctx: &egui::Context) {
-        let session = self.work.scene.session.as_deref();
-        let tick = self.autosave.tick(
-            Instant::now(),
-            &self.work.document,
-            &self.work.history,
-            &self.work.scene.unknown,
-            session,
-        );
-        match tick {
-            Ok(true) => {
-                self.autosaved = self.work.history.revision();
-                self.forget_recovered();
-            }
-            Ok(false) => {}
-            Err(error) => self.work.messages.error(format!("The autosave failed: {error}")),
-        }
-        if self.work.history.is_modified() && self.autosaved != self.work.history.revision() {
-            ctx.request_repaint_after(AUTOSAVE_INTERVAL);
-        }
-    }
-
-    /// Recovered work is written elsewhere by now.
-    pub(super) fn forget_recovered(&mut self) {
-        if let Some(recovered) = self.recovered.take()
-            && let Err(error) = recovered.discard()
-        {
-            self.work.messages.warning(format!("An autosave cannot be removed: {error}"));
-        }
-    }
-
-    /// Begins with another document.
-    pub(super) fn forget_autosave(&mut self) {
-        if let Err(error) = self.autosave.finish() {
-            self.work.messages.warning(error.to_string());
-        }
-        self.autosaved = 0;
-    }
-
     /// The window closes with nothing left to lose.
     pub fn finish(&mut self) {
-        self.forget_autosave();
-        if let Some(size) = self.window_size {
+        self.safe.forget_autosave(&mut self.work);
+        if let Some(size) = self.interface.window_size {
             self.work.preferences.window_size = size;
         }
         if let Err(error) = self.work.preferences.save(&self.work.folders.config) {

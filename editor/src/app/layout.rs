@@ -2,6 +2,7 @@
 //! bottom, and the picture in the remaining area.
 
 use super::{
+    keyboard_map,
     keys::{self, Command},
     menus, notice,
     requests::illumination,
@@ -71,7 +72,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
     viewport.size_px = state.interface.settled_size(ui.ctx(), state.work.viewport_size, viewport.size_px);
     state.work.viewport_size = viewport.size_px;
     if state.interface.keys_open {
-        state.interface.keys_open = keys::show_map(ui.ctx());
+        state.interface.keys_open = keyboard_map::show(ui.ctx());
     }
     Laid { viewport, menus }
 }

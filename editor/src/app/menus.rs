@@ -245,7 +245,7 @@ fn help(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         ui.close();
     }
     if ui.button("About Lapidary").clicked() {
-        state.ask(Prompt::About);
+        state.questions.ask(Prompt::About);
         ui.close();
     }
 }

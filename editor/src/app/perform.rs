@@ -1,6 +1,6 @@
 //! Performs actions: the one place where requests of the interface meet the document, its history and the jobs.
 
-use super::{opening::Target, state::EditorState, theme};
+use super::{state::EditorState, theme};
 use crate::{
     actions::{
         Action, BakeAction, CameraAction, CompareAction, ExportAction, FileAction, LightAction, MaterialAction,
@@ -9,6 +9,7 @@ use crate::{
     app::{dialogs::Purpose, keys::Command},
     document::{Edit, ViewSettings, folder_of, session},
     export::Exported,
+    jobs::opening::Target,
     materials,
     navigation::axis_view,
     preferences::{FileUse, Preferences},

@@ -1,16 +1,14 @@
 //! Asks the questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says, and
 //! files that are elsewhere than a scene or a material.
 
-use super::{
-    opening::Target,
-    state::{
-        EditorState,
-        prompt::{Again, Prompt},
-    },
+use super::state::{
+    EditorState,
+    prompt::{Again, Prompt},
 };
 use crate::{
     actions::{Action, FileAction},
     document::{autosave::Recovery, session::LoadedSession},
+    jobs::opening::Target,
     materials,
     widgets::copyable,
 };
@@ -32,7 +30,7 @@ enum Answer {
 
 /// Shows the question that waits, if any, and does what is answered.
 pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let Some(prompt) = state.prompts.front() else { return };
+    let Some(prompt) = state.questions.waiting.front() else { return };
     if state.dialogs.is_open() {
         return;
     }
@@ -177,9 +175,9 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
     if matches!(answer, Answer::Look) {
         return actions.push(Action::File(FileAction::Relink(None)));
     }
-    match (state.prompts.pop_front(), answer) {
+    match (state.questions.waiting.pop_front(), answer) {
         (Some(Prompt::Unsaved { then }), Answer::Save) => {
-            state.after_save = Some(then);
+            state.questions.after_save = Some(then);
             actions.push(Action::File(FileAction::Save));
         }
         (Some(Prompt::Unsaved { then }), Answer::Discard) => state.leave_now(ctx, then),

@@ -4,39 +4,32 @@
 pub mod interface;
 pub mod prompt;
 
-use super::{
-    dialogs::FileDialogs,
-    opening::{Consent, Opening, Target},
-};
+use super::{dialogs::FileDialogs, safekeeping::Safekeeping};
 use crate::{
     bake::Baking,
     compare::Comparison,
-    document::{
-        autosave::{self, Autosave, Recovery},
-        library::EnvironmentLibrary,
-        recent::RecentFiles,
-    },
+    document::{autosave, library::EnvironmentLibrary, recent::RecentFiles},
     environment::Environments,
     explain::ExplainWindow,
     export::Exporting,
-    jobs::{load::Loader, watch::Watcher},
+    jobs::{
+        load::Loader,
+        opening::{Consent, Opening, Target},
+        watch::Watcher,
+    },
     ladder::LadderWindow,
     lights::LightsPanel,
     materials::MaterialPanel,
     paths::Folders,
     picture::Picture,
     pose::Posing,
-    preferences::Preferences,
     workspace::Workspace,
 };
 use interface::Interface;
 use lapidary_render::BackendFactory;
 use lapidary_studies::jobs::Wake;
-use prompt::{Prompt, Then};
-use std::{collections::VecDeque, path::PathBuf, time::Duration};
-
-/// Seconds between two autosaves.
-pub(super) const AUTOSAVE_INTERVAL: Duration = Duration::from_secs(20);
+use prompt::{Prompt, Questions};
+use std::path::PathBuf;
 
 /// Parts of the window.
 pub struct Setup {
@@ -66,10 +59,7 @@ pub struct EditorState {
     pub(super) work: Workspace,
     pub(super) interface: Interface,
     pub(super) dialogs: FileDialogs,
-    /// Questions that wait, the one that is asked first.
-    pub(super) prompts: VecDeque<Prompt>,
-    /// The action after the session has been saved.
-    pub(super) after_save: Option<Then>,
+    pub(super) questions: Questions,
     pub(super) recent: RecentFiles,
     pub(super) bundled: Bundled,
     pub(super) loader: Loader,
@@ -85,15 +75,7 @@ pub struct EditorState {
     pub(super) pose: Posing,
     pub(super) lights: LightsPanel,
     pub(super) materials: MaterialPanel,
-    pub(super) autosave: Autosave,
-    pub(super) autosaved: u64,
-    /// The autosave that the document was recovered from, until it is written elsewhere.
-    pub(super) recovered: Option<Recovery>,
-    /// Nothing is left to ask: the window may close.
-    pub(super) may_close: bool,
-    pub(super) themed: Option<Preferences>,
-    /// Size of the window in points, but not while it fills the screen.
-    pub(super) window_size: Option<[f32; 2]>,
+    pub(super) safe: Safekeeping,
 }
 
 impl EditorState {
@@ -102,13 +84,12 @@ impl EditorState {
         let Setup { folders, bundled, factory, wake, system_dialogs } = setup;
         let work = Workspace::new(folders, factory.clone(), wake.clone());
         let recoverable = autosave::recoverable(&work.folders.state);
-        let prompts = (!recoverable.is_empty()).then_some(Prompt::Recover(recoverable)).into_iter().collect();
+        let questions = Questions::of((!recoverable.is_empty()).then_some(Prompt::Recover(recoverable)));
         let library = EnvironmentLibrary::open(&work.folders.config, bundled.environments.clone());
         Self {
             interface: Interface::new([work.preferences.side_width, work.preferences.inspector_width]),
             dialogs: FileDialogs::new(wake.clone(), system_dialogs),
-            prompts,
-            after_save: None,
+            questions,
             recent: RecentFiles::open(&work.folders.config),
             bundled,
             loader: Loader::new(wake.clone()),
@@ -124,12 +105,7 @@ impl EditorState {
             pose: Posing::default(),
             lights: LightsPanel::default(),
             materials: MaterialPanel::default(),
-            autosave: Autosave::new(&work.folders.state, AUTOSAVE_INTERVAL),
-            autosaved: 0,
-            recovered: None,
-            may_close: false,
-            themed: None,
-            window_size: None,
+            safe: Safekeeping::new(&work),
             work,
         }
     }

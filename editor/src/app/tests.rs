@@ -19,13 +19,11 @@ mod panels;
 mod parts;
 mod poses;
 
-use super::{
-    opening::Target,
-    state::{Bundled, EditorState, Setup},
-};
+use super::state::{Bundled, EditorState, Setup};
 use crate::{
     actions::{Action, CameraAction, ExportAction},
     bake::{Asker, BakeOrder, From, panel::BakeStatus},
+    jobs::opening::Target,
     paths::Folders,
     preferences::Preferences,
 };

@@ -1,6 +1,6 @@
 //! State of the interface between frames.
 
-use crate::{app::side_panels::SidePanels, scene::ScenePanel, viewport::ViewportState};
+use crate::{app::side_panels::SidePanels, preferences::Preferences, scene::ScenePanel, viewport::ViewportState};
 use egui::{Context, Rect, Vec2};
 use std::time::Duration;
 
@@ -19,6 +19,10 @@ pub struct Interface {
     pub sides: SidePanels,
     /// Size of the window in points, and when it changed last, in seconds.
     pub(in crate::app) window: (Vec2, f64),
+    /// The preferences that the theme was made of.
+    pub themed: Option<Preferences>,
+    /// Size of the window in points, but not while it fills the screen.
+    pub window_size: Option<[f32; 2]>,
     pub(in crate::app) viewport: ViewportState,
     pub(in crate::app) scene: ScenePanel,
 }
@@ -32,6 +36,8 @@ impl Interface {
             pasting_camera: 0,
             sides: SidePanels::new(widths),
             window: (Vec2::ZERO, f64::NEG_INFINITY),
+            themed: None,
+            window_size: None,
             viewport: ViewportState::default(),
             scene: ScenePanel::default(),
         }

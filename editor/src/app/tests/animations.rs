@@ -3,10 +3,10 @@
 use super::{Place, Window, few_lights};
 use crate::{
     actions::{Action, BakeAction, FileAction, PoseAction, SelectAction},
-    app::{opening::Target, state::EditorState},
+    app::state::EditorState,
     bake::stale_now,
     document::{Document, Edit},
-    jobs::{Imported, render_thread::RenderRequest},
+    jobs::{Imported, opening::Target, render_thread::RenderRequest},
     viewport::gizmo::Tool,
 };
 use egui::{Event, Key, PointerButton};

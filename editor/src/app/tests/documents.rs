@@ -81,19 +81,19 @@ fn changes_are_asked_about_before_they_are_lost() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.perform(Action::Quit);
-    assert!(window.0.state().may_close, "there is nothing to lose");
-    window.0.state_mut().may_close = false;
+    assert!(window.0.state().questions.may_close, "there is nothing to lose");
+    window.0.state_mut().questions.may_close = false;
     window.type_roughness("0.1");
     window.perform(Action::File(FileAction::Open(Some(place.path("scene.cuts")))));
-    window.wait("the question", |s| !s.prompts.is_empty());
+    window.wait("the question", |s| !s.questions.waiting.is_empty());
     assert!(window.shows("Save the changes?"));
     window.click("Cancel");
     assert!(!window.shows("Save the changes?") && window.0.state().opening.is_none());
     assert_eq!(window.roughness(), 0.1);
     window.perform(Action::Quit);
-    assert!(!window.0.state().may_close);
+    assert!(!window.0.state().questions.may_close);
     window.click("Discard");
-    assert!(window.0.state().may_close);
+    assert!(window.0.state().questions.may_close);
 }
 
 #[test]
@@ -110,10 +110,10 @@ fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() 
     {
         window.perform(Action::File(FileAction::Open(Some(place.path(file)))));
         window.wait("the answer", |s| s.opening.is_none());
-        assert!(window.has_said(said) && window.0.state().prompts.is_empty(), "{file}");
+        assert!(window.has_said(said) && window.0.state().questions.waiting.is_empty(), "{file}");
     }
     window.perform(Action::File(FileAction::Open(Some(place.path("scene.cuts")))));
-    window.wait("the question", |s| !s.prompts.is_empty());
+    window.wait("the question", |s| !s.questions.waiting.is_empty());
     window.click("Discard");
     assert!(!window.0.state().work.is_modified() && window.0.state().work.title() == "scene.cuts");
 }
@@ -128,7 +128,7 @@ fn saving_before_leaving_goes_on_with_what_was_asked_for() {
     window.type_roughness("0.1");
     window.perform(Action::Quit);
     window.click("Save");
-    window.wait("the end", |s| s.may_close);
+    window.wait("the end", |s| s.questions.may_close);
     assert!(std::fs::read_to_string(place.path("look.lapidary")).unwrap().contains("0.1"));
 }
 
@@ -212,12 +212,12 @@ fn pictures_outside_the_folder_of_a_material_are_read_after_a_question() {
     window.open(&place.path("scene.obj"));
     let load = || Action::Material(MaterialAction::Load { material: 0, path: Some(place.path("inner/x.json")) });
     window.perform(load());
-    window.wait("the question", |s| !s.prompts.is_empty());
+    window.wait("the question", |s| !s.questions.waiting.is_empty());
     assert!(window.shows("../red.png"));
     window.click("Cancel");
-    assert!(window.0.state().work.document.textures.is_empty() && window.0.state().prompts.is_empty());
+    assert!(window.0.state().work.document.textures.is_empty() && window.0.state().questions.waiting.is_empty());
     window.perform(load());
-    window.wait("the question", |s| !s.prompts.is_empty());
+    window.wait("the question", |s| !s.questions.waiting.is_empty());
     window.click("Read them");
     window.wait("the map", |s| s.work.document.materials[0].maps.get("base_color").is_some());
     assert_eq!(window.0.state().work.document.textures[0].texture.size, [3, 3]);

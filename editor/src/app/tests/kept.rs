@@ -3,13 +3,13 @@
 use super::{Place, Window, few_lights};
 use crate::{
     actions::{Action, BakeAction, EnvironmentAction, FileAction},
-    app::opening::{Consent, Opened, Ready, Target, open},
     bake::panel::BakeStatus,
     document::{
         Document, TextureEntry,
         autosave::{self, Autosave},
         session,
     },
+    jobs::opening::{Consent, Opened, Ready, Target, open},
 };
 use lapidary_core::{
     dataset::BakeParts,
@@ -200,7 +200,7 @@ fn recovery_that_was_given_up_keeps_the_autosave() {
     let mut window = place.window();
     window.0.run_steps(2);
     window.click("Recover");
-    window.wait("the question", |s| !s.prompts.is_empty());
+    window.wait("the question", |s| !s.questions.waiting.is_empty());
     assert!(window.shows("Files are missing"));
     window.click("Cancel");
     window.open(&place.path("scene.obj"));

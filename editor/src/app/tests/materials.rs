@@ -81,10 +81,10 @@ fn a_file_of_several_materials_asks_which() {
     let before = window.0.state().work.document.materials.clone();
     for (answer, roughness) in [("Cancel", None), ("steel", Some(0.125)), ("gold", Some(0.5))] {
         window.perform(Action::Material(MaterialAction::Load { material: 0, path: Some(place.path("all.mtlx")) }));
-        window.wait("the question", |s| !s.prompts.is_empty());
+        window.wait("the question", |s| !s.questions.waiting.is_empty());
         assert!(window.shows("Which material?") && window.shows("all.mtlx has 2 materials"));
         window.click(answer);
-        window.wait("the answer", |s| s.prompts.is_empty() && s.loader.is_idle());
+        window.wait("the answer", |s| s.questions.waiting.is_empty() && s.loader.is_idle());
         let material = &window.0.state().work.document.materials[0];
         match roughness {
             None => assert_eq!(*material, before[0], "negative control"),
