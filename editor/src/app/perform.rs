@@ -1,4 +1,4 @@
-//! Performs actions: the one place where requests of the interface meet the document, its history and the jobs.
+//! Performs actions: hands each to the feature that it is about, and asks for paths.
 
 use super::{state::EditorState, theme};
 use crate::{

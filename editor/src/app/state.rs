@@ -1,5 +1,5 @@
-//! The state of the window. Its behaviour is in the files of this folder: each adds a part to [`EditorState`], which
-//! knows none of them.
+//! The state of the window: what features share, one field for each feature, and what the frame keeps. What crosses
+//! features is in the files of `app`; each adds a part to [`EditorState`], which knows none of them.
 
 pub mod interface;
 pub mod prompt;
@@ -56,7 +56,9 @@ pub struct Bundled {
 
 /// All that the window knows.
 pub struct EditorState {
+    /// What all features share.
     pub(super) work: Workspace,
+    /// What the frame keeps.
     pub(super) interface: Interface,
     pub(super) dialogs: FileDialogs,
     pub(super) questions: Questions,
@@ -65,6 +67,8 @@ pub struct EditorState {
     pub(super) loader: Loader,
     pub(super) watcher: Watcher,
     pub(super) opening: Option<Opening>,
+    pub(super) safe: Safekeeping,
+    /// Each feature's own.
     pub(super) baking: Baking,
     pub(super) environments: Environments,
     pub(super) picture: Picture,
@@ -75,7 +79,6 @@ pub struct EditorState {
     pub(super) pose: Posing,
     pub(super) lights: LightsPanel,
     pub(super) materials: MaterialPanel,
-    pub(super) safe: Safekeeping,
 }
 
 impl EditorState {

@@ -12,6 +12,7 @@ mod preview_ball;
 mod preview_worker;
 mod studio;
 mod surface;
+mod target;
 mod thumbnails;
 mod transfer;
 
@@ -33,6 +34,7 @@ use preset_balls::PresetBalls;
 use preview_ball::Ball;
 use preview_worker::Preview;
 use std::{collections::HashSet, sync::Arc};
+use target::Target;
 use thumbnails::Thumbnails;
 use transfer::Copied;
 
@@ -138,7 +140,7 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
     });
     section(ui, "Surface detail", true, |ui| {
         for kind in ["normal", "bump"] {
-            maps::slot(ui, state, context.document, maps::Target { index, kind }, &mut changes, actions);
+            maps::slot(ui, state, context.document, Target { index, kind }, &mut changes, actions);
         }
     });
     section(ui, "Lobe", false, |ui| state.plot.show(ui, &changes.material));

@@ -17,6 +17,7 @@ mod rings;
 mod size;
 #[cfg(test)]
 mod tests;
+mod tool;
 
 use super::{ViewportContext, pick};
 use crate::{
@@ -30,9 +31,9 @@ use handles::{Constraint, Handle};
 use lapidary_core::{ground::Ground, lights::Light};
 pub use movable::{Movable, Pivot, Subject};
 use object::ObjectHandles;
-pub use object::Tool;
 pub use paint::paint;
 pub use projection::Projection;
+pub use tool::Tool;
 
 /// What goes on with handles in the viewport.
 #[derive(Default)]

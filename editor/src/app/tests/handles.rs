@@ -142,7 +142,7 @@ fn the_ground_and_what_lies_beside_a_selected_light_have_no_handles() {
     let ground = Some(show_ground(&mut window));
     let of_selected = |window: &mut Window, object| {
         window.perform(Action::Select(SelectAction::Object(object)));
-        movable(&window).map(|movable| movable.active.object)
+        movable(window).map(|movable| movable.active.object)
     };
     assert_eq!([ground, None].map(|object| of_selected(&mut window, object)), [None, None]);
     assert_eq!(of_selected(&mut window, Some(PYRAMID)), Some(PYRAMID), "negative control");

@@ -1,8 +1,8 @@
 //! The row of a texture map: thumbnail, file, and how the picture lies and is read.
 
-use super::{Changes, MaterialPanel, patterns};
+use super::{Changes, MaterialPanel, patterns, target::Target};
 use crate::{
-    actions::{Action, MaterialAction},
+    actions::Action,
     document::{Document, TextureEntry},
     widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
 };
@@ -12,7 +12,6 @@ use egui::{
 };
 use lapidary_core::{
     brdf::{BrdfModel, Parameter},
-    material::map_label,
     texture::{Channel, ColorSpace, Texels, TextureSlot},
 };
 use std::path::PathBuf;
@@ -21,23 +20,6 @@ use std::path::PathBuf;
 const THUMBNAIL: f32 = 26.0;
 /// Points of the empty frame where there is none: rows without a map are to take little room.
 const EMPTY: f32 = 16.0;
-
-/// A map of a material.
-#[derive(Clone, Copy)]
-pub struct Target {
-    /// Which material.
-    pub index: usize,
-    /// Which map.
-    pub kind: &'static str,
-}
-
-impl Target {
-    /// "Roughness map".
-    pub(super) fn name(self) -> String {
-        let label = map_label(self.kind);
-        if label.ends_with("map") { label.to_owned() } else { format!("{label} map") }
-    }
-}
 
 /// Shows the row of a map, and below it what can be set if there is a picture.
 pub fn slot(
@@ -54,16 +36,12 @@ pub fn slot(
         let entry = entry.and_then(|slot| document.textures.get(slot.image()?));
         let shown = picture_row(ui, state, target, entry, changes, actions);
         if let Some(path) = dropped_on(ui, shown.rect) {
-            load(target, Some(path), actions);
+            target.load(Some(path), actions);
         }
         if changes.material.maps.get(target.kind).is_some() {
             settings(ui, state, target, entry, changes);
         }
     });
-}
-
-pub(super) fn load(target: Target, path: Option<PathBuf>, actions: &mut Vec<Action>) {
-    actions.push(Action::Material(MaterialAction::LoadTexture { material: target.index, map: target.kind, path }));
 }
 
 /// What is loaded and the buttons, each with a place of its own: what removes is never where a click has just loaded.
@@ -99,7 +77,7 @@ fn picture_row(
             patterns::menu(ui, target, changes, actions);
             let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width(), 0.0));
             if ui.add(button).on_hover_text(hint).accessible_name(format!("{verb} {name}")).clicked() {
-                load(target, None, actions);
+                target.load(None, actions);
             }
         });
     };

@@ -1,9 +1,6 @@
 //! The BRDF model and the parameters that it declares, each with its map.
 
-use super::{
-    Changes, MaterialPanel,
-    maps::{self, Target},
-};
+use super::{Changes, MaterialPanel, maps, target::Target};
 use crate::{
     actions::Action,
     document::Document,

@@ -1,6 +1,6 @@
 //! Patterns in place of pictures: the menu of a map's row, and the controls of the pattern.
 
-use super::{Changes, maps::Target, new_slot};
+use super::{Changes, new_slot, target::Target};
 use crate::{
     actions::Action,
     widgets::{Edited, Number, color_row, slider_row},
@@ -40,7 +40,7 @@ pub fn menu(ui: &mut Ui, target: Target, changes: &mut Changes, actions: &mut Ve
     let name = target.name();
     let (button, _) = MenuButton::from_button(Button::new("…").small()).ui(ui, |ui| {
         if ui.button("Image…").clicked() {
-            super::maps::load(target, None, actions);
+            target.load(None, actions);
         }
         // A pattern is no normal.
         if target.kind == "normal" {
