@@ -8,30 +8,22 @@ pub use state::Environments;
 
 use crate::{actions::Action, document::library, picture::Picture, workspace::Workspace};
 use egui::Ui;
+use lapidary_core::environment::Environment;
 use panel::{EnvironmentContext, LibraryEntry};
+use std::sync::Arc;
 
 impl Environments {
     /// Shows the tab.
     pub fn show(&mut self, ui: &mut Ui, work: &Workspace, picture: &Picture, actions: &mut Vec<Action>) {
         let Self { panel, loaded, problem, .. } = self;
-        let context = EnvironmentContext {
-            environment: loaded.as_ref(),
-            message: problem.as_deref(),
-            ..context(work, picture, &[])
-        };
-        panel::show(ui, panel, &context, actions);
+        panel::show(ui, panel, &context(work, picture, (loaded, problem), &[]), actions);
     }
 
     /// Shows the maps to choose from.
     pub fn show_library(&mut self, ui: &mut Ui, work: &Workspace, picture: &Picture, actions: &mut Vec<Action>) {
         let entries = self.entries();
         let Self { panel, loaded, problem, .. } = self;
-        let context = EnvironmentContext {
-            environment: loaded.as_ref(),
-            message: problem.as_deref(),
-            ..context(work, picture, &entries)
-        };
-        panel::show_library(ui, panel, &context, actions);
+        panel::show_library(ui, panel, &context(work, picture, (loaded, problem), &entries), actions);
     }
 
     /// The maps of the library with their pictures.
@@ -48,17 +40,23 @@ impl Environments {
     }
 }
 
-fn context<'a>(work: &'a Workspace, picture: &'a Picture, library: &'a [LibraryEntry]) -> EnvironmentContext<'a> {
+/// What the panels show: the map that is loaded, or the problem with it.
+fn context<'a>(
+    work: &'a Workspace,
+    picture: &'a Picture,
+    (loaded, problem): (&'a Option<Arc<Environment>>, &'a Option<String>),
+    library: &'a [LibraryEntry],
+) -> EnvironmentContext<'a> {
     let (scene, shown) = (&work.scene, picture.shown());
     let lacks_ground = scene.rendered().is_some_and(|baked| !baked.has_ground());
     EnvironmentContext {
         lacks_ground: lacks_ground && scene.source.is_none(),
         document: &work.document,
-        environment: None,
+        environment: loaded.as_ref(),
         library,
         tree: scene.rendered().map(|baked| &baked.dataset.tree),
         lighting: shown.map(|s| &s.lighting),
         light_revision: shown.map_or(0, |s| s.light_revision),
-        message: None,
+        message: problem.as_deref(),
     }
 }

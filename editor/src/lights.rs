@@ -27,7 +27,7 @@ pub fn show(
         document: &work.document,
         selected: work.selected_light(),
         bounces: scene.map(|baked| Bounces::of(&baked.dataset)),
-        baked: scene.map(|baked| baked.dataset.settings.mode),
+        baked: work.scene.baked_parts(),
         energy: picture.shown().and_then(|shown| shown.local.energy),
         scene,
         can_bake: work.scene.source.is_some(),
@@ -37,7 +37,6 @@ pub fn show(
 
 /// Says on the tab of the environment what a bake without it lacks.
 pub fn environment_hint(ui: &mut Ui, work: &Workspace, actions: &mut Vec<Action>) {
-    let baked = work.scene.rendered().map(|baked| baked.dataset.settings.mode);
-    let can_bake = work.scene.source.is_some();
+    let (baked, can_bake) = (work.scene.baked_parts(), work.scene.source.is_some());
     panel::environment_hint(ui, baked, work.document.bake.mode, can_bake, actions);
 }

@@ -18,6 +18,7 @@ use crate::{
     workspace::Workspace,
 };
 use egui::Ui;
+use lapidary_core::dataset::BakeParts;
 use panel::MaterialContext;
 use std::path::PathBuf;
 
@@ -53,7 +54,7 @@ pub fn load(work: &Workspace, loader: &mut Loader, material: usize, path: PathBu
 /// Shows the inspector.
 pub fn show(ui: &mut Ui, panel: &mut MaterialPanel, work: &Workspace, picture: &Picture, actions: &mut Vec<Action>) {
     let has_environment = work.document.components.shows(Component::Environment)
-        && work.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+        && work.scene.baked_parts().is_some_and(BakeParts::environment);
     // The root of the tree has the mean of all light.
     let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.nodes.radiance[1].max_element() > 0.0;
     let shown = picture.shown().filter(is_lit);

@@ -9,11 +9,13 @@ mod color;
 mod edit_row;
 pub mod entries;
 mod layout;
+mod texture;
 pub mod units;
 
 pub use color::{color_row, display_color};
 pub use edit_row::edit_row;
 pub use layout::{RowName, row, row_of};
+pub use texture::texture_of;
 
 use egui::{
     CollapsingHeader, DragValue, Id, InnerResponse, Label, Response, RichText, Slider, Stroke, TextStyle, Ui,

@@ -24,6 +24,7 @@ use crate::{
 };
 use lapidary_render::BackendFactory;
 use lapidary_studies::jobs::Wake;
+use std::path::Path;
 
 /// What all features share.
 pub struct Workspace {
@@ -80,11 +81,15 @@ impl Workspace {
         self.history.is_modified()
     }
 
+    /// The file that is open: the session, or else the scene, or else the dataset.
+    pub fn file(&self) -> Option<&Path> {
+        let Document { scene, dataset, .. } = &self.document;
+        self.scene.session.as_deref().or(scene.as_deref()).or(dataset.as_deref())
+    }
+
     /// Title of the window.
     pub fn title(&self) -> String {
-        let Document { scene, dataset, .. } = &self.document;
-        let path = self.scene.session.as_ref().or(scene.as_ref()).or(dataset.as_ref());
-        path.and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
+        self.file().and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
     }
 
     /// Diagonal of the scene in metres, or the distance that the camera looks at.

@@ -23,7 +23,7 @@ use crate::{
     workspace::{Inspector, Seen, Side, Tabs},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
-use lapidary_core::{lights::Light, material::Material};
+use lapidary_core::{dataset::BakeParts, lights::Light, material::Material};
 use lapidary_render::{Baked, Illumination, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
@@ -183,7 +183,7 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
 /// The suns of the environment as if they were switched on.
 fn suns(state: &EditorState) -> Vec<Light> {
     // They shine where the environment does.
-    let is_lit = state.work.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+    let is_lit = state.work.scene.baked_parts().is_some_and(BakeParts::environment);
     let Some(environment) = state.environments.loaded().filter(|_| is_lit) else { return Vec::new() };
     let mut document = state.work.document.environment.clone();
     document.sun.enabled = true;
@@ -245,7 +245,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         selected_light: state.work.selected_light(),
         shows_lights: state.lights.in_viewport,
         aiming: state.lights.aiming && state.work.selected_light().is_some(),
-        baked: baked.map(|b| b.dataset.settings.mode),
+        baked: state.work.scene.baked_parts(),
         sources: shown.and_then(|s| s.local.sources()),
         shows_clusters: state.lights.shows_clusters,
         accent,

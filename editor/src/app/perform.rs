@@ -155,8 +155,7 @@ impl EditorState {
     }
 
     pub(super) fn ask_for_path(&mut self, action: Action) {
-        let document = &self.work.document;
-        let path = self.work.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
+        let path = self.work.file();
         let stem = path.and_then(Path::file_stem).map_or("untitled".into(), |s| s.to_string_lossy().into_owned());
         let name = match &action {
             Action::File(FileAction::SaveAs(_)) => Some(format!("{stem}.{}", session::EXTENSION)),

@@ -5,8 +5,9 @@ use crate::{
     actions::Action,
     compare::panel::{ComparisonContext, ComparisonPanel},
     viewport::compare::Compared,
+    widgets::texture_of,
 };
-use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions, Ui};
+use egui::{Color32, Context, TextureHandle, TextureOptions, Ui};
 use lapidary_core::image::Region;
 use lapidary_render::{BackendFactory, Post};
 use lapidary_studies::{
@@ -16,7 +17,6 @@ use lapidary_studies::{
         measure::{MeasureEvent, MeasureRequest, MeasureThread, Measured, ShownMap},
     },
     ladder::Cuts,
-    sheet::DisplayPicture,
 };
 use std::sync::Arc;
 
@@ -191,30 +191,15 @@ impl Comparison {
         match event {
             MeasureEvent::Shown(pixels) => {
                 let texture = self.shown.take().map(|(texture, _)| texture);
-                self.shown = Some((texture_of(ctx, texture, &pixels, TextureOptions::LINEAR), pixels.size));
+                self.shown =
+                    Some((texture_of(ctx, "comparison", texture, &pixels, TextureOptions::LINEAR), pixels.size));
             }
             MeasureEvent::Measured(measured) => {
                 // Each pixel of the map is an error of its own.
-                self.map = Some(texture_of(ctx, self.map.take(), &measured.map, TextureOptions::NEAREST));
+                self.map = Some(texture_of(ctx, "comparison", self.map.take(), &measured.map, TextureOptions::NEAREST));
                 (self.measured, self.measure_problem) = (Some(measured), None);
             }
             MeasureEvent::Failed(text) => self.measure_problem = Some(text),
         }
-    }
-}
-
-fn texture_of(
-    ctx: &Context,
-    known: Option<TextureHandle>,
-    shown: &DisplayPicture,
-    how: TextureOptions,
-) -> TextureHandle {
-    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
-    match known {
-        Some(mut texture) => {
-            texture.set(image, how);
-            texture
-        }
-        None => ctx.load_texture("comparison", image, how),
     }
 }

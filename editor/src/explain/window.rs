@@ -8,7 +8,7 @@ use crate::{
     workspace::Workspace,
 };
 use egui::{Context, ScrollArea, Window};
-use lapidary_core::image::Region;
+use lapidary_core::{dataset::BakeParts, image::Region};
 use lapidary_render::{Baked, GatheredLight, Redo, TreeOf};
 use lapidary_studies::jobs::explain::{ExplainJob, ExplainedPicture};
 
@@ -75,7 +75,7 @@ impl ExplainWindow {
             return;
         }
         let has_both = picture.shown().is_some_and(|shown| shown.local.sources().is_some())
-            && work.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+            && work.scene.baked_parts().is_some_and(BakeParts::environment);
         let outdated = self.is_outdated(picture);
         let window = &mut *self;
         let before = window.tree;

@@ -57,9 +57,7 @@ impl Exporting {
     /// Opens the dialog for sequences.
     fn describe_sequence(&mut self, work: &mut Workspace, exported: Option<Exported>) {
         let Some((look, _)) = exported else { return work.messages.error(NOTHING) };
-        let document = &work.document;
-        let open = work.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
-        let folder = open.map_or_else(|| PathBuf::from("."), folder_of);
+        let folder = work.file().map_or_else(|| PathBuf::from("."), folder_of);
         self.dialog = Some(SequenceDialog::new(&look, &folder));
     }
 

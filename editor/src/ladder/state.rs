@@ -1,11 +1,11 @@
 //! The ladder of cut sizes, as far as it is climbed.
 
-use crate::ladder::panel::{LadderResult, LadderTile, LadderTruth};
-use egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use lapidary_studies::{
-    jobs::ladder::{LadderEvent, LadderJob},
-    sheet::DisplayPicture,
+use crate::{
+    ladder::panel::{LadderResult, LadderTile, LadderTruth},
+    widgets::texture_of,
 };
+use egui::{Context, TextureOptions};
+use lapidary_studies::jobs::ladder::{LadderEvent, LadderJob};
 
 /// The ladder, while its window is open.
 #[derive(Default)]
@@ -24,11 +24,15 @@ impl LadderWindow {
     pub fn take(&mut self, ctx: &Context, event: LadderEvent) {
         match event {
             LadderEvent::Picture { cuts, shown } => {
-                let texture = texture(ctx, &shown);
+                let texture = texture_of(ctx, "ladder", None, &shown, TextureOptions::LINEAR);
                 self.result.tiles.push(LadderTile { cuts, texture, figures: None });
             }
             LadderEvent::Truth { shown, seconds, what } => {
-                self.result.truth = Some(LadderTruth { texture: texture(ctx, &shown), seconds, what });
+                self.result.truth = Some(LadderTruth {
+                    texture: texture_of(ctx, "ladder", None, &shown, TextureOptions::LINEAR),
+                    seconds,
+                    what,
+                });
             }
             LadderEvent::Step(figures) => {
                 let tile = self.result.tiles.iter_mut().find(|tile| tile.cuts == figures.cuts);
@@ -40,9 +44,4 @@ impl LadderWindow {
             }
         }
     }
-}
-
-fn texture(ctx: &Context, shown: &DisplayPicture) -> TextureHandle {
-    let image = ColorImage::from_rgba_unmultiplied(shown.size.map(|s| s as usize), shown.pixels.as_flattened());
-    ctx.load_texture("ladder", image, TextureOptions::LINEAR)
 }

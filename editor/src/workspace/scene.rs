@@ -2,7 +2,7 @@
 
 use super::first_view::FirstView;
 use crate::{document::session::Unknown, jobs::Imported};
-use lapidary_core::{animation::Animation, bounds::Bounds};
+use lapidary_core::{animation::Animation, bounds::Bounds, dataset::BakeParts};
 use lapidary_render::Baked;
 use std::{path::PathBuf, sync::Arc};
 
@@ -60,6 +60,11 @@ impl OpenScene {
     /// What is rendered: the dataset, or the scene without shadows.
     pub fn rendered(&self) -> Option<&Baked> {
         self.shown().or(self.preview.as_ref())
+    }
+
+    /// What the bake that is rendered is of; `None` without a scene.
+    pub fn baked_parts(&self) -> Option<BakeParts> {
+        self.rendered().map(|baked| baked.dataset.settings.mode)
     }
 
     /// What the picture is rendered by.
