@@ -1,4 +1,4 @@
-//! Files that a document uses: textures and materials that were loaded, written, or changed on disk.
+//! Files that a document uses: those that were read go to their features, and those that changed on disk are read again.
 
 use super::state::{
     EditorState,
@@ -21,6 +21,7 @@ use std::{
 };
 
 impl EditorState {
+    /// Takes the files that were read.
     pub(super) fn collect_loaded(&mut self) {
         for LoadResult { path, topic, result, .. } in self.loader.results() {
             match (topic, result) {

@@ -1,8 +1,8 @@
 //! The comparison with a reference: it begins anew for another picture, and measures again when only the display
 //! changes.
 
-use super::state::Comparison;
-use crate::{actions::CompareAction, compare::panel::KindChoice, picture::Picture, workspace::Workspace};
+use super::{panel::KindChoice, state::Comparison};
+use crate::{actions::CompareAction, picture::Picture, workspace::Workspace};
 use egui::Context;
 use lapidary_studies::jobs::comparison::ComparisonEvent;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! The export at work, and the dialog that describes the next.
 
-use crate::export::dialog::{SequenceDialog, duration};
+use super::dialog::{SequenceDialog, duration};
 use lapidary_studies::jobs::export::ExportRun;
 use std::time::Instant;
 

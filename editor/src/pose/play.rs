@@ -32,21 +32,23 @@ impl Posing {
 
     /// The scene that is seen where its objects are, to be pointed at. While something moves it is that of before.
     pub fn posed(&self, work: &Workspace, ctx: &Context) -> Option<Baked> {
+        self.posed_while(work, self.timeline.playing || ctx.input(|input| input.pointer.any_down()))
+    }
+
+    /// The same, as if nothing moved.
+    pub fn posed_at_rest(&self, work: &Workspace) -> Option<Baked> {
+        self.posed_while(work, false)
+    }
+
+    fn posed_while(&self, work: &Workspace, is_held: bool) -> Option<Baked> {
         let baked = work.scene.rendered()?;
-        let is_held = self.timeline.playing || ctx.input(|input| input.pointer.any_down());
         Some(self.cache.posed(self.poses_since(work, baked), baked, is_held))
     }
 
     /// Plays the animation, or stops.
-    pub fn toggle(&mut self, work: &mut Workspace) {
+    fn toggle(&mut self, work: &mut Workspace) {
         let Some(animation) = work.scene.animation().cloned() else { return };
         self.timeline.toggle(&mut work.document.clip_time, animation.clips());
-    }
-
-    /// The scene that is seen where its objects are now, while nothing moves.
-    pub fn posed_at_rest(&self, work: &Workspace) -> Option<Baked> {
-        let baked = work.scene.rendered()?;
-        Some(self.cache.posed(self.poses_since(work, baked), baked, false))
     }
 
     /// Goes on in time where the animation plays. Nothing plays without one that poses the scene that is seen.

@@ -18,13 +18,15 @@ pub struct Interface {
     /// The panels at both sides.
     pub sides: SidePanels,
     /// Size of the window in points, and when it changed last, in seconds.
-    pub(in crate::app) window: (Vec2, f64),
+    window: (Vec2, f64),
     /// The preferences that the theme was made of.
     pub themed: Option<Preferences>,
     /// Size of the window in points, but not while it fills the screen.
     pub window_size: Option<[f32; 2]>,
-    pub(in crate::app) viewport: ViewportState,
-    pub(in crate::app) scene: ScenePanel,
+    /// What the viewport remembers.
+    pub viewport: ViewportState,
+    /// The panel of the scene.
+    pub scene: ScenePanel,
 }
 
 impl Interface {
