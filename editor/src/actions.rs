@@ -1,6 +1,9 @@
 //! Requests of the interface. Panels only read the document; every change that they ask for is an [`Action`].
 
-use crate::document::{Edit, lights::LightKind};
+use crate::{
+    document::{Edit, lights::LightKind},
+    preferences::Preferences,
+};
 use glam::Vec3;
 use lapidary_core::{animation::ClipTime, camera::Camera, dataset::BakeParts, material::Material, parts::Part};
 use lapidary_studies::ladder::Cuts;
@@ -18,12 +21,70 @@ pub enum Action {
     },
     /// A slider was let go or a text field left: the next edit is a new step of undo.
     EndGesture,
-    /// Play the animation, or stop.
-    Play,
     /// Take back the last edit.
     Undo,
     /// Do the last undone edit again.
     Redo,
+    /// Change how the window looks, or where its file dialogs begin.
+    Preferences(Preferences),
+    /// Show or hide the keyboard map.
+    ToggleKeys,
+    /// Explain a pixel of the live picture, by its column and row.
+    ExplainPixel([u32; 2]),
+    /// Close the window, after asking about unsaved changes.
+    Quit,
+    /// About bakes.
+    Bake(BakeAction),
+    /// About the comparison with a reference.
+    Compare(CompareAction),
+    /// About the ladder of cut sizes.
+    Ladder(LadderAction),
+    /// About what is written of the picture and the scene.
+    Export(ExportAction),
+    /// About local lights.
+    Light(LightAction),
+    /// About materials, and parts that have them.
+    Material(MaterialAction),
+    /// About environments and their library.
+    Environment(EnvironmentAction),
+    /// About animations.
+    Pose(PoseAction),
+    /// About the camera.
+    Camera(CameraAction),
+    /// About the selection.
+    Select(SelectAction),
+    /// About files that are opened and saved.
+    File(FileAction),
+}
+
+impl Action {
+    /// Its path, if it has one.
+    pub fn path(&mut self) -> Option<&mut Option<PathBuf>> {
+        match self {
+            Self::File(FileAction::Open(path) | FileAction::SaveAs(path) | FileAction::Relink(path))
+            | Self::Material(
+                MaterialAction::LoadTexture { path, .. }
+                | MaterialAction::LoadBrdf { path, .. }
+                | MaterialAction::Load { path, .. }
+                | MaterialAction::Save { path, .. },
+            )
+            | Self::Light(LightAction::Load(path) | LightAction::Save(path))
+            | Self::Environment(EnvironmentAction::Load(path) | EnvironmentAction::AddToLibrary(path))
+            | Self::Compare(CompareAction::Reference(path))
+            | Self::Export(
+                ExportAction::Picture(path)
+                | ExportAction::Layers(path)
+                | ExportAction::Materials(path)
+                | ExportAction::SequenceFolder(path),
+            ) => Some(path),
+            _ => None,
+        }
+    }
+}
+
+/// A request about files that are opened and saved.
+#[derive(Clone, Debug)]
+pub enum FileAction {
     /// Open a scene, a dataset or a session.
     Open(Option<PathBuf>),
     /// Open a bundled scene, by its place in the menu.
@@ -32,18 +93,52 @@ pub enum Action {
     Save,
     /// Write the session under another name.
     SaveAs(Option<PathBuf>),
-    /// Write the picture.
-    ExportPicture(Option<PathBuf>),
-    /// Write the picture with all its layers.
-    ExportLayers(Option<PathBuf>),
-    /// Write the materials in a format of other programs.
-    ExportMaterials(Option<PathBuf>),
-    /// Describe an image sequence to export.
-    DescribeSequence,
-    /// Choose the folder of the sequence that is described.
-    SequenceFolder(Option<PathBuf>),
-    /// Stop the export; what is complete stays.
-    CancelExport,
+    /// Look for files that moved, in this folder.
+    Relink(Option<PathBuf>),
+}
+
+/// A request about the camera.
+#[derive(Clone, Debug)]
+pub enum CameraAction {
+    /// Move the camera.
+    To(Camera),
+    /// Move back so that the selection, or the scene, is in view.
+    FrameSelection,
+    /// Frame the whole scene.
+    FrameAll,
+    /// Go back to where the document was first seen from.
+    Reset,
+    /// Put the camera on the clipboard as text.
+    Copy,
+    /// Take the camera from the clipboard.
+    Paste,
+}
+
+/// A request about the selection.
+#[derive(Clone, Debug)]
+pub enum SelectAction {
+    /// Select an object alone, or nothing.
+    Object(Option<u32>),
+    /// Add an object to the selection, or take it away.
+    Toggle(u32),
+    /// Select a material, or nothing.
+    Material(Option<usize>),
+    /// Select a part of an object.
+    Part(Part),
+}
+
+/// A request about animations.
+#[derive(Clone, Debug)]
+pub enum PoseAction {
+    /// Show a time of an animation, or the scene at rest.
+    ClipTime(Option<ClipTime>),
+    /// Play the animation, or stop.
+    Play,
+}
+
+/// A request about materials, and parts that have them.
+#[derive(Clone, Debug)]
+pub enum MaterialAction {
     /// Use a picture as a map of a material.
     LoadTexture {
         /// Which material.
@@ -61,48 +156,19 @@ pub enum Action {
         path: Option<PathBuf>,
     },
     /// Replace a material by that of a file.
-    LoadMaterial {
+    Load {
         /// Which material.
         material: usize,
         /// The material file.
         path: Option<PathBuf>,
     },
     /// Write a material to a file.
-    SaveMaterial {
+    Save {
         /// Which material.
         material: usize,
         /// The material file.
         path: Option<PathBuf>,
     },
-    /// Light the scene by a map.
-    LoadEnvironment(Option<PathBuf>),
-    /// Add maps to the library of environments.
-    AddToLibrary(Option<PathBuf>),
-    /// Bake the scene with the document's settings; with `resume` from its checkpoint.
-    Bake {
-        /// Go on from the checkpoint.
-        resume: bool,
-    },
-    /// Stop the bake; its checkpoint stays.
-    CancelBake,
-    /// Show a time of an animation, or the scene at rest.
-    ClipTime(Option<ClipTime>),
-    /// Move the camera.
-    Camera(Camera),
-    /// Move back so that the selection, or the scene, is in view.
-    FrameSelection,
-    /// Frame the whole scene.
-    FrameAll,
-    /// Go back to where the document was first seen from.
-    ResetCamera,
-    /// Select an object alone, or nothing.
-    SelectObject(Option<u32>),
-    /// Add an object to the selection, or take it away.
-    ToggleObject(u32),
-    /// Select a material, or nothing.
-    SelectMaterial(Option<usize>),
-    /// Select a part of an object.
-    SelectPart(Part),
     /// Give a part another material of the document.
     Assign {
         /// Which part.
@@ -119,47 +185,86 @@ pub enum Action {
     },
     /// Show a variant of the materials, or what the file shows first.
     ChooseVariant(Option<usize>),
+}
+
+/// A request about local lights.
+#[derive(Clone, Debug)]
+pub enum LightAction {
     /// Select a local light, or nothing.
-    SelectLight(Option<usize>),
+    Select(Option<usize>),
     /// Add a local light that lights what the camera looks at.
-    AddLight(LightKind),
+    Add(LightKind),
     /// Add a copy of a local light beside it.
-    DuplicateLight(usize),
+    Duplicate(usize),
     /// Remove a local light.
-    DeleteLight(usize),
+    Delete(usize),
     /// Aim the selected light at a point, which ends aiming by a click; without a point the light stays as it is.
-    AimLight(Option<Vec3>),
+    Aim(Option<Vec3>),
     /// Add the lights of a lights file.
-    LoadLights(Option<PathBuf>),
+    Load(Option<PathBuf>),
     /// Write the lights to a lights file.
-    SaveLights(Option<PathBuf>),
+    Save(Option<PathBuf>),
+}
+
+/// A request about environments and their library.
+#[derive(Clone, Debug)]
+pub enum EnvironmentAction {
+    /// Light the scene by a map.
+    Load(Option<PathBuf>),
+    /// Add maps to the library of environments.
+    AddToLibrary(Option<PathBuf>),
+}
+
+/// A request about bakes.
+#[derive(Clone, Debug)]
+pub enum BakeAction {
+    /// Bake the scene with the document's settings; with `resume` from its checkpoint.
+    Begin {
+        /// Go on from the checkpoint.
+        resume: bool,
+    },
+    /// Stop the bake; its checkpoint stays.
+    Cancel,
     /// Choose what the next bake is of, and show its settings.
-    ChooseBake(BakeParts),
+    Choose(BakeParts),
     /// Choose the views that the next bake is for, at the size of the viewport now; an empty list serves all views
     /// alike.
-    BakeForViews(Vec<Camera>),
-    /// Put the camera on the clipboard as text.
-    CopyCamera,
-    /// Take the camera from the clipboard.
-    PasteCamera,
-    /// Change how the window looks, or where its file dialogs begin.
-    Preferences(crate::preferences::Preferences),
-    /// Show or hide the keyboard map.
-    ToggleKeys,
-    /// Look for files that moved, in this folder.
-    Relink(Option<PathBuf>),
+    ForViews(Vec<Camera>),
+}
+
+/// A request about the comparison with a reference.
+#[derive(Clone, Debug)]
+pub enum CompareAction {
+    /// Begin or end the comparison with a reference.
+    Toggle,
     /// Compare with a picture file.
-    ChooseReference(Option<PathBuf>),
+    Reference(Option<PathBuf>),
     /// Hold the tracing of the reference, or go on.
-    PauseReference(bool),
-    /// Explain a pixel of the live picture, by its column and row.
-    ExplainPixel([u32; 2]),
+    Pause(bool),
+}
+
+/// A request about the ladder of cut sizes.
+#[derive(Clone, Debug)]
+pub enum LadderAction {
     /// Try sizes of the illumination cut on the picture, against a reference.
-    StartLadder,
+    Start,
     /// What pictures merge from now on.
     UseCuts(Cuts),
-    /// Begin or end the comparison with a reference.
-    ToggleComparison,
-    /// Close the window, after asking about unsaved changes.
-    Quit,
+}
+
+/// A request about what is written of the picture and the scene.
+#[derive(Clone, Debug)]
+pub enum ExportAction {
+    /// Write the picture.
+    Picture(Option<PathBuf>),
+    /// Write the picture with all its layers.
+    Layers(Option<PathBuf>),
+    /// Write the materials in a format of other programs.
+    Materials(Option<PathBuf>),
+    /// Describe an image sequence to export.
+    DescribeSequence,
+    /// Choose the folder of the sequence that is described.
+    SequenceFolder(Option<PathBuf>),
+    /// Stop the export; what is complete stays.
+    Cancel,
 }

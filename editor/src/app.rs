@@ -1,37 +1,24 @@
 //! The window. [`EditorState`] is its state and behaviour without a window, so that tests can run it; [`start`] opens
 //! one.
 
-mod animations;
-mod baking;
 mod camera;
-mod comparison;
 mod dialogs;
 mod dismissal;
 mod documents;
 mod drops;
-mod environments;
-mod explain;
-mod export;
 mod files;
-mod first_view;
 mod frame;
 mod icons;
+mod keyboard_map;
 mod keys;
-mod ladder;
 mod layout;
-mod lights;
 mod menus;
-mod messages;
 mod notice;
-mod opening;
 mod pacing;
-mod parts;
 mod perform;
-mod pictures;
 mod prompts;
 mod requests;
-mod selection;
-mod sequence_dialog;
+mod safekeeping;
 mod side_panels;
 mod start;
 mod state;
@@ -42,7 +29,6 @@ mod theme;
 mod toolbar;
 
 pub use start::{Launch, run};
-pub use state::pictures::Faded;
 
 use egui::{Ui, ViewportCommand};
 use pacing::Pacing;
@@ -63,8 +49,8 @@ impl EditorApp {
 
     /// The title names the document, and marks changes.
     fn update_title(&mut self, ui: &Ui) {
-        let mark = if self.state.is_modified() { "*" } else { "" };
-        let title = format!("{mark}{} - Lapidary", self.state.title());
+        let mark = if self.state.work.is_modified() { "*" } else { "" };
+        let title = format!("{mark}{} - Lapidary", self.state.work.title());
         if title != self.title {
             ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;
@@ -75,7 +61,7 @@ impl EditorApp {
 impl eframe::App for EditorApp {
     fn raw_input_hook(&mut self, _ctx: &egui::Context, _raw_input: &mut egui::RawInput) {
         if let Some(pacing) = &mut self.pacing {
-            pacing.wait(self.state.render.works());
+            pacing.wait(self.state.picture.render.works());
         }
     }
 

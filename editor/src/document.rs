@@ -3,6 +3,8 @@
 pub mod autosave;
 mod components;
 mod edit;
+mod environment;
+pub mod fitting;
 mod history;
 pub mod library;
 pub mod lights;
@@ -12,37 +14,32 @@ mod path_list;
 pub mod recent;
 mod relative;
 pub mod session;
+mod view;
 
 pub use components::{Component, ComponentSettings, Unlit};
 pub use edit::Edit;
+pub use environment::{EnvironmentSettings, Orientation, SunChoice};
 pub use history::History;
 pub use path_list::write_setting;
 pub use relative::{absolute, folder_of};
+pub use view::{BackgroundKind, ShownMaterials, ViewSettings};
 
 use glam::Vec3;
 use lapidary_core::{
     animation::ClipTime,
-    brdf::{self, Parameters},
     camera::Camera,
-    cut::lit::DEFAULT_TAU,
     dataset::{BakeParts, BakeSettings, Dataset},
-    environment::SunSettings,
     ground::Ground,
     lights::Light,
-    material::{BrdfModel, Material},
+    material::Material,
     scene::{Scene, pose::Poses},
     texture::Texture,
 };
 use lapidary_precompute::Preset;
-use lapidary_render::{Appearance, Background, BasisView, BrdfSampling, Post, Solution, ViewMode};
-use lapidary_studies::ladder::Cuts;
+use lapidary_render::{Appearance, Solution};
 use objects::ObjectNumbers;
 use parts::Assignment;
-use serde::{Deserialize, Serialize};
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::PathBuf, sync::Arc};
 
 /// Everything that is edited, as it is now. Copying it copies no texels.
 #[derive(Clone, Debug)]
@@ -93,215 +90,6 @@ pub struct TextureEntry {
     pub texture: Arc<Texture>,
     /// The file it was loaded from; `None` if it came with the scene.
     pub file: Option<PathBuf>,
-}
-
-/// The environment: which map, and how it lies.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct EnvironmentSettings {
-    /// The path of a map, or a formula as `environment::from_spec` reads it.
-    pub spec: String,
-    /// Turn in degrees, counter-clockwise seen from +Y.
-    pub rotation_degrees: f32,
-    /// Scales radiance; 0 or more.
-    pub intensity: f32,
-    /// How the map was made to lie.
-    pub orientation: Orientation,
-    /// Small bright parts of the map.
-    pub sun: SunChoice,
-}
-
-/// What becomes of small bright parts of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct SunChoice {
-    /// Whether they are suns; otherwise light samples stand for them.
-    pub enabled: bool,
-    /// Luminance above which light belongs to a sun, over the mean of the map.
-    pub threshold: f32,
-    /// Largest angle in degrees that a sun is seen under.
-    pub largest_degrees: f32,
-}
-
-impl Default for SunChoice {
-    fn default() -> Self {
-        let SunSettings { threshold, largest_angle } = SunSettings::default();
-        Self { enabled: true, threshold, largest_degrees: largest_angle.to_degrees() }
-    }
-}
-
-/// Where the centre of a map lies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Orientation {
-    /// +Z, as OpenEXR, Mitsuba and MaterialX have it.
-    #[default]
-    OpenExr,
-    /// +X, as Blender and three.js have it.
-    Blender,
-}
-
-impl Orientation {
-    /// Degrees that are added to the rotation.
-    pub fn yaw_degrees(self) -> f32 {
-        match self {
-            Self::OpenExr => 0.0,
-            Self::Blender => 90.0,
-        }
-    }
-}
-
-impl Default for EnvironmentSettings {
-    fn default() -> Self {
-        Self {
-            spec: "studio".into(),
-            rotation_degrees: 0.0,
-            intensity: 1.0,
-            orientation: Orientation::default(),
-            sun: SunChoice::default(),
-        }
-    }
-}
-
-impl EnvironmentSettings {
-    /// The whole turn in radians.
-    pub fn rotation(&self) -> f32 {
-        (self.rotation_degrees + self.orientation.yaw_degrees()).to_radians()
-    }
-
-    /// What is a sun, if anything is.
-    pub fn suns(&self) -> Option<SunSettings> {
-        let SunChoice { enabled, threshold, largest_degrees } = self.sun;
-        enabled.then(|| SunSettings { threshold, largest_angle: largest_degrees.to_radians() })
-    }
-
-    /// The map's file; `None` for a formula.
-    pub fn file(&self) -> Option<&Path> {
-        let formula = self.spec.split_once(':').map_or(self.spec.as_str(), |(formula, _)| formula);
-        (!["constant", "sun-sky", "studio", "orientation"].contains(&formula)).then(|| Path::new(&self.spec))
-    }
-}
-
-/// The background where there is no surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BackgroundKind {
-    /// The environment.
-    #[default]
-    Environment,
-    /// The environment out of focus.
-    Blurred,
-    /// One colour.
-    Flat,
-    /// A chequerboard stands for nothing.
-    Transparent,
-}
-
-/// How the picture is made and shown.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct ViewSettings {
-    /// Exposure and tone curve.
-    pub post: Post,
-    /// The background where there is no surface.
-    pub background: BackgroundKind,
-    /// Blur of a blurred background, as a standard deviation in degrees.
-    pub blur_degrees: f32,
-    /// Scene-linear colour of a flat background.
-    pub background_color: Vec3,
-    /// Most nodes of the illumination cut, 1 to 32,768.
-    pub illum_cut: u32,
-    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1.
-    pub tau: f32,
-    /// How the BRDF is sampled on merged nodes.
-    pub sampling: BrdfSampling,
-    /// Jittered frames that are averaged at rest, 1 to 256.
-    pub aa: u32,
-    /// The quantity that the pixels show.
-    pub mode: ViewMode,
-    /// What the views of the meshless basis show of it.
-    pub basis: BasisView,
-    /// Whose materials are shown.
-    pub materials: ShownMaterials,
-    /// Draws the triangles' edges over the picture.
-    pub wireframe: bool,
-    /// Milliseconds that a picture may take while something moves; resolution adapts to it.
-    pub frame_budget_ms: f32,
-}
-
-impl Default for ViewSettings {
-    fn default() -> Self {
-        Self {
-            post: Post::default(),
-            background: BackgroundKind::default(),
-            blur_degrees: 8.0,
-            background_color: Vec3::splat(0.05),
-            illum_cut: 256,
-            tau: DEFAULT_TAU,
-            sampling: BrdfSampling::default(),
-            aa: 16,
-            mode: ViewMode::default(),
-            basis: BasisView::default(),
-            materials: ShownMaterials::default(),
-            wireframe: false,
-            frame_budget_ms: 100.0,
-        }
-    }
-}
-
-/// Whose materials a picture shows. The document's own stay as they are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ShownMaterials {
-    /// Those of the document.
-    #[default]
-    Own,
-    /// Grey clay on all, to judge light and shape.
-    Clay,
-    /// Middle grey of albedo 0.18 on all, to judge exposure.
-    Grey,
-    /// A mirror on all, to judge reflections and smoothness.
-    Chrome,
-    /// That of one material; the others are grey clay.
-    Solo(usize),
-}
-
-impl ShownMaterials {
-    fn instead_of(self, index: usize, own: &Material) -> Material {
-        let all = |model, name, value: brdf::Value| {
-            let parameters = Parameters::default().with(name, value);
-            Material { name: own.name.clone(), model, parameters, double_sided: own.double_sided, ..Default::default() }
-        };
-        let clay = || all(BrdfModel::OrenNayar, "base_color", Vec3::splat(0.5).into());
-        match self {
-            Self::Own => own.clone(),
-            Self::Solo(material) if material == index => own.clone(),
-            Self::Clay | Self::Solo(_) => clay(),
-            Self::Grey => all(BrdfModel::Lambert, "base_color", Vec3::splat(0.18).into()),
-            Self::Chrome => {
-                let mirror = all(BrdfModel::Ggx, "base_color", Vec3::splat(0.65).into());
-                let parameters = mirror.parameters.with("metalness", 1.0).with("roughness", 0.1);
-                Material { parameters, ..mirror }
-            }
-        }
-    }
-}
-
-impl ViewSettings {
-    /// What pictures merge.
-    pub fn cuts(&self) -> Cuts {
-        Cuts::of(self.sampling, self.illum_cut, self.tau)
-    }
-
-    /// The background for the renderers.
-    pub fn background(&self) -> Background {
-        match self.background {
-            BackgroundKind::Environment => Background::Environment,
-            BackgroundKind::Blurred => Background::Blurred(self.blur_degrees.to_radians()),
-            BackgroundKind::Flat => Background::Flat(self.background_color),
-            BackgroundKind::Transparent => Background::Transparent,
-        }
-    }
 }
 
 impl Document {
@@ -432,6 +220,7 @@ pub fn proposed_bake(scene: &Scene) -> BakeSettings {
 mod tests {
     use super::*;
     use lapidary_core::{
+        brdf::Parameters,
         shot::Shot,
         test_scenes::{self, camera, dataset},
     };

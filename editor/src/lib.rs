@@ -5,25 +5,44 @@
 
 mod actions;
 mod app;
+mod bake;
+mod bounds;
 mod check;
 mod cli;
+mod compare;
+mod control_names;
 mod document;
 mod dragged;
 mod edit;
+mod environment;
+mod explain;
+mod export;
 mod jobs;
-mod panels;
+mod ladder;
+mod lights;
+mod materials;
+mod messages;
+mod navigation;
 mod paths;
+mod picture;
+mod pose;
 mod preferences;
+mod scene;
 #[cfg(test)]
 mod test_support;
 mod typing;
+mod view;
 mod viewport;
+mod widgets;
+mod workspace;
 
-pub use check::{Checked, check};
-pub use document::session::SessionError;
+pub use crate::{
+    check::{Checked, check},
+    document::session::SessionError,
+};
 
+use crate::cli::Cli;
 use clap::Parser;
-use cli::Cli;
 use lapidary_studies::terminal::{Console, Outcome, error_text};
 use std::process::ExitCode;
 

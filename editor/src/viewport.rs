@@ -21,14 +21,13 @@ mod dropping;
 pub mod gizmo;
 mod input;
 mod legend;
-pub mod navigation;
 mod outline;
 mod paint;
 pub mod pick;
 
 pub use input::turn_environment;
 
-use crate::{actions::Action, app::Faded, document::Document, panels::comparison::CompareView};
+use crate::{actions::Action, document::Document, viewport::compare::CompareView};
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
 use glam::Vec2;
 use lapidary_core::{bounds::Bounds, camera::Camera, dataset::BakeParts, ray::Intersector, scene::Mesh};
@@ -58,6 +57,17 @@ impl ViewportState {
     pub fn is_flying(&self) -> bool {
         self.gesture.is_some_and(|gesture| gesture.is_flight())
     }
+}
+
+/// A picture that is fading.
+#[derive(Clone, Copy, Debug)]
+pub struct Faded {
+    /// Its texture.
+    pub texture: TextureId,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// How much of it is left, 0 to 1.
+    pub opacity: f32,
 }
 
 /// Contents of the viewport.

@@ -1,12 +1,14 @@
-//! Studies on threads of their own, so that a window never waits for them: the comparison with a reference, the ladder of cut
-//! sizes, explanations of pixels, exports.
+//! Bakes and studies on threads of their own, so that a window never waits for them: the comparison with a reference, the ladder
+//! of cut sizes, explanations of pixels, exports.
 //!
 //! Each takes typed requests and gives typed messages, which the window collects once a frame. [`Wake`] makes it look when there
 //! are some.
 
+pub mod bake;
 pub mod comparison;
 pub mod explain;
 pub mod export;
+mod guest;
 pub mod ladder;
 pub mod measure;
 mod shared_progress;

@@ -152,6 +152,7 @@ fn ask_system(purpose: &Purpose, folder: &Path, name: &str, wake: Wake) -> Recei
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::actions::{ExportAction, FileAction, MaterialAction};
     use std::sync::Arc;
 
     #[test]
@@ -167,8 +168,11 @@ mod tests {
             dialogs.ask(action, &last, Some(scenes.join("../scenes")), None);
             dialogs.open.unwrap().folder
         };
-        assert_eq!(begins(Action::LoadTexture { material: 0, map: "bump", path: None }), textures);
-        assert_eq!(begins(Action::Open(None)), scenes, "negative control: nothing was opened yet");
-        assert_eq!(begins(Action::ExportPicture(None)), scenes, "a folder that is gone");
+        assert_eq!(
+            begins(Action::Material(MaterialAction::LoadTexture { material: 0, map: "bump", path: None })),
+            textures
+        );
+        assert_eq!(begins(Action::File(FileAction::Open(None))), scenes, "negative control: nothing was opened yet");
+        assert_eq!(begins(Action::Export(ExportAction::Picture(None))), scenes, "a folder that is gone");
     }
 }

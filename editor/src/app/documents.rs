@@ -1,19 +1,16 @@
 //! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
 
-use super::{
-    files::Written,
-    first_view::FirstView,
-    opening::{Opened, Ready, Target},
-    state::{
-        EditorState, OpenScene,
-        ladder::LadderWindow,
-        prompt::{Again, Prompt, Then},
-        selection::Selection,
-    },
+use super::state::{
+    EditorState,
+    prompt::{Again, Prompt, Then},
 };
 use crate::{
-    actions::Action,
-    document::{Document, History, library::maps_in, session},
+    actions::{Action, FileAction},
+    bake::{Asker, BakeOrder, From},
+    document::{History, session},
+    jobs::opening::{Opened, Ready, Target},
+    ladder::LadderWindow,
+    workspace::{OpenScene, Selection, Written, first_view::FirstView},
 };
 use egui::{Context, ViewportCommand};
 use lapidary_precompute::Leftover;
@@ -22,19 +19,11 @@ use std::path::{Path, PathBuf};
 impl EditorState {
     /// The window closes, after changes were asked about.
     pub(super) fn quit(&mut self, ctx: &Context) {
-        if self.history.is_modified() {
-            self.ask(Prompt::Unsaved { then: Then::Quit });
+        if self.work.history.is_modified() {
+            self.questions.ask(Prompt::Unsaved { then: Then::Quit });
         } else {
             self.leave_now(ctx, Then::Quit);
         }
-    }
-
-    /// Asks a question, after those that wait. Of two about leaving the document the later counts.
-    pub(super) fn ask(&mut self, prompt: Prompt) {
-        if let Prompt::Unsaved { .. } = prompt {
-            self.prompts.retain(|waiting| !matches!(waiting, Prompt::Unsaved { .. }));
-        }
-        self.prompts.push_back(prompt);
     }
 
     /// Goes on without asking.
@@ -42,7 +31,7 @@ impl EditorState {
         match then {
             Then::Show(ready) => self.take_document(*ready),
             Then::Quit => {
-                self.may_close = true;
+                self.questions.may_close = true;
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
         }
@@ -52,50 +41,51 @@ impl EditorState {
     pub fn open_bundled(&mut self, index: usize) {
         match self.bundled.scenes.get(index).cloned() {
             Some(scene) => self.open(Target::Bundled(scene)),
-            None => self.messages.error(
+            None => self.work.messages.error(
                 "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",
             ),
         }
     }
 
     pub(super) fn save(&mut self, ctx: &Context) {
-        match self.scene.session.clone() {
+        match self.work.scene.session.clone() {
             Some(path) => self.save_to(ctx, &path),
-            None => self.ask_for_path(Action::SaveAs(None)),
+            None => self.ask_for_path(Action::File(FileAction::SaveAs(None))),
         }
     }
 
     pub(super) fn save_to(&mut self, ctx: &Context, path: &Path) {
-        if !self.may_write(path, Written::Session) {
-            self.after_save = None;
+        if !self.work.may_write(path, Written::Session) {
+            self.questions.after_save = None;
             return;
         }
-        if let Err(error) = session::save(&self.document, &self.scene.unknown, path) {
-            self.after_save = None;
-            return self.messages.error(error.to_string());
+        if let Err(error) = session::save(&self.work.document, &self.work.scene.unknown, path) {
+            self.questions.after_save = None;
+            return self.work.messages.error(error.to_string());
         }
-        self.history.mark_saved();
-        self.forget_autosave();
-        self.forget_recovered();
-        self.scene.session = Some(path.to_owned());
+        self.work.history.mark_saved();
+        self.safe.forget_autosave(&mut self.work);
+        self.safe.forget_recovered(&mut self.work);
+        self.work.scene.session = Some(path.to_owned());
         self.remember(path);
-        self.messages.note(format!("Saved ({})", path.display()));
-        if let Some(then) = self.after_save.take() {
+        self.work.messages.note(format!("Saved ({})", path.display()));
+        if let Some(then) = self.questions.after_save.take() {
             self.leave_now(ctx, then);
         }
     }
 
     pub(super) fn remember(&mut self, path: &Path) {
         if let Err(error) = self.recent.add(path) {
-            self.messages.warning(format!("{error:#}"));
+            self.work.messages.warning(format!("{error:#}"));
         }
     }
 
     pub(super) fn forget_recent(&mut self, path: &Path) {
-        self.messages
+        self.work
+            .messages
             .warning(format!("The file is not there any more; it was taken off the list ({})", path.display()));
         if let Err(error) = self.recent.remove(path) {
-            self.messages.warning(format!("{error:#}"));
+            self.work.messages.warning(format!("{error:#}"));
         }
     }
 
@@ -103,21 +93,21 @@ impl EditorState {
         let Some(result) = self.opening.as_ref().and_then(|opening| opening.poll()) else { return };
         self.opening = None;
         match result {
-            Ok(Opened::Ready(ready)) if self.history.is_modified() => {
-                self.ask(Prompt::Unsaved { then: Then::Show(ready) });
+            Ok(Opened::Ready(ready)) if self.work.history.is_modified() => {
+                self.questions.ask(Prompt::Unsaved { then: Then::Show(ready) });
             }
             Ok(Opened::Ready(ready)) => self.take_document(*ready),
             Ok(Opened::Missing { loaded, path, recovery, found }) => {
                 if let Some(found) = found {
                     let missing = loaded.missing.len();
-                    self.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
+                    self.work.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
                 }
-                self.ask(Prompt::Missing { loaded, path, recovery });
+                self.questions.ask(Prompt::Missing { loaded, path, recovery });
             }
             Ok(Opened::Outside { target, scene, names }) => {
-                self.ask(Prompt::Outside { file: scene, names, then: Again::Open(*target) });
+                self.questions.ask(Prompt::Outside { file: scene, names, then: Again::Open(*target) });
             }
-            Err(error) => self.messages.error(error),
+            Err(error) => self.work.messages.error(error),
         }
     }
 
@@ -138,19 +128,18 @@ impl EditorState {
             warnings,
             recent,
         } = ready;
-        self.forget_autosave();
+        self.safe.forget_autosave(&mut self.work);
         self.baking.clear();
         self.ladder = LadderWindow::default();
         self.loader.forget_document();
-        self.loading.clear();
-        self.document = document;
-        self.history = if recovery.is_some() { History::unsaved() } else { History::new() };
-        self.recovered = recovery;
+        self.work.document = document;
+        self.work.history = if recovery.is_some() { History::unsaved() } else { History::new() };
+        self.safe.recovered = recovery;
         // The cameras of sessions and of recovered work are as they were left.
-        let is_kept = session.is_some() || self.recovered.is_some();
-        let first_view = Some(FirstView::of(&self.document, is_kept));
+        let is_kept = session.is_some() || self.safe.recovered.is_some();
+        let first_view = Some(FirstView::of(&self.work.document, is_kept));
         let show_stale = false;
-        self.scene = OpenScene {
+        self.work.scene = OpenScene {
             baked,
             preview,
             source,
@@ -163,56 +152,36 @@ impl EditorState {
             unknown,
             first_view,
         };
-        self.interface.timeline.playing = false;
-        self.interface.lights.forget_document();
-        self.interface.material.forget_document();
-        self.selection =
-            Selection { material: (!self.document.materials.is_empty()).then_some(0), ..Selection::default() };
+        self.pose.timeline.playing = false;
+        self.lights.forget_document();
+        self.materials.forget_document();
+        self.work.selection =
+            Selection { material: (!self.work.document.materials.is_empty()).then_some(0), ..Selection::default() };
         self.reset_camera();
-        self.pictures.clear();
-        self.requests.forget();
-        let name = self.title();
-        self.messages.warnings(&name, &warnings);
-        self.drop_lost_clip();
+        self.picture.clear();
+        self.picture.requests.forget();
+        let name = self.work.title();
+        self.work.messages.warnings(&name, &warnings);
+        self.work.drop_lost_clip();
         recent.into_iter().for_each(|path| self.remember(&path));
-        if lacks_bake && self.preferences.bakes_scenes && self.scene.source.is_some() {
-            let (has_draft, has_chunks) = (self.scene.baked.is_some(), self.leftover() == Leftover::Fitting);
-            self.bake_by_itself(has_draft && has_chunks, !has_draft);
+        if lacks_bake && self.work.preferences.bakes_scenes && self.work.scene.source.is_some() {
+            let (has_draft, has_chunks) =
+                (self.work.scene.baked.is_some(), self.baking.leftover(&self.work) == Leftover::Fitting);
+            let from = if has_draft && has_chunks { From::Checkpoint } else { From::Beginning };
+            self.baking.bake(&mut self.work, BakeOrder { asked_by: Asker::Nobody, from, draft_first: !has_draft });
         }
     }
 
     /// Looks for the missing files of the session that waits for it.
     pub(super) fn relink(&mut self, folder: PathBuf) {
-        match self.prompts.pop_front() {
+        match self.questions.waiting.pop_front() {
             Some(Prompt::Missing { loaded, path, recovery }) => {
                 self.open(Target::Session { loaded, path, recovery, look_in: Some(folder) });
             }
             other => {
-                other.into_iter().for_each(|prompt| self.prompts.push_front(prompt));
-                self.relink_library(&folder);
+                other.into_iter().for_each(|prompt| self.questions.waiting.push_front(prompt));
+                self.environments.relink_library(&mut self.work, &folder);
             }
         }
-    }
-
-    /// Looks for the maps of the library that are not where they were.
-    fn relink_library(&mut self, folder: &Path) {
-        let maps = maps_in(folder);
-        let mut found = 0;
-        for entry in self.library.entries().into_iter().filter(|entry| entry.missing && !entry.bundled) {
-            let Some(map) = maps.iter().find(|map| map.file_name() == entry.path.file_name()) else { continue };
-            let moved = self.library.remove(&entry.path).and_then(|()| self.library.add(std::slice::from_ref(map)));
-            match moved {
-                Ok(_) => found += 1,
-                Err(error) => self.messages.error(format!("{error:#}")),
-            }
-        }
-        self.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
-    }
-
-    /// Title of the window.
-    pub fn title(&self) -> String {
-        let Document { scene, dataset, .. } = &self.document;
-        let path = self.scene.session.as_ref().or(scene.as_ref()).or(dataset.as_ref());
-        path.and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
     }
 }

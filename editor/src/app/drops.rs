@@ -2,7 +2,7 @@
 
 use super::{files::as_base_color, layout::Laid, state::EditorState};
 use crate::{
-    actions::Action,
+    actions::{Action, EnvironmentAction, FileAction, LightAction, MaterialAction},
     jobs::load::{Kind, foreign, kind_of},
     viewport::pick,
 };
@@ -22,24 +22,24 @@ impl EditorState {
         for path in dropped {
             match kind_of(&path) {
                 Kind::Scene | Kind::Dataset | Kind::Session if opened => {
-                    self.messages
+                    self.work
+                        .messages
                         .warning(format!("One scene is open at a time; this one was left out ({})", path.display()));
                 }
                 Kind::Scene | Kind::Dataset | Kind::Session => {
                     opened = true;
-                    actions.push(Action::Open(Some(path)));
+                    actions.push(Action::File(FileAction::Open(Some(path))));
                 }
-                Kind::Environment => actions.push(Action::LoadEnvironment(Some(path))),
+                Kind::Environment => actions.push(Action::Environment(EnvironmentAction::Load(Some(path)))),
                 Kind::Texture => self.drop_on_material(ctx, laid, path, actions, as_base_color),
                 Kind::Material => self.drop_on_material(ctx, laid, path, actions, |material, path| {
-                    Action::LoadMaterial { material, path: Some(path) }
+                    Action::Material(MaterialAction::Load { material, path: Some(path) })
                 }),
-                Kind::Brdf => self.drop_on_material(ctx, laid, path, actions, |material, path| Action::LoadBrdf {
-                    material,
-                    path: Some(path),
+                Kind::Brdf => self.drop_on_material(ctx, laid, path, actions, |material, path| {
+                    Action::Material(MaterialAction::LoadBrdf { material, path: Some(path) })
                 }),
-                Kind::Lights => actions.push(Action::LoadLights(Some(path))),
-                Kind::Unknown => self.messages.error(foreign(&path)),
+                Kind::Lights => actions.push(Action::Light(LightAction::Load(Some(path)))),
+                Kind::Unknown => self.work.messages.error(foreign(&path)),
             }
         }
     }
@@ -53,14 +53,15 @@ impl EditorState {
         actions: &mut Vec<Action>,
         action: impl FnOnce(usize, PathBuf) -> Action,
     ) {
-        match self.material_under_pointer(ctx, laid).or(self.selection.material) {
+        match self.material_under_pointer(ctx, laid).or(self.work.selection.material) {
             Some(material) => {
-                self.selection.material = Some(material);
+                self.work.selection.material = Some(material);
                 actions.push(action(material, path));
             }
-            None => {
-                self.messages.error(format!("Drop it on an object, or select a material first ({})", path.display()))
-            }
+            None => self
+                .work
+                .messages
+                .error(format!("Drop it on an object, or select a material first ({})", path.display())),
         }
     }
 
@@ -68,13 +69,12 @@ impl EditorState {
         let rect = laid.viewport.rect;
         // Some systems tell no position while files are dragged; then there is none, or an old one outside.
         let pointer = ctx.input(|i| i.pointer.latest_pos()).filter(|p| rect.contains(*p))?;
-        let baked = self.scene.rendered()?;
-        let baked = self.requests.posed(self.poses_since(baked), baked, false);
+        let baked = self.pose.posed_at_rest(&self.work)?;
         let size = laid.viewport.size_px;
         let share = (pointer - rect.min) / rect.size();
         let pixel = Vec2::new(share.x * size[0] as f32, share.y * size[1] as f32);
         let mesh = &baked.dataset.scene.mesh;
-        let (scene, document) = ((mesh, baked.intersector_if_ready()?), &self.document);
+        let (scene, document) = ((mesh, baked.intersector_if_ready()?), &self.work.document);
         pick::pick(scene, document.bake.ground, &document.camera, pixel, size)
             .map(|picked| document.material_of(picked.part()))
     }

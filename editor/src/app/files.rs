@@ -1,79 +1,55 @@
-//! Files that a document uses: textures and materials that were loaded, written, or changed on disk.
+//! Files that a document uses: those that were read go to their features, and those that changed on disk are read again.
 
 use super::state::{
     EditorState,
     prompt::{Again, Prompt},
 };
 use crate::{
-    actions::Action,
-    document::{Document, Edit, TextureEntry, folder_of},
+    actions::{Action, MaterialAction},
+    document::{Document, folder_of},
     jobs::load::{LoadResult, Loaded, Source, Topic},
-    panels::material::new_slot,
+    materials,
     preferences::AllowedFolders,
+    workspace::{brdf_files, files_in_use},
 };
-use anyhow::{Context as _, Result};
-use lapidary_core::{
-    brdf::BrdfFile,
-    input,
-    material::{BUMP, BrdfModel, Material, NORMAL, map_label},
-    output::{check_output, write_atomically},
-    texture::{Texture, TextureSlot},
-};
-use lapidary_interchange::{
-    import::{MaterialFile, SlotFile, is_materialx},
-    materialx::{self, Surface},
-};
+use anyhow::Result;
+use lapidary_core::{brdf::BrdfFile, input, texture::Texture};
 use lapidary_studies::args::shader_source;
 use std::{
-    borrow::Cow,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
-/// What is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Written {
-    /// The session, whose file it may replace.
-    Session,
-    /// A bake, which may replace the one before.
-    Dataset,
-    /// Something that the document does not read.
-    Other,
-}
-
 impl EditorState {
-    /// Begins to read a file.
-    pub(super) fn load(&mut self, topic: Topic, source: Source, path: PathBuf) {
-        let id = self.loader.load(topic, source);
-        self.loading.insert(id, path);
-    }
-
+    /// Takes the files that were read.
     pub(super) fn collect_loaded(&mut self) {
-        for LoadResult { id, topic, result, .. } in self.loader.results() {
-            let path = self.loading.remove(&id);
+        for LoadResult { path, topic, result, .. } in self.loader.results() {
             match (topic, result) {
-                (Topic::Environment, result) => self.environment_loaded(result.and_then(into_environment)),
+                (Topic::Environment, result) => {
+                    self.environments.take_loaded(&mut self.work, result.and_then(into_environment))
+                }
                 (Topic::Reload(path), result) => self.reloaded(&path, result),
-                (_, Err(error)) => self.messages.error(error),
+                (_, Err(error)) => self.work.messages.error(error),
                 (Topic::Map { material, map }, Ok(Loaded::Texture(texture))) => {
-                    self.use_texture(material, map, texture, path);
+                    materials::use_texture(&mut self.work, material, map, texture, path);
                 }
                 (Topic::Brdf(index), Ok(Loaded::Brdf { content, remarks })) => {
-                    remarks.into_iter().for_each(|remark| self.messages.warning(remark));
-                    path.into_iter()
-                        .for_each(|path| self.use_brdf(index, BrdfFile { path, content: Some(content.clone()) }));
+                    remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
+                    path.into_iter().for_each(|path| {
+                        materials::use_brdf(&mut self.work, index, BrdfFile { path, content: Some(content.clone()) })
+                    });
                 }
                 (Topic::Material(index), Ok(Loaded::Material { material, textures, given, warnings })) => {
-                    warnings.into_iter().for_each(|warning| self.messages.warning(warning));
-                    self.use_material(index, *material, &textures[given..], given, path);
+                    warnings.into_iter().for_each(|warning| self.work.messages.warning(warning));
+                    materials::use_material(&mut self.work, index, *material, &textures[given..], given, path);
                 }
                 (Topic::Material(material), Ok(Loaded::Several(names))) => {
                     let prompt = |file| Prompt::Several { file, names, material };
-                    path.map(prompt).into_iter().for_each(|prompt| self.ask(prompt));
+                    path.map(prompt).into_iter().for_each(|prompt| self.questions.ask(prompt));
                 }
                 (Topic::Material(index), Ok(Loaded::Outside(names))) => {
                     let material = |file| Prompt::Outside { file, names, then: Again::Load(index) };
-                    path.map(material).into_iter().for_each(|prompt| self.ask(prompt));
+                    path.map(material).into_iter().for_each(|prompt| self.questions.ask(prompt));
                 }
                 // Topics and sources go together where they are asked for.
                 _ => {}
@@ -81,122 +57,26 @@ impl EditorState {
         }
     }
 
-    /// Gives a material a map, as a step of undo.
-    fn use_texture(&mut self, index: usize, map: &'static str, texture: Arc<Texture>, file: Option<PathBuf>) {
-        let Some(mut material) = self.document.materials.get(index).cloned() else { return };
-        self.document.textures.push(TextureEntry { texture, file });
-        let texture = (self.document.textures.len() - 1) as u32;
-        let slot = match material.maps.get(map) {
-            Some(old) => TextureSlot { texture, procedural: None, ..old.clone() },
-            None => new_slot(map, texture),
-        };
-        material.maps.set(map, Some(slot));
-        self.edit_material(index, material, map_label(map));
-    }
-
-    /// Gives a material the BRDF of a file, as a step of undo.
-    fn use_brdf(&mut self, index: usize, file: BrdfFile) {
-        let Some(mut material) = self.document.materials.get(index).cloned() else { return };
-        if let Some(content) = &file.content {
-            material.change_model(content.kind().model());
-        }
-        material.file = Some(file);
-        self.edit_material(index, material, "Load BRDF");
-    }
-
-    /// `added` are the textures that the material refers to after the first `given` ones of the document, which may
-    /// have got more textures since.
-    fn use_material(
-        &mut self,
-        index: usize,
-        mut material: Material,
-        added: &[Arc<Texture>],
-        given: usize,
-        file: Option<PathBuf>,
-    ) {
-        let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let since = self.document.textures.len().saturating_sub(given);
-        for slot in material.maps.slots_mut().filter(|slot| slot.texture as usize >= given) {
-            slot.texture += since as u32;
-        }
-        for texture in added {
-            let (texture, path) = (texture.clone(), folder.join(&texture.name));
-            self.document.textures.push(TextureEntry { texture, file: path.is_file().then_some(path) });
-        }
-        let Some(old) = self.document.materials.get(index) else { return };
-        // Which sides reflect was baked.
-        let material = Material { double_sided: old.double_sided, ..material };
-        self.edit_material(index, material, "Load material");
-    }
-
-    fn edit_material(&mut self, index: usize, material: Material, label: &'static str) {
-        self.history.end_gesture();
-        let edit = Edit::Material { index, material: Box::new(material) };
-        self.history.apply(&mut self.document, edit, label);
-        self.history.end_gesture();
-    }
-
-    pub(super) fn save_material(&mut self, index: usize, path: &Path) {
-        if !self.may_write(path, Written::Other) {
-            return;
-        }
-        let Some(material) = self.document.materials.get(index) else { return };
-        let (file, left_out) = material_file(material, &self.document, path);
-        let written = write_material(&file, path);
-        let remarks = written.as_ref().map_or(Vec::new(), Clone::clone);
-        remarks.into_iter().for_each(|remark| self.messages.warning(remark));
-        match written {
-            Ok(_) if left_out == 0 => self.messages.note(format!("Material written ({})", path.display())),
-            Ok(_) => self.messages.warning(format!(
-                "Material written without {left_out} maps that came inside the scene's file; load pictures of their own for \
-                 them first ({})",
-                path.display()
-            )),
-            Err(error) => self.messages.error(format!("{error:#}")),
-        }
-    }
-
-    /// Whether a file can be written without a loss; says why not.
-    pub(super) fn may_write(&mut self, path: &Path, what: Written) -> bool {
-        let inputs = self.inputs(what);
-        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        let checked = check_output(path, &inputs);
-        if let Err(error) = &checked {
-            self.messages.error(error.to_string());
-        }
-        checked.is_ok()
-    }
-
-    /// Files that are lost if something is written over them that is no successor of theirs.
-    pub(super) fn inputs(&self, what: Written) -> Vec<PathBuf> {
-        let dataset =
-            [&self.document.dataset, &self.scene.bake_output].into_iter().filter(|_| what != Written::Dataset);
-        let session = [&self.scene.session].into_iter().filter(|_| what != Written::Session);
-        files_in_use(&self.document).into_iter().chain(dataset.chain(session).flatten().cloned()).collect()
-    }
-
     /// Watches the files in use, and reads those again that have changed.
     pub(super) fn collect_changed_files(&mut self) {
-        let files: Vec<PathBuf> = files_in_use(&self.document).into_iter().chain(shader_source().files()).collect();
-        if files != self.watched {
-            self.watcher.watch(files.clone());
-            self.watched = files;
-        }
+        let files: Vec<PathBuf> =
+            files_in_use(&self.work.document).into_iter().chain(shader_source().files()).collect();
+        self.watcher.watch(files);
         for path in self.watcher.changed() {
-            let is_brdf = brdf_files(&self.document).any(|file| file.path == path);
+            let is_brdf = brdf_files(&self.work.document).any(|file| file.path == path);
             if !is_brdf && path.extension().is_some_and(|e| e == "wgsl") {
-                self.render.reload();
+                self.picture.render.reload();
                 continue;
             }
-            let spec = &self.document.environment.spec;
-            let source = if self.document.environment.file() == Some(&path) {
+            let spec = &self.work.document.environment.spec;
+            let source = if self.work.document.environment.file() == Some(&path) {
                 self.environments.forget_picture(spec);
                 Source::Environment(spec.clone())
-            } else if self.document.scene.as_ref() == Some(&path) {
-                Source::Scene { path: path.clone(), allow_outside: self.preferences.outside.allow(&path) }
+            } else if self.work.document.scene.as_ref() == Some(&path) {
+                Source::Scene { path: path.clone(), allow_outside: self.work.preferences.outside.allow(&path) }
             } else if is_brdf {
                 Source::Brdf(path.clone())
-            } else if may_be_read(&path, &self.document, &self.preferences.outside) {
+            } else if may_be_read(&path, &self.work.document, &self.work.preferences.outside) {
                 Source::Texture(path.clone())
             } else {
                 continue;
@@ -209,30 +89,31 @@ impl EditorState {
     fn reloaded(&mut self, path: &Path, result: Result<Loaded, String>) {
         match result {
             Ok(Loaded::Texture(texture)) => {
-                let files: Vec<_> = self.document.textures.iter().map(|e| self.document.file_of(e)).collect();
-                let of_file = self.document.textures.iter_mut().zip(files).filter(|(_, f)| f.as_deref() == Some(path));
+                let files: Vec<_> = self.work.document.textures.iter().map(|e| self.work.document.file_of(e)).collect();
+                let of_file =
+                    self.work.document.textures.iter_mut().zip(files).filter(|(_, f)| f.as_deref() == Some(path));
                 for (entry, _) in of_file {
                     // The scene knows it by this name.
                     let name = entry.texture.name.clone();
                     entry.texture = Texture { name, ..(*texture).clone() }.into();
                 }
-                self.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Loaded again ({})", path.display()));
             }
             Ok(Loaded::Brdf { content, remarks }) => {
-                remarks.into_iter().for_each(|remark| self.messages.warning(remark));
-                let materials = self.document.materials.iter_mut().chain(self.history.materials_mut());
+                remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
+                let materials = self.work.document.materials.iter_mut().chain(self.work.history.materials_mut());
                 let files = materials.filter_map(|material| material.file.as_mut());
                 files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
-                self.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Loaded again ({})", path.display()));
             }
-            Ok(Loaded::Scene(source)) => self.scene_changed(path, *source),
+            Ok(Loaded::Scene(source)) => self.work.scene_changed(path, *source),
             // Another one may have been chosen meanwhile.
-            Ok(_) if self.document.environment.file() != Some(path) => {}
+            Ok(_) if self.work.document.environment.file() != Some(path) => {}
             Ok(loaded) => {
-                self.environment_loaded(into_environment(loaded));
-                self.messages.note(format!("Loaded again ({})", path.display()));
+                self.environments.take_loaded(&mut self.work, into_environment(loaded));
+                self.work.messages.note(format!("Loaded again ({})", path.display()));
             }
-            Err(error) => self.messages.warning(format!("A file has changed and cannot be read now: {error}")),
+            Err(error) => self.work.messages.warning(format!("A file has changed and cannot be read now: {error}")),
         }
     }
 }
@@ -246,23 +127,6 @@ fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
     }
 }
 
-/// Files that the document's scene, materials and light are made of, each once.
-fn files_in_use(document: &Document) -> Vec<PathBuf> {
-    let slots = document.materials.iter().flat_map(|m| m.maps.slots());
-    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
-    let environment = document.environment.file().map(Path::to_owned);
-    let brdfs = brdf_files(document).map(|file| file.path.clone());
-    let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environment).chain(document.scene.clone()).collect();
-    files.sort();
-    files.dedup();
-    files
-}
-
-/// The files of materials' BRDFs.
-fn brdf_files(document: &Document) -> impl Iterator<Item = &BrdfFile> {
-    document.materials.iter().filter_map(|material| material.file.as_ref())
-}
-
 /// Whether a picture was chosen by the user, is in the folder of the scene, or may be elsewhere.
 fn may_be_read(picture: &Path, document: &Document, allowed: &AllowedFolders) -> bool {
     let is_chosen = document.textures.iter().any(|entry| entry.file.as_deref() == Some(picture));
@@ -270,63 +134,19 @@ fn may_be_read(picture: &Path, document: &Document, allowed: &AllowedFolders) ->
     is_chosen || document.scene.as_deref().is_some_and(of_scene)
 }
 
-/// A material for a file of its own, and how many of its maps have no file to name.
-fn material_file(material: &Material, document: &Document, path: &Path) -> (MaterialFile, usize) {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let material = &*without_foreign(material);
-    let mut left_out = 0;
-    let maps = material.maps.filter_map(|slot| {
-        if slot.procedural.is_some() {
-            return Some(SlotFile::of(slot, String::new()));
-        }
-        let file = document.textures.get(slot.texture as usize).and_then(|entry| entry.file.as_deref());
-        left_out += usize::from(file.is_none());
-        let file = file?;
-        let file = file.strip_prefix(folder).unwrap_or(file).to_string_lossy().into_owned();
-        Some(SlotFile::of(slot, file))
-    });
-    let Material { name, model, file, parameters, double_sided, .. } = material.clone();
-    // Its contents are not written, but formats without such files estimate by them.
-    let beside =
-        |file: BrdfFile| BrdfFile { path: file.path.strip_prefix(folder).unwrap_or(&file.path).into(), ..file };
-    let file = file.filter(|_| model.has_file()).map(beside);
-    (MaterialFile { name, model, file, parameters, maps, double_sided }, left_out)
-}
-
-/// A material without what only the file of a BRDF that it had before declares: without that file, no reader knows it.
-fn without_foreign(material: &Material) -> Cow<'_, Material> {
-    let is_known = |name: &str| BrdfModel::declared_by_models(name).is_some() || [NORMAL, BUMP].contains(&name);
-    let mut names = material.parameters.iter().map(|(name, _)| name).chain(material.maps.iter().map(|(name, _)| name));
-    if material.model == BrdfModel::Wgsl || names.all(is_known) {
-        return Cow::Borrowed(material);
-    }
-    Cow::Owned(material.own())
-}
-
-/// As MaterialX or JSON, by the extension. Returns what the file does not hold.
-fn write_material(file: &MaterialFile, path: &Path) -> Result<Vec<String>> {
-    let (text, remarks) = if is_materialx(path) {
-        let materialx::Written { text, remarks } = materialx::write(std::slice::from_ref(file), Surface::OpenPbr)?;
-        (text, remarks)
-    } else {
-        (format!("{}\n", serde_json::to_string_pretty(file)?), Vec::new())
-    };
-    write_atomically(path, text.as_bytes()).with_context(|| {
-        format!("cannot write the material; check the free space and permissions ({})", path.display())
-    })?;
-    Ok(remarks)
-}
-
 /// Uses a picture for the base colour of a material.
 pub fn as_base_color(material: usize, path: PathBuf) -> Action {
-    Action::LoadTexture { material, map: "base_color", path: Some(path) }
+    Action::Material(MaterialAction::LoadTexture { material, map: "base_color", path: Some(path) })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::texture::{ColorSpace, Procedural};
-    use lapidary_interchange::{image, import::load_material};
+    use crate::document::TextureEntry;
+    use lapidary_core::{
+        material::Material,
+        texture::{ColorSpace, TextureSlot},
+    };
 
     fn document(file: Option<PathBuf>) -> Document {
         let texture = Arc::new(Texture::missing("wood.png"));
@@ -334,69 +154,6 @@ mod tests {
         let mut material = Material { name: "wood".into(), ..Default::default() };
         material.maps.set("base_color", slot);
         Document { materials: vec![material], textures: vec![TextureEntry { texture, file }], ..Document::empty() }
-    }
-
-    #[test]
-    fn a_written_material_is_read_again_as_it_was() {
-        let folder = tempfile::tempdir().unwrap();
-        let picture = folder.path().join("wood.png");
-        let image = lapidary_core::image::Image::filled([2, 2], glam::Vec3::ONE);
-        image::write(&image, &picture).unwrap();
-        let document = document(Some(picture));
-        let path = folder.path().join("wood.json");
-        let (file, left_out) = material_file(&document.materials[0], &document, &path);
-        assert_eq!((left_out, file.maps.get("base_color").unwrap().file.as_str()), (0, "wood.png"));
-        for path in [path, folder.path().join("wood.mtlx")] {
-            assert_eq!(write_material(&file, &path).unwrap(), [""; 0]);
-            let read = load_material(&path, &mut Default::default(), &Default::default()).unwrap().0;
-            let (a, b) = (
-                read.maps.get("base_color").cloned().unwrap(),
-                document.materials[0].maps.get("base_color").cloned().unwrap(),
-            );
-            assert!((a.rotation - b.rotation).abs() < 1e-6 && a.color_space == b.color_space);
-            assert_eq!(read.model == BrdfModel::OpenPbr, is_materialx(&path));
-        }
-    }
-
-    #[test]
-    fn every_map_is_written() {
-        let document = document(Some("/a/wood.png".into()));
-        let slot = document.materials[0].maps.get("base_color").cloned().unwrap();
-        let mut maps = lapidary_core::material::MaterialMaps::default();
-        let names: Vec<_> = lapidary_core::material::map_names(Default::default()).collect();
-        names.iter().for_each(|name| maps.set(*name, Some(slot.clone())));
-        let (file, left_out) =
-            material_file(&Material { maps, ..Default::default() }, &document, Path::new("/a/b.json"));
-        let written = serde_json::to_value(&file.maps).unwrap();
-        assert_eq!((left_out, written.as_object().unwrap().len()), (0, names.len()));
-        assert!(written.as_object().unwrap().values().all(|slot| slot["file"] == "wood.png"), "{written}");
-    }
-
-    #[test]
-    fn a_pattern_is_written_and_needs_no_file() {
-        let pattern = Some(Procedural { octaves: 7, ..Default::default() });
-        let slot = TextureSlot { procedural: pattern, ..Default::default() };
-        let material = Material { maps: [("roughness", slot)].into(), ..Default::default() };
-        let (file, left_out) = material_file(&material, &document(None), Path::new("/a/b.json"));
-        let text = serde_json::to_string(&file.maps).unwrap();
-        assert!(left_out == 0 && !text.contains("file"), "{text}");
-        let read: lapidary_interchange::import::MapFiles = serde_json::from_str(&text).unwrap();
-        assert_eq!(read.get("roughness").unwrap().procedural, pattern);
-    }
-
-    #[test]
-    fn a_file_of_a_model_that_it_had_is_not_written_nor_what_it_declares() {
-        let example = lapidary_core::brdf::example_file(BrdfModel::Wgsl);
-        let mut material = Material { model: BrdfModel::Wgsl, file: example, ..Default::default() };
-        material.parameters.set("fibre_spread", 0.5);
-        let path = Path::new("/a/b.json");
-        let written = |material: &Material| {
-            let file = material_file(material, &document(None), path).0;
-            (file.file.is_some_and(|file| file.content.is_some()), file.parameters.get("fibre_spread").is_some())
-        };
-        assert_eq!(written(&material), (true, true), "negative control");
-        material.change_model(BrdfModel::Ggx);
-        assert_eq!(written(&material), (false, false));
     }
 
     #[test]
@@ -415,9 +172,8 @@ mod tests {
     }
 
     #[test]
-    fn maps_without_a_file_are_counted_and_only_files_in_use_are_watched() {
+    fn only_files_in_use_are_watched() {
         let embedded = document(None);
-        assert_eq!(material_file(&embedded.materials[0], &embedded, Path::new("a.json")).1, 1);
         assert!(files_in_use(&embedded).is_empty(), "the default light is a formula");
         let beside = Document { scene: Some("/b/scene.gltf".into()), ..embedded };
         let mut expected = [Path::new("/b").join(&beside.textures[0].texture.name), "/b/scene.gltf".into()];

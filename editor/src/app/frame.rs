@@ -1,40 +1,40 @@
 //! A frame of the window: results of jobs, the interface, and its requests. It also runs without a window, in tests.
 
-use super::{
-    dismissal, keys, layout, prompts,
-    state::{AUTOSAVE_INTERVAL, EditorState},
-    theme,
-};
+use super::{dismissal, keys, layout, prompts, state::EditorState, theme};
 use crate::{
     actions::Action,
     typing::{escape_is_taken, keys_are_commands, take_escape},
     viewport,
 };
 use egui::{Event, Key, Ui, ViewportCommand};
-use std::time::Instant;
 
 impl EditorState {
     /// One frame: results of jobs, the interface, its requests, and the next request to the render thread.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        if self.themed.as_ref() != Some(&self.preferences) {
-            theme::apply(&ctx, &self.preferences);
-            self.themed = Some(self.preferences.clone());
+        if self.interface.themed.as_ref() != Some(&self.work.preferences) {
+            theme::apply(&ctx, &self.work.preferences);
+            self.interface.themed = Some(self.work.preferences.clone());
         }
         self.note_window_size(&ctx);
         self.collect(&ctx);
-        self.bounds.update(self.posed(&ctx).as_ref(), self.selection.objects());
+        self.work.bounds.update(self.pose.posed(&self.work, &ctx).as_ref(), self.work.selection.objects());
         self.take_pasted_camera(&ctx);
         let mut actions = Vec::new();
         let escape_is_taken = escape_is_taken(&ctx);
         let laid = layout::show(ui, self, &mut actions);
         self.take_drops(&ctx, &laid, &mut actions);
         self.show_dialog(&ctx, &mut actions);
-        self.show_ladder(&ctx, &mut actions);
-        self.show_explanation(&ctx);
+        self.ladder.collect(&ctx);
+        self.hold_for_ladder();
+        self.ladder.show(&ctx, &self.work, &mut actions);
+        self.explain.show(&ctx, &self.work, &self.picture, &self.comparison.panel);
         prompts::show(&ctx, self, &mut actions);
-        self.show_sequence_dialog(&ctx, &mut actions);
-        self.messages.show(&ctx, laid.viewport.rect);
+        if !self.dialogs.is_open() && self.exporting.dialog.is_some() {
+            let (exported, pixel_secs) = (self.exported(), self.picture.pixel_secs());
+            self.exporting.show_dialog(&ctx, &self.work, exported, pixel_secs, &mut actions);
+        }
+        self.work.messages.show(&ctx, laid.viewport.rect);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
             // What is on the screen is from before the actions.
@@ -48,11 +48,19 @@ impl EditorState {
         }
         self.take_keys(&ctx);
         dismissal::shield(&ctx, laid.menus);
-        self.load_environment();
-        self.play(&ctx);
+        self.environments.load(&self.work, &mut self.loader);
+        self.pose.play(&mut self.work, &ctx);
         self.request_picture(&ctx, laid.viewport);
-        self.compare();
-        self.keep_safe(&ctx);
+        self.comparison.follow(&self.work, &self.picture);
+        self.safe.keep(&mut self.work, &ctx);
+    }
+
+    /// While the ladder is climbed, comparison and full picture leave the cores to it, because the user waits for it
+    /// and it measures times.
+    pub(super) fn hold_for_ladder(&self) {
+        let climbing = self.ladder.is_climbing();
+        self.picture.render.hold(climbing);
+        self.comparison.hold(climbing);
     }
 
     /// Does what the keys ask for that are not for a text field. Each does what it does before the next, so that two
@@ -64,8 +72,8 @@ impl EditorState {
             return;
         }
         let mut actions = Vec::new();
-        if self.scene.rendered().is_some() {
-            viewport::turn_environment(ctx, &self.document, &mut actions);
+        if self.work.scene.rendered().is_some() {
+            viewport::turn_environment(ctx, &self.work.document, &mut actions);
         }
         let commands = keys::pressed(ctx);
         if !commands.is_empty() || !actions.is_empty() {
@@ -82,14 +90,14 @@ impl EditorState {
     /// Whether a dialog or a question is open, or opens in the next frame.
     fn is_asking(&self) -> bool {
         let has_dialog = self.dialogs.is_open() || self.exporting.dialog.is_some();
-        has_dialog || self.interface.keys_open || !self.prompts.is_empty()
+        has_dialog || self.interface.keys_open || !self.questions.waiting.is_empty()
     }
 
     /// Shows the reference as long as R is held, if its press was for that. The press is no command then.
     fn flicker(&mut self, ctx: &egui::Context, are_commands: bool) {
         let is_press = |event: &Event| matches!(event, Event::Key { key: Key::R, pressed: true, modifiers, .. } if modifiers.is_none());
         let (is_held, is_pressed) = ctx.input(|i| (i.key_down(Key::R), i.events.iter().any(is_press)));
-        let panel = &mut self.interface.comparison;
+        let panel = &mut self.comparison.panel;
         let flickers = panel.open && is_held && (panel.flicker || is_pressed && are_commands);
         if panel.open && are_commands {
             ctx.input_mut(|i| i.events.retain(|event| !is_press(event)));
@@ -102,8 +110,8 @@ impl EditorState {
 
     /// Remembers how large the window is, for the next start.
     fn note_window_size(&mut self, ctx: &egui::Context) {
-        let scale = self.preferences.ui_scale;
-        self.window_size = ctx.input(|i| {
+        let scale = self.work.preferences.ui_scale;
+        self.interface.window_size = ctx.input(|i| {
             let window = i.viewport();
             let fills = window.maximized == Some(true) || window.fullscreen == Some(true);
             // The interface's points are larger than the window's by its scale.
@@ -116,10 +124,10 @@ impl EditorState {
         let was_open = self.dialogs.is_open();
         let chosen = self.dialogs.show(ctx);
         if was_open && !self.dialogs.is_open() && chosen.is_empty() {
-            self.after_save = None;
+            self.questions.after_save = None;
         }
         if let Some((files, folder)) = self.dialogs.left() {
-            let mut preferences = self.preferences.clone();
+            let mut preferences = self.work.preferences.clone();
             preferences.folders.remember(files, &folder);
             actions.push(Action::Preferences(preferences));
         }
@@ -146,64 +154,30 @@ impl EditorState {
     fn collect(&mut self, ctx: &egui::Context) {
         self.collect_opened();
         self.collect_loaded();
-        self.collect_bake();
-        self.follow_ground();
-        self.collect_pictures(ctx);
-        self.collect_comparison(ctx);
-        self.collect_export();
+        self.baking.collect(&mut self.work);
+        self.baking.follow_ground(&mut self.work);
+        self.picture.collect(&mut self.work, ctx);
+        self.comparison.collect(&mut self.work, ctx);
+        self.exporting.collect(&mut self.work);
         self.collect_changed_files();
         self.environments.collect(ctx);
     }
 
     /// A window that is about to close asks about changes first.
     fn ask_before_closing(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
-        if ctx.input(|i| i.viewport().close_requested()) && !self.may_close {
+        if ctx.input(|i| i.viewport().close_requested()) && !self.questions.may_close {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             actions.push(Action::Quit);
         }
     }
 
-    /// Writes the document aside when it is time, and comes back for it.
-    fn keep_safe(&mut self, ctx: &egui::Context) {
-        let session = self.scene.session.as_deref();
-        let tick = self.autosave.tick(Instant::now(), &self.document, &self.history, &self.scene.unknown, session);
-        match tick {
-            Ok(true) => {
-                self.autosaved = self.history.revision();
-                self.forget_recovered();
-            }
-            Ok(false) => {}
-            Err(error) => self.messages.error(format!("The autosave failed: {error}")),
-        }
-        if self.history.is_modified() && self.autosaved != self.history.revision() {
-            ctx.request_repaint_after(AUTOSAVE_INTERVAL);
-        }
-    }
-
-    /// Recovered work is written elsewhere by now.
-    pub(super) fn forget_recovered(&mut self) {
-        if let Some(recovered) = self.recovered.take()
-            && let Err(error) = recovered.discard()
-        {
-            self.messages.warning(format!("An autosave cannot be removed: {error}"));
-        }
-    }
-
-    /// Begins with another document.
-    pub(super) fn forget_autosave(&mut self) {
-        if let Err(error) = self.autosave.finish() {
-            self.messages.warning(error.to_string());
-        }
-        self.autosaved = 0;
-    }
-
     /// The window closes with nothing left to lose.
     pub fn finish(&mut self) {
-        self.forget_autosave();
-        if let Some(size) = self.window_size {
-            self.preferences.window_size = size;
+        self.safe.forget_autosave(&mut self.work);
+        if let Some(size) = self.interface.window_size {
+            self.work.preferences.window_size = size;
         }
-        if let Err(error) = self.preferences.save(&self.folders.config) {
+        if let Err(error) = self.work.preferences.save(&self.work.folders.config) {
             eprintln!("warning: {error:#}");
         }
     }

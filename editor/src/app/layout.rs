@@ -2,43 +2,29 @@
 //! bottom, and the picture in the remaining area.
 
 use super::{
+    keyboard_map,
     keys::{self, Command},
     menus, notice,
     requests::illumination,
     side_panels::{self, Edge},
-    state::{
-        EditorState, OpenScene,
-        baking::Seen,
-        environments::Environments,
-        interface::{Inspector, Interface, Side},
-        pictures::Pictures,
-    },
+    state::EditorState,
     status, toolbar,
 };
 use crate::{
     actions::Action,
-    document::{self, BackgroundKind, Component, Document, Unlit},
-    jobs::render_thread::RenderedFrame,
-    panels::{
-        bake::{self, BakeContext, BakeStatus, SceneStats},
-        comparison,
-        environment::{self, EnvironmentContext, LibraryEntry},
-        lights::{self, LightsContext},
-        material::{self, MaterialContext},
-        scene::{self, SceneContext},
-        timeline::{self, TimelineContext},
-        view::{self, ViewContext},
-    },
+    compare,
+    document::{BackgroundKind, Unlit},
+    lights, materials,
+    pose::timeline::{self, TimelineContext},
     preferences::Preferences,
-    viewport::{
-        self, ViewportContext, ViewportResponse,
-        compare::Compared,
-        gizmo::{Movable, Subject},
-    },
+    scene::{self, SceneContext},
+    view::{self, ViewContext},
+    viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
+    workspace::{Inspector, Seen, Side, Tabs},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
-use lapidary_core::{lights::Light, material::Material};
-use lapidary_render::{Baked, Bounces, Illumination, ViewMode};
+use lapidary_core::{dataset::BakeParts, lights::Light, material::Material};
+use lapidary_render::{Baked, Illumination, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
 const STRIP: f32 = 104.0;
@@ -61,14 +47,14 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
     let menus = Panel::top("menus").show(ui, |ui| menus::show(ui, state, actions));
     let menus = menus.inner.then_some(menus.response.rect);
     Panel::bottom("status").show(ui, |ui| status::show(ui, state));
-    let sides = if state.interface.panels_hidden {
+    let sides = if state.work.tabs.panels_hidden {
         None
     } else {
         Panel::top("tools").show(ui, |ui| toolbar::show(ui, state, actions));
         Some(if side_panels::are_strips(ui.ctx()) { show_strips(ui, state) } else { show_columns(ui, state, actions) })
     };
-    let is_scrubbing = !state.interface.panels_hidden && show_timeline(ui, state, actions);
-    if state.interface.comparison.open {
+    let is_scrubbing = !state.work.tabs.panels_hidden && show_timeline(ui, state, actions);
+    if state.comparison.panel.open {
         // Its height does not depend on its contents: another size of the viewport would restart the reference.
         let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
         strip.show(ui, |ui| scrolled(ui, |ui| show_comparison(ui, state, actions)));
@@ -83,10 +69,10 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
         None => {}
     }
     viewport.moving |= is_scrubbing;
-    viewport.size_px = state.interface.settled_size(ui.ctx(), viewport.size_px);
-    state.interface.viewport_size = viewport.size_px;
+    viewport.size_px = state.interface.settled_size(ui.ctx(), state.work.viewport_size, viewport.size_px);
+    state.work.viewport_size = viewport.size_px;
     if state.interface.keys_open {
-        state.interface.keys_open = keys::show_map(ui.ctx());
+        state.interface.keys_open = keyboard_map::show(ui.ctx());
     }
     Laid { viewport, menus }
 }
@@ -104,24 +90,32 @@ fn drag_edges(ui: &Ui, rects: [Rect; 2], state: &mut EditorState, actions: &mut 
     let ended = Edge::BOTH.map(|edge| side_panels::drag_edge(ui, edge, panels, rects[edge as usize]));
     if ended.contains(&true) {
         let [side_width, inspector_width] = panels.widths;
-        actions.push(Action::Preferences(Preferences { side_width, inspector_width, ..state.preferences.clone() }));
+        actions.push(Action::Preferences(Preferences {
+            side_width,
+            inspector_width,
+            ..state.work.preferences.clone()
+        }));
     }
 }
 
 /// Shows the strips of icons that stand for both panels in a narrow window.
 fn show_strips(ui: &mut Ui, state: &mut EditorState) -> [Rect; 2] {
-    let Interface { sides, side, inspector, .. } = &mut state.interface;
-    let tabs = Side::ALL.map(|tab| (tab, tab.label(), tab.icon()));
-    let left = side_panels::strip(ui, Edge::Left, sides, side, &tabs);
-    let tabs = Inspector::ALL.map(|tab| (tab, tab.label(), tab.icon()));
-    [left, side_panels::strip(ui, Edge::Right, sides, inspector, &tabs)]
+    let Tabs { side, inspector, unfolded: [left, right], .. } = &mut state.work.tabs;
+    let tabs = Side::ALL.map(|tab| (tab, tab.label(), side_panels::icon_of_side(tab)));
+    let left = side_panels::strip(ui, Edge::Left, left, side, &tabs);
+    let tabs = Inspector::ALL.map(|tab| (tab, tab.label(), side_panels::icon_of(tab)));
+    [left, side_panels::strip(ui, Edge::Right, right, inspector, &tabs)]
 }
 
 /// Shows the panels that are opened over the picture.
 fn show_unfolded(ui: &Ui, picture: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let panels = state.interface.sides;
-    side_panels::unfolded(ui.ctx(), Edge::Left, &panels, picture, |ui| show_side(ui, state, actions));
-    side_panels::unfolded(ui.ctx(), Edge::Right, &panels, picture, |ui| show_inspector(ui, state, actions));
+    let (panels, [left, right]) = (state.interface.sides, state.work.tabs.unfolded);
+    if left {
+        side_panels::unfolded(ui.ctx(), Edge::Left, &panels, picture, |ui| show_side(ui, state, actions));
+    }
+    if right {
+        side_panels::unfolded(ui.ctx(), Edge::Right, &panels, picture, |ui| show_inspector(ui, state, actions));
+    }
 }
 
 fn tabs<T: Copy + PartialEq>(ui: &mut Ui, chosen: &mut T, all: &[(T, &str)]) {
@@ -142,242 +136,136 @@ fn scrolled(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
 }
 
 fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    tabs(ui, &mut state.interface.side, &Side::ALL.map(|tab| (tab, tab.label())));
-    match state.interface.side {
+    tabs(ui, &mut state.work.tabs.side, &Side::ALL.map(|tab| (tab, tab.label())));
+    match state.work.tabs.side {
         Side::Scene => {
             let context = SceneContext {
-                document: &state.document,
-                dataset: state.scene.rendered().map(|b| &*b.dataset),
-                selected_object: state.selection.object,
-                other_objects: &state.selection.others,
-                posable: &posable(state),
-                selected_material: state.selection.material,
+                document: &state.work.document,
+                dataset: state.work.scene.rendered().map(|b| &*b.dataset),
+                selected_object: state.work.selection.object,
+                other_objects: &state.work.selection.others,
+                posable: &state.pose.posable(&state.work),
+                selected_material: state.work.selection.material,
             };
-            scrolled(ui, |ui| scene::show(ui, &mut state.interface.scene, &context, actions));
+            scrolled(ui, |ui| {
+                let panel = (&mut state.interface.scene, &mut state.pose.pivot);
+                scene::show(ui, panel, &context, actions);
+            });
         }
         Side::Library => {
-            let library = library(state);
-            let context =
-                environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &library);
-            scrolled(ui, |ui| environment::show_library(ui, &mut state.interface.environment, &context, actions));
+            scrolled(ui, |ui| state.environments.show_library(ui, &state.work, &state.picture, actions));
         }
     }
 }
 
 fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    tabs(ui, &mut state.interface.inspector, &Inspector::ALL.map(|tab| (tab, tab.label())));
-    match state.interface.inspector {
-        Inspector::Material => show_material(ui, state, actions),
-        Inspector::Environment => {
-            let context = environment_context(&state.document, &state.scene, &state.environments, &state.pictures, &[]);
-            let baked = state.scene.rendered().map(|baked| baked.dataset.settings.mode);
-            let can_bake = state.scene.source.is_some();
-            scrolled(ui, |ui| {
-                lights::environment_hint(ui, baked, state.document.bake.mode, can_bake, actions);
-                environment::show(ui, &mut state.interface.environment, &context, actions);
-            });
+    tabs(ui, &mut state.work.tabs.inspector, &Inspector::ALL.map(|tab| (tab, tab.label())));
+    match state.work.tabs.inspector {
+        Inspector::Material => {
+            scrolled(ui, |ui| materials::show(ui, &mut state.materials, &state.work, &state.picture, actions))
         }
-        Inspector::Lights => show_lights(ui, state, actions),
+        Inspector::Environment => scrolled(ui, |ui| {
+            lights::environment_hint(ui, &state.work, actions);
+            state.environments.show(ui, &state.work, &state.picture, actions);
+        }),
+        Inspector::Lights => {
+            let suns = suns(state);
+            scrolled(ui, |ui| lights::show(ui, &mut state.lights, &state.work, &state.picture, &suns, actions));
+        }
         Inspector::View => {
-            let context = ViewContext { document: &state.document };
+            let context = ViewContext { document: &state.work.document };
             scrolled(ui, |ui| view::show(ui, &context, actions));
         }
-        Inspector::Bake => show_bake(ui, state, actions),
+        Inspector::Bake => scrolled(ui, |ui| state.baking.show(ui, &state.work, actions)),
     }
-}
-
-fn show_material(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let has_environment = state.document.components.shows(Component::Environment)
-        && state.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
-    // The root of the tree has the mean of all light.
-    let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.nodes.radiance[1].max_element() > 0.0;
-    let shown = state.pictures.shown().filter(is_lit);
-    let context = MaterialContext {
-        document: &state.document,
-        selected: state.selection.material,
-        part: state.selection.part,
-        parts: &state.bounds.parts,
-        ground: state.ground_material(),
-        lighting: shown.map(|s| &s.lighting),
-        light_revision: shown.map_or(0, |s| s.light_revision),
-    };
-    scrolled(ui, |ui| material::show(ui, &mut state.interface.material, &context, actions));
-}
-
-fn show_lights(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let scene = state.scene.rendered();
-    let suns = suns(state);
-    let context = LightsContext {
-        suns: &suns,
-        document: &state.document,
-        selected: state.selected_light(),
-        bounces: scene.map(|baked| Bounces::of(&baked.dataset)),
-        baked: scene.map(|baked| baked.dataset.settings.mode),
-        energy: state.pictures.shown().and_then(|shown| shown.local.energy),
-        scene,
-        can_bake: state.scene.source.is_some(),
-    };
-    scrolled(ui, |ui| lights::show(ui, &mut state.interface.lights, &context, actions));
 }
 
 /// The suns of the environment as if they were switched on.
 fn suns(state: &EditorState) -> Vec<Light> {
     // They shine where the environment does.
-    let is_lit = state.scene.rendered().is_some_and(|baked| baked.dataset.settings.mode.environment());
+    let is_lit = state.work.scene.baked_parts().is_some_and(BakeParts::environment);
     let Some(environment) = state.environments.loaded().filter(|_| is_lit) else { return Vec::new() };
-    let mut document = state.document.environment.clone();
+    let mut document = state.work.document.environment.clone();
     document.sun.enabled = true;
-    let light = Illumination { sun: document.suns(), ..illumination(&state.document, environment.clone()) };
+    let light = Illumination { sun: document.suns(), ..illumination(&state.work.document, environment.clone()) };
     light.suns()
-}
-
-fn show_bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let status = state.bake_status();
-    let source = state.scene.source.as_ref();
-    let report = source.map(|source| &source.report);
-    let (may_try, mode) = (!matches!(status, BakeStatus::Running { .. }), state.document.bake.mode);
-    let bounces = mode.sources() || mode.meshless();
-    let context = BakeContext {
-        document: &state.document,
-        dataset: state.scene.baked.as_ref().map(|b| &*b.dataset),
-        status: &status,
-        reasons: &state.stale_reasons(),
-        scene_stats: report.map(|r| SceneStats { vertices: r.vertices, triangles: r.triangles }),
-        trial: source.and_then(|source| source.trial(may_try)),
-        bounce_trial: source.filter(|_| bounces).and_then(|source| source.bounce_trial(may_try)),
-        cores: std::thread::available_parallelism().map_or(1, usize::from),
-    };
-    scrolled(ui, |ui| bake::show(ui, &context, actions));
-}
-
-fn environment_context<'a>(
-    document: &'a Document,
-    scene: &'a OpenScene,
-    environments: &'a Environments,
-    pictures: &'a Pictures,
-    library: &'a [LibraryEntry],
-) -> EnvironmentContext<'a> {
-    let shown = pictures.shown();
-    let lacks_ground = scene.rendered().is_some_and(|baked| !baked.has_ground());
-    EnvironmentContext {
-        lacks_ground: lacks_ground && scene.source.is_none(),
-        document,
-        environment: environments.loaded(),
-        library,
-        tree: scene.rendered().map(|baked| &baked.dataset.tree),
-        lighting: shown.map(|s| &s.lighting),
-        light_revision: shown.map_or(0, |s| s.light_revision),
-        message: environments.problem.as_deref(),
-    }
-}
-
-/// The maps of the library with their pictures.
-fn library(state: &mut EditorState) -> Vec<LibraryEntry> {
-    let with_picture = |entry: document::library::LibraryEntry| {
-        let spec = entry.path.to_string_lossy().into_owned();
-        let thumbnail = if entry.missing { None } else { state.environments.picture(&spec).cloned() };
-        // With its extension, which tells a map from the formula of the same name.
-        let name = entry.path.file_name().map_or(entry.name, |name| name.to_string_lossy().into_owned());
-        LibraryEntry { name, spec, missing: entry.missing, thumbnail }
-    };
-    state.library.entries().into_iter().map(with_picture).collect()
 }
 
 /// Shows the timeline where the scene has clips. Returns whether its place is dragged.
 fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> bool {
-    let Some(animation) = state.animation().cloned() else { return false };
-    let trouble = state.trouble_in_time();
-    let context = TimelineContext { clips: &animation.clips, time: state.document.clip_time.as_ref(), trouble };
-    let timeline = &mut state.interface.timeline;
+    let Some(animation) = state.work.scene.animation().cloned() else { return false };
+    let trouble = state.pose.trouble_in_time(&state.work);
+    let context = TimelineContext { clips: &animation.clips, time: state.work.document.clip_time.as_ref(), trouble };
+    let timeline = &mut state.pose.timeline;
     Panel::bottom("timeline").show(ui, |ui| timeline::show(ui, timeline, &context, actions)).inner
 }
 
 fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    comparison::show(ui, &mut state.interface.comparison, &state.comparison.context(), actions);
+    state.comparison.show(ui, actions);
 }
 
 /// What to say over the picture: that it is a preview, what is baked, or that it shows other light than that of its bake.
 fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str> {
-    if !state.poses_since(baked).is_empty() {
+    if !state.pose.poses_since(&state.work, baked).is_empty() {
         return Some("Preview: implicit visibility. Shadows of what moved are coarse; bake again for exact ones");
     }
     let opacity = || {
-        let is_other = state.document.lets_through_otherwise(&baked.dataset.scene);
+        let is_other = state.work.document.lets_through_otherwise(&baked.dataset.scene);
         is_other.then_some("Opacity was edited; bake again for its shadows")
     };
-    state.baking.words(state.seen()).or_else(opacity)
-}
-
-/// The selected objects, if they have handles: a ground has none, nor has anything beside a selected light.
-pub(super) fn movable(state: &EditorState) -> Option<Movable> {
-    let tool = state.interface.tool.filter(|_| state.selected_light().is_none())?;
-    let posable = posable(state);
-    let (&active, others) = posable.split_first()?;
-    Some(Movable { active, others: others.to_vec(), pivot: state.interface.scene.pivot, tool })
-}
-
-/// The selected objects that can be posed, the active one first; none without that, which may be a ground.
-fn posable(state: &EditorState) -> Vec<Subject> {
-    let Some(baked) = state.scene.rendered() else { return Vec::new() };
-    let can_be_posed =
-        |object: u32| (object as usize) < state.document.objects.len() && state.ground_object() != Some(object);
-    let poses = state.poses_since(baked);
-    let subject = |object: u32| state.requests.subject(baked, &poses, object).filter(|_| can_be_posed(object));
-    let Some(active) = state.selection.object.and_then(subject) else { return Vec::new() };
-    [active].into_iter().chain(state.selection.others.iter().filter_map(|&object| subject(object))).collect()
+    state.baking.words(state.work.scene.seen()).or_else(opacity)
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
-    let baked = state.scene.rendered();
-    let posed = state.posed(ui.ctx());
+    let baked = state.work.scene.rendered();
+    let posed = state.pose.posed(&state.work, ui.ctx());
     let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
     let busy = baked.and_then(|baked| words_over_picture(state, baked));
-    let shown = state.pictures.shown().filter(|_| baked.is_some());
+    let shown = state.picture.shown().filter(|_| baked.is_some());
     let accent = ui.visuals().selection.bg_fill;
-    let panel = &state.interface.comparison;
-    let compares = panel.open && shown.is_some();
-    let size_px = state.interface.viewport_size;
+    let compares = state.comparison.panel.open && shown.is_some();
+    let size_px = state.work.viewport_size;
     let compared = compares.then(|| Compared {
         explained: state.explain.pixel().map(|pixel| pixel_share(pixel, size_px)),
         marks: state.explain.marks(),
-        ..state.comparison.compared(panel, state.document.view.cuts(), accent)
+        ..state.comparison.compared(state.work.document.view.cuts(), accent)
     });
     let context = ViewportContext {
-        document: &state.document,
-        picture: shown.and_then(|_| state.pictures.texture()).map(|texture| texture.id()),
+        document: &state.work.document,
+        picture: shown.and_then(|_| state.picture.texture()).map(|texture| texture.id()),
         picture_size: shown.map_or([1, 1], |s| s.size),
-        faded: state.pictures.faded(ui.ctx()),
-        checker: state.document.view.background == BackgroundKind::Transparent,
+        faded: state.picture.faded(ui.ctx()),
+        checker: state.work.document.view.background == BackgroundKind::Transparent,
         mesh,
         intersector: posed.as_ref().and_then(Baked::intersector_if_ready),
-        scene_bounds: state.bounds.scene,
-        selected_objects: state.selection.objects().collect(),
-        selection_bounds: &state.bounds.selection,
-        movable: movable(state),
-        selected_light: state.selected_light(),
-        shows_lights: state.interface.lights.in_viewport,
-        aiming: state.interface.lights.aiming && state.selected_light().is_some(),
-        baked: baked.map(|b| b.dataset.settings.mode),
+        scene_bounds: state.work.bounds.scene,
+        selected_objects: state.work.selection.objects().collect(),
+        selection_bounds: &state.work.bounds.selection,
+        movable: state.pose.movable(&state.work),
+        selected_light: state.work.selected_light(),
+        shows_lights: state.lights.in_viewport,
+        aiming: state.lights.aiming && state.work.selected_light().is_some(),
+        baked: state.work.scene.baked_parts(),
         sources: shown.and_then(|s| s.local.sources()),
-        shows_clusters: state.interface.lights.shows_clusters,
+        shows_clusters: state.lights.shows_clusters,
         accent,
         busy,
         // What to say where there is no picture comes from the notice, which has buttons.
         placeholder: baked.is_none().then_some(""),
-        stale: state.scene.is_stale(),
+        stale: state.work.scene.is_stale(),
         compared,
     };
     let response = viewport::show(ui, &mut state.interface.viewport, &context, actions);
     if compares {
-        let asked = viewport::compare::interact(ui, response.rect, &mut state.interface.comparison);
+        let asked = compare::interact(ui, response.rect, &mut state.comparison.panel);
         actions.extend(asked.map(|share| Action::ExplainPixel(pixel_at(share, response.size_px))));
     }
     if let Some(unlit) = unlit(state) {
-        notice::show_unlit(ui, response.rect, unlit, &mut state.interface, actions);
+        notice::show_unlit(ui, response.rect, unlit, &mut state.work.tabs, actions);
     }
-    if state.scene.rendered().is_none() {
+    if state.work.scene.rendered().is_none() {
         notice::show(ui, response.rect, state, actions);
-    } else if state.seen() == Seen::Unshadowed && state.baking.progress().is_none() {
+    } else if state.work.scene.seen() == Seen::Unshadowed && state.baking.progress().is_none() {
         notice::show_below(ui, response.rect, state, actions);
     }
     response
@@ -385,11 +273,11 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
 
 /// Why a lit picture is black, if one is shown by itself.
 fn unlit(state: &EditorState) -> Option<Unlit> {
-    let (document, baked) = (&state.document, state.scene.rendered()?);
-    let is_alone = document.view.mode == ViewMode::Shaded && !state.interface.comparison.open;
+    let (document, baked) = (&state.work.document, state.work.scene.rendered()?);
+    let is_alone = document.view.mode == ViewMode::Shaded && !state.comparison.panel.open;
     let shines = document.materials.iter().any(Material::shines);
     let unlit = is_alone.then(|| Unlit::of(&document.lights, shines, document.components, &baked.dataset)).flatten();
-    unlit.filter(|_| state.pictures.shown().is_some())
+    unlit.filter(|_| state.picture.shown().is_some())
 }
 
 /// The pixel at a share of the width and height of a picture.

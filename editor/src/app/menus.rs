@@ -2,13 +2,14 @@
 
 use super::{
     keys::{self, Command},
-    state::{EditorState, interface::Inspector, prompt::Prompt},
+    state::{EditorState, prompt::Prompt},
 };
 use crate::{
-    actions::Action,
-    panels::lights,
+    actions::{Action, BakeAction, ExportAction, FileAction, LadderAction},
+    lights,
     preferences::{Preferences, Theme},
     viewport::gizmo::Tool,
+    workspace::Inspector,
 };
 use egui::{Button, MenuBar, Ui};
 use lapidary_render::ViewMode;
@@ -61,14 +62,14 @@ fn entry_as(
 }
 
 fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let is_open = state.document.scene.is_some() || state.document.dataset.is_some();
+    let is_open = state.work.document.scene.is_some() || state.work.document.dataset.is_some();
     entry(ui, state, actions, Command::Open, true);
     ui.menu_button("Open recent", |ui| recent(ui, state, actions));
     ui.menu_button("Bundled scenes", |ui| bundled(ui, state, actions));
     ui.separator();
     entry(ui, state, actions, Command::Save, is_open);
     entry(ui, state, actions, Command::SaveAs, is_open);
-    entry(ui, state, actions, Command::ExportPicture, state.scene.rendered().is_some());
+    entry(ui, state, actions, Command::ExportPicture, state.work.scene.rendered().is_some());
     export(ui, state, actions);
     ui.separator();
     entry(ui, state, actions, Command::Quit, true);
@@ -76,12 +77,12 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 
 /// Jobs with a renderer of their own, of which one runs at a time, and the materials.
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
-    let (shown, running) = (state.scene.rendered().is_some(), state.exporting.is_running());
+    let (shown, running) = (state.work.scene.rendered().is_some(), state.exporting.is_running());
     let entries = [
-        ("Export layered EXR...", Action::ExportLayers(None), shown && !running),
-        ("Export sequence...", Action::DescribeSequence, shown && !running),
-        ("Export materials...", Action::ExportMaterials(None), shown),
-        ("Cancel the export", Action::CancelExport, running),
+        ("Export layered EXR...", Action::Export(ExportAction::Layers(None)), shown && !running),
+        ("Export sequence...", Action::Export(ExportAction::DescribeSequence), shown && !running),
+        ("Export materials...", Action::Export(ExportAction::Materials(None)), shown),
+        ("Cancel the export", Action::Export(ExportAction::Cancel), running),
     ];
     for (label, action, enabled) in entries {
         if ui.add_enabled(enabled, Button::new(label)).clicked() {
@@ -107,13 +108,13 @@ fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     }
     match chosen {
         Some(file) if file.missing && !file.path.exists() => state.forget_recent(&file.path),
-        Some(file) => actions.push(Action::Open(Some(file.path))),
+        Some(file) => actions.push(Action::File(FileAction::Open(Some(file.path)))),
         None => {}
     }
     ui.separator();
     if ui.button("Clear the list").clicked() {
         if let Err(error) = state.recent.clear() {
-            state.messages.warning(format!("{error:#}"));
+            state.work.messages.warning(format!("{error:#}"));
         }
         ui.close();
     }
@@ -125,7 +126,7 @@ fn bundled(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     }
     for (index, scene) in state.bundled.scenes.iter().enumerate() {
         if ui.button(title(scene)).clicked() {
-            actions.push(Action::OpenBundled(index));
+            actions.push(Action::File(FileAction::OpenBundled(index)));
             ui.close();
         }
     }
@@ -140,17 +141,18 @@ fn title(scene: &Path) -> String {
 
 fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let label = |verb: &str, what: &Option<String>| what.as_ref().map_or(verb.into(), |what| format!("{verb} {what}"));
-    let (undo, redo) = (state.history.undo_name(&state.document), state.history.redo_name(&state.document));
+    let (undo, redo) =
+        (state.work.history.undo_name(&state.work.document), state.work.history.redo_name(&state.work.document));
     entry_as(ui, state, actions, Command::Undo, &label("Undo", &undo), undo.is_some());
     entry_as(ui, state, actions, Command::Redo, &label("Redo", &redo), redo.is_some());
     ui.separator();
-    let has_light = state.selected_light().is_some();
+    let has_light = state.work.selected_light().is_some();
     entry(ui, state, actions, Command::DuplicateLight, has_light);
     entry(ui, state, actions, Command::DeleteLight, has_light);
     ui.menu_button("Add light", |ui| lights::add_menu(ui, actions));
     ui.separator();
     tools(ui, state, actions);
-    entry(ui, state, actions, Command::SelectNothing, has_light || state.selection.object.is_some());
+    entry(ui, state, actions, Command::SelectNothing, has_light || state.work.selection.object.is_some());
     ui.separator();
     entry(ui, state, actions, Command::CopyCamera, true);
     entry(ui, state, actions, Command::PasteCamera, true);
@@ -160,7 +162,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 fn tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for tool in Tool::ALL.map(Some).into_iter().chain([None]) {
         let command = Command::Tool(tool);
-        let button = Button::selectable(state.interface.tool == tool, keys::binding(command).label);
+        let button = Button::selectable(state.pose.tool == tool, keys::binding(command).label);
         if ui.add(button.shortcut_text(keys::text(ui.ctx(), command))).clicked() {
             state.command(command, actions);
             ui.close();
@@ -170,7 +172,7 @@ fn tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 
 fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for mode in ViewMode::ALL {
-        let chosen = state.document.view.mode == mode;
+        let chosen = state.work.document.view.mode == mode;
         let button = Button::selectable(chosen, mode.label());
         if ui.add(button.shortcut_text(keys::text(ui.ctx(), Command::Mode(mode)))).clicked() {
             state.command(Command::Mode(mode), actions);
@@ -178,72 +180,72 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         }
     }
     ui.separator();
-    let wireframe = if state.document.view.wireframe { "Hide wireframe" } else { "Wireframe" };
+    let wireframe = if state.work.document.view.wireframe { "Hide wireframe" } else { "Wireframe" };
     entry_as(ui, state, actions, Command::Wireframe, wireframe, true);
-    let is_shown = state.scene.rendered().is_some();
+    let is_shown = state.work.scene.rendered().is_some();
     entry(
         ui,
         state,
         actions,
         Command::FrameSelection,
-        is_shown && (state.selection.object.is_some() || state.selected_light().is_some()),
+        is_shown && (state.work.selection.object.is_some() || state.work.selected_light().is_some()),
     );
     entry(ui, state, actions, Command::FrameAll, is_shown);
     entry(ui, state, actions, Command::ResetCamera, is_shown);
     ui.separator();
-    let compare = if state.interface.comparison.open { "End the comparison" } else { "Compare with a reference" };
-    let can_compare = state.interface.comparison.open || state.can_compare();
+    let compare = if state.comparison.panel.open { "End the comparison" } else { "Compare with a reference" };
+    let can_compare = state.comparison.panel.open || state.picture.can_be_compared(&state.work);
     entry_as(ui, state, actions, Command::Compare, compare, can_compare);
-    if ui.add_enabled(state.can_compare(), Button::new("Which cut size is enough?")).clicked() {
-        actions.push(Action::StartLadder);
+    if ui.add_enabled(state.picture.can_be_compared(&state.work), Button::new("Which cut size is enough?")).clicked() {
+        actions.push(Action::Ladder(LadderAction::Start));
         ui.close();
     }
     ui.separator();
-    let panels = if state.interface.panels_hidden { "Show panels" } else { "Hide panels" };
+    let panels = if state.work.tabs.panels_hidden { "Show panels" } else { "Hide panels" };
     entry_as(ui, state, actions, Command::TogglePanels, panels, true);
     entry(ui, state, actions, Command::LargerInterface, true);
     entry(ui, state, actions, Command::SmallerInterface, true);
     entry(ui, state, actions, Command::DefaultInterface, true);
-    let (label, theme) = match state.preferences.theme {
+    let (label, theme) = match state.work.preferences.theme {
         Theme::Dark => ("Light theme", Theme::Light),
         Theme::Light => ("Dark theme", Theme::Dark),
     };
     if ui.button(label).clicked() {
-        actions.push(Action::Preferences(Preferences { theme, ..state.preferences.clone() }));
+        actions.push(Action::Preferences(Preferences { theme, ..state.work.preferences.clone() }));
         ui.close();
     }
 }
 
 fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let running = state.baking.progress().is_some();
-    entry(ui, state, actions, Command::Bake, !running && state.scene.source.is_some());
+    entry(ui, state, actions, Command::Bake, !running && state.work.scene.source.is_some());
     if ui.add_enabled(running, Button::new("Cancel the bake")).clicked() {
-        actions.push(Action::CancelBake);
+        actions.push(Action::Bake(BakeAction::Cancel));
         ui.close();
     }
     if ui.button("Bake settings").clicked() {
-        state.interface.show_inspector(Inspector::Bake);
+        state.work.tabs.show_inspector(Inspector::Bake);
         ui.close();
     }
     ui.separator();
-    let mut bakes_scenes = state.preferences.bakes_scenes;
+    let mut bakes_scenes = state.work.preferences.bakes_scenes;
     let automatic = ui.checkbox(&mut bakes_scenes, "Bake scenes when they open");
     if automatic
         .on_hover_text("A draft first, then the whole. It is kept in the cache, and gives way to what you do.")
         .clicked()
     {
-        actions.push(Action::Preferences(Preferences { bakes_scenes, ..state.preferences.clone() }));
+        actions.push(Action::Preferences(Preferences { bakes_scenes, ..state.work.preferences.clone() }));
     }
 }
 
 fn help(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::Keys, true);
     if ui.button("Messages").clicked() {
-        state.messages.log_open = true;
+        state.work.messages.log_open = true;
         ui.close();
     }
     if ui.button("About Lapidary").clicked() {
-        state.ask(Prompt::About);
+        state.questions.ask(Prompt::About);
         ui.close();
     }
 }

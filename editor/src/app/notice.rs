@@ -1,10 +1,12 @@
 //! Text in the viewport without a picture, or with an empty one: the present activity, or the next step.
 
-use super::state::{
-    EditorState,
-    interface::{Inspector, Interface},
+use super::state::EditorState;
+use crate::{
+    actions::{Action, BakeAction, FileAction},
+    document::Unlit,
+    lights::panel::add_menu,
+    workspace::{Inspector, Tabs},
 };
-use crate::{actions::Action, document::Unlit, panels::lights::add_menu};
 use egui::{Align, Align2, Frame, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
 
 /// Width of the text in points.
@@ -19,7 +21,7 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<
 }
 
 /// Says in the lower part of `rect` why the picture in it is black, and leads to light.
-pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, interface: &mut Interface, actions: &mut Vec<Action>) {
+pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, tabs: &mut Tabs, actions: &mut Vec<Action>) {
     below(ui, rect, 90.0, |ui| match unlit {
         Unlit::NoLights => {
             ui.label(RichText::new("Nothing gives light").strong());
@@ -30,7 +32,7 @@ pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, interface: &mut Interfa
             ui.label(RichText::new("All light is switched off").strong());
             ui.label("The Lights tab has switches for each light and for each part of the light.");
             if ui.button("Open the Lights tab").clicked() {
-                interface.show_inspector(Inspector::Lights);
+                tabs.show_inspector(Inspector::Lights);
             }
         }
     });
@@ -51,15 +53,15 @@ fn below(ui: &mut Ui, rect: Rect, height: f32, contents: impl FnOnce(&mut Ui)) {
 }
 
 fn contents(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let title = state.title();
+    let title = state.work.title();
     if let Some(opening) = &state.opening {
         heading(ui, &format!("Opening {}", opening.what));
         ui.spinner();
     } else if let Some(line) = state.baking.line() {
         baking(ui, &title, &line, state.baking.progress().and_then(|p| p.fraction()), actions);
-    } else if state.scene.is_stale() {
+    } else if state.work.scene.is_stale() {
         stale(ui, &title, state, actions);
-    } else if state.scene.source.is_some() {
+    } else if state.work.scene.source.is_some() {
         not_baked(ui, &title, actions);
     } else {
         nothing(ui, actions);
@@ -82,7 +84,7 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
     // Not in the middle, where a second click on the button that began the bake would find it.
     ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
         if ui.button("Cancel").clicked() {
-            actions.push(Action::CancelBake);
+            actions.push(Action::Bake(BakeAction::Cancel));
         }
     });
 }
@@ -92,10 +94,10 @@ fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Ac
     ui.label("The bake beside it was made of another version of the scene: its shadows and reflections are not right.");
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake again").strong()).clicked() {
-        actions.push(Action::Bake { resume: false });
+        actions.push(Action::Bake(BakeAction::Begin { resume: false }));
     }
     if ui.button("Show anyway").clicked() {
-        state.scene.show_stale = true;
+        state.work.scene.show_stale = true;
     }
 }
 
@@ -106,7 +108,7 @@ fn not_baked(ui: &mut Ui, title: &str, actions: &mut Vec<Action>) {
     );
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake now").strong()).clicked() {
-        actions.push(Action::Bake { resume: false });
+        actions.push(Action::Bake(BakeAction::Begin { resume: false }));
     }
 }
 
@@ -115,9 +117,9 @@ fn nothing(ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.label("Drop a scene here (.gltf, .glb, .obj, .ply), a baked scene (.cuts) or a session (.lapidary).");
     ui.add_space(6.0);
     if ui.button("Open...").clicked() {
-        actions.push(Action::Open(None));
+        actions.push(Action::File(FileAction::Open(None)));
     }
     if ui.button("Open the bundled scene").clicked() {
-        actions.push(Action::OpenBundled(0));
+        actions.push(Action::File(FileAction::OpenBundled(0)));
     }
 }

@@ -1,118 +1,90 @@
-//! Performs actions: the one place where requests of the interface meet the document, its history and the jobs.
+//! Performs actions: hands each to the feature that it is about, and asks for paths.
 
-use super::{
-    opening::Target,
-    state::{EditorState, interface::Inspector},
-    theme,
-};
+use super::{state::EditorState, theme};
 use crate::{
-    actions::Action,
+    actions::{
+        Action, BakeAction, CameraAction, CompareAction, ExportAction, FileAction, LightAction, MaterialAction,
+        PoseAction, SelectAction,
+    },
     app::{dialogs::Purpose, keys::Command},
     document::{Edit, ViewSettings, folder_of, session},
-    jobs::load::{Source, Topic},
+    export::Exported,
+    jobs::opening::Target,
+    materials,
+    navigation::axis_view,
     preferences::{FileUse, Preferences},
-    viewport::navigation::axis_view,
 };
 use egui::{Context, ViewportCommand};
-use lapidary_core::{
-    camera::Camera,
-    dataset::{BakeParts, BakeSettings},
-    shot::Shot,
-};
 use std::path::{Path, PathBuf};
 
 impl EditorState {
     /// Does what was asked for; a path that is missing is asked for by a dialog.
-    pub(super) fn perform(&mut self, ctx: &Context, action: Action) {
+    pub(super) fn perform(&mut self, ctx: &Context, mut action: Action) {
+        if action.path().is_some_and(|path| path.is_none()) {
+            return self.ask_for_path(action);
+        }
         match action {
-            Action::Edit { edit, label } => self.edit(edit, label),
-            Action::EndGesture => self.history.end_gesture(),
-            Action::Undo => self.undo(),
-            Action::Redo => self.redo(),
-            Action::ClipTime(time) => self.document.clip_time = time,
-            Action::Play => self.toggle_playing(),
-            Action::Camera(camera) => self.document.camera = camera,
-            Action::FrameSelection => self.frame_selection(),
-            Action::FrameAll => self.frame_all(),
-            Action::ResetCamera => self.reset_camera(),
-            Action::SelectObject(object) => self.select_object(object),
-            Action::ToggleObject(object) => self.toggle_object(object),
-            Action::SelectMaterial(material) => self.select_material(material),
-            Action::SelectPart(part) => self.selection.part = Some(part),
-            Action::Assign { part, material } => self.assign(part, material),
-            Action::MakeUnique { part, material } => self.make_unique(part, material.map(|material| *material)),
-            Action::ChooseVariant(variant) => self.choose_variant(variant),
-            Action::SelectLight(light) => self.select_light(light),
-            Action::AddLight(kind) => self.add_light(kind),
-            Action::DuplicateLight(index) => self.duplicate_light(index),
-            Action::DeleteLight(index) => self.delete_light(index),
-            Action::AimLight(place) => self.aim_light(place),
-            Action::LoadLights(Some(path)) => self.load_lights(&path),
-            Action::SaveLights(Some(path)) => self.save_lights(&path),
-            Action::ChooseBake(mode) => self.choose_bake(mode),
-            Action::BakeForViews(cameras) => self.bake_for_views(cameras),
-            Action::CopyCamera => self.copy_camera(ctx),
-            Action::PasteCamera => self.ask_for_camera(ctx),
-            Action::Preferences(preferences) => self.prefer(preferences),
+            Action::Edit { edit, label } => self.work.edit(edit, label),
+            Action::EndGesture => self.work.history.end_gesture(),
+            Action::Undo => self.work.undo(),
+            Action::Redo => self.work.redo(),
+            Action::Preferences(preferences) => self.work.prefer(preferences),
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
-            Action::Bake { resume } => self.start_bake(resume, self.wants_draft()),
-            Action::CancelBake => self.cancel_for_good(),
-            Action::LoadEnvironment(Some(path)) => self.use_environment(&path.to_string_lossy()),
-            Action::Open(Some(path)) => self.open(Target::File(path)),
-            Action::OpenBundled(index) => self.open_bundled(index),
             Action::Quit => self.quit(ctx),
-            Action::Save => self.save(ctx),
-            Action::SaveAs(Some(path)) => self.save_to(ctx, &path),
-            Action::ExportPicture(Some(path)) => self.export_picture(path),
-            Action::ExportLayers(Some(path)) => self.export_layers(path),
-            Action::ExportMaterials(Some(path)) => self.export_materials(path),
-            Action::DescribeSequence => self.describe_sequence(),
-            Action::SequenceFolder(Some(folder)) => self.choose_sequence_folder(&folder),
-            Action::CancelExport => self.cancel_export(),
-            Action::LoadTexture { material, map, path: Some(path) } => {
-                self.load(Topic::Map { material, map }, Source::Texture(path.clone()), path);
+            Action::File(action) => self.perform_file(ctx, action),
+            Action::Camera(action) => self.perform_camera(ctx, action),
+            Action::Select(action) => self.work.perform_select(action),
+            Action::Pose(action) => self.pose.perform(&mut self.work, action),
+            Action::Material(action) => materials::perform(&mut self.work, &mut self.loader, action),
+            Action::Light(action) => self.lights.perform(&mut self.work, action),
+            Action::Environment(action) => self.environments.perform(&mut self.work, action),
+            Action::Bake(action) => self.baking.perform(&mut self.work, action),
+            Action::Compare(action) => self.comparison.perform(&mut self.work, &self.picture, action),
+            Action::ExplainPixel(pixel) => self.explain.explain(&self.work, &self.picture, pixel),
+            Action::Ladder(action) => {
+                self.ladder.perform(&mut self.work, &self.picture, action);
+                self.hold_for_ladder();
             }
-            Action::LoadBrdf { material, path: Some(path) } => {
-                self.load(Topic::Brdf(material), Source::Brdf(path.clone()), path);
-            }
-            Action::LoadMaterial { material, path: Some(path) } => self.load_material(material, path),
-            Action::SaveMaterial { material, path: Some(path) } => self.save_material(material, &path),
-            Action::AddToLibrary(Some(path)) => self.add_to_library(path),
-            Action::Relink(Some(folder)) => self.relink(folder),
-            Action::ChooseReference(Some(path)) => self.choose_reference(path),
-            Action::PauseReference(paused) => self.comparison.pause(paused),
-            Action::ExplainPixel(pixel) => self.explain_pixel(pixel),
-            Action::StartLadder => self.start_ladder(),
-            Action::UseCuts(cuts) => self.use_cuts(cuts),
-            Action::ToggleComparison => self.toggle_comparison(),
-            Action::Open(None)
-            | Action::SaveAs(None)
-            | Action::ExportPicture(None)
-            | Action::ExportLayers(None)
-            | Action::ExportMaterials(None)
-            | Action::SequenceFolder(None)
-            | Action::LoadTexture { path: None, .. }
-            | Action::LoadBrdf { path: None, .. }
-            | Action::LoadMaterial { path: None, .. }
-            | Action::SaveMaterial { path: None, .. }
-            | Action::LoadLights(None)
-            | Action::SaveLights(None)
-            | Action::LoadEnvironment(None)
-            | Action::AddToLibrary(None)
-            | Action::ChooseReference(None)
-            | Action::Relink(None) => self.ask_for_path(action),
+            Action::Export(action) => self.perform_export(action),
         }
     }
 
-    fn choose_bake(&mut self, mode: BakeParts) {
-        self.interface.show_inspector(Inspector::Bake);
-        self.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..self.document.bake.clone() })), "Bake of");
+    fn perform_file(&mut self, ctx: &Context, action: FileAction) {
+        match action {
+            FileAction::Open(Some(path)) => self.open(Target::File(path)),
+            FileAction::OpenBundled(index) => self.open_bundled(index),
+            FileAction::Save => self.save(ctx),
+            FileAction::SaveAs(Some(path)) => self.save_to(ctx, &path),
+            FileAction::Relink(Some(folder)) => self.relink(folder),
+            FileAction::Open(None) | FileAction::SaveAs(None) | FileAction::Relink(None) => {}
+        }
     }
 
-    fn bake_for_views(&mut self, cameras: Vec<Camera>) {
-        let aspect = self.aspect();
-        let shots = cameras.into_iter().map(|camera| Shot { camera, aspect }).collect();
-        self.do_step(Edit::Bake(Box::new(BakeSettings { shots, ..self.document.bake.clone() })), "Views of the bake");
+    fn perform_camera(&mut self, ctx: &Context, action: CameraAction) {
+        match action {
+            CameraAction::To(camera) => self.work.document.camera = camera,
+            CameraAction::FrameSelection => self.frame_selection(),
+            CameraAction::FrameAll => self.frame_all(),
+            CameraAction::Reset => self.reset_camera(),
+            CameraAction::Copy => self.copy_camera(ctx),
+            CameraAction::Paste => self.ask_for_camera(ctx),
+        }
+    }
+
+    fn perform_export(&mut self, action: ExportAction) {
+        match action {
+            ExportAction::Picture(Some(path)) => self.picture.export(&mut self.work, path),
+            action => {
+                let exported = self.exported();
+                self.exporting.perform(&mut self.work, exported, action);
+            }
+        }
+    }
+
+    /// The picture that is exported, and its scene; `None` while there is none.
+    pub(super) fn exported(&self) -> Option<Exported> {
+        let baked = self.work.scene.rendered()?.clone();
+        Some((self.look(self.work.viewport_size)?, baked))
     }
 
     /// The clipboard comes as an event, some frames later.
@@ -121,55 +93,55 @@ impl EditorState {
         ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
     }
 
-    pub(super) fn load_material(&mut self, material: usize, path: PathBuf) {
-        let allow_outside = self.preferences.outside.allow(&path);
-        let textures = self.document.shared_textures();
-        self.load(Topic::Material(material), Source::Material { path: path.clone(), textures, allow_outside }, path);
-    }
-
     /// Does what a menu or key asks for.
     pub(super) fn command(&mut self, command: Command, actions: &mut Vec<Action>) {
         let is_step = matches!(command, Command::Mode(_) | Command::Wireframe);
         let view = |change: &dyn Fn(&mut ViewSettings)| {
-            let mut settings = self.document.view.clone();
+            let mut settings = self.work.document.view.clone();
             change(&mut settings);
             Edit::View(settings)
         };
         actions.push(match command {
-            Command::Open => Action::Open(None),
-            Command::Save => Action::Save,
-            Command::SaveAs => Action::SaveAs(None),
-            Command::ExportPicture => Action::ExportPicture(None),
+            Command::Open => Action::File(FileAction::Open(None)),
+            Command::Save => Action::File(FileAction::Save),
+            Command::SaveAs => Action::File(FileAction::SaveAs(None)),
+            Command::ExportPicture => Action::Export(ExportAction::Picture(None)),
             Command::Quit => Action::Quit,
             Command::Undo => Action::Undo,
             Command::Redo => Action::Redo,
-            Command::SelectNothing => Action::SelectObject(None),
-            Command::FrameSelection => Action::FrameSelection,
-            Command::FrameAll => Action::FrameAll,
-            Command::ResetCamera => Action::ResetCamera,
-            Command::Along(axis) => Action::Camera(axis_view(&self.document.camera, axis)),
-            Command::CopyCamera => Action::CopyCamera,
-            Command::PasteCamera => Action::PasteCamera,
+            Command::SelectNothing => Action::Select(SelectAction::Object(None)),
+            Command::FrameSelection => Action::Camera(CameraAction::FrameSelection),
+            Command::FrameAll => Action::Camera(CameraAction::FrameAll),
+            Command::ResetCamera => Action::Camera(CameraAction::Reset),
+            Command::Along(axis) => Action::Camera(CameraAction::To(axis_view(&self.work.document.camera, axis))),
+            Command::CopyCamera => Action::Camera(CameraAction::Copy),
+            Command::PasteCamera => Action::Camera(CameraAction::Paste),
             Command::DuplicateLight | Command::DeleteLight => {
-                let Some(index) = self.selected_light() else { return };
+                let Some(index) = self.work.selected_light() else { return };
                 let is_copy = command == Command::DuplicateLight;
-                if is_copy { Action::DuplicateLight(index) } else { Action::DeleteLight(index) }
+                if is_copy {
+                    Action::Light(LightAction::Duplicate(index))
+                } else {
+                    Action::Light(LightAction::Delete(index))
+                }
             }
-            Command::Compare => Action::ToggleComparison,
-            Command::Bake => Action::Bake { resume: false },
+            Command::Compare => Action::Compare(CompareAction::Toggle),
+            Command::Bake => Action::Bake(BakeAction::Begin { resume: false }),
             Command::Keys => Action::ToggleKeys,
             Command::Mode(mode) => Action::Edit { edit: view(&|v| v.mode = mode), label: "View mode" },
             Command::Wireframe => Action::Edit { edit: view(&|v| v.wireframe = !v.wireframe), label: "Wireframe" },
             Command::LargerInterface => Action::Preferences(self.scaled(1)),
             Command::SmallerInterface => Action::Preferences(self.scaled(-1)),
-            Command::DefaultInterface => Action::Preferences(Preferences { ui_scale: 1.0, ..self.preferences.clone() }),
+            Command::DefaultInterface => {
+                Action::Preferences(Preferences { ui_scale: 1.0, ..self.work.preferences.clone() })
+            }
             Command::Tool(tool) => {
-                self.interface.tool = tool;
+                self.pose.tool = tool;
                 return;
             }
-            Command::Play => Action::Play,
+            Command::Play => Action::Pose(PoseAction::Play),
             Command::TogglePanels => {
-                self.interface.panels_hidden = !self.interface.panels_hidden;
+                self.work.tabs.panels_hidden = !self.work.tabs.panels_hidden;
                 return;
             }
         });
@@ -179,77 +151,20 @@ impl EditorState {
     }
 
     fn scaled(&self, steps: i32) -> Preferences {
-        Preferences { ui_scale: theme::scaled(self.preferences.ui_scale, steps), ..self.preferences.clone() }
-    }
-
-    fn edit(&mut self, edit: Edit, label: &'static str) {
-        self.history.apply(&mut self.document, edit, label);
-    }
-
-    fn undo(&mut self) {
-        let before = self.material_of_selected_part();
-        if let Some(name) = self.history.undo(&mut self.document) {
-            self.messages.remark(format!("Undone: {name}"));
-            self.follow_selected_part(before);
-        }
-    }
-
-    fn redo(&mut self) {
-        let before = self.material_of_selected_part();
-        if let Some(name) = self.history.redo(&mut self.document) {
-            self.messages.remark(format!("Redone: {name}"));
-            self.follow_selected_part(before);
-        }
-    }
-
-    fn material_of_selected_part(&self) -> Option<usize> {
-        self.selection.part.map(|part| self.document.material_of(part))
-    }
-
-    /// Selects the material of the selected part if that was another one before.
-    fn follow_selected_part(&mut self, before: Option<usize>) {
-        let now = self.material_of_selected_part();
-        if now != before {
-            self.selection.material = now;
-        }
-    }
-
-    /// Lights the scene by a map or formula, as a step of undo.
-    pub(super) fn use_environment(&mut self, spec: &str) {
-        let environment =
-            crate::document::EnvironmentSettings { spec: spec.into(), ..self.document.environment.clone() };
-        self.history.end_gesture();
-        self.edit(Edit::Environment(environment), "Environment");
-        self.history.end_gesture();
-    }
-
-    pub(super) fn prefer(&mut self, preferences: Preferences) {
-        self.preferences = preferences.clamped();
-        if let Err(error) = self.preferences.save(&self.folders.config) {
-            self.messages.warning(format!("{error:#}"));
-        }
-    }
-
-    fn add_to_library(&mut self, path: PathBuf) {
-        match self.library.add(&[path]) {
-            Ok(0) => self.messages.note("It is in the library already"),
-            Ok(count) => self.messages.note(format!("Added to the library: {count}")),
-            Err(error) => self.messages.error(format!("{error:#}")),
-        }
+        Preferences { ui_scale: theme::scaled(self.work.preferences.ui_scale, steps), ..self.work.preferences.clone() }
     }
 
     pub(super) fn ask_for_path(&mut self, action: Action) {
-        let document = &self.document;
-        let path = self.scene.session.as_deref().or(document.scene.as_deref()).or(document.dataset.as_deref());
+        let path = self.work.file();
         let stem = path.and_then(Path::file_stem).map_or("untitled".into(), |s| s.to_string_lossy().into_owned());
         let name = match &action {
-            Action::SaveAs(_) => Some(format!("{stem}.{}", session::EXTENSION)),
-            Action::ExportPicture(_) => Some(format!("{stem}.png")),
-            Action::ExportLayers(_) => Some(format!("{stem}-layers.exr")),
-            Action::ExportMaterials(_) => Some(format!("{stem}-materials.mtlx")),
-            Action::SaveLights(_) => Some(format!("{stem}-lights.json")),
-            Action::SaveMaterial { material, .. } => {
-                self.document.materials.get(*material).map(|m| format!("{}.json", m.name))
+            Action::File(FileAction::SaveAs(_)) => Some(format!("{stem}.{}", session::EXTENSION)),
+            Action::Export(ExportAction::Picture(_)) => Some(format!("{stem}.png")),
+            Action::Export(ExportAction::Layers(_)) => Some(format!("{stem}-layers.exr")),
+            Action::Export(ExportAction::Materials(_)) => Some(format!("{stem}-materials.mtlx")),
+            Action::Light(LightAction::Save(_)) => Some(format!("{stem}-lights.json")),
+            Action::Material(MaterialAction::Save { material, .. }) => {
+                self.work.document.materials.get(*material).map(|m| format!("{}.json", m.name))
             }
             _ => None,
         };
@@ -258,11 +173,11 @@ impl EditorState {
             Some(FileUse::Environment) => self.folder_of_environments().or(of_document),
             _ => of_document,
         };
-        self.dialogs.ask(action, &self.preferences.folders, folder, name);
+        self.dialogs.ask(action, &self.work.preferences.folders, folder, name);
     }
 
     /// Where the map in use lies, or else those that came with the program.
     fn folder_of_environments(&self) -> Option<PathBuf> {
-        self.document.environment.file().or(self.bundled.environments.first().map(PathBuf::as_path)).map(folder_of)
+        self.work.document.environment.file().or(self.bundled.environments.first().map(PathBuf::as_path)).map(folder_of)
     }
 }

@@ -1,17 +1,16 @@
 //! Asks the questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says, and
 //! files that are elsewhere than a scene or a material.
 
-use super::{
-    opening::Target,
-    state::{
-        EditorState,
-        prompt::{Again, Prompt},
-    },
+use super::state::{
+    EditorState,
+    prompt::{Again, Prompt},
 };
 use crate::{
-    actions::Action,
+    actions::{Action, FileAction},
     document::{autosave::Recovery, session::LoadedSession},
-    panels::widgets::copyable,
+    jobs::opening::Target,
+    materials,
+    widgets::copyable,
 };
 use egui::{Button, Context, Modal, RichText, ScrollArea, Ui};
 use std::{path::Path, time::SystemTime};
@@ -31,11 +30,11 @@ enum Answer {
 
 /// Shows the question that waits, if any, and does what is answered.
 pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
-    let Some(prompt) = state.prompts.front() else { return };
+    let Some(prompt) = state.questions.waiting.front() else { return };
     if state.dialogs.is_open() {
         return;
     }
-    let title = state.title();
+    let title = state.work.title();
     let modal = Modal::new(egui::Id::unique("prompt")).show(ctx, |ui| {
         ui.set_max_width(440.0);
         match prompt {
@@ -174,12 +173,12 @@ fn age(time: SystemTime) -> String {
 fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Vec<Action>) {
     // Looking for files keeps the question open.
     if matches!(answer, Answer::Look) {
-        return actions.push(Action::Relink(None));
+        return actions.push(Action::File(FileAction::Relink(None)));
     }
-    match (state.prompts.pop_front(), answer) {
+    match (state.questions.waiting.pop_front(), answer) {
         (Some(Prompt::Unsaved { then }), Answer::Save) => {
-            state.after_save = Some(then);
-            actions.push(Action::Save);
+            state.questions.after_save = Some(then);
+            actions.push(Action::File(FileAction::Save));
         }
         (Some(Prompt::Unsaved { then }), Answer::Discard) => state.leave_now(ctx, then),
         (Some(Prompt::Recover(found)), Answer::DiscardAll) => discard(state, found),
@@ -190,18 +189,18 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
             state.open(Target::Session { loaded, path, recovery, look_in: None });
         }
         (Some(Prompt::Outside { file, then, .. }), Answer::ReadOutside) => {
-            let mut preferences = state.preferences.clone();
+            let mut preferences = state.work.preferences.clone();
             preferences.outside.remember(&file);
-            state.prefer(preferences);
+            state.work.prefer(preferences);
             match then {
                 Again::Open(target) => state.open(target),
-                Again::Load(material) => state.load_material(material, file),
+                Again::Load(material) => materials::load(&state.work, &mut state.loader, material, file),
             }
         }
         (Some(Prompt::Several { file, names, material }), Answer::Choose(chosen)) => {
             let mut named = file.into_os_string();
             named.push(format!("#{}", names[chosen]));
-            state.load_material(material, named.into());
+            materials::load(&state.work, &mut state.loader, material, named.into());
         }
         (Some(Prompt::Outside { then: Again::Open(target), .. }), Answer::OpenWithout) => state.open_without(target),
         _ => {}
@@ -211,7 +210,7 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
 fn discard(state: &mut EditorState, found: Vec<Recovery>) {
     for recovery in found {
         if let Err(error) = recovery.discard() {
-            state.messages.warning(format!("An autosave cannot be removed: {error}"));
+            state.work.messages.warning(format!("An autosave cannot be removed: {error}"));
         }
     }
 }

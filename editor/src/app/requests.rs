@@ -1,14 +1,12 @@
 //! From the document to requests for the render thread. A request is sent when it differs from the last one, so that
 //! nothing is rendered, and nothing compared there, while nothing changes.
 
-use super::{
-    layout::movable,
-    state::{EditorState, baking::Seen},
-};
+use super::state::EditorState;
 use crate::{
     document::{Document, lights::shines},
     jobs::render_thread::RenderRequest,
     viewport::ViewportResponse,
+    workspace::Seen,
 };
 use egui::Context;
 use lapidary_core::environment::Environment;
@@ -21,34 +19,34 @@ impl EditorState {
         let is_dragging = viewport.moving || self.is_editing_by_pointer(ctx);
         // A clip may play for hours.
         self.baking.hold(is_dragging);
-        let moving = is_dragging || self.interface.timeline.playing;
-        self.render.set_preview(self.seen() == Seen::Unshadowed && self.baking.progress().is_some());
+        let moving = is_dragging || self.pose.timeline.playing;
+        self.picture.render.set_preview(self.work.scene.seen() == Seen::Unshadowed && self.baking.progress().is_some());
         let Some(look) = self.look(viewport.size_px) else { return };
         let request = RenderRequest {
-            baked: self.scene.rendered().cloned(),
+            baked: self.work.scene.rendered().cloned(),
             look,
             moving,
-            may_pose: movable(self).is_some(),
-            frame_budget_ms: self.document.view.frame_budget_ms,
+            may_pose: self.pose.movable(&self.work).is_some(),
+            frame_budget_ms: self.work.document.view.frame_budget_ms,
             pointer: ctx.input(|i| i.pointer.latest_pos()).and_then(|at| viewport.place(at)),
         };
-        let sent = self.requests.sent.as_ref().filter(|_| !self.requests.is_forgotten);
+        let sent = self.picture.requests.sent.as_ref().filter(|_| !self.picture.requests.is_forgotten);
         if sent.is_some_and(|sent| sent.is_same(&request)) {
             return;
         }
-        self.render.request(request.clone());
-        (self.requests.sent, self.requests.is_forgotten) = (Some(request), false);
+        self.picture.render.request(request.clone());
+        (self.picture.requests.sent, self.picture.requests.is_forgotten) = (Some(request), false);
     }
 
     /// The look of the document in a viewport of `size` pixels; `None` without an environment.
     pub(super) fn look(&self, size: [u32; 2]) -> Option<Look> {
         let environment = self.environments.loaded()?.clone();
-        let document = &self.document;
-        let baked = self.scene.rendered();
+        let document = &self.work.document;
+        let baked = self.work.scene.rendered();
         let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
-        let assigned = baked.and_then(|baked| self.requests.assigned(document, baked));
+        let assigned = baked.and_then(|baked| self.picture.requests.assigned(document, baked));
         Some(Look {
-            poses: baked.map(|baked| self.poses_since(baked)).unwrap_or_default(),
+            poses: baked.map(|baked| self.pose.poses_since(&self.work, baked)).unwrap_or_default(),
             appearance: Appearance { assigned, ..document.appearance() },
             light: illumination(document, environment),
             lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
@@ -64,11 +62,11 @@ impl EditorState {
 
     /// Whether a button is held and has changed the document, as in a drag of a slider.
     fn is_editing_by_pointer(&mut self, ctx: &Context) -> bool {
-        let revision = self.history.revision();
+        let revision = self.work.history.revision();
         if !ctx.input(|i| i.pointer.any_down()) {
-            self.requests.at_rest = revision;
+            self.picture.requests.at_rest = revision;
         }
-        self.requests.at_rest != revision
+        self.picture.requests.at_rest != revision
     }
 }
 

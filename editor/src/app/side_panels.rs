@@ -2,7 +2,10 @@
 //! shows changes them. In a narrow window each is a strip of icons, which open it over the picture.
 
 use super::icons::{self, Icon};
-use crate::preferences::{INSPECTOR_WIDTHS, SIDE_WIDTHS};
+use crate::{
+    preferences::{INSPECTOR_WIDTHS, SIDE_WIDTHS},
+    workspace::{Inspector, Side},
+};
 use egui::{
     Area, Button, Context, CursorIcon, Frame, Id, Margin, Order, Panel, Rangef, Rect, Sense, Stroke, Ui, UiBuilder,
     vec2,
@@ -62,8 +65,6 @@ impl Edge {
 pub struct SidePanels {
     /// Widths in points that the user gave them, left and right.
     pub widths: [f32; 2],
-    /// Which of them is opened over the picture in a narrow window.
-    pub open: [bool; 2],
     /// Whether an edge is dragged.
     pub is_dragged: bool,
 }
@@ -71,7 +72,7 @@ pub struct SidePanels {
 impl SidePanels {
     /// With the widths that they had last.
     pub fn new(widths: [f32; 2]) -> Self {
-        Self { widths, open: [false; 2], is_dragged: false }
+        Self { widths, is_dragged: false }
     }
 
     /// The widths that there is room for: the inspector gives way first, then the left side.
@@ -124,14 +125,13 @@ pub fn drag_edge(ui: &Ui, edge: Edge, panels: &mut SidePanels, rect: Rect) -> bo
 pub fn strip<T: Copy + PartialEq>(
     ui: &mut Ui,
     edge: Edge,
-    panels: &mut SidePanels,
+    open: &mut bool,
     chosen: &mut T,
     tabs: &[(T, &str, Icon)],
 ) -> Rect {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(4, 6));
     let strip = edge.panel(STRIP).frame(frame).show(ui, |ui| {
         for &(tab, name, icon) in tabs {
-            let open = &mut panels.open[edge as usize];
             let is_shown = *open && *chosen == tab;
             let button = Button::selectable(is_shown, "").min_size(vec2(BUTTON, BUTTON));
             let button = ui.add(button).on_hover_text(name).accessible_name(name);
@@ -151,9 +151,6 @@ pub fn strip<T: Copy + PartialEq>(
 
 /// Shows a panel over the picture, beside its strip, in the room between `picture`'s edges.
 pub fn unfolded(ctx: &Context, edge: Edge, panels: &SidePanels, picture: Rect, contents: impl FnOnce(&mut Ui)) {
-    if !panels.open[edge as usize] {
-        return;
-    }
     let width = panels.fitted(picture.width())[edge as usize];
     let rect = match edge {
         Edge::Left => picture.with_max_x(picture.left() + width),
@@ -168,6 +165,25 @@ pub fn unfolded(ctx: &Context, edge: Edge, panels: &SidePanels, picture: Rect, c
         inside.shrink_clip_rect(rect);
         contents(&mut inside);
     });
+}
+
+/// The icon of a tab of the inspector.
+pub fn icon_of(tab: Inspector) -> Icon {
+    match tab {
+        Inspector::Material => Icon::Material,
+        Inspector::Environment => Icon::Environment,
+        Inspector::Lights => Icon::Lights,
+        Inspector::View => Icon::View,
+        Inspector::Bake => Icon::Bake,
+    }
+}
+
+/// The icon of a tab of the left side.
+pub fn icon_of_side(tab: Side) -> Icon {
+    match tab {
+        Side::Scene => Icon::Scene,
+        Side::Library => Icon::Library,
+    }
 }
 
 #[cfg(test)]

@@ -2,20 +2,19 @@
 
 use super::{
     EditorApp,
-    opening::Target,
     pacing::Pacing,
     state::{Bundled, EditorState, Setup},
 };
 use crate::{
     document::{absolute, library::maps_in},
+    jobs::opening::Target,
     paths::Folders,
     preferences::Preferences,
 };
 use anyhow::{Result, bail};
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
-use lapidary_studies::jobs::Wake;
-use lapidary_studies::{args::BackendOption, bundled::DataFolder};
+use lapidary_studies::{args::BackendOption, bundled::DataFolder, jobs::Wake};
 use std::{path::PathBuf, sync::Arc, time::Duration};
 
 /// How the window begins.

@@ -1,23 +1,24 @@
 //! The status line: what happened last, and the figures of the picture.
 
-use super::{
+use super::state::EditorState;
+use crate::{
+    jobs::render_thread::RenderedFrame,
     messages::{self, Severity},
-    state::EditorState,
+    widgets::copyable,
 };
-use crate::{jobs::render_thread::RenderedFrame, panels::widgets::copyable};
 use egui::{Align, Label, Layout, RichText, Ui};
 
 /// Shows the line.
 pub fn show(ui: &mut Ui, state: &mut EditorState) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            figures(ui, state.pictures.shown().filter(|_| state.scene.rendered().is_some()));
+            figures(ui, state.picture.shown().filter(|_| state.work.scene.rendered().is_some()));
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let running = state.exporting.is_running();
                 if running
                     && ui.small_button("Cancel").on_hover_text("Stop the export; what is complete stays").clicked()
                 {
-                    state.cancel_export();
+                    state.exporting.cancel();
                 }
                 message(ui, state);
             });
@@ -27,12 +28,12 @@ pub fn show(ui: &mut Ui, state: &mut EditorState) {
 
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
-    let remark = || state.messages.last_remark().map(str::to_owned);
+    let remark = || state.work.messages.last_remark().map(str::to_owned);
     let held = || state.ladder.is_climbing().then(|| "The full picture waits for the trial of cut sizes".to_owned());
     let work = || state.exporting.line().or_else(|| state.baking.line()).or_else(held);
     let text = match opening.or_else(work).or_else(remark) {
         Some(line) => RichText::new(line),
-        None => match state.messages.last() {
+        None => match state.work.messages.last() {
             Some(entry) if entry.severity != Severity::Note => {
                 RichText::new(&entry.text).color(messages::color(ui, entry.severity))
             }

@@ -19,11 +19,14 @@ mod panels;
 mod parts;
 mod poses;
 
-use super::{
-    opening::Target,
-    state::{Bundled, EditorState, Setup},
+use super::state::{Bundled, EditorState, Setup};
+use crate::{
+    actions::{Action, CameraAction, ExportAction},
+    bake::{Asker, BakeOrder, From, panel::BakeStatus},
+    jobs::opening::Target,
+    paths::Folders,
+    preferences::Preferences,
 };
-use crate::{actions::Action, paths::Folders, preferences::Preferences};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use lapidary_core::dataset::BakeSettings;
@@ -129,6 +132,18 @@ impl Window {
         });
     }
 
+    /// Begins a bake that nobody asked for.
+    fn bake_by_itself(&mut self, draft_first: bool) {
+        let order = BakeOrder { asked_by: Asker::Nobody, from: From::Beginning, draft_first };
+        let state = self.0.state_mut();
+        state.baking.bake(&mut state.work, order);
+    }
+
+    fn bake_status(&mut self) -> BakeStatus {
+        let state = self.0.state_mut();
+        state.baking.status(&state.work)
+    }
+
     fn perform(&mut self, action: Action) {
         let ctx = self.0.ctx.clone();
         self.0.state_mut().perform(&ctx, action);
@@ -162,7 +177,7 @@ impl Window {
     }
 
     fn roughness(&self) -> f32 {
-        self.0.state().document.materials[0].parameters.number("roughness")
+        self.0.state().work.document.materials[0].parameters.number("roughness")
     }
 
     fn drop_file(&mut self, path: PathBuf) {
@@ -173,11 +188,11 @@ impl Window {
     /// What undo would take back.
     fn undo_name(&self) -> Option<String> {
         let state = self.0.state();
-        state.history.undo_name(&state.document)
+        state.work.history.undo_name(&state.work.document)
     }
 
     fn has_said(&self, text: &str) -> bool {
-        self.0.state().messages.any_contains(text)
+        self.0.state().work.messages.any_contains(text)
     }
 }
 
@@ -200,7 +215,7 @@ fn at_rest_nothing_asks_for_another_frame() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("the whole picture", |s| s.pictures.shown().is_some_and(|p| p.samples == p.of_samples));
+    window.wait("the whole picture", |s| s.picture.shown().is_some_and(|p| p.samples == p.of_samples));
     // The preview ball and other pictures come from threads, and each asks for a frame.
     let start = Instant::now();
     while window.0.try_run().is_err() {
@@ -214,13 +229,16 @@ fn the_camera_goes_back_to_where_the_scene_was_first_seen_from() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    let first = window.0.state().document.camera.clone();
-    window.perform(Action::Camera(lapidary_core::camera::Camera { eye: glam::Vec3::ONE, ..first.clone() }));
-    window.perform(Action::FrameAll);
-    assert_ne!(window.0.state().document.camera, first, "negative control");
+    let first = window.0.state().work.document.camera.clone();
+    window.perform(Action::Camera(CameraAction::To(lapidary_core::camera::Camera {
+        eye: glam::Vec3::ONE,
+        ..first.clone()
+    })));
+    window.perform(Action::Camera(CameraAction::FrameAll));
+    assert_ne!(window.0.state().work.document.camera, first, "negative control");
     window.0.key_press(Key::Home);
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.camera, first);
+    assert_eq!(window.0.state().work.document.camera, first);
 }
 
 #[test]
@@ -229,7 +247,7 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window.0.key_press_modifiers(Modifiers::SHIFT, Key::W);
     window.0.run_steps(2);
     let with = exported(&mut window, &place.path("with.png"));
@@ -243,10 +261,10 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
 
 /// Exports the picture, which is that on the screen, and reads it.
 fn exported(window: &mut Window, path: &Path) -> Vec<[u8; 4]> {
-    window.perform(Action::ExportPicture(Some(path.to_owned())));
+    window.perform(Action::Export(ExportAction::Picture(Some(path.to_owned()))));
     window.wait("the file", |_| path.is_file());
     let read = lapidary_interchange::image::decode(&std::fs::read(path).unwrap(), path).unwrap();
-    let shown = window.0.state().pictures.shown().unwrap();
+    let shown = window.0.state().picture.shown().unwrap();
     assert_eq!((shown.samples, read.size), (shown.of_samples, shown.size));
     let lapidary_core::texture::Texels::U8(texels) = read.texels else { panic!("8 bits per channel") };
     assert_eq!(texels, shown.pixels);
@@ -275,9 +293,9 @@ fn a_dropped_picture_goes_on_the_selected_material_as_a_step_of_undo() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.drop_file(place.path("red.png"));
-    window.wait("the texture", |s| s.document.materials[0].maps.get("base_color").is_some());
+    window.wait("the texture", |s| s.work.document.materials[0].maps.get("base_color").is_some());
     window.perform(Action::Undo);
-    assert!(window.0.state().document.materials[0].maps.get("base_color").is_none());
+    assert!(window.0.state().work.document.materials[0].maps.get("base_color").is_none());
 }
 
 #[test]
@@ -288,12 +306,12 @@ fn keys_act_and_a_failed_open_keeps_what_is_open() {
     window.open(&place.path("scene.obj"));
     window.0.key_press(Key::Num2);
     window.0.run_steps(3);
-    assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::Normals);
+    assert_eq!(window.0.state().work.document.view.mode, lapidary_render::ViewMode::Normals);
     window.0.key_press(Key::F1);
     window.0.run_steps(3);
     assert!(window.shows("Keyboard and pointer"));
     window.open(&place.path("gone.obj"));
-    assert!(window.has_said("gone.obj") && window.0.state().scene.shown().is_some());
+    assert!(window.has_said("gone.obj") && window.0.state().work.scene.shown().is_some());
 }
 
 #[test]
@@ -307,13 +325,13 @@ fn a_changed_texture_of_the_scene_is_loaded_again() {
     std::fs::write(place.path("scene.obj"), format!("mtllib scene.mtl\nusemtl paint\n{obj}")).unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("the watch", |s| s.watched.contains(&place.path("paint.png")));
-    let old = window.0.state().document.textures[0].texture.clone();
+    window.wait("the watch", |s| s.watcher.watched.contains(&place.path("paint.png")));
+    let old = window.0.state().work.document.textures[0].texture.clone();
     let repaint =
         || image::write(&lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y), &place.path("paint.png")).unwrap();
-    window.wait_for_watch("the new texture", repaint, |s| s.document.textures[0].texture.size == [4, 2]);
+    window.wait_for_watch("the new texture", repaint, |s| s.work.document.textures[0].texture.size == [4, 2]);
     assert_eq!((old.size, &*old.name), ([2, 2], "paint.png"));
-    assert_eq!(window.0.state().document.textures[0].texture.name, "paint.png", "as the scene has it");
+    assert_eq!(window.0.state().work.document.textures[0].texture.name, "paint.png", "as the scene has it");
     assert!(window.has_said("Loaded again"));
 }
 
@@ -327,12 +345,12 @@ fn a_changed_texture_is_loaded_again() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.drop_file(place.path("paint.png"));
-    window.wait("the texture", |s| s.document.materials[0].maps.get("base_color").is_some());
-    let old = window.0.state().document.textures[0].texture.clone();
-    window.wait("the watch", |s| !s.watched.is_empty());
+    window.wait("the texture", |s| s.work.document.materials[0].maps.get("base_color").is_some());
+    let old = window.0.state().work.document.textures[0].texture.clone();
+    window.wait("the watch", |s| !s.watcher.watched.is_empty());
     let repaint =
         || image::write(&lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y), &place.path("paint.png")).unwrap();
-    window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.document.textures[0].texture, &old));
+    window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.work.document.textures[0].texture, &old));
     assert!(window.has_said("Loaded again"));
 }
 
@@ -347,10 +365,10 @@ fn what_is_typed_into_a_field_is_no_command_even_if_enter_comes_in_the_same_fram
     let keys = || [key(Key::Num5, true), egui::Event::Text("5".into()), key(Key::Num5, false), key(Key::Enter, true)];
     window.0.input_mut().events.extend(keys());
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::Shaded);
+    assert_eq!(window.0.state().work.document.view.mode, lapidary_render::ViewMode::Shaded);
     window.0.input_mut().events.extend(keys());
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.view.mode, lapidary_render::ViewMode::VisibilityCut, "negative control");
+    assert_eq!(window.0.state().work.document.view.mode, lapidary_render::ViewMode::VisibilityCut, "negative control");
 }
 
 const NONE: Modifiers = Modifiers::NONE;

@@ -16,19 +16,20 @@ use lapidary_render::{ToneMap, ViewMode};
 pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.add_space(1.0);
     ui.horizontal(|ui| {
-        let (undo, redo) = (state.history.undo_name(&state.document), state.history.redo_name(&state.document));
+        let (undo, redo) =
+            (state.work.history.undo_name(&state.work.document), state.work.history.redo_name(&state.work.document));
         tool(ui, state, actions, Command::Undo, "Undo", undo.is_some());
         tool(ui, state, actions, Command::Redo, "Redo", redo.is_some());
         ui.separator();
-        let shown = state.scene.rendered().is_some();
+        let shown = state.work.scene.rendered().is_some();
         tool(ui, state, actions, Command::FrameSelection, "Frame", shown);
         ui.separator();
         pose_tools(ui, state, actions);
         ui.separator();
-        let can_compare = state.interface.comparison.open || state.can_compare();
+        let can_compare = state.comparison.panel.open || state.picture.can_be_compared(&state.work);
         tool(ui, state, actions, Command::Compare, "Compare", can_compare);
         ui.separator();
-        view_tools(ui, &state.document.view, actions);
+        view_tools(ui, &state.work.document.view, actions);
     });
     ui.add_space(1.0);
 }
@@ -47,7 +48,7 @@ fn pose_tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for (tool, label) in tools {
         let command = Command::Tool(tool);
         let help = format!("{} ({})", keys::binding(command).label, keys::text(ui.ctx(), command));
-        let response = ui.selectable_label(state.interface.tool == tool, label).on_hover_text(help);
+        let response = ui.selectable_label(state.pose.tool == tool, label).on_hover_text(help);
         if response.accessible_name(format!("{label} tool")).clicked() {
             state.command(command, actions);
         }

@@ -6,7 +6,7 @@
 use super::{
     Document, History,
     relative::absolute,
-    session::{EXTENSION, SessionError, Unknown, read_json, save_for_recovery},
+    session::{AUTOSAVE_KEY, EXTENSION, SessionError, Unknown, read_json, save_for_recovery},
 };
 use serde::{Deserialize, Serialize};
 use std::{
@@ -15,9 +15,6 @@ use std::{
     path::{Path, PathBuf},
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
-
-/// Key of the note in an autosave that says what it is of.
-pub const KEY: &str = "autosave";
 
 const PREFIX: &str = "autosave-";
 
@@ -160,7 +157,7 @@ impl Recovery {
         if Process::of_file(&file)?.is_running(&file) {
             return None;
         }
-        let note = read_json(&file).ok()?.remove(KEY)?;
+        let note = read_json(&file).ok()?.remove(AUTOSAVE_KEY)?;
         let note: Note = serde_json::from_value(note).ok()?;
         let saved_at = UNIX_EPOCH.checked_add(Duration::from_secs(note.saved_at))?;
         Some(Self { file, session_path: note.session.map(Into::into), saved_at })

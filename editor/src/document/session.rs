@@ -38,6 +38,9 @@ pub const EXTENSION: &str = "lapidary";
 /// In version 1 `ward` was the model that is `ward-duer` now.
 pub const VERSION: u64 = 2;
 
+/// Key of the note in an autosave that says what it is of.
+pub const AUTOSAVE_KEY: &str = "autosave";
+
 /// Key of the version.
 const VERSION_KEY: &str = "lapidary_session";
 

@@ -9,6 +9,17 @@ use std::{
 /// Most bytes of such bakes.
 pub const MOST_BYTES: u64 = 8 << 30;
 
+/// Path of the draft of a bake, which is shown at once while the bake continues.
+pub fn draft_of(output: &Path) -> PathBuf {
+    output.with_extension("draft.cuts")
+}
+
+/// Path in the folder `bakes` of a bake that began by itself. Another version of the scene has another bake.
+pub fn kept_in(bakes: &Path, scene: &Path, hash: &str) -> PathBuf {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    bakes.join(format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash)))
+}
+
 /// Makes a bake the newest.
 pub fn touch(bake: &Path) {
     // One that cannot be touched is removed somewhat earlier.

@@ -67,6 +67,17 @@ pub enum Source {
     },
 }
 
+impl Source {
+    fn path(&self) -> Option<PathBuf> {
+        match self {
+            Self::Environment(_) => None,
+            Self::Scene { path, .. } | Self::Texture(path) | Self::Brdf(path) | Self::Material { path, .. } => {
+                Some(path.clone())
+            }
+        }
+    }
+}
+
 /// The opened file.
 #[derive(Clone, Debug)]
 pub enum Loaded {
@@ -108,8 +119,9 @@ pub enum Loaded {
 /// A load that has ended.
 #[derive(Clone, Debug)]
 pub struct LoadResult {
-    /// The id that [`Loader::load`] returned.
-    pub id: u64,
+    id: u64,
+    /// The file, but for formulas.
+    pub path: Option<PathBuf>,
     /// Its purpose.
     pub topic: Topic,
     /// What was opened, or why not.
@@ -133,19 +145,25 @@ impl Loader {
         Self { wake, sender, results, latest: HashMap::new(), loads: 0 }
     }
 
-    /// Begins to open something; returns its id. An earlier load on the same topic no longer counts.
-    pub fn load(&mut self, topic: Topic, source: Source) -> u64 {
+    /// Begins to open something. An earlier load on the same topic no longer counts.
+    pub fn load(&mut self, topic: Topic, source: Source) {
         self.loads += 1;
         let id = self.loads;
         self.latest.insert(topic.clone(), id);
         let (sender, wake) = (self.sender.clone(), self.wake.clone());
         spawn("load", move || {
+            let path = source.path();
             let result = guarded("opening the file", || open(source));
             // Nobody is left to tell if the window is gone.
-            let _ = sender.send(LoadResult { id, topic, result });
+            let _ = sender.send(LoadResult { id, path, topic, result });
             wake();
         });
-        id
+    }
+
+    /// Whether all that was asked for has been opened.
+    #[cfg(test)]
+    pub fn is_idle(&self) -> bool {
+        self.latest.is_empty()
     }
 
     /// No load that is under way counts any more, but for that of the light: another document was opened.

@@ -21,6 +21,8 @@ type Stamp = Option<(SystemTime, u64)>;
 pub struct Watcher {
     files: Sender<Vec<PathBuf>>,
     changed: Receiver<PathBuf>,
+    /// Those that it watches.
+    pub watched: Vec<PathBuf>,
 }
 
 impl Watcher {
@@ -33,13 +35,16 @@ impl Watcher {
         let (files, sets) = channel();
         let (sender, changed) = channel();
         spawn("watch", move || watch(&sets, &sender, &wake, period));
-        Self { files, changed }
+        Self { files, changed, watched: Vec::new() }
     }
 
     /// Watches these files and no others. Those that were not watched before count as known as they are.
-    pub fn watch(&self, files: Vec<PathBuf>) {
-        // The thread only ends with the watcher.
-        let _ = self.files.send(files);
+    pub fn watch(&mut self, files: Vec<PathBuf>) {
+        if files != self.watched {
+            // The thread only ends with the watcher.
+            let _ = self.files.send(files.clone());
+            self.watched = files;
+        }
     }
 
     /// Files that have changed since the last call, and are no longer being written.

@@ -1,29 +1,44 @@
-//! The reference beside or over the picture, the map of errors, and the pointer's part in it: the line between both is
-//! dragged, and so is the region that counts.
+//! The reference beside or over the picture, and the map of errors.
 
 use super::{gizmo::Projection, legend};
-use crate::{
-    panels::comparison::{CompareView, ComparisonPanel, Tool},
-    typing::take_escape,
-};
-use egui::{
-    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, StrokeKind, TextureId, Ui, Vec2, pos2,
-    vec2,
-};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, TextureId, Ui, Vec2, pos2, vec2};
 use glam::Vec3;
 use lapidary_core::camera::Camera;
 use lapidary_render::compare::map::ErrorField;
 
-/// Points around the line between both that take hold of it.
-const GRIP: f32 = 7.0;
 const LINE: Stroke = Stroke { width: 1.5, color: Color32::from_gray(235) };
 /// Distance of labels from edges and the line, and room in them.
 const MARGIN: f32 = 10.0;
 const PADDING: Vec2 = vec2(7.0, 3.0);
 /// Half the size of the cross on a pixel in points.
 const CROSS: f32 = 7.0;
-/// Least side of a region in points: a click is none.
-const LEAST_REGION: f32 = 6.0;
+
+/// How picture and reference are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CompareView {
+    /// The picture alone.
+    Picture,
+    /// The reference alone.
+    Reference,
+    /// The picture to the left of a line, the reference to the right.
+    #[default]
+    Swipe,
+    /// Both whole.
+    SideBySide,
+    /// The map of errors.
+    Difference,
+}
+
+impl CompareView {
+    /// All of them, with a label and what each shows.
+    pub const ALL: [(Self, &str, &str); 5] = [
+        (Self::Picture, "A", "The picture with cuts"),
+        (Self::Reference, "B", "The reference; hold R to see it for a moment in any view"),
+        (Self::Swipe, "A | B", "The picture to the left of a line that can be dragged, the reference to the right"),
+        (Self::SideBySide, "Side by side", "Both, each as a whole"),
+        (Self::Difference, "Difference", "Where they differ, in colors"),
+    ];
+}
 
 /// A node of the explained pixel that has a place in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,12 +165,14 @@ fn explained(painter: &Painter, rect: Rect, camera: &Camera, compared: &Compared
     }
 }
 
-fn part_of(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
+/// The part of a rectangle at these shares of its width and height: left, top, right, bottom.
+pub fn part_of(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
     let at = |x: f32, y: f32| rect.min + vec2(x, y) * rect.size();
     Rect::from_min_max(at(left, top), at(right, bottom))
 }
 
-fn line_at(rect: Rect, share: f32) -> f32 {
+/// Where the line between both is.
+pub fn line_at(rect: Rect, share: f32) -> f32 {
     rect.left() + share.clamp(0.0, 1.0) * rect.width()
 }
 
@@ -165,66 +182,4 @@ fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
     let ground = align.anchor_size(at + vec2(0.0, MARGIN), galley.size() + 2.0 * PADDING);
     painter.rect_filled(ground, 4.0, Color32::from_black_alpha(150));
     painter.galley(ground.min + PADDING, galley, Color32::WHITE);
-}
-
-/// Takes the pointer where the comparison has use for it, over the viewport that was shown in `rect`. Returns a pixel that is to be
-/// explained, in shares of the viewport.
-pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
-    match (panel.tool, panel.shown_view()) {
-        (Some(_), CompareView::SideBySide) => panel.view = CompareView::Swipe,
-        (Some(Tool::Region(drawn)), _) => draw_region(ui, rect, panel, drawn),
-        (Some(Tool::Why), _) => return asked_pixel(ui, rect, panel),
-        (None, CompareView::Swipe) => drag_line(ui, rect, panel),
-        // What is clicked is not where the picture alone would have it.
-        (None, CompareView::SideBySide) => drop(ui.interact(rect, ui.scope_id().with("both"), Sense::click())),
-        (None, _) => {}
-    }
-    None
-}
-
-/// Where a click asks why.
-fn asked_pixel(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
-    let response = ui.interact(rect, ui.scope_id().with("why"), Sense::click()).on_hover_cursor(CursorIcon::Help);
-    if take_escape(ui.ctx()) {
-        panel.tool = None;
-    }
-    let at = response.interact_pointer_pos().filter(|_| response.clicked())?;
-    Some(((at - rect.min) / rect.size()).clamp(Vec2::ZERO, Vec2::splat(1.0)).into())
-}
-
-fn drag_line(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) {
-    let x = line_at(rect, panel.swipe);
-    let grip = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, rect.y_range());
-    let response = ui.interact(grip, ui.scope_id().with("swipe"), Sense::drag());
-    let response = response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-    if let Some(pointer) = response.interact_pointer_pos() {
-        panel.swipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
-    }
-}
-
-fn draw_region(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel, drawn: Option<([f32; 2], [f32; 4])>) {
-    let response = ui.interact(rect, ui.scope_id().with("region"), Sense::drag());
-    let response = response.on_hover_and_drag_cursor(CursorIcon::Crosshair);
-    let share = |at: Pos2| -> [f32; 2] { ((at - rect.min) / rect.size()).clamp(Vec2::ZERO, Vec2::splat(1.0)).into() };
-    let pointer = response.interact_pointer_pos().map(share);
-    if take_escape(ui.ctx()) {
-        panel.tool = None;
-    } else if response.drag_started() {
-        let origin = ui.input(|i| i.pointer.press_origin()).map(share).or(pointer);
-        panel.tool = Some(Tool::Region(origin.map(|start| (start, spanned(start, start)))));
-    } else if let (Some((start, _)), Some(end)) = (drawn, pointer) {
-        let part = spanned(start, end);
-        panel.tool = Some(Tool::Region(Some((start, part))));
-        if response.drag_stopped() {
-            // What counts changes once, for each change traces anew.
-            panel.tool = None;
-            panel.region =
-                Some(part).filter(|part| part_of(rect, *part).size().min_elem() >= LEAST_REGION).or(panel.region);
-        }
-    }
-}
-
-/// The rectangle between two corners.
-fn spanned(a: [f32; 2], b: [f32; 2]) -> [f32; 4] {
-    [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])]
 }

@@ -1,9 +1,10 @@
 //! A preset or a material is dragged over the picture: the surface that would take it is outlined and named, and takes it
 //! where it is let go.
 
-use super::{ViewportContext, outline, pick};
+use super::{ViewportContext, outline};
 use crate::{
-    actions::Action,
+    actions::{Action, MaterialAction, SelectAction},
+    bounds::part_bounds,
     document::{Document, Edit},
     dragged::Dragged,
 };
@@ -66,7 +67,7 @@ pub(super) fn handle(
 }
 
 fn surface(known: Option<Surface>, context: &ViewportContext, part: Part, alone: bool) -> Surface {
-    let bounds = || context.mesh.and_then(|mesh| pick::part_bounds(mesh, part));
+    let bounds = || context.mesh.and_then(|mesh| part_bounds(mesh, part));
     let is_ground = context.mesh.is_some_and(|mesh| mesh.ground_object() == Some(part.object));
     let bounds = known.filter(|known| known.part == part).map_or_else(bounds, |known| known.bounds);
     Surface { part, alone: alone && !is_ground, bounds }
@@ -76,15 +77,18 @@ fn surface(known: Option<Surface>, context: &ViewportContext, part: Part, alone:
 fn drop_on(context: &ViewportContext, dragged: Dragged, surface: Surface, actions: &mut Vec<Action>) {
     let Surface { part, alone, .. } = surface;
     if alone {
-        return actions.extend([Action::SelectObject(Some(part.object)), alone_on(part, dragged, context.document)]);
+        return actions.extend([
+            Action::Select(SelectAction::Object(Some(part.object))),
+            alone_on(part, dragged, context.document),
+        ]);
     }
     let index = context.document.material_of(part);
     let target = context.document.materials.get(index);
     let Some(material) = target.and_then(|target| dragged.applied_to(target, context.document)) else { return };
-    actions.push(Action::SelectObject(Some(part.object)));
+    actions.push(Action::Select(SelectAction::Object(Some(part.object))));
     let edit = Edit::Material { index, material: Box::new(material) };
     actions.extend([Action::EndGesture, Action::Edit { edit, label: dragged.label() }, Action::EndGesture]);
-    actions.extend([Action::SelectMaterial(Some(index)), Action::SelectPart(part)]);
+    actions.extend([Action::Select(SelectAction::Material(Some(index))), Action::Select(SelectAction::Part(part))]);
 }
 
 /// Gives a part what is dragged as a material that other surfaces of its present one do not get.
@@ -94,9 +98,12 @@ fn alone_on(part: Part, dragged: Dragged, document: &Document) -> Action {
             let present = document.materials.get(document.material_of(part));
             let applied = present.and_then(|present| dragged.applied_to(present, document));
             let named = |material| Material { name: dragged.name(document), ..material };
-            Action::MakeUnique { part, material: applied.map(|material| named(material).into()) }
+            Action::Material(MaterialAction::MakeUnique {
+                part,
+                material: applied.map(|material| named(material).into()),
+            })
         }
-        Dragged::Material(material) => Action::Assign { part, material },
+        Dragged::Material(material) => Action::Material(MaterialAction::Assign { part, material }),
     }
 }
 

@@ -17,9 +17,13 @@ mod rings;
 mod size;
 #[cfg(test)]
 mod tests;
+mod tool;
 
 use super::{ViewportContext, pick};
-use crate::{actions::Action, typing::take_escape};
+use crate::{
+    actions::{Action, LightAction},
+    typing::take_escape,
+};
 use drag::Drag;
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec3;
@@ -27,9 +31,9 @@ use handles::{Constraint, Handle};
 use lapidary_core::{ground::Ground, lights::Light};
 pub use movable::{Movable, Pivot, Subject};
 use object::ObjectHandles;
-pub use object::Tool;
 pub use paint::paint;
 pub use projection::Projection;
+pub use tool::Tool;
 
 /// What goes on with handles in the viewport.
 #[derive(Default)]
@@ -210,13 +214,13 @@ impl Pass<'_> {
         }
         if self.view.context.aiming {
             if let Some(place) = self.view.surface(pointer) {
-                self.actions.push(Action::AimLight(Some(place)));
+                self.actions.push(Action::Light(LightAction::Aim(Some(place))));
             }
             return true;
         }
         match self.view.hit(pointer) {
             Some(Hot::Light(index)) => {
-                self.actions.push(Action::SelectLight(Some(index)));
+                self.actions.push(Action::Light(LightAction::Select(Some(index))));
                 true
             }
             Some(Hot::Handle(handle)) => self.view.light().is_some() || !handle.is_for_clicks(),
@@ -227,7 +231,7 @@ impl Pass<'_> {
     /// Escape gives up aiming.
     fn stop_aiming(&mut self) -> bool {
         if self.view.context.aiming && take_escape(self.ui.ctx()) {
-            self.actions.push(Action::AimLight(None));
+            self.actions.push(Action::Light(LightAction::Aim(None)));
         }
         false
     }

@@ -4,10 +4,11 @@ mod keys;
 
 pub use keys::turn_environment;
 
-use super::{ViewportContext, ViewportState, gizmo, navigation, pick::Picked, pixel};
+use super::{ViewportContext, ViewportState, gizmo, pick::Picked, pixel};
 use crate::{
-    actions::Action,
+    actions::{Action, CameraAction, SelectAction},
     document::{Edit, EnvironmentSettings},
+    navigation,
 };
 use egui::{CursorIcon, Event, InputState, Modifiers, MouseWheelUnit, PointerButton, Pos2, Response, Ui};
 use glam::Vec2;
@@ -107,7 +108,7 @@ pub(super) fn handle(
     }
     pass.scrolls();
     if pass.camera != context.document.camera {
-        pass.actions.push(Action::Camera(pass.camera));
+        pass.actions.push(Action::Camera(CameraAction::To(pass.camera)));
     }
 }
 
@@ -249,12 +250,13 @@ impl Pass<'_> {
         }
         let picked = self.picked(pointer);
         if command {
-            self.actions.extend(picked.map(|picked| Action::ToggleObject(picked.object)));
+            self.actions.extend(picked.map(|picked| Action::Select(SelectAction::Toggle(picked.object))));
         } else if !self.response.double_clicked() {
-            self.actions.push(Action::SelectObject(picked.map(|picked| picked.object)));
+            self.actions.push(Action::Select(SelectAction::Object(picked.map(|picked| picked.object))));
             let part = picked.map(|picked| picked.part());
-            self.actions.push(Action::SelectMaterial(part.map(|part| self.context.document.material_of(part))));
-            self.actions.extend(part.map(Action::SelectPart));
+            self.actions
+                .push(Action::Select(SelectAction::Material(part.map(|part| self.context.document.material_of(part)))));
+            self.actions.extend(part.map(|part| Action::Select(SelectAction::Part(part))));
         } else if let Some(picked) = picked {
             self.camera = navigation::centered_on(&self.camera, picked.position);
         }

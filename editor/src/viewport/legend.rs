@@ -4,7 +4,7 @@
 //! roughness as they are.
 
 use super::ViewportContext;
-use crate::{document::Component, panels::units::grouped};
+use crate::{document::Component, widgets::units::grouped};
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use glam::{Mat3, Vec3};
 use lapidary_core::{camera::Camera, color::srgb_from_linear, dataset::BakeParts};

@@ -1,7 +1,6 @@
 //! The picture and the few words over it.
 
-use super::{ViewportContext, ViewportState};
-use crate::app::Faded;
+use super::{Faded, ViewportContext, ViewportState};
 use egui::{
     Align2, Color32, ColorImage, FontId, Label, Rect, Stroke, StrokeKind, TextStyle, TextureHandle, TextureOptions, Ui,
     Vec2, pos2, vec2,

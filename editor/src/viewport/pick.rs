@@ -1,7 +1,7 @@
 //! What lies under a pixel, by one ray.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{bounds::Bounds, camera::Camera, ground::Ground, parts::Part, ray::Intersector, scene::Mesh};
+use lapidary_core::{camera::Camera, ground::Ground, parts::Part, ray::Intersector, scene::Mesh};
 
 /// What lies under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,31 +45,10 @@ pub fn pick(
     })
 }
 
-/// Bounds of a part, as [`object_bounds`].
-pub fn part_bounds(mesh: &Mesh, part: Part) -> Option<Bounds> {
-    bounds_of(mesh, part.object, |triangle| mesh.triangle_material[triangle] == part.material)
-}
-
-/// Bounds of an object's triangles; `None` if it has none. The ground, which is endless, has those of what stands on it. Goes
-/// through the whole mesh: keep the result.
-pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
-    bounds_of(mesh, object, |_| true)
-}
-
-fn bounds_of(mesh: &Mesh, object: u32, counts: impl Fn(usize) -> bool) -> Option<Bounds> {
-    if mesh.ground_object() == Some(object) {
-        return Some(mesh.bounds());
-    }
-    let owners = mesh.triangle_object.iter().enumerate();
-    let counted = owners.filter(|&(triangle, &owner)| owner == object && counts(triangle));
-    let bounds = Bounds::around(counted.flat_map(|(triangle, _)| mesh.corners(triangle)));
-    (bounds.min.x <= bounds.max.x).then_some(bounds)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_support::two_squares;
+    use crate::{bounds::object_bounds, test_support::two_squares};
     use lapidary_core::{ground::add_ground, scene::Scene};
 
     const SIZE: [u32; 2] = [800, 600];
@@ -113,15 +92,5 @@ mod tests {
             assert_eq!(from_below.object, 0, "{ground:?}");
         }
         assert_eq!(object_bounds(mesh, mesh.ground_object().unwrap()), Some(bounds));
-    }
-
-    #[test]
-    fn bounds_are_those_of_the_object_alone() {
-        let mesh = two_squares();
-        let bounds = object_bounds(&mesh, 1).unwrap();
-        assert_eq!((bounds.min, bounds.max), (Vec3::new(0.5, -0.5, 0.0), Vec3::new(1.5, 0.5, 0.0)));
-        let left = object_bounds(&mesh, 0).unwrap();
-        assert_eq!((left.min, left.max), (Vec3::new(-1.5, -0.5, 0.0), Vec3::new(-0.5, 0.5, 0.0)));
-        assert_eq!(object_bounds(&mesh, 2), None);
     }
 }

@@ -1,7 +1,11 @@
 //! A viewport without a screen around a made-up scene, and hands that use it.
 
 use super::*;
-use crate::{test_support::two_squares, typing::keys_are_commands};
+use crate::{
+    actions::{CameraAction, LightAction, SelectAction},
+    test_support::two_squares,
+    typing::keys_are_commands,
+};
 use egui::{Event, Modifiers, MouseWheelUnit, PointerButton, Pos2, TextEdit, Vec2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
@@ -82,7 +86,7 @@ impl App {
     fn movable(&self) -> Option<gizmo::Movable> {
         let (active, tool) = self.selected.zip(self.tool)?;
         let subject = |object| {
-            let center = pick::object_bounds(&self.mesh, object)?.center();
+            let center = crate::bounds::object_bounds(&self.mesh, object)?.center();
             Some(gizmo::Subject { object, center, middle: center })
         };
         let others = self.others.iter().filter_map(|&object| subject(object)).collect();
@@ -106,14 +110,14 @@ impl App {
 
     fn apply(&mut self, action: &Action, response: ViewportResponse) {
         match action {
-            Action::Camera(camera) => self.document.camera = camera.clone(),
+            Action::Camera(CameraAction::To(camera)) => self.document.camera = camera.clone(),
             Action::Edit { edit, .. } => edit.clone().swap(&mut self.document),
-            Action::SelectObject(object) => (self.selected, self.others) = (*object, Vec::new()),
-            Action::SelectLight(light) => self.selected_light = *light,
-            Action::FrameSelection => {
-                let bounds = pick::object_bounds(&self.mesh, self.selected.unwrap_or(0)).unwrap();
+            Action::Select(SelectAction::Object(object)) => (self.selected, self.others) = (*object, Vec::new()),
+            Action::Light(LightAction::Select(light)) => self.selected_light = *light,
+            Action::Camera(CameraAction::FrameSelection) => {
+                let bounds = crate::bounds::object_bounds(&self.mesh, self.selected.unwrap_or(0)).unwrap();
                 let aspect = response.rect.aspect_ratio();
-                self.document.camera = navigation::framed(&self.document.camera, bounds, aspect);
+                self.document.camera = crate::navigation::framed(&self.document.camera, bounds, aspect);
             }
             _ => {}
         }

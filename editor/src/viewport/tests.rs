@@ -4,7 +4,7 @@ mod camera;
 mod dropping;
 
 use super::{test_window::*, *};
-use crate::{document::Edit, test_support::row_of_sources};
+use crate::{actions::SelectAction, document::Edit, test_support::row_of_sources};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, pos2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
@@ -25,7 +25,7 @@ fn a_click_selects_the_object_under_it_and_nothing_beside_it() {
     let right = seen_at(&harness, 1.0, 0.2);
     click(&mut harness, right);
     assert_eq!(harness.state().selected, Some(1));
-    assert!(matches!(harness.state().log[1], Action::SelectMaterial(Some(0))));
+    assert!(matches!(harness.state().log[1], Action::Select(SelectAction::Material(Some(0)))));
     assert_eq!(camera(&harness), start(), "a click does not move the camera");
     wait(&mut harness);
     let left = seen_at(&harness, -1.0, 0.2);
@@ -43,7 +43,11 @@ fn a_click_with_ctrl_adds_or_takes_away_what_is_under_it_and_nothing_beside_it()
     let [right, between] = [1.0, 0.0].map(|x| seen_at(&harness, x, 0.2));
     for _ in 0..2 {
         click_with(&mut harness, right, Modifiers::COMMAND);
-        assert!(matches!(harness.state().log[..], [Action::ToggleObject(1)]), "{:?}", harness.state().log);
+        assert!(
+            matches!(harness.state().log[..], [Action::Select(SelectAction::Toggle(1))]),
+            "{:?}",
+            harness.state().log
+        );
         // The second click is no double click, which would move the camera.
         harness.state_mut().log.clear();
     }
@@ -52,7 +56,10 @@ fn a_click_with_ctrl_adds_or_takes_away_what_is_under_it_and_nothing_beside_it()
     assert!(harness.state().log.is_empty(), "{:?}", harness.state().log);
     wait(&mut harness);
     click(&mut harness, between);
-    assert!(matches!(harness.state().log[0], Action::SelectObject(None)), "negative control: without Ctrl");
+    assert!(
+        matches!(harness.state().log[0], Action::Select(SelectAction::Object(None))),
+        "negative control: without Ctrl"
+    );
 }
 
 #[test]
@@ -123,7 +130,7 @@ fn words_over_the_picture_are_there_and_let_clicks_through() {
     harness.get_by_label("Bake is out of date");
     let words = harness.get_by_label("Rendering 40 %").rect();
     click(&mut harness, words.center());
-    assert!(matches!(harness.state().log[0], Action::SelectObject(None)));
+    assert!(matches!(harness.state().log[0], Action::Select(SelectAction::Object(None))));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A file dialog of the window's own: a path to type, and the folder's entries to click.
 
 use super::{Mode, Purpose};
-use crate::{document::absolute, panels::widgets::copyable};
+use crate::{document::absolute, widgets::copyable};
 use egui::{
     Align, Context, Key, Label, Layout, Modal, RichText, ScrollArea, TextEdit, Ui,
     text::{CCursor, CCursorRange},
@@ -225,6 +225,7 @@ fn expand_home(typed: &str) -> PathBuf {
 mod tests {
     use super::*;
     use crate::actions::Action;
+    use crate::actions::FileAction;
     use egui_kittest::{Harness, kittest::Queryable};
 
     fn entry(action: &Action, folder: &Path, name: &str) -> PathEntry {
@@ -240,7 +241,7 @@ mod tests {
         for inner in ["z", "a.cuts.partial"] {
             std::fs::create_dir(folder.path().join(inner)).unwrap();
         }
-        let entry = entry(&Action::Open(None), folder.path(), "");
+        let entry = entry(&Action::File(FileAction::Open(None)), folder.path(), "");
         let names: Vec<_> = entry.entries.iter().map(|e| e.name.as_str()).collect();
         assert_eq!(names, ["z", "a.cuts", "b.obj"]);
     }
@@ -250,7 +251,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("a")).unwrap();
         std::fs::write(folder.path().join("b.obj"), b"").unwrap();
-        let mut entry = entry(&Action::Open(None), &folder.path().join("a/../a"), "../b.obj");
+        let mut entry = entry(&Action::File(FileAction::Open(None)), &folder.path().join("a/../a"), "../b.obj");
         assert_eq!(entry.folder, folder.path().join("a"));
         assert_eq!(entry.accept(), Some(folder.path().join("b.obj")));
         entry.enter_parent();
@@ -261,27 +262,27 @@ mod tests {
     fn only_files_that_are_there_can_be_opened_and_replacing_is_asked_for() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a.lapidary"), b"").unwrap();
-        assert!(entry(&Action::Open(None), folder.path(), "gone.obj").accept().is_none());
+        assert!(entry(&Action::File(FileAction::Open(None)), folder.path(), "gone.obj").accept().is_none());
         assert_eq!(
-            entry(&Action::Open(None), folder.path(), "a.lapidary").accept(),
+            entry(&Action::File(FileAction::Open(None)), folder.path(), "a.lapidary").accept(),
             Some(folder.path().join("a.lapidary"))
         );
-        let mut save = entry(&Action::SaveAs(None), folder.path(), "a");
+        let mut save = entry(&Action::File(FileAction::SaveAs(None)), folder.path(), "a");
         assert!(save.accept().is_none() && save.problem.is_some());
         assert_eq!(save.accept(), Some(folder.path().join("a.lapidary")));
         assert_eq!(
-            entry(&Action::SaveAs(None), folder.path(), "b").accept(),
+            entry(&Action::File(FileAction::SaveAs(None)), folder.path(), "b").accept(),
             Some(folder.path().join("b.lapidary")),
             "a new file needs no question"
         );
-        assert!(entry(&Action::SaveAs(None), folder.path(), "no/b").accept().is_none());
+        assert!(entry(&Action::File(FileAction::SaveAs(None)), folder.path(), "no/b").accept().is_none());
     }
 
     #[test]
     fn a_path_can_be_typed_and_the_dialog_cancelled() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a.obj"), b"").unwrap();
-        let state = (entry(&Action::Open(None), folder.path(), ""), None::<Answer>);
+        let state = (entry(&Action::File(FileAction::Open(None)), folder.path(), ""), None::<Answer>);
         let mut harness = Harness::new_ui_state(
             |ui, (entry, answer): &mut (PathEntry, Option<Answer>)| {
                 if let Some(path) = entry.show(ui.ctx()) {

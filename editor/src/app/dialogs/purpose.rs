@@ -1,6 +1,9 @@
 //! The purpose of a file dialog: its title, the files it lists, and how its answer completes the action that asked.
 
-use crate::{actions::Action, preferences::FileUse};
+use crate::{
+    actions::{Action, CompareAction, EnvironmentAction, ExportAction, FileAction, LightAction, MaterialAction},
+    preferences::FileUse,
+};
 use lapidary_interchange::export::FORMATS;
 use std::path::{Path, PathBuf};
 
@@ -39,70 +42,75 @@ const MATERIALS: &[&str] = &["json", "mtlx"];
 const BRDFS: &[&str] = lapidary_core::brdf::ContentKind::EXTENSIONS;
 const LIGHTS: &[&str] = &["json"];
 
+const SCENES: &[&str] = &["gltf", "glb", "obj", "ply", "cuts", "lapidary"];
+const OPEN: Purpose = Purpose::new(
+    FileUse::Scene,
+    ["Open a scene, a baked scene or a session", "Open", "Scenes, baked scenes, sessions"],
+    Mode::Open,
+    SCENES,
+);
+const SAVE_SESSION: Purpose =
+    Purpose::new(FileUse::Session, ["Save the session", "Save", "Sessions"], Mode::Save, &["lapidary"]);
+const LOOK_FOR_FILES: Purpose =
+    Purpose::new(FileUse::Missing, ["Look for the files in a folder", "Look here", "Folders"], Mode::Folder, &[]);
+const EXPORT_PICTURE: Purpose =
+    Purpose::new(FileUse::Picture, ["Export the picture", "Export", "Pictures"], Mode::Save, &["png", "exr", "hdr"]);
+const EXPORT_LAYERS: Purpose =
+    Purpose::new(FileUse::Picture, ["Export the picture with layers", "Export", "Pictures"], Mode::Save, &["exr"]);
+const EXPORT_MATERIALS: Purpose =
+    Purpose::new(FileUse::Material, ["Export the materials", "Export", "MaterialX, MTL, glTF"], Mode::Save, &FORMATS);
+const CHOOSE_FRAMES: Purpose =
+    Purpose::new(FileUse::Picture, ["Choose the folder of the frames", "Choose", "Folders"], Mode::Folder, &[]);
+const LOAD_TEXTURE: Purpose =
+    Purpose::new(FileUse::Texture, ["Load a texture", "Load", "Pictures"], Mode::Open, PICTURES);
+const LOAD_BRDF: Purpose = Purpose::new(FileUse::Material, ["Load a BRDF", "Load", "BRDFs"], Mode::Open, BRDFS);
+const LOAD_MATERIAL: Purpose =
+    Purpose::new(FileUse::Material, ["Load a material", "Load", "Materials"], Mode::Open, MATERIALS);
+const SAVE_MATERIAL: Purpose =
+    Purpose::new(FileUse::Material, ["Save the material", "Save", "Materials"], Mode::Save, MATERIALS);
+const LOAD_LIGHTS: Purpose =
+    Purpose::new(FileUse::Lights, ["Add the lights of a file", "Load", "Lights"], Mode::Open, LIGHTS);
+const SAVE_LIGHTS: Purpose = Purpose::new(FileUse::Lights, ["Save the lights", "Save", "Lights"], Mode::Save, LIGHTS);
+const LOAD_ENVIRONMENT: Purpose =
+    Purpose::new(FileUse::Environment, ["Load an environment", "Load", "Environments"], Mode::Open, PICTURES);
+const ADD_TO_LIBRARY: Purpose = Purpose::new(
+    FileUse::Environment,
+    ["Add environments to the library", "Add", "Environments"],
+    Mode::OpenMany,
+    PICTURES,
+);
+const COMPARE: Purpose =
+    Purpose::new(FileUse::Reference, ["Compare with a picture", "Compare", "Pictures"], Mode::Open, PICTURES);
+
 impl Purpose {
+    const fn new(
+        files_for: FileUse,
+        [title, button, files]: [&'static str; 3],
+        mode: Mode,
+        extensions: &'static [&'static str],
+    ) -> Self {
+        Self { title, button, mode, files, extensions, files_for }
+    }
+
     /// The purpose of a dialog for an action's path; `None` for actions without one.
     pub fn of(action: &Action) -> Option<Self> {
-        let purpose = |files_for, title, button, mode, files, extensions| Self {
-            title,
-            button,
-            mode,
-            files,
-            extensions,
-            files_for,
-        };
         Some(match action {
-            Action::Open(_) => purpose(
-                FileUse::Scene,
-                "Open a scene, a baked scene or a session",
-                "Open",
-                Mode::Open,
-                "Scenes, baked scenes, sessions",
-                &["gltf", "glb", "obj", "ply", "cuts", "lapidary"],
-            ),
-            Action::SaveAs(_) => {
-                purpose(FileUse::Session, "Save the session", "Save", Mode::Save, "Sessions", &["lapidary"])
-            }
-            Action::ExportPicture(_) => {
-                let extensions = &["png", "exr", "hdr"];
-                purpose(FileUse::Picture, "Export the picture", "Export", Mode::Save, "Pictures", extensions)
-            }
-            Action::ExportLayers(_) => {
-                purpose(FileUse::Picture, "Export the picture with layers", "Export", Mode::Save, "Pictures", &["exr"])
-            }
-            Action::ExportMaterials(_) => {
-                let (title, files) = ("Export the materials", "MaterialX, MTL, glTF");
-                purpose(FileUse::Material, title, "Export", Mode::Save, files, &FORMATS)
-            }
-            Action::SequenceFolder(_) => {
-                purpose(FileUse::Picture, "Choose the folder of the frames", "Choose", Mode::Folder, "Folders", &[])
-            }
-            Action::LoadTexture { .. } => {
-                purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", PICTURES)
-            }
-            Action::LoadBrdf { .. } => purpose(FileUse::Material, "Load a BRDF", "Load", Mode::Open, "BRDFs", BRDFS),
-            Action::LoadMaterial { .. } => {
-                purpose(FileUse::Material, "Load a material", "Load", Mode::Open, "Materials", MATERIALS)
-            }
-            Action::SaveMaterial { .. } => {
-                purpose(FileUse::Material, "Save the material", "Save", Mode::Save, "Materials", MATERIALS)
-            }
-            Action::LoadLights(_) => {
-                purpose(FileUse::Lights, "Add the lights of a file", "Load", Mode::Open, "Lights", LIGHTS)
-            }
-            Action::SaveLights(_) => purpose(FileUse::Lights, "Save the lights", "Save", Mode::Save, "Lights", LIGHTS),
-            Action::LoadEnvironment(_) => {
-                purpose(FileUse::Environment, "Load an environment", "Load", Mode::Open, "Environments", PICTURES)
-            }
-            Action::AddToLibrary(_) => {
-                let title = "Add environments to the library";
-                purpose(FileUse::Environment, title, "Add", Mode::OpenMany, "Environments", PICTURES)
-            }
-            Action::ChooseReference(_) => {
-                purpose(FileUse::Reference, "Compare with a picture", "Compare", Mode::Open, "Pictures", PICTURES)
-            }
-            Action::Relink(_) => {
-                purpose(FileUse::Missing, "Look for the files in a folder", "Look here", Mode::Folder, "Folders", &[])
-            }
+            Action::File(FileAction::Open(_)) => OPEN,
+            Action::File(FileAction::SaveAs(_)) => SAVE_SESSION,
+            Action::File(FileAction::Relink(_)) => LOOK_FOR_FILES,
+            Action::Export(ExportAction::Picture(_)) => EXPORT_PICTURE,
+            Action::Export(ExportAction::Layers(_)) => EXPORT_LAYERS,
+            Action::Export(ExportAction::Materials(_)) => EXPORT_MATERIALS,
+            Action::Export(ExportAction::SequenceFolder(_)) => CHOOSE_FRAMES,
+            Action::Material(MaterialAction::LoadTexture { .. }) => LOAD_TEXTURE,
+            Action::Material(MaterialAction::LoadBrdf { .. }) => LOAD_BRDF,
+            Action::Material(MaterialAction::Load { .. }) => LOAD_MATERIAL,
+            Action::Material(MaterialAction::Save { .. }) => SAVE_MATERIAL,
+            Action::Light(LightAction::Load(_)) => LOAD_LIGHTS,
+            Action::Light(LightAction::Save(_)) => SAVE_LIGHTS,
+            Action::Environment(EnvironmentAction::Load(_)) => LOAD_ENVIRONMENT,
+            Action::Environment(EnvironmentAction::AddToLibrary(_)) => ADD_TO_LIBRARY,
+            Action::Compare(CompareAction::Reference(_)) => COMPARE,
             _ => return None,
         })
     }
@@ -131,23 +139,8 @@ impl Purpose {
 /// The action with its path.
 pub fn with_path(action: &Action, chosen: PathBuf) -> Action {
     let mut action = action.clone();
-    match &mut action {
-        Action::Open(path)
-        | Action::ChooseReference(path)
-        | Action::SaveAs(path)
-        | Action::ExportPicture(path)
-        | Action::ExportLayers(path)
-        | Action::SequenceFolder(path)
-        | Action::LoadTexture { path, .. }
-        | Action::LoadBrdf { path, .. }
-        | Action::LoadMaterial { path, .. }
-        | Action::SaveMaterial { path, .. }
-        | Action::LoadLights(path)
-        | Action::SaveLights(path)
-        | Action::LoadEnvironment(path)
-        | Action::AddToLibrary(path)
-        | Action::Relink(path) => *path = Some(chosen),
-        _ => {}
+    if let Some(path) = action.path() {
+        *path = Some(chosen);
     }
     action
 }
@@ -158,20 +151,23 @@ mod tests {
 
     #[test]
     fn the_answer_completes_the_action() {
-        let ask = Action::LoadTexture { material: 3, map: "bump", path: None };
-        let Action::LoadTexture { material, map, path } = with_path(&ask, "a.png".into()) else { panic!() };
+        let ask = Action::Material(MaterialAction::LoadTexture { material: 3, map: "bump", path: None });
+        let Action::Material(MaterialAction::LoadTexture { material, map, path }) = with_path(&ask, "a.png".into())
+        else {
+            panic!()
+        };
         assert_eq!((material, map, path), (3, "bump", Some("a.png".into())));
         assert!(Purpose::of(&Action::Undo).is_none());
     }
 
     #[test]
     fn files_to_write_have_an_extension_and_others_stay_as_they_are() {
-        let save = Purpose::of(&Action::ExportPicture(None)).unwrap();
+        let save = Purpose::of(&Action::Export(ExportAction::Picture(None))).unwrap();
         assert_eq!(save.with_extension("a".into()), PathBuf::from("a.png"));
         assert_eq!(save.with_extension("a.b".into()), PathBuf::from("a.b.png"));
         assert_eq!(save.with_extension("a.EXR".into()), PathBuf::from("a.EXR"));
         assert_eq!(save.with_extension("a.exr.png".into()), PathBuf::from("a.exr"), "typed before the suggestion");
-        let open = Purpose::of(&Action::Open(None)).unwrap();
+        let open = Purpose::of(&Action::File(FileAction::Open(None))).unwrap();
         assert_eq!(open.with_extension("a".into()), PathBuf::from("a"));
     }
 }

@@ -1,102 +1,16 @@
 //! State of the interface between frames.
 
-use crate::{
-    app::{
-        icons::Icon,
-        side_panels::{Edge, SidePanels},
-    },
-    panels::{
-        comparison::ComparisonPanel, environment::EnvironmentPanel, lights::LightsPanel, material::MaterialPanel,
-        scene::ScenePanel, timeline::Timeline,
-    },
-    viewport::{ViewportState, gizmo::Tool},
-};
+use crate::{app::side_panels::SidePanels, preferences::Preferences, scene::ScenePanel, viewport::ViewportState};
 use egui::{Context, Rect, Vec2};
 use std::time::Duration;
 
 /// Seconds after which a window that was resized counts as having its size.
 const WINDOW_REST_SECS: f64 = 0.15;
 
-/// The tab of the inspector.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Inspector {
-    /// The selected material.
-    #[default]
-    Material,
-    /// The light from all around.
-    Environment,
-    /// Local lights, and which light is in the picture.
-    Lights,
-    /// How the picture is made and shown.
-    View,
-    /// Visibility.
-    Bake,
-}
-
-impl Inspector {
-    pub(in crate::app) const ALL: [Self; 5] = [Self::Material, Self::Environment, Self::Lights, Self::View, Self::Bake];
-
-    pub(in crate::app) fn label(self) -> &'static str {
-        match self {
-            Self::Material => "Material",
-            Self::Environment => "Environment",
-            Self::Lights => "Lights",
-            Self::View => "View",
-            Self::Bake => "Bake",
-        }
-    }
-
-    pub(in crate::app) fn icon(self) -> Icon {
-        match self {
-            Self::Material => Icon::Material,
-            Self::Environment => Icon::Environment,
-            Self::Lights => Icon::Lights,
-            Self::View => Icon::View,
-            Self::Bake => Icon::Bake,
-        }
-    }
-}
-
-/// The tab of the left side.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Side {
-    /// Objects, materials and cameras.
-    #[default]
-    Scene,
-    /// Environments to choose from.
-    Library,
-}
-
-impl Side {
-    pub(in crate::app) const ALL: [Self; 2] = [Self::Scene, Self::Library];
-
-    pub(in crate::app) fn label(self) -> &'static str {
-        match self {
-            Self::Scene => "Scene",
-            Self::Library => "Library",
-        }
-    }
-
-    pub(in crate::app) fn icon(self) -> Icon {
-        match self {
-            Self::Scene => Icon::Scene,
-            Self::Library => Icon::Library,
-        }
-    }
-}
-
 /// State of the interface between frames.
 pub struct Interface {
-    /// The tab of the inspector.
-    pub inspector: Inspector,
-    /// The tab of the left side.
-    pub side: Side,
-    /// Only the picture is shown.
-    pub panels_hidden: bool,
     /// The keyboard map is shown.
     pub keys_open: bool,
-    /// Width and height of the viewport in pixels.
-    pub viewport_size: [u32; 2],
     /// Where the viewport was in the last frame.
     pub viewport_rect: Rect,
     /// Frames in which a text from the clipboard is a camera.
@@ -104,54 +18,36 @@ pub struct Interface {
     /// The panels at both sides.
     pub sides: SidePanels,
     /// Size of the window in points, and when it changed last, in seconds.
-    pub(in crate::app) window: (Vec2, f64),
-    /// What handles do to the selected objects; `None` shows no handles.
-    pub tool: Option<Tool>,
-    /// The panel of local lights.
-    pub lights: LightsPanel,
-    /// The panel of materials.
-    pub material: MaterialPanel,
-    /// The strip under the viewport.
-    pub comparison: ComparisonPanel,
-    pub(in crate::app) viewport: ViewportState,
-    pub(in crate::app) environment: EnvironmentPanel,
-    pub(in crate::app) scene: ScenePanel,
-    pub(in crate::app) timeline: Timeline,
+    window: (Vec2, f64),
+    /// The preferences that the theme was made of.
+    pub themed: Option<Preferences>,
+    /// Size of the window in points, but not while it fills the screen.
+    pub window_size: Option<[f32; 2]>,
+    /// What the viewport remembers.
+    pub viewport: ViewportState,
+    /// The panel of the scene.
+    pub scene: ScenePanel,
 }
 
 impl Interface {
     /// As it begins, with panels of these widths in points.
     pub fn new(widths: [f32; 2]) -> Self {
         Self {
-            inspector: Inspector::default(),
-            side: Side::default(),
-            panels_hidden: false,
             keys_open: false,
-            viewport_size: [1, 1],
             viewport_rect: Rect::NOTHING,
             pasting_camera: 0,
             sides: SidePanels::new(widths),
             window: (Vec2::ZERO, f64::NEG_INFINITY),
-            tool: None,
-            lights: LightsPanel::default(),
-            material: MaterialPanel::default(),
-            comparison: ComparisonPanel::default(),
+            themed: None,
+            window_size: None,
             viewport: ViewportState::default(),
-            environment: EnvironmentPanel::default(),
             scene: ScenePanel::default(),
-            timeline: Timeline::default(),
         }
     }
 
-    /// Brings a tab of the inspector to the front, and shows the inspector if it is hidden.
-    pub fn show_inspector(&mut self, tab: Inspector) {
-        (self.inspector, self.panels_hidden) = (tab, false);
-        self.sides.open[Edge::Right as usize] = true;
-    }
-
     /// The size in pixels that the picture should have in a viewport of `size`. While the edge of a panel or of the window
-    /// moves, it is as before: the picture is kept then, and made anew once at the end.
-    pub fn settled_size(&mut self, ctx: &Context, size: [u32; 2]) -> [u32; 2] {
+    /// moves, it is `size_before`: the picture is kept then, and made anew once at the end.
+    pub fn settled_size(&mut self, ctx: &Context, size_before: [u32; 2], size: [u32; 2]) -> [u32; 2] {
         let (window, now) = (ctx.content_rect().size(), ctx.input(|i| i.time));
         let (before, changed_at) = self.window;
         if before != window {
@@ -162,6 +58,6 @@ impl Interface {
         if left > 0.0 {
             ctx.request_repaint_after(Duration::from_secs_f64(left));
         }
-        if left > 0.0 || self.sides.is_dragged { self.viewport_size } else { size }
+        if left > 0.0 || self.sides.is_dragged { size_before } else { size }
     }
 }

@@ -1,10 +1,10 @@
 //! Questions that wait for an answer.
 
 use crate::{
-    app::opening::{Ready, Target},
     document::{autosave::Recovery, session::LoadedSession},
+    jobs::opening::{Ready, Target},
 };
-use std::path::PathBuf;
+use std::{collections::VecDeque, path::PathBuf};
 
 /// A question.
 pub enum Prompt {
@@ -60,4 +60,30 @@ pub enum Then {
     Quit,
     /// A document that was opened takes its place.
     Show(Box<Ready>),
+}
+
+/// Questions that wait, and what follows their answers.
+#[derive(Default)]
+pub struct Questions {
+    /// The one that is asked comes first.
+    pub waiting: VecDeque<Prompt>,
+    /// The action after the session has been saved.
+    pub after_save: Option<Then>,
+    /// Nothing is left to ask: the window may close.
+    pub may_close: bool,
+}
+
+impl Questions {
+    /// With one to begin with, if there is one.
+    pub fn of(first: Option<Prompt>) -> Self {
+        Self { waiting: first.into_iter().collect(), ..Self::default() }
+    }
+
+    /// Asks a question, after those that wait. Of two about leaving the document the later counts.
+    pub fn ask(&mut self, prompt: Prompt) {
+        if let Prompt::Unsaved { .. } = prompt {
+            self.waiting.retain(|waiting| !matches!(waiting, Prompt::Unsaved { .. }));
+        }
+        self.waiting.push_back(prompt);
+    }
 }

@@ -5,7 +5,7 @@
 
 use super::{Place, Window};
 use crate::{
-    actions::Action,
+    actions::{Action, FileAction},
     app::requests::{illumination, view_of},
     document::Document,
 };
@@ -178,18 +178,18 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     let mut twin = place.window_of(egui::vec2(SIZE[0] as f32, SIZE[1] as f32) + 2.0 * MARGIN);
     twin.open(&place.path("scene.cuts"));
     // Program, twin and expectation all render large pictures beside other tests, whose work would wait for theirs.
-    twin.0.state_mut().document.view.aa = 2;
+    twin.0.state_mut().work.document.view.aa = 2;
     // A session keeps the camera as it is; that of a scene is fitted to the viewport, which has no size yet at first.
-    twin.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    twin.perform(Action::File(FileAction::SaveAs(Some(place.path("look.lapidary")))));
     let viewport = twin.0.get_by_label("Viewport").rect().translate(-MARGIN);
-    let size = twin.0.state().interface.viewport_size;
+    let size = twin.0.state().work.viewport_size;
     let mut screen = Screen::start(&program(), &place);
     let shown = |document: &Document| expected(document, &dataset, size);
-    let before = shown(&twin.0.state().document);
+    let before = shown(&twin.0.state().work.document);
     screen.wait_for("the first picture", viewport, &before);
 
     let slider = drag_roughness(&mut twin);
-    let rough = shown(&twin.0.state().document);
+    let rough = shown(&twin.0.state().work.document);
     let seen = difference(&rough, &before);
     assert!(seen > 2.0, "negative control: roughness is seen: {seen}");
     // The toolkit takes press and release within one frame for no drag, and on a busy machine a frame can be long.
@@ -202,7 +202,7 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     screen.wait_for("the picture after roughness was dragged", viewport, &rough);
 
     turn_environment(&mut twin, &screen, viewport);
-    let turned = shown(&twin.0.state().document);
+    let turned = shown(&twin.0.state().work.document);
     assert!(difference(&turned, &rough) > 2.0, "negative control: the turn is seen");
     screen.wait_for("the picture after the environment was turned", viewport, &turned);
 }
@@ -249,6 +249,6 @@ fn turn_environment(twin: &mut Window, screen: &Screen, viewport: egui::Rect) {
         twin.0.key_press(egui::Key::CloseBracket);
         twin.0.run_steps(2);
     }
-    let turned = twin.0.state().document.environment.rotation_degrees;
+    let turned = twin.0.state().work.document.environment.rotation_degrees;
     assert!((turned + 60.0).abs() < 1e-3, "the keys turned it: {turned}");
 }

@@ -2,10 +2,11 @@
 
 use super::{Place, Window, few_lights};
 use crate::{
-    actions::Action,
-    app::{layout::movable, opening::Target, state::EditorState},
+    actions::{Action, BakeAction, FileAction, PoseAction, SelectAction},
+    app::state::EditorState,
+    bake::stale_now,
     document::{Document, Edit},
-    jobs::{Imported, render_thread::RenderRequest},
+    jobs::{Imported, opening::Target, render_thread::RenderRequest},
     viewport::gizmo::Tool,
 };
 use egui::{Event, Key, PointerButton};
@@ -80,40 +81,43 @@ fn middle(scene: &Scene) -> Vec3 {
 
 /// The middle of the pyramid's box where pictures have it.
 fn middle_shown(state: &EditorState) -> Vec3 {
-    let baked = state.scene.rendered().unwrap();
-    middle(&baked.posed(&state.poses_since(baked)).unwrap().dataset.scene)
+    let baked = state.work.scene.rendered().unwrap();
+    middle(&baked.posed(&state.pose.poses_since(&state.work, baked)).unwrap().dataset.scene)
 }
 
 fn opened(path: &Path, place: &Place) -> Window {
     let mut window = place.window();
     window.open(path);
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     window
 }
 
 fn bake(window: &mut Window) {
-    window.perform(Action::Bake { resume: false });
-    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
+    window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
 }
 
 fn seconds(state: &EditorState) -> f32 {
-    state.document.clip_time.as_ref().map_or(0.0, |time| time.seconds)
+    state.work.document.clip_time.as_ref().map_or(0.0, |time| time.seconds)
 }
 
 fn is_playing(window: &Window) -> bool {
-    window.0.state().interface.timeline.playing
+    window.0.state().pose.timeline.playing
 }
 
 #[test]
 fn a_scene_that_was_baked_at_a_time_is_seen_at_rest_and_at_other_times() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
-    window.perform(Action::ClipTime(at(1.0)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(1.0))));
     bake(&mut window);
     let state = window.0.state();
-    assert!(state.poses_since(state.scene.shown().unwrap()).is_empty() && state.stale_reasons().is_empty());
+    assert!(
+        state.pose.poses_since(&state.work, state.work.scene.shown().unwrap()).is_empty()
+            && stale_now(&state.work).is_empty()
+    );
     for (time, x) in [(at(1.0), 0.5), (None, 0.0), (at(0.5), 0.25), (at(0.0), 0.0)] {
-        window.perform(Action::ClipTime(time.clone()));
+        window.perform(Action::Pose(PoseAction::ClipTime(time.clone())));
         let shown = middle_shown(window.0.state());
         assert!(shown.distance(Vec3::new(x, 0.3, 0.0)) < 1e-5, "{time:?}: {shown}");
     }
@@ -127,8 +131,8 @@ fn a_clip_plays_by_its_button_and_by_space_while_a_bake_goes_on() {
     assert!(is_playing(&window) && window.shows("Stop"));
     bake(&mut window);
     assert!(is_playing(&window), "the bake did not wait for its end");
-    let baked_at = window.0.state().scene.shown().unwrap().dataset.scene.clip_time.clone();
-    window.wait("time to go by", |s| s.document.clip_time != baked_at);
+    let baked_at = window.0.state().work.scene.shown().unwrap().dataset.scene.clip_time.clone();
+    window.wait("time to go by", |s| s.work.document.clip_time != baked_at);
     window.0.key_press(Key::Space);
     window.0.run_steps(2);
     assert!(!is_playing(&window));
@@ -146,24 +150,24 @@ fn playing_ends_with_its_scene_and_begins_in_none_without_clips() {
     let place = Place::new();
     let path = sliding(&place, Some(0.5));
     let mut window = opened(&path, &place);
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::Play));
     assert!(is_playing(&window), "negative control");
     window.open(&path);
     assert!(!is_playing(&window));
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::Play));
     window.open(&place.path("scene.obj"));
-    window.perform(Action::Play);
-    assert!(!is_playing(&window) && window.0.state().document.clip_time.is_none());
+    window.perform(Action::Pose(PoseAction::Play));
+    assert!(!is_playing(&window) && window.0.state().work.document.clip_time.is_none());
 }
 
 #[test]
 fn a_time_out_of_reach_is_told_below_controls_that_stay() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(1e30)), &place);
-    window.perform(Action::ClipTime(at(0.0)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.0))));
     assert!(!window.shows("out of reach"), "negative control");
-    window.perform(Action::ClipTime(at(1.0)));
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::ClipTime(at(1.0))));
+    window.perform(Action::Pose(PoseAction::Play));
     let trouble = "out of reach, or to no place at all";
     assert!(window.shows(trouble) && window.shows("Loop"));
     let told = window.0.get_by_label_contains(trouble).rect();
@@ -177,10 +181,10 @@ fn a_time_out_of_reach_is_told_below_controls_that_stay() {
 fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
-    window.perform(Action::ClipTime(at(0.5)));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
+    window.wait("a picture", |s| s.picture.shown().is_some());
     let is_moving =
-        |window: &Window| window.0.state().requests.last_sent().is_some_and(|sent: &RenderRequest| sent.moving);
+        |window: &Window| window.0.state().picture.requests.last_sent().is_some_and(|sent: &RenderRequest| sent.moving);
     let button =
         |pos, pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: super::NONE };
     let slider = window.0.get_by_label("Place in the clip").rect().left_center() + egui::vec2(16.0, 0.0);
@@ -198,23 +202,23 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
 fn handles(window: &mut Window) -> Vec3 {
     window.0.run_steps(2);
     let state = window.0.state();
-    movable(state).unwrap().place(&state.document.poses)
+    state.pose.movable(&state.work).unwrap().place(&state.work.document.poses)
 }
 
 #[test]
 fn handles_lie_where_an_animation_takes_their_object_whatever_was_baked() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
-    window.perform(Action::SelectObject(Some(PYRAMID_OBJECT)));
-    window.0.state_mut().interface.tool = Some(Tool::Turn);
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID_OBJECT))));
+    window.0.state_mut().pose.tool = Some(Tool::Turn);
     let turned = Pose { rotate_degrees: Vec3::Y * 90.0, translate: Vec3::Y * 0.2, ..Pose::AS_BAKED };
     for baked_at in [None, at(1.0), at(0.5)] {
         if baked_at.is_some() {
-            window.perform(Action::ClipTime(baked_at));
+            window.perform(Action::Pose(PoseAction::ClipTime(baked_at)));
             bake(&mut window);
         }
         for time in [None, at(0.5), at(1.0)] {
-            window.perform(Action::ClipTime(time.clone()));
+            window.perform(Action::Pose(PoseAction::ClipTime(time.clone())));
             let (shown, found) = (middle_shown(window.0.state()), handles(&mut window));
             assert!(found.distance(shown) < 1e-4, "at {time:?}: {found} in place of {shown}");
         }
@@ -228,20 +232,20 @@ fn keyframes_that_change_on_disk_are_seen_at_once() {
     let place = Place::new();
     let path = sliding(&place, Some(0.5));
     let mut window = opened(&path, &place);
-    window.perform(Action::ClipTime(at(1.0)));
-    let hash = window.0.state().scene.source.as_ref().unwrap().hash.clone();
+    window.perform(Action::Pose(PoseAction::ClipTime(at(1.0))));
+    let hash = window.0.state().work.scene.source.as_ref().unwrap().hash.clone();
     for (metres, x) in [(0.5, 0.5), (0.25, 0.25)] {
         change(&mut window, &path, Some(metres));
         assert!(middle_shown(window.0.state()).distance(Vec3::new(x, 0.3, 0.0)) < 1e-5);
     }
-    assert_eq!(window.0.state().scene.source.as_ref().unwrap().hash, hash, "the mesh is the same");
+    assert_eq!(window.0.state().work.scene.source.as_ref().unwrap().hash, hash, "the mesh is the same");
 }
 
 /// Writes the scene file anew, and lets the window know.
 fn change(window: &mut Window, path: &Path, metres: Option<f32>) {
     write_sliding(path, metres);
     let changed = Imported::read(path, false).unwrap();
-    window.0.state_mut().scene_changed(path, changed);
+    window.0.state_mut().work.scene_changed(path, changed);
     window.0.run_steps(2);
 }
 
@@ -250,17 +254,17 @@ fn a_clip_that_the_file_does_not_have_any_more_is_left_out_with_a_warning() {
     let place = Place::new();
     let path = sliding(&place, Some(0.5));
     let mut window = opened(&path, &place);
-    window.perform(Action::ClipTime(at(0.5)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
     let session = place.path("slide.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
     change(&mut window, &path, Some(0.25));
     let words = "the file has no animation";
-    assert!(window.0.state().document.clip_time == at(0.5) && !window.has_said(words), "negative control");
+    assert!(window.0.state().work.document.clip_time == at(0.5) && !window.has_said(words), "negative control");
     change(&mut window, &path, None);
-    assert!(window.0.state().document.clip_time.is_none() && window.has_said(words));
+    assert!(window.0.state().work.document.clip_time.is_none() && window.has_said(words));
     let mut again = place.window();
     again.open(&session);
-    assert!(again.0.state().document.clip_time.is_none() && again.has_said(words));
+    assert!(again.0.state().work.document.clip_time.is_none() && again.has_said(words));
 }
 
 #[test]
@@ -275,14 +279,14 @@ fn a_bundled_scene_opens_at_the_time_and_in_the_place_that_were_baked() {
         window
     };
     let mut window = opened();
-    window.0.state_mut().document.bake = few_lights();
-    window.perform(Action::ClipTime(at(0.5)));
+    window.0.state_mut().work.document.bake = few_lights();
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
     window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID_OBJECT, raised)].into()), label: "Move object" });
     bake(&mut window);
     let again = opened();
-    let Document { poses, clip_time, .. } = &again.0.state().document;
+    let Document { poses, clip_time, .. } = &again.0.state().work.document;
     assert_eq!((poses.of(PYRAMID_OBJECT), clip_time), (raised, &at(0.5)));
-    assert!(again.0.state().stale_reasons().is_empty() && !again.shows("Preview"));
+    assert!(stale_now(&again.0.state().work).is_empty() && !again.shows("Preview"));
 }
 
 #[test]
@@ -290,24 +294,28 @@ fn a_clip_plays_on_its_timeline_and_sessions_keep_its_time() {
     let place = Place::new();
     let mut window = opened(&sliding(&place, Some(0.5)), &place);
     assert!(window.shows("Play"));
-    window.perform(Action::ClipTime(at(0.5)));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.5))));
     let moved = |s: &EditorState| {
-        let baked = s.scene.rendered().unwrap();
-        s.poses_since(baked).moved().map(|object| s.document.objects[object as usize].clone()).collect::<Vec<_>>()
+        let baked = s.work.scene.rendered().unwrap();
+        s.pose
+            .poses_since(&s.work, baked)
+            .moved()
+            .map(|object| s.work.document.objects[object as usize].clone())
+            .collect::<Vec<_>>()
     };
     assert_eq!(moved(window.0.state()), ["pyramid"]);
     assert!(window.shows("Preview: implicit visibility"));
-    window.perform(Action::Play);
+    window.perform(Action::Pose(PoseAction::Play));
     window.wait("time to go by", |s| seconds(s) > 0.55);
-    window.perform(Action::Play);
-    window.perform(Action::ClipTime(at(0.75)));
+    window.perform(Action::Pose(PoseAction::Play));
+    window.perform(Action::Pose(PoseAction::ClipTime(at(0.75))));
     let session = place.path("slide.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
-    window.perform(Action::ClipTime(None));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
+    window.perform(Action::Pose(PoseAction::ClipTime(None)));
     assert!(moved(window.0.state()).is_empty(), "negative control: at rest");
     let mut again = place.window();
     again.open(&session);
-    assert_eq!(again.0.state().document.clip_time, at(0.75));
+    assert_eq!(again.0.state().work.document.clip_time, at(0.75));
     let mut other = place.window();
     other.open(&place.path("scene.obj"));
     assert!(!other.shows("Play"), "nothing moves there");

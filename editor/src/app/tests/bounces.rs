@@ -36,7 +36,7 @@ fn opened(place: &Place) -> Window {
 
 /// Mean colour of the left and the right half of the picture, once it is finished.
 fn halves(state: &EditorState) -> Option<[Vec3; 2]> {
-    let shown = state.pictures.shown().filter(|p| p.full_size && p.samples == p.of_samples)?;
+    let shown = state.picture.shown().filter(|p| p.full_size && p.samples == p.of_samples)?;
     let width = shown.size[0] as usize;
     let mean = |right: bool| {
         let of_half = shown.pixels.iter().enumerate().filter(|(i, _)| (2 * (i % width) >= width) == right);
@@ -58,7 +58,7 @@ fn edit(window: &mut Window, edit: Edit) {
 }
 
 fn edit_material(window: &mut Window, name: &str, change: impl FnOnce(&mut Material)) {
-    let materials = &window.0.state().document.materials;
+    let materials = &window.0.state().work.document.materials;
     let index = materials.iter().position(|m| m.name == name).unwrap();
     let mut material = materials[index].clone();
     change(&mut material);
@@ -76,7 +76,7 @@ fn the_bounce_follows_lamp_paint_and_gloss_and_the_environment_adds_to_it() {
     let first = settled(&mut window, None);
     assert!(first[0].x + first[1].x > 10.0, "the bounce shows: {first:?}");
 
-    let lamp = Light { target: Vec3::new(0.9, 0.5, 0.0), ..window.0.state().document.lights[0].clone() };
+    let lamp = Light { target: Vec3::new(0.9, 0.5, 0.0), ..window.0.state().work.document.lights[0].clone() };
     edit(&mut window, Edit::Light { index: 0, light: Box::new(lamp) });
     let toward_green = settled(&mut window, Some(first));
     assert!(ratio(toward_green, green, red) > 1.05 * ratio(first, green, red), "{first:?} {toward_green:?}");

@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::{
-    app::state::ladder::LadderWindow,
+    actions::{CompareAction, LadderAction},
+    compare::panel::{ComparisonPanel, KindChoice},
     document::Edit,
-    panels::comparison::{CompareView, ComparisonPanel, KindChoice},
+    ladder::LadderWindow,
+    viewport::compare::CompareView,
 };
 use egui::Event;
 use lapidary_core::{cut::lit::DEFAULT_TAU, image::Image};
@@ -17,7 +19,7 @@ fn comparing(place: &Place) -> Window {
     place.bake();
     let mut window = place.window_of(vec2(1300.0, 760.0));
     window.open(&place.path("scene.cuts"));
-    window.wait("a picture", |s| s.can_compare());
+    window.wait("a picture", |s| s.picture.can_be_compared(&s.work));
     window.0.key_press(Key::C);
     window.0.run_steps(2);
     *panel(&mut window) =
@@ -27,7 +29,7 @@ fn comparing(place: &Place) -> Window {
 }
 
 fn panel(window: &mut Window) -> &mut ComparisonPanel {
-    &mut window.0.state_mut().interface.comparison
+    &mut window.0.state_mut().comparison.panel
 }
 
 fn finished(window: &mut Window) {
@@ -45,11 +47,11 @@ fn a_key_begins_the_comparison_and_its_figures_are_shown() {
     assert!(window.shows("Relative RMSE") && window.shows("of it noise"));
     let error = rel_rmse(&window);
     assert!(error > 0.0 && error < 0.5, "{error}");
-    let before = window.0.state().interface.viewport_size;
+    let before = window.0.state().work.viewport_size;
     window.0.key_press(Key::C);
     window.0.run_steps(2);
     assert!(!window.shows("Relative RMSE"));
-    assert!(window.0.state().interface.viewport_size[1] > before[1], "the strip has gone");
+    assert!(window.0.state().work.viewport_size[1] > before[1], "the strip has gone");
     assert!(window.0.state().comparison.context().measured.is_none(), "and with it both threads");
 }
 
@@ -58,7 +60,7 @@ fn edits_of_light_begin_anew_and_exposure_does_not() {
     let place = Place::new();
     let mut window = comparing(&place);
     let (begun, error) = (window.0.state().comparison.begun(), rel_rmse(&window));
-    let mut view = window.0.state().document.view.clone();
+    let mut view = window.0.state().work.document.view.clone();
     (view.post.exposure, view.wireframe) = (1.0, true);
     window.perform(Action::Edit { edit: Edit::View(view.clone()), label: "Exposure" });
     window.0.run_steps(3);
@@ -107,7 +109,7 @@ fn a_region_is_drawn_in_the_viewport_and_measured_alone() {
     let whole = measured(window.0.state()).unwrap();
     window.click("Region");
     let rect = window.0.state().interface.viewport_rect;
-    let eye = window.0.state().document.camera.eye;
+    let eye = window.0.state().work.document.camera.eye;
     let at = |x: f32, y: f32| rect.min + vec2(x, y) * rect.size();
     window.0.drag_at(at(0.25, 0.25));
     window.0.run_steps(2);
@@ -118,7 +120,7 @@ fn a_region_is_drawn_in_the_viewport_and_measured_alone() {
     let [left, top, right, bottom] = panel(&mut window).region.unwrap();
     assert!((left - 0.25).abs() < 0.02 && (top - 0.25).abs() < 0.02 && right > 0.5 && bottom > 0.5);
     assert_eq!(panel(&mut window).tool, None, "one drag draws one region");
-    assert_eq!(window.0.state().document.camera.eye, eye, "the camera stays");
+    assert_eq!(window.0.state().work.document.camera.eye, eye, "the camera stays");
     window.click("Whole");
     window.wait("the figures of all", |s| measured(s) == Some(whole));
 }
@@ -129,13 +131,13 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
     let mut window = comparing(&place);
     let path = place.path("truth.exr");
     image::write(&Image::filled([40, 30], glam::Vec3::splat(0.5)), &path).unwrap();
-    window.perform(Action::ChooseReference(Some(path.clone())));
+    window.perform(Action::Compare(CompareAction::Reference(Some(path.clone()))));
     window.wait("the file", |s| s.comparison.context().measured.is_some_and(|m| m.reference.image.size == [40, 30]));
     panel(&mut window).map = ShownMap::Error(ErrorMap::Signed);
     window
         .wait("the signed map", |s| s.comparison.context().measured.is_some_and(|m| m.field.kind == ErrorMap::Signed));
     std::fs::write(&path, b"nothing").unwrap();
-    window.perform(Action::ChooseReference(Some(path)));
+    window.perform(Action::Compare(CompareAction::Reference(Some(path))));
     window.wait("the problem", |s| s.comparison.context().problem.is_some());
     assert!(window.shows("not a picture"));
     panel(&mut window).kind = KindChoice::Samples;
@@ -147,13 +149,13 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
 fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     let place = Place::new();
     let mut window = comparing(&place);
-    window.0.state_mut().start_ladder();
+    window.perform(Action::Ladder(LadderAction::Start));
     assert!(window.0.state().comparison.context().held);
     window.0.state_mut().ladder = LadderWindow::default();
     window.0.run_steps(1);
     assert!(!window.0.state().comparison.context().held, "a window that is closed gives the cores back");
     window.click("Cut sizes...");
-    window.wait("all figures", |s| s.ladder_figures() == 7);
+    window.wait("all figures", |s| s.ladder.figures() == 7);
     window.0.run_steps(3);
     assert!(!window.0.state().comparison.context().held, "its end gives the cores back");
     assert!(window.shows("enough: ") || window.shows("Every size lowers the error"));
@@ -161,15 +163,15 @@ fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     assert_eq!(use_buttons, 6, "lit cuts are in use");
     window.0.query_all_by_label("Use").next().unwrap().click();
     window.0.run_steps(3);
-    let cuts = |window: &Window| window.0.state().document.view.cuts();
+    let cuts = |window: &Window| window.0.state().work.document.view.cuts();
     assert_eq!(cuts(&window), Cuts::Refine(1), "as the ladder's picture");
     window.0.query_all_by_label("Use").last().unwrap().click();
     window.0.run_steps(3);
-    assert_eq!((cuts(&window), window.0.state().document.view.illum_cut), (Cuts::Lit(DEFAULT_TAU), 1));
+    assert_eq!((cuts(&window), window.0.state().work.document.view.illum_cut), (Cuts::Lit(DEFAULT_TAU), 1));
     window.perform(Action::Undo);
     assert_eq!(cuts(&window), Cuts::Refine(1));
     window.perform(Action::Undo);
-    assert_eq!((cuts(&window), window.0.state().document.view.illum_cut), (Cuts::Lit(DEFAULT_TAU), 256));
+    assert_eq!((cuts(&window), window.0.state().work.document.view.illum_cut), (Cuts::Lit(DEFAULT_TAU), 256));
 }
 
 #[test]
@@ -190,7 +192,7 @@ fn a_click_asks_why_and_the_answer_has_the_nodes_of_the_pixel_and_its_errors_cau
     window.click("Split the error");
     window.wait("the causes", |s| s.explain.causes() > 3);
     assert!(!window.shows("The picture has changed since"));
-    window.0.state_mut().document.view.tau = 1.0;
+    window.0.state_mut().work.document.view.tau = 1.0;
     window.0.run_steps(3);
     assert!(window.shows("The picture has changed since"));
     window.click("Explain again");

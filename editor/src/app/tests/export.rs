@@ -2,7 +2,7 @@
 
 use super::{Place, Window};
 use crate::{
-    actions::Action,
+    actions::{Action, ExportAction},
     document::{Edit, ViewSettings},
 };
 use egui_kittest::kittest::Queryable;
@@ -13,7 +13,7 @@ fn opened(place: &Place) -> Window {
     place.bake();
     let mut window = place.window_of(egui::vec2(1100.0, 860.0));
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window
 }
 
@@ -105,14 +105,14 @@ fn an_export_is_cancelled_from_the_status_line_and_leaves_whole_frames() {
 fn the_picture_is_written_with_its_layers_and_is_that_of_the_window() {
     let place = Place::new();
     let mut window = opened(&place);
-    let view = ViewSettings { aa: 1, ..window.0.state().document.view.clone() };
+    let view = ViewSettings { aa: 1, ..window.0.state().work.document.view.clone() };
     window.perform(Action::Edit { edit: Edit::View(view), label: "Samples" });
     let (layers, plain) = (place.path("layers.exr"), place.path("plain.exr"));
-    window.perform(Action::ExportLayers(Some(layers.clone())));
+    window.perform(Action::Export(ExportAction::Layers(Some(layers.clone()))));
     assert!(window.0.state().exporting.is_running());
     is_idle(&mut window);
     assert!(window.has_said("layers written"));
-    window.perform(Action::ExportPicture(Some(plain.clone())));
+    window.perform(Action::Export(ExportAction::Picture(Some(plain.clone()))));
     window.wait("the file", |_| plain.is_file());
     let (beauty, plain) = (image::read(&layers).unwrap(), image::read(&plain).unwrap());
     assert_eq!(beauty, plain);
@@ -126,8 +126,8 @@ fn the_picture_is_written_with_its_layers_and_is_that_of_the_window() {
 fn without_a_scene_there_is_nothing_to_export() {
     let place = Place::new();
     let mut window = place.window();
-    window.perform(Action::DescribeSequence);
+    window.perform(Action::Export(ExportAction::DescribeSequence));
     assert!(window.has_said("nothing to export"));
-    window.perform(Action::ExportLayers(Some(place.path("a.exr"))));
+    window.perform(Action::Export(ExportAction::Layers(Some(place.path("a.exr")))));
     assert!(!place.path("a.exr").exists() && !window.0.state().exporting.is_running());
 }

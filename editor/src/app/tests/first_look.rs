@@ -2,9 +2,9 @@
 
 use super::{Place, few_lights};
 use crate::{
-    actions::Action,
-    app::{opening::draft_of, state::baking::Seen},
-    jobs::Imported,
+    actions::{Action, BakeAction},
+    jobs::{Imported, kept_bakes::draft_of},
+    workspace::Seen,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -17,9 +17,9 @@ use lapidary_interchange::image;
 fn baked_by_itself(place: &Place) -> super::Window {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().document.bake = few_lights();
-    window.0.state_mut().bake_by_itself(false, true);
-    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
+    window.0.state_mut().work.document.bake = few_lights();
+    window.bake_by_itself(true);
+    window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
     window
 }
 
@@ -28,16 +28,16 @@ fn a_scene_without_a_bake_is_seen_without_shadows() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     assert!(window.shows("No shadows yet") && window.shows("is not baked yet"));
     let state = window.0.state();
-    assert_eq!(state.seen(), Seen::Unshadowed);
-    let baked = state.scene.rendered().unwrap();
+    assert_eq!(state.work.scene.seen(), Seen::Unshadowed);
+    let baked = state.work.scene.rendered().unwrap();
     assert_eq!(
         baked.dataset.scene.mesh.positions.len(),
-        state.scene.source.as_ref().unwrap().scene.mesh.positions.len()
+        state.work.scene.source.as_ref().unwrap().scene.mesh.positions.len()
     );
-    let picture = state.pictures.shown().unwrap();
+    let picture = state.picture.shown().unwrap();
     assert!(picture.lighting.nodes.radiance[1].max_element() > 0.0, "it is lit");
 }
 
@@ -45,12 +45,12 @@ fn a_scene_without_a_bake_is_seen_without_shadows() {
 fn a_bake_begins_by_itself_if_that_is_wanted() {
     let place = Place::new();
     let mut window = place.window();
-    window.0.state_mut().preferences.bakes_scenes = true;
+    window.0.state_mut().work.preferences.bakes_scenes = true;
     window.open(&place.path("scene.obj"));
     assert!(window.0.state().baking.progress().is_some() && !window.shows("is not baked yet"));
-    window.perform(Action::CancelBake);
+    window.perform(Action::Bake(BakeAction::Cancel));
     window.wait("the end", |s| s.baking.progress().is_none());
-    assert!(window.0.state().scene.rendered().is_some(), "what there was stays in use");
+    assert!(window.0.state().work.scene.rendered().is_some(), "what there was stays in use");
     place.bake();
     window.open(&place.path("scene.obj"));
     assert!(window.0.state().baking.progress().is_none(), "negative control: there is a bake");
@@ -62,30 +62,33 @@ fn what_is_baked_by_itself_is_kept_and_not_beside_the_scene() {
     let window = baked_by_itself(&place);
     assert!(!place.path("scene.cuts").exists());
     let state = window.0.state();
-    assert_eq!((state.seen(), &state.document.dataset), (Seen::Whole, &None));
-    let kept = state.scene.kept_output.clone().unwrap();
+    assert_eq!((state.work.scene.seen(), &state.work.document.dataset), (Seen::Whole, &None));
+    let kept = state.work.scene.kept_output.clone().unwrap();
     assert!(kept.is_file() && kept.starts_with(place.path("home/cache/bakes")));
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
-    assert_eq!((again.0.state().seen(), again.0.state().document.bake.lights), (Seen::Whole, few_lights().lights));
+    assert_eq!(
+        (again.0.state().work.scene.seen(), again.0.state().work.document.bake.lights),
+        (Seen::Whole, few_lights().lights)
+    );
     // Another version of the scene has another bake.
     std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
     again.open(&place.path("scene.obj"));
-    assert_eq!(again.0.state().seen(), Seen::Unshadowed);
+    assert_eq!(again.0.state().work.scene.seen(), Seen::Unshadowed);
 }
 
 #[test]
 fn a_bake_that_is_kept_is_written_beside_the_scene_without_baking_again() {
     let place = Place::new();
     let mut window = baked_by_itself(&place);
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     assert!(window.0.state().baking.progress().is_none());
-    window.wait("the file", |s| s.messages.any_contains("The bake was written"));
+    window.wait("the file", |s| s.work.messages.any_contains("The bake was written"));
     assert_eq!(Dataset::read(&place.path("scene.cuts"), image::decode).unwrap().tree.len(), few_lights().lights);
-    assert_eq!(window.0.state().document.dataset, Some(place.path("scene.cuts")));
+    assert_eq!(window.0.state().work.document.dataset, Some(place.path("scene.cuts")));
     // With other settings it is baked.
-    window.0.state_mut().document.bake.lights = 512;
-    window.perform(Action::Bake { resume: false });
+    window.0.state_mut().work.document.bake.lights = 512;
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.baking.progress().is_none());
     assert_eq!(Dataset::read(&place.path("scene.cuts"), image::decode).unwrap().tree.len(), 512);
 }
@@ -97,19 +100,19 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     window.open(&place.path("scene.obj"));
     // The whole takes a minute, and is cancelled long before that.
     let long = BakeSettings { lights: 32_768, max_vertices: Some(100_000), ..few_lights() };
-    window.0.state_mut().document.bake = long;
-    window.0.state_mut().bake_by_itself(false, true);
-    window.wait("the draft", |s| s.seen() == Seen::Draft);
+    window.0.state_mut().work.document.bake = long;
+    window.bake_by_itself(true);
+    window.wait("the draft", |s| s.work.scene.seen() == Seen::Draft);
     assert!(window.shows("Draft; full bake running"));
-    let kept = draft_of(window.0.state().scene.kept_output.as_ref().unwrap());
+    let kept = draft_of(window.0.state().work.scene.kept_output.as_ref().unwrap());
     window.wait("the file of the draft", |_| Dataset::read(&kept, image::decode).is_ok());
-    window.perform(Action::CancelBake);
+    window.perform(Action::Bake(BakeAction::Cancel));
     window.wait("the end", |s| s.baking.progress().is_none());
-    assert_eq!(window.0.state().seen(), Seen::Draft, "it stays in use");
+    assert_eq!(window.0.state().work.scene.seen(), Seen::Draft, "it stays in use");
     let mut later = place.window();
     later.open(&place.path("scene.obj"));
-    assert_eq!(later.0.state().seen(), Seen::Draft);
-    later.wait("its badge", |s| s.pictures.shown().is_some());
+    assert_eq!(later.0.state().work.scene.seen(), Seen::Draft);
+    later.wait("its badge", |s| s.picture.shown().is_some());
     assert!(later.shows("Draft"));
 }
 
@@ -123,12 +126,16 @@ fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
     paint("1 0 0");
     std::fs::write(place.path("scene.obj"), format!("mtllib look.mtl\nusemtl paint\n{}", super::SCENE)).unwrap();
     let window = baked_by_itself(&place);
-    let color = |window: &super::Window| window.0.state().document.materials[0].parameters.color("base_color");
+    let color = |window: &super::Window| window.0.state().work.document.materials[0].parameters.color("base_color");
     assert_eq!(color(&window), Vec3::X);
     paint("0 0 1");
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
-    assert_eq!((again.0.state().seen(), color(&again)), (Seen::Whole, Vec3::Z), "colours make no bake stale");
+    assert_eq!(
+        (again.0.state().work.scene.seen(), color(&again)),
+        (Seen::Whole, Vec3::Z),
+        "colours make no bake stale"
+    );
 }
 
 #[test]
@@ -136,16 +143,16 @@ fn a_posed_bake_that_is_kept_is_seen_as_it_was_baked() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     let moved = Pose { translate: Vec3::X * 0.2, ..Pose::AS_BAKED };
-    window.0.state_mut().document.poses.set(1, moved);
-    window.0.state_mut().bake_by_itself(false, false);
+    window.0.state_mut().work.document.poses.set(1, moved);
+    window.bake_by_itself(false);
     window.wait("the bake", |s| s.baking.progress().is_none());
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
     let state = again.0.state();
-    assert_eq!((state.seen(), state.document.poses.of(1)), (Seen::Whole, moved));
-    assert!(state.poses_since(state.scene.shown().unwrap()).is_empty());
+    assert_eq!((state.work.scene.seen(), state.work.document.poses.of(1)), (Seen::Whole, moved));
+    assert!(state.pose.poses_since(&state.work, state.work.scene.shown().unwrap()).is_empty());
 }
 
 #[test]
@@ -153,16 +160,16 @@ fn a_scene_that_changes_during_its_bake_is_seen_as_it_is() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().document.bake = few_lights();
-    window.0.state_mut().bake_by_itself(false, false);
+    window.0.state_mut().work.document.bake = few_lights();
+    window.bake_by_itself(false);
     // Read again before the bake is taken.
     std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
     let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
     let hash = changed.hash.clone();
-    window.0.state_mut().scene_changed(&place.path("scene.obj"), changed);
+    window.0.state_mut().work.scene_changed(&place.path("scene.obj"), changed);
     window.wait("the bake", |s| s.baking.progress().is_none());
     let state = window.0.state();
-    assert!(state.scene.is_stale() && state.seen() == Seen::Unshadowed);
-    assert_eq!(state.scene.rendered().unwrap().dataset.scene_hash, hash);
-    assert!(state.scene.kept_output.as_ref().unwrap().to_string_lossy().contains(&hash[..16]));
+    assert!(state.work.scene.is_stale() && state.work.scene.seen() == Seen::Unshadowed);
+    assert_eq!(state.work.scene.rendered().unwrap().dataset.scene_hash, hash);
+    assert!(state.work.scene.kept_output.as_ref().unwrap().to_string_lossy().contains(&hash[..16]));
 }

@@ -2,10 +2,9 @@
 
 use super::{Place, Window};
 use crate::{
-    actions::Action,
-    app::layout::movable,
+    actions::{Action, CameraAction, LightAction, SelectAction},
     document::{Edit, lights::LightKind},
-    viewport::gizmo::Tool,
+    viewport::gizmo::{Movable, Tool},
 };
 use egui::{Event, Key, Modifiers, PointerButton, Popup, Role};
 use egui_kittest::kittest::Queryable;
@@ -18,43 +17,43 @@ fn opened(place: &Place) -> Window {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window
 }
 
 fn press(window: &mut Window, key: Key) -> Option<Tool> {
     window.0.key_press(key);
     window.0.run_steps(2);
-    window.0.state().interface.tool
+    window.0.state().pose.tool
 }
 
 #[test]
 fn keys_and_buttons_choose_the_tool_and_r_is_for_the_reference_while_comparing() {
     let place = Place::new();
     let mut window = opened(&place);
-    assert_eq!(window.0.state().interface.tool, None);
+    assert_eq!(window.0.state().pose.tool, None);
     let keys = [(Key::W, Some(Tool::Move)), (Key::E, Some(Tool::Turn)), (Key::R, Some(Tool::Scale)), (Key::Q, None)];
     for (key, tool) in keys {
         assert_eq!(press(&mut window, key), tool);
     }
     window.click("Turn tool");
-    assert_eq!(window.0.state().interface.tool, Some(Tool::Turn));
-    window.0.state_mut().interface.comparison.open = true;
+    assert_eq!(window.0.state().pose.tool, Some(Tool::Turn));
+    window.0.state_mut().comparison.panel.open = true;
     window.0.run_steps(2);
     assert_eq!(press(&mut window, Key::R), Some(Tool::Turn));
 }
 
 /// Shows a ground, and returns which object it is.
 fn show_ground(window: &mut Window) -> u32 {
-    let bake = BakeSettings { ground: Ground::On, ..window.0.state().document.bake.clone() };
+    let bake = BakeSettings { ground: Ground::On, ..window.0.state().work.document.bake.clone() };
     window.perform(Action::Edit { edit: Edit::Bake(Box::new(bake)), label: "Ground" });
-    window.wait("the ground", |s| s.scene.rendered().is_some_and(|baked| baked.has_ground()));
-    window.0.state().ground_object().unwrap()
+    window.wait("the ground", |s| s.work.scene.rendered().is_some_and(|baked| baked.has_ground()));
+    window.0.state().work.scene.ground_object().unwrap()
 }
 
 /// Drags the middle of the viewport, where the centre of what is selected is seen.
 fn drag_middle(window: &mut Window) {
-    window.perform(Action::FrameSelection);
+    window.perform(Action::Camera(CameraAction::FrameSelection));
     drag_middle_as_it_is(window);
 }
 
@@ -78,13 +77,13 @@ fn a_drag_in_the_window_is_one_step_of_undo() {
     let place = Place::new();
     let mut window = opened(&place);
     press(&mut window, Key::W);
-    window.perform(Action::SelectObject(Some(PYRAMID)));
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID))));
     drag_middle(&mut window);
-    assert!(!window.0.state().document.poses.is_as_baked(PYRAMID));
+    assert!(!window.0.state().work.document.poses.is_as_baked(PYRAMID));
     assert_eq!(window.undo_name().as_deref(), Some("Move pyramid"));
     window.perform(Action::Undo);
     assert!(window.shows("Undone: Move pyramid"));
-    assert!(window.0.state().document.poses.is_empty());
+    assert!(window.0.state().work.document.poses.is_empty());
     assert_eq!(window.undo_name(), None);
 }
 
@@ -93,21 +92,22 @@ fn a_drag_of_several_objects_is_one_step_of_undo_that_restores_all() {
     let place = Place::new();
     let mut window = opened(&place);
     press(&mut window, Key::W);
-    window.perform(Action::SelectObject(Some(FLOOR)));
-    window.perform(Action::ToggleObject(PYRAMID));
-    let moves = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().document.poses.of(object).translate);
-    window.perform(Action::FrameSelection);
-    let eye = window.0.state().document.camera.eye;
-    let active = movable(window.0.state()).unwrap().active.center;
+    window.perform(Action::Select(SelectAction::Object(Some(FLOOR))));
+    window.perform(Action::Select(SelectAction::Toggle(PYRAMID)));
+    let moves =
+        |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().work.document.poses.of(object).translate);
+    window.perform(Action::Camera(CameraAction::FrameSelection));
+    let eye = window.0.state().work.document.camera.eye;
+    let active = movable(&window).unwrap().active.center;
     // Straight before the eye, so that the handles lie in the middle.
-    window.0.state_mut().document.camera.target = active;
+    window.0.state_mut().work.document.camera.target = active;
     drag_middle_as_it_is(&mut window);
-    assert_eq!(window.0.state().document.camera.eye, eye, "no orbit");
+    assert_eq!(window.0.state().work.document.camera.eye, eye, "no orbit");
     assert_eq!(window.undo_name().as_deref(), Some("Move 2 objects"));
     let [floor, pyramid] = moves(&window);
     assert!(floor.length() > 0.01 && floor == pyramid, "{floor} {pyramid}");
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
+    assert!(window.0.state().work.document.poses.is_empty() && window.undo_name().is_none());
     window.perform(Action::Redo);
     assert_eq!(moves(&window), [floor, pyramid]);
 }
@@ -116,20 +116,20 @@ fn a_drag_of_several_objects_is_one_step_of_undo_that_restores_all() {
 fn a_number_of_several_objects_is_one_step_of_undo_that_restores_all() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::SelectObject(Some(FLOOR)));
-    window.perform(Action::ToggleObject(PYRAMID));
+    window.perform(Action::Select(SelectAction::Object(Some(FLOOR))));
+    window.perform(Action::Select(SelectAction::Toggle(PYRAMID)));
     window.click("Scale value");
     window.0.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.0.get_by_label("Scale value").type_text("2");
     window.0.key_press(Key::Enter);
     window.0.run_steps(3);
-    let poses = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().document.poses.of(object));
+    let poses = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().work.document.poses.of(object));
     let scaled = poses(&window);
     assert_eq!(scaled.map(|pose| pose.scale), [2.0, 2.0]);
     // The pyramid's centre is 0.3 m above the floor, the pyramid the pivot.
     assert!((scaled[0].translate.y + 0.3).abs() < 1e-5 && scaled[1].translate == glam::Vec3::ZERO, "{scaled:?}");
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty() && window.undo_name().is_none());
+    assert!(window.0.state().work.document.poses.is_empty() && window.undo_name().is_none());
     window.perform(Action::Redo);
     assert_eq!(poses(&window), scaled);
 }
@@ -141,28 +141,28 @@ fn the_ground_and_what_lies_beside_a_selected_light_have_no_handles() {
     press(&mut window, Key::W);
     let ground = Some(show_ground(&mut window));
     let of_selected = |window: &mut Window, object| {
-        window.perform(Action::SelectObject(object));
-        movable(window.0.state()).map(|movable| movable.active.object)
+        window.perform(Action::Select(SelectAction::Object(object)));
+        movable(window).map(|movable| movable.active.object)
     };
     assert_eq!([ground, None].map(|object| of_selected(&mut window, object)), [None, None]);
     assert_eq!(of_selected(&mut window, Some(PYRAMID)), Some(PYRAMID), "negative control");
-    window.perform(Action::AddLight(LightKind::Point));
-    assert_eq!(movable(window.0.state()), None);
+    window.perform(Action::Light(LightAction::Add(LightKind::Point)));
+    assert_eq!(movable(&window), None);
 }
 
 /// The selected objects after a press of Escape.
 fn after_escape(window: &mut Window) -> Vec<u32> {
     window.0.key_press(Key::Escape);
     window.0.run_steps(3);
-    window.0.state().selection.objects().collect()
+    window.0.state().work.selection.objects().collect()
 }
 
 #[test]
 fn escape_selects_nothing_unless_something_else_takes_it() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::SelectObject(Some(FLOOR)));
-    window.perform(Action::ToggleObject(PYRAMID));
+    window.perform(Action::Select(SelectAction::Object(Some(FLOOR))));
+    window.perform(Action::Select(SelectAction::Toggle(PYRAMID)));
     let both = [PYRAMID, FLOOR];
     window.click("Filter objects and materials");
     assert_eq!(after_escape(&mut window), both, "it leaves the text field");
@@ -190,18 +190,18 @@ fn escape_gives_up_a_drag_and_keeps_the_selection() {
     let place = Place::new();
     let mut window = opened(&place);
     press(&mut window, Key::W);
-    window.perform(Action::SelectObject(Some(PYRAMID)));
-    window.perform(Action::FrameSelection);
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID))));
+    window.perform(Action::Camera(CameraAction::FrameSelection));
     window.0.run_steps(2);
     let from = window.0.state().interface.viewport_rect.center();
     window.0.drag_at(from);
     window.0.step();
     window.0.hover_at(from + egui::vec2(60.0, 0.0));
     window.0.run_steps(2);
-    assert!(!window.0.state().document.poses.is_as_baked(PYRAMID), "negative control");
+    assert!(!window.0.state().work.document.poses.is_as_baked(PYRAMID), "negative control");
     for press in ["puts it back", "does nothing while the button is held"] {
         assert_eq!(after_escape(&mut window), [PYRAMID], "{press}");
-        assert!(window.0.state().document.poses.is_empty(), "{press}");
+        assert!(window.0.state().work.document.poses.is_empty(), "{press}");
     }
     window.0.drop_at(from + egui::vec2(60.0, 0.0));
     window.0.run_steps(2);
@@ -215,15 +215,20 @@ fn clicks_with_ctrl_add_and_take_away_objects_but_not_the_ground() {
     let ground = show_ground(&mut window);
     let mut after = |action: Action| {
         window.perform(action);
-        window.0.state().selection.objects().collect::<Vec<_>>()
+        window.0.state().work.selection.objects().collect::<Vec<_>>()
     };
-    assert_eq!(after(Action::SelectObject(Some(FLOOR))), [FLOOR]);
-    assert_eq!(after(Action::ToggleObject(PYRAMID)), [PYRAMID, FLOOR]);
-    assert_eq!(after(Action::ToggleObject(ground)), [PYRAMID, FLOOR], "the ground is refused");
-    assert_eq!(after(Action::ToggleObject(FLOOR)), [PYRAMID]);
-    assert_eq!(after(Action::ToggleObject(FLOOR)), [FLOOR, PYRAMID]);
-    assert_eq!(after(Action::SelectObject(Some(ground))), [ground], "a plain click replaces");
-    assert_eq!(after(Action::ToggleObject(PYRAMID)), [PYRAMID], "the ground does not go along");
-    assert_eq!(after(Action::ToggleObject(FLOOR)), [FLOOR, PYRAMID]);
-    assert!(after(Action::SelectLight(Some(0))).is_empty());
+    assert_eq!(after(Action::Select(SelectAction::Object(Some(FLOOR)))), [FLOOR]);
+    assert_eq!(after(Action::Select(SelectAction::Toggle(PYRAMID))), [PYRAMID, FLOOR]);
+    assert_eq!(after(Action::Select(SelectAction::Toggle(ground))), [PYRAMID, FLOOR], "the ground is refused");
+    assert_eq!(after(Action::Select(SelectAction::Toggle(FLOOR))), [PYRAMID]);
+    assert_eq!(after(Action::Select(SelectAction::Toggle(FLOOR))), [FLOOR, PYRAMID]);
+    assert_eq!(after(Action::Select(SelectAction::Object(Some(ground)))), [ground], "a plain click replaces");
+    assert_eq!(after(Action::Select(SelectAction::Toggle(PYRAMID))), [PYRAMID], "the ground does not go along");
+    assert_eq!(after(Action::Select(SelectAction::Toggle(FLOOR))), [FLOOR, PYRAMID]);
+    assert!(after(Action::Light(LightAction::Select(Some(0)))).is_empty());
+}
+
+fn movable(window: &Window) -> Option<Movable> {
+    let state = window.0.state();
+    state.pose.movable(&state.work)
 }

@@ -2,10 +2,14 @@
 
 use super::{Place, Window, few_lights};
 use crate::{
-    actions::Action,
-    app::opening::{Consent, Opened, Ready, Target, open},
-    document::{Document, TextureEntry, autosave, autosave::Autosave, session},
-    panels::bake::BakeStatus,
+    actions::{Action, BakeAction, EnvironmentAction, FileAction},
+    bake::panel::BakeStatus,
+    document::{
+        Document, TextureEntry,
+        autosave::{self, Autosave},
+        session,
+    },
+    jobs::opening::{Consent, Opened, Ready, Target, open},
 };
 use lapidary_core::{
     dataset::BakeParts,
@@ -62,10 +66,10 @@ fn a_session_saved_before_the_first_bake_finds_bake_and_textures_later() {
     assert!(again.baked.is_none() && !is_stand_in(&again.document));
     let mut window = place.window();
     window.open(&file);
-    window.0.state_mut().document.bake = few_lights();
-    window.perform(Action::Bake { resume: false });
-    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
-    assert!(!is_stand_in(&window.0.state().document) && first.bake_output.unwrap().is_file());
+    window.0.state_mut().work.document.bake = few_lights();
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
+    window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
+    assert!(!is_stand_in(&window.0.state().work.document) && first.bake_output.unwrap().is_file());
 }
 
 #[test]
@@ -100,9 +104,9 @@ fn the_menu_opens_each_bundled_scene_by_its_name() {
     for label in ["File", "Bundled scenes", "Second scene"] {
         window.click_containing(label);
     }
-    window.wait("the scene", |s| s.document.scene.is_some());
-    assert_eq!(window.0.state().document.scene, Some(place.path("second-scene.obj")));
-    window.perform(Action::OpenBundled(7));
+    window.wait("the scene", |s| s.work.document.scene.is_some());
+    assert_eq!(window.0.state().work.document.scene, Some(place.path("second-scene.obj")));
+    window.perform(Action::File(FileAction::OpenBundled(7)));
     assert!(window.has_said("--data DIR"));
 }
 
@@ -148,12 +152,12 @@ fn only_a_bake_of_the_same_settings_is_resumed() {
     assert!(bake(scene, &job, &StopsInVisibility::default()).is_err());
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::Cancelled { leftover: Leftover::OfAnother });
-    window.0.state_mut().document.bake = few_lights();
-    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::Cancelled { leftover: Leftover::Fitting });
-    window.perform(Action::Bake { resume: true });
-    window.wait("the bake", |s| s.scene.shown().is_some() && s.baking.progress().is_none());
-    assert_eq!(window.0.state_mut().bake_status(), BakeStatus::UpToDate);
+    assert_eq!(window.bake_status(), BakeStatus::Cancelled { leftover: Leftover::OfAnother });
+    window.0.state_mut().work.document.bake = few_lights();
+    assert_eq!(window.bake_status(), BakeStatus::Cancelled { leftover: Leftover::Fitting });
+    window.perform(Action::Bake(BakeAction::Begin { resume: true }));
+    window.wait("the bake", |s| s.work.scene.shown().is_some() && s.baking.progress().is_none());
+    assert_eq!(window.bake_status(), BakeStatus::UpToDate);
 }
 
 /// An autosave of a process that is gone.
@@ -180,11 +184,11 @@ fn recovered_work_is_kept_until_it_is_saved_elsewhere() {
     let mut window = place.window();
     window.0.run_steps(2);
     window.click("Recover");
-    window.wait("the recovered work", |s| s.opening.is_none() && !s.document.materials.is_empty());
+    window.wait("the recovered work", |s| s.opening.is_none() && !s.work.document.materials.is_empty());
     assert_eq!(window.roughness(), 0.125);
-    assert!(window.0.state().is_modified() && orphan.is_file());
-    window.perform(Action::SaveAs(Some(place.path("saved.lapidary"))));
-    assert!(!orphan.exists() && !window.0.state().is_modified());
+    assert!(window.0.state().work.is_modified() && orphan.is_file());
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("saved.lapidary")))));
+    assert!(!orphan.exists() && !window.0.state().work.is_modified());
 }
 
 #[test]
@@ -197,11 +201,11 @@ fn recovery_that_was_given_up_keeps_the_autosave() {
     let mut window = place.window();
     window.0.run_steps(2);
     window.click("Recover");
-    window.wait("the question", |s| !s.prompts.is_empty());
+    window.wait("the question", |s| !s.questions.waiting.is_empty());
     assert!(window.shows("Files are missing"));
     window.click("Cancel");
     window.open(&place.path("scene.obj"));
-    window.perform(Action::SaveAs(Some(place.path("other.lapidary"))));
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("other.lapidary")))));
     assert!(orphan.is_file(), "it is of another document");
 }
 
@@ -214,12 +218,12 @@ fn edits_made_while_a_file_opens_are_asked_about() {
     window.0.state_mut().open(Target::File(place.path("scene.cuts")));
     let ctx = window.0.ctx.clone();
     // Before the frame that would collect what was opened.
-    window.0.state_mut().perform(&ctx, Action::LoadEnvironment(Some("sun-sky".into())));
+    window.0.state_mut().perform(&ctx, Action::Environment(EnvironmentAction::Load(Some("sun-sky".into()))));
     window.wait("the file", |s| s.opening.is_none());
     assert!(window.shows("Save the changes?"));
-    assert_eq!(window.0.state().document.environment.spec, "sun-sky");
+    assert_eq!(window.0.state().work.document.environment.spec, "sun-sky");
     window.click("Discard");
-    assert!(window.0.state().document.scene.is_none() && !window.0.state().is_modified());
+    assert!(window.0.state().work.document.scene.is_none() && !window.0.state().work.is_modified());
 }
 
 #[test]
@@ -240,13 +244,13 @@ fn a_session_whose_texture_moved_is_relinked() {
     window.open(&place.path("look.lapidary"));
     assert!(window.shows("Files are missing") && window.shows("red.png"));
     std::fs::create_dir(place.path("elsewhere")).unwrap();
-    window.perform(Action::Relink(Some(place.path("elsewhere"))));
+    window.perform(Action::File(FileAction::Relink(Some(place.path("elsewhere")))));
     window.wait("the question again", |s| s.opening.is_none());
     assert!(window.shows("Files are missing") && window.has_said("Found 0 of the missing files; 1 are still missing"));
-    window.perform(Action::Relink(Some(place.path("moved"))));
-    window.wait("the session", |s| s.opening.is_none() && !s.document.materials.is_empty());
-    assert!(!window.shows("Files are missing") && !is_stand_in(&window.0.state().document));
-    let files: Vec<_> = window.0.state().document.textures.iter().filter_map(|t| t.file.clone()).collect();
+    window.perform(Action::File(FileAction::Relink(Some(place.path("moved")))));
+    window.wait("the session", |s| s.opening.is_none() && !s.work.document.materials.is_empty());
+    assert!(!window.shows("Files are missing") && !is_stand_in(&window.0.state().work.document));
+    let files: Vec<_> = window.0.state().work.document.textures.iter().filter_map(|t| t.file.clone()).collect();
     assert_eq!(files, [place.path("moved/red.png")]);
 }
 
@@ -256,8 +260,8 @@ fn a_scene_that_changes_on_disk_is_said_and_its_bake_is_marked() {
     place.bake();
     let mut window: Window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("the watch", |s| s.watched.contains(&place.path("scene.obj")));
+    window.wait("the watch", |s| s.watcher.watched.contains(&place.path("scene.obj")));
     let change = || std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.95 0")).unwrap();
-    window.wait_for_watch("the change", change, |s| s.scene.is_stale());
-    assert!(window.has_said("The scene file has changed") && window.0.state().scene.shown().is_some());
+    window.wait_for_watch("the change", change, |s| s.work.scene.is_stale());
+    assert!(window.has_said("The scene file has changed") && window.0.state().work.scene.shown().is_some());
 }

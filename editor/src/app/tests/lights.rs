@@ -2,9 +2,9 @@
 
 use super::{Place, Window};
 use crate::{
-    actions::Action,
-    app::state::interface::Inspector,
+    actions::{Action, CameraAction, FileAction, LightAction, SelectAction},
     document::{Component, ComponentSettings, Edit, lights::LightKind},
+    workspace::Inspector,
 };
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -19,11 +19,11 @@ fn opened(place: &Place) -> Window {
 }
 
 fn lights(window: &Window) -> &[Light] {
-    &window.0.state().document.lights
+    &window.0.state().work.document.lights
 }
 
 fn selected(window: &Window) -> Option<usize> {
-    window.0.state().selected_light()
+    window.0.state().work.selected_light()
 }
 
 fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
@@ -36,11 +36,11 @@ fn lights_are_added_in_view_duplicated_and_deleted_each_as_a_step_of_undo() {
     let place = Place::new();
     let mut window = opened(&place);
     for kind in LightKind::ALL {
-        window.perform(Action::AddLight(kind));
+        window.perform(Action::Light(LightAction::Add(kind)));
     }
     assert_eq!(selected(&window), Some(3));
     assert!(window.shows("Selected light") && window.shows("Rectangle 1"));
-    let camera = &window.0.state().document.camera;
+    let camera = &window.0.state().work.document.camera;
     let forward = (camera.target - camera.eye).normalize();
     assert!(lights(&window).iter().all(|l| l.validate().is_ok() && (l.position - camera.eye).dot(forward) > 0.0));
     press(&mut window, Modifiers::COMMAND, Key::D);
@@ -54,19 +54,19 @@ fn lights_are_added_in_view_duplicated_and_deleted_each_as_a_step_of_undo() {
         window.perform(Action::Undo);
         assert_eq!(lights(&window).len(), left);
     }
-    assert!(!window.0.state().is_modified());
+    assert!(!window.0.state().work.is_modified());
 }
 
 #[test]
 fn a_drag_in_the_viewport_is_one_step_of_undo() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Spot));
+    window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
     let before = lights(&window)[0].clone();
     // In the middle of the view, so that its disc is where the pointer goes down.
-    let mut centred = window.0.state().document.camera.clone();
+    let mut centred = window.0.state().work.document.camera.clone();
     centred.target = before.position;
-    window.perform(Action::Camera(centred));
+    window.perform(Action::Camera(CameraAction::To(centred)));
     let from = window.0.state().interface.viewport_rect.center();
     window.0.drag_at(from);
     window.0.run_steps(2);
@@ -87,38 +87,38 @@ fn a_drag_in_the_viewport_is_one_step_of_undo() {
 fn lights_switches_and_solo_are_in_the_session() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Rectangle));
+    window.perform(Action::Light(LightAction::Add(LightKind::Rectangle)));
     window.click("Solo Lights");
     window.click("Switch off Rectangle 1");
-    window.perform(Action::SaveAs(Some(place.path("look.lapidary"))));
+    window.perform(Action::File(FileAction::SaveAs(Some(place.path("look.lapidary")))));
     let mut again = place.window();
     again.open(&place.path("look.lapidary"));
     assert_eq!(lights(&again), lights(&window));
     assert!(!lights(&again)[0].enabled);
     let solo = ComponentSettings { solo: Some(Component::Direct), ..Default::default() };
-    assert_eq!(again.0.state().document.components, solo);
-    assert!(!again.0.state().is_modified() && selected(&again).is_none());
+    assert_eq!(again.0.state().work.document.components, solo);
+    assert!(!again.0.state().work.is_modified() && selected(&again).is_none());
 }
 
 #[test]
 fn a_lights_file_is_added_to_the_lights_and_a_bad_one_is_refused() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Spot));
+    window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
     let first = lights(&window)[0].clone();
-    window.perform(Action::SaveLights(Some(place.path("lights.json"))));
-    window.perform(Action::LoadLights(Some(place.path("lights.json"))));
+    window.perform(Action::Light(LightAction::Save(Some(place.path("lights.json")))));
+    window.perform(Action::Light(LightAction::Load(Some(place.path("lights.json")))));
     assert_eq!(lights(&window), [first.clone(), first.clone()]);
     assert!(window.has_said("Lights added: 1"));
     window.drop_file(place.path("lights.json"));
     assert_eq!(lights(&window).len(), 3, "dropped lights are added, and are no material");
     window.perform(Action::Undo);
     std::fs::write(place.path("bad.json"), r#"{"lights": [{"kind": "laser", "position": [0, 0, 0]}]}"#).unwrap();
-    window.perform(Action::LoadLights(Some(place.path("bad.json"))));
+    window.perform(Action::Light(LightAction::Load(Some(place.path("bad.json")))));
     assert!(window.has_said("bad.json") && lights(&window).len() == 2);
     let many = vec![first; lapidary_core::lights::MAX_LIGHTS];
     lapidary_core::lights::LightsFile { lights: many }.write(&place.path("many.json")).unwrap();
-    window.perform(Action::LoadLights(Some(place.path("many.json"))));
+    window.perform(Action::Light(LightAction::Load(Some(place.path("many.json")))));
     assert!(window.has_said("4098 lights are more than the 4096") && lights(&window).len() == 2);
 }
 
@@ -126,16 +126,16 @@ fn a_lights_file_is_added_to_the_lights_and_a_bad_one_is_refused() {
 fn selecting_an_object_lets_go_of_the_light_and_aiming_needs_a_direction() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.perform(Action::AddLight(LightKind::Spot));
+    window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
     let light = lights(&window)[0].clone();
-    window.perform(Action::AimLight(Some(light.position)));
+    window.perform(Action::Light(LightAction::Aim(Some(light.position))));
     assert!(window.has_said("stays as it is") && lights(&window)[0] == light);
-    window.perform(Action::AimLight(Some(Vec3::new(0.1, 0.0, 0.2))));
+    window.perform(Action::Light(LightAction::Aim(Some(Vec3::new(0.1, 0.0, 0.2)))));
     assert_eq!(lights(&window)[0].target, Vec3::new(0.1, 0.0, 0.2));
-    window.perform(Action::SelectObject(Some(0)));
+    window.perform(Action::Select(SelectAction::Object(Some(0))));
     assert_eq!(selected(&window), None);
-    window.perform(Action::SelectLight(Some(0)));
-    assert!(selected(&window) == Some(0) && window.0.state().selection.object.is_none());
+    window.perform(Action::Light(LightAction::Select(Some(0))));
+    assert!(selected(&window) == Some(0) && window.0.state().work.selection.object.is_none());
     window.perform(Action::Edit { edit: Edit::Lights(Vec::new()), label: "Delete light" });
     assert_eq!(selected(&window), None, "it is not there any more");
 }
@@ -147,28 +147,28 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
     window.0.get_by_label("Lights").click();
     window.0.run_steps(3);
     window.click("Bake with bounce light");
-    assert_eq!(window.0.state().document.bake.mode, BakeParts::CUTS);
-    assert_eq!(window.0.state().interface.inspector, Inspector::Bake);
+    assert_eq!(window.0.state().work.document.bake.mode, BakeParts::CUTS);
+    assert_eq!(window.0.state().work.tabs.inspector, Inspector::Bake);
 }
 
 #[test]
 fn a_black_picture_says_why_and_leads_to_light() {
     let place = Place::new();
     let mut window = opened(&place);
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     assert!(!window.shows("Nothing gives light") && !window.shows("switched off"), "negative control: the environment");
     window.click("Lights");
     window.click("Solo Lights");
-    window.0.state_mut().interface.inspector = Inspector::Material;
+    window.0.state_mut().work.tabs.inspector = Inspector::Material;
     window.0.run_steps(2);
     window.click("Open the Lights tab");
-    assert_eq!(window.0.state().interface.inspector, Inspector::Lights);
+    assert_eq!(window.0.state().work.tabs.inspector, Inspector::Lights);
     window.click("Solo Lights");
     assert!(!window.shows("All light is switched off"));
-    let baked = window.0.state().scene.baked.as_ref().unwrap();
+    let baked = window.0.state().work.scene.baked.as_ref().unwrap();
     let mut dataset = (*baked.dataset).clone();
     dataset.settings.mode = BakeParts::MESHLESS;
-    window.0.state_mut().scene.baked = Some(dataset.into());
+    window.0.state_mut().work.scene.baked = Some(dataset.into());
     window.0.run_steps(2);
     assert!(window.shows("Nothing gives light"));
     window.click_containing("Add a light");

@@ -1,7 +1,7 @@
 //! Materials leave the window in the formats of other programs, and come back.
 
 use super::Place;
-use crate::actions::Action;
+use crate::actions::{Action, ExportAction, MaterialAction};
 use egui_kittest::kittest::Queryable;
 use lapidary_core::material::{BrdfModel, PRESETS};
 use lapidary_interchange::import::load_material;
@@ -12,22 +12,22 @@ fn materials_are_exported_as_they_are_edited_and_loaded_again() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window.type_roughness("0.25");
     for name in ["all.mtlx", "all.mtl", "all.glb", "all.gltf"] {
-        window.perform(Action::ExportMaterials(Some(place.path(name))));
+        window.perform(Action::Export(ExportAction::Materials(Some(place.path(name)))));
         assert!(window.has_said("Materials written") && place.path(name).is_file(), "{name}");
     }
-    let selected = window.0.state().selection.material.unwrap_or(0);
-    let name = window.0.state().document.materials[selected].name.clone();
+    let selected = window.0.state().work.selection.material.unwrap_or(0);
+    let name = window.0.state().work.document.materials[selected].name.clone();
     let path = format!("{}#{name}", place.path("all.mtlx").display());
     let read = load_material(path.as_ref(), &mut Default::default(), &Default::default()).unwrap().0;
     assert!((read.parameters.number("specular_roughness") - 0.25).abs() < 1e-6, "{:?}", read.parameters);
-    window.perform(Action::LoadMaterial { material: selected, path: Some(place.path("all.mtlx")) });
-    window.wait("the material", |s| s.document.materials[selected].model == BrdfModel::OpenPbr);
-    window.perform(Action::ExportMaterials(Some(place.path("scene.obj"))));
+    window.perform(Action::Material(MaterialAction::Load { material: selected, path: Some(place.path("all.mtlx")) }));
+    window.wait("the material", |s| s.work.document.materials[selected].model == BrdfModel::OpenPbr);
+    window.perform(Action::Export(ExportAction::Materials(Some(place.path("scene.obj")))));
     assert!(window.has_said("written over an input"));
-    window.perform(Action::ExportMaterials(Some(place.path("a.fbx"))));
+    window.perform(Action::Export(ExportAction::Materials(Some(place.path("a.fbx")))));
     assert!(window.has_said("ends in none of .mtlx"));
 }
 
@@ -37,8 +37,8 @@ fn a_preset_is_dragged_from_its_menu_onto_a_surface_as_a_step_of_undo() {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.wait("what is dropped on", |s| s.scene.shown().is_some_and(|b| b.intersector_if_ready().is_some()));
-    let before = window.0.state().document.materials.clone();
+    window.wait("what is dropped on", |s| s.work.scene.shown().is_some_and(|b| b.intersector_if_ready().is_some()));
+    let before = window.0.state().work.document.materials.clone();
     let floor = window.0.get_by_label("Viewport").rect().center();
     // One that is in view without scrolling.
     let preset = &PRESETS[1];
@@ -54,13 +54,13 @@ fn a_preset_is_dragged_from_its_menu_onto_a_surface_as_a_step_of_undo() {
         window.0.drop_at(to);
         window.0.run_steps(3);
         assert!(!egui::Popup::is_any_open(&window.0.ctx), "the menu closes");
-        let taken = window.0.state().document.materials[0].parameters == preset.parameters;
+        let taken = window.0.state().work.document.materials[0].parameters == preset.parameters;
         assert_eq!(taken, is_taken, "dropped at {to}");
     }
-    assert_eq!(window.0.state().selection.material, Some(0));
+    assert_eq!(window.0.state().work.selection.material, Some(0));
     window.perform(Action::Undo);
     assert!(window.shows("Undone: Drop preset"));
-    assert_eq!(window.0.state().document.materials, before, "one step");
+    assert_eq!(window.0.state().work.document.materials, before, "one step");
 }
 
 #[test]
@@ -76,14 +76,14 @@ fn a_file_of_several_materials_asks_which() {
     std::fs::write(place.path("all.mtlx"), document).unwrap();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    let before = window.0.state().document.materials.clone();
+    let before = window.0.state().work.document.materials.clone();
     for (answer, roughness) in [("Cancel", None), ("steel", Some(0.125)), ("gold", Some(0.5))] {
-        window.perform(Action::LoadMaterial { material: 0, path: Some(place.path("all.mtlx")) });
-        window.wait("the question", |s| !s.prompts.is_empty());
+        window.perform(Action::Material(MaterialAction::Load { material: 0, path: Some(place.path("all.mtlx")) }));
+        window.wait("the question", |s| !s.questions.waiting.is_empty());
         assert!(window.shows("Which material?") && window.shows("all.mtlx has 2 materials"));
         window.click(answer);
-        window.wait("the answer", |s| s.prompts.is_empty() && s.loading.is_empty());
-        let material = &window.0.state().document.materials[0];
+        window.wait("the answer", |s| s.questions.waiting.is_empty() && s.loader.is_idle());
+        let material = &window.0.state().work.document.materials[0];
         match roughness {
             None => assert_eq!(*material, before[0], "negative control"),
             Some(expected) => assert_eq!(material.parameters.number("specular_roughness"), expected),
@@ -92,5 +92,5 @@ fn a_file_of_several_materials_asks_which() {
     for _ in 0..2 {
         window.perform(Action::Undo);
     }
-    assert_eq!(window.0.state().document.materials, before, "a step each");
+    assert_eq!(window.0.state().work.document.materials, before, "a step each");
 }

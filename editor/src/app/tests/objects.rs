@@ -1,7 +1,11 @@
 //! A scene file whose objects have other numbers after a change: what was said of an object stays with it.
 
 use super::{Place, Window, few_lights, kept::StopsInVisibility};
-use crate::{actions::Action, document::Edit, jobs::Imported};
+use crate::{
+    actions::{Action, BakeAction, SelectAction},
+    document::Edit,
+    jobs::Imported,
+};
 use glam::Vec3;
 use lapidary_core::scene::pose::{Pose, Poses};
 use lapidary_precompute::{BakeJob, Leftover, bake, resolve};
@@ -17,9 +21,9 @@ fn with_a_rug(place: &Place) -> Window {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    window.0.state_mut().document.bake = few_lights();
-    window.perform(Action::SelectObject(Some(FLOOR)));
-    window.perform(Action::ToggleObject(PYRAMID));
+    window.0.state_mut().work.document.bake = few_lights();
+    window.perform(Action::Select(SelectAction::Object(Some(FLOOR))));
+    window.perform(Action::Select(SelectAction::Toggle(PYRAMID)));
     window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, MOVED)].into()), label: "Move object" });
     let rug = "o rug\nv -0.9 0.01 0.5\nv 0.9 0.01 0.5\nv 0.9 0.01 0.9\nf 5 7 6\no pyramid";
     let shifted = super::SCENE.replace("o pyramid", rug);
@@ -29,9 +33,9 @@ fn with_a_rug(place: &Place) -> Window {
             .fold(shifted, |text, (before, now)| text.replace(before, now));
     std::fs::write(place.path("scene.obj"), shifted).unwrap();
     let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
-    window.0.state_mut().scene_changed(&place.path("scene.obj"), changed);
+    window.0.state_mut().work.scene_changed(&place.path("scene.obj"), changed);
     window.0.run_steps(2);
-    assert_eq!(window.0.state().document.objects, ["floor", "pyramid"], "the bake before is still seen");
+    assert_eq!(window.0.state().work.document.objects, ["floor", "pyramid"], "the bake before is still seen");
     window
 }
 
@@ -39,20 +43,20 @@ fn with_a_rug(place: &Place) -> Window {
 fn a_bake_moves_the_object_that_was_moved_and_undo_and_selection_follow_it() {
     let place = Place::new();
     let mut window = with_a_rug(&place);
-    window.perform(Action::Bake { resume: false });
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.baking.progress().is_none());
     let state = window.0.state();
-    assert_eq!(state.document.objects, ["floor", "rug", "pyramid"]);
+    assert_eq!(state.work.document.objects, ["floor", "rug", "pyramid"]);
     let mut expected = Poses::default();
     expected.set(PYRAMID_NOW, MOVED);
-    assert_eq!(state.scene.shown().unwrap().dataset.scene.placed_poses(), expected);
-    assert_eq!(state.document.poses, expected);
-    assert_eq!(state.selection.objects().collect::<Vec<_>>(), [PYRAMID_NOW, FLOOR]);
-    assert_eq!(state.selection.part.map(|part| part.object), Some(PYRAMID_NOW));
+    assert_eq!(state.work.scene.shown().unwrap().dataset.scene.placed_poses(), expected);
+    assert_eq!(state.work.document.poses, expected);
+    assert_eq!(state.work.selection.objects().collect::<Vec<_>>(), [PYRAMID_NOW, FLOOR]);
+    assert_eq!(state.work.selection.part.map(|part| part.object), Some(PYRAMID_NOW));
     window.perform(Action::Undo);
-    assert!(window.0.state().document.poses.is_empty());
+    assert!(window.0.state().work.document.poses.is_empty());
     window.perform(Action::Redo);
-    assert_eq!(window.0.state().document.poses, expected);
+    assert_eq!(window.0.state().work.document.poses, expected);
 }
 
 #[test]
@@ -66,7 +70,8 @@ fn what_an_interrupted_bake_left_is_known_under_the_numbers_of_the_file() {
         let job = BakeJob::new(resolve(few_lights()).unwrap(), place.path("scene.cuts"));
         let job = BakeJob { chunks: Some(4), poses, ..job };
         assert!(bake(scene.clone(), &job, &StopsInVisibility::default()).is_err());
-        window.0.state_mut().baking.leftover = None;
-        assert_eq!(window.0.state_mut().leftover(), expected);
+        let state = window.0.state_mut();
+        state.baking.leftover = None;
+        assert_eq!(state.baking.leftover(&state.work), expected);
     }
 }

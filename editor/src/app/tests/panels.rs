@@ -2,9 +2,9 @@
 
 use super::{Place, Window, hands};
 use crate::{
-    actions::Action,
-    app::state::interface::{Inspector, Side},
+    actions::{Action, SelectAction},
     preferences::{Preferences, SIDE_WIDTHS},
+    workspace::{Inspector, Side},
 };
 use egui::{Rect, Role, Shape, Vec2, vec2};
 use egui_kittest::kittest::Queryable;
@@ -15,7 +15,7 @@ fn opened(place: &Place, size: Vec2) -> Window {
     place.bake();
     let mut window = place.window_of(size);
     window.open(&place.path("scene.obj"));
-    window.wait("a picture", |s| s.pictures.shown().is_some());
+    window.wait("a picture", |s| s.picture.shown().is_some());
     window
 }
 
@@ -26,7 +26,7 @@ impl Window {
 
     /// Size of the picture that was asked for last.
     fn asked(&self) -> [u32; 2] {
-        self.0.state().requests.last_sent().unwrap().look.view.size
+        self.0.state().picture.requests.last_sent().unwrap().look.view.size
     }
 
     fn columns(&self, rows: &[&str]) -> Vec<[f32; 4]> {
@@ -45,15 +45,15 @@ fn no_tab_and_no_content_moves_an_edge() {
     let mut window = opened(&place, vec2(1300.0, 800.0));
     let (viewport, asked) = (window.viewport(), window.asked());
     let long = "a name as long as that of a material from a studio's library of many thousands ".repeat(3);
-    window.0.state_mut().document.materials[0].name = long.clone();
+    window.0.state_mut().work.document.materials[0].name = long.clone();
     for inspector in Inspector::ALL {
         for side in Side::ALL {
-            (window.0.state_mut().interface.inspector, window.0.state_mut().interface.side) = (inspector, side);
+            (window.0.state_mut().work.tabs.inspector, window.0.state_mut().work.tabs.side) = (inspector, side);
             window.0.run_steps(4);
             assert_eq!((window.viewport(), window.asked()), (viewport, asked), "{inspector:?}, {side:?}");
         }
     }
-    window.0.state_mut().messages.warning(long);
+    window.0.state_mut().work.messages.warning(long);
     window.0.run_steps(4);
     assert_eq!((window.viewport(), window.asked()), (viewport, asked), "a message");
 }
@@ -124,12 +124,12 @@ fn in_a_narrow_window_panels_are_icons_that_open_over_the_picture() {
     assert_eq!(window.roughness(), 0.3);
     assert_eq!((window.viewport(), window.asked()), (viewport, asked), "the picture lies under it");
     let pane = window.0.get_by_label("Roughness").rect();
-    let selected = window.0.state().selection.object;
+    let selected = window.0.state().work.selection.object;
     window.0.hover_at(pane.left_center() - vec2(60.0, 0.0));
     window.0.drag_at(pane.left_center() - vec2(60.0, 0.0));
     window.0.drop_at(pane.left_center() - vec2(60.0, 0.0));
     window.0.run_steps(3);
-    assert_eq!(window.0.state().selection.object, selected, "a click on the panel is none on the picture");
+    assert_eq!(window.0.state().work.selection.object, selected, "a click on the panel is none on the picture");
     let icon = window.0.get_all_by_label("Material").map(|n| n.rect()).find(|rect| rect.width() <= 40.0).unwrap();
     window.frame_of(hands::click(icon.center()));
     assert!(window.0.query_by_label("Roughness value").is_none(), "the icon closes it again");
@@ -150,7 +150,7 @@ fn sliders_and_numbers_of_all_tabs_stand_in_the_same_columns() {
     ];
     let mut columns = Vec::new();
     for (tab, rows) in tabs {
-        window.0.state_mut().interface.inspector = tab;
+        window.0.state_mut().work.tabs.inspector = tab;
         window.0.run_steps(3);
         columns.extend(window.columns(rows));
     }
@@ -175,10 +175,10 @@ fn is_whole(window: &Window, text: &str) -> bool {
 fn the_numbers_and_the_pivot_of_a_pose_fit_the_narrowest_panel() {
     let place = Place::new();
     let mut window = opened(&place, vec2(1300.0, 1000.0));
-    window.perform(Action::SelectObject(Some(0)));
-    window.perform(Action::ToggleObject(1));
+    window.perform(Action::Select(SelectAction::Object(Some(0))));
+    window.perform(Action::Select(SelectAction::Toggle(1)));
     let moved = Pose { translate: glam::Vec3::splat(-0.383), ..Pose::AS_BAKED };
-    window.0.state_mut().document.poses.set(1, moved);
+    window.0.state_mut().work.document.poses.set(1, moved);
     let [narrowest, widest] = SIDE_WIDTHS;
     for (width, is_column) in [(narrowest, true), (230.0, false), (widest, false)] {
         window.0.state_mut().interface.sides.widths[0] = width;

@@ -1,7 +1,12 @@
 //! Objects are posed in the window: the picture follows at once, and undo and sessions know it.
 
 use super::{Place, Window, few_lights};
-use crate::{actions::Action, app::state::EditorState, document::Edit};
+use crate::{
+    actions::{Action, BakeAction, CameraAction, FileAction, PoseAction, SelectAction},
+    app::state::EditorState,
+    bake::stale_now,
+    document::Edit,
+};
 use glam::Vec3;
 use lapidary_core::{animation::ClipTime, dataset::Dataset, scene::pose::Pose};
 use lapidary_interchange::{image, import::import};
@@ -12,11 +17,11 @@ use std::{cell::Cell, path::Path};
 const PYRAMID: u32 = 1;
 
 fn wait_for_picture(window: &mut Window) {
-    window.wait("the whole picture", |s| s.pictures.shown().is_some_and(|p| p.samples == p.of_samples));
+    window.wait("the whole picture", |s| s.picture.shown().is_some_and(|p| p.samples == p.of_samples));
 }
 
 fn pixels(state: &EditorState) -> Vec<[u8; 4]> {
-    state.pictures.shown().map(|shown| shown.pixels.to_vec()).unwrap_or_default()
+    state.picture.shown().map(|shown| shown.pixels.to_vec()).unwrap_or_default()
 }
 
 fn pose(window: &mut Window, pose: Pose) {
@@ -42,11 +47,11 @@ fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_pictu
     let posed = pixels(window.0.state());
 
     let session = place.path("posed.lapidary");
-    window.perform(Action::SaveAs(Some(session.clone())));
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
     let mut again = place.window();
     again.open(&session);
     wait_for_picture(&mut again);
-    assert_eq!(again.0.state().document.poses.of(PYRAMID), moved);
+    assert_eq!(again.0.state().work.document.poses.of(PYRAMID), moved);
     assert!(again.shows(words));
     again.wait("the posed picture", |s| pixels(s) == posed);
 
@@ -64,22 +69,22 @@ fn the_picture_as_baked_goes_over_into_that_of_a_posed_object() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     wait_for_picture(&mut window);
-    let (ctx, as_baked) = (window.0.ctx.clone(), window.0.state().pictures.texture().unwrap().id());
-    assert!(window.0.state().pictures.faded(&ctx).is_none(), "negative control: nothing was before it");
+    let (ctx, as_baked) = (window.0.ctx.clone(), window.0.state().picture.texture().unwrap().id());
+    assert!(window.0.state().picture.faded(&ctx).is_none(), "negative control: nothing was before it");
     pose(&mut window, Pose { translate: Vec3::new(0.4, 0.3, 0.0), ..Pose::AS_BAKED });
-    let of = |s: &EditorState, tier| s.pictures.shown().is_some_and(|shown| shown.tier == tier);
+    let of = |s: &EditorState, tier| s.picture.shown().is_some_and(|shown| shown.tier == tier);
     // The window's time goes on by more than a fade with each frame.
     let faded = Cell::new(None);
     window.wait("the preview", |s| {
-        faded.set(s.pictures.faded(&ctx));
+        faded.set(s.picture.faded(&ctx));
         of(s, Tier::Implicit)
     });
     let before = faded.get().unwrap();
     assert_eq!((before.texture, before.opacity), (as_baked, 1.0));
-    assert_ne!(window.0.state().pictures.texture().unwrap().id(), as_baked);
+    assert_ne!(window.0.state().picture.texture().unwrap().id(), as_baked);
     wait_for_picture(&mut window);
     window.0.run_steps(2);
-    assert!(window.0.state().pictures.faded(&ctx).is_none(), "it is gone");
+    assert!(window.0.state().picture.faded(&ctx).is_none(), "it is gone");
 }
 
 #[test]
@@ -89,10 +94,10 @@ fn an_object_is_selected_and_framed_where_it_is() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     wait_for_picture(&mut window);
-    window.perform(Action::SelectObject(Some(PYRAMID)));
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID))));
     let target = |window: &mut Window| {
-        window.perform(Action::FrameSelection);
-        window.0.state().document.camera.target
+        window.perform(Action::Camera(CameraAction::FrameSelection));
+        window.0.state().work.document.camera.target
     };
     let before = target(&mut window);
     pose(&mut window, Pose { translate: Vec3::new(3.0, 0.0, 0.0), ..Pose::AS_BAKED });
@@ -107,25 +112,25 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     wait_for_picture(&mut window);
-    window.0.state_mut().document.bake = few_lights();
+    window.0.state_mut().work.document.bake = few_lights();
     let (words, moved) = ("Preview: implicit visibility", Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED });
     pose(&mut window, moved);
     assert!(window.shows(words));
-    window.wait("the preview", |s| s.pictures.shown().is_some_and(|p| p.tier == Tier::Implicit));
-    window.perform(Action::Bake { resume: false });
+    window.wait("the preview", |s| s.picture.shown().is_some_and(|p| p.tier == Tier::Implicit));
+    window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     window.wait("the bake", |s| s.baking.progress().is_none());
     let baked = Dataset::read(&place.path("scene.cuts"), image::decode).unwrap();
     assert_eq!(baked.scene.placed_poses().of(PYRAMID), moved);
-    window.wait("the picture by cuts", |s| s.pictures.shown().is_some_and(|p| p.tier == Tier::Cuts));
-    assert!(!window.shows(words) && window.0.state().stale_reasons().is_empty());
+    window.wait("the picture by cuts", |s| s.picture.shown().is_some_and(|p| p.tier == Tier::Cuts));
+    assert!(!window.shows(words) && stale_now(&window.0.state().work).is_empty());
     window.perform(Action::Undo);
     assert!(window.shows(words), "back by a preview: the bake is of another place");
-    assert!(window.0.state().stale_reasons().iter().any(|reason| reason.contains("moved")));
+    assert!(stale_now(&window.0.state().work).iter().any(|reason| reason.contains("moved")));
 
     let mut alone = place.window();
     alone.open(&place.path("scene.cuts"));
     wait_for_picture(&mut alone);
-    assert_eq!(alone.0.state().document.poses.of(PYRAMID), moved);
+    assert_eq!(alone.0.state().work.document.poses.of(PYRAMID), moved);
     assert!(!alone.shows(words), "as it was baked");
 }
 
@@ -146,16 +151,19 @@ fn a_dataset_alone_has_the_timeline_of_the_scene_file_beside_it() {
         window
     };
     let alone = opened("bending-tower.cuts");
-    assert!(!alone.shows("Play") && alone.0.state().scene.animation.is_none(), "negative control: no file is there");
+    assert!(
+        !alone.shows("Play") && alone.0.state().work.scene.animation.is_none(),
+        "negative control: no file is there"
+    );
     for name in ["bending-tower.gltf", "bending-tower.bin"] {
         std::fs::copy(bundled.join(name), place.path(name)).unwrap();
     }
     std::fs::copy(place.path("bending-tower.gltf"), place.path("scene.gltf")).unwrap();
     let other = opened("scene.cuts");
-    let scene = &other.0.state().scene;
+    let scene = &other.0.state().work.scene;
     assert!(scene.animation.is_none() && scene.shown().is_some(), "the file beside it is of another scene");
     let mut alone = opened("bending-tower.cuts");
     assert!(alone.shows("Play"));
-    alone.perform(Action::ClipTime(Some(ClipTime { clip: "Block".into(), seconds: 0.5 })));
+    alone.perform(Action::Pose(PoseAction::ClipTime(Some(ClipTime { clip: "Block".into(), seconds: 0.5 }))));
     assert!(alone.shows("Preview: implicit visibility"));
 }

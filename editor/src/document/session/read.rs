@@ -1,12 +1,11 @@
 //! Reading of a session file.
 
 use super::{
-    Session, SessionAssignment, SessionCamera, SessionError, SessionMaterial, SessionPose, SessionSlot, Unknown,
-    VERSION, VERSION_KEY, checks,
+    AUTOSAVE_KEY, Session, SessionAssignment, SessionCamera, SessionError, SessionMaterial, SessionPose, SessionSlot,
+    Unknown, VERSION, VERSION_KEY, checks,
     lenient::{read_leniently, refusal},
 };
 use crate::document::{
-    autosave,
     lights::LightKind,
     relative::{folder_of, resolve},
 };
@@ -131,7 +130,7 @@ impl Reader {
             bake: self.part(root, "bake", Preset::Normal.settings()),
         };
         let known = serde_json::to_value(&session).expect("paths of JSON are text");
-        let unknown = |key: &str| known.get(key).is_none() && key != VERSION_KEY && key != autosave::KEY;
+        let unknown = |key: &str| known.get(key).is_none() && key != VERSION_KEY && key != AUTOSAVE_KEY;
         self.unknown.extend(root.iter().filter(|(key, _)| unknown(key)).map(|(k, v)| (k.clone(), v.clone())));
         session
     }

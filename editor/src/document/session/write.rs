@@ -1,8 +1,8 @@
 //! Writing of a session file.
 
-use super::{Session, SessionError, Unknown, VERSION, VERSION_KEY};
+use super::{AUTOSAVE_KEY, Session, SessionError, Unknown, VERSION, VERSION_KEY};
 use crate::document::{
-    Document, autosave,
+    Document,
     relative::{absolute, folder_of, relative_to},
 };
 use lapidary_core::output::write_atomically;
@@ -25,7 +25,7 @@ pub fn save(document: &Document, kept: &Unknown, path: &Path) -> Result<(), Sess
 pub fn save_for_recovery(document: &Document, kept: &Unknown, note: Value, path: &Path) -> Result<(), SessionError> {
     let in_text = |path: &Path| absolute(path).to_string_lossy().into_owned().into();
     let mut session = value(document, kept, in_text);
-    session[autosave::KEY] = note;
+    session[AUTOSAVE_KEY] = note;
     write(session, path)
 }
 

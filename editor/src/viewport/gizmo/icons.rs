@@ -1,7 +1,7 @@
 //! The pictures of lights: a lamp in the colour of its light, and as much of its shape as says where it shines.
 
 use super::projection::Projection;
-use crate::panels::lights::display_color;
+use crate::widgets::display_color;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Stroke, Vec2, vec2};
 use glam::Vec3;
 use lapidary_core::lights::{Emission, Light, RectangleShape};

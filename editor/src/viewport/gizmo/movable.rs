@@ -2,7 +2,7 @@
 
 use super::{
     change::{Change, posed},
-    object::Tool,
+    tool::Tool,
 };
 use glam::Vec3;
 use lapidary_core::scene::pose::{Pose, Poses, Similarity};

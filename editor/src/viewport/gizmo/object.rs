@@ -2,59 +2,17 @@
 
 use super::{
     View,
-    change::{Change, SCALE_STEP, TURN_STEP_DEGREES, move_step},
+    change::{Change, move_step},
     handles::{Constraint, Handle, Handles},
     movable::Movable,
     rings::{Rings, Sweep},
     size::SizeHandle,
+    tool::Tool,
 };
 use crate::document::Edit;
 use egui::{Color32, Painter, Pos2};
 use glam::Vec3;
 use lapidary_core::scene::pose::Poses;
-
-/// What drags of handles do to the selected objects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tool {
-    /// Moves them along axes and planes.
-    Move,
-    /// Turns them about the axes of the world through their pivot.
-    Turn,
-    /// Makes them larger or smaller.
-    Scale,
-}
-
-impl Tool {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Move, Self::Turn, Self::Scale];
-
-    /// The name of its command.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Move => "Move object",
-            Self::Turn => "Turn object",
-            Self::Scale => "Scale object",
-        }
-    }
-
-    /// What it does, for the name of its step of undo.
-    pub const fn verb(self) -> &'static str {
-        match self {
-            Self::Move => "Move",
-            Self::Turn => "Turn",
-            Self::Scale => "Scale",
-        }
-    }
-
-    /// What Ctrl does, where moves have steps of so many metres.
-    fn steps(self, move_step: f32) -> String {
-        match self {
-            Self::Move => format!("Ctrl: steps of {move_step} m"),
-            Self::Turn => format!("Ctrl: steps of {TURN_STEP_DEGREES}°"),
-            Self::Scale => format!("Ctrl: steps of {:.0} %", 100.0 * SCALE_STEP),
-        }
-    }
-}
 
 impl Movable {
     /// Their handles; `None` behind the eye.

@@ -4,7 +4,7 @@ mod objects;
 
 use super::projection::Projection;
 use crate::{
-    actions::Action,
+    actions::{Action, CameraAction, LightAction, SelectAction},
     document::Edit,
     viewport::test_window::{App, button, click, harness, seen_at},
 };
@@ -97,12 +97,17 @@ fn a_click_on_a_lamp_selects_it_before_the_objects_behind() {
     let other = at(&harness, Vec3::new(-0.6, -0.8, 0.0));
     click(&mut harness, other);
     assert_eq!(harness.state().selected_light, Some(1));
-    assert!(!harness.state().log.iter().any(|a| matches!(a, Action::SelectObject(_))));
+    assert!(!harness.state().log.iter().any(|a| matches!(a, Action::Select(SelectAction::Object(_)))));
     let object = at(&harness, Vec3::new(1.3, 0.0, 0.0));
     click(&mut harness, object);
     assert!(matches!(
         harness.state().log[..],
-        [.., Action::SelectObject(Some(1)), Action::SelectMaterial(_), Action::SelectPart(_)]
+        [
+            ..,
+            Action::Select(SelectAction::Object(Some(1))),
+            Action::Select(SelectAction::Material(_)),
+            Action::Select(SelectAction::Part(_))
+        ]
     ));
 }
 
@@ -120,7 +125,13 @@ fn a_drag_of_an_axis_moves_the_light_along_it_by_as_much_as_the_pointer() {
         let expected = at(&harness, grabbed + moved).distance(at(&harness, grabbed));
         assert!((expected / (to - from).length() - 1.0).abs() < 0.2, "{axis}: {expected} of {}", (to - from).length());
         assert_eq!((light(&harness).target, gestures(&harness)), (spot().target, 1));
-        assert!(!harness.state().log.iter().any(|a| matches!(a, Action::Camera(_) | Action::SelectLight(_))));
+        assert!(
+            !harness
+                .state()
+                .log
+                .iter()
+                .any(|a| matches!(a, Action::Camera(CameraAction::To(_)) | Action::Light(LightAction::Select(_))))
+        );
     }
 }
 
@@ -186,7 +197,7 @@ fn a_drag_beside_the_handles_orbits_and_without_a_selection_there_are_none() {
     let lamp = at(&harness, spot().position);
     drag(&mut harness, lamp, vec2(40.0, 0.0));
     assert_eq!(light(&harness), &spot());
-    assert!(harness.state().log.iter().any(|action| matches!(action, Action::Camera(_))));
+    assert!(harness.state().log.iter().any(|action| matches!(action, Action::Camera(CameraAction::To(_)))));
     let edits = harness.state().log.iter().any(|a| matches!(a, Action::Edit { edit: Edit::Light { .. }, .. }));
     assert!(!edits);
 }
@@ -199,10 +210,11 @@ fn a_click_aims_when_it_is_to_and_escape_gives_that_up() {
     harness.run();
     let place = seen_at(&harness, 1.1, 0.3);
     click(&mut harness, place);
-    let aimed = harness.state().log.iter().find_map(|a| if let Action::AimLight(at) = a { *at } else { None });
+    let aimed =
+        harness.state().log.iter().find_map(|a| if let Action::Light(LightAction::Aim(at)) = a { *at } else { None });
     assert!(aimed.unwrap().distance(Vec3::new(1.1, 0.3, 0.0)) < 0.02, "{aimed:?}");
-    assert!(!harness.state().log.iter().any(|a| matches!(a, Action::SelectObject(_))));
+    assert!(!harness.state().log.iter().any(|a| matches!(a, Action::Select(SelectAction::Object(_)))));
     harness.key_press(Key::Escape);
     harness.run();
-    assert!(matches!(harness.state().log.last(), Some(Action::AimLight(None))));
+    assert!(matches!(harness.state().log.last(), Some(Action::Light(LightAction::Aim(None)))));
 }

@@ -1,6 +1,7 @@
 //! What moves the camera.
 
 use super::*;
+use crate::actions::CameraAction;
 
 #[test]
 fn a_left_drag_orbits_so_that_the_scene_follows_the_pointer() {
@@ -12,7 +13,7 @@ fn a_left_drag_orbits_so_that_the_scene_follows_the_pointer() {
     drag(&mut harness, PointerButton::Primary, Modifiers::ALT, vec2(0.0, 60.0));
     assert!(camera(&harness).eye.y > 0.5);
     assert_eq!(harness.state().selected, None);
-    let all_cameras = harness.state().log.iter().all(|action| matches!(action, Action::Camera(_)));
+    let all_cameras = harness.state().log.iter().all(|action| matches!(action, Action::Camera(CameraAction::To(_))));
     assert!(all_cameras && !harness.state().last.unwrap().moving);
 }
 

@@ -1,7 +1,10 @@
 //! Presets and materials that are dropped on surfaces.
 
 use super::*;
-use crate::dragged::Dragged;
+use crate::{
+    actions::{MaterialAction, SelectAction},
+    dragged::Dragged,
+};
 use egui::DragAndDrop;
 use lapidary_core::{
     material::{Material, PRESETS},
@@ -54,9 +57,15 @@ fn a_material_that_is_dropped_on_a_surface_gives_its_values_to_the_material_ther
     assert_eq!(materials[0].parameters.number("metalness"), 0.0, "negative control: the other square");
     assert_eq!(edits(&harness), ["Drop material"]);
     let log = &harness.state().log;
-    assert!(matches!(log[0], Action::SelectObject(Some(0))));
+    assert!(matches!(log[0], Action::Select(SelectAction::Object(Some(0)))));
     assert!(matches!(log[1..4], [Action::EndGesture, Action::Edit { .. }, Action::EndGesture]), "a step of its own");
-    assert!(matches!(log[4..], [Action::SelectMaterial(Some(1)), Action::SelectPart(Part { object: 0, material: 1 })]));
+    assert!(matches!(
+        log[4..],
+        [
+            Action::Select(SelectAction::Material(Some(1))),
+            Action::Select(SelectAction::Part(Part { object: 0, material: 1 }))
+        ]
+    ));
     assert_eq!(camera(&harness), start(), "the camera stays");
     assert_eq!(harness.state().state.dropping.words(), None);
 }
@@ -90,8 +99,13 @@ fn with_shift_the_surface_alone_takes_it() {
         let_go(&mut harness, left);
         assert!(edits(&harness).is_empty(), "its material stays as it is");
         match (dragged, &harness.state().log[1]) {
-            (Dragged::Material(_), Action::Assign { part: taken, material: 2 }) => assert_eq!(*taken, part),
-            (Dragged::Preset { .. }, Action::MakeUnique { part: taken, material: Some(material) }) => {
+            (Dragged::Material(_), Action::Material(MaterialAction::Assign { part: taken, material: 2 })) => {
+                assert_eq!(*taken, part)
+            }
+            (
+                Dragged::Preset { .. },
+                Action::Material(MaterialAction::MakeUnique { part: taken, material: Some(material) }),
+            ) => {
                 assert_eq!((*taken, material.name.as_str()), (part, "Gold"));
                 assert_eq!(material.parameters, PRESETS[gold].parameters);
             }

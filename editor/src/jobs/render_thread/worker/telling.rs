@@ -1,7 +1,7 @@
 //! What the window is told: pictures, those that it asked for, and failures.
 
 use super::{HOLES_SHARE, LinearPicture, PictureStage, RenderEvent, RenderRequest, RenderedFrame, Restarts, Worker};
-use crate::panels::bake::remedy_control;
+use crate::control_names::remedy_control;
 use lapidary_render::{BackendError, Remedy};
 use std::time::Instant;
 

@@ -1,8 +1,9 @@
 //! The selected objects in a viewport without a window: where drags of their handles lead.
 
-use super::{
-    super::{Pivot, Tool},
-    *,
+use super::*;
+use crate::{
+    actions::{CameraAction, SelectAction},
+    viewport::gizmo::{Pivot, Tool},
 };
 use lapidary_core::scene::pose::Pose;
 
@@ -64,7 +65,13 @@ fn a_drag_of_an_arrow_moves_the_object_by_as_much_as_the_pointer_in_one_gesture(
         let labels = labels(&harness);
         assert!(labels.len() > 1 && labels.iter().all(|label| *label == "Move"), "{labels:?}");
         assert_eq!(gestures(&harness), 1);
-        assert!(!harness.state().log.iter().any(|a| matches!(a, Action::Camera(_) | Action::SelectObject(_))));
+        assert!(
+            !harness
+                .state()
+                .log
+                .iter()
+                .any(|a| matches!(a, Action::Camera(CameraAction::To(_)) | Action::Select(SelectAction::Object(_))))
+        );
     }
 }
 
@@ -127,7 +134,11 @@ fn clicks_on_the_middle_select_and_drags_beside_handles_orbit() {
     let camera = harness.state().document.camera.clone();
     let middle = at(&harness, CENTER);
     click(&mut harness, middle);
-    assert!(matches!(harness.state().log[0], Action::SelectObject(Some(OBJECT))), "{:?}", harness.state().log);
+    assert!(
+        matches!(harness.state().log[0], Action::Select(SelectAction::Object(Some(OBJECT)))),
+        "{:?}",
+        harness.state().log
+    );
     let arrow = beside_center(&harness, Vec3::Y, 60.0);
     harness.state_mut().log.clear();
     click(&mut harness, arrow);
@@ -144,7 +155,7 @@ fn without_a_tool_drags_orbit_from_everywhere() {
     let from = beside_center(&harness, Vec3::Y, 60.0);
     drag(&mut harness, from, vec2(0.0, -40.0));
     assert_eq!(pose(&harness), Pose::AS_BAKED);
-    assert!(harness.state().log.iter().any(|action| matches!(action, Action::Camera(_))));
+    assert!(harness.state().log.iter().any(|action| matches!(action, Action::Camera(CameraAction::To(_)))));
 }
 
 /// The right square active and the left one with it, with the handles of a tool.

@@ -1,0 +1,155 @@
+//! Beginning a bake: what the driver of bakes is given, and what an interrupted bake left.
+
+use super::state::{Asker, BakeOrder, Baking, From, Looked};
+use crate::{
+    control_names::control_name,
+    document::Document,
+    jobs::Imported,
+    workspace::{OpenScene, Workspace, Written},
+};
+use lapidary_core::{
+    animation::{BoundAnimation, ClipTime},
+    dataset::{BakeParts, bake_hash},
+    scene::pose::Poses,
+};
+use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
+use lapidary_studies::jobs::bake::{BakeTask, draft_is_sooner};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::SystemTime,
+};
+
+/// Why a bake does not start while there is one.
+pub const UNDER_WAY: &str = "A bake is under way; cancel it first";
+
+impl Baking {
+    /// Bakes with the document's settings, or goes on with what was interrupted. What the user began stays for the user to resume.
+    pub fn bake(&mut self, work: &mut Workspace, order: BakeOrder) {
+        let output = match (order.asked_by, order.from) {
+            (Asker::Nobody, _) => work.scene.kept_output.clone(),
+            (Asker::User, From::Checkpoint) => interrupted(&work.scene).or_else(|| work.scene.bake_output.clone()),
+            (Asker::User, From::Beginning) if self.write_kept(work) => return,
+            (Asker::User, From::Beginning) => work.scene.bake_output.clone(),
+        };
+        if self.run.is_some() {
+            return work.messages.note(UNDER_WAY);
+        }
+        match self.task(work, order, output) {
+            Ok(Some(task)) => self.begin(task, order, work.wake.clone()),
+            // What would be written over was told of.
+            Ok(None) => {}
+            Err(error) => work.messages.error(error),
+        }
+    }
+
+    /// What the driver of bakes is given for an order; `None` if its output may not be written.
+    fn task(
+        &self,
+        work: &mut Workspace,
+        order: BakeOrder,
+        output: Option<PathBuf>,
+    ) -> Result<Option<BakeTask>, String> {
+        let nothing = "There is no scene file to bake; open a scene (.gltf, .glb, .obj, .ply)";
+        let (source, output) = work.scene.source.clone().zip(output).ok_or(nothing)?;
+        let settings = resolve(work.document.bake.clone());
+        let settings =
+            settings.map_err(|error| format!("The bake settings do not work: {}", error.text(control_name)))?;
+        if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder)
+                .map_err(|error| format!("cannot create the folder for the bake: {error} ({})", folder.display()))?;
+        }
+        if !work.may_write(&output, Written::Dataset) {
+            return Ok(None);
+        }
+        // Of another version than the bake that is seen, it may have its objects in another order.
+        let document = work.document.with_objects_of(&source.scene).into_owned();
+        let (poses, clip_time) = poses_to_bake(&document, &source)?;
+        let Imported { mut scene, import_secs, report, .. } = source;
+        if document.lets_through_otherwise(&scene) {
+            document.give_opacities(Arc::make_mut(&mut scene));
+        }
+        let (inputs, warnings, resume) = (report.files, report.warnings, order.from == From::Checkpoint);
+        let job = BakeJob { settings, poses, clip_time, output, inputs, chunks: None, resume, import_secs, warnings };
+        Ok(Some(BakeTask {
+            scene,
+            job,
+            progressive: order.draft_first,
+            or_afresh: order.asked_by == Asker::Nobody,
+            turn: self.turn.clone(),
+            cache: work.folders.cache.clone(),
+            name_of: control_name,
+        }))
+    }
+
+    /// What an interrupted bake left for a bake with the present settings. It is read again only when its inputs have
+    /// changed.
+    pub fn leftover(&mut self, work: &Workspace) -> Leftover {
+        let Some((source, output)) = work.scene.source.as_ref().zip(interrupted(&work.scene)) else {
+            return Leftover::Nothing;
+        };
+        let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
+        let Ok(settings) = resolve(work.document.bake.clone()) else { return Leftover::OfAnother };
+        let document = work.document.with_objects_of(&source.scene);
+        let opacities = document.opacities_for(&source.scene);
+        let content = bake_hash(&source.hash, &opacities, &document.poses, document.clip_time.as_ref());
+        let looked = Looked { output, scene_hash: content, settings, written };
+        let known = self.leftover.take().filter(|(known, _)| *known == looked);
+        let look = || {
+            let found = leftover(&looked.output, &looked.scene_hash, &looked.settings);
+            (looked, found)
+        };
+        self.leftover.insert(known.unwrap_or_else(look)).1
+    }
+}
+
+/// The output of an interrupted bake: the user's, or else one that began by itself.
+fn interrupted(scene: &OpenScene) -> Option<PathBuf> {
+    let outputs = [&scene.bake_output, &scene.kept_output];
+    outputs.into_iter().flatten().find(|output| checkpoint_time(output).is_some()).cloned()
+}
+
+/// A long bake begins with a draft if it brings light that cannot be seen yet.
+pub fn wants_draft(work: &Workspace) -> bool {
+    let wanted = &work.document.bake;
+    let has = |part: fn(BakeParts) -> bool| {
+        !part(wanted.mode) || work.scene.shown().is_some_and(|baked| part(baked.dataset.settings.mode))
+    };
+    let has_all = [BakeParts::environment, BakeParts::sources, BakeParts::meshless].into_iter().all(has);
+    let bounces = wanted.mode.sources() || wanted.mode.meshless();
+    !has_all && (bounces || wanted.lights > Preset::Draft.settings().lights) && draft_is_sooner(wanted)
+}
+
+/// Where a bake of a document has the objects, relative to the file, and the time of the animation that it is at.
+fn poses_to_bake(document: &Document, source: &Imported) -> Result<(Poses, Option<ClipTime>), String> {
+    let poses = document.poses.clone();
+    let Some((animation, time)) = source.animation.as_ref().zip(document.clip_time.clone()) else {
+        return Ok((poses, None));
+    };
+    let posed = BoundAnimation::new(animation.clone(), &source.scene).and_then(|bound| {
+        let clip = animation.clip(Some(&time.clip))?;
+        bound.poses_at(clip, time.seconds, &poses)
+    });
+    posed.map(|poses| (poses, Some(time))).map_err(|error| error.to_string())
+}
+
+/// Time of the last change of the folder that an interrupted bake leaves beside its output, if there is one.
+fn checkpoint_time(output: &Path) -> Option<SystemTime> {
+    let mut folder = output.as_os_str().to_owned();
+    folder.push(".partial");
+    std::fs::metadata(folder).ok().filter(|m| m.is_dir())?.modified().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_checkpoint_is_found_beside_its_output() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().join("a.cuts");
+        assert!(checkpoint_time(&output).is_none());
+        std::fs::create_dir(folder.path().join("a.cuts.partial")).unwrap();
+        assert!(checkpoint_time(&output).is_some());
+    }
+}

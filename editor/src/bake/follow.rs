@@ -1,0 +1,89 @@
+//! A bake at work: its messages, its result on the screen, and how things stand.
+
+use super::{
+    begin::UNDER_WAY,
+    kept::{keep_draft, note_bake},
+    panel::BakeStatus,
+    stale::stale_now,
+    state::{Baking, Ended},
+};
+use crate::workspace::Workspace;
+use lapidary_precompute::Leftover;
+use lapidary_render::Baked;
+use lapidary_studies::jobs::bake::BakeMessage;
+
+impl Baking {
+    pub fn cancel(&self) {
+        self.run.iter().for_each(|run| run.job.cancel());
+    }
+
+    /// What the user does not want is not begun anew either.
+    pub fn cancel_for_good(&mut self) {
+        (self.wants_ground, self.begins_anew) = (false, false);
+        self.cancel();
+    }
+
+    pub fn collect(&mut self, work: &mut Workspace) {
+        self.collect_written(work);
+        let Some(run) = &mut self.run else { return };
+        let messages = run.job.messages();
+        for message in messages {
+            match message {
+                BakeMessage::Warning(text) => work.messages.warning(text),
+                BakeMessage::Draft(baked) => {
+                    self.run.iter_mut().for_each(|run| run.draft_shown = true);
+                    keep_draft(work, &baked.dataset);
+                    show_baked(work, baked, true);
+                }
+                BakeMessage::Done(baked) => {
+                    work.messages.withdraw(UNDER_WAY);
+                    if let Some(run) = self.run.take() {
+                        note_bake(work, &run, baked.dataset.report.vertices);
+                    }
+                    show_baked(work, baked, false);
+                }
+                BakeMessage::Cancelled => self.end(work, Ended::Cancelled),
+                BakeMessage::Failed(error) => {
+                    work.messages.error(format!("The bake failed: {error}"));
+                    self.end(work, Ended::Failed(error));
+                }
+            }
+        }
+    }
+
+    fn end(&mut self, work: &mut Workspace, ended: Ended) {
+        self.run = None;
+        work.messages.withdraw(UNDER_WAY);
+        self.ended = Some(ended);
+    }
+
+    /// How things stand, for the bake panel.
+    pub fn status(&mut self, work: &Workspace) -> BakeStatus {
+        if let Some(run) = &self.run {
+            return run.status();
+        }
+        let leftover = self.leftover(work);
+        match (&self.ended, &work.scene.baked) {
+            (Some(Ended::Cancelled), _) => BakeStatus::Cancelled { leftover },
+            (Some(Ended::Failed(message)), _) => BakeStatus::Failed { message: message.clone(), leftover },
+            (None, Some(_)) => {
+                let reasons = stale_now(work);
+                if reasons.is_empty() { BakeStatus::UpToDate } else { BakeStatus::Stale { reasons } }
+            }
+            (None, None) if leftover != Leftover::Nothing => BakeStatus::Cancelled { leftover },
+            (None, None) => BakeStatus::None,
+        }
+    }
+}
+
+/// Renders another bake of the scene. Materials that were edited stay.
+fn show_baked(work: &mut Workspace, baked: Baked, is_draft: bool) {
+    // The scene may have changed during its bake.
+    let changed = work.scene.source.as_ref().filter(|source| source.hash != baked.dataset.scene_hash);
+    let preview = changed.map(|source| source.unshadowed(work.document.bake.ground));
+    work.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
+    // The hierarchies are for the picture, and no guests.
+    baked.begin();
+    (work.scene.baked, work.scene.preview) = (Some(baked), preview);
+    (work.scene.is_draft, work.scene.show_stale) = (is_draft, false);
+}

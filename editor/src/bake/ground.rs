@@ -1,0 +1,50 @@
+//! A ground that is asked for: shown at once without shadows, then baked.
+
+use super::state::{Asker, BakeOrder, Baking, From};
+use crate::workspace::Workspace;
+use lapidary_core::ground::Ground;
+use lapidary_render::Baked;
+
+impl Baking {
+    /// Shows a ground that was asked for and is not in the bake: at once without shadows, and baked anew. One that is not wanted any
+    /// more is hidden, whatever the bake has.
+    pub fn follow_ground(&mut self, work: &mut Workspace) {
+        let ground = work.document.bake.ground;
+        let Some(source) = work.scene.source.clone().filter(|_| !work.scene.show_stale) else { return };
+        let suits = |baked: &Baked| ground == Ground::Off || baked.has_ground();
+        let is_current = !work.scene.is_stale();
+        if let Some(baked) = work.scene.baked.clone().filter(|baked| is_current && suits(baked)) {
+            if work.scene.preview.is_some() {
+                work.take_materials_of(&baked.dataset);
+                work.scene.preview = None;
+            }
+            self.wants_ground = false;
+            return self.bake_ground(work);
+        }
+        if !work.scene.preview.as_ref().is_some_and(suits) {
+            let preview = source.unshadowed(ground);
+            work.take_materials_of(&preview.dataset);
+            work.scene.preview = Some(preview);
+            self.wants_ground = is_current && work.preferences.bakes_scenes;
+        }
+        self.bake_ground(work);
+    }
+
+    /// Begins a bake for a ground if one is wanted. A bake without one that began by itself ends for it, and what is chosen by then
+    /// is baked; one that the user asked for is finished first.
+    fn bake_ground(&mut self, work: &mut Workspace) {
+        let wants_ground = self.wants_ground && work.document.bake.ground != Ground::Off;
+        match &self.run {
+            Some(run) if run.has_ground => self.wants_ground = false,
+            Some(run) if wants_ground && run.asked_by == Asker::Nobody && !run.job.is_cancelling() => {
+                self.cancel();
+                self.begins_anew = true;
+            }
+            None if wants_ground || self.begins_anew => {
+                (self.wants_ground, self.begins_anew) = (false, false);
+                self.bake(work, BakeOrder { asked_by: Asker::Nobody, from: From::Beginning, draft_first: true });
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Progress of a bake: one bar per step, and the end of the present one. Phases are named after the light that they are
+//! for.
+
+use super::{BakeStatus, Draft};
+use crate::{
+    actions::{Action, BakeAction},
+    widgets::units::{duration, grouped},
+};
+use egui::{Align, Button, Grid, Layout, ProgressBar, RichText, Ui};
+use lapidary_core::dataset::BakeParts;
+use lapidary_precompute::Phase;
+
+/// Shows a running bake, with a button to stop it.
+pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
+    let BakeStatus::Running { mode, draft, phase, done, total, unit, cancelling, elapsed_secs, left_secs } = *status
+    else {
+        return;
+    };
+    let title = match draft {
+        Draft::None => "Baking",
+        Draft::UnderWay => "Baking a first draft",
+        Draft::Shown => "Baking in full",
+    };
+    ui.strong(title);
+    ui.label(RichText::new(draft.meaning()).weak().small());
+    let shown = steps(phase, mode);
+    let current = shown.iter().position(|p| *p == phase).unwrap_or_default();
+    Grid::new("phases").num_columns(2).show(ui, |ui| {
+        for (i, shown) in shown.iter().enumerate() {
+            let (name, help) = described(*shown);
+            let text = RichText::new(name);
+            ui.label(if i == current { text.strong() } else { text.weak() }).on_hover_text(help);
+            let part = match i {
+                i if i < current => 1.0,
+                i if i == current && total > 0 => (done as f32 / total as f32).clamp(0.0, 1.0),
+                _ => 0.0,
+            };
+            let bar = ui.add(ProgressBar::new(part).desired_height(8.0).desired_width(ui.available_width()));
+            bar.accessible_name(format!("{name} progress"));
+            ui.end_row();
+        }
+    });
+    if total > 0 {
+        ui.label(format!("{} of {} {unit}", grouped(done), grouped(total)));
+    }
+    if cancelling {
+        ui.label("Cancelling: it stops at the next point");
+    } else {
+        let left = left_secs.map(duration);
+        ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
+    }
+    ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
+    // At the other side than the button that begins a bake, of which a second click would cancel it.
+    ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+        let cancel = ui.add_enabled(!cancelling, Button::new("Cancel"));
+        if cancel.on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
+            actions.push(Action::Bake(BakeAction::Cancel));
+        }
+    });
+}
+
+impl Draft {
+    /// What is on the screen, and what comes.
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::None => "The picture stays as it is until the bake is complete.",
+            Self::UnderWay => "The draft is coarse, and shown as soon as it is done. The full bake follows by itself.",
+            Self::Shown => {
+                "The picture shows the draft: lights and materials can be edited. The full bake replaces it."
+            }
+        }
+    }
+}
+
+/// One line about a bake at work: what it does, how far that is, and when it ends.
+pub fn line(status: &BakeStatus) -> Option<String> {
+    let BakeStatus::Running { mode, draft, phase, done, total, left_secs, .. } = *status else { return None };
+    let shown = steps(phase, mode);
+    let step = shown.iter().position(|p| *p == phase).unwrap_or_default() + 1;
+    let what = match draft {
+        Draft::None => "Baking",
+        Draft::UnderWay => "Baking a draft, the full bake follows",
+        Draft::Shown => "Draft shown, full bake running",
+    };
+    let mut line = format!("{what}: {}", described(phase).0);
+    if total > 0 {
+        line += &format!(", {:.0} %", 100.0 * (done as f64 / total as f64).min(1.0));
+    }
+    if let Some(left) = left_secs.map(duration) {
+        line += &format!(", {left} left");
+    }
+    Some(format!("{line} (step {step} of {})", shown.len()))
+}
+
+/// The phases of a bake of this mode, and the present one in any case.
+fn steps(phase: Phase, mode: BakeParts) -> Vec<Phase> {
+    Phase::ALL.into_iter().filter(|p| *p == phase || runs_in(*p, mode)).collect()
+}
+
+/// Whether a bake of this mode goes through a phase; the light tree is made for any.
+fn runs_in(phase: Phase, mode: BakeParts) -> bool {
+    match phase {
+        Phase::Import | Phase::Tessellate | Phase::Tree | Phase::Pack => true,
+        Phase::Pilot | Phase::Visibility => mode.environment(),
+        Phase::Points | Phase::SourceTree | Phase::SourceVisibility => mode.sources(),
+        Phase::SourceEnvironment => mode.sources() && mode.environment(),
+        Phase::Basis | Phase::Transport => mode.meshless(),
+    }
+}
+
+/// A phase's name and what it does.
+pub fn described(phase: Phase) -> (&'static str, &'static str) {
+    match phase {
+        Phase::Import => ("Reading the scene", "Geometry and materials."),
+        Phase::Tessellate => ("Refining the mesh", "Splitting triangles where shadows vary."),
+        Phase::Pilot => {
+            ("Pilot visibility", "Tracing a few vertices, by whose visibility light directions are clustered.")
+        }
+        Phase::Tree => ("Building the light tree", "Clustering directions of the environment that are alike."),
+        Phase::Visibility => ("Environment visibility", "Following what every vertex sees of the environment."),
+        Phase::Points => ("Placing surface sources", "Points that send bounced light, where light can reach."),
+        Phase::SourceTree => ("Building the source tree", "Clustering surface sources that send similar light."),
+        Phase::SourceVisibility => ("Source visibility", "Tracing every vertex against the surface sources."),
+        Phase::SourceEnvironment => ("Environment on sources", "Tracing every surface source against the environment."),
+        Phase::Basis => ("Meshless basis", "Placing the basis functions of the soft bounces."),
+        Phase::Transport => ("Meshless transport", "Tracing light between the basis functions."),
+        Phase::Pack => ("Writing the bake", "Packing it and writing the file."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_says_what_is_a_draft_and_what_comes() {
+        let running = |draft, phase, done| BakeStatus::Running {
+            mode: BakeParts::INDIRECT,
+            draft,
+            phase,
+            done,
+            total: 1000,
+            unit: "points",
+            cancelling: false,
+            elapsed_secs: 90.0,
+            left_secs: (done > 0).then_some(55.0),
+        };
+        let line = |draft, phase, done| line(&running(draft, phase, done)).unwrap();
+        let drafting = line(Draft::UnderWay, Phase::Points, 0);
+        assert_eq!(drafting, "Baking a draft, the full bake follows: Placing surface sources, 0 % (step 4 of 7)");
+        let shown = line(Draft::Shown, Phase::SourceVisibility, 450);
+        assert_eq!(shown, "Draft shown, full bake running: Source visibility, 45 %, 55 s left (step 6 of 7)");
+        assert_eq!(super::line(&BakeStatus::UpToDate), None);
+    }
+
+    #[test]
+    fn each_mode_shows_its_phases_under_names_of_their_own() {
+        let phases = |mode| Phase::ALL.into_iter().filter(|p| runs_in(*p, mode)).count();
+        let modes = [BakeParts::ENVIRONMENT, BakeParts::INDIRECT, BakeParts::CUTS, BakeParts::MESHLESS, BakeParts::ALL];
+        assert_eq!(modes.map(phases), [6, 7, 10, 6, 12]);
+        let names: std::collections::BTreeSet<_> = Phase::ALL.map(|p| described(p).0).into();
+        assert_eq!(names.len(), Phase::ALL.len());
+        assert!(!runs_in(Phase::Points, BakeParts::ENVIRONMENT) && !runs_in(Phase::Visibility, BakeParts::INDIRECT));
+    }
+}

@@ -1,0 +1,9 @@
+//! The comparison with a reference: its strip, the pointer over both pictures, and what follows the picture.
+
+mod follow;
+pub mod panel;
+mod pointer;
+mod state;
+
+pub use pointer::interact;
+pub use state::Comparison;

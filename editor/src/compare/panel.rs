@@ -1,0 +1,335 @@
+//! The strip under the viewport: the reference, how both pictures are shown, and their differences.
+
+mod figures;
+#[cfg(test)]
+mod tests;
+
+use crate::{
+    actions::{Action, CompareAction, LadderAction},
+    viewport::compare::CompareView,
+    widgets::copyable,
+};
+use egui::{Align2, Button, ComboBox, DragValue, ProgressBar, RichText, Ui, UiBuilder, vec2};
+use lapidary_core::image::Region;
+use lapidary_render::{Baked, Look, ViewMode, compare::map::ErrorMap};
+use lapidary_studies::{
+    jobs::{
+        comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
+        measure::{Measured, ShownMap},
+    },
+    ladder::Cuts,
+};
+use std::path::{Path, PathBuf};
+
+/// Pixels of the live picture along each axis for one of the comparison.
+const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 size"), (8, "1/8 size")];
+/// Regions begin and end at multiples of it, so that coarse references have pixels in them.
+const GRID: u32 = 4;
+/// Width in points of the button that pauses tracing and goes on.
+const PAUSE_WIDTH: f32 = 50.0;
+/// Width in points of the button that ends the comparison.
+const CLOSE: f32 = 22.0;
+
+/// Which reference, apart from the figures that go with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KindChoice {
+    /// All light samples.
+    #[default]
+    Samples,
+    /// Light paths.
+    Paths,
+    /// A picture file.
+    File,
+}
+
+/// What the next drag or click in the viewport does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tool {
+    /// A drag draws the region: where it began, in shares of the viewport, and the rectangle so far.
+    Region(Option<([f32; 2], [f32; 4])>),
+    /// A click explains the pixel.
+    Why,
+}
+
+/// What the strip remembers.
+#[derive(Clone, Debug)]
+pub struct ComparisonPanel {
+    /// Whether anything is compared.
+    pub open: bool,
+    /// Which reference.
+    pub kind: KindChoice,
+    /// Light paths per pixel.
+    pub spp: u32,
+    /// The picture file.
+    pub file: Option<PathBuf>,
+    /// See [`ComparisonRequest::scale`].
+    pub scale: u32,
+    /// How both are shown.
+    pub view: CompareView,
+    /// The reference is shown as long as the key is held.
+    pub flicker: bool,
+    /// Where the line between both is, as a share of the width.
+    pub swipe: f32,
+    /// Which error is mapped.
+    pub map: ShownMap,
+    /// The error at the end of the map's colours, where it was set.
+    pub top: Option<f32>,
+    /// Pixels without surfaces do not count.
+    pub surfaces_only: bool,
+    /// The part that counts, in shares of the viewport: left, top, right, bottom.
+    pub region: Option<[f32; 4]>,
+    /// What the pointer does.
+    pub tool: Option<Tool>,
+}
+
+impl Default for ComparisonPanel {
+    fn default() -> Self {
+        Self {
+            open: false,
+            kind: KindChoice::default(),
+            spp: 64,
+            file: None,
+            scale: 4,
+            view: CompareView::default(),
+            flicker: false,
+            swipe: 0.5,
+            map: ShownMap::Error(ErrorMap::default()),
+            top: None,
+            surfaces_only: true,
+            region: None,
+            tool: None,
+        }
+    }
+}
+
+impl ComparisonPanel {
+    /// What is seen now.
+    pub fn shown_view(&self) -> CompareView {
+        if self.flicker { CompareView::Reference } else { self.view }
+    }
+
+    /// What is to be compared with the live picture; `None` where no file was chosen yet.
+    pub fn request(&self, baked: Option<Baked>, mut look: Look) -> Option<ComparisonRequest> {
+        // What the comparison has no part in begins nothing anew.
+        (look.view.mode, look.view.wireframe) = (ViewMode::Shaded, false);
+        if self.kind != KindChoice::File {
+            look.view.aa = 1;
+        }
+        let kind = match self.kind {
+            KindChoice::Samples => ReferenceKind::Samples,
+            KindChoice::Paths => ReferenceKind::Paths { spp: self.spp },
+            KindChoice::File => ReferenceKind::File(self.file.clone()?),
+        };
+        let mut request = ComparisonRequest { baked, look, kind, scale: self.scale, region: None };
+        if self.kind != KindChoice::File {
+            request.region = self.region_of(request.size());
+        }
+        Some(request)
+    }
+
+    /// The region that is drawn over the viewport: the one that is being dragged, or else the one that counts.
+    pub fn drawn_region(&self) -> Option<[f32; 4]> {
+        match self.tool {
+            Some(Tool::Region(Some((_, part)))) => Some(part),
+            _ => self.region,
+        }
+    }
+
+    /// The region in pixels of a picture that is as high as the viewport of shape `aspect` (width over height), and as wide as it
+    /// may be.
+    pub fn region_in(&self, size: [u32; 2], aspect: f32) -> Option<Region> {
+        let wider = aspect * size[1] as f32 / size[0].max(1) as f32;
+        let across = |x: f32| 0.5 + (x - 0.5) * wider;
+        let [left, top, right, bottom] = self.region?;
+        Self { region: Some([across(left), top, across(right), bottom]), ..self.clone() }.region_of(size)
+    }
+
+    /// The region in pixels of a picture of the viewport's shape, moved out to the grid.
+    pub fn region_of(&self, size: [u32; 2]) -> Option<Region> {
+        let [left, top, right, bottom] = self.region?;
+        let low = |share: f32, side: u32| (share.clamp(0.0, 1.0) * side as f32) as u32 / GRID * GRID;
+        let high = |share: f32, side: u32| ((share.clamp(0.0, 1.0) * side as f32) as u32 + 1).next_multiple_of(GRID);
+        let (x, y) = (low(left, size[0]), low(top, size[1]));
+        let (width, height) = (high(right, size[0]).saturating_sub(x), high(bottom, size[1]).saturating_sub(y));
+        Region { x, y, width, height }.within(size)
+    }
+
+    /// What the picture is, in a few words.
+    pub fn picture_label(&self, cuts: Cuts) -> String {
+        match cuts.size() {
+            Some(_) => format!("A: illumination cut of {}", cuts.label()),
+            None => "A: lit cuts".into(),
+        }
+    }
+
+    /// What the reference is, in a few words; its noise is that of what is measured.
+    pub fn reference_label(&self, reference: &ReferencePicture, noise: Option<f64>, progress: f32) -> String {
+        let done = if reference.finished { String::new() } else { format!(", {:.0} % done", 100.0 * progress) };
+        match self.kind {
+            KindChoice::Samples => format!("B: all light samples, traced{done}"),
+            KindChoice::Paths => {
+                let noise = noise.map(|n| format!(", noise {:.1} %", 100.0 * n)).unwrap_or_default();
+                format!("B: {} light paths per pixel{noise}{done}", self.spp)
+            }
+            KindChoice::File => format!("B: {}", file_name(self.file.as_deref())),
+        }
+    }
+}
+
+fn file_name(path: Option<&Path>) -> String {
+    path.and_then(Path::file_name).map_or("no file".into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Contents of the strip.
+pub struct ComparisonContext<'a> {
+    /// The figures, once there are some.
+    pub measured: Option<&'a Measured>,
+    /// Share of the reference that is done.
+    pub progress: f32,
+    /// Whether tracing was paused.
+    pub paused: bool,
+    /// Whether tracing waits until other work is done.
+    pub held: bool,
+    /// Whether there is something to pause.
+    pub tracing: bool,
+    /// Why there is no comparison.
+    pub problem: Option<&'a str>,
+}
+
+/// Shows the strip.
+pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContext, actions: &mut Vec<Action>) {
+    ui.add_space(2.0);
+    close(ui, panel);
+    ui.horizontal_wrapped(|ui| {
+        ui.set_max_width(ui.available_width() - CLOSE - ui.spacing().item_spacing.x);
+        reference(ui, panel, actions);
+        if panel.kind != KindChoice::File {
+            tracing(ui, context, actions);
+        }
+        ui.separator();
+        views(ui, panel, context.measured);
+        ui.separator();
+        let help = "Pictures at growing sizes of the light cut, and of lit cuts, beside a reference: which is enough for this shot";
+        if ui.button("Cut sizes...").on_hover_text(help).clicked() {
+            actions.push(Action::Ladder(LadderAction::Start));
+        }
+        let asking = panel.tool == Some(Tool::Why);
+        let help = "Click a pixel in the viewport: its cuts, nodes and light, and what its error comes from";
+        if ui.selectable_label(asking, "Why?").on_hover_text(help).clicked() {
+            panel.tool = if asking { None } else { Some(Tool::Why) };
+        }
+    });
+    figures::show(ui, panel, context.measured, |ui, panel| match context.problem {
+        Some(problem) => {
+            drop(copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color)));
+        }
+        None if context.measured.is_none() => drop(ui.weak(waiting(panel))),
+        None => {}
+    });
+    ui.add_space(2.0);
+}
+
+/// The button that ends the comparison, in the corner: nothing that changes its width pushes it under the pointer.
+fn close(ui: &mut Ui, panel: &mut ComparisonPanel) {
+    let size = vec2(CLOSE, ui.spacing().interact_size.y);
+    let corner = Align2::RIGHT_TOP.align_size_within_rect(size, ui.available_rect_before_wrap());
+    let button = Button::new("×").frame(false);
+    let mut corner = ui.new_child(UiBuilder::new().max_rect(corner).id_salt("close"));
+    if corner.add_sized(size, button).on_hover_text("End the comparison (C)").clicked() {
+        (panel.open, panel.tool) = (false, None);
+    }
+}
+
+fn waiting(panel: &ComparisonPanel) -> &'static str {
+    if panel.kind == KindChoice::File && panel.file.is_none() {
+        "Choose the picture to compare with: it should show this view, scene-linear if it can"
+    } else {
+        "The first pass of the reference is being traced"
+    }
+}
+
+fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>) {
+    let kinds = [
+        (KindChoice::Samples, "Light samples", "All light samples, traced at every pixel: shows what the cuts lose"),
+        (KindChoice::Paths, "Light paths", "Traced paths of light: the whole error, with some noise"),
+        (KindChoice::File, "Picture file", "A picture of this view by another program"),
+    ];
+    let chosen = kinds.iter().find(|k| k.0 == panel.kind).map_or("", |k| k.1);
+    let combo = ComboBox::from_id_salt("reference").selected_text(chosen).show_ui(ui, |ui| {
+        for (kind, label, help) in kinds {
+            ui.selectable_value(&mut panel.kind, kind, label).on_hover_text(help);
+        }
+    });
+    combo.response.on_hover_text("What the picture is compared with").accessible_name("Reference");
+    if panel.kind == KindChoice::File {
+        if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
+            actions.push(Action::Compare(CompareAction::Reference(None)));
+        }
+        return;
+    }
+    if panel.kind == KindChoice::Paths {
+        let spp = DragValue::new(&mut panel.spp).range(1..=1_000_000).speed(1.0).suffix(" spp");
+        ui.add(spp)
+            .accessible_name("Paths per pixel")
+            .on_hover_text("Light paths per pixel: four times as many halve the noise");
+    }
+    let size = SCALES.iter().find(|s| s.0 == panel.scale).map_or("", |s| s.1);
+    let combo = ComboBox::from_id_salt("comparison size").width(80.0).selected_text(size).show_ui(ui, |ui| {
+        for (scale, label) in SCALES {
+            ui.selectable_value(&mut panel.scale, scale, label);
+        }
+    });
+    let help = "Size of both pictures that are compared: full size of light samples takes long";
+    combo.response.on_hover_text(help).accessible_name("Comparison size");
+}
+
+/// Always as wide, so that nothing behind it moves when tracing begins or ends.
+fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) {
+    let finished = context.measured.filter(|m| m.reference.finished);
+    let text = match finished {
+        _ if !context.tracing => String::new(),
+        Some(measured) => format!("{:.1} s", measured.reference.seconds),
+        None if context.held => format!("{:.0} %, waits", 100.0 * context.progress),
+        None => format!("{:.0} %", 100.0 * context.progress),
+    };
+    let help = if context.held { "Of the reference: waits until cut sizes are tried" } else { "Of the reference" };
+    ui.add(ProgressBar::new(context.progress).desired_width(90.0).text(text)).on_hover_text(help);
+    let label = if context.paused { "Go on" } else { "Pause" };
+    let button = Button::new(label).min_size(vec2(PAUSE_WIDTH, 0.0));
+    if ui.add_enabled(context.tracing && finished.is_none(), button).clicked() {
+        actions.push(Action::Compare(CompareAction::Pause(!context.paused)));
+    }
+}
+
+fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) {
+    for (view, label, help) in CompareView::ALL {
+        ui.selectable_value(&mut panel.view, view, label).on_hover_text(help);
+    }
+    if panel.view != CompareView::Difference {
+        return;
+    }
+    let combo = ComboBox::from_id_salt("error map").width(110.0).selected_text(panel.map.title()).show_ui(ui, |ui| {
+        for map in ShownMap::ALL {
+            if ui.selectable_value(&mut panel.map, map, map.title()).on_hover_text(map_meaning(map)).changed() {
+                panel.top = None;
+            }
+        }
+    });
+    combo.response.accessible_name("Error map");
+    let help = "Keeps the range of the colors, so that maps before and after an edit can be compared";
+    if ui.add(Button::selectable(panel.top.is_some(), "Keep range")).on_hover_text(help).clicked() {
+        panel.top = if panel.top.is_some() { None } else { measured.map(|m| m.field.top) };
+    }
+}
+
+fn map_meaning(map: ShownMap) -> &'static str {
+    let ShownMap::Error(map) = map else {
+        return "What the clusters are expected to err by, from their variances; no reference is needed";
+    };
+    match map {
+        ErrorMap::Relative => "Difference over the reference's value: dark parts count as much as bright ones",
+        ErrorMap::Absolute => "Difference in scene-linear units",
+        ErrorMap::Signed => "Orange where the picture is too bright, blue where it is too dark",
+        ErrorMap::Flip => "The difference that is seen when both flicker",
+    }
+}

@@ -1,0 +1,92 @@
+//! The settings of the environment.
+
+use lapidary_core::environment::SunSettings;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The environment: which map, and how it lies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct EnvironmentSettings {
+    /// The path of a map, or a formula as `Environment::from_spec` reads it.
+    pub spec: String,
+    /// Turn in degrees, counter-clockwise seen from +Y.
+    pub rotation_degrees: f32,
+    /// Scales radiance; 0 or more.
+    pub intensity: f32,
+    /// How the map was made to lie.
+    pub orientation: Orientation,
+    /// Small bright parts of the map.
+    pub sun: SunChoice,
+}
+
+/// What becomes of small bright parts of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SunChoice {
+    /// Whether they are suns; otherwise light samples stand for them.
+    pub enabled: bool,
+    /// Luminance above which light belongs to a sun, over the mean of the map.
+    pub threshold: f32,
+    /// Largest angle in degrees that a sun is seen under.
+    pub largest_degrees: f32,
+}
+
+impl Default for SunChoice {
+    fn default() -> Self {
+        let SunSettings { threshold, largest_angle } = SunSettings::default();
+        Self { enabled: true, threshold, largest_degrees: largest_angle.to_degrees() }
+    }
+}
+
+/// Where the centre of a map lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Orientation {
+    /// +Z, as OpenEXR, Mitsuba and MaterialX have it.
+    #[default]
+    OpenExr,
+    /// +X, as Blender and three.js have it.
+    Blender,
+}
+
+impl Orientation {
+    /// Degrees that are added to the rotation.
+    pub fn yaw_degrees(self) -> f32 {
+        match self {
+            Self::OpenExr => 0.0,
+            Self::Blender => 90.0,
+        }
+    }
+}
+
+impl Default for EnvironmentSettings {
+    fn default() -> Self {
+        Self {
+            spec: "studio".into(),
+            rotation_degrees: 0.0,
+            intensity: 1.0,
+            orientation: Orientation::default(),
+            sun: SunChoice::default(),
+        }
+    }
+}
+
+impl EnvironmentSettings {
+    /// The whole turn in radians.
+    pub fn rotation(&self) -> f32 {
+        (self.rotation_degrees + self.orientation.yaw_degrees()).to_radians()
+    }
+
+    /// What is a sun, if anything is.
+    pub fn suns(&self) -> Option<SunSettings> {
+        let SunChoice { enabled, threshold, largest_degrees } = self.sun;
+        enabled.then(|| SunSettings { threshold, largest_angle: largest_degrees.to_radians() })
+    }
+
+    /// The map's file; `None` for a formula.
+    pub fn file(&self) -> Option<&Path> {
+        let formula = self.spec.split_once(':').map_or(self.spec.as_str(), |(formula, _)| formula);
+        (!["constant", "sun-sky", "studio", "orientation"].contains(&formula)).then(|| Path::new(&self.spec))
+    }
+}

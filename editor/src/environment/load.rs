@@ -1,0 +1,90 @@
+//! Environment maps that are loaded, chosen, added to the library, or looked for.
+
+use super::state::Environments;
+use crate::{
+    actions::EnvironmentAction,
+    document::{Edit, EnvironmentSettings, library::maps_in},
+    jobs::load::{Loader, Source, Topic},
+    workspace::Workspace,
+};
+use lapidary_core::environment::Environment;
+use lapidary_interchange::environment;
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+impl Environments {
+    /// Does what is asked.
+    pub fn perform(&mut self, work: &mut Workspace, action: EnvironmentAction) {
+        match action {
+            EnvironmentAction::Load(Some(path)) => use_environment(work, &path.to_string_lossy()),
+            EnvironmentAction::AddToLibrary(Some(path)) => self.add_to_library(work, path),
+            // The path is asked for first.
+            EnvironmentAction::Load(None) | EnvironmentAction::AddToLibrary(None) => {}
+        }
+    }
+
+    /// Loads the map that the document names, unless that was tried already.
+    pub fn load(&mut self, work: &Workspace, loader: &mut Loader) {
+        let spec = &work.document.environment.spec;
+        if self.asked.as_ref() != Some(spec) {
+            self.asked = Some(spec.clone());
+            loader.load(Topic::Environment, Source::Environment(spec.clone()));
+        }
+    }
+
+    /// A map is there, or cannot be: then the one before stays in use.
+    pub fn take_loaded(&mut self, work: &mut Workspace, result: Result<(Arc<Environment>, Vec<String>), String>) {
+        match result {
+            Ok((environment, warnings)) => {
+                work.messages.warnings("Environment", &warnings);
+                self.problem = None;
+                self.loaded = Some(environment);
+            }
+            Err(error) => {
+                work.messages.error(&error);
+                self.problem = Some(error);
+                if self.loaded.is_none() {
+                    self.fall_back_to_studio();
+                }
+            }
+        }
+    }
+
+    /// Something must light the scene; the studio is made by a formula and needs no file.
+    fn fall_back_to_studio(&mut self) {
+        if let Ok((studio, _)) = environment::from_spec("studio") {
+            self.loaded = Some(studio.into());
+        }
+    }
+
+    fn add_to_library(&mut self, work: &mut Workspace, path: PathBuf) {
+        match self.library.add(&[path]) {
+            Ok(0) => work.messages.note("It is in the library already"),
+            Ok(count) => work.messages.note(format!("Added to the library: {count}")),
+            Err(error) => work.messages.error(format!("{error:#}")),
+        }
+    }
+
+    /// Looks for the maps of the library that are not where they were.
+    pub fn relink_library(&mut self, work: &mut Workspace, folder: &Path) {
+        let maps = maps_in(folder);
+        let mut found = 0;
+        for entry in self.library.entries().into_iter().filter(|entry| entry.missing && !entry.bundled) {
+            let Some(map) = maps.iter().find(|map| map.file_name() == entry.path.file_name()) else { continue };
+            let moved = self.library.remove(&entry.path).and_then(|()| self.library.add(std::slice::from_ref(map)));
+            match moved {
+                Ok(_) => found += 1,
+                Err(error) => work.messages.error(format!("{error:#}")),
+            }
+        }
+        work.messages.note(format!("Found {found} of the missing maps ({})", folder.display()));
+    }
+}
+
+/// Lights the scene by a map or formula, as a step of undo.
+fn use_environment(work: &mut Workspace, spec: &str) {
+    let environment = EnvironmentSettings { spec: spec.into(), ..work.document.environment.clone() };
+    work.do_step(Edit::Environment(environment), "Environment");
+}

@@ -1,0 +1,231 @@
+//! The environment: its map, rotation and intensity, with a picture of it that rotates with the light.
+
+mod library;
+mod map_view;
+mod overlay;
+#[cfg(test)]
+mod tests;
+mod thumbnail;
+
+pub use library::LibraryEntry;
+pub use thumbnail::thumbnail;
+
+use crate::{
+    actions::Action,
+    document::{Document, Edit, EnvironmentSettings, Orientation, SunChoice},
+    widgets::{
+        Edited, Number, check_row, choice_row, color_row, edit_row,
+        entries::{Decades, combo_row, decades_row},
+        section, slider_row,
+    },
+};
+use egui::{RichText, Ui};
+use glam::Vec3;
+use lapidary_core::{
+    dataset::BakeSettings,
+    environment::{Environment, Sun},
+    ground::Ground,
+    light_tree::LightTree,
+};
+use lapidary_render::SceneLighting;
+use std::sync::Arc;
+
+/// Elevation of the sun in degrees where a specification names none.
+const SUN_ELEVATION: f32 = 45.0;
+
+/// What the panel shows.
+pub struct EnvironmentContext<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// The map, once it is loaded.
+    pub environment: Option<&'a Arc<Environment>>,
+    /// Maps to choose from; formulas are added to them.
+    pub library: &'a [LibraryEntry],
+    /// The light tree of the dataset.
+    pub tree: Option<&'a LightTree>,
+    /// The tree under the present light, with its illumination cut.
+    pub lighting: Option<&'a Arc<SceneLighting>>,
+    /// Another number whenever tree or lighting are others.
+    pub light_revision: u64,
+    /// Whether what is rendered has no ground, and no scene file is there to bake one.
+    pub lacks_ground: bool,
+    /// What is to be told about the map: that it loads, or why it could not be read.
+    pub message: Option<&'a str>,
+}
+
+/// What the panel keeps between frames.
+#[derive(Default)]
+pub struct EnvironmentPanel {
+    map_view: map_view::MapView,
+    formulas: library::FormulaThumbnails,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentContext, actions: &mut Vec<Action>) {
+    map_view::show(ui, &mut state.map_view, context, actions);
+    if let Some(message) = context.message {
+        ui.label(RichText::new(message).color(ui.visuals().warn_fg_color));
+    }
+    placement(ui, &context.document.environment, actions);
+    formula(ui, &context.document.environment, actions);
+    section(ui, "Sun", true, |ui| sun(ui, context, actions));
+    section(ui, "Ground", true, |ui| ground(ui, context, actions));
+}
+
+/// Shows the library: formulas and maps to choose from.
+pub fn show_library(
+    ui: &mut Ui,
+    state: &mut EnvironmentPanel,
+    context: &EnvironmentContext,
+    actions: &mut Vec<Action>,
+) {
+    library::show(ui, &mut state.formulas, context, actions);
+}
+
+fn placement(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>) {
+    let help = "Turns the environment, counter-clockwise seen from above. Also: drag the picture.";
+    let rotation = Number::new("Rotation", help, -180.0..=180.0, 0.0).unit("°", 1).entry(-36_000.0..=36_000.0);
+    edit_row(actions, "Rotation", light, Edit::Environment, |l| {
+        let edited = slider_row(ui, &rotation, &mut l.rotation_degrees);
+        if edited.changed {
+            l.rotation_degrees = wrapped(l.rotation_degrees);
+        }
+        edited
+    });
+    let intensity = Decades {
+        decimals: 2,
+        note: Some(stops_text(light.intensity)),
+        ..Decades::count("Intensity", "Scales the light, 0 to 10; the stops are beside it.", 0.0..=10.0, 1.0)
+    };
+    edit_row(actions, "Intensity", light, Edit::Environment, |l| decades_row(ui, &intensity, &mut l.intensity));
+    let orientations = [
+        (Orientation::OpenExr, "OpenEXR", "The center of the map is +Z, as OpenEXR, Mitsuba and MaterialX have it."),
+        (Orientation::Blender, "Blender, three.js", "The center of the map is +X, as Blender and three.js have it."),
+    ];
+    edit_row(actions, "Orientation", light, Edit::Environment, |l| {
+        choice_row(ui, "Orientation", "How the map was made to lie.", &mut l.orientation, &orientations)
+    });
+}
+
+/// What of the map is a sun, and what suns there are.
+fn sun(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
+    let light = &context.document.environment;
+    let help = "Small bright parts of the map shine as directional lights, with sharp shadows. Otherwise they are spread over \
+                the light samples around them.";
+    edit_row(actions, "Sun", light, Edit::Environment, |l| check_row(ui, "Sun", help, &mut l.sun.enabled));
+    let Some(settings) = light.suns() else { return };
+    let usual = SunChoice::default();
+    let help = "A sun is brighter than this many times the mean of the map.";
+    let threshold = Decades { decimals: 0, ..Decades::count("Threshold", help, 1.0..=1e6, f64::from(usual.threshold)) };
+    edit_row(actions, "Threshold of suns", light, Edit::Environment, |l| {
+        decades_row(ui, &threshold, &mut l.sun.threshold)
+    });
+    let help = "A sun is seen under no more than this angle, from rim to rim. Larger lights stay in the map.";
+    let largest = Number::new("Largest angle", help, 0.1..=90.0, usual.largest_degrees).unit("°", 1);
+    edit_row(actions, "Largest angle of suns", light, Edit::Environment, |l| {
+        slider_row(ui, &largest, &mut l.sun.largest_degrees)
+    });
+    if let Some(environment) = context.environment {
+        ui.label(RichText::new(suns_text(&environment.suns(settings).suns)).weak());
+    }
+}
+
+/// The ground under the scene.
+fn ground(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
+    let bake = &context.document.bake;
+    let kinds = [
+        (Ground::Off, "None", "The scene hovers before its background, and light reaches it from below."),
+        (
+            Ground::Shadow,
+            "Shadow",
+            "A ground that is not seen itself catches shadows and light over the background, and over nothing in pictures with an \
+             alpha channel.",
+        ),
+        (Ground::On, "Surface", "A ground with a material of its own."),
+    ];
+    let wrap = |bake: BakeSettings| Edit::Bake(Box::new(bake));
+    edit_row(actions, "Ground", bake, wrap, |bake| {
+        combo_row(ui, "Ground", "A plane under the scene, which is baked with it.", &mut bake.ground, &kinds)
+    });
+    if context.lacks_ground && bake.ground != Ground::Off {
+        let text = "This bake has no ground. Open its scene file to bake one.";
+        ui.label(RichText::new(text).color(ui.visuals().warn_fg_color));
+    }
+}
+
+/// How many suns there are, and how large the brightest is.
+fn suns_text(suns: &[Sun]) -> String {
+    let size = |sun: &Sun| format!("{:.1}°", sun.angle.to_degrees());
+    match suns {
+        [] => "This map has no sun.".into(),
+        [sun] => format!("One sun, {} wide.", size(sun)),
+        [sun, ..] => format!("{} suns, the brightest {} wide.", suns.len(), size(sun)),
+    }
+}
+
+/// An angle in degrees from -180 to 180.
+fn wrapped(degrees: f32) -> f32 {
+    if degrees.abs() <= 180.0 { degrees } else { (degrees + 180.0).rem_euclid(360.0) - 180.0 }
+}
+
+fn stops_text(intensity: f32) -> String {
+    if intensity > 0.0 { format!("{:+.1} EV", intensity.log2()) } else { "off".into() }
+}
+
+/// The numbers of the formula that makes the map, if one does.
+fn formula(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>) {
+    if let Some(now) = sun_elevation(&light.spec) {
+        let elevation = Number::new("Sun height", "Degrees above the horizon.", 0.0..=90.0, SUN_ELEVATION);
+        let elevation = elevation.unit("°", 1);
+        spec_row(actions, "Sun height", light, |spec| {
+            let mut degrees = now;
+            let edited = slider_row(ui, &elevation, &mut degrees);
+            if edited.changed {
+                *spec = format!("sun-sky:{}", (10.0 * degrees).round() / 10.0);
+            }
+            edited
+        });
+    }
+    if let Some(now) = constant_radiance(&light.spec) {
+        spec_row(actions, "Constant color", light, |spec| {
+            let mut color = now;
+            let edited = color_row(ui, "Color", "The same radiance from everywhere.", &mut color, Vec3::ONE);
+            if edited.changed {
+                let [r, g, b] = color.to_array().map(|c| (1e4 * c).round() / 1e4);
+                *spec = format!("constant:{r},{g},{b}");
+            }
+            edited
+        });
+    }
+}
+
+fn spec_row(
+    actions: &mut Vec<Action>,
+    label: &'static str,
+    light: &EnvironmentSettings,
+    row: impl FnOnce(&mut String) -> Edited,
+) {
+    edit_row(actions, label, light, Edit::Environment, |l| row(&mut l.spec));
+}
+
+/// The sun's elevation in degrees, if the specification is that of sun and sky.
+fn sun_elevation(spec: &str) -> Option<f32> {
+    match spec.split_once(':') {
+        Some(("sun-sky", degrees)) => Some(degrees.trim().parse().unwrap_or(SUN_ELEVATION)),
+        None if spec == "sun-sky" => Some(SUN_ELEVATION),
+        _ => None,
+    }
+}
+
+/// The radiance, if the specification is that of a constant.
+fn constant_radiance(spec: &str) -> Option<Vec3> {
+    let Some(("constant", numbers)) = spec.split_once(':') else {
+        return (spec == "constant").then_some(Vec3::ONE);
+    };
+    let numbers: Option<Vec<f32>> = numbers.split(',').map(|n| n.trim().parse().ok()).collect();
+    match numbers?[..] {
+        [grey] => Some(Vec3::splat(grey)),
+        [r, g, b] => Some(Vec3::new(r, g, b)),
+        _ => None,
+    }
+}

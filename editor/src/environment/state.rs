@@ -1,0 +1,62 @@
+//! Environment maps: the one that lights the scene, and small pictures of those in the library.
+
+use super::panel::EnvironmentPanel;
+use crate::{document::library::EnvironmentLibrary, environment::panel::thumbnail, jobs::thumbnails::Thumbnails};
+use egui::{Context, TextureHandle, TextureOptions};
+use lapidary_core::environment::Environment;
+use lapidary_interchange::environment;
+use lapidary_studies::jobs::Wake;
+use std::{collections::HashMap, sync::Arc};
+
+/// Width and height of the library's pictures in pixels.
+const THUMBNAIL: [usize; 2] = [160, 80];
+
+/// The map in use, and pictures of others.
+pub struct Environments {
+    /// What the panel keeps between frames.
+    pub panel: EnvironmentPanel,
+    /// Maps to choose from.
+    pub library: EnvironmentLibrary,
+    pub loaded: Option<Arc<Environment>>,
+    /// The specification that was last asked for.
+    pub asked: Option<String>,
+    /// Why the map that the document names is not in use.
+    pub problem: Option<String>,
+    pub thumbnails: Thumbnails,
+    pub pictures: HashMap<String, Option<TextureHandle>>,
+}
+
+impl Environments {
+    /// With none loaded.
+    pub fn new(library: EnvironmentLibrary, wake: Wake) -> Self {
+        let make = |spec: &str| Ok(thumbnail(&environment::from_spec(spec)?.0, THUMBNAIL));
+        let thumbnails = Thumbnails::start(make, wake);
+        let panel = EnvironmentPanel::default();
+        Self { panel, library, loaded: None, asked: None, problem: None, thumbnails, pictures: HashMap::new() }
+    }
+
+    /// The map that lights the scene.
+    pub fn loaded(&self) -> Option<&Arc<Environment>> {
+        self.loaded.as_ref()
+    }
+
+    /// A small picture of a map, once it is made.
+    pub fn picture(&mut self, spec: &str) -> Option<&TextureHandle> {
+        self.thumbnails.request(spec);
+        self.pictures.get(spec)?.as_ref()
+    }
+
+    /// Takes the pictures that were made.
+    pub fn collect(&mut self, ctx: &Context) {
+        for (spec, picture) in self.thumbnails.ready() {
+            // A map that cannot be read is told about when it is chosen.
+            let texture = picture.ok().map(|image| ctx.load_texture(&spec, image, TextureOptions::LINEAR));
+            self.pictures.insert(spec, texture);
+        }
+    }
+
+    /// The file of a map has changed.
+    pub fn forget_picture(&mut self, spec: &str) {
+        self.thumbnails.forget(spec);
+    }
+}

@@ -1,0 +1,8 @@
+//! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
+
+mod dialog;
+mod run;
+mod state;
+
+pub use run::Exported;
+pub use state::Exporting;

@@ -1,0 +1,197 @@
+//! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
+
+use super::{
+    dialog::{SequenceAnswer, SequenceDialog},
+    state::{Exporting, Run},
+};
+use crate::{
+    actions::{Action, ExportAction},
+    document::folder_of,
+    workspace::{Workspace, Written},
+};
+use egui::Context;
+use lapidary_core::scene::Scene;
+use lapidary_interchange::materialx::Surface;
+use lapidary_render::{Baked, Look};
+use lapidary_studies::{
+    export::{
+        LayerList, has_extension,
+        materials::{MaterialExport, summary},
+    },
+    jobs::export::{ExportMessage, ExportRun, ExportTask},
+    outputs::CommandFiles,
+    terminal::error_text,
+};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+/// Why an export does not start while there is one.
+const UNDER_WAY: &str = "An export is under way; cancel it first";
+/// Why there is nothing to export.
+const NOTHING: &str = "There is nothing to export; open and bake a scene first";
+
+/// What is told where a glTF file is written with its materials alone anew.
+const KEEPS_PARTS: &str = "Surfaces that were given other materials have those of the scene's file there: only its materials are written anew";
+
+/// The picture that is exported, and its scene.
+pub type Exported = (Look, Baked);
+
+impl Exporting {
+    /// Does what is asked; nothing is exported while there is no picture.
+    pub fn perform(&mut self, work: &mut Workspace, exported: Option<Exported>, action: ExportAction) {
+        match action {
+            ExportAction::Layers(Some(path)) => self.export_layers(work, exported, path),
+            ExportAction::Materials(Some(path)) => export_materials(work, path),
+            ExportAction::DescribeSequence => self.describe_sequence(work, exported),
+            ExportAction::SequenceFolder(Some(folder)) => self.choose_sequence_folder(&folder),
+            ExportAction::Cancel => self.cancel(),
+            // The picture writes itself, and a path is asked for first.
+            ExportAction::Picture(_)
+            | ExportAction::Layers(None)
+            | ExportAction::Materials(None)
+            | ExportAction::SequenceFolder(None) => {}
+        }
+    }
+
+    /// Opens the dialog for sequences.
+    fn describe_sequence(&mut self, work: &mut Workspace, exported: Option<Exported>) {
+        let Some((look, _)) = exported else { return work.messages.error(NOTHING) };
+        let folder = work.file().map_or_else(|| PathBuf::from("."), folder_of);
+        self.dialog = Some(SequenceDialog::new(&look, &folder));
+    }
+
+    /// The folder that was chosen for the frames.
+    fn choose_sequence_folder(&mut self, folder: &Path) {
+        if let Some(dialog) = &mut self.dialog {
+            dialog.folder = folder.display().to_string();
+        }
+    }
+
+    /// Shows the dialog, if it is open, and does what is answered.
+    pub fn show_dialog(
+        &mut self,
+        ctx: &Context,
+        work: &Workspace,
+        exported: Option<Exported>,
+        pixel_secs: Option<f64>,
+        actions: &mut Vec<Action>,
+    ) {
+        let Some(mut dialog) = self.dialog.take() else { return };
+        let Some((look, baked)) = exported else { return };
+        match dialog.show(ctx, &look, pixel_secs) {
+            Some(SequenceAnswer::Cancel) => return,
+            Some(SequenceAnswer::ChooseFolder) => actions.push(Action::Export(ExportAction::SequenceFolder(None))),
+            Some(SequenceAnswer::Export) => match self.begin_sequence(work, &dialog, &look, baked) {
+                Ok(()) => return,
+                Err(error) => dialog.problem = Some(error_text(&error)),
+            },
+            None => {}
+        }
+        self.dialog = Some(dialog);
+    }
+
+    fn begin_sequence(
+        &mut self,
+        work: &Workspace,
+        dialog: &SequenceDialog,
+        look: &Look,
+        baked: Baked,
+    ) -> anyhow::Result<()> {
+        if self.is_running() {
+            anyhow::bail!(UNDER_WAY);
+        }
+        let task = dialog.task(look)?;
+        task.command_files(CommandFiles::default().reads(work.inputs(Written::Other))).check()?;
+        let prepared = task.prepare(&baked.dataset)?;
+        self.start(work, ExportTask::Sequence { task, prepared }, baked);
+        Ok(())
+    }
+
+    /// Writes the picture with all layers that it has.
+    fn export_layers(&mut self, work: &mut Workspace, exported: Option<Exported>, path: PathBuf) {
+        if self.is_running() {
+            return work.messages.note(UNDER_WAY);
+        }
+        let Some((look, baked)) = exported else { return work.messages.error(NOTHING) };
+        if !work.may_write(&path, Written::Other) {
+            return;
+        }
+        match LayerList::All.of(&look) {
+            Ok(layers) => self.start(work, ExportTask::Layers { look: look.into(), layers, path }, baked),
+            Err(error) => work.messages.error(error_text(&error)),
+        }
+    }
+
+    fn start(&mut self, work: &Workspace, task: ExportTask, baked: Baked) {
+        let job = ExportRun::start(task, baked, work.factory.clone(), work.wake.clone());
+        self.run = Some(Run { job, since: None, cancelling: false });
+    }
+
+    /// Stops the export; what is complete stays.
+    pub fn cancel(&mut self) {
+        if let Some(run) = &mut self.run {
+            run.cancelling = true;
+            run.job.cancel();
+        }
+    }
+
+    /// Takes what the export tells.
+    pub fn collect(&mut self, work: &mut Workspace) {
+        let Some(run) = &mut self.run else { return };
+        let (done, total) = run.job.progress();
+        if run.since.is_none() && total > 0 {
+            run.since = Some((Instant::now(), done));
+        }
+        for message in run.job.messages() {
+            match message {
+                ExportMessage::Remark(text) => work.messages.warning(text),
+                ExportMessage::Done(text) | ExportMessage::Cancelled(text) => {
+                    self.run = None;
+                    work.messages.withdraw(UNDER_WAY);
+                    work.messages.note(text);
+                }
+                ExportMessage::Failed(text) => {
+                    self.run = None;
+                    work.messages.withdraw(UNDER_WAY);
+                    work.messages.error(format!("The export failed: {text}"));
+                }
+            }
+        }
+    }
+}
+
+/// Writes the materials of the document. A glTF scene is written with the materials in place of its own.
+fn export_materials(work: &mut Workspace, path: PathBuf) {
+    let Some(baked) = work.scene.rendered().cloned() else { return work.messages.error(NOTHING) };
+    let is_gltf = |path: &Path| has_extension(path, "gltf") || has_extension(path, "glb");
+    let original = work.document.scene.clone().filter(|scene| is_gltf(scene) && is_gltf(&path));
+    let export = MaterialExport { path, surface: Surface::default(), original };
+    let written = export
+        .files(CommandFiles::default().reads(work.inputs(Written::Other)))
+        .check()
+        .and_then(|()| export.write(&scene_of_document(work, &baked)));
+    match written {
+        Ok(exported) => {
+            let text = format!("Materials written: {}", summary(&exported, &export.path));
+            exported.remarks.into_iter().for_each(|remark| work.messages.warning(remark));
+            if export.original.is_some() && !work.document.assigned.is_empty() {
+                work.messages.warning(KEEPS_PARTS);
+            }
+            work.messages.note(text);
+        }
+        Err(error) => work.messages.error(error_text(&error)),
+    }
+}
+
+/// The scene with the materials and textures as they are edited.
+fn scene_of_document(work: &Workspace, baked: &Baked) -> Scene {
+    let textures = work.document.shared_textures();
+    let materials = work.document.materials.clone();
+    let mut scene = Scene { materials, textures, part_opacities: Vec::new(), ..baked.dataset.scene.clone() };
+    if let Some(assigned) = work.document.assigned_to(&scene.mesh) {
+        scene.mesh.triangle_material = assigned.to_vec();
+    }
+    scene
+}

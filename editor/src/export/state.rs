@@ -1,0 +1,47 @@
+//! The export at work, and the dialog that describes the next.
+
+use super::dialog::{SequenceDialog, duration};
+use lapidary_studies::jobs::export::ExportRun;
+use std::time::Instant;
+
+/// The export at work, and the dialog that describes the next.
+#[derive(Default)]
+pub struct Exporting {
+    pub run: Option<Run>,
+    pub dialog: Option<SequenceDialog>,
+}
+
+/// An export at work.
+pub struct Run {
+    pub job: ExportRun,
+    /// When its pace began to be known, and how many pictures were there then.
+    pub since: Option<(Instant, u64)>,
+    pub cancelling: bool,
+}
+
+impl Exporting {
+    /// Whether an export is at work.
+    pub fn is_running(&self) -> bool {
+        self.run.is_some()
+    }
+
+    /// One line about the export at work: how far it is, and how long it may take.
+    pub fn line(&self) -> Option<String> {
+        let run = self.run.as_ref()?;
+        let (done, total) = run.job.progress();
+        Some(match (run.cancelling, total) {
+            (true, _) => "Cancelling the export...".into(),
+            (false, 0 | 1) => "Exporting...".into(),
+            (false, total) => {
+                let frame = format!("Exporting frame {} of {total}", (done + 1).min(total));
+                match run.since.filter(|&(_, there)| done > there) {
+                    Some((since, there)) => {
+                        let left = since.elapsed().as_secs_f64() / (done - there) as f64 * (total - done) as f64;
+                        format!("{frame}, about {} left", duration(left))
+                    }
+                    None => frame,
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,253 @@
+//! Opens a file completely: scene, dataset, session and the files that they name. A thread reads them until the
+//! document is complete. Files outside the folder of a scene are read only with the user's consent.
+
+mod reader;
+
+use crate::{
+    document::{
+        Document,
+        autosave::Recovery,
+        session::{LoadedSession, Unknown},
+    },
+    jobs::{
+        Imported,
+        load::{Kind, foreign},
+    },
+    preferences::AllowedFolders,
+};
+use anyhow::Result;
+use lapidary_core::{
+    animation::{Animation, BoundAnimation},
+    scene::Scene,
+};
+use lapidary_interchange::{
+    animation,
+    import::{ImportError, ImportOptions},
+};
+use lapidary_render::Baked;
+use lapidary_studies::jobs::{Wake, guarded, spawn};
+use reader::Reader;
+use std::{
+    cell::RefCell,
+    path::{Path, PathBuf},
+    sync::{
+        Arc,
+        mpsc::{Receiver, TryRecvError, channel},
+    },
+};
+
+/// The source to open.
+#[derive(Clone, Debug)]
+pub enum Target {
+    /// A scene, a dataset or a session.
+    File(PathBuf),
+    /// A scene that comes with the program; nothing is written beside it.
+    Bundled(PathBuf),
+    /// The autosave of a process that did not exit cleanly.
+    Recovered(Recovery),
+    /// A session with missing files.
+    Session {
+        /// As it was read.
+        loaded: Box<LoadedSession>,
+        /// Its file; `None` for recovered work without one.
+        path: Option<PathBuf>,
+        /// The autosave it was read from, which nothing else keeps.
+        recovery: Option<Recovery>,
+        /// The folder to look for them in; `None` to open it without them.
+        look_in: Option<PathBuf>,
+    },
+}
+
+/// Result of opening.
+pub enum Opened {
+    /// A document to edit.
+    Ready(Box<Ready>),
+    /// Files of a session are not there; the user decides.
+    Missing {
+        /// The session.
+        loaded: Box<LoadedSession>,
+        /// Its file.
+        path: Option<PathBuf>,
+        /// The autosave it was read from, which nothing else keeps.
+        recovery: Option<Recovery>,
+        /// How many were found, if they were looked for.
+        found: Option<usize>,
+    },
+    /// The scene names files outside its folder; the user decides.
+    Outside {
+        /// What was to be opened.
+        target: Box<Target>,
+        /// The scene.
+        scene: PathBuf,
+        /// The files, as it names them.
+        names: Vec<String>,
+    },
+}
+
+/// Whether scenes may name files outside their folders, and which did where nothing is known.
+#[derive(Debug, Default)]
+pub struct Consent {
+    allowed: AllowedFolders,
+    /// The user need not be asked.
+    is_refused: bool,
+    /// The scene and the files that it names.
+    unknown: RefCell<Option<(PathBuf, Vec<String>)>>,
+}
+
+impl From<AllowedFolders> for Consent {
+    fn from(allowed: AllowedFolders) -> Self {
+        Self { allowed, ..Self::default() }
+    }
+}
+
+impl Consent {
+    /// Nothing outside is read, and the user is not asked.
+    pub fn refused() -> Self {
+        Self { is_refused: true, ..Self::default() }
+    }
+
+    /// Imports a scene as far as it is allowed.
+    fn import(&self, path: &Path) -> Result<Imported, ImportError> {
+        let allowed = !self.is_refused && self.allowed.allow(path);
+        let imported = Imported::read(path, allowed);
+        let outside = match &imported {
+            Ok(source) => source.report.outside.clone(),
+            Err(ImportError::Outside { names, .. }) => names.clone(),
+            Err(_) => Vec::new(),
+        };
+        if !allowed && !self.is_refused && !outside.is_empty() {
+            self.unknown.replace(Some((path.into(), outside)));
+        }
+        imported
+    }
+}
+
+/// A document and what belongs to it.
+pub struct Ready {
+    /// The document.
+    pub document: Document,
+    /// Keys of the session file that this version does not know.
+    pub unknown: Unknown,
+    /// The session file.
+    pub session: Option<PathBuf>,
+    /// The autosave it was read from, which nothing else keeps.
+    pub recovery: Option<Recovery>,
+    /// The dataset, which can be rendered.
+    pub baked: Option<Baked>,
+    /// The scene without shadows, to be rendered until there is a dataset.
+    pub preview: Option<Baked>,
+    /// The scene, which can be baked.
+    pub source: Option<Imported>,
+    /// What moves in a scene that cannot be baked: that of the file beside its dataset.
+    pub animation: Option<Arc<Animation>>,
+    /// Where a bake goes that the user asks for.
+    pub bake_output: Option<PathBuf>,
+    /// Where a bake goes that begins by itself.
+    pub kept_output: Option<PathBuf>,
+    /// Whether there is no bake, or only a draft of one.
+    pub lacks_bake: bool,
+    /// Whether the dataset is a draft.
+    pub is_draft: bool,
+    /// Repairs and omissions.
+    pub warnings: Vec<String>,
+    /// The file to list among the recent ones.
+    pub recent: Option<PathBuf>,
+}
+
+/// A thread that opens something. Dropping it drops the result.
+pub struct Opening {
+    /// The message meanwhile.
+    pub what: String,
+    result: Receiver<Result<Opened, String>>,
+}
+
+impl Opening {
+    /// Begins. Bakes that began by themselves are in the folder `bakes`.
+    pub fn start(target: Target, bakes: PathBuf, consent: Consent, wake: Wake) -> Self {
+        let (sender, result) = channel();
+        let what = name(&target);
+        spawn("open", move || {
+            // A window that opened something else meanwhile needs no result.
+            let _ = sender.send(guarded("opening the file", || open(target, &bakes, &consent)));
+            wake();
+        });
+        Self { what, result }
+    }
+
+    /// The result, once it is there.
+    pub fn poll(&self) -> Option<Result<Opened, String>> {
+        match self.result.try_recv() {
+            Ok(result) => Some(result),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err("opening stopped; try again".into())),
+        }
+    }
+}
+
+fn name(target: &Target) -> String {
+    let of = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    match target {
+        Target::File(path) => of(path),
+        Target::Bundled(scene) => of(scene),
+        Target::Recovered(_) => "recovered work".into(),
+        Target::Session { path, .. } => path.as_deref().map_or("the session".into(), of),
+    }
+}
+
+/// Reads all that the target names, and bakes of it that are kept in the folder `bakes`.
+///
+/// # Errors
+/// A file that cannot be read, in words for the user.
+pub fn open(target: Target, bakes: &Path, consent: &Consent) -> Result<Opened> {
+    let opened = reader::read(target.clone(), &Reader { bakes, consent });
+    match consent.unknown.take() {
+        Some((scene, names)) => Ok(Opened::Outside { target: target.into(), scene, names }),
+        None => opened,
+    }
+}
+
+/// Why a file that is not edited by itself cannot be opened, and where it goes instead.
+fn no_document(path: &Path, kind: Kind) -> String {
+    let what = match kind {
+        Kind::Environment => "this is an environment and no scene; use Library > Load..., or drop it on the window",
+        Kind::Texture => "this is a picture and no scene; load it as a map of a material, or drop it on an object",
+        Kind::Material => "this is a material and no scene; use Load... in the Material tab, or drop it on an object",
+        Kind::Brdf => {
+            "this is a BRDF and no scene; use Load... under the model in the Material tab, or drop it on an object"
+        }
+        Kind::Lights => "these are lights and no scene; use Load... in the Lights tab, or drop them on the window",
+        Kind::Scene | Kind::Dataset | Kind::Session | Kind::Unknown => return foreign(path),
+    };
+    format!("{what} ({})", path.display())
+}
+
+/// What moves in the glTF file beside a dataset that has its name, as the window and most others write it. Files that cannot be
+/// read or do not fit are passed over: the dataset does not say that they are its own.
+fn animation_beside(dataset: &Path, scene: &Scene) -> Option<Arc<Animation>> {
+    let file = ["gltf", "glb"].map(|ending| dataset.with_extension(ending)).into_iter().find(|file| file.is_file())?;
+    let animation = Arc::new(animation::read(&file, &ImportOptions::default()).ok()?);
+    BoundAnimation::new(animation.clone(), scene).is_ok().then_some(animation)
+}
+
+impl Ready {
+    fn new(document: Document, baked: Option<Baked>, source: Option<Imported>, warnings: Vec<String>) -> Self {
+        let alone = baked.as_ref().zip(document.dataset.as_deref()).filter(|_| source.is_none());
+        let animation = alone.and_then(|(baked, dataset)| animation_beside(dataset, &baked.dataset.scene));
+        Self {
+            animation,
+            document,
+            unknown: Unknown::default(),
+            session: None,
+            recovery: None,
+            baked,
+            preview: None,
+            source,
+            bake_output: None,
+            kept_output: None,
+            lacks_bake: false,
+            is_draft: false,
+            warnings,
+            recent: None,
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Local lights: the components in the picture, the list of lights, and the numbers of the selected one.
+
+mod buried;
+mod components;
+mod list;
+mod properties;
+#[cfg(test)]
+mod tests;
+
+pub use components::environment_hint;
+pub use list::add_menu;
+
+use crate::{actions::Action, document::Document, widgets::section};
+use egui::{RichText, Ui};
+use lapidary_core::{dataset::BakeParts, lights::Light, transport::BounceEnergy};
+use lapidary_render::{Baked, Bounces};
+
+/// What the panel shows.
+pub struct LightsContext<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// The selected light.
+    pub selected: Option<usize>,
+    /// What the bake that is shown has for bounced light; `None` without a bake.
+    pub bounces: Option<Bounces>,
+    /// What that bake is of.
+    pub baked: Option<BakeParts>,
+    /// How much light the bounces in the picture carry, if that is known.
+    pub energy: Option<BounceEnergy>,
+    /// What lights may be buried in.
+    pub scene: Option<&'a Baked>,
+    /// Whether there is a scene to bake.
+    pub can_bake: bool,
+    /// The suns of the environment's map, whether or not they are switched on.
+    pub suns: &'a [Light],
+}
+
+/// What the panel keeps between frames.
+pub struct LightsPanel {
+    /// Whether the next click into the viewport aims the selected light.
+    pub aiming: bool,
+    /// Whether lights are drawn in the viewport.
+    pub in_viewport: bool,
+    /// Whether the clusters that bounced light is gathered from are drawn there.
+    pub shows_clusters: bool,
+    buried: buried::Buried,
+    renaming: Option<list::Renaming>,
+}
+
+impl Default for LightsPanel {
+    fn default() -> Self {
+        let buried = buried::Buried::default();
+        Self { aiming: false, in_viewport: true, shows_clusters: false, buried, renaming: None }
+    }
+}
+
+impl LightsPanel {
+    /// Another document is open.
+    pub fn forget_document(&mut self) {
+        (self.aiming, self.renaming) = (false, None);
+    }
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
+    section(ui, "In the picture", true, |ui| components::show(ui, state, context, actions));
+    section(ui, "Lights", true, |ui| list::show(ui, state, context, actions));
+    if let Some((index, light)) = context.selected.and_then(|i| Some((i, context.document.lights.get(i)?))) {
+        let is_buried = state.buried.contains(context.scene, index, light);
+        section(ui, "Selected light", true, |ui| {
+            if is_buried {
+                ui.label(RichText::new(buried::NOTICE).color(ui.visuals().warn_fg_color));
+            }
+            properties::show(ui, state, index, light, &context.document.camera, actions);
+        });
+    }
+}

@@ -1,0 +1,148 @@
+//! Which parts of the light are in the picture, and how bounced light is computed.
+
+use super::{LightsContext, LightsPanel};
+use crate::{
+    actions::{Action, BakeAction},
+    document::{Component, ComponentSettings, Document, Edit},
+    widgets::{Edited, check_box, edit_row, entries::combo_row, note, row},
+};
+use egui::{Button, RichText, Ui};
+use lapidary_core::{dataset::BakeParts, transport::BounceEnergy};
+use lapidary_render::{Bounces, Solution, ViewMode};
+use lapidary_studies::missing_light;
+
+/// Shows switches, solo buttons and the solution.
+pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
+    for component in Component::ALL {
+        edit_row(actions, "Light in the picture", &context.document.components, Edit::Components, |settings| {
+            component_row(ui, component, settings)
+        });
+    }
+    match context.bounces {
+        Some(bounces) if bounces.any() => {
+            let now = bounces.closest_to(context.document.solution);
+            solution(ui, bounces, context.document.solution, actions);
+            bounce_energy(ui, context.energy);
+            if bounces.cuts {
+                clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
+            }
+        }
+        Some(_) => bounce_hint(ui, "This bake has no bounce light.", context, actions),
+        None => bounce_hint(ui, "Nothing is baked yet.", context, actions),
+    }
+    if context.document.components.shows(Component::Environment) {
+        environment_hint(ui, context.baked, context.document.bake.mode, context.can_bake, actions);
+    }
+}
+
+/// The switch of the clusters, or why it can do nothing now.
+fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
+    let help =
+        "Draws the surface sources, each in the color of its cluster. Light is gathered from one cluster at a time";
+    ui.add_enabled_ui(obstacle.is_none(), |ui| {
+        let switch = check_box(ui, shown, "Show clusters in the viewport").on_hover_text(help);
+        switch.on_disabled_hover_text(obstacle.unwrap_or_default());
+    });
+}
+
+fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'static str> {
+    if !document.components.shows(Component::Indirect) {
+        Some("Bounce light is not in the picture: switch it on above")
+    } else if solution.is_some_and(|solution| !solution.needs().cuts) {
+        Some("Only cuts gather light from clusters: choose another solution above")
+    } else if document.view.mode != ViewMode::Shaded {
+        Some("Clusters lie over the lit picture: choose the view mode Shaded")
+    } else {
+        None
+    }
+}
+
+/// Says that there is no light of the environment in a bake without it, and leads to one with it.
+pub fn environment_hint(
+    ui: &mut Ui,
+    baked: Option<BakeParts>,
+    wanted: BakeParts,
+    can_bake: bool,
+    actions: &mut Vec<Action>,
+) {
+    let Some(baked) = baked.filter(|mode| !mode.environment()) else { return };
+    let mode = baked.with(wanted).with(BakeParts::ENVIRONMENT);
+    let text = "This bake has no light of the environment.";
+    hint(ui, text, "Bake with the environment", mode, can_bake, actions);
+}
+
+/// How much light the bounces carry, and what to do if much is left when they end.
+fn bounce_energy(ui: &mut Ui, energy: Option<BounceEnergy>) {
+    let Some(energy) = energy else { return };
+    let BounceEnergy { bounces, last_share, .. } = energy;
+    let text = format!("Bounces: {bounces}, the last carries {} of the light.", missing_light::percent(last_share));
+    ui.label(RichText::new(text).weak().small());
+    if let Some(remark) = missing_light::remark(energy) {
+        ui.label(RichText::new(remark).color(ui.visuals().warn_fg_color));
+    }
+}
+
+fn texts(component: Component) -> (&'static str, &'static str) {
+    match component {
+        Component::Environment => {
+            ("Environment", "Light that comes straight from the environment, and the environment behind the scene.")
+        }
+        Component::Direct => ("Lights", "Light that comes straight from the lights below, with their shadows."),
+        Component::Indirect => {
+            ("Bounce", "Light of the lights and of the environment that surfaces reflect onto each other.")
+        }
+    }
+}
+
+fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSettings) -> Edited {
+    let (label, help) = texts(component);
+    row(ui, label, help, false, |ui, name, _| {
+        let before = *settings;
+        // What is soloed elsewhere does not show here, whatever the switch says.
+        ui.scope(|ui| {
+            if settings.solo.is_some_and(|solo| solo != component) {
+                ui.set_opacity(0.5);
+            }
+            name.of(check_box(ui, settings.switch_mut(component), "")).on_hover_text(help);
+        });
+        let is_solo = settings.solo == Some(component);
+        let solo = ui.add(Button::new("Solo").selected(is_solo).small()).accessible_name(format!("Solo {}", name.full));
+        if solo
+            .on_hover_text("Shows this part of the light alone; click again to show all parts that are switched on")
+            .clicked()
+        {
+            settings.solo = (!is_solo).then_some(component);
+        }
+        Edited::at_once(*settings != before)
+    })
+}
+
+fn solution(ui: &mut Ui, bounces: Bounces, wanted: Solution, actions: &mut Vec<Action>) {
+    let solutions = bounces.solutions();
+    let Some(now) = bounces.closest_to(wanted) else { return };
+    let choices: Vec<_> = solutions.iter().map(|&s| (s, s.label(), s.summary())).collect();
+    edit_row(actions, "Bounce light by", &now, Edit::Solution, |solution| {
+        combo_row(ui, "Bounce by", "How bounced light is computed.", solution, &choices)
+    });
+    note(ui, now.summary());
+}
+
+/// Leads to a bake of bounce light that loses nothing of what is baked.
+fn bounce_hint(ui: &mut Ui, text: &str, context: &LightsContext, actions: &mut Vec<Action>) {
+    let asked = context.document.bake.mode;
+    let wanted = context.baked.map_or(asked, |baked| asked.with(baked));
+    let has_bounces = wanted.sources() || wanted.meshless();
+    let mode = if has_bounces { wanted } else { wanted.with(BakeParts::INDIRECT) };
+    hint(ui, text, "Bake with bounce light", mode, context.can_bake, actions);
+}
+
+fn hint(ui: &mut Ui, text: &str, button: &str, mode: BakeParts, can_bake: bool, actions: &mut Vec<Action>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.weak(text);
+        let button = ui.add_enabled(can_bake, Button::new(button));
+        let button = button.on_hover_text("Opens the bake settings, with this chosen");
+        if button.on_disabled_hover_text("Open the scene file to bake it").clicked() {
+            actions.push(Action::Bake(BakeAction::Choose(mode)));
+        }
+    });
+}

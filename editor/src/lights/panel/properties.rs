@@ -1,0 +1,189 @@
+//! The numbers of one light.
+
+use super::LightsPanel;
+use crate::{
+    actions::Action,
+    document::{
+        Edit,
+        lights::{ANGLE_DEGREES, CONE_DEGREES, LightKind, MOST_INTENSITY, SIDES, color_and_intensity, with_kind},
+    },
+    widgets::{
+        Edited, Number, color_row, edit_row,
+        entries::{Decades, combo_row, decades_row, point_row},
+        slider_row,
+    },
+};
+use egui::{Button, Ui};
+use glam::Vec3;
+use lapidary_core::{
+    camera::Camera,
+    lights::{Emission, Light},
+};
+
+/// Shows the light and its tools.
+pub fn show(
+    ui: &mut Ui,
+    state: &mut LightsPanel,
+    index: usize,
+    light: &Light,
+    camera: &Camera,
+    actions: &mut Vec<Action>,
+) {
+    let mut rows = Rows { ui, index, light, actions };
+    rows.kind();
+    rows.color();
+    rows.shape();
+    rows.place();
+    tools(ui, state, index, light, camera, actions);
+}
+
+struct Rows<'a> {
+    ui: &'a mut Ui,
+    index: usize,
+    light: &'a Light,
+    actions: &'a mut Vec<Action>,
+}
+
+impl Rows<'_> {
+    /// One row. Its change counts only if the resulting light is valid: other values of the light may not fit.
+    fn row(&mut self, label: &'static str, row: impl FnOnce(&mut Ui, &mut Light) -> Edited) {
+        let (ui, index) = (&mut *self.ui, self.index);
+        let edit = |light| Edit::Light { index, light: Box::new(light) };
+        edit_row(self.actions, label, self.light, edit, |light| {
+            let mut edited = row(ui, light);
+            edited.changed &= light.validate().is_ok();
+            edited
+        });
+    }
+
+    fn kind(&mut self) {
+        let choices = LightKind::ALL.map(|kind| (kind, kind.label(), kind.meaning()));
+        self.row("Light kind", |ui, light| {
+            let mut kind = LightKind::of(light);
+            let edited = combo_row(ui, "Kind", "How the light shines.", &mut kind, &choices);
+            if edited.changed {
+                *light = with_kind(light, kind);
+            }
+            edited
+        });
+    }
+
+    /// Colour and intensity apart: the colour's brightest channel is 1.
+    fn color(&mut self) {
+        let (color, intensity) = color_and_intensity(self.light.intensity);
+        self.row("Light color", |ui, light| {
+            let mut picked = color;
+            let help = "The color only. The intensity sets how bright it is.";
+            let edited = color_row(ui, "Color", help, &mut picked, Vec3::ONE);
+            // Black is no colour of a light.
+            if edited.changed && picked.max_element() > 0.0 {
+                light.intensity = intensity * color_and_intensity(picked).0;
+            }
+            edited
+        });
+        let kind = LightKind::of(self.light);
+        let help = format!("In {}, of the brightest color channel.", kind.unit());
+        let decades = Decades {
+            decimals: 2,
+            note: Some(kind.unit().into()),
+            ..Decades::count("Intensity", &help, 0.0..=f64::from(MOST_INTENSITY), f64::from(intensity))
+        };
+        self.row("Light intensity", |ui, light| {
+            let mut value = intensity;
+            let edited = decades_row(ui, &decades, &mut value);
+            if edited.changed {
+                light.intensity = value * color;
+            }
+            edited
+        });
+    }
+
+    fn shape(&mut self) {
+        match self.light.emission {
+            Emission::Spot { .. } => self.cone(),
+            Emission::Rectangle { .. } => self.sides(),
+            Emission::Directional { .. } => self.angle(),
+            Emission::Point => {}
+        }
+    }
+
+    fn angle(&mut self) {
+        let [least, most] = ANGLE_DEGREES;
+        let help =
+            "The angle that the light is seen under, in degrees: 0 for sharp shadows, 0.53 for those of the sun.";
+        let angle = Number::new("Angle", help, least..=most, 0.53).unit("°", 2);
+        self.row("Angle", |ui, light| match &mut light.emission {
+            Emission::Directional { angle_degrees } => slider_row(ui, &angle, angle_degrees),
+            _ => Edited::default(),
+        });
+    }
+
+    fn cone(&mut self) {
+        let [narrowest, widest] = CONE_DEGREES;
+        let cone = Number::new("Cone", "From the axis to the edge, in degrees.", narrowest..=widest, 35.0).unit("°", 1);
+        self.row("Cone", |ui, light| {
+            let Emission::Spot { cone_degrees, penumbra_degrees } = &mut light.emission else {
+                return Edited::default();
+            };
+            let edited = slider_row(ui, &cone, cone_degrees);
+            *penumbra_degrees = penumbra_degrees.min(*cone_degrees);
+            edited
+        });
+        self.row("Penumbra", |ui, light| {
+            let Emission::Spot { cone_degrees, penumbra_degrees } = &mut light.emission else {
+                return Edited::default();
+            };
+            let help = "How far inside the edge the light begins to fall off, in degrees.";
+            let soft = Number::new("Penumbra", help, 0.0..=*cone_degrees, cone_degrees.min(8.0)).unit("°", 1);
+            slider_row(ui, &soft, penumbra_degrees)
+        });
+    }
+
+    fn sides(&mut self) {
+        let [smallest, largest] = SIDES.map(f64::from);
+        for (label, is_width) in [("Width", true), ("Height", false)] {
+            self.row(label, |ui, light| {
+                let Emission::Rectangle { width, height } = &mut light.emission else { return Edited::default() };
+                let side = if is_width { width } else { height };
+                let help = "In meters: larger lights give softer shadows.";
+                let decades = Decades::count(label, help, smallest..=largest, f64::from(*side));
+                decades_row(ui, &Decades { unit: " m", decimals: 2, ..decades }, side)
+            });
+        }
+    }
+
+    fn place(&mut self) {
+        self.row("Move light", |ui, light| {
+            point_row(ui, "Position", "Where the light is, in meters.", &mut light.position)
+        });
+        if self.light.emission.is_aimed() {
+            self.row("Aim light", |ui, light| {
+                point_row(ui, "Target", "What the light is aimed at, in meters.", &mut light.target)
+            });
+        }
+    }
+}
+
+fn tools(
+    ui: &mut Ui,
+    state: &mut LightsPanel,
+    index: usize,
+    light: &Light,
+    camera: &Camera,
+    actions: &mut Vec<Action>,
+) {
+    ui.horizontal_wrapped(|ui| {
+        let place = ui.button("Place at camera").on_hover_text("Puts the light where the camera is, aimed as it looks");
+        if place.clicked() {
+            let light = Box::new(Light { position: camera.eye, target: camera.target, ..light.clone() });
+            let edit = Edit::Light { index, light };
+            actions.extend([Action::Edit { edit, label: "Place light at camera" }, Action::EndGesture]);
+        }
+        if light.emission.is_aimed() {
+            let aim = ui.add(Button::new("Aim by click").selected(state.aiming));
+            if aim.on_hover_text("Then click in the viewport the point that the light is aimed at").clicked() {
+                state.aiming = !state.aiming;
+            }
+        }
+    });
+}

@@ -1,0 +1,160 @@
+//! Scenes in poses and animations bound to bakes, kept while nothing of them changes.
+
+use crate::{document::Document, viewport::gizmo::Subject};
+use glam::Vec3;
+use lapidary_core::{
+    animation::{Animation, BoundAnimation, ClipTime},
+    bounds::Bounds,
+    scene::{
+        Scene,
+        pose::{Objects, Poses},
+    },
+};
+use lapidary_render::Baked;
+use std::{cell::RefCell, sync::Arc};
+
+/// What was found of the poses of a document, as long as nothing of it changes.
+#[derive(Default)]
+pub struct PoseCache {
+    /// The scene as it was posed last.
+    posed: RefCell<Option<Posed>>,
+    /// The animation of the scene, bound to its bake.
+    bound: RefCell<Option<Bound>>,
+    /// Where objects were at the time that was asked for last.
+    in_time: RefCell<Option<InTime>>,
+    /// The objects of the scene as it was baked.
+    objects: RefCell<Option<(Baked, Objects)>>,
+}
+
+/// An animation bound to a bake, or why it cannot be.
+struct Bound {
+    baked: Baked,
+    animation: Arc<Animation>,
+    bound: Result<Arc<BoundAnimation>, String>,
+}
+
+/// Where objects are at a time of an animation, relative to a bake, and what that was found of.
+struct InTime {
+    baked: Baked,
+    animation: Option<Arc<Animation>>,
+    of_file: Poses,
+    time: Option<ClipTime>,
+    found: Result<Poses, String>,
+}
+
+/// A scene and where its objects are.
+struct Posed {
+    baked: Baked,
+    poses: Poses,
+    posed: Baked,
+}
+
+impl PoseCache {
+    /// An animation bound to a bake.
+    ///
+    /// # Errors
+    /// In words, why it does not fit.
+    pub fn bound(&self, animation: &Arc<Animation>, baked: &Baked) -> Result<Arc<BoundAnimation>, String> {
+        let mut known = self.bound.borrow_mut();
+        let is_same = |known: &Bound| known.baked.is_same(baked) && Arc::ptr_eq(&known.animation, animation);
+        if !known.as_ref().is_some_and(is_same) {
+            let bound = BoundAnimation::new(animation.clone(), &baked.dataset.scene);
+            let bound = bound.map(Arc::new).map_err(|error| error.to_string());
+            *known = Some(Bound { baked: baked.clone(), animation: animation.clone(), bound });
+        }
+        known.as_ref().map_or_else(|| Err(String::new()), |known| known.bound.clone())
+    }
+
+    /// Where a document has objects, relative to a bake: by themselves, and at its time of an animation.
+    ///
+    /// # Errors
+    /// In words, why they are nowhere at that time.
+    pub fn in_time(
+        &self,
+        document: &Document,
+        animation: Option<&Arc<Animation>>,
+        baked: &Baked,
+    ) -> Result<Poses, String> {
+        let mut known = self.in_time.borrow_mut();
+        let is_same = |known: &InTime| {
+            let animations = [known.animation.as_ref(), animation].map(|animation| animation.map(Arc::as_ptr));
+            known.baked.is_same(baked)
+                && animations[0] == animations[1]
+                && known.of_file == document.poses
+                && known.time == document.clip_time
+        };
+        if let Some(known) = known.as_ref().filter(|known| is_same(known)) {
+            return known.found.clone();
+        }
+        let found = self.find_in_time(document, animation, baked);
+        *known = Some(InTime {
+            baked: baked.clone(),
+            animation: animation.cloned(),
+            of_file: document.poses.clone(),
+            time: document.clip_time.clone(),
+            found: found.clone(),
+        });
+        found
+    }
+
+    fn find_in_time(
+        &self,
+        document: &Document,
+        animation: Option<&Arc<Animation>>,
+        baked: &Baked,
+    ) -> Result<Poses, String> {
+        let (scene, time) = (&baked.dataset.scene, document.clip_time.as_ref());
+        let poses = scene.poses_since_baked(&document.poses);
+        let is_at_rest = time.is_none() && scene.clip_time.is_none();
+        let Some(animation) = animation.filter(|_| !is_at_rest) else { return Ok(poses) };
+        let bound = self.bound(animation, baked)?;
+        let Some(ClipTime { clip, seconds }) = time else { return Ok(bound.poses_at_rest(&poses)) };
+        let posed = animation.clip(Some(clip)).and_then(|clip| bound.poses_at(clip, *seconds, &poses));
+        posed.map_err(|error| error.to_string())
+    }
+
+    /// The scene under some poses, to be pointed at. While a button is held it is that of before: posing takes longer than
+    /// a frame should. Objects that cannot be posed so stay where they were.
+    pub fn posed(&self, poses: Poses, baked: &Baked, is_held: bool) -> Baked {
+        if poses.is_empty() {
+            return baked.clone();
+        }
+        let mut known = self.posed.borrow_mut();
+        let of_scene = known.as_ref().filter(|known| known.baked.is_same(baked));
+        match of_scene {
+            Some(known) if is_held || known.poses == poses => return known.posed.clone(),
+            None if is_held || baked.intersector_if_ready().is_none() => return baked.clone(),
+            _ => {}
+        }
+        let before = of_scene.map_or(baked, |known| &known.posed);
+        let posed = baked.posed(&poses).unwrap_or_else(|_| before.clone());
+        *known = Some(Posed { baked: baked.clone(), poses, posed: posed.clone() });
+        posed
+    }
+
+    /// An object for handles, under poses relative to a bake; `None` if it has no vertices.
+    pub fn subject(&self, baked: &Baked, poses: &Poses, object: u32) -> Option<Subject> {
+        let mut known = self.objects.borrow_mut();
+        if !known.as_ref().is_some_and(|(of, _)| of.is_same(baked)) {
+            *known = Some((baked.clone(), Objects::of(&baked.dataset.scene)));
+        }
+        let objects = &known.as_ref()?.1;
+        if (object as usize) >= objects.len() || objects.vertices(object).is_empty() {
+            return None;
+        }
+        let (scene, as_baked) = (&baked.dataset.scene, objects.center(object));
+        let center = scene.center_in_file(object).unwrap_or(as_baked);
+        let middle = match poses.deformed(object) {
+            Some(deformed) => Some(Bounds::around(deformed.vertices().positions.iter().copied()).center()),
+            None => scene.clip_time.as_ref().map(|_| as_baked),
+        };
+        let middle = middle.map_or(center, |middle| without_pose(scene, object, middle));
+        Some(Subject { object, center, middle })
+    }
+}
+
+/// A place of an object as baked, in metres, where it would be without the pose that it was baked in.
+fn without_pose(scene: &Scene, object: u32, place: Vec3) -> Vec3 {
+    let placed = scene.placed.iter().find(|placed| placed.object == object);
+    placed.map_or(place, |placed| placed.pose.world_from_baked(placed.center).inverse().transform_point3(place))
+}

@@ -1,0 +1,232 @@
+//! The outliner: objects with their materials, materials, and cameras to go back to.
+
+mod bookmarks;
+mod pose;
+#[cfg(test)]
+mod tests;
+
+use crate::{
+    actions::{Action, CameraAction, MaterialAction, SelectAction},
+    document::Document,
+    dragged::Dragged,
+    viewport::gizmo::{Pivot, Subject},
+    widgets::{outline, section},
+};
+use egui::{
+    Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
+};
+use lapidary_core::{
+    color::srgb_from_linear,
+    dataset::Dataset,
+    material::Material,
+    parts::{Part, Variants},
+};
+use std::collections::BTreeSet;
+
+/// Rows of a list before it scrolls.
+const VISIBLE_ROWS: f32 = 9.0;
+/// Materials of an object that are shown beside its name.
+const SWATCHES: usize = 4;
+/// Opacity of the highlight of selected objects beside the active one.
+const WEAK: f32 = 0.35;
+/// Side of a swatch in points.
+const SWATCH: f32 = 11.0;
+
+/// What the panel shows.
+pub struct SceneContext<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// Its dataset, if one is loaded.
+    pub dataset: Option<&'a Dataset>,
+    /// The active object: the one that was selected last.
+    pub selected_object: Option<u32>,
+    /// Objects that are selected as well.
+    pub other_objects: &'a [u32],
+    /// The selected objects that can be posed, the active one first.
+    pub posable: &'a [Subject],
+    /// The selected material.
+    pub selected_material: Option<usize>,
+}
+
+/// What the panel keeps between frames.
+#[derive(Default)]
+pub struct ScenePanel {
+    filter: String,
+    renaming: Option<bookmarks::Renaming>,
+    object_materials: ObjectMaterials,
+}
+
+/// Shows the panel.
+pub fn show(
+    ui: &mut Ui,
+    (state, pivot): (&mut ScenePanel, &mut Pivot),
+    context: &SceneContext,
+    actions: &mut Vec<Action>,
+) {
+    let filter = TextEdit::singleline(&mut state.filter).hint_text("Filter").desired_width(f32::INFINITY);
+    ui.add(filter).accessible_name("Filter objects and materials");
+    let wanted = state.filter.trim().to_lowercase();
+    if let Some(dataset) = context.dataset {
+        state.object_materials.update(dataset);
+        objects(ui, context, dataset, &state.object_materials, &wanted, actions);
+    }
+    pose::show(ui, pivot, context, actions);
+    materials(ui, context, &wanted, actions);
+    context.dataset.into_iter().for_each(|dataset| variants(ui, context.document, &dataset.scene.variants, actions));
+    section(ui, "Cameras", true, |ui| bookmarks::show(ui, &mut state.renaming, context, actions));
+}
+
+/// The materials of each object's triangles; computed once per dataset, because it takes a pass over all triangles.
+#[derive(Default)]
+struct ObjectMaterials {
+    key: Option<(String, usize)>,
+    of_object: Vec<BTreeSet<u32>>,
+}
+
+impl ObjectMaterials {
+    fn update(&mut self, dataset: &Dataset) {
+        let key = (&dataset.scene_hash, dataset.scene.mesh.triangles.len());
+        if self.key.as_ref().is_some_and(|(hash, triangles)| (hash, *triangles) == key) {
+            return;
+        }
+        self.key = Some((key.0.clone(), key.1));
+        self.of_object = vec![BTreeSet::new(); dataset.scene.objects.len()];
+        let mesh = &dataset.scene.mesh;
+        for (&object, &material) in mesh.triangle_object.iter().zip(&mesh.triangle_material) {
+            self.of_object[object as usize].insert(material);
+        }
+    }
+}
+
+fn objects(
+    ui: &mut Ui,
+    context: &SceneContext,
+    dataset: &Dataset,
+    materials: &ObjectMaterials,
+    wanted: &str,
+    actions: &mut Vec<Action>,
+) {
+    let names: Vec<&str> = dataset.scene.objects.iter().map(|o| o.name.as_str()).collect();
+    list(ui, "Objects", &names, wanted, |ui, index| {
+        let right_to_left = Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(right_to_left, |ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            let shown = |&material| context.document.material_of(Part { object: index as u32, material });
+            let shown: BTreeSet<usize> = materials.of_object[index].iter().map(shown).collect();
+            for material in shown.into_iter().take(SWATCHES) {
+                object_swatch(ui, context, names[index], material, actions);
+            }
+            object_name(ui, context, index as u32, names[index], actions);
+        });
+    });
+}
+
+/// The name of an object: a click selects it alone, or with Ctrl adds it or takes it away.
+fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, actions: &mut Vec<Action>) {
+    let (is_active, moves_along) = (context.selected_object == Some(object), context.other_objects.contains(&object));
+    if moves_along {
+        let (fill, color) = (ui.visuals().selection.bg_fill.gamma_multiply(WEAK), ui.visuals().text_color());
+        let selection = &mut ui.visuals_mut().selection;
+        (selection.bg_fill, selection.stroke.color) = (fill, color);
+    }
+    let name = name_button(ui, is_active || moves_along, name);
+    let adds = ui.input(|input| input.modifiers.command);
+    if name.clicked() {
+        actions.push(if adds {
+            Action::Select(SelectAction::Toggle(object))
+        } else {
+            Action::Select(SelectAction::Object(Some(object)))
+        });
+    }
+    let help = "Ctrl-click to add it to the selection or take it away, double-click to frame it";
+    if name.on_hover_text(help).double_clicked() && !adds {
+        actions.push(Action::Camera(CameraAction::FrameSelection));
+    }
+}
+
+/// The colour of one of an object's materials; a click selects the material.
+fn object_swatch(ui: &mut Ui, context: &SceneContext, object: &str, index: usize, actions: &mut Vec<Action>) {
+    let Some(material) = context.document.materials.get(index) else { return };
+    let name = context.document.material_name(index);
+    let swatch = swatch(ui, material, Sense::click());
+    swatch.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{name} of {object}")));
+    if swatch.on_hover_text(name).clicked() {
+        actions.push(Action::Select(SelectAction::Material(Some(index))));
+    }
+}
+
+fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Vec<Action>) {
+    let materials = &context.document.materials;
+    let names: Vec<String> = (0..materials.len()).map(|i| context.document.material_name(i)).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    list(ui, "Materials", &names, wanted, |ui, index| {
+        swatch(ui, &materials[index], Sense::hover());
+        let name = name_button(ui, context.selected_material == Some(index), names[index]).interact(Sense::drag());
+        name.dnd_set_drag_payload(Dragged::Material(index));
+        if name.on_hover_text("Drag it onto a surface to give that its values").clicked() {
+            actions.push(Action::Select(SelectAction::Material(Some(index))));
+        }
+    });
+}
+
+/// A choice of the variants that a glTF file has.
+fn variants(ui: &mut Ui, document: &Document, variants: &Variants, actions: &mut Vec<Action>) {
+    if variants.is_empty() {
+        return;
+    }
+    const PLAIN: &str = "As in the file";
+    let name = |variant: Option<usize>| variant.map_or(PLAIN, |variant| variants.names[variant].as_str());
+    let shown = document.shown_variant(variants);
+    ui.horizontal(|ui| {
+        let label =
+            ui.label("Variant").on_hover_text("Materials that the glTF file offers together. No bake is needed.");
+        let combo = ComboBox::from_id_salt("variant").selected_text(shown.map_or("Mixed", name));
+        let opened = combo.width(ui.available_width()).truncate().show_ui(ui, |ui| {
+            for variant in [None].into_iter().chain((0..variants.names.len()).map(Some)) {
+                if ui.selectable_label(shown == Some(variant), name(variant)).clicked() {
+                    actions.push(Action::Material(MaterialAction::ChooseVariant(variant)));
+                }
+            }
+        });
+        opened.response.labelled_by(label.id);
+    });
+}
+
+/// A folding list of the names that hold `wanted`; only the rows in view are laid out, since there may be thousands.
+fn list(ui: &mut Ui, title: &str, names: &[&str], wanted: &str, mut add_row: impl FnMut(&mut Ui, usize)) {
+    let shown: Vec<usize> =
+        (0..names.len()).filter(|&i| wanted.is_empty() || names[i].to_lowercase().contains(wanted)).collect();
+    section(ui, title, true, |ui| {
+        if shown.is_empty() {
+            ui.weak(if names.is_empty() { "None yet" } else { "None of that name" });
+            return;
+        }
+        let height = ui.spacing().interact_size.y;
+        let limit = VISIBLE_ROWS * (height + ui.spacing().item_spacing.y);
+        let area = ScrollArea::vertical().id_salt(title).max_height(limit).auto_shrink([false, true]);
+        area.show_rows(ui, height, shown.len(), |ui, rows| {
+            for &index in &shown[rows] {
+                ui.push_id(index, |ui| {
+                    let layout = Layout::left_to_right(egui::Align::Center);
+                    let size = vec2(ui.available_width(), height);
+                    ui.allocate_ui_with_layout(size, layout, |ui| add_row(ui, index));
+                });
+            }
+        });
+    });
+}
+
+/// A name that takes the rest of the row.
+fn name_button(ui: &mut Ui, selected: bool, name: &str) -> Response {
+    let button = Button::selectable(selected, "").left_text(name).truncate();
+    ui.add(button.min_size(ui.available_size())).accessible_name(name)
+}
+
+fn swatch(ui: &mut Ui, material: &Material, sense: Sense) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(SWATCH, SWATCH), sense);
+    let color =
+        material.parameters.color("base_color").map(srgb_from_linear).to_array().map(|c| (c * 255.0 + 0.5) as u8);
+    let color = Color32::from_rgb(color[0], color[1], color[2]);
+    ui.painter().rect(rect, 2.0, color, outline(ui), StrokeKind::Inside);
+    response
+}

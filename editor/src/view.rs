@@ -1,0 +1,247 @@
+//! How the picture is made and shown, and where the camera stands.
+
+#[cfg(test)]
+mod tests;
+
+use crate::{
+    actions::{Action, CameraAction},
+    document::{BackgroundKind, Document, Edit, ShownMaterials, ViewSettings},
+    widgets::{
+        Edited, Number, check_row, choice_row, color_row, edit_row,
+        entries::{Decades, combo_row, decades_row, point_row},
+        row, section, slider_row,
+    },
+};
+use egui::{Button, Ui};
+use lapidary_core::{camera::Camera, cut::lit::DEFAULT_TAU};
+use lapidary_render::{BrdfSampling, ToneMap, ViewMode};
+
+/// Half the height of a 36 x 24 mm sensor in millimetres, for focal lengths.
+const HALF_SENSOR_MM: f32 = 12.0;
+/// Vertical fields of view in degrees that can be set.
+const FIELDS_OF_VIEW: [f32; 2] = [5.0, 120.0];
+/// Budgets of the illumination cut from the paper's figures and around them.
+const CUT_PRESETS: [u32; 6] = [32, 64, 128, 256, 512, 1024];
+
+/// What the panel shows.
+pub struct ViewContext<'a> {
+    /// The document.
+    pub document: &'a Document,
+}
+
+/// Shows the panel. It keeps nothing between frames.
+pub fn show(ui: &mut Ui, context: &ViewContext, actions: &mut Vec<Action>) {
+    let view = &context.document.view;
+    section(ui, "Display", true, |ui| {
+        display(ui, view, actions);
+        background(ui, view, actions);
+    });
+    section(ui, "Picture", true, |ui| picture(ui, view, actions));
+    section(ui, "Camera", true, |ui| camera(ui, &context.document.camera, actions));
+}
+
+fn display(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let exposure = Number::new("Exposure", "Stops: one more doubles the brightness.", -8.0..=8.0, 0.0);
+    let exposure = exposure.unit(" EV", 2).entry(-30.0..=30.0);
+    edit_row(actions, "Exposure", view, Edit::View, |v| slider_row(ui, &exposure, &mut v.post.exposure));
+    let curves = ToneMap::ALL.map(|t| (t, t.label(), tone_map_meaning(t)));
+    edit_row(actions, "Tone map", view, Edit::View, |v| {
+        combo_row(ui, "Tone map", "How bright values are fitted to the display.", &mut v.post.tone_map, &curves)
+    });
+}
+
+fn tone_map_meaning(tone_map: ToneMap) -> &'static str {
+    match tone_map {
+        ToneMap::Standard => "No curve: values above one are clipped. For comparing numbers.",
+        ToneMap::Reinhard => "Compresses luminance softly and keeps hue.",
+        ToneMap::Aces => "The look of film: strong contrast, bright colors go to white.",
+        ToneMap::AgX => "Even contrast: saturated lights fade to white without a change of hue.",
+        ToneMap::PbrNeutral => "Keeps base colors as they are and compresses highlights only. For products.",
+    }
+}
+
+fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let kinds = [
+        (BackgroundKind::Environment, "Environment", "The environment, sharp."),
+        (BackgroundKind::Blurred, "Blurred environment", "The environment out of focus; the light stays as it is."),
+        (BackgroundKind::Flat, "Color", "One color."),
+        (BackgroundKind::Transparent, "Transparent", "Nothing: exported pictures have no coverage there."),
+    ];
+    edit_row(actions, "Background", view, Edit::View, |v| {
+        combo_row(ui, "Background", "What is seen where there is no surface.", &mut v.background, &kinds)
+    });
+    match view.background {
+        BackgroundKind::Blurred => {
+            let blur = Number::new("Blur", "Width of the blur in degrees.", 3.0..=60.0, 8.0).unit("°", 1);
+            edit_row(actions, "Background blur", view, Edit::View, |v| slider_row(ui, &blur, &mut v.blur_degrees));
+        }
+        BackgroundKind::Flat => {
+            let default = ViewSettings::default().background_color;
+            edit_row(actions, "Background color", view, Edit::View, |v| {
+                color_row(ui, "Color", "Scene-linear: exposure acts on it.", &mut v.background_color, default)
+            });
+        }
+        BackgroundKind::Environment | BackgroundKind::Transparent => {}
+    }
+}
+
+fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let modes = ViewMode::ALL.map(|m| (m, m.label(), view_mode_meaning(m)));
+    edit_row(actions, "View mode", view, Edit::View, |v| {
+        combo_row(ui, "Show", "What the pixels show.", &mut v.mode, &modes)
+    });
+    basis(ui, view, actions);
+    let materials = [
+        (ShownMaterials::Own, "Their own", "Each surface as it is."),
+        (ShownMaterials::Clay, "Clay", "Grey clay on all, to judge light and shape."),
+        (ShownMaterials::Grey, "Middle grey", "Albedo 0.18 on all, to judge exposure."),
+        (ShownMaterials::Chrome, "Chrome", "A mirror on all, to judge reflections and smoothness."),
+    ];
+    let solo = matches!(view.materials, ShownMaterials::Solo(_)).then_some((
+        view.materials,
+        "One alone",
+        "One material as it is, the others as clay.",
+    ));
+    let materials: Vec<_> = materials.into_iter().chain(solo).collect();
+    edit_row(actions, "Shown materials", view, Edit::View, |v| {
+        let help = "Whose materials the picture shows. Yours stay as they are.";
+        combo_row(ui, "Materials", help, &mut v.materials, &materials)
+    });
+    edit_row(actions, "Wireframe", view, Edit::View, |v| {
+        check_row(ui, "Wireframe", "Draws the edges of the baked triangles.", &mut v.wireframe)
+    });
+    let samplings = [
+        (BrdfSampling::Lit, "Lit", "Cuts that know the light, halved where the highlight looks: fast and sharp."),
+        (BrdfSampling::Refine, "Refined", "Stored cuts and the light cut, halved where the highlight looks."),
+        (
+            BrdfSampling::Once,
+            "Paper",
+            "Stored cuts and the light cut, one BRDF sample a node: highlights may break up.",
+        ),
+    ];
+    edit_row(actions, "BRDF sampling", view, Edit::View, |v| {
+        choice_row(
+            ui,
+            "Cuts",
+            "Which cuts are merged, and how the BRDF is sampled on their nodes.",
+            &mut v.sampling,
+            &samplings,
+        )
+    });
+    match view.sampling {
+        BrdfSampling::Lit => lit_cuts(ui, view, actions),
+        BrdfSampling::Refine | BrdfSampling::Once => illumination_cut(ui, view, actions),
+    }
+    let samples = Decades::count("Samples", "Jittered frames that are averaged at rest, 1 to 256.", 1.0..=256.0, 16.0);
+    edit_row(actions, "Samples", view, Edit::View, |v| decades_row(ui, &samples, &mut v.aa));
+    let help = "Milliseconds until a change is seen; how finely light is computed adapts to it.";
+    let budget = Decades { unit: " ms", ..Decades::count("Frame budget", help, 5.0..=2000.0, 100.0) };
+    edit_row(actions, "Frame budget", view, Edit::View, |v| decades_row(ui, &budget, &mut v.frame_budget_ms));
+}
+
+/// What of the meshless basis is shown.
+fn basis(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let level = Decades::count("Level", "Level of the meshless basis; 0 is the coarsest.", 0.0..=7.0, 0.0);
+    let function = Decades::count("Function", "Number of the function, coarsest first.", 0.0..=1e6, 0.0);
+    match view.mode {
+        ViewMode::BasisLevel => {
+            edit_row(actions, "Level", view, Edit::View, |v| decades_row(ui, &level, &mut v.basis.level));
+        }
+        ViewMode::BasisFunction => {
+            edit_row(actions, "Function", view, Edit::View, |v| decades_row(ui, &function, &mut v.basis.function));
+        }
+        _ => {}
+    }
+}
+
+fn view_mode_meaning(mode: ViewMode) -> &'static str {
+    match mode {
+        ViewMode::Shaded => "The lit picture.",
+        ViewMode::Normals => "Shading normals after bump and normal maps.",
+        ViewMode::Albedo => "Base color after its map.",
+        ViewMode::Roughness => "Roughness after its map.",
+        ViewMode::VisibilityCut => {
+            "Nodes of the baked visibility cuts: where memory goes. Over bounce light if the environment was not baked."
+        }
+        ViewMode::MergedCut => {
+            "Nodes after merging visibility and light, of environment and bounce light: where time goes."
+        }
+        ViewMode::BrdfEvaluations => "How often the BRDF is evaluated.",
+        ViewMode::BasisLevel => "What one level of the meshless basis adds to bounce light, and takes from it.",
+        ViewMode::BasisFunction => "One function of the meshless basis.",
+        ViewMode::BasisCoefficients => "The functions of the meshless basis that carry light, by level.",
+    }
+}
+
+fn lit_cuts(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let help =
+        "Largest share of a vertex's light that one node of its cut may move, 0.0001 to 1. Less is finer, and slower.";
+    let default = DEFAULT_TAU.into();
+    let tau = Decades { decimals: 4, ..Decades::count("Light moved", help, 1e-4..=1.0, default) };
+    edit_row(actions, "Light moved", view, Edit::View, |v| decades_row(ui, &tau, &mut v.tau));
+}
+
+fn illumination_cut(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let help = "Most nodes of the illumination cut, 1 to 32,768. More give sharper shadows, and are slower.";
+    let cut = Decades::count("Light cut", help, 1.0..=32_768.0, 256.0);
+    edit_row(actions, "Light cut", view, Edit::View, |v| decades_row(ui, &cut, &mut v.illum_cut));
+    edit_row(actions, "Light cut", view, Edit::View, |v| {
+        row(ui, "", help, false, |ui, _, _| {
+            ui.spacing_mut().item_spacing.x = 1.0;
+            ui.spacing_mut().button_padding.x = 3.0;
+            let before = v.illum_cut;
+            for preset in CUT_PRESETS {
+                let button = ui.add(Button::selectable(before == preset, preset.to_string()).small());
+                if button.accessible_name(format!("Light cut {preset}")).clicked() {
+                    v.illum_cut = preset;
+                }
+            }
+            Edited::at_once(v.illum_cut != before)
+        })
+    });
+}
+
+fn camera(ui: &mut Ui, now: &Camera, actions: &mut Vec<Action>) {
+    let mut camera = now.clone();
+    let mut edited = lens(ui, &mut camera);
+    edited |= point_row(ui, "Position", "Where the camera stands, in meters.", &mut camera.eye);
+    edited |= point_row(ui, "Target", "The point that it looks at and turns around, in meters.", &mut camera.target);
+    // A camera in its own target has no direction.
+    if edited.changed && camera.eye.distance(camera.target) > 1e-6 && is_finite(&camera) {
+        actions.push(Action::Camera(CameraAction::To(camera)));
+    }
+}
+
+fn is_finite(camera: &Camera) -> bool {
+    camera.eye.is_finite() && camera.target.is_finite() && camera.fov_y.is_finite()
+}
+
+/// Field of view and focal length: two ways to say the same.
+fn lens(ui: &mut Ui, camera: &mut Camera) -> Edited {
+    let [narrowest, widest] = FIELDS_OF_VIEW;
+    let field = Number::new("Field of view", "Vertical, in degrees.", narrowest..=widest, 40.0).unit("°", 1);
+    let mut degrees = camera.fov_y.to_degrees();
+    let field = slider_row(ui, &field, &mut degrees);
+    if field.changed {
+        camera.fov_y = degrees.to_radians();
+    }
+    let [longest, shortest] = FIELDS_OF_VIEW.map(|d| focal_from_fov(d.to_radians()));
+    let help = "Focal length of a lens before a 36 x 24 mm sensor that shows as much from top to bottom.";
+    let focal = Number::new("Focal length", help, shortest..=longest, focal_from_fov(40_f32.to_radians()));
+    let mut focal_mm = focal_from_fov(camera.fov_y);
+    let focal = slider_row(ui, &focal.unit(" mm", 1), &mut focal_mm);
+    if focal.changed {
+        camera.fov_y = fov_from_focal(focal_mm);
+    }
+    field | focal
+}
+
+/// Focal length in millimetres for a vertical field of view in radians.
+fn focal_from_fov(fov_y: f32) -> f32 {
+    HALF_SENSOR_MM / (0.5 * fov_y).tan()
+}
+
+/// Vertical field of view in radians for a focal length in millimetres.
+fn fov_from_focal(focal_mm: f32) -> f32 {
+    2.0 * (HALF_SENSOR_MM / focal_mm).atan()
+}

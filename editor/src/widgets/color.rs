@@ -1,0 +1,86 @@
+//! A row that edits a scene-linear colour, by egui's picker or as sRGB hex.
+
+use super::{Edited, number_size, outline, row, slider_width};
+use crate::document::lights::color_and_intensity;
+use egui::{Align2, Color32, FontSelection, Response, TextEdit, TextStyle, Ui};
+use glam::Vec3;
+use lapidary_core::color::{linear_from_srgb, srgb_from_linear};
+
+/// One row with a swatch that opens a picker, and the colour as sRGB hex.
+pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default: Vec3) -> Edited {
+    let differs = color.distance(default) > 1e-5;
+    row(ui, label, help, differs, |ui, name, reset| {
+        if reset {
+            *color = default;
+            return Edited::at_once(true);
+        }
+        let mut rgb = color.to_array();
+        let swatch = name.of(swatch(ui, &mut rgb)).on_hover_text(help);
+        if swatch.changed() {
+            *color = Vec3::from_array(rgb);
+        }
+        // The picker tells of changes only; its gesture ends when the pointer is let go, wherever that is.
+        let picked = Edited::until(ui, swatch.id, swatch.changed(), !ui.input(|i| i.pointer.any_down()));
+        picked | hex_entry(ui, &name.full, color)
+    })
+}
+
+/// The button that opens the picker. The toolkit outlines it in the fill of buttons, which a white one drowns in.
+fn swatch(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
+    ui.scope(|ui| {
+        ui.visuals_mut().widgets.inactive.bg_fill = outline(ui).color;
+        // As wide as a slider would be.
+        ui.spacing_mut().interact_size.x = slider_width(ui);
+        ui.color_edit_button_rgb(rgb)
+    })
+    .inner
+}
+
+/// The colour as sRGB hex; what is typed counts when the field is left, if it is a colour.
+fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
+    let id = ui.make_persistent_id(("hex", name));
+    let shown = hex_from_linear(*color);
+    let mut text = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| shown.clone());
+    let entry = TextEdit::singleline(&mut text).id(id).font(FontSelection::from(TextStyle::Monospace));
+    let entry = entry.align(Align2::LEFT_CENTER);
+    let response =
+        ui.add_sized(number_size(ui), entry).on_hover_text("sRGB, as #rrggbb").accessible_name(format!("{name} hex"));
+    if response.has_focus() {
+        ui.data_mut(|d| d.insert_temp(id, text));
+        return Edited::default();
+    }
+    ui.data_mut(|d| d.remove_temp::<String>(id));
+    let typed = linear_from_hex(&text).filter(|_| response.lost_focus() && text != shown);
+    if let Some(typed) = typed {
+        *color = typed;
+    }
+    Edited::at_once(typed.is_some())
+}
+
+/// A scene-linear colour as `#rrggbb`.
+pub fn hex_from_linear(color: Vec3) -> String {
+    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// The scene-linear colour that `#rrggbb` or `rgb` stands for.
+pub fn linear_from_hex(text: &str) -> Option<Vec3> {
+    let digits = text.trim().trim_start_matches('#');
+    let digits = match digits.len() {
+        3 => digits.chars().flat_map(|c| [c, c]).collect(),
+        _ => digits.to_owned(),
+    };
+    if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+        return None;
+    }
+    let packed = u32::from_str_radix(&digits, 16).ok()?;
+    let component = |shift: u32| linear_from_srgb((packed >> shift & 255) as f32 / 255.0);
+    Some(Vec3::new(component(16), component(8), component(0)))
+}
+
+/// The colour of a light for a display.
+pub fn display_color(intensity: Vec3) -> Color32 {
+    let (color, _) = color_and_intensity(intensity);
+    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8);
+    Color32::from_rgb(r, g, b)
+}

@@ -1,0 +1,84 @@
+//! Another dataset, or another version of the scene, under the same document: edited materials stay, and all that names materials
+//! and objects follows.
+
+use super::Workspace;
+use crate::{
+    document::{
+        fitting::{fit_materials, take_textures},
+        parts::{OwnMaterials, Renumbering},
+    },
+    jobs::{Imported, kept_bakes::kept_in},
+};
+use lapidary_core::{animation::AnimationError, dataset::Dataset};
+use std::path::Path;
+
+impl Workspace {
+    /// Gives the document the materials that another dataset needs. That of a ground is kept while no ground is shown.
+    pub fn take_materials_of(&mut self, next: &Dataset) {
+        let ground_of = |dataset: &Dataset| dataset.scene.mesh.ground_material().map(|index| index as usize);
+        let own = self.document.own_materials();
+        let shown = self.scene.rendered().and_then(|baked| ground_of(&baked.dataset)).filter(|&index| index < own);
+        if let Some(index) = shown {
+            self.document.hidden_ground = Some(self.document.materials.remove(index));
+        }
+        let numbers = fit_materials(&mut self.document, next);
+        self.history.renumber_objects(&numbers);
+        self.selection.renumber_objects(&numbers);
+        let place = ground_of(next).and_then(|index| self.document.materials.get_mut(index));
+        if let Some((place, kept)) = place.zip(self.document.hidden_ground.take_if(|_| ground_of(next).is_some())) {
+            *place = kept;
+        }
+        let before = OwnMaterials { count: own, ground: shown };
+        let after = OwnMaterials { count: self.document.own_materials(), ground: ground_of(next) };
+        self.renumber_materials(Renumbering { before, after });
+    }
+
+    fn renumber_materials(&mut self, renumbering: Renumbering) {
+        self.document.renumber_materials(&renumbering);
+        self.history.renumber_materials(&renumbering);
+        let selected = self.selection.material.map(|index| renumbering.of(index));
+        self.selection.material = selected.filter(|&index| index < self.document.materials.len());
+    }
+
+    /// The scene file has changed. Its bake is out of date, unless only appearances or animations were changed.
+    pub fn scene_changed(&mut self, path: &Path, source: Imported) {
+        if self.document.scene.as_deref() != Some(path) {
+            return;
+        }
+        match self.scene.source.as_mut().filter(|known| known.hash == source.hash) {
+            // What was tried of its mesh stays known.
+            Some(known) => (known.scene, known.animation) = (source.scene, source.animation),
+            None => self.take_changed(path, source),
+        }
+        self.drop_lost_clip();
+    }
+
+    fn take_changed(&mut self, path: &Path, source: Imported) {
+        self.messages.warning(format!("The scene file has changed; bake it again to see it ({})", path.display()));
+        let output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
+        self.scene.bake_output = output.or_else(|| Some(path.with_extension("cuts")));
+        if self.scene.baked.is_none() {
+            take_textures(&mut self.document, &source.scene.textures);
+        }
+        // What is on the screen stays there, and is marked.
+        self.scene.show_stale = self.scene.shown().is_some();
+        let preview = (!self.scene.show_stale).then(|| source.unshadowed(self.document.bake.ground));
+        preview.iter().for_each(|preview| self.take_materials_of(&preview.dataset));
+        self.scene.preview = preview;
+        self.scene.kept_output = Some(kept_in(&self.folders.bakes(), path, &source.hash));
+        self.scene.source = Some(source);
+    }
+
+    /// Goes on without the time of a clip that the scene file does not have, and tells why.
+    pub fn drop_lost_clip(&mut self) {
+        let Some((source, time)) = self.scene.source.as_ref().zip(self.document.clip_time.as_ref()) else {
+            return;
+        };
+        let no_clips = || AnimationError::NoClips { path: self.document.scene.clone().unwrap_or_default() };
+        let found = source.animation.as_ref().ok_or_else(no_clips).and_then(|all| all.clip(Some(&time.clip)));
+        if let Err(error) = found {
+            self.messages.warning(format!("\"{}\" cannot be shown: {error}", time.clip));
+            self.document.clip_time = None;
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! What may be written where: no file that the document is made of is lost.
+
+use super::Workspace;
+use crate::document::Document;
+use lapidary_core::{brdf::BrdfFile, output::check_output};
+use std::path::{Path, PathBuf};
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Written {
+    /// The session, whose file it may replace.
+    Session,
+    /// A bake, which may replace the one before.
+    Dataset,
+    /// Something that the document does not read.
+    Other,
+}
+
+impl Workspace {
+    /// Whether a file can be written without a loss; says why not.
+    pub fn may_write(&mut self, path: &Path, what: Written) -> bool {
+        let inputs = self.inputs(what);
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let checked = check_output(path, &inputs);
+        if let Err(error) = &checked {
+            self.messages.error(error.to_string());
+        }
+        checked.is_ok()
+    }
+
+    /// Files that are lost if something is written over them that is no successor of theirs.
+    pub fn inputs(&self, what: Written) -> Vec<PathBuf> {
+        let dataset =
+            [&self.document.dataset, &self.scene.bake_output].into_iter().filter(|_| what != Written::Dataset);
+        let session = [&self.scene.session].into_iter().filter(|_| what != Written::Session);
+        files_in_use(&self.document).into_iter().chain(dataset.chain(session).flatten().cloned()).collect()
+    }
+}
+
+/// Files that the document's scene, materials and light are made of, each once.
+pub fn files_in_use(document: &Document) -> Vec<PathBuf> {
+    let slots = document.materials.iter().flat_map(|m| m.maps.slots());
+    let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
+    let environment = document.environment.file().map(Path::to_owned);
+    let brdfs = brdf_files(document).map(|file| file.path.clone());
+    let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environment).chain(document.scene.clone()).collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
+/// The files of materials' BRDFs.
+pub fn brdf_files(document: &Document) -> impl Iterator<Item = &BrdfFile> {
+    document.materials.iter().filter_map(|material| material.file.as_ref())
+}

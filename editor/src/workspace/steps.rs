@@ -1,0 +1,48 @@
+//! Changes of the document, as steps of undo.
+
+use super::Workspace;
+use crate::document::Edit;
+
+impl Workspace {
+    /// Changes the document; edits of one gesture are one step of undo.
+    pub fn edit(&mut self, edit: Edit, label: &'static str) {
+        self.history.apply(&mut self.document, edit, label);
+    }
+
+    /// An edit that is a step of undo by itself.
+    pub fn do_step(&mut self, edit: Edit, label: &'static str) {
+        self.history.end_gesture();
+        self.history.apply(&mut self.document, edit, label);
+        self.history.end_gesture();
+    }
+
+    /// Takes back the last step.
+    pub fn undo(&mut self) {
+        let before = self.material_of_selected_part();
+        if let Some(name) = self.history.undo(&mut self.document) {
+            self.messages.remark(format!("Undone: {name}"));
+            self.follow_selected_part(before);
+        }
+    }
+
+    /// Does the last step that was taken back again.
+    pub fn redo(&mut self) {
+        let before = self.material_of_selected_part();
+        if let Some(name) = self.history.redo(&mut self.document) {
+            self.messages.remark(format!("Redone: {name}"));
+            self.follow_selected_part(before);
+        }
+    }
+
+    fn material_of_selected_part(&self) -> Option<usize> {
+        self.selection.part.map(|part| self.document.material_of(part))
+    }
+
+    /// Selects the material of the selected part if that was another one before.
+    fn follow_selected_part(&mut self, before: Option<usize>) {
+        let now = self.material_of_selected_part();
+        if now != before {
+            self.selection.material = now;
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! The tabs of both sides of the window, and which of them is in front.
+
+/// The tab of the inspector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Inspector {
+    /// The selected material.
+    #[default]
+    Material,
+    /// The light from all around.
+    Environment,
+    /// Local lights, and which light is in the picture.
+    Lights,
+    /// How the picture is made and shown.
+    View,
+    /// Visibility.
+    Bake,
+}
+
+impl Inspector {
+    /// All of them, in the order in which they are shown.
+    pub const ALL: [Self; 5] = [Self::Material, Self::Environment, Self::Lights, Self::View, Self::Bake];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Material => "Material",
+            Self::Environment => "Environment",
+            Self::Lights => "Lights",
+            Self::View => "View",
+            Self::Bake => "Bake",
+        }
+    }
+}
+
+/// The tab of the left side.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// Objects, materials and cameras.
+    #[default]
+    Scene,
+    /// Environments to choose from.
+    Library,
+}
+
+impl Side {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Scene, Self::Library];
+
+    /// Its name.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Scene => "Scene",
+            Self::Library => "Library",
+        }
+    }
+}
+
+/// Which panels are seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tabs {
+    /// The tab of the inspector.
+    pub inspector: Inspector,
+    /// The tab of the left side.
+    pub side: Side,
+    /// Only the picture is shown.
+    pub panels_hidden: bool,
+    /// Which sides are opened over the picture in a narrow window: the left one, and the inspector.
+    pub unfolded: [bool; 2],
+}
+
+impl Tabs {
+    /// Brings a tab of the inspector to the front, and shows the inspector if it is hidden.
+    pub fn show_inspector(&mut self, tab: Inspector) {
+        (self.inspector, self.panels_hidden) = (tab, false);
+        self.unfolded[1] = true;
+    }
+}

@@ -1,0 +1,110 @@
+//! How long the present phase of a bake will still take, at its latest pace: beside a picture in the making a bake of low priority
+//! hardly moves.
+
+use super::BakeProgress;
+use lapidary_precompute::Phase;
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
+};
+
+/// The pace of the phase that a bake is at.
+pub struct PhasePace {
+    phase: Option<Phase>,
+    since: Instant,
+    /// How long the bake had waited for others when the phase began.
+    waited_before: Duration,
+    pace: Pace,
+}
+
+impl Default for PhasePace {
+    fn default() -> Self {
+        Self { phase: None, since: Instant::now(), waited_before: Duration::ZERO, pace: Pace::default() }
+    }
+}
+
+impl PhasePace {
+    /// Takes note of how far a bake is that has `waited` for others.
+    pub fn follow(&mut self, progress: BakeProgress, waited: Duration) {
+        if progress.phase != self.phase {
+            *self = Self { phase: progress.phase, waited_before: waited, ..Self::default() };
+        }
+        let worked = self.since.elapsed().saturating_sub(waited.saturating_sub(self.waited_before));
+        self.pace.note(worked.as_secs_f64(), progress.done);
+    }
+
+    /// Seconds that the rest will take, if that is known.
+    pub fn left(&self, done: u64, total: u64) -> Option<f64> {
+        self.pace.left(done, total)
+    }
+}
+
+/// What was done of a phase, at some times.
+#[derive(Clone, Debug, Default)]
+struct Pace {
+    /// Seconds of work on the phase, and units done by then.
+    marks: VecDeque<(f64, u64)>,
+}
+
+impl Pace {
+    /// Seconds over which the pace is measured.
+    const SPAN: f64 = 8.0;
+    /// Seconds between two marks.
+    const BETWEEN: f64 = 0.25;
+    /// Share of a phase that must be done for its pace to be known.
+    const KNOWN_AFTER: f64 = 0.02;
+
+    /// Takes note of what is done after some seconds of a phase.
+    fn note(&mut self, secs: f64, done: u64) {
+        if self.marks.back().is_some_and(|&(before, had)| secs < before || done < had) {
+            self.marks.clear();
+        }
+        if self.marks.back().is_none_or(|&(before, _)| secs - before >= Self::BETWEEN) {
+            self.marks.push_back((secs, done));
+        }
+        while self.marks.get(1).is_some_and(|&(second, _)| secs - second >= Self::SPAN) {
+            self.marks.pop_front();
+        }
+    }
+
+    /// Seconds that the rest will take, if that is known.
+    fn left(&self, done: u64, total: u64) -> Option<f64> {
+        let (&(begun, had), &(secs, has)) = self.marks.front().zip(self.marks.back())?;
+        // Some steps have a little to do after all units are done.
+        let is_known = done as f64 > Self::KNOWN_AFTER * total as f64 && done < total && has > had;
+        is_known.then(|| (total - done) as f64 * (secs - begun) / (has - had) as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The pace after a second for each of these.
+    fn pace(done: impl IntoIterator<Item = u64>) -> Pace {
+        let mut pace = Pace::default();
+        done.into_iter().enumerate().for_each(|(second, done)| pace.note(second as f64, done));
+        pace
+    }
+
+    #[test]
+    fn the_rest_takes_what_the_latest_part_took() {
+        assert_eq!(pace([0, 10, 20]).left(20, 100), Some(8.0));
+        // Slow for a minute beside a picture, and then at its own pace.
+        let slow = (0..60).map(|second| second / 4);
+        let fast = (1..=12).map(|second| 14 + 10 * second);
+        let left = pace(slow.clone().chain(fast)).left(134, 234).unwrap();
+        assert!((left - 10.0).abs() < 0.1, "{left}");
+        assert!(pace(slow).left(14, 234).unwrap() > 300.0, "negative control: before");
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_told() {
+        assert_eq!(Pace::default().left(5, 10), None);
+        assert_eq!(pace([0, 1]).left(1, 100), None, "too little is done");
+        assert_eq!(pace([0, 50]).left(100, 100), None, "all is done");
+        assert_eq!(pace([50, 50]).left(50, 100), None, "nothing moves");
+        assert_eq!(pace([0, 50]).left(5, 0), None, "nobody knows the whole");
+        assert_eq!(pace([0, 50, 3]).left(3, 100), None, "another phase begins");
+    }
+}
