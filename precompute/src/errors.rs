@@ -4,10 +4,9 @@ mod bake;
 mod checkpoint;
 mod points;
 mod settings;
-mod shard;
 
+pub use crate::shard::ShardError;
 pub use bake::{BakeError, CutsOf, cancelled};
 pub use checkpoint::{CheckpointError, ManifestError};
 pub use points::{LEAST_COARSE_RADIUS, PointsError};
 pub use settings::SettingsError;
-pub use shard::ShardError;

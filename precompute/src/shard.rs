@@ -1,6 +1,9 @@
 //! Shards: parts of a bake that machines share.
 
-use crate::errors::ShardError;
+mod error;
+
+pub use error::ShardError;
+
 use std::{
     fmt,
     path::{Path, PathBuf},

@@ -1,4 +1,4 @@
-//! Options that several commands share, and the values that their texts stand for.
+//! Options that several commands share.
 
 mod backend;
 pub mod choices;
@@ -7,7 +7,6 @@ mod outside;
 mod picture;
 mod pose;
 mod shot;
-pub mod values;
 mod view;
 
 pub use backend::{BackendOption, shader_source};

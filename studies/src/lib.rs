@@ -22,3 +22,4 @@ pub mod report;
 pub mod sequence;
 pub mod sheet;
 pub mod terminal;
+pub mod values;

@@ -1,6 +1,7 @@
 //! Why a bake did not finish.
 
-use super::{checkpoint::CheckpointError, points::PointsError, settings::SettingsError, shard::ShardError};
+use super::{checkpoint::CheckpointError, points::PointsError, settings::SettingsError};
+use crate::shard::ShardError;
 use crate::{
     observer::Observer,
     setting::{Naming, Setting},

@@ -23,7 +23,7 @@ pub enum Compute {
 /// A graphics device and the kernels that were compiled on it. Copies share both.
 #[derive(Clone)]
 pub struct SharedDevice {
-    pub(crate) gpu: GpuDevice,
+    pub(crate) gpu: Arc<GpuDevice>,
     kernels: Arc<Mutex<HashMap<&'static str, Arc<Kernel>>>>,
 }
 
@@ -54,7 +54,7 @@ impl SharedDevice {
     /// # Errors
     /// No adapter, or a driver that refuses.
     pub fn new(room: Room) -> Result<Self, BackendError> {
-        Ok(Self { gpu: GpuDevice::new(room)?, kernels: Arc::default() })
+        Ok(Self { gpu: GpuDevice::new(room)?.into(), kernels: Arc::default() })
     }
 
     /// The name of the adapter.

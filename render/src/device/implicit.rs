@@ -62,7 +62,7 @@ impl GpuImplicit {
             pull: device.kernel(&IMPLICIT_PULL)?,
             bounce: device.kernel(&IMPLICIT_BOUNCE)?,
         };
-        Ok(Self { gpu: device.gpu.clone(), kernels })
+        Ok(Self { gpu: (*device.gpu).clone(), kernels })
     }
 
     /// The name of the adapter.

@@ -47,7 +47,7 @@ impl GpuRays {
     /// A driver that refuses.
     pub fn on(device: &SharedDevice, is_asked_for: bool) -> Result<Self, BackendError> {
         let pass = RayPass::new(&device.gpu)?;
-        Ok(Self { is_asked_for, gpu: Arc::new(device.gpu.clone()), pass: Arc::new(pass) })
+        Ok(Self { is_asked_for, gpu: device.gpu.clone(), pass: Arc::new(pass) })
     }
 
     /// The fastest adapter that is more than an emulation on the processor, if there is one that works. Scenes that it does not

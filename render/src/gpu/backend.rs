@@ -132,7 +132,7 @@ impl GpuBackend {
     }
 
     fn on(device: SharedDevice, source: &ShaderSource) -> Result<Self, BackendError> {
-        let gpu = device.gpu.clone();
+        let gpu = (*device.gpu).clone();
         let shaders = Shaders { source: source.clone(), ..Default::default() };
         let passes = Passes::new(&gpu, &shaders, &[])?;
         let uniform = |label, size: usize| {

@@ -1,6 +1,6 @@
 //! Choices of the libraries as options: their names are those of files, and each has its line of `--help`.
 
-use super::values::{choice, choice_of};
+use crate::values::{choice, choice_of};
 use clap::builder::TypedValueParser;
 use lapidary_core::{ground::Ground, light_tree::TreeKind};
 use lapidary_interchange::materialx::Surface;

@@ -1,10 +1,7 @@
 //! The options about light: the environment, local lights, and what of them is in the picture.
 
-use super::{
-    choices::{self, SunOption},
-    values,
-};
-use crate::terminal::Console;
+use super::choices::{self, SunOption};
+use crate::{terminal::Console, values};
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::{

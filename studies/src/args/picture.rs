@@ -1,6 +1,7 @@
 //! The options about how finished pictures are made and shown, which `render` and `sequence` share.
 
-use super::{BackendOption, ViewedScene, choices, values};
+use super::{BackendOption, ViewedScene, choices};
+use crate::values;
 use anyhow::Result;
 use clap::Args;
 use lapidary_core::cut::lit::DEFAULT_TAU;

@@ -1,6 +1,6 @@
 //! The options that pose objects: each by itself, and by the animation of a file.
 
-use super::values;
+use crate::values;
 use crate::{
     outputs::CommandFiles,
     sequence::{Motion, Times},

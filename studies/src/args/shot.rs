@@ -1,6 +1,6 @@
 //! A picture to bake for, as an option.
 
-use super::values::vector;
+use crate::values::vector;
 use anyhow::Result;
 use lapidary_core::{
     bounds::MOST_COORDINATE,

@@ -3,9 +3,8 @@
 use super::{
     OutsideArgs, choices,
     light::{EnvironmentArgs, LocalLightArgs, LocalLights},
-    values,
 };
-use crate::{outputs::CommandFiles, terminal::Console};
+use crate::{outputs::CommandFiles, terminal::Console, values};
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use glam::Vec3;

@@ -1,10 +1,11 @@
 //! `lapidary compare`: metrics, an error map, and bounds for scripts.
 
 use crate::{
-    args::{choices, values},
+    args::choices,
     export::{check_pictures, write_pictures},
     outputs::CommandFiles,
     terminal::{Console, Outcome, write_json},
+    values,
 };
 use anyhow::Result;
 use clap::Args;

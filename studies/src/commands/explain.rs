@@ -4,9 +4,10 @@ mod report;
 mod sheet;
 
 use crate::{
-    args::{LocalLightArgs, ViewArgs, ViewedScene, choices, values},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, choices},
     outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
+    values,
 };
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};

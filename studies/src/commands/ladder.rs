@@ -1,10 +1,11 @@
 //! `lapidary ladder`: which size of the illumination cut is enough for a picture, and what lit cuts make of it.
 
 use crate::{
-    args::{BackendOption, LocalLightArgs, ViewArgs, choices, values, warn_of_buried},
+    args::{BackendOption, LocalLightArgs, ViewArgs, choices, warn_of_buried},
     ladder::{self, Ladder, Settings, Summary, climb},
     outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
+    values,
 };
 use anyhow::{Context, Result};
 use clap::Args;

@@ -23,7 +23,7 @@ pub struct SequenceArgs {
     turn: Option<Turn>,
     /// Angle of the turn in degrees, counter-clockwise seen from above. After whole turns the last frame is one step
     /// before the first, so that the sequence loops
-    #[arg(long, value_name = "DEG", default_value = "360", value_parser = crate::args::values::finite, allow_hyphen_values = true, requires = "turn")]
+    #[arg(long, value_name = "DEG", default_value = "360", value_parser = crate::values::finite, allow_hyphen_values = true, requires = "turn")]
     degrees: f32,
     /// Parameter to vary from the first frame to the last: NAME=FROM..TO in equal steps, or NAME=log:FROM..TO in
     /// equal ratios; may be given several times. NAME is a parameter of a BRDF model, as roughness, base-color or coat-weight

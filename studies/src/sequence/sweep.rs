@@ -4,7 +4,7 @@ use super::{
     error::SweepError,
     parameter::{Domain, Parameter},
 };
-use crate::args::values;
+use crate::values;
 use glam::Vec3;
 use lapidary_render::Look;
 use serde::{Deserialize, Serialize};

@@ -95,7 +95,7 @@ struct Receiver {
 
 /// What the deferred pass saw at each pixel.
 fn receivers(gpu: &GpuBackend, renderer: &Renderer, view: &View) -> Vec<Option<Receiver>> {
-    let surfaces = Surfaces::of(&renderer).filtered(Differentials::of(view));
+    let surfaces = Surfaces::of(renderer).filtered(Differentials::of(view));
     let dataset = renderer.dataset();
     let mesh = &dataset.scene.mesh;
     let receiver = |(i, [id, b, c, flags]): (usize, [u32; 4])| {

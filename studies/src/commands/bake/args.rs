@@ -1,12 +1,10 @@
 //! The `bake` command.
 
 use crate::{
-    args::{
-        OutsideArgs, ShotOption, choices,
-        values::{self, place},
-    },
+    args::{OutsideArgs, ShotOption, choices},
     outputs::CommandFiles,
     terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
+    values::{self, place},
 };
 use anyhow::{Context, Error, Result};
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};

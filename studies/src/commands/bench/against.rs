@@ -11,10 +11,10 @@ mod xwd;
 
 use super::{JsonArgs, PICTURE};
 use crate::{
-    args::values,
     bundled::DataFolder,
     outputs::CommandFiles,
     terminal::{Console, Outcome, Steps},
+    values,
 };
 use anyhow::{Context, Result};
 use clap::Args;

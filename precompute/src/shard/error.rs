@@ -1,6 +1,6 @@
 //! Why shards make no dataset.
 
-use crate::shard::Shard;
+use super::Shard;
 use std::{io, path::PathBuf};
 use thiserror::Error;
 
