@@ -1,4 +1,4 @@
-// Quadtrees of discs (implicit visibility, 4.1). Twin of core/src/surfel/forest/nodes.rs.
+// Quadtrees of discs (implicit visibility, 4.1). Twin of core/src/implicit/forest/nodes.rs.
 
 const CHILDREN: u32 = 4u;
 // Squared sine below which directions count as one.
@@ -26,7 +26,7 @@ struct Block {
     below: vec4<u32>,
 }
 
-// See core/src/surfel/forest/nodes.rs for units.
+// See core/src/implicit/forest/nodes.rs for units.
 struct ForestNode {
     center: vec3<f32>,
     axis: vec3<f32>,

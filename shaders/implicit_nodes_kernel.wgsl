@@ -1,4 +1,4 @@
-// What a node knows of the discs below it, a workgroup each. Twin of `Node::around` in core/src/surfel/forest/nodes.rs, to the bit: seven
+// What a node knows of the discs below it, a workgroup each. Twin of `Node::around` in core/src/implicit/forest/nodes.rs, to the bit: seven
 // invocations sum a number each, disc by disc, and all look for the farthest, which has no order. All nodes are made at once from
 // the leaves, not level by level, so that nothing waits for the level below.
 

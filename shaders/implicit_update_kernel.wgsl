@@ -1,4 +1,4 @@
-// The discs of leaves that ride on posed triangles, an invocation each. Twin of `Rider::disc` in core/src/surfel/forest.rs, to the bit.
+// The discs of leaves that ride on posed triangles, an invocation each. Twin of `Rider::disc` in core/src/implicit/forest.rs, to the bit.
 
 struct Rider {
     corners: vec3<u32>,

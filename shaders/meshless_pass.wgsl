@@ -44,7 +44,7 @@ struct Coefficient {
 }
 
 const MOST_BASIS_LEVELS: u32 = 16u;
-// See core/src/meshless/distance.rs.
+// See core/src/surfel/distance.rs.
 const SQUASH: f32 = 2.0;
 const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
 const LAYERS: f32 = 8.0;

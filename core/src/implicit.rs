@@ -12,12 +12,14 @@
 //! * [`bins`], [`links`] and [`refine`]: the link structure as the paper has it, the oracle of the walk; [`all_pairs`]: what they are
 //!   held against
 //!
-//! The trees are [`crate::surfel::disc_forest::DiscForest`], over surfels by [`crate::surfel::forest::SurfelForest`].
+//! The trees are [`crate::implicit::disc_forest::DiscForest`], over surfels by [`crate::implicit::forest::SurfelForest`].
 
 pub mod all_pairs;
 pub mod bins;
 mod direct;
+pub mod disc_forest;
 mod drag;
+pub mod forest;
 mod gather;
 mod layout;
 pub mod links;

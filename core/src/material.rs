@@ -4,12 +4,14 @@
 
 mod check;
 mod maps;
+mod part;
 mod presets;
 mod resolved;
 
 pub use crate::brdf::BrdfModel;
 pub use check::{MOST_MATERIAL_NUMBER, MaterialProblem, UnknownName};
 pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map_names};
+pub use part::MaterialPart;
 pub use presets::{PRESETS, Preset};
 pub use resolved::{MaterialPoint, ResolvedMaterial};
 

@@ -13,7 +13,6 @@
 //! * [`Flattening`]: the solution at fixed points
 
 mod basis;
-pub mod distance;
 mod flatten;
 mod grid;
 mod projection;

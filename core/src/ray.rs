@@ -15,7 +15,6 @@ mod frontier;
 mod group;
 mod hierarchy;
 mod leaves;
-pub mod offset;
 mod posable;
 mod segments;
 mod triangle;

@@ -1,13 +1,12 @@
 //! Points of surfaces that gather and send light, whatever the kind of surface.
 
 mod ball_grid;
-pub mod disc_forest;
-pub mod forest;
+pub mod distance;
 mod graded_grid;
 
 pub use graded_grid::GradedGrid;
 
-use crate::{bounds::Bounds, ray::offset};
+use crate::{bounds::Bounds, offset};
 use glam::{Vec2, Vec3};
 
 /// Where on a mesh a surface point lies, to look its material up.

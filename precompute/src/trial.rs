@@ -19,7 +19,8 @@ use glam::Vec3;
 use lapidary_core::{
     cut::{CutCriterion, CutSelector},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
-    ray::{BoundaryTracer, Intersector, offset},
+    offset,
+    ray::{BoundaryTracer, Intersector},
     scene::{Mesh, Scene},
     sphere::fibonacci_directions,
     threads::{CoreClock, on_threads},

@@ -5,11 +5,7 @@ use crate::{
     baked::Baked,
     light::environment::{Illumination, LightRig, SceneLighting},
 };
-use lapidary_core::{
-    dataset::Dataset,
-    opacity::Opacities,
-    ray::{Intersector, offset},
-};
+use lapidary_core::{dataset::Dataset, offset, opacity::Opacities, ray::Intersector};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A dataset ready to be rendered.

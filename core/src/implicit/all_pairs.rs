@@ -2,7 +2,7 @@
 //! against.
 
 use super::{bins::CubeBins, links::Links};
-use crate::surfel::{disc_forest::DiscForest, forest::quadtrees::Slot};
+use crate::implicit::{disc_forest::DiscForest, forest::quadtrees::Slot};
 use glam::Vec3;
 
 /// Distances in metres from a leaf to the nearest other in each bin; infinite where there is none.

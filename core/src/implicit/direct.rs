@@ -19,14 +19,14 @@ pub use key::{DistanceCodes, EMPTY, node_of};
 
 use super::layout::{AROUND_A_HOLE, BinLayout};
 use crate::{
-    simd::{InstructionSet, Kernel, Lanes},
-    surfel::{
+    implicit::{
         disc_forest::DiscForest,
         forest::{
             nodes::{Block, FLAT},
             quadtrees::CHILDREN,
         },
     },
+    simd::{InstructionSet, Kernel, Lanes},
 };
 use cover::{CellDirections, Filled, NOTHING};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! What leaves see while some objects move: what they see of the others is kept.
 
 use super::{direct::Bins, layout::BinLayout, views::Views};
-use crate::surfel::disc_forest::DiscForest;
+use crate::implicit::disc_forest::DiscForest;
 use std::collections::BTreeSet;
 
 /// What is seen of all that does not move, and which objects do.

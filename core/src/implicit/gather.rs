@@ -2,7 +2,7 @@
 
 use super::{direct::EMPTY, views::Views};
 use crate::{
-    surfel::disc_forest::DiscForest,
+    implicit::disc_forest::DiscForest,
     transport::{BounceEnergy, LightTransport, Series, Surfaces},
 };
 use glam::{Vec3, Vec3A};

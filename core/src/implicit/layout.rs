@@ -1,8 +1,8 @@
 //! The bins of a leaf.
 
 use crate::{
+    implicit::forest::nodes::Disc,
     sphere::{concentric::HemisphereCells, frame_around},
-    surfel::forest::nodes::Disc,
 };
 use glam::Mat3;
 

@@ -5,15 +5,15 @@
 
 use super::bins::CubeBins;
 use crate::{
-    light_tree::{Features, cluster_order},
-    mesh::Mesh,
-    surfel::{
+    implicit::{
         disc_forest::DiscForest,
         forest::{
             nodes::{Disc, Node},
             quadtrees::Slot,
         },
     },
+    light_tree::{Features, cluster_order},
+    mesh::Mesh,
 };
 use glam::Vec3;
 

@@ -4,7 +4,7 @@ use super::{
     gather::Sky,
     links::{Link, Links, UNLINKED},
 };
-use crate::surfel::{
+use crate::implicit::{
     disc_forest::DiscForest,
     forest::{
         nodes::Node,

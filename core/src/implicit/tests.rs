@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::{
+    implicit::{disc_forest::DiscForest, forest::SurfelForest},
     mesh::Mesh,
     ray::Intersector,
     sphere::{concentric::HemisphereCells, frame_around},
-    surfel::{disc_forest::DiscForest, forest::SurfelForest},
     test_scenes::{cuboid, quad, room, scene_of},
     transport::BounceEnergy,
 };

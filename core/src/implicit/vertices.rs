@@ -4,14 +4,12 @@
 //! 11). The weights belong to the baked mesh: leaves ride on it, so they stay right when it moves.
 
 use crate::{
-    meshless::{
-        SparseRows,
-        distance::{alignment, kernel, same_layer, squashed_distance},
-    },
-    surfel::{
+    implicit::{
         disc_forest::DiscForest,
         forest::{nodes::Disc, quadtrees::Slot},
     },
+    meshless::SparseRows,
+    surfel::distance::{alignment, kernel, same_layer, squashed_distance},
     transport::Coefficient,
 };
 use glam::Vec3;

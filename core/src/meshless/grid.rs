@@ -5,10 +5,12 @@
 //! The lists are plain arrays, so that pixels of a graphics adapter read them as well. Twin of
 //! `shaders/meshless_pass.wgsl`.
 
-use super::distance::{LAYERS, LEAST_WEIGHT, SQUASH};
 use crate::{
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
-    surfel::Surfel,
+    surfel::{
+        Surfel,
+        distance::{LAYERS, LEAST_WEIGHT, SQUASH},
+    },
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
@@ -239,11 +241,8 @@ fn kernel_x8<L: Lanes>(t: L) -> L {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        meshless::{Basis, distance::kernel},
-        sphere::uniform_direction,
-        test_scenes::sphere_points,
-    };
+    use crate::surfel::distance::kernel;
+    use crate::{meshless::Basis, sphere::uniform_direction, test_scenes::sphere_points};
 
     fn basis(points: Vec<Surfel>, radius: f32) -> Basis {
         let end = points.len() as u32;

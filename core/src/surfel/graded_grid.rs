@@ -1,7 +1,7 @@
 //! Lookup of surface points with individual reach: which of them owns a position.
 
 use super::{Surfel, ball_grid::BallGrid};
-use crate::meshless::distance::distance;
+use crate::surfel::distance::distance;
 use std::collections::BTreeMap;
 
 /// Points that each own positions within their own reach, in a grid for every octave of reach.

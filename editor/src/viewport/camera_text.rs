@@ -10,7 +10,7 @@ use lapidary_core::{
     bounds::{MOST_COORDINATE, is_within_reach},
     camera::Camera,
 };
-use lapidary_studies::args::values;
+use lapidary_studies::values;
 
 /// Vertical field of view in degrees where the text gives none, as on the command line.
 const DEFAULT_FOV: f32 = 40.0;

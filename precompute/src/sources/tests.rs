@@ -16,9 +16,8 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
-    meshless::distance::distance,
     shot::Shot,
-    surfel::{GradedGrid, Surface, Surfel},
+    surfel::{GradedGrid, Surface, Surfel, distance::distance},
 };
 
 const INSIDE: Vec3 = Vec3::new(0.1, -0.2, 0.15);

@@ -13,7 +13,8 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    ray::{HalfSpace, Intersector, offset},
+    offset,
+    ray::{HalfSpace, Intersector},
     scene::Mesh,
     shot::Shot,
     sources::Origin,

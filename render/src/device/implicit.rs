@@ -17,7 +17,7 @@ use super::{
     shaders::{IMPLICIT_BOUNCE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE, IMPLICIT_WALK},
 };
 use crate::error::BackendError;
-use lapidary_core::{implicit::BinLayout, surfel::forest::SurfelForest};
+use lapidary_core::implicit::{BinLayout, forest::SurfelForest};
 use std::{sync::Arc, time::Duration};
 
 /// An adapter that finds what the leaves of forests see.

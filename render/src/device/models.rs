@@ -4,8 +4,8 @@
 use super::written;
 use crate::appearance::Appearance;
 use lapidary_core::{
-    brdf::{BrdfModel, Content, MapUse, MaterialPart, Parameter, Written},
-    material::Material,
+    brdf::{BrdfModel, Content, MapUse, Parameter, Written},
+    material::{Material, MaterialPart},
 };
 use std::{collections::BTreeSet, fmt::Write, sync::Arc};
 

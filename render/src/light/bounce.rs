@@ -19,7 +19,7 @@ use crate::{
 };
 use glam::Vec3;
 use irradiance::environment_irradiance;
-use lapidary_core::{cut::lit::CutValues, dataset::Dataset, ray::offset, sources::SourceTree};
+use lapidary_core::{cut::lit::CutValues, dataset::Dataset, offset, sources::SourceTree};
 use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 

@@ -25,9 +25,8 @@ use covered::{Covered, Open};
 use detail::Detail;
 use glam::Vec3;
 use lapidary_core::{
-    implicit::Lighting,
+    implicit::{Lighting, disc_forest::DiscForest, forest::SurfelForest},
     scene::{Mesh, pose::Poses},
-    surfel::{disc_forest::DiscForest, forest::SurfelForest},
 };
 use seen::{LeafSight, sight};
 use sky::SkyGrid;

@@ -17,7 +17,8 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{Brdf, BrdfVisitor, LightsX8, narrow_widths},
     lights::{Disc, Light, LightSample, LightSampler},
-    ray::{Blockers, Cone, Intersector, offset},
+    offset,
+    ray::{Blockers, Cone, Intersector},
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
     sphere::SPHERE,
 };

@@ -11,9 +11,9 @@ use super::{
     visit::{GRAZING, Receiver, visible_share},
 };
 use crate::{
+    implicit::forest::{nodes::Block, quadtrees::CHILDREN},
     simd::{Lanes, Vec3x8},
     sphere::concentric::HemisphereCells,
-    surfel::forest::{nodes::Block, quadtrees::CHILDREN},
 };
 use glam::Vec3;
 use std::f32::consts::{FRAC_2_PI, PI};

@@ -1,6 +1,6 @@
 //! What a bin holds: one number that is the smaller the nearer a node is.
 
-use crate::surfel::disc_forest::DiscForest;
+use crate::implicit::disc_forest::DiscForest;
 
 /// A bin that nothing was found in.
 pub const EMPTY: u32 = u32::MAX;

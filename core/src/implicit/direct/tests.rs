@@ -1,8 +1,10 @@
 use super::*;
 use crate::{
-    implicit::tests::{Furnished, furnished},
+    implicit::{
+        forest::{nodes::Disc, quadtrees::Slot},
+        tests::{Furnished, furnished},
+    },
     sphere::uniform_direction,
-    surfel::forest::{nodes::Disc, quadtrees::Slot},
     threads::on_threads,
 };
 use glam::Vec3;

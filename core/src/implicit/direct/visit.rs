@@ -1,11 +1,11 @@
 //! The nodes that a receiver takes as discs: the walk of a forest without a bin.
 
 use crate::{
-    simd::{Lanes, Vec3x8},
-    surfel::forest::{
+    implicit::forest::{
         nodes::{Block, Four},
         quadtrees::CHILDREN,
     },
+    simd::{Lanes, Vec3x8},
 };
 use glam::{Mat3, Vec3};
 

@@ -13,12 +13,10 @@ use crate::{
 };
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::Vec3;
-use lapidary_core::{
-    implicit::{BinLayout, DistanceCodes, Views},
-    surfel::{
-        disc_forest::DiscForest,
-        forest::{self, SurfelForest},
-    },
+use lapidary_core::implicit::{
+    BinLayout, DistanceCodes, Views,
+    disc_forest::DiscForest,
+    forest::{self, SurfelForest},
 };
 use std::{collections::BTreeSet, ops::Range, time::Duration};
 use wgpu::BufferUsages as Usages;

@@ -18,13 +18,12 @@ use crate::{
 use bytemuck::{Pod, bytes_of};
 use glam::{Mat3, Vec3};
 use lapidary_core::{
-    implicit::{BinLayout, Bins, Drag, EMPTY, LeafLight, Lighting, node_of},
+    implicit::{BinLayout, Bins, Drag, EMPTY, LeafLight, Lighting, forest::nodes::Block, node_of},
     scene::{
         Mesh,
         pose::{Pose, Poses},
     },
     sphere::octahedron,
-    surfel::forest::nodes::Block,
     test_scenes::{cuboid, quad, room, scene_of},
 };
 use std::{collections::BTreeSet, sync::MutexGuard};

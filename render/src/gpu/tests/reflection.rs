@@ -5,8 +5,11 @@ use crate::device::{
     layout::{self, constants},
     shaders::{DISPLAY, KERNELS, programs},
 };
-use lapidary_core::brdf::{BrdfModel, MIN_ALPHA, SurfaceParameters};
-use lapidary_core::{implicit, surfel::forest::nodes::Block};
+use lapidary_core::implicit;
+use lapidary_core::{
+    brdf::{BrdfModel, MIN_ALPHA, SurfaceParameters},
+    implicit::forest::nodes::Block,
+};
 use naga::{
     Literal, Module, TypeInner,
     valid::{Capabilities, ValidationFlags, Validator},
@@ -362,9 +365,9 @@ fn shared_constants_have_the_same_values() {
         ("LEAST_ALBEDO", crate::sketch::LEAST_ALBEDO),
         ("LEAST_SHARE", crate::sketch::LEAST_SHARE),
         ("OTHER", crate::sketch::OTHER),
-        ("SQUASH", lapidary_core::meshless::distance::SQUASH),
-        ("LAYERS", lapidary_core::meshless::distance::LAYERS),
-        ("LEAST_WEIGHT", lapidary_core::meshless::distance::LEAST_WEIGHT),
+        ("SQUASH", lapidary_core::surfel::distance::SQUASH),
+        ("LAYERS", lapidary_core::surfel::distance::LAYERS),
+        ("LEAST_WEIGHT", lapidary_core::surfel::distance::LEAST_WEIGHT),
         ("POINT_RADIUS", crate::light::bounce::functions::POINT_RADIUS),
         ("BASIS_GREY", crate::shade::painter::BASIS_GREY),
     ] {

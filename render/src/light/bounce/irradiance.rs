@@ -6,7 +6,8 @@ use lapidary_core::{
     cut::{merge::merge, packed::PackedCursor},
     dataset::Dataset,
     lights::{Light, LightSample, LightSampler},
-    ray::{EightRays, Intersector, offset},
+    offset,
+    ray::{EightRays, Intersector},
     sources::Source,
     surfel::Surfel,
 };

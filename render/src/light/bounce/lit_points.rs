@@ -10,11 +10,7 @@ use crate::{
     light::situation::Changes,
 };
 use glam::Vec3;
-use lapidary_core::{
-    lights::Light,
-    ray::{offset, spatial_order},
-    surfel::Surfel,
-};
+use lapidary_core::{lights::Light, offset, ray::spatial_order, surfel::Surfel};
 use rayon::prelude::*;
 
 /// Points with their direct light and reflectance.

@@ -14,7 +14,7 @@ use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
     meshless::{Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
-    ray::offset,
+    offset,
     sources::Source,
     surfel::Surfel,
     transport::BounceEnergy,

@@ -2,7 +2,11 @@
 //! cross it, and the source sends the mean.
 
 use glam::Vec3;
-use lapidary_core::{meshless::distance::distance, ray::Intersector, sources::Source, surfel::Surfel};
+use lapidary_core::{
+    ray::Intersector,
+    sources::Source,
+    surfel::{Surfel, distance::distance},
+};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 

@@ -5,11 +5,12 @@ use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
     dataset::Dataset,
+    implicit::forest::SurfelForest,
     scene::{
         Mesh,
         pose::{Objects, Poses},
     },
-    surfel::{MeshPlace, Surfel, forest::SurfelForest},
+    surfel::{MeshPlace, Surfel},
 };
 
 /// Share of open leaves beside a vertex below which their light says nothing of it.

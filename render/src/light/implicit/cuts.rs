@@ -5,9 +5,8 @@ use glam::Vec3;
 use lapidary_core::{
     cut::{CutSelector, packed::PackedCuts},
     dataset::Dataset,
-    implicit::{EMPTY, Views},
+    implicit::{EMPTY, Views, disc_forest::DiscForest},
     ray::OPEN,
-    surfel::disc_forest::DiscForest,
 };
 use rayon::prelude::*;
 use std::collections::HashMap;

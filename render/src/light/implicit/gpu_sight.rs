@@ -6,10 +6,7 @@ use crate::{
     error::BackendError,
 };
 use glam::Vec3;
-use lapidary_core::{
-    implicit::{BinLayout, Lighting, Views},
-    surfel::{disc_forest::DiscForest, forest::SurfelForest},
-};
+use lapidary_core::implicit::{BinLayout, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest};
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
 /// What leaves see, found by an adapter.

@@ -4,9 +4,8 @@
 use super::gpu_sight::GpuSight;
 use crate::device::{Compute, SeenLight};
 use glam::Vec3;
-use lapidary_core::{
-    implicit::{BinLayout, Bins, Drag, LeafLight, Lighting, Views},
-    surfel::{disc_forest::DiscForest, forest::SurfelForest},
+use lapidary_core::implicit::{
+    BinLayout, Bins, Drag, LeafLight, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest,
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 

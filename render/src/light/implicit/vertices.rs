@@ -2,8 +2,7 @@
 
 use lapidary_core::{
     dataset::Dataset,
-    implicit::{Receiver, VertexWeights},
-    surfel::disc_forest::DiscForest,
+    implicit::{Receiver, VertexWeights, disc_forest::DiscForest},
     transport::Coefficient,
 };
 

@@ -12,7 +12,8 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    ray::{SegmentBatch, offset},
+    offset,
+    ray::SegmentBatch,
     simd::Vec3x8,
     sources::{NearField, Origin},
 };

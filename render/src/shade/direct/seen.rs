@@ -5,7 +5,8 @@ use crate::shade::surface::SurfacePoint;
 use glam::Vec3;
 use lapidary_core::{
     lights::{Disc, LightSampler},
-    ray::{EightCones, EightRays, SeenThrough, offset},
+    offset,
+    ray::{EightCones, EightRays, SeenThrough},
 };
 use std::array::from_fn;
 

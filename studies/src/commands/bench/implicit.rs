@@ -8,8 +8,7 @@ use anyhow::Result;
 use glam::{Vec3, Vec3A};
 use lapidary_core::{
     dataset::Dataset,
-    implicit::{BinLayout, Bins, LeafLight, Lighting, Views},
-    surfel::forest::SurfelForest,
+    implicit::{BinLayout, Bins, LeafLight, Lighting, Views, forest::SurfelForest},
 };
 use lapidary_render::{
     Backend, BackendError,

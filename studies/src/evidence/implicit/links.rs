@@ -10,11 +10,11 @@ use glam::{Vec3, Vec3A};
 use lapidary_core::{
     implicit::{
         bins::CubeBins,
+        disc_forest::DiscForest,
         links::{Links, VertexForest},
         room_of_grids,
     },
     scene::Mesh,
-    surfel::disc_forest::DiscForest,
 };
 use maud::{Markup, html};
 use serde::Serialize;

@@ -12,8 +12,11 @@ mod placement;
 pub mod quadtrees;
 mod shares;
 
-use super::{MeshPlace, Surfel, disc_forest::DiscForest};
-use crate::mesh::Mesh;
+use super::disc_forest::DiscForest;
+use crate::{
+    mesh::Mesh,
+    surfel::{MeshPlace, Surfel},
+};
 use glam::Vec3;
 use nodes::Disc;
 use placement::{Carried, Sides};
