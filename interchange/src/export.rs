@@ -9,6 +9,7 @@
 //! Each writer says what its format does not hold. What it holds is read again as it was, within 1e-6.
 
 mod gltf;
+mod material_format;
 mod mtl;
 mod patterns;
 mod pictures;
@@ -16,16 +17,20 @@ mod pictures;
 mod tests;
 
 use crate::{
+    formats::{self, FileFormat},
     import::{ImportError, MaterialFile},
     materialx::{self, Surface},
 };
 use lapidary_core::{output::write_atomically, scene::Scene};
+pub use material_format::MaterialFormat;
 use pictures::PictureFolder;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Endings of the files that can be written.
-pub const FORMATS: [&str; 4] = ["mtlx", "mtl", "gltf", "glb"];
+pub fn endings() -> Vec<&'static str> {
+    MaterialFormat::all_endings(MaterialFormat::exports)
+}
 
 /// How materials are written.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,7 +57,7 @@ pub struct Exported {
 #[derive(Debug, Error)]
 pub enum ExportError {
     /// The ending names no format.
-    #[error("the name ends in none of .mtlx, .mtl, .gltf and .glb; choose one of them ({})", path.display())]
+    #[error("the name ends in none of {}; choose one of them ({})", formats::listed(&endings(), " and "), path.display())]
     Format {
         /// The output.
         path: PathBuf,
@@ -115,23 +120,18 @@ pub fn pictures_beside(path: &Path) -> PathBuf {
 /// # Errors
 /// See [`ExportError`].
 pub fn write_materials(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
-    let scene = &*patterns::as_pictures(scene);
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    match extension.as_str() {
-        "mtlx" => write_materialx(scene, path, options.surface),
-        "mtl" => write_library(scene, path),
-        "gltf" | "glb" => gltf::write(scene, path, options.original),
-        _ => Err(ExportError::Format { path: path.into() }),
-    }
+    let write = MaterialFormat::of(path).and_then(|format| format.export);
+    let write = write.ok_or_else(|| ExportError::Format { path: path.into() })?;
+    write(&patterns::as_pictures(scene), path, options)
 }
 
-fn write_materialx(scene: &Scene, path: &Path, surface: Surface) -> Result<Exported, ExportError> {
+fn write_materialx(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
     let (materials, exported) = with_pictures(scene, path)?;
-    let written = materialx::write(&materials, surface).map_err(|error| ExportError::text(path, error))?;
+    let written = materialx::write(&materials, options.surface).map_err(|error| ExportError::text(path, error))?;
     finished(exported, path, &written.text, written.remarks)
 }
 
-fn write_library(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
+fn write_library(scene: &Scene, path: &Path, _: &ExportOptions) -> Result<Exported, ExportError> {
     let (materials, exported) = with_pictures(scene, path)?;
     let mut remarks = Vec::new();
     let text = mtl::library(&materials, &mut remarks);

@@ -2,6 +2,7 @@
 //!
 //! What a file holds becomes the data of `lapidary-core`, which knows none of these formats.
 //!
+//! * [`formats`]: the lists of all formats
 //! * [`import`]: scenes and materials; [`export`]: materials of a scene, back to their formats
 //! * [`materialx`]: materials in and out of MaterialX documents
 //! * [`animation`]: clips, skins and morph targets of glTF files
@@ -10,6 +11,7 @@
 pub mod animation;
 pub mod environment;
 pub mod export;
+pub mod formats;
 pub mod image;
 pub mod import;
 pub mod materialx;

@@ -28,6 +28,7 @@ use lapidary_core::{
     scene::pose::Poses,
     texture::Texture,
 };
+use lapidary_interchange::formats::SceneFormat;
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
 use lapidary_render::Baked;
 use lapidary_studies::jobs::spawn;
@@ -104,7 +105,8 @@ impl EditorState {
             return;
         }
         let Some((source, output)) = self.scene.source.clone().zip(output) else {
-            self.messages.error("There is no scene file to bake; open a scene (.gltf, .glb, .obj, .ply)");
+            let scenes = SceneFormat::names_richest_first();
+            self.messages.error(format!("There is no scene file to bake; open a scene ({scenes})"));
             return;
         };
         let settings = match resolve(self.document.bake.clone()) {

@@ -8,12 +8,15 @@ use super::{
 use crate::{actions::Action, document::folder_of};
 use egui::Context;
 use lapidary_core::scene::Scene;
-use lapidary_interchange::materialx::Surface;
+use lapidary_interchange::{
+    formats::{FileFormat, MaterialFormat},
+    materialx::Surface,
+};
 use lapidary_render::{Baked, Look};
 use lapidary_studies::jobs::export::{ExportMessage, ExportRun, ExportTask};
 use lapidary_studies::{
     export::{
-        LayerList, has_extension,
+        LayerList,
         materials::{MaterialExport, summary},
     },
     outputs::CommandFiles,
@@ -110,8 +113,8 @@ impl EditorState {
     /// Writes the materials of the document. A glTF scene is written with the materials in place of its own.
     pub(super) fn export_materials(&mut self, path: PathBuf) {
         let Some(baked) = self.scene.rendered().cloned() else { return self.messages.error(NOTHING) };
-        let is_gltf = |path: &Path| has_extension(path, "gltf") || has_extension(path, "glb");
-        let original = self.document.scene.clone().filter(|scene| is_gltf(scene) && is_gltf(&path));
+        let copies = |path: &Path| MaterialFormat::of(path).is_some_and(|format| format.copies_scene);
+        let original = self.document.scene.clone().filter(|scene| copies(scene) && copies(&path));
         let export = MaterialExport { path, surface: Surface::default(), original };
         let written = export
             .files(CommandFiles::default().reads(self.inputs(Written::Other)))

@@ -6,8 +6,11 @@ mod container;
 mod original;
 mod own;
 
-use super::{ExportError, Exported};
-use crate::materialx::{Surface, nearest, stretch};
+use super::{ExportError, ExportOptions, Exported};
+use crate::{
+    image::PictureFormat,
+    materialx::{Surface, nearest, stretch},
+};
 use compose::{Component, Picture, mean};
 use glam::Vec3;
 use lapidary_core::{
@@ -23,8 +26,8 @@ use std::{
     sync::Arc,
 };
 
-pub(super) fn write(scene: &Scene, path: &Path, original: Option<&Path>) -> Result<Exported, ExportError> {
-    match original {
+pub(super) fn write(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
+    match options.original {
         Some(original) => original::write(scene, path, original),
         None => own::write(scene, path),
     }
@@ -412,7 +415,7 @@ impl OneMaterial<'_, '_> {
     /// Whether glTF has the format of a picture. What is missing stays as the file refers to it.
     fn is_readable(&self, slot: &TextureSlot) -> bool {
         let encoded = &self.texture_of(slot).encoded;
-        encoded.is_empty() || ["png", "jpg"].contains(&super::pictures::extension(encoded))
+        encoded.is_empty() || ["png", "jpg"].contains(&PictureFormat::ending_of(encoded))
     }
 
     fn is_linear(&self, slot: &TextureSlot) -> bool {

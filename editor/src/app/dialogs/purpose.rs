@@ -1,7 +1,11 @@
 //! The purpose of a file dialog: its title, the files it lists, and how its answer completes the action that asked.
 
 use crate::{actions::Action, preferences::FileUse};
-use lapidary_interchange::export::FORMATS;
+use lapidary_core::brdf::ContentKind;
+use lapidary_interchange::{
+    export,
+    formats::{FileFormat, MaterialFormat, PictureFormat, SceneFormat},
+};
 use std::path::{Path, PathBuf};
 
 /// Which dialog.
@@ -18,7 +22,7 @@ pub enum Mode {
 }
 
 /// The purpose of a dialog.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Purpose {
     /// Its title.
     pub title: &'static str,
@@ -27,26 +31,23 @@ pub struct Purpose {
     /// Which dialog.
     pub mode: Mode,
     /// Name of the listed files.
-    pub files: &'static str,
+    pub files: String,
     /// Extensions of the files that are listed; empty for all.
-    pub extensions: &'static [&'static str],
+    pub extensions: Vec<&'static str>,
     /// Their purpose, which decides in which folder the dialog begins.
     pub files_for: FileUse,
 }
 
-const PICTURES: &[&str] = &["png", "jpg", "jpeg", "tga", "hdr", "exr"];
-const MATERIALS: &[&str] = &["json", "mtlx"];
-const BRDFS: &[&str] = lapidary_core::brdf::ContentKind::EXTENSIONS;
-const LIGHTS: &[&str] = &["json"];
-
 impl Purpose {
     /// The purpose of a dialog for an action's path; `None` for actions without one.
     pub fn of(action: &Action) -> Option<Self> {
-        let purpose = |files_for, title, button, mode, files, extensions| Self {
+        let pictures = || PictureFormat::all_endings(|_| true);
+        let materials = || MaterialFormat::all_endings(|format| format.loads);
+        let purpose = |files_for, title, button, mode, files: &str, extensions| Self {
             title,
             button,
             mode,
-            files,
+            files: files.into(),
             extensions,
             files_for,
         };
@@ -57,52 +58,67 @@ impl Purpose {
                 "Open",
                 Mode::Open,
                 "Scenes, baked scenes, sessions",
-                &["gltf", "glb", "obj", "ply", "cuts", "lapidary"],
+                [SceneFormat::richest_first(), vec!["cuts", "lapidary"]].concat(),
             ),
             Action::SaveAs(_) => {
-                purpose(FileUse::Session, "Save the session", "Save", Mode::Save, "Sessions", &["lapidary"])
+                purpose(FileUse::Session, "Save the session", "Save", Mode::Save, "Sessions", vec!["lapidary"])
             }
             Action::ExportPicture(_) => {
-                let extensions = &["png", "exr", "hdr"];
+                let extensions = PictureFormat::all_endings(PictureFormat::is_written);
                 purpose(FileUse::Picture, "Export the picture", "Export", Mode::Save, "Pictures", extensions)
             }
-            Action::ExportLayers(_) => {
-                purpose(FileUse::Picture, "Export the picture with layers", "Export", Mode::Save, "Pictures", &["exr"])
-            }
+            Action::ExportLayers(_) => purpose(
+                FileUse::Picture,
+                "Export the picture with layers",
+                "Export",
+                Mode::Save,
+                "Pictures",
+                vec!["exr"],
+            ),
             Action::ExportMaterials(_) => {
-                let (title, files) = ("Export the materials", "MaterialX, MTL, glTF");
-                purpose(FileUse::Material, title, "Export", Mode::Save, files, &FORMATS)
+                let (title, formats) = ("Export the materials", MaterialFormat::ALL.iter());
+                let files: Vec<&str> = formats.filter(|format| format.exports()).map(|format| format.label).collect();
+                purpose(FileUse::Material, title, "Export", Mode::Save, &files.join(", "), export::endings())
             }
             Action::SequenceFolder(_) => {
-                purpose(FileUse::Picture, "Choose the folder of the frames", "Choose", Mode::Folder, "Folders", &[])
+                purpose(FileUse::Picture, "Choose the folder of the frames", "Choose", Mode::Folder, "Folders", vec![])
             }
             Action::LoadTexture { .. } => {
-                purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", PICTURES)
+                purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", pictures())
             }
-            Action::LoadBrdf { .. } => purpose(FileUse::Material, "Load a BRDF", "Load", Mode::Open, "BRDFs", BRDFS),
+            Action::LoadBrdf { .. } => {
+                purpose(FileUse::Material, "Load a BRDF", "Load", Mode::Open, "BRDFs", ContentKind::EXTENSIONS.to_vec())
+            }
             Action::LoadMaterial { .. } => {
-                purpose(FileUse::Material, "Load a material", "Load", Mode::Open, "Materials", MATERIALS)
+                purpose(FileUse::Material, "Load a material", "Load", Mode::Open, "Materials", materials())
             }
             Action::SaveMaterial { .. } => {
-                purpose(FileUse::Material, "Save the material", "Save", Mode::Save, "Materials", MATERIALS)
+                purpose(FileUse::Material, "Save the material", "Save", Mode::Save, "Materials", materials())
             }
             Action::LoadLights(_) => {
-                purpose(FileUse::Lights, "Add the lights of a file", "Load", Mode::Open, "Lights", LIGHTS)
+                purpose(FileUse::Lights, "Add the lights of a file", "Load", Mode::Open, "Lights", vec!["json"])
             }
-            Action::SaveLights(_) => purpose(FileUse::Lights, "Save the lights", "Save", Mode::Save, "Lights", LIGHTS),
+            Action::SaveLights(_) => {
+                purpose(FileUse::Lights, "Save the lights", "Save", Mode::Save, "Lights", vec!["json"])
+            }
             Action::LoadEnvironment(_) => {
-                purpose(FileUse::Environment, "Load an environment", "Load", Mode::Open, "Environments", PICTURES)
+                purpose(FileUse::Environment, "Load an environment", "Load", Mode::Open, "Environments", pictures())
             }
             Action::AddToLibrary(_) => {
                 let title = "Add environments to the library";
-                purpose(FileUse::Environment, title, "Add", Mode::OpenMany, "Environments", PICTURES)
+                purpose(FileUse::Environment, title, "Add", Mode::OpenMany, "Environments", pictures())
             }
             Action::ChooseReference(_) => {
-                purpose(FileUse::Reference, "Compare with a picture", "Compare", Mode::Open, "Pictures", PICTURES)
+                purpose(FileUse::Reference, "Compare with a picture", "Compare", Mode::Open, "Pictures", pictures())
             }
-            Action::Relink(_) => {
-                purpose(FileUse::Missing, "Look for the files in a folder", "Look here", Mode::Folder, "Folders", &[])
-            }
+            Action::Relink(_) => purpose(
+                FileUse::Missing,
+                "Look for the files in a folder",
+                "Look here",
+                Mode::Folder,
+                "Folders",
+                vec![],
+            ),
             _ => return None,
         })
     }

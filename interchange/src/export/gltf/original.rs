@@ -2,11 +2,14 @@
 //! for byte, and so do materials that are as they were.
 
 use super::{
-    super::{ExportError, Exported, pictures::extension},
+    super::{ExportError, Exported},
     MaterialWriter, Textures, container,
     container::Members,
 };
-use crate::import::{ImportError, ImportOptions, Imported, import_with};
+use crate::{
+    image::PictureFormat,
+    import::{ImportError, ImportOptions, Imported, import_with},
+};
 use base64::Engine;
 use lapidary_core::{
     input,
@@ -110,7 +113,7 @@ pub fn data_uri(bytes: &[u8]) -> String {
 
 /// The type of a picture that glTF has.
 pub fn mime_type(bytes: &[u8]) -> &'static str {
-    if extension(bytes) == "jpg" { "image/jpeg" } else { "image/png" }
+    if PictureFormat::ending_of(bytes) == "jpg" { "image/jpeg" } else { "image/png" }
 }
 
 fn add_extensions(members: &mut Members, used: &BTreeSet<&'static str>) -> serde_json::Result<()> {
