@@ -5,7 +5,7 @@ use crate::formats::{FileFormat, PictureFormat};
 use glam::Vec3;
 use image::{ExtendedColorType, ImageEncoder, Rgb, codecs::hdr::HdrEncoder, codecs::png::PngEncoder};
 use lapidary_core::{
-    color::srgb_from_linear,
+    color::codes_from_linear,
     image::{Image, ImageError},
     output::write_atomically,
 };
@@ -116,7 +116,7 @@ pub(crate) fn srgb_bytes(linear: Vec3) -> [u8; 3] {
     if linear.is_nan() {
         return [255, 0, 255];
     }
-    linear.to_array().map(|c| (255.0 * srgb_from_linear(c) + 0.5) as u8)
+    codes_from_linear(linear)
 }
 
 #[cfg(test)]

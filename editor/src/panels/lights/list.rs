@@ -14,7 +14,7 @@ use egui::{
     TextEdit, TextStyle, Ui, WidgetInfo, vec2,
 };
 use glam::Vec3;
-use lapidary_core::{color::srgb_from_linear, lights::Light};
+use lapidary_core::{color::codes_from_linear, lights::Light};
 
 /// Rows before the list scrolls.
 const VISIBLE_ROWS: f32 = 8.0;
@@ -177,7 +177,7 @@ fn paint_eye(ui: &Ui, rect: Rect, open: bool, hovered: bool) {
 /// The colour of a light for a display.
 pub fn display_color(intensity: Vec3) -> Color32 {
     let (color, _) = color_and_intensity(intensity);
-    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8);
+    let [r, g, b] = codes_from_linear(color);
     Color32::from_rgb(r, g, b)
 }
 

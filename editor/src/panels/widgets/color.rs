@@ -3,7 +3,7 @@
 use super::{Edited, number_size, outline, row, slider_width};
 use egui::{Align2, FontSelection, Response, TextEdit, TextStyle, Ui};
 use glam::Vec3;
-use lapidary_core::color::{linear_from_srgb, srgb_from_linear};
+use lapidary_core::color::{codes_from_linear, linear_from_codes};
 
 /// One row with a swatch that opens a picker, and the colour as sRGB hex.
 pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default: Vec3) -> Edited {
@@ -58,7 +58,7 @@ fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
 
 /// A scene-linear colour as `#rrggbb`.
 pub fn hex_from_linear(color: Vec3) -> String {
-    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
+    let [r, g, b] = codes_from_linear(color);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
@@ -72,7 +72,6 @@ pub fn linear_from_hex(text: &str) -> Option<Vec3> {
     if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
         return None;
     }
-    let packed = u32::from_str_radix(&digits, 16).ok()?;
-    let component = |shift: u32| linear_from_srgb((packed >> shift & 255) as f32 / 255.0);
-    Some(Vec3::new(component(16), component(8), component(0)))
+    let [_, codes @ ..] = u32::from_str_radix(&digits, 16).ok()?.to_be_bytes();
+    Some(linear_from_codes(codes))
 }
