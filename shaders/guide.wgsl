@@ -4,7 +4,6 @@
 const LEAST_ALBEDO: f32 = 1.0 / 512.0;
 // Least share of a filter's weight that must fit.
 const LEAST_SHARE: f32 = 1.0 / 16.0;
-const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
 
 struct Guide {
     material: u32,

@@ -18,8 +18,6 @@ struct LitUniforms {
 // Whole light of each cut.
 @group(3) @binding(5) var<storage, read_write> whole_light: array<f32>;
 
-const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
-
 // A node in the making.
 struct Part {
     depth: u32,
@@ -80,7 +78,7 @@ fn part_at(cursor: Cursor, start: u32) -> Part {
     let size = cursor_size(cursor.texel);
     let node = ((1u << tree_height()) + cursor.end - size) / size;
     let code = cursor.texel.x & 4095u;
-    let light = dot(nodes[node].radiance, LUMINANCE) * f32(size);
+    let light = luminance(nodes[node].radiance) * f32(size);
     return Part((cursor.texel.x >> 12u) & 15u, cursor.position - (start << 3u), code, value_of_code(code), light, 0.0);
 }
 

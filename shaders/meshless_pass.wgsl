@@ -52,7 +52,6 @@ const LEAST_WEIGHT: f32 = 0.02;
 // See render/src/light/bounce/functions.rs and render/src/shade/painter.rs.
 const POINT_RADIUS: f32 = 0.08;
 const BASIS_GREY: f32 = 0.4;
-const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
 
 @group(2) @binding(0) var<uniform> basis: BasisUniforms;
 @group(2) @binding(1) var<storage, read> slots: array<Cell>;
@@ -181,7 +180,7 @@ fn level_part(point: SurfacePoint) -> vec3<f32> {
         return vec3(0.0);
     }
     let received = point.world_from_local[2] * level_vector(basis.shown_level, point);
-    let reflected = dot(received, LUMINANCE) * FRAC_1_PI;
+    let reflected = luminance(received) * FRAC_1_PI;
     return max(vec3(reflected, 0.0, -reflected), vec3(0.0));
 }
 

@@ -76,7 +76,7 @@ fn interpolated(pixel: vec2<u32>, here: Guide, cells: i32, has_past: bool) -> La
         sums.now += vec4(now, 1.0) * weight;
         let before = textureLoad(predicted, point.pixel, 0);
         if has_past && before.w > 0.0 {
-            let luminances = vec2(dot(before.xyz, LUMINANCE), dot(now, LUMINANCE));
+            let luminances = vec2(luminance(before.xyz), luminance(now));
             sums.before += vec4(before.xyz, 1.0) * weight;
             sums.least += weight * min(luminances.x, luminances.y);
             sums.most += weight * max(luminances.x, luminances.y);
@@ -137,7 +137,7 @@ fn lattice_radiance(texel: vec2<i32>) -> vec3<f32> {
 fn fit(here: Guide, there: Guide) -> f32 {
     let pixel_angle = 2.0 * frame.tan_half_fov / f32(frame.size.y);
     let reach = f32(frame.stride.x) * pixel_angle * distance(here.position, frame.eye);
-    let a = dot(here.albedo, LUMINANCE);
-    let b = dot(there.albedo, LUMINANCE);
+    let a = luminance(here.albedo);
+    let b = luminance(there.albedo);
     return fit_surface(here, there.material, there.position, there.normal, reach) * (min(a, b) / max(a, b));
 }

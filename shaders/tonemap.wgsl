@@ -1,28 +1,18 @@
-// Scene-linear radiance to what a display shows. Twin of render/src/post.rs.
-
-const TONE_STANDARD: u32 = 0u;
-const TONE_REINHARD: u32 = 1u;
-const TONE_ACES: u32 = 2u;
-const TONE_AGX: u32 = 3u;
-const TONE_PBR_NEUTRAL: u32 = 4u;
+// Exposed radiance to display-linear values. Twin of render/src/post.rs, which writes `tone_curve`: the choice of a curve by its
+// number.
 
 const LARGEST: f32 = 1e6;
 
-// Exposed radiance to display-linear values.
 fn tone_map(kind: u32, radiance: vec3<f32>) -> vec3<f32> {
-    let c = clamp(radiance, vec3(0.0), vec3(LARGEST));
-    switch kind {
-        case TONE_REINHARD: { return c / (1.0 + dot(c, vec3(0.2126, 0.7152, 0.0722))); }
-        case TONE_ACES: { return aces(c); }
-        case TONE_AGX: { return agx(c); }
-        case TONE_PBR_NEUTRAL: { return pbr_neutral(c); }
-        default: { return c; }
-    }
+    return tone_curve(kind, clamp(radiance, vec3(0.0), vec3(LARGEST)));
 }
 
-fn srgb_from_linear(linear: vec3<f32>) -> vec3<f32> {
-    let x = saturate(linear);
-    return select(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3(0.0031308));
+fn standard(c: vec3<f32>) -> vec3<f32> {
+    return c;
+}
+
+fn reinhard(c: vec3<f32>) -> vec3<f32> {
+    return c / (1.0 + luminance(c));
 }
 
 fn aces(c: vec3<f32>) -> vec3<f32> {

@@ -1,6 +1,7 @@
-//! Colour: the sRGB transfer function at the border, luminance inside.
+//! Colour: the sRGB transfer function at the border, luminance inside. Twin of `shaders/color.wgsl`.
 
 use glam::Vec3;
+use std::sync::LazyLock;
 
 /// Rec. 709 luminance weights.
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
@@ -16,10 +17,31 @@ pub fn linear_from_srgb(x: f32) -> f32 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
+/// The linear components of the 256 sRGB codes.
+pub static LINEAR_FROM_CODE: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| linear_from_srgb(code as f32 / 255.0)));
+
+/// Decodes sRGB codes.
+#[inline]
+pub fn linear_from_codes(codes: [u8; 3]) -> Vec3 {
+    let table = &*LINEAR_FROM_CODE;
+    codes.map(|code| table[code as usize]).into()
+}
+
 /// Encodes one linear component as sRGB, clamping to 0 to 1; NaN becomes 0.
 pub fn srgb_from_linear(x: f32) -> f32 {
     let x = if x > 0.0 { x.min(1.0) } else { 0.0 };
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Encodes a linear colour as sRGB codes.
+pub fn codes_from_linear(rgb: Vec3) -> [u8; 3] {
+    codes(rgb.map(srgb_from_linear))
+}
+
+/// The nearest codes of encoded components from 0 to 1.
+pub fn codes(encoded: Vec3) -> [u8; 3] {
+    encoded.to_array().map(|x| (255.0 * x + 0.5) as u8)
 }
 
 #[cfg(test)]
@@ -31,6 +53,7 @@ mod tests {
         for i in 0..=255 {
             let x = i as f32 / 255.0;
             assert!((srgb_from_linear(linear_from_srgb(x)) - x).abs() < 1e-5);
+            assert_eq!(codes_from_linear(linear_from_codes([i as u8; 3])), [i as u8; 3]);
         }
         assert!((linear_from_srgb(0.5) - 0.214_041).abs() < 1e-5);
     }

@@ -13,10 +13,10 @@ pub use procedural::{NOISE_CELLS, Pattern, Procedural};
 pub use reduction::level_sizes;
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 
-use crate::color::linear_from_srgb;
+use crate::color::linear_from_codes;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 /// How texels become parameter values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -144,8 +144,7 @@ impl Texels {
             (Self::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
             (Self::U8(t), ColorSpace::Srgb) => {
                 let [r, g, b, a] = t[index];
-                let lut = &*LINEAR_FROM_SRGB_U8;
-                Vec4::new(lut[r as usize], lut[g as usize], lut[b as usize], f32::from(a) / 255.0)
+                linear_from_codes([r, g, b]).extend(f32::from(a) / 255.0)
             }
         }
     }
@@ -214,9 +213,6 @@ pub struct Texture {
     /// Its levels of detail, made when they are asked for.
     pub levels: Levels,
 }
-
-static LINEAR_FROM_SRGB_U8: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0)));
 
 impl Texture {
     /// A visible default for a texture that could not be read: a magenta and grey chequerboard.

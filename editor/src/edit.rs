@@ -3,14 +3,15 @@
 use crate::app::{self, Launch};
 use anyhow::Result;
 use clap::Args;
+use lapidary_interchange::formats::SceneFormat;
 use lapidary_studies::{args::BackendOption, terminal::Outcome};
 use std::path::PathBuf;
 
 /// Options of `edit`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct EditArgs {
-    /// A scene (.gltf, .glb, .obj, .ply), a dataset (.cuts) or a session (.lapidary) [default: the bundled still life]
-    #[arg(value_name = "FILE")]
+    /// What to open.
+    #[arg(value_name = "FILE", help = opened())]
     file: Option<PathBuf>,
     /// What renders the pictures
     #[arg(long, value_enum, default_value_t)]
@@ -26,6 +27,11 @@ impl EditArgs {
         let data = std::env::var_os("LAPIDARY_DATA").filter(|value| !value.is_empty()).map(PathBuf::from);
         Self { data, ..Self::default() }
     }
+}
+
+fn opened() -> String {
+    let scenes = SceneFormat::names_richest_first();
+    format!("A scene ({scenes}), a dataset (.cuts) or a session (.lapidary) [default: the bundled still life]")
 }
 
 /// Opens the window and returns when it is closed.

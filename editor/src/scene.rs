@@ -16,7 +16,7 @@ use egui::{
     Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
 };
 use lapidary_core::{
-    color::srgb_from_linear,
+    color::codes_from_linear,
     dataset::Dataset,
     material::Material,
     parts::{Part, Variants},
@@ -224,9 +224,8 @@ fn name_button(ui: &mut Ui, selected: bool, name: &str) -> Response {
 
 fn swatch(ui: &mut Ui, material: &Material, sense: Sense) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(SWATCH, SWATCH), sense);
-    let color =
-        material.parameters.color("base_color").map(srgb_from_linear).to_array().map(|c| (c * 255.0 + 0.5) as u8);
-    let color = Color32::from_rgb(color[0], color[1], color[2]);
+    let [r, g, b] = codes_from_linear(material.parameters.color("base_color"));
+    let color = Color32::from_rgb(r, g, b);
     ui.painter().rect(rect, 2.0, color, outline(ui), StrokeKind::Inside);
     response
 }

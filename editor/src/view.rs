@@ -44,20 +44,10 @@ fn display(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     let exposure = Number::new("Exposure", "Stops: one more doubles the brightness.", -8.0..=8.0, 0.0);
     let exposure = exposure.unit(" EV", 2).entry(-30.0..=30.0);
     edit_row(actions, "Exposure", view, Edit::View, |v| slider_row(ui, &exposure, &mut v.post.exposure));
-    let curves = ToneMap::ALL.map(|t| (t, t.label(), tone_map_meaning(t)));
+    let curves = ToneMap::ALL.map(|t| (t, t.label(), t.curve().summary));
     edit_row(actions, "Tone map", view, Edit::View, |v| {
         combo_row(ui, "Tone map", "How bright values are fitted to the display.", &mut v.post.tone_map, &curves)
     });
-}
-
-fn tone_map_meaning(tone_map: ToneMap) -> &'static str {
-    match tone_map {
-        ToneMap::Standard => "No curve: values above one are clipped. For comparing numbers.",
-        ToneMap::Reinhard => "Compresses luminance softly and keeps hue.",
-        ToneMap::Aces => "The look of film: strong contrast, bright colors go to white.",
-        ToneMap::AgX => "Even contrast: saturated lights fade to white without a change of hue.",
-        ToneMap::PbrNeutral => "Keeps base colors as they are and compresses highlights only. For products.",
-    }
 }
 
 fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {

@@ -1,7 +1,8 @@
-//! Animations of glTF and GLB files.
+//! Animations of files of scenes.
 
 use crate::{
-    import::{self, ImportError, ImportOptions},
+    file_format::{self, FileFormat},
+    import::{self, Content, ImportError, ImportOptions, SceneFormat},
     names::listed,
 };
 use lapidary_core::animation::{Animation, AnimationError};
@@ -15,7 +16,7 @@ pub enum AnimationFileError {
     #[error(transparent)]
     Import(#[from] ImportError),
     /// A format without animations.
-    #[error("only .gltf and .glb files hold animations; give the file that the scene was baked of ({})", path.display())]
+    #[error("only {} files hold animations; give the file that the scene was baked of ({})", file_format::listed(&endings(), " and "), path.display())]
     NoGltf {
         /// The file.
         path: PathBuf,
@@ -25,16 +26,19 @@ pub enum AnimationFileError {
     Unplayable(#[from] AnimationError),
 }
 
+/// Endings of the files that may hold animations.
+pub fn endings() -> Vec<&'static str> {
+    SceneFormat::all_endings(|format| format.holds(Content::Animations))
+}
+
 /// Reads the animation of a file. Pictures are not read. Skins, morph targets and clips that cannot be used are left out, see
 /// [`Animation::warnings`].
 ///
 /// # Errors
 /// A file that cannot be read, or has no clip that can be played.
 pub fn read(path: &Path, options: &ImportOptions) -> Result<Animation, AnimationFileError> {
-    if !import::is_gltf(path) {
-        return Err(AnimationFileError::NoGltf { path: path.into() });
-    }
-    let mut animation = import::animation(path, options)?;
+    let animation = import::animation(path, options);
+    let mut animation = animation.ok_or_else(|| AnimationFileError::NoGltf { path: path.into() })??;
     animation.clip(None).map(drop)?;
     let parting = animation.parting_objects();
     if !parting.is_empty() {

@@ -1,6 +1,6 @@
 //! Environments by name: the file of a map, or a formula.
 
-use crate::image;
+use crate::image::{self, PictureFormat};
 use glam::Vec3;
 use lapidary_core::{
     environment::{Environment, MOST_RADIANCE, constant, orientation, studio, sun_and_sky},
@@ -35,8 +35,7 @@ pub enum EnvironmentError {
 pub fn read(path: &Path) -> Result<(Environment, Vec<String>), EnvironmentError> {
     let map = image::read(path)?;
     let mut warnings = Vec::new();
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    if extension != "hdr" && extension != "exr" {
+    if !PictureFormat::is_of_light(path) {
         warnings.push(
             "the environment is of low dynamic range, so its lights are too dim; use an .hdr or .exr file".into(),
         );

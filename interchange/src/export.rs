@@ -10,6 +10,7 @@
 
 mod error;
 mod gltf;
+mod material_format;
 mod mtl;
 mod patterns;
 mod pictures;
@@ -20,15 +21,19 @@ pub use error::{ExportError, Exported};
 pub use pictures::pictures_beside;
 
 use crate::{
+    file_format::{FileFormat, listed},
     material_file::MaterialFile,
     materialx::{self, Surface},
 };
 use lapidary_core::{output::write_atomically, scene::Scene};
+pub use material_format::MaterialFormat;
 use pictures::PictureFolder;
 use std::path::Path;
 
 /// Endings of the files that can be written.
-pub const FORMATS: [&str; 4] = ["mtlx", "mtl", "gltf", "glb"];
+pub fn endings() -> Vec<&'static str> {
+    MaterialFormat::all_endings(MaterialFormat::exports)
+}
 
 /// How materials are written.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,23 +50,18 @@ pub struct ExportOptions<'a> {
 /// # Errors
 /// See [`ExportError`].
 pub fn write_materials(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
-    let scene = &*patterns::as_pictures(scene);
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    match extension.as_str() {
-        "mtlx" => write_materialx(scene, path, options.surface),
-        "mtl" => write_library(scene, path),
-        "gltf" | "glb" => gltf::write(scene, path, options.original),
-        _ => Err(ExportError::Format { path: path.into() }),
-    }
+    let write = MaterialFormat::of(path).and_then(|format| format.export);
+    let write = write.ok_or_else(|| ExportError::Format { path: path.into(), known: listed(&endings(), " and ") })?;
+    write(&patterns::as_pictures(scene), path, options)
 }
 
-fn write_materialx(scene: &Scene, path: &Path, surface: Surface) -> Result<Exported, ExportError> {
+fn write_materialx(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
     let (materials, exported) = with_pictures(scene, path)?;
-    let written = materialx::write(&materials, surface).map_err(|error| ExportError::text(path, error))?;
+    let written = materialx::write(&materials, options.surface).map_err(|error| ExportError::text(path, error))?;
     finished(exported, path, &written.text, written.remarks)
 }
 
-fn write_library(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
+fn write_library(scene: &Scene, path: &Path, _: &ExportOptions) -> Result<Exported, ExportError> {
     let (materials, exported) = with_pictures(scene, path)?;
     let mut remarks = Vec::new();
     let text = mtl::library(&materials, &mut remarks);

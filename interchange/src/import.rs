@@ -1,10 +1,11 @@
-//! Import of OBJ, glTF, GLB and PLY files into a [`Scene`], with a report of what was repaired.
+//! Import of files of scenes into a [`Scene`], with a report of what was repaired.
 //!
 //! Each format has one reader that returns a `RawMesh` with the contents of the file. `repair` then makes one clean
 //! mesh of it, the same way for all formats. `ranges` keeps all else in range. Contents of a file never cause a panic:
 //! they are repaired with a warning, or refused with an error. `budget` bounds the memory that they take, and `files` what
 //! they may read.
 
+use crate::file_format::FileFormat;
 use files::{Files, read_file};
 use glam::Vec3;
 pub(crate) use gltf::percent_decoded;
@@ -22,6 +23,7 @@ mod ply;
 mod ranges;
 mod repair;
 mod report;
+mod scene_format;
 mod source;
 mod tangents;
 mod textures;
@@ -29,6 +31,7 @@ mod textures;
 pub use crate::material_file::{MapFiles, MaterialFile, SlotFile};
 pub use materials::{is_materialx, load_material, material_in_file, materials_in_file, pictures_of_material};
 pub use report::{ImportError, ImportOptions, ImportReport};
+pub use scene_format::{Content, SceneFormat};
 
 /// A scene and the report of its import.
 #[derive(Clone, Debug)]
@@ -39,7 +42,7 @@ pub struct Imported {
     pub report: ImportReport,
 }
 
-/// Imports the scene in an obj, gltf, glb or ply file. It may take all free memory, and read files of its folder.
+/// Imports the scene in a file of one of the [`SceneFormat`]s. It may take all free memory, and read files of its folder.
 ///
 /// # Errors
 /// Those of [`import_with`].
@@ -47,44 +50,29 @@ pub fn import(path: &Path) -> Result<Imported, ImportError> {
     import_with(path, &ImportOptions::default())
 }
 
-/// Imports the scene in an obj, gltf, glb or ply file.
+/// Imports the scene in a file of one of the [`SceneFormat`]s.
 ///
 /// # Errors
 /// A file that cannot be read, is damaged, is too large, holds no triangles, or needs files that it may not read.
 pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
-    let extension = extension_of(path);
+    let Some(format) = SceneFormat::of(path) else {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        return Err(ImportError::Unsupported { path: path.into(), extension, known: SceneFormat::names() });
+    };
     let variant = options.variant.as_deref();
-    let is_gltf = is_gltf(path);
-    if !is_gltf && !["obj", "ply"].contains(&extension.as_str()) {
-        return Err(ImportError::Unsupported { path: path.into(), extension });
-    }
-    if !is_gltf && variant.is_some() {
+    if !format.holds(Content::Variants) && variant.is_some() {
         return Err(ImportError::no_variant(path, variant, Vec::new()));
     }
     let mut files = Files::beside(path, options);
     let bytes = read_file(path, &mut files)?;
-    let source = match extension.as_str() {
-        "obj" => obj::read(&bytes, path, files)?,
-        "ply" => ply::read(&bytes, path, files)?,
-        _ => gltf::read(&bytes, path, files, variant)?,
-    };
-    finish(source, path)
+    finish((format.read)(&bytes, path, files, variant)?, path)
 }
 
-fn extension_of(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
-}
-
-/// Whether the name of a file ends as those of glTF do.
-pub(crate) fn is_gltf(path: &Path) -> bool {
-    ["gltf", "glb"].contains(&extension_of(path).as_str())
-}
-
-/// What moves in a glTF or GLB file.
-pub(crate) fn animation(path: &Path, options: &ImportOptions) -> Result<Animation, ImportError> {
+/// What moves in a file; none of a format without animations.
+pub(crate) fn animation(path: &Path, options: &ImportOptions) -> Option<Result<Animation, ImportError>> {
+    let read = SceneFormat::of(path)?.animation?;
     let mut files = Files::beside(path, options);
-    let bytes = read_file(path, &mut files)?;
-    gltf::read_animation(&bytes, path, files)
+    Some(read_file(path, &mut files).and_then(|bytes| read(&bytes, path, files)))
 }
 
 /// Repairs the mesh, and checks that it is valid.

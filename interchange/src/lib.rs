@@ -2,6 +2,7 @@
 //!
 //! What a file holds becomes the data of `lapidary-core`, which knows none of these formats.
 //!
+//! * [`formats`]: the lists of all formats
 //! * [`import`]: scenes and materials; [`export`]: materials of a scene, back to their formats
 //! * [`materialx`]: materials in and out of MaterialX documents
 //! * [`animation`]: clips, skins and morph targets of glTF files
@@ -10,6 +11,8 @@
 pub mod animation;
 pub mod environment;
 pub mod export;
+mod file_format;
+pub mod formats;
 pub mod image;
 pub mod import;
 mod material_file;

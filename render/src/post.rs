@@ -1,42 +1,103 @@
 //! The post pass: scene-linear radiance to what a display shows. An edit of exposure or tone curve redoes nothing else.
 //!
-//! Twin of `shaders/tonemap.wgsl`.
+//! The list of all tone curves. Twin of `shaders/tonemap.wgsl`.
 
 use glam::{Mat3, Vec3};
-use lapidary_core::color::srgb_from_linear;
+use lapidary_core::color::{luminance, srgb_from_linear};
 use serde::{Deserialize, Serialize};
 
-/// How scene-linear radiance becomes display values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ToneMap {
+/// All that lists say of a tone curve, and the curve.
+pub struct Curve {
+    /// Name on the command line.
+    pub key: &'static str,
+    /// Name for people.
+    pub label: &'static str,
+    /// What it is good for.
+    pub summary: &'static str,
+    /// How it computes, for the command line.
+    pub method: &'static str,
+    /// Exposed radiance to display-linear values.
+    function: fn(Vec3) -> Vec3,
+    /// Name of the function, here and in `shaders/tonemap.wgsl`.
+    name: &'static str,
+}
+
+macro_rules! tone_maps {
+    ($($(#[$attribute:meta])* $variant:ident = $function:ident { $($said:tt)* })*) => {
+        /// How scene-linear radiance becomes display values.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum ToneMap { $($(#[$attribute])* $variant,)* }
+
+        impl ToneMap {
+            /// All of them, in the order of menus.
+            pub const ALL: [Self; [$(stringify!($variant)),*].len()] = [$(Self::$variant),*];
+
+            /// Its entry in the list.
+            pub const fn curve(self) -> &'static Curve {
+                match self {
+                    $(Self::$variant => &Curve { function: $function, name: stringify!($function), $($said)* },)*
+                }
+            }
+        }
+    };
+}
+
+// A new curve is an entry, its function below and the twin of that in `shaders/tonemap.wgsl`.
+tone_maps! {
     /// No curve: clamped and sRGB-encoded.
     #[default]
-    Standard,
+    Standard = standard {
+        key: "standard",
+        label: "None (sRGB)",
+        summary: "No curve: values above one are clipped. For comparing numbers.",
+        method: "No curve: clamped and sRGB-encoded",
+    }
     /// Reinhard et al. 2002, Eq. 3, on luminance.
-    Reinhard,
+    Reinhard = reinhard {
+        key: "reinhard",
+        label: "Reinhard",
+        summary: "Compresses luminance softly and keeps hue.",
+        method: "Reinhard, on luminance",
+    }
     /// The fit of the ACES reference curves by Hill (in Baking Lab, 2016).
-    Aces,
+    Aces = aces {
+        key: "aces",
+        label: "ACES (fit)",
+        summary: "The look of film: strong contrast, bright colors go to white.",
+        method: "A fit of the ACES curves",
+    }
     /// AgX (Sobotka 2022), the polynomial fit of its default contrast by Wrensch (2023).
     #[serde(alias = "agx")]
-    AgX,
+    AgX = agx {
+        key: "agx",
+        label: "AgX",
+        summary: "Even contrast: saturated lights fade to white without a change of hue.",
+        method: "AgX with its default contrast",
+    }
     /// Khronos PBR Neutral (2024): keeps colours of product renders below 0.8.
-    PbrNeutral,
+    PbrNeutral = pbr_neutral {
+        key: "pbr-neutral",
+        label: "Khronos PBR Neutral",
+        summary: "Keeps base colors as they are and compresses highlights only. For products.",
+        method: "Khronos PBR Neutral",
+    }
 }
 
 impl ToneMap {
-    /// All of them, in the order of menus.
-    pub const ALL: [Self; 5] = [Self::Standard, Self::Reinhard, Self::Aces, Self::AgX, Self::PbrNeutral];
-
     /// Name for people.
     pub fn label(self) -> &'static str {
-        match self {
-            Self::Standard => "None (sRGB)",
-            Self::Reinhard => "Reinhard",
-            Self::Aces => "ACES (fit)",
-            Self::AgX => "AgX",
-            Self::PbrNeutral => "Khronos PBR Neutral",
-        }
+        self.curve().label
+    }
+
+    /// The choice of a curve in shaders, by its number.
+    pub(crate) fn wgsl() -> String {
+        let case = |tone: Self| format!("        case {}u: {{ return {}(c); }}\n", tone as u32, tone.curve().name);
+        let cases = Self::ALL.map(case).concat();
+        format!(
+            "fn tone_curve(kind: u32, c: vec3<f32>) -> vec3<f32> {{\n    switch kind {{\n{cases}        \
+             default: {{ return c; }}\n    }}\n}}\n"
+        )
     }
 }
 
@@ -57,22 +118,19 @@ impl Post {
             return Vec3::new(1.0, 0.0, 1.0);
         }
         let exposed = (radiance * self.exposure.exp2()).clamp(Vec3::ZERO, Vec3::splat(LARGEST));
-        let linear = match self.tone_map {
-            ToneMap::Standard => exposed,
-            ToneMap::Reinhard => reinhard(exposed),
-            ToneMap::Aces => aces(exposed),
-            ToneMap::AgX => agx(exposed),
-            ToneMap::PbrNeutral => pbr_neutral(exposed),
-        };
-        linear.map(srgb_from_linear)
+        (self.tone_map.curve().function)(exposed).map(srgb_from_linear)
     }
 }
 
 /// Brighter is as bright: squares of it must stay finite.
 const LARGEST: f32 = 1e6;
 
+fn standard(c: Vec3) -> Vec3 {
+    c
+}
+
 fn reinhard(c: Vec3) -> Vec3 {
-    c / (1.0 + lapidary_core::color::luminance(c))
+    c / (1.0 + luminance(c))
 }
 
 /// Rec. 709 to the space of the curves, with AP1 primaries and the reference rendering transform's saturation.

@@ -25,7 +25,7 @@ use anyhow::{Result, bail};
 use cases::{Case, Plan};
 use clap::Args;
 use lapidary_core::environment::Environment;
-use lapidary_interchange::environment;
+use lapidary_interchange::{environment, formats::SceneFormat};
 use notebook::{Head, Notebook};
 use scale::MeasurementScale;
 use std::path::{Path, PathBuf};
@@ -36,8 +36,8 @@ pub struct EvidenceArgs {
     /// Folder for the pictures, evidence.json and evidence.html; it is created if missing
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Further scenes: .obj, .gltf, .glb or .ply
-    #[arg(long, value_name = "FILE", num_args = 1..)]
+    /// Further scenes.
+    #[arg(long, value_name = "FILE", num_args = 1.., help = format!("Further scenes: {}", SceneFormat::names()))]
     scenes: Vec<PathBuf>,
     #[command(flatten)]
     outside: OutsideArgs,

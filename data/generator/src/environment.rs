@@ -10,6 +10,7 @@ use anyhow::{Context, Result};
 use glam::{Vec2, Vec3, vec2, vec3};
 use image::Rgb;
 use image::codecs::hdr::HdrEncoder;
+use lapidary_core::color::luminance;
 
 /// Width in pixels; the height is half of it.
 pub const WIDTH: usize = 512;
@@ -80,11 +81,6 @@ impl Environment {
 pub fn direction(uv: Vec2) -> Vec3 {
     let (azimuth, polar) = ((0.5 - uv.x) * TAU, uv.y * PI);
     vec3(polar.sin() * azimuth.sin(), polar.cos(), polar.sin() * azimuth.cos())
-}
-
-/// Luminance of linear Rec. 709.
-pub fn luminance(c: Vec3) -> f32 {
-    c.dot(vec3(0.2126, 0.7152, 0.0722))
 }
 
 fn centre_uv(i: usize) -> Vec2 {

@@ -7,16 +7,14 @@ use anyhow::{Context, Result};
 use glam::{Vec2, Vec3, vec2, vec3};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Luma, RgbImage};
+use lapidary_core::color::srgb_from_linear;
 
 /// A 16-bit grey image: 8 bits would show as terraces in a bump map.
 pub type Grey16 = ImageBuffer<Luma<u16>, Vec<u16>>;
 
 /// Paints linear Rec. 709 colours into an sRGB image; `paint` gets the pixel centre in [0, 1), top left first.
 pub fn paint_color(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
-    paint_data(size, |uv| {
-        let linear = paint(uv).clamp(Vec3::ZERO, Vec3::ONE);
-        vec3(srgb(linear.x), srgb(linear.y), srgb(linear.z))
-    })
+    paint_data(size, |uv| paint(uv).map(srgb_from_linear))
 }
 
 /// Paints numbers in [0, 1] as they are.
@@ -88,11 +86,6 @@ fn encode(
 
 fn pixel_centre(x: u32, y: u32, size: u32) -> Vec2 {
     vec2(x as f32 + 0.5, y as f32 + 0.5) / size as f32
-}
-
-/// The sRGB transfer function.
-fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

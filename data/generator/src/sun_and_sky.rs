@@ -3,8 +3,9 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{Vec3, vec3};
+use lapidary_core::color::luminance;
 
-use crate::environment::{Environment, luminance};
+use crate::environment::Environment;
 use crate::noise::smoothstep;
 
 /// Haziness of the air; 2 is very clear, 10 is haze.

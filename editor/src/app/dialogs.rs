@@ -127,7 +127,7 @@ fn ask_system(purpose: &Purpose, folder: &Path, name: &str, wake: Wake) -> Recei
     let (sender, receiver) = channel();
     let mut dialog = rfd::FileDialog::new().set_title(purpose.title).set_directory(folder);
     if !purpose.extensions.is_empty() {
-        dialog = dialog.add_filter(purpose.files, purpose.extensions);
+        dialog = dialog.add_filter(&purpose.files, &purpose.extensions);
     }
     if !name.is_empty() {
         dialog = dialog.set_file_name(name);

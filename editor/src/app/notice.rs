@@ -8,6 +8,7 @@ use crate::{
     workspace::{Inspector, Tabs},
 };
 use egui::{Align, Align2, Frame, Layout, ProgressBar, Rect, RichText, Ui, UiBuilder, vec2};
+use lapidary_interchange::formats::SceneFormat;
 
 /// Width of the text in points.
 const WIDTH: f32 = 380.0;
@@ -114,7 +115,8 @@ fn not_baked(ui: &mut Ui, title: &str, actions: &mut Vec<Action>) {
 
 fn nothing(ui: &mut Ui, actions: &mut Vec<Action>) {
     heading(ui, "Nothing is open");
-    ui.label("Drop a scene here (.gltf, .glb, .obj, .ply), a baked scene (.cuts) or a session (.lapidary).");
+    let scenes = SceneFormat::names_richest_first();
+    ui.label(format!("Drop a scene here ({scenes}), a baked scene (.cuts) or a session (.lapidary)."));
     ui.add_space(6.0);
     if ui.button("Open...").clicked() {
         actions.push(Action::File(FileAction::Open(None)));

@@ -164,8 +164,7 @@ mod tests {
     /// WCAG 2.1 contrast of two colours.
     fn contrast(a: Color32, b: Color32) -> f32 {
         let luminance = |c: Color32| {
-            let [r, g, b] = [c.r(), c.g(), c.b()].map(|v| lapidary_core::color::linear_from_srgb(f32::from(v) / 255.0));
-            0.2126 * r + 0.7152 * g + 0.0722 * b
+            lapidary_core::color::luminance(lapidary_core::color::linear_from_codes([c.r(), c.g(), c.b()]))
         };
         let (a, b) = (luminance(a), luminance(b));
         (a.max(b) + 0.05) / (a.min(b) + 0.05)

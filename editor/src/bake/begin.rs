@@ -12,6 +12,7 @@ use lapidary_core::{
     dataset::{BakeParts, bake_hash},
     scene::pose::Poses,
 };
+use lapidary_interchange::formats::SceneFormat;
 use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
 use lapidary_studies::jobs::bake::{BakeTask, draft_is_sooner};
 use std::{
@@ -50,8 +51,9 @@ impl Baking {
         order: BakeOrder,
         output: Option<PathBuf>,
     ) -> Result<Option<BakeTask>, String> {
-        let nothing = "There is no scene file to bake; open a scene (.gltf, .glb, .obj, .ply)";
-        let (source, output) = work.scene.source.clone().zip(output).ok_or(nothing)?;
+        let scenes = SceneFormat::names_richest_first();
+        let nothing = || format!("There is no scene file to bake; open a scene ({scenes})");
+        let (source, output) = work.scene.source.clone().zip(output).ok_or_else(nothing)?;
         let settings = resolve(work.document.bake.clone());
         let settings =
             settings.map_err(|error| format!("The bake settings do not work: {}", error.text(control_name)))?;

@@ -5,6 +5,7 @@ use super::{
     relative::absolute,
 };
 use anyhow::Result;
+use lapidary_interchange::formats::PictureFormat;
 use std::path::{Path, PathBuf};
 
 /// Environment maps to choose from; those of the user are kept in the configuration folder.
@@ -77,10 +78,7 @@ fn entry(path: PathBuf, bundled: bool, missing: bool) -> LibraryEntry {
 
 /// The .hdr and .exr files in a folder, by name.
 pub fn maps_in(folder: &Path) -> Vec<PathBuf> {
-    let is_map = |path: &PathBuf| {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        (extension == "hdr" || extension == "exr") && path.is_file()
-    };
+    let is_map = |path: &PathBuf| PictureFormat::is_of_light(path) && path.is_file();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut maps: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_map).collect();
     maps.sort();

@@ -11,11 +11,14 @@ use crate::{
 };
 use egui::Context;
 use lapidary_core::scene::Scene;
-use lapidary_interchange::materialx::Surface;
+use lapidary_interchange::{
+    formats::{FileFormat, MaterialFormat},
+    materialx::Surface,
+};
 use lapidary_render::{Baked, Look};
 use lapidary_studies::{
     export::{
-        LayerList, has_extension,
+        LayerList,
         materials::{MaterialExport, summary},
     },
     jobs::export::{ExportMessage, ExportRun, ExportTask},
@@ -165,8 +168,8 @@ impl Exporting {
 /// Writes the materials of the document. A glTF scene is written with the materials in place of its own.
 fn export_materials(work: &mut Workspace, path: PathBuf) {
     let Some(baked) = work.scene.rendered().cloned() else { return work.messages.error(NOTHING) };
-    let is_gltf = |path: &Path| has_extension(path, "gltf") || has_extension(path, "glb");
-    let original = work.document.scene.clone().filter(|scene| is_gltf(scene) && is_gltf(&path));
+    let copies = |path: &Path| MaterialFormat::of(path).is_some_and(|format| format.copies_scene);
+    let original = work.document.scene.clone().filter(|scene| copies(scene) && copies(&path));
     let export = MaterialExport { path, surface: Surface::default(), original };
     let written = export
         .files(CommandFiles::default().reads(work.inputs(Written::Other)))

@@ -224,7 +224,8 @@ fn no_document(path: &Path, kind: Kind) -> String {
 /// What moves in the glTF file beside a dataset that has its name, as the window and most others write it. Files that cannot be
 /// read or do not fit are passed over: the dataset does not say that they are its own.
 fn animation_beside(dataset: &Path, scene: &Scene) -> Option<Arc<Animation>> {
-    let file = ["gltf", "glb"].map(|ending| dataset.with_extension(ending)).into_iter().find(|file| file.is_file())?;
+    let mut files = animation::endings().into_iter().map(|ending| dataset.with_extension(ending));
+    let file = files.find(|file| file.is_file())?;
     let animation = Arc::new(animation::read(&file, &ImportOptions::default()).ok()?);
     BoundAnimation::new(animation.clone(), scene).is_ok().then_some(animation)
 }

@@ -4,7 +4,7 @@ use super::{Edited, number_size, outline, row, slider_width};
 use crate::document::lights::color_and_intensity;
 use egui::{Align2, Color32, FontSelection, Response, TextEdit, TextStyle, Ui};
 use glam::Vec3;
-use lapidary_core::color::{linear_from_srgb, srgb_from_linear};
+use lapidary_core::color::{codes_from_linear, linear_from_codes};
 
 /// One row with a swatch that opens a picker, and the colour as sRGB hex.
 pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default: Vec3) -> Edited {
@@ -59,7 +59,7 @@ fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
 
 /// A scene-linear colour as `#rrggbb`.
 pub fn hex_from_linear(color: Vec3) -> String {
-    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8);
+    let [r, g, b] = codes_from_linear(color);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
@@ -73,14 +73,13 @@ pub fn linear_from_hex(text: &str) -> Option<Vec3> {
     if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
         return None;
     }
-    let packed = u32::from_str_radix(&digits, 16).ok()?;
-    let component = |shift: u32| linear_from_srgb((packed >> shift & 255) as f32 / 255.0);
-    Some(Vec3::new(component(16), component(8), component(0)))
+    let [_, codes @ ..] = u32::from_str_radix(&digits, 16).ok()?.to_be_bytes();
+    Some(linear_from_codes(codes))
 }
 
 /// The colour of a light for a display.
 pub fn display_color(intensity: Vec3) -> Color32 {
     let (color, _) = color_and_intensity(intensity);
-    let [r, g, b] = color.to_array().map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8);
+    let [r, g, b] = codes_from_linear(color);
     Color32::from_rgb(r, g, b)
 }

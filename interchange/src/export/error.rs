@@ -19,10 +19,12 @@ pub struct Exported {
 #[derive(Debug, Error)]
 pub enum ExportError {
     /// The ending names no format.
-    #[error("the name ends in none of .mtlx, .mtl, .gltf and .glb; choose one of them ({})", path.display())]
+    #[error("the name ends in none of {known}; choose one of them ({})", path.display())]
     Format {
         /// The output.
         path: PathBuf,
+        /// The endings that can be written.
+        known: String,
     },
     /// The file system refused.
     #[error("cannot write: {source}; check the permissions and the free space ({})", path.display())]

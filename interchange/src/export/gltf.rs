@@ -6,12 +6,15 @@ mod materials;
 mod original;
 mod own;
 
-use super::error::{ExportError, Exported};
+use super::{
+    ExportOptions,
+    error::{ExportError, Exported},
+};
 use lapidary_core::scene::Scene;
 use std::path::Path;
 
-pub(super) fn write(scene: &Scene, path: &Path, original: Option<&Path>) -> Result<Exported, ExportError> {
-    match original {
+pub(super) fn write(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
+    match options.original {
         Some(original) => original::write(scene, path, original),
         None => own::write(scene, path),
     }

@@ -1,7 +1,11 @@
 //! The pictures of materials, in a folder beside the file that names them: the bytes that were imported.
 
 use super::error::ExportError;
-use crate::material_file::{MaterialFile, SlotFile};
+use crate::{
+    file_format::FileFormat,
+    image::PictureFormat,
+    material_file::{MaterialFile, SlotFile},
+};
 use lapidary_core::{material::Material, output::write_atomically, texture::Texture};
 use std::{
     collections::{BTreeSet, HashMap},
@@ -74,8 +78,9 @@ impl<'a> PictureFolder<'a> {
     /// A name of its own that every program can read, with the extension of what it is.
     fn name_of(&mut self, texture: &Texture) -> String {
         let last = texture.name.rsplit(['/', '\\']).next().unwrap_or_default();
-        let extension = extension(&texture.encoded);
-        let stem = last.rsplit_once('.').filter(|(_, end)| is_extension(end)).map_or(last, |(stem, _)| stem);
+        let extension = PictureFormat::ending_of(&texture.encoded);
+        let is_picture = PictureFormat::of(Path::new(last)).is_some();
+        let stem = last.rsplit_once('.').filter(|_| is_picture).map_or(last, |(stem, _)| stem);
         let letter = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
         let stem: String = stem.chars().map(letter).take(80).collect();
         let stem = stem.trim_start_matches('.');
@@ -88,21 +93,6 @@ impl<'a> PictureFolder<'a> {
             name = format!("{stem}-{count}.{extension}");
         }
         name
-    }
-}
-
-fn is_extension(text: &str) -> bool {
-    ["png", "jpg", "jpeg", "tga", "hdr", "exr"].contains(&text.to_ascii_lowercase().as_str())
-}
-
-/// The extension of a picture's format, by its first bytes; TGA has none of its own.
-pub fn extension(bytes: &[u8]) -> &'static str {
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => "png",
-        [0xff, 0xd8, ..] => "jpg",
-        [0x76, 0x2f, 0x31, 0x01, ..] => "exr",
-        [b'#', b'?', ..] => "hdr",
-        _ => "tga",
     }
 }
 

@@ -7,7 +7,7 @@ use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use lapidary_core::{
-    color::linear_from_srgb,
+    color::linear_from_codes,
     image::{Image, ImageError},
     input, memory,
     texture::{Texels, Texture},
@@ -124,10 +124,7 @@ pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// The RGB texels of a texture as a scene-linear picture: 8-bit texels are decoded from sRGB.
 fn linear_image(texture: &Texture) -> Image {
     let pixels = match &texture.texels {
-        Texels::U8(texels) => {
-            let lut: [f32; 256] = std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0));
-            texels.iter().map(|&[r, g, b, _]| Vec3::new(lut[r as usize], lut[g as usize], lut[b as usize])).collect()
-        }
+        Texels::U8(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_codes([r, g, b])).collect(),
         Texels::F32(texels) => texels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
     };
     Image { size: texture.size, pixels }

@@ -1,17 +1,18 @@
 //! Encoding of pictures, and replacement of a file only when its successor is complete.
 
+use super::PictureFormat;
 use super::layers::{Layer, LayeredImage, Metadata};
+use crate::file_format::FileFormat;
 use glam::Vec3;
 use image::{ExtendedColorType, ImageEncoder, Rgb, codecs::hdr::HdrEncoder, codecs::png::PngEncoder};
 use lapidary_core::{
-    color::srgb_from_linear,
+    color::codes_from_linear,
     image::{Image, ImageError},
     output::write_atomically,
 };
 use std::{io, path::Path};
 
-/// Writes an exr or hdr (scene-linear) or png (sRGB, clamped) by the extension of `path`, to a
-/// temporary name that is renamed when complete.
+/// Writes a picture in the [`PictureFormat`] that the extension of `path` names, to a temporary name that is renamed when complete.
 ///
 /// # Errors
 /// An unknown extension, or a file that cannot be written; a file that was there before is kept then.
@@ -29,24 +30,18 @@ pub fn write_with(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Resul
     write_atomically(path, &bytes).map_err(|source| ImageError::Io { action: "write", path: path.into(), source })
 }
 
-/// The picture as a file of the format that the extension of `path` names: exr (32-bit float), hdr or png. `coverage`
-/// becomes its alpha channel, which hdr files do not have.
+/// The picture as a file of the format that the extension of `path` names. `coverage` becomes its alpha channel.
 ///
 /// # Errors
-/// An extension that names none of them.
+/// An extension that names none that is written.
 pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Result<Vec<u8>, ImageError> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let failed = |source| ImageError::Io { action: "write", path: path.into(), source };
-    match extension.as_str() {
-        "exr" => encode_exr(image, coverage).map_err(failed),
-        "hdr" => encode_hdr(image).map_err(failed),
-        "png" => Ok(coverage.map_or_else(|| encode_png(image), |coverage| encode_png_premultiplied(image, coverage))),
-        _ => Err(ImageError::UnknownExtension { path: path.into() }),
-    }
+    let encode = PictureFormat::of(path).and_then(|format| format.encode);
+    let encode = encode.ok_or_else(|| ImageError::UnknownExtension { path: path.into() })?;
+    encode(image, coverage).map_err(|source| ImageError::Io { action: "write", path: path.into(), source })
 }
 
-/// OpenEXR, which is premultiplied if it has an alpha channel.
-fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
+/// OpenEXR of 32-bit floats, premultiplied if it has an alpha channel.
+pub(super) fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
     let colors = Layer::color("", image);
     let layer = match coverage {
         Some(coverage) => colors.with_alpha(coverage),
@@ -55,8 +50,8 @@ fn encode_exr(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
     LayeredImage { size: image.size, layers: vec![layer], metadata: Metadata::default() }.encode()
 }
 
-/// Radiance RGBE, which holds neither negative values nor NaN: both become zero.
-fn encode_hdr(image: &Image) -> io::Result<Vec<u8>> {
+/// Radiance RGBE, which has no alpha channel and holds neither negative values nor NaN: both become zero.
+pub(super) fn encode_hdr(image: &Image, _: Option<&[f32]>) -> io::Result<Vec<u8>> {
     let pixels: Vec<Rgb<f32>> =
         image.pixels.iter().map(|p| Rgb(p.to_array().map(|c| if c > 0.0 { c.min(1e38) } else { 0.0 }))).collect();
     let mut bytes = Vec::new();
@@ -106,6 +101,11 @@ fn png(bytes: &[u8], [width, height]: [u32; 2], color: ExtendedColorType) -> Vec
     encoded
 }
 
+/// An 8-bit sRGB png, with an alpha channel if there is coverage.
+pub(super) fn encode_png_with(image: &Image, coverage: Option<&[f32]>) -> io::Result<Vec<u8>> {
+    Ok(coverage.map_or_else(|| encode_png(image), |coverage| encode_png_premultiplied(image, coverage)))
+}
+
 /// A premultiplied picture as png, whose colours are not.
 fn encode_png_premultiplied(image: &Image, coverage: &[f32]) -> Vec<u8> {
     let straight = |(&p, &a): (&Vec3, &f32)| if a > 0.0 { p / a } else { Vec3::ZERO };
@@ -117,7 +117,7 @@ pub(crate) fn srgb_bytes(linear: Vec3) -> [u8; 3] {
     if linear.is_nan() {
         return [255, 0, 255];
     }
-    linear.to_array().map(|c| (255.0 * srgb_from_linear(c) + 0.5) as u8)
+    codes_from_linear(linear)
 }
 
 #[cfg(test)]
@@ -177,7 +177,9 @@ mod tests {
     #[test]
     fn an_unknown_extension_is_an_error_that_names_the_known_ones() {
         let message = write(&picture(), Path::new("a.gif")).unwrap_err().to_string();
-        assert!(message.contains(".exr, .hdr or .png") && message.ends_with("(a.gif)"), "{message}");
+        let known = PictureFormat::all_endings(PictureFormat::is_written);
+        assert!(known.iter().all(|ending| message.contains(&format!(".{ending}"))), "{message}");
+        assert!(known.len() == 3 && message.ends_with("(a.gif)"), "{message}");
     }
 
     #[test]

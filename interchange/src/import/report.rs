@@ -28,12 +28,14 @@ pub enum ImportError {
         reason: String,
     },
     /// The extension names no format that can be read.
-    #[error("files that end in \".{extension}\" cannot be imported; export the scene as .obj, .gltf, .glb or .ply ({})", path.display())]
+    #[error("files that end in \".{extension}\" cannot be imported; export the scene as {known} ({})", path.display())]
     Unsupported {
         /// Which file.
         path: PathBuf,
         /// Its extension.
         extension: String,
+        /// The endings that can be imported.
+        known: String,
     },
     /// The mesh cannot be repaired.
     #[error("{source} ({})", path.display())]

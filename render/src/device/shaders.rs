@@ -4,6 +4,7 @@ use super::{
     bindings::Binding::{self, Storage, Uniform, Written},
     models::ModelSet,
 };
+use crate::post::ToneMap;
 use lapidary_core::brdf::BrdfModel;
 use std::{
     borrow::Cow,
@@ -22,6 +23,7 @@ macro_rules! parts {
 parts!(
     "brdf",
     "bumps",
+    "color",
     "cut",
     "direct_lights",
     "direct_pass",
@@ -121,6 +123,9 @@ const SHADING: &[&str] = &[
 /// In place of a file the models that a scene uses, and the dispatch to them.
 const MODELS: &str = "models";
 
+/// In place of a file the choice of a tone curve.
+const TONE_CURVE: &str = "tone_curve";
+
 /// Which triangle each pixel sees.
 pub const VISIBILITY: Program = Program {
     name: "visibility_pass",
@@ -166,7 +171,7 @@ pub const MERGE: Program = Program {
     ],
 };
 /// Lit cuts.
-pub const LIT: Program = Program { name: "lit_pass", parts: [&[], &["frame", "tree", "cut", "lit_pass"]] };
+pub const LIT: Program = Program { name: "lit_pass", parts: [&[], &["frame", "color", "tree", "cut", "lit_pass"]] };
 /// Depth from a light.
 pub const SHADOW: Program = Program {
     name: "shadow_pass",
@@ -176,10 +181,12 @@ pub const SHADOW: Program = Program {
 pub const DIRECT: Program =
     Program { name: "direct_pass", parts: [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]] };
 /// Bounced light of the meshless basis.
-pub const MESHLESS: Program = Program { name: "meshless_pass", parts: [SHADING, &["posed", "meshless_pass"]] };
+pub const MESHLESS: Program = Program { name: "meshless_pass", parts: [SHADING, &["color", "posed", "meshless_pass"]] };
 /// The post pass.
-pub const DISPLAY: Program =
-    Program { name: "display_pass", parts: [&[], &["fullscreen", "tonemap", "sums", "display_pass"]] };
+pub const DISPLAY: Program = Program {
+    name: "display_pass",
+    parts: [&[], &["fullscreen", "color", "tonemap", TONE_CURVE, "sums", "display_pass"]],
+};
 /// What the pixels show.
 pub const MARKS: Program = Program { name: "marks_pass", parts: [&[], &["fullscreen", "scene", "marks_pass"]] };
 /// What an edit leaves of the pixels.
@@ -187,7 +194,7 @@ pub const KEEP: Program = Program { name: "keep_pass", parts: [&[], &["fullscree
 
 /// The filter between the pixels of a lattice.
 pub const SKETCH: Program =
-    Program { name: "sketch_pass", parts: [SHADING, &["environment", "wireframe", "guide", "sketch_pass"]] };
+    Program { name: "sketch_pass", parts: [SHADING, &["environment", "wireframe", "color", "guide", "sketch_pass"]] };
 /// What is kept of a picture for one from another camera.
 pub const HISTORY: Program = Program { name: "history_pass", parts: [SHADING, &["guide", "past", "history_pass"]] };
 /// What the last picture tells of this one.
@@ -261,7 +268,11 @@ impl ShaderSource {
     /// # Errors
     /// A file that cannot be read.
     pub fn text(&self, program: &Program, models: &ModelSet) -> std::io::Result<String> {
-        let part = |part| if part == MODELS { self.models(models).map(Cow::Owned) } else { self.part(part) };
+        let part = |part| match part {
+            MODELS => self.models(models).map(Cow::Owned),
+            TONE_CURVE => Ok(Cow::Owned(ToneMap::wgsl())),
+            name => self.part(name),
+        };
         let texts: std::io::Result<Vec<Cow<str>>> = program.parts.concat().into_iter().map(part).collect();
         Ok(texts?.join("\n"))
     }

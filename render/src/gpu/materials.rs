@@ -18,7 +18,7 @@ use crate::{
 };
 use lapidary_core::{
     brdf::{MISSING, albedo_table, narrow_widths},
-    color::linear_from_srgb,
+    color::LINEAR_FROM_CODE,
     material::{self, BUMP, NORMAL},
     texture::{self, Procedural},
 };
@@ -153,10 +153,7 @@ fn narrowest_lobe(material: &material::Material) -> f32 {
 
 /// Linear values of the 256 sRGB codes, as a shader's own power function is too coarse; and the albedos of lobes.
 fn tables(gpu: &GpuDevice) -> wgpu::Buffer {
-    let tables = Tables {
-        linear_from_srgb: std::array::from_fn(|code| linear_from_srgb(code as f32 / 255.0)),
-        albedo: *albedo_table(),
-    };
+    let tables = Tables { linear_from_srgb: *LINEAR_FROM_CODE, albedo: *albedo_table() };
     gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some("tables"),
         contents: bytemuck::bytes_of(&tables),

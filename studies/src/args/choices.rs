@@ -78,13 +78,7 @@ pub fn view_mode() -> impl TypedValueParser<Value = ViewMode> {
 
 /// Tone curve of png files.
 pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
-    choice(&[
-        ("standard", "No curve: clamped and sRGB-encoded"),
-        ("reinhard", "Reinhard, on luminance"),
-        ("aces", "A fit of the ACES curves"),
-        ("agx", "AgX with its default contrast"),
-        ("pbr-neutral", "Khronos PBR Neutral"),
-    ])
+    choice_of(ToneMap::ALL.map(|tone_map| (tone_map.curve().key, tone_map.curve().method)))
 }
 
 /// Whether small bright parts of an environment are suns.

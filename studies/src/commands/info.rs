@@ -1,7 +1,6 @@
 //! The `info` command: what a dataset holds, or a scene that can be baked.
 
 use crate::{
-    export::has_extension,
     outputs::CommandFiles,
     terminal::{json_text, print_out},
 };
@@ -9,6 +8,7 @@ use anyhow::Result;
 use clap::Args;
 use lapidary_core::dataset::{BakeAudit, BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
 use lapidary_interchange::{
+    formats::{FileFormat, SceneFormat},
     image,
     import::{Imported, import},
 };
@@ -17,7 +17,8 @@ use std::path::PathBuf;
 /// Options of `info`.
 #[derive(Args, Clone, Debug)]
 pub struct InfoArgs {
-    /// Dataset to describe, or a scene: .obj, .gltf, .glb or .ply
+    /// Dataset or scene.
+    #[arg(help = format!("Dataset to describe, or a scene: {}", SceneFormat::names()))]
     pub file: PathBuf,
     /// Print JSON
     #[arg(long)]
@@ -35,7 +36,7 @@ impl InfoArgs {
     /// # Errors
     /// A file that cannot be read.
     pub fn run(&self) -> Result<()> {
-        if ["obj", "gltf", "glb", "ply"].iter().any(|extension| has_extension(&self.file, extension)) {
+        if SceneFormat::of(&self.file).is_some() {
             let imported = import(&self.file)?;
             return if self.json {
                 print_out(&json_text(&scene_json(&imported))?)

@@ -6,7 +6,10 @@ use lapidary_core::{
     dataset::Dataset,
     image::{Image, ImageError},
 };
-use lapidary_interchange::image::{self, Layer};
+use lapidary_interchange::{
+    formats::{FileFormat, PictureFormat},
+    image::{self, Layer},
+};
 use lapidary_render::{Background, Look};
 use std::path::{Path, PathBuf};
 
@@ -16,8 +19,7 @@ use std::path::{Path, PathBuf};
 /// The first path that does not.
 pub fn check_pictures(paths: &[PathBuf]) -> Result<()> {
     for path in paths {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        if !["exr", "hdr", "png"].contains(&extension.as_str()) {
+        if !PictureFormat::of(path).is_some_and(PictureFormat::is_written) {
             return Err(ImageError::UnknownExtension { path: path.clone() }.into());
         }
     }

@@ -1,10 +1,8 @@
 //! Names of frames: `####` in a path stands for the number.
 
 use anyhow::{Result, bail};
+use lapidary_interchange::formats::{FileFormat, PictureFormat};
 use std::path::{Path, PathBuf};
-
-/// The formats of frames.
-const EXTENSIONS: [&str; 3] = ["png", "exr", "hdr"];
 
 /// The files of a sequence in one format.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,11 +31,8 @@ impl FrameNames {
         if name[first..=last].contains(|c| c != '#') {
             bail!("the name of a sequence has one place for the frame's number, not several ({})", path.display());
         }
-        let extension = Path::new(after).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        // What follows the number may be the extension alone, which counts as a name by itself.
-        let extension =
-            if extension.is_empty() { after.trim_start_matches('.').to_ascii_lowercase() } else { extension };
-        if !after.contains('.') || !EXTENSIONS.contains(&extension.as_str()) {
+        // The whole path, as the extension alone counts as a name.
+        if !after.contains('.') || !PictureFormat::of(path).is_some_and(PictureFormat::is_written) {
             bail!("frames are png, exr or hdr files; end the name in one of these ({})", path.display());
         }
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use glam::Vec3;
 use lapidary_core::{
-    color::{linear_from_srgb, srgb_from_linear},
+    color::{codes, codes_from_linear, linear_from_codes},
     image::Image,
     output::write_atomically,
 };
@@ -34,7 +34,7 @@ impl DisplayPicture {
     /// An opaque picture of display values from 0 to 1.
     pub fn of_display(size: [u32; 2], values: impl Iterator<Item = Vec3>) -> Self {
         let pixel = |value| {
-            let [r, g, b] = encoded(value);
+            let [r, g, b] = codes(value);
             [r, g, b, 255]
         };
         Self { size, pixels: values.map(pixel).collect() }
@@ -83,13 +83,14 @@ impl DisplayPicture {
         let rows = covered(y, size[1], self.size[1]);
         let (mut color, mut alpha, mut count) = (Vec3::ZERO, 0.0, 0.0);
         for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
-            let [r, g, b, a] = self.pixels[self.index(column, row)].map(|value| f32::from(value) / 255.0);
-            color += a * Vec3::new(r, g, b).map(linear_from_srgb);
+            let [r, g, b, a] = self.pixels[self.index(column, row)];
+            let a = f32::from(a) / 255.0;
+            color += a * linear_from_codes([r, g, b]);
             alpha += a;
             count += 1.0;
         }
         let straight = if alpha > 0.0 { color / alpha } else { Vec3::ZERO };
-        let [r, g, b] = encoded(straight.map(srgb_from_linear));
+        let [r, g, b] = codes_from_linear(straight);
         [r, g, b, (255.0 * alpha / count + 0.5) as u8]
     }
 
@@ -106,11 +107,6 @@ impl DisplayPicture {
             format!("cannot write the picture; check the free space and permissions ({})", path.display())
         })
     }
-}
-
-/// Display values from 0 to 1 as bytes.
-fn encoded(display: Vec3) -> [u8; 3] {
-    display.to_array().map(|value| (255.0 * value + 0.5) as u8)
 }
 
 /// Which of `from` pixels the `i`-th of `to` covers; at least one.

@@ -36,7 +36,7 @@ impl PathEntry {
     /// Lists `folder`, with `name` as the suggested file.
     pub fn new(purpose: &Purpose, folder: PathBuf, name: String) -> Self {
         let mut entry = Self {
-            purpose: *purpose,
+            purpose: purpose.clone(),
             folder: PathBuf::new(),
             text: name,
             entries: Vec::new(),

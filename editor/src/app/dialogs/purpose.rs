@@ -4,7 +4,11 @@ use crate::{
     actions::{Action, CompareAction, EnvironmentAction, ExportAction, FileAction, LightAction, MaterialAction},
     preferences::FileUse,
 };
-use lapidary_interchange::export::FORMATS;
+use lapidary_core::brdf::ContentKind;
+use lapidary_interchange::{
+    export,
+    formats::{FileFormat, MaterialFormat, PictureFormat, SceneFormat},
+};
 use std::path::{Path, PathBuf};
 
 /// Which dialog.
@@ -21,7 +25,7 @@ pub enum Mode {
 }
 
 /// The purpose of a dialog.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Purpose {
     /// Its title.
     pub title: &'static str,
@@ -30,87 +34,97 @@ pub struct Purpose {
     /// Which dialog.
     pub mode: Mode,
     /// Name of the listed files.
-    pub files: &'static str,
+    pub files: String,
     /// Extensions of the files that are listed; empty for all.
-    pub extensions: &'static [&'static str],
+    pub extensions: Vec<&'static str>,
     /// Their purpose, which decides in which folder the dialog begins.
     pub files_for: FileUse,
 }
 
-const PICTURES: &[&str] = &["png", "jpg", "jpeg", "tga", "hdr", "exr"];
-const MATERIALS: &[&str] = &["json", "mtlx"];
-const BRDFS: &[&str] = lapidary_core::brdf::ContentKind::EXTENSIONS;
-const LIGHTS: &[&str] = &["json"];
-
-const SCENES: &[&str] = &["gltf", "glb", "obj", "ply", "cuts", "lapidary"];
-const OPEN: Purpose = Purpose::new(
-    FileUse::Scene,
-    ["Open a scene, a baked scene or a session", "Open", "Scenes, baked scenes, sessions"],
-    Mode::Open,
-    SCENES,
-);
-const SAVE_SESSION: Purpose =
-    Purpose::new(FileUse::Session, ["Save the session", "Save", "Sessions"], Mode::Save, &["lapidary"]);
-const LOOK_FOR_FILES: Purpose =
-    Purpose::new(FileUse::Missing, ["Look for the files in a folder", "Look here", "Folders"], Mode::Folder, &[]);
-const EXPORT_PICTURE: Purpose =
-    Purpose::new(FileUse::Picture, ["Export the picture", "Export", "Pictures"], Mode::Save, &["png", "exr", "hdr"]);
-const EXPORT_LAYERS: Purpose =
-    Purpose::new(FileUse::Picture, ["Export the picture with layers", "Export", "Pictures"], Mode::Save, &["exr"]);
-const EXPORT_MATERIALS: Purpose =
-    Purpose::new(FileUse::Material, ["Export the materials", "Export", "MaterialX, MTL, glTF"], Mode::Save, &FORMATS);
-const CHOOSE_FRAMES: Purpose =
-    Purpose::new(FileUse::Picture, ["Choose the folder of the frames", "Choose", "Folders"], Mode::Folder, &[]);
-const LOAD_TEXTURE: Purpose =
-    Purpose::new(FileUse::Texture, ["Load a texture", "Load", "Pictures"], Mode::Open, PICTURES);
-const LOAD_BRDF: Purpose = Purpose::new(FileUse::Material, ["Load a BRDF", "Load", "BRDFs"], Mode::Open, BRDFS);
-const LOAD_MATERIAL: Purpose =
-    Purpose::new(FileUse::Material, ["Load a material", "Load", "Materials"], Mode::Open, MATERIALS);
-const SAVE_MATERIAL: Purpose =
-    Purpose::new(FileUse::Material, ["Save the material", "Save", "Materials"], Mode::Save, MATERIALS);
-const LOAD_LIGHTS: Purpose =
-    Purpose::new(FileUse::Lights, ["Add the lights of a file", "Load", "Lights"], Mode::Open, LIGHTS);
-const SAVE_LIGHTS: Purpose = Purpose::new(FileUse::Lights, ["Save the lights", "Save", "Lights"], Mode::Save, LIGHTS);
-const LOAD_ENVIRONMENT: Purpose =
-    Purpose::new(FileUse::Environment, ["Load an environment", "Load", "Environments"], Mode::Open, PICTURES);
-const ADD_TO_LIBRARY: Purpose = Purpose::new(
-    FileUse::Environment,
-    ["Add environments to the library", "Add", "Environments"],
-    Mode::OpenMany,
-    PICTURES,
-);
-const COMPARE: Purpose =
-    Purpose::new(FileUse::Reference, ["Compare with a picture", "Compare", "Pictures"], Mode::Open, PICTURES);
-
 impl Purpose {
-    const fn new(
+    fn new(
         files_for: FileUse,
-        [title, button, files]: [&'static str; 3],
+        [title, button]: [&'static str; 2],
+        files: &str,
         mode: Mode,
-        extensions: &'static [&'static str],
+        extensions: Vec<&'static str>,
     ) -> Self {
-        Self { title, button, mode, files, extensions, files_for }
+        Self { title, button, mode, files: files.into(), extensions, files_for }
+    }
+
+    fn load(files_for: FileUse, title: &'static str, files: &str, endings: Vec<&'static str>) -> Self {
+        Self::new(files_for, [title, "Load"], files, Mode::Open, endings)
+    }
+
+    fn save(files_for: FileUse, title: &'static str, files: &str, endings: Vec<&'static str>) -> Self {
+        Self::new(files_for, [title, "Save"], files, Mode::Save, endings)
+    }
+
+    fn picture(title: &'static str, endings: Vec<&'static str>) -> Self {
+        Self::new(FileUse::Picture, [title, "Export"], "Pictures", Mode::Save, endings)
+    }
+
+    fn folder(files_for: FileUse, title: &'static str, button: &'static str) -> Self {
+        Self::new(files_for, [title, button], "Folders", Mode::Folder, Vec::new())
     }
 
     /// The purpose of a dialog for an action's path; `None` for actions without one.
     pub fn of(action: &Action) -> Option<Self> {
+        let pictures = || PictureFormat::all_endings(|_| true);
+        let materials = || MaterialFormat::all_endings(|format| format.loads);
         Some(match action {
-            Action::File(FileAction::Open(_)) => OPEN,
-            Action::File(FileAction::SaveAs(_)) => SAVE_SESSION,
-            Action::File(FileAction::Relink(_)) => LOOK_FOR_FILES,
-            Action::Export(ExportAction::Picture(_)) => EXPORT_PICTURE,
-            Action::Export(ExportAction::Layers(_)) => EXPORT_LAYERS,
-            Action::Export(ExportAction::Materials(_)) => EXPORT_MATERIALS,
-            Action::Export(ExportAction::SequenceFolder(_)) => CHOOSE_FRAMES,
-            Action::Material(MaterialAction::LoadTexture { .. }) => LOAD_TEXTURE,
-            Action::Material(MaterialAction::LoadBrdf { .. }) => LOAD_BRDF,
-            Action::Material(MaterialAction::Load { .. }) => LOAD_MATERIAL,
-            Action::Material(MaterialAction::Save { .. }) => SAVE_MATERIAL,
-            Action::Light(LightAction::Load(_)) => LOAD_LIGHTS,
-            Action::Light(LightAction::Save(_)) => SAVE_LIGHTS,
-            Action::Environment(EnvironmentAction::Load(_)) => LOAD_ENVIRONMENT,
-            Action::Environment(EnvironmentAction::AddToLibrary(_)) => ADD_TO_LIBRARY,
-            Action::Compare(CompareAction::Reference(_)) => COMPARE,
+            Action::File(FileAction::Open(_)) => {
+                let texts = ["Open a scene, a baked scene or a session", "Open"];
+                let endings = [SceneFormat::richest_first(), vec!["cuts", "lapidary"]].concat();
+                Self::new(FileUse::Scene, texts, "Scenes, baked scenes, sessions", Mode::Open, endings)
+            }
+            Action::File(FileAction::SaveAs(_)) => {
+                Self::save(FileUse::Session, "Save the session", "Sessions", vec!["lapidary"])
+            }
+            Action::File(FileAction::Relink(_)) => {
+                Self::folder(FileUse::Missing, "Look for the files in a folder", "Look here")
+            }
+            Action::Export(ExportAction::Picture(_)) => {
+                Self::picture("Export the picture", PictureFormat::all_endings(PictureFormat::is_written))
+            }
+            Action::Export(ExportAction::Layers(_)) => Self::picture("Export the picture with layers", vec!["exr"]),
+            Action::Export(ExportAction::Materials(_)) => {
+                let formats = MaterialFormat::ALL.iter().filter(|format| format.exports());
+                let files = formats.map(|format| format.label).collect::<Vec<_>>().join(", ");
+                Self::new(FileUse::Material, ["Export the materials", "Export"], &files, Mode::Save, export::endings())
+            }
+            Action::Export(ExportAction::SequenceFolder(_)) => {
+                Self::folder(FileUse::Picture, "Choose the folder of the frames", "Choose")
+            }
+            Action::Material(MaterialAction::LoadTexture { .. }) => {
+                Self::load(FileUse::Texture, "Load a texture", "Pictures", pictures())
+            }
+            Action::Material(MaterialAction::LoadBrdf { .. }) => {
+                Self::load(FileUse::Material, "Load a BRDF", "BRDFs", ContentKind::EXTENSIONS.to_vec())
+            }
+            Action::Material(MaterialAction::Load { .. }) => {
+                Self::load(FileUse::Material, "Load a material", "Materials", materials())
+            }
+            Action::Material(MaterialAction::Save { .. }) => {
+                Self::save(FileUse::Material, "Save the material", "Materials", materials())
+            }
+            Action::Light(LightAction::Load(_)) => {
+                Self::load(FileUse::Lights, "Add the lights of a file", "Lights", vec!["json"])
+            }
+            Action::Light(LightAction::Save(_)) => {
+                Self::save(FileUse::Lights, "Save the lights", "Lights", vec!["json"])
+            }
+            Action::Environment(EnvironmentAction::Load(_)) => {
+                Self::load(FileUse::Environment, "Load an environment", "Environments", pictures())
+            }
+            Action::Environment(EnvironmentAction::AddToLibrary(_)) => {
+                let texts = ["Add environments to the library", "Add"];
+                Self::new(FileUse::Environment, texts, "Environments", Mode::OpenMany, pictures())
+            }
+            Action::Compare(CompareAction::Reference(_)) => {
+                let texts = ["Compare with a picture", "Compare"];
+                Self::new(FileUse::Reference, texts, "Pictures", Mode::Open, pictures())
+            }
             _ => return None,
         })
     }

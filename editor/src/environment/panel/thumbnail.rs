@@ -3,7 +3,7 @@
 use egui::{Color32, ColorImage};
 use glam::Vec3;
 use lapidary_core::{
-    color::luminance,
+    color::{codes, luminance},
     environment::{Environment, texel_solid_angle},
     image::Image,
 };
@@ -39,7 +39,7 @@ pub fn adapted(weighted: impl Iterator<Item = (f32, f32)> + Clone) -> Post {
 
 /// A radiance as the display shows it.
 pub fn display_color(post: &Post, radiance: Vec3) -> Color32 {
-    let [r, g, b] = post.display(radiance).to_array().map(|c| (c * 255.0 + 0.5) as u8);
+    let [r, g, b] = codes(post.display(radiance));
     Color32::from_rgb(r, g, b)
 }
 

@@ -1,8 +1,7 @@
 //! The merged cut as a latitude-longitude picture, beside what rays find there.
 
 use egui::{Color32, ColorImage, Rect, Role, Sense, Stroke, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2};
-use glam::Vec3;
-use lapidary_core::{environment::uv_from_direction, image::Image};
+use lapidary_core::{color::codes, environment::uv_from_direction, image::Image};
 use lapidary_render::{CutMap, ExplainedNode, compare::tonemap};
 use std::sync::Arc;
 
@@ -88,7 +87,6 @@ fn pixels(map: &CutMap, picture: MapPicture) -> Image {
 }
 
 fn color_image(image: &Image) -> ColorImage {
-    let byte = |c: Vec3| c.to_array().map(|c| (c * 255.0 + 0.5) as u8);
-    let pixels = tonemap::display(image).pixels.into_iter().map(byte).map(|[r, g, b]| Color32::from_rgb(r, g, b));
+    let pixels = tonemap::display(image).pixels.into_iter().map(codes).map(|[r, g, b]| Color32::from_rgb(r, g, b));
     ColorImage::new([image.width(), image.height()], pixels.collect())
 }

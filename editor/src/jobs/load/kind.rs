@@ -1,7 +1,11 @@
 //! The kind of a file: by its extension, by its shape for pictures, and by its contents for JSON.
 
 use lapidary_core::{brdf::ContentKind, input};
-use lapidary_interchange::{image::dimensions, import::MaterialFile};
+use lapidary_interchange::{
+    formats::{FileFormat, MaterialFormat, PictureFormat, SceneFormat, listed},
+    image::dimensions,
+    import::MaterialFile,
+};
 use std::path::Path;
 
 /// What a file holds.
@@ -31,14 +35,14 @@ pub enum Kind {
 pub fn kind_of(path: &Path) -> Kind {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match name.rsplit_once('.').map_or("", |(_, extension)| extension) {
-        "obj" | "gltf" | "glb" | "ply" => Kind::Scene,
         "cuts" => Kind::Dataset,
         "lapidary" => Kind::Session,
-        "hdr" | "exr" => Kind::Environment,
-        "png" | "jpg" | "jpeg" | "tga" => kind_of_picture(path),
-        extension if ContentKind::EXTENSIONS.contains(&extension) => Kind::Brdf,
         "json" => kind_of_json(path),
-        "mtlx" => Kind::Material,
+        extension if ContentKind::EXTENSIONS.contains(&extension) => Kind::Brdf,
+        _ if SceneFormat::of(path).is_some() => Kind::Scene,
+        _ if PictureFormat::is_of_light(path) => Kind::Environment,
+        _ if PictureFormat::of(path).is_some() => kind_of_picture(path),
+        _ if MaterialFormat::of(path).is_some_and(|format| format.loads) => Kind::Material,
         _ => Kind::Unknown,
     }
 }
@@ -73,9 +77,17 @@ fn kind_of_json(path: &Path) -> Kind {
 /// Why a file that is of no known kind cannot be opened.
 pub fn foreign(path: &Path) -> String {
     let what = if path.exists() { "Lapidary does not know this kind of file" } else { "there is no such file" };
+    let named = |endings: Vec<&str>| listed(&endings, ", ");
+    let pictures = |is_light| PictureFormat::ALL.iter().filter(move |format| format.is_light == is_light);
+    let usual = |is_light| pictures(is_light).map(|format| format.endings()[0]).collect();
     format!(
-        "{what}; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an environment \
-         (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json, .mtlx), a BRDF (.binary, .wgsl) or lights (.json) ({})",
+        "{what}; open a scene ({}), a dataset (.cuts), a session (.lapidary, .json), an environment ({}), a picture ({}), \
+         a material ({}), a BRDF ({}) or lights (.json) ({})",
+        named(SceneFormat::all_endings(|_| true)),
+        named(usual(true)),
+        named(usual(false)),
+        named(MaterialFormat::all_endings(|format| format.loads)),
+        named(ContentKind::EXTENSIONS.to_vec()),
         path.display()
     )
 }
@@ -134,7 +146,13 @@ mod tests {
     #[test]
     fn a_foreign_file_is_told_what_can_be_opened() {
         let text = foreign(Path::new("a.fbx"));
-        assert!(text.starts_with("there is no such file") && text.contains(".glb") && text.ends_with("(a.fbx)"));
+        assert!(text.starts_with("there is no such file; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts)"));
+        assert!(
+            text.contains(
+                "an environment (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json, .mtlx), a BRDF"
+            )
+        );
+        assert!(text.ends_with("BRDF (.binary, .wgsl) or lights (.json) (a.fbx)"));
         assert!(foreign(Path::new(".")).contains("does not know"));
     }
 }

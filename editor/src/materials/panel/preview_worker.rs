@@ -3,7 +3,7 @@
 
 use super::preview_ball::{Ball, BallPixel};
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
-use lapidary_core::material::Material;
+use lapidary_core::{color::codes, material::Material};
 use lapidary_render::Post;
 use std::{
     sync::{
@@ -127,7 +127,7 @@ fn work(requests: &Receiver<Request>, pictures: &Sender<Made>) {
 /// Radiance as a display shows it.
 pub fn displayed(pixels: &[BallPixel], post: &Post, size: u32) -> ColorImage {
     let color = |&(radiance, coverage): &BallPixel| {
-        let [r, g, b] = post.display(radiance).to_array().map(|c| (c * 255.0 + 0.5) as u8);
+        let [r, g, b] = codes(post.display(radiance));
         Color32::from_rgba_unmultiplied(r, g, b, (coverage * 255.0 + 0.5) as u8)
     };
     ColorImage::new([size as usize; 2], pixels.iter().map(color).collect())

@@ -3,7 +3,7 @@
 
 use super::compose::{Component, Picture, Textures, mean};
 use crate::{
-    export::pictures::extension,
+    image::PictureFormat,
     materialx::{Surface, nearest, stretch},
 };
 use glam::Vec3;
@@ -365,7 +365,7 @@ impl OneMaterial<'_, '_> {
     /// Whether glTF has the format of a picture. What is missing stays as the file refers to it.
     fn is_readable(&self, slot: &TextureSlot) -> bool {
         let encoded = &self.texture_of(slot).encoded;
-        encoded.is_empty() || ["png", "jpg"].contains(&extension(encoded))
+        encoded.is_empty() || ["png", "jpg"].contains(&PictureFormat::ending_of(encoded))
     }
 
     fn is_linear(&self, slot: &TextureSlot) -> bool {

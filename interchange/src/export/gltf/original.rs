@@ -1,15 +1,13 @@
 //! The glTF file that a scene came from, with other materials. Buffers, meshes, nodes and what this program does not know stay byte
 //! for byte, and so do materials that are as they were.
 
-use super::{
-    super::pictures::extension,
-    container::{self, Members},
-};
+use super::container::{self, Members};
 use crate::{
     export::{
         error::{ExportError, Exported},
         gltf::{compose::Textures, materials::MaterialWriter},
     },
+    image::PictureFormat,
     import::{ImportError, ImportOptions, Imported, import_with},
 };
 use base64::Engine;
@@ -115,7 +113,7 @@ pub fn data_uri(bytes: &[u8]) -> String {
 
 /// The type of a picture that glTF has.
 pub fn mime_type(bytes: &[u8]) -> &'static str {
-    if extension(bytes) == "jpg" { "image/jpeg" } else { "image/png" }
+    if PictureFormat::ending_of(bytes) == "jpg" { "image/jpeg" } else { "image/png" }
 }
 
 fn add_extensions(members: &mut Members, used: &BTreeSet<&'static str>) -> serde_json::Result<()> {

@@ -19,6 +19,7 @@ use lapidary_core::{
 };
 use lapidary_interchange::{
     animation,
+    formats::SceneFormat,
     import::{ImportOptions, import_with},
 };
 use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve};
@@ -61,7 +62,8 @@ impl DeviceChoice {
 /// Options of `bake`.
 #[derive(Args, Clone, Debug)]
 pub struct BakeArgs {
-    /// Scene to bake: .obj, .gltf, .glb or .ply
+    /// Scene to bake.
+    #[arg(help = format!("Scene to bake: {}", SceneFormat::names()))]
     pub scene: PathBuf,
     #[command(flatten)]
     outside: OutsideArgs,

@@ -1,0 +1,70 @@
+//! The list of all formats of pictures. What can be read, the crates `image` and `exr` know.
+
+use super::{
+    read::EXR_MAGIC,
+    write::{encode_exr, encode_hdr, encode_png_with},
+};
+use crate::file_format::FileFormat;
+use lapidary_core::image::Image;
+use std::{io, path::Path};
+
+/// A format of pictures.
+pub struct PictureFormat {
+    endings: &'static [&'static str],
+    /// What files begin with; TGA has nothing of its own.
+    signature: &'static [u8],
+    /// Whether its values are light without an upper bound, as of environments.
+    pub is_light: bool,
+    /// Encodes a picture with its coverage, if the format can be written.
+    pub(super) encode: Option<fn(&Image, Option<&[f32]>) -> io::Result<Vec<u8>>>,
+}
+
+impl FileFormat for PictureFormat {
+    const ALL: &'static [Self] = &[
+        Self {
+            endings: &["png"],
+            signature: &[0x89, b'P', b'N', b'G'],
+            is_light: false,
+            encode: Some(encode_png_with),
+        },
+        Self { endings: &["jpg", "jpeg"], signature: &[0xff, 0xd8], is_light: false, encode: None },
+        Self { endings: &["hdr"], signature: b"#?", is_light: true, encode: Some(encode_hdr) },
+        Self { endings: &["exr"], signature: &EXR_MAGIC, is_light: true, encode: Some(encode_exr) },
+        Self { endings: &["tga"], signature: b"", is_light: false, encode: None },
+    ];
+
+    fn endings(&self) -> &'static [&'static str] {
+        self.endings
+    }
+}
+
+impl PictureFormat {
+    /// Whether pictures can be written in it.
+    pub fn is_written(&self) -> bool {
+        self.encode.is_some()
+    }
+
+    /// Whether a file's name ends as those of pictures of light do.
+    pub fn is_of_light(path: &Path) -> bool {
+        Self::of(path).is_some_and(|format| format.is_light)
+    }
+
+    /// The usual ending of a picture's file, by its first bytes.
+    pub(crate) fn ending_of(bytes: &[u8]) -> &'static str {
+        let format = Self::ALL.iter().find(|format| bytes.starts_with(format.signature));
+        format.map_or("", |format| format.endings[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_bytes_tell_the_ending_of_a_picture() {
+        assert_eq!(PictureFormat::ending_of(&[0xff, 0xd8, 0xff]), "jpg");
+        assert_eq!(PictureFormat::ending_of(b"#?RADIANCE"), "hdr");
+        assert_eq!(PictureFormat::ending_of(b"solid"), "tga");
+        assert_eq!(PictureFormat::ending_of(b""), "tga");
+    }
+}

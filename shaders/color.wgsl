@@ -1,0 +1,11 @@
+// Luminance inside, the sRGB transfer function at the border. Twin of core/src/color.rs.
+
+// Of a scene-linear Rec. 709 colour.
+fn luminance(rgb: vec3<f32>) -> f32 {
+    return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
+}
+
+fn srgb_from_linear(linear: vec3<f32>) -> vec3<f32> {
+    let x = saturate(linear);
+    return select(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3(0.0031308));
+}
