@@ -5,6 +5,9 @@ use crate::file_format::FileFormat;
 use lapidary_core::scene::Scene;
 use std::path::Path;
 
+/// Writes all materials of a scene.
+type Export = fn(&Scene, &Path, &ExportOptions) -> Result<Exported, ExportError>;
+
 /// A format of materials.
 pub struct MaterialFormat {
     /// Name for people.
@@ -15,7 +18,7 @@ pub struct MaterialFormat {
     /// Whether a file can be a copy of that of a scene, with its materials written anew.
     pub copies_scene: bool,
     /// Writes all materials of a scene, if the format can.
-    pub(super) export: Option<fn(&Scene, &Path, &ExportOptions) -> Result<Exported, ExportError>>,
+    pub(super) export: Option<Export>,
 }
 
 impl FileFormat for MaterialFormat {

@@ -8,6 +8,9 @@ use crate::file_format::FileFormat;
 use lapidary_core::image::Image;
 use std::{io, path::Path};
 
+/// Writes a picture, with the coverage of its pixels if it has an alpha channel.
+type Encode = fn(&Image, Option<&[f32]>) -> io::Result<Vec<u8>>;
+
 /// A format of pictures.
 pub struct PictureFormat {
     endings: &'static [&'static str],
@@ -16,7 +19,7 @@ pub struct PictureFormat {
     /// Whether its values are light without an upper bound, as of environments.
     pub is_light: bool,
     /// Encodes a picture with its coverage, if the format can be written.
-    pub(super) encode: Option<fn(&Image, Option<&[f32]>) -> io::Result<Vec<u8>>>,
+    pub(super) encode: Option<Encode>,
 }
 
 impl FileFormat for PictureFormat {

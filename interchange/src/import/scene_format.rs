@@ -22,6 +22,11 @@ pub enum Content {
     Animations,
 }
 
+/// Reads a file at a path with its files beside it, in a variant of its materials.
+type Read = fn(&[u8], &Path, Files, Option<&str>) -> Result<Source, ImportError>;
+/// Reads what moves.
+type ReadAnimation = fn(&[u8], &Path, Files) -> Result<Animation, ImportError>;
+
 /// A format of scenes.
 pub struct SceneFormat {
     /// Name for people.
@@ -30,9 +35,9 @@ pub struct SceneFormat {
     /// What its files may hold.
     pub holds: &'static [Content],
     /// Reads a file, with a variant of its materials if it may hold any.
-    pub(super) read: fn(&[u8], &Path, Files, Option<&str>) -> Result<Source, ImportError>,
+    pub(super) read: Read,
     /// Reads what moves in a file, if it may hold that.
-    pub(super) animation: Option<fn(&[u8], &Path, Files) -> Result<Animation, ImportError>>,
+    pub(super) animation: Option<ReadAnimation>,
 }
 
 impl FileFormat for SceneFormat {
