@@ -149,6 +149,11 @@ impl Projection {
         (projected.z > 0.0).then(|| (projected.truncate() / projected.z, projected.z))
     }
 
+    /// Position in the picture of a point in the space of the camera, before the eye.
+    pub fn pixel_of_view(&self, view: Vec3) -> Vec2 {
+        self.center + self.focal / -view.z * Vec2::new(view.x, -view.y)
+    }
+
     /// Metres that a pixel spans at a depth.
     pub fn pixel_span(&self, depth: f32) -> f32 {
         depth * 2.0 * self.tan_half_fov / self.size.y

@@ -41,14 +41,14 @@ pub struct Purpose {
 impl Purpose {
     /// The purpose of a dialog for an action's path; `None` for actions without one.
     pub fn of(action: &Action) -> Option<Self> {
-        let pictures = || PictureFormat::all_endings(|_| true);
-        let materials = || MaterialFormat::all_endings(|format| format.loads);
-        let purpose = |files_for, title, button, mode, files: &str, extensions| Self {
+        let pictures = &PictureFormat::all_endings(|_| true)[..];
+        let materials = &MaterialFormat::all_endings(|format| format.loads)[..];
+        let purpose = |files_for, title, button, mode, files: &str, extensions: &[&'static str]| Self {
             title,
             button,
             mode,
             files: files.into(),
-            extensions,
+            extensions: extensions.to_vec(),
             files_for,
         };
         Some(match action {
@@ -58,67 +58,56 @@ impl Purpose {
                 "Open",
                 Mode::Open,
                 "Scenes, baked scenes, sessions",
-                [SceneFormat::richest_first(), vec!["cuts", "lapidary"]].concat(),
+                &[&SceneFormat::richest_first()[..], &["cuts", "lapidary"]].concat(),
             ),
             Action::SaveAs(_) => {
-                purpose(FileUse::Session, "Save the session", "Save", Mode::Save, "Sessions", vec!["lapidary"])
+                purpose(FileUse::Session, "Save the session", "Save", Mode::Save, "Sessions", &["lapidary"])
             }
             Action::ExportPicture(_) => {
                 let extensions = PictureFormat::all_endings(PictureFormat::is_written);
-                purpose(FileUse::Picture, "Export the picture", "Export", Mode::Save, "Pictures", extensions)
+                purpose(FileUse::Picture, "Export the picture", "Export", Mode::Save, "Pictures", &extensions)
             }
-            Action::ExportLayers(_) => purpose(
-                FileUse::Picture,
-                "Export the picture with layers",
-                "Export",
-                Mode::Save,
-                "Pictures",
-                vec!["exr"],
-            ),
+            Action::ExportLayers(_) => {
+                purpose(FileUse::Picture, "Export the picture with layers", "Export", Mode::Save, "Pictures", &["exr"])
+            }
             Action::ExportMaterials(_) => {
-                let (title, formats) = ("Export the materials", MaterialFormat::ALL.iter());
-                let files: Vec<&str> = formats.filter(|format| format.exports()).map(|format| format.label).collect();
-                purpose(FileUse::Material, title, "Export", Mode::Save, &files.join(", "), export::endings())
+                let (title, files) = ("Export the materials", MaterialFormat::exported().join(", "));
+                purpose(FileUse::Material, title, "Export", Mode::Save, &files, &export::endings())
             }
             Action::SequenceFolder(_) => {
-                purpose(FileUse::Picture, "Choose the folder of the frames", "Choose", Mode::Folder, "Folders", vec![])
+                purpose(FileUse::Picture, "Choose the folder of the frames", "Choose", Mode::Folder, "Folders", &[])
             }
             Action::LoadTexture { .. } => {
-                purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", pictures())
+                purpose(FileUse::Texture, "Load a texture", "Load", Mode::Open, "Pictures", pictures)
             }
             Action::LoadBrdf { .. } => {
-                purpose(FileUse::Material, "Load a BRDF", "Load", Mode::Open, "BRDFs", ContentKind::EXTENSIONS.to_vec())
+                purpose(FileUse::Material, "Load a BRDF", "Load", Mode::Open, "BRDFs", ContentKind::EXTENSIONS)
             }
             Action::LoadMaterial { .. } => {
-                purpose(FileUse::Material, "Load a material", "Load", Mode::Open, "Materials", materials())
+                purpose(FileUse::Material, "Load a material", "Load", Mode::Open, "Materials", materials)
             }
             Action::SaveMaterial { .. } => {
-                purpose(FileUse::Material, "Save the material", "Save", Mode::Save, "Materials", materials())
+                purpose(FileUse::Material, "Save the material", "Save", Mode::Save, "Materials", materials)
             }
             Action::LoadLights(_) => {
-                purpose(FileUse::Lights, "Add the lights of a file", "Load", Mode::Open, "Lights", vec!["json"])
+                purpose(FileUse::Lights, "Add the lights of a file", "Load", Mode::Open, "Lights", &["json"])
             }
             Action::SaveLights(_) => {
-                purpose(FileUse::Lights, "Save the lights", "Save", Mode::Save, "Lights", vec!["json"])
+                purpose(FileUse::Lights, "Save the lights", "Save", Mode::Save, "Lights", &["json"])
             }
             Action::LoadEnvironment(_) => {
-                purpose(FileUse::Environment, "Load an environment", "Load", Mode::Open, "Environments", pictures())
+                purpose(FileUse::Environment, "Load an environment", "Load", Mode::Open, "Environments", pictures)
             }
             Action::AddToLibrary(_) => {
                 let title = "Add environments to the library";
-                purpose(FileUse::Environment, title, "Add", Mode::OpenMany, "Environments", pictures())
+                purpose(FileUse::Environment, title, "Add", Mode::OpenMany, "Environments", pictures)
             }
             Action::ChooseReference(_) => {
-                purpose(FileUse::Reference, "Compare with a picture", "Compare", Mode::Open, "Pictures", pictures())
+                purpose(FileUse::Reference, "Compare with a picture", "Compare", Mode::Open, "Pictures", pictures)
             }
-            Action::Relink(_) => purpose(
-                FileUse::Missing,
-                "Look for the files in a folder",
-                "Look here",
-                Mode::Folder,
-                "Folders",
-                vec![],
-            ),
+            Action::Relink(_) => {
+                purpose(FileUse::Missing, "Look for the files in a folder", "Look here", Mode::Folder, "Folders", &[])
+            }
             _ => return None,
         })
     }

@@ -73,7 +73,8 @@ impl Projection {
     }
 
     fn project(&self, view: Vec3) -> Pos2 {
-        self.rect.center() + self.of_camera.focal / -view.z * vec2(view.x, -view.y)
+        let place = self.of_camera.pixel_of_view(view);
+        self.rect.min + vec2(place.x, place.y)
     }
 }
 
