@@ -27,7 +27,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     if !is_surface(g) {
         return with_sample(sums, g, vec4(0.0), 0u, 0u);
     }
-    let point = surface_point(g, pixel, ray_direction(pixel));
+    let point = surface_point(g, pixel, ray(pixel, PINHOLE).direction);
     var received = vec3(0.0);
     for (var i = 0u; i < arrayLength(&local_lights); i++) {
         received += light_from(point, local_lights[i]);

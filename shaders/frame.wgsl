@@ -62,11 +62,3 @@ fn shows_color() -> bool {
 }
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
-
-// The unit direction through the sample of a pixel.
-fn ray_direction(pixel: vec2<u32>) -> vec3<f32> {
-    let size = vec2<f32>(frame.size);
-    let ndc = (2.0 * (vec2<f32>(pixel) + frame.pixel_offset) - size) / size.y;
-    let view = vec3(ndc.x * frame.tan_half_fov, -ndc.y * frame.tan_half_fov, -1.0);
-    return normalize(frame.world_from_view * view);
-}

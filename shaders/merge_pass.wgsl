@@ -17,7 +17,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
         return sums;
     }
     let g = textureLoad(geometry, pixel, 0);
-    let direction = ray_direction(pixel);
+    let direction = ray(pixel, PINHOLE).direction;
     if !is_surface(g) {
         // The environment is no count, and a back is black.
         let shows = IS_FIRST && g.x == 0u && frame.view_mode == VIEW_SHADED;

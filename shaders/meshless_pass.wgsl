@@ -71,7 +71,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     if !is_surface(g) {
         return with_sample(sums, g, vec4(0.0), 0u, 0u);
     }
-    let point = surface_point(g, pixel, ray_direction(pixel));
+    let point = surface_point(g, pixel, ray(pixel, PINHOLE).direction);
     return with_sample(sums, g, vec4(value_at(point, (g.w & FLAG_BACK) != 0u), 0.0), 0u, 0u);
 }
 

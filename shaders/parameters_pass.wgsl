@@ -12,7 +12,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4(0.0);
     }
     if (g.w & FLAG_CATCHER) != 0u {
-        return vec4(caught_radiance(ray_direction(pixel)) * frame.caught_per_radiance, 1.0);
+        return vec4(caught_radiance(ray(pixel, PINHOLE).direction) * frame.caught_per_radiance, 1.0);
     }
     let triangle = triangles[g.x - 1u];
     let material = triangle.material & ~TWO_SIDED;
@@ -26,7 +26,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if !has_bumps {
         return vec4(0.0);
     }
-    return vec4(spread_at(triangle.vertices, hit, material, uv, -ray_direction(pixel)), 0.0);
+    return vec4(spread_at(triangle.vertices, hit, material, uv, -ray(pixel, PINHOLE).direction), 0.0);
 }
 
 // Twice the covariance of the slopes in the local frame.

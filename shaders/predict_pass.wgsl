@@ -30,7 +30,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if !(depth > 0.0) {
         return vec4(0.0);
     }
-    let place = past.center + past.focal / depth * vec2(view.x, -view.y);
+    let place = pixel_of_view(view, past.center, past.focal);
     let sum = told(here, place, depth / past.focal);
     if !(sum.w >= LEAST_SHARE) {
         return vec4(0.0);

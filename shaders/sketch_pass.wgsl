@@ -25,7 +25,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let g = textureLoad(geometry, pixel, 0);
     if !is_surface(g) {
         let shows = IS_FIRST && g.x == 0u && frame.view_mode == VIEW_SHADED;
-        let shown = select(vec3(0.0), background_radiance(ray_direction(pixel)), shows);
+        let shown = select(vec3(0.0), background_radiance(ray(pixel, PINHOLE).direction), shows);
         return with_sample(sums, g, vec4(shown, 0.0), 0u, 0u);
     }
     let here = guide(g, pixel);
@@ -135,8 +135,7 @@ fn lattice_radiance(texel: vec2<i32>) -> vec3<f32> {
 
 // Twin of `Guide::fit`.
 fn fit(here: Guide, there: Guide) -> f32 {
-    let pixel_angle = 2.0 * frame.tan_half_fov / f32(frame.size.y);
-    let reach = f32(frame.stride.x) * pixel_angle * distance(here.position, frame.eye);
+    let reach = f32(frame.stride.x) * pixel_span(1.0) * distance(here.position, frame.eye);
     let a = luminance(here.albedo);
     let b = luminance(there.albedo);
     return fit_surface(here, there.material, there.position, there.normal, reach) * (min(a, b) / max(a, b));

@@ -64,7 +64,7 @@ fn footprint_at(corners: vec3<u32>, b: vec3<f32>) -> UvFootprint {
     let normal = cross(vertices[corners.y].position - p, vertices[corners.z].position - p);
     let away = interpolated_position(corners, b) - frame.eye;
     let depth = -dot(away, frame.world_from_view[2]);
-    let size = depth * 2.0 * frame.tan_half_fov / f32(frame.size.y) * frame.sample_distance;
+    let size = pixel_span(depth) * frame.sample_distance;
     let right = along_plane(frame.world_from_view[0] * size, away, normal);
     let below = along_plane(-frame.world_from_view[1] * size, away, normal);
     return UvFootprint(uv, change_of_uv(slopes, right), change_of_uv(slopes, below));

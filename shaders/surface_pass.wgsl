@@ -14,7 +14,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
     if id == 0u {
         return Surface(vec4(0u), vec4(0.0, 0.0, 0.0, 1.0));
     }
-    let direction = ray_direction(pixel);
+    let direction = ray(pixel, PINHOLE).direction;
     let triangle = triangles[id - 1u];
     let corners = triangle.vertices;
     let hit = hit_triangle(id - 1u, direction);

@@ -14,14 +14,6 @@ fn wireframe_coverage(pixel: vec2<u32>, corners: vec3<u32>) -> f32 {
     return saturate((0.5 * LINE_WIDTH + LINE_FADE - distance) / LINE_FADE);
 }
 
-// Pixel coordinates times depth, and depth: homogeneous, so that corners behind the eye do no harm.
-fn project(world: vec3<f32>) -> vec3<f32> {
-    let p = (world - frame.eye) * frame.world_from_view;
-    let center = 0.5 * vec2<f32>(frame.size);
-    let focal = center.y / frame.tan_half_fov;
-    return vec3(center.x * -p.z + focal * p.x, center.y * -p.z - focal * p.y, -p.z);
-}
-
 fn relative(projected: vec3<f32>, position: vec2<f32>) -> vec3<f32> {
     return vec3(projected.xy - position * projected.z, projected.z);
 }

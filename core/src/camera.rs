@@ -1,7 +1,7 @@
-//! A pinhole camera and its rays.
+//! A pinhole camera, its rays and its projection.
 
 use crate::bounds::is_within_reach;
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 /// Smallest and largest vertical field of view in radians.
@@ -57,34 +57,120 @@ impl Camera {
         Mat3::from_cols(right, backward.cross(right), backward)
     }
 
-    /// The unit direction through `pixel`, a position in pixels from the top left corner of a picture of
-    /// `size`; the centre of the first pixel is (0.5, 0.5).
+    /// Half the height of the picture at a depth of 1.
+    pub fn tan_half_fov(&self) -> f32 {
+        (0.5 * self.fov_y).tan()
+    }
+
+    /// With a picture of `size` pixels.
+    pub fn projection(&self, size: [u32; 2]) -> Projection {
+        Projection::new(self, Vec2::new(size[0] as f32, size[1] as f32))
+    }
+
+    /// The unit direction through the middle of the lens and `pixel` of a picture of `size`, see [`Projection::ray`].
     pub fn direction_through(&self, pixel: Vec2, size: [u32; 2]) -> Vec3 {
-        self.lens(size).direction_through(pixel)
-    }
-
-    /// The directions through the pixels of a picture of `size`.
-    pub fn lens(&self, size: [u32; 2]) -> Lens {
-        let size = Vec2::new(size[0] as f32, size[1] as f32);
-        Lens { world_from_view: self.world_from_view(), tan_half_fov: (0.5 * self.fov_y).tan(), size }
+        self.projection(size).ray(pixel, PINHOLE).1
     }
 }
 
-/// A camera with a picture size, for the directions through many pixels.
+/// The middle of a lens, as a sample of it: all that a pinhole has.
+pub const PINHOLE: Vec2 = Vec2::ZERO;
+
+/// A camera with its picture: from pixels to rays, and from points to pixels. Positions in the picture are in pixels from its top
+/// left corner; the centre of the first pixel is (0.5, 0.5). Twin of `shaders/camera.wgsl`.
 #[derive(Clone, Copy, Debug)]
-pub struct Lens {
-    world_from_view: Mat3,
-    tan_half_fov: f32,
+pub struct Projection {
+    /// Position of the eye in metres.
+    pub eye: Vec3,
+    /// Columns are the right, up and backward axes of the camera.
+    pub world_from_view: Mat3,
+    view_from_world: Mat3,
+    /// Half the height of the picture at a depth of 1.
+    pub tan_half_fov: f32,
     size: Vec2,
+    /// Centre of the picture in pixels.
+    pub center: Vec2,
+    /// Distance of the picture plane from the eye in pixels.
+    pub focal: f32,
 }
 
-impl Lens {
-    /// As [`Camera::direction_through`].
+impl Projection {
+    /// With a picture of `size`, in pixels or any other unit.
+    pub fn new(camera: &Camera, size: Vec2) -> Self {
+        let (world_from_view, tan_half_fov, center) = (camera.world_from_view(), camera.tan_half_fov(), 0.5 * size);
+        Self {
+            eye: camera.eye,
+            world_from_view,
+            view_from_world: world_from_view.transpose(),
+            tan_half_fov,
+            size,
+            center,
+            focal: center.y / tan_half_fov,
+        }
+    }
+
+    /// Origin and unit direction of the ray through `pixel` from a sample of the lens, -1 to 1. A lens with an aperture would
+    /// have its place here; that of a pinhole is [`PINHOLE`].
     #[inline]
-    pub fn direction_through(&self, pixel: Vec2) -> Vec3 {
+    pub fn ray(&self, pixel: Vec2, _lens: Vec2) -> (Vec3, Vec3) {
         let ndc = (2.0 * pixel - self.size) / self.size.y;
         let tan = self.tan_half_fov;
-        (self.world_from_view * Vec3::new(ndc.x * tan, -ndc.y * tan, -1.0)).normalize()
+        (self.eye, (self.world_from_view * Vec3::new(ndc.x * tan, -ndc.y * tan, -1.0)).normalize())
+    }
+
+    /// The unit direction of the optical axis.
+    pub fn forward(&self) -> Vec3 {
+        -self.world_from_view.z_axis
+    }
+
+    /// Depth of a point in metres.
+    pub fn depth(&self, point: Vec3) -> f32 {
+        (point - self.eye).dot(self.forward())
+    }
+
+    /// A point in the space of the camera: right, up, backward.
+    #[inline]
+    pub fn view(&self, point: Vec3) -> Vec3 {
+        self.view_from_world * (point - self.eye)
+    }
+
+    /// Position in the picture times depth, and depth in metres: homogeneous, so that points behind the eye do no harm.
+    #[inline]
+    pub fn project(&self, point: Vec3) -> Vec3 {
+        let p = self.view(point);
+        let depth = -p.z;
+        Vec3::new(self.center.x * depth + self.focal * p.x, self.center.y * depth - self.focal * p.y, depth)
+    }
+
+    /// Position in the picture and depth of a point before the eye.
+    #[inline]
+    pub fn pixel_of(&self, point: Vec3) -> Option<(Vec2, f32)> {
+        let projected = self.project(point);
+        (projected.z > 0.0).then(|| (projected.truncate() / projected.z, projected.z))
+    }
+
+    /// Position in the picture of a point in the space of the camera, before the eye.
+    pub fn pixel_of_view(&self, view: Vec3) -> Vec2 {
+        self.center + self.focal / -view.z * Vec2::new(view.x, -view.y)
+    }
+
+    /// Metres that a pixel spans at a depth.
+    pub fn pixel_span(&self, depth: f32) -> f32 {
+        depth * 2.0 * self.tan_half_fov / self.size.y
+    }
+
+    /// What a rasteriser that samples at the centres of pixels needs to sample at `in_pixel` of each. Depth is near / distance:
+    /// 1 at the near plane, 0 at infinity.
+    pub fn clip_from_world(&self, in_pixel: Vec2, near: f32) -> Mat4 {
+        let (size, tan) = (self.size, self.tan_half_fov);
+        let shift = (Vec2::splat(1.0) - 2.0 * in_pixel) / size * Vec2::new(1.0, -1.0);
+        let clip_from_view = Mat4::from_cols(
+            Vec4::new(size.y / (size.x * tan), 0.0, 0.0, 0.0),
+            Vec4::new(0.0, 1.0 / tan, 0.0, 0.0),
+            Vec4::new(-shift.x, -shift.y, 0.0, -1.0),
+            Vec4::new(0.0, 0.0, near, 0.0),
+        );
+        clip_from_view * Mat4::from_mat3(self.view_from_world) * Mat4::from_translation(-self.eye)
     }
 }
 
@@ -108,5 +194,32 @@ mod tests {
         let camera = Camera::look_at(Vec3::Y, Vec3::ZERO, 40.0);
         let frame = camera.world_from_view();
         assert!((frame.transpose() * frame - Mat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 1e-6));
+    }
+
+    #[test]
+    fn projection_inverts_the_rays() {
+        let camera = Camera::look_at(Vec3::new(0.3, 1.0, 4.0), Vec3::new(0.0, 0.2, 0.0), 40.0);
+        let projection = camera.projection([64, 48]);
+        for pixel in [Vec2::new(0.5, 0.5), Vec2::new(40.0, 7.25), Vec2::new(63.5, 47.5)] {
+            let (origin, direction) = projection.ray(pixel, PINHOLE);
+            let (seen, depth) = projection.pixel_of(origin + 3.0 * direction).unwrap();
+            assert!((seen - pixel).length() < 1e-3 && depth > 2.0, "{seen}");
+            assert_eq!(projection.pixel_of(origin - direction), None);
+        }
+    }
+
+    #[test]
+    fn a_point_seen_through_a_jittered_sample_lands_on_the_centre_of_its_pixel() {
+        let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.2, 0.1, -0.5), 50.0);
+        let projection = camera.projection([64, 48]);
+        for (pixel, offset) in [([3.0, 5.0], [0.1, 0.8]), ([60.0, 40.0], [0.9, 0.2]), ([0.0, 0.0], [0.5, 0.5])] {
+            let (pixel, offset) = (Vec2::from(pixel), Vec2::from(offset));
+            let (origin, direction) = projection.ray(pixel + offset, PINHOLE);
+            let clip = projection.clip_from_world(offset, 0.01) * (origin + 7.0 * direction).extend(1.0);
+            let ndc = clip / clip.w;
+            let position = Vec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * Vec2::new(64.0, 48.0);
+            assert!((position - pixel - 0.5).length() < 1e-3, "{position} for {pixel}");
+            assert!(ndc.z > 0.0 && ndc.z < 1.0);
+        }
     }
 }

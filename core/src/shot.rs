@@ -38,7 +38,7 @@ impl Shot {
         Frustum {
             eye: self.camera.eye,
             view_from_world: self.camera.world_from_view().transpose(),
-            half_height: (0.5 * self.camera.fov_y).tan(),
+            half_height: self.camera.tan_half_fov(),
             aspect: self.aspect,
         }
     }

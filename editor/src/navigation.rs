@@ -4,7 +4,10 @@
 //! poles. A move that would leave the numbers (NaN, infinity, the eye on its target) returns the camera as it was.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{bounds::Bounds, camera::Camera};
+use lapidary_core::{
+    bounds::Bounds,
+    camera::{Camera, PINHOLE},
+};
 
 /// Turning stops this short of the poles, where +Y no longer says which way is upright.
 const MAX_PITCH: f32 = 89.9_f32.to_radians();
@@ -49,7 +52,7 @@ pub fn look(camera: &Camera, yaw: f32, pitch: f32) -> Camera {
 /// units of a picture that is `height` high (y downward).
 pub fn pan(camera: &Camera, delta: Vec2, height: f32) -> Camera {
     let frame = camera.world_from_view();
-    let unit = 2.0 * distance(camera) * (0.5 * camera.fov_y).tan() / height;
+    let unit = 2.0 * distance(camera) * camera.tan_half_fov() / height;
     moved(camera, unit * (delta.y * frame.y_axis - delta.x * frame.x_axis))
 }
 
@@ -80,7 +83,7 @@ pub fn fly(camera: &Camera, motion: Vec3, speed: f32, secs: f32) -> Camera {
 /// Keeps the direction and moves so that the sphere around `bounds` fits a picture of `aspect` (width by height).
 pub fn framed(camera: &Camera, bounds: Bounds, aspect: f32) -> Camera {
     let radius = (0.5 * bounds.diagonal()).max(1e-6);
-    let tan = (0.5 * camera.fov_y).tan();
+    let tan = camera.tan_half_fov();
     let half_angle = tan.min(tan * aspect).atan();
     let target = bounds.center();
     let apart = FRAMING_MARGIN * radius / half_angle.sin();
@@ -102,9 +105,9 @@ pub fn centered_on(camera: &Camera, point: Vec3) -> Camera {
 /// size in the picture (a dolly zoom).
 pub fn with_field_of_view(camera: &Camera, fov_y: f32, keep_size: bool) -> Camera {
     let fov_y = fov_y.clamp(FOV[0], FOV[1]);
-    let scale = if keep_size { (0.5 * camera.fov_y).tan() / (0.5 * fov_y).tan() } else { 1.0 };
-    let eye = camera.target + scale * (camera.eye - camera.target);
-    sound(Camera { eye, fov_y, ..camera.clone() }, camera)
+    let next = Camera { fov_y, ..camera.clone() };
+    let scale = if keep_size { camera.tan_half_fov() / next.tan_half_fov() } else { 1.0 };
+    sound(Camera { eye: camera.target + scale * (camera.eye - camera.target), ..next }, camera)
 }
 
 /// The target seen along an axis from the same distance.
@@ -120,9 +123,9 @@ pub fn axis_view(camera: &Camera, view: AxisView) -> Camera {
 
 /// The point under `pixel` of a picture of `size`, on the plane through the target that faces the camera.
 pub fn point_on_target_plane(camera: &Camera, pixel: Vec2, size: [u32; 2]) -> Vec3 {
-    let direction = camera.direction_through(pixel, size);
-    let ahead = -camera.world_from_view().z_axis;
-    camera.eye + direction * (distance(camera) / direction.dot(ahead))
+    let projection = camera.projection(size);
+    let (origin, direction) = projection.ray(pixel, PINHOLE);
+    origin + direction * (distance(camera) / direction.dot(projection.forward()))
 }
 
 fn distance(camera: &Camera) -> f32 {

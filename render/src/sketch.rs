@@ -7,7 +7,7 @@
 //! multiplies it by the pixel's own albedo.
 
 use glam::{IVec2, Vec2, Vec3};
-use lapidary_core::{camera::Camera, color::luminance, image::Region};
+use lapidary_core::{color::luminance, image::Region};
 
 /// Distances in pixels between the columns, and the rows, of the lattices, from coarse to fine.
 pub const STRIDES: [u32; 4] = [8, 4, 2, 1];
@@ -156,11 +156,6 @@ impl Guide {
         let turned = 2.0 * self.normal.dot(normal) - 1.0;
         if plane > 0.0 && turned > 0.0 { plane * turned } else { 0.0 }
     }
-}
-
-/// Metres that a pixel spans at a distance of one metre.
-pub(crate) fn pixel_angle(camera: &Camera, size: [u32; 2]) -> f32 {
-    2.0 * (0.5 * camera.fov_y).tan() / size[1] as f32
 }
 
 /// The lattice points around a pixel and their weights in a tent filter: the four around it for `cells` of 1, which is

@@ -3,7 +3,7 @@
 use crate::view_mode::{BasisView, ViewMode};
 use glam::{DVec2, Vec2, Vec3};
 use lapidary_core::{
-    camera::Camera,
+    camera::{Camera, Projection},
     ground::Ground,
     image::{Image, Region},
 };
@@ -75,6 +75,11 @@ impl View {
     pub fn ground(&self) -> Ground {
         let is_seen_through = self.background == Background::Transparent && self.wireframe;
         if self.ground == Ground::Shadow && is_seen_through { Ground::Off } else { self.ground }
+    }
+
+    /// From its pixels to rays, and from points to its pixels.
+    pub fn projection(&self) -> Projection {
+        self.camera.projection(self.size)
     }
 
     /// Whether both show light, and differ in camera, size and number of samples alone, in one at least.

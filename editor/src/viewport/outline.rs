@@ -1,15 +1,13 @@
 //! The bounding boxes of what is selected, drawn over the picture for a moment after the selection changes.
 
-use egui::{Color32, Painter, Pos2, Rect, Stroke, vec2};
+use super::gizmo::Projection;
+use egui::{Color32, Painter, Pos2, Rect, Stroke};
 use glam::Vec3;
 use lapidary_core::{bounds::Bounds, camera::Camera};
 
 /// Seconds that the box is shown in full, and that it takes to fade.
 const HOLD_SECS: f64 = 1.0;
 const FADE_SECS: f64 = 0.35;
-
-/// Edges are cut off this near to the eye, in distances to the target.
-const NEAR: f32 = 1e-3;
 
 /// When the selection last changed.
 #[derive(Clone, Debug, Default)]
@@ -53,36 +51,19 @@ pub fn paint(painter: &Painter, rect: Rect, camera: &Camera, bounds: Bounds, col
 
 /// The edges of the box that lie before the eye, in points.
 fn edges(camera: &Camera, bounds: Bounds, rect: Rect) -> Vec<[Pos2; 2]> {
-    let view_from_world = camera.world_from_view().transpose();
+    let projection = Projection::new(camera, rect);
     let corner = |index: usize| {
         let pick = |axis: usize| if index >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
-        view_from_world * (Vec3::new(pick(0), pick(1), pick(2)) - camera.eye)
-    };
-    let near = NEAR * camera.eye.distance(camera.target);
-    let project = |view: Vec3| {
-        let scale = 0.5 * rect.height() / (0.5 * camera.fov_y).tan() / -view.z;
-        rect.center() + scale * vec2(view.x, -view.y)
+        Vec3::new(pick(0), pick(1), pick(2))
     };
     let pairs = (0..8).flat_map(|a| (0..3).filter(move |axis| a >> axis & 1 == 0).map(move |axis| (a, a | 1 << axis)));
-    let clipped = pairs.filter_map(|(a, b)| before_the_eye(corner(a), corner(b), near));
-    clipped.map(|edge| edge.map(project)).collect()
-}
-
-/// The part of an edge in view space that is at least `near` ahead.
-fn before_the_eye(a: Vec3, b: Vec3, near: f32) -> Option<[Vec3; 2]> {
-    let ahead = |v: Vec3| -v.z - near;
-    let crossing = || a.lerp(b, ahead(a) / (ahead(a) - ahead(b)));
-    match (ahead(a) >= 0.0, ahead(b) >= 0.0) {
-        (true, true) => Some([a, b]),
-        (true, false) => Some([a, crossing()]),
-        (false, true) => Some([crossing(), b]),
-        (false, false) => None,
-    }
+    pairs.filter_map(|(a, b)| projection.segment(corner(a), corner(b))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::vec2;
 
     const UNIT: Bounds = Bounds { min: Vec3::splat(-0.5), max: Vec3::splat(0.5) };
 

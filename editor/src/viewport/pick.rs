@@ -1,7 +1,13 @@
 //! What lies under a pixel, by one ray.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{camera::Camera, ground::Ground, parts::Part, ray::Intersector, scene::Mesh};
+use lapidary_core::{
+    camera::{Camera, PINHOLE},
+    ground::Ground,
+    parts::Part,
+    ray::Intersector,
+    scene::Mesh,
+};
 
 /// What lies under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,16 +38,16 @@ pub fn pick(
     pixel: Vec2,
     size: [u32; 2],
 ) -> Option<Picked> {
-    let direction = camera.direction_through(pixel, size);
+    let ray @ (origin, direction) = camera.projection(size).ray(pixel, PINHOLE);
     // Whatever stops any light can be picked.
-    let first = intersector.closest_above(camera.eye, direction, |_| 0.0);
-    let hit = intersector.past_ground(mesh, first, (camera.eye, direction), ground == Ground::On, |_| 0.0)?;
+    let first = intersector.closest_above(origin, direction, |_| 0.0);
+    let hit = intersector.past_ground(mesh, first, ray, ground == Ground::On, |_| 0.0)?;
     let index = hit.triangle as usize;
     Some(Picked {
         object: *mesh.triangle_object.get(index)?,
         material: *mesh.triangle_material.get(index)? as usize,
         triangle: hit.triangle,
-        position: camera.eye + hit.distance * direction,
+        position: origin + hit.distance * direction,
     })
 }
 

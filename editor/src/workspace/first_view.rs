@@ -40,7 +40,7 @@ impl FirstView {
         match (self.fit, bounds) {
             (Fit::All, Some(bounds)) => navigation::framed(&self.camera, bounds, aspect),
             (Fit::Width, _) if (0.2..SHAPE).contains(&aspect) => {
-                let tan = (0.5 * self.camera.fov_y).tan() * SHAPE / aspect;
+                let tan = self.camera.tan_half_fov() * SHAPE / aspect;
                 navigation::with_field_of_view(&self.camera, 2.0 * tan.atan(), false)
             }
             _ => self.camera.clone(),
@@ -61,7 +61,7 @@ mod tests {
     fn a_narrow_viewport_sees_as_much_in_width_of_a_scene_and_a_session_is_as_it_was() {
         let mut document = Document::empty();
         document.bookmarks.push(document.camera.clone());
-        let half_width = |camera: &Camera, aspect: f32| (0.5 * camera.fov_y).tan() * aspect;
+        let half_width = |camera: &Camera, aspect: f32| camera.tan_half_fov() * aspect;
         let of_scene = FirstView::of(&document, false);
         let narrow = of_scene.fitted(Some(bounds()), 0.75);
         assert!((half_width(&narrow, 0.75) - half_width(&document.camera, SHAPE)).abs() < 1e-5);

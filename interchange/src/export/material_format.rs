@@ -41,9 +41,9 @@ impl FileFormat for MaterialFormat {
 }
 
 impl MaterialFormat {
-    /// Those that all materials of a scene can be written in.
-    pub fn exported() -> impl Iterator<Item = &'static Self> {
-        Self::ALL.iter().filter(|format| format.exports())
+    /// Names of those that all materials of a scene can be written in.
+    pub fn exported() -> Vec<&'static str> {
+        Self::ALL.iter().filter(|format| format.exports()).map(|format| format.label).collect()
     }
 
     /// Whether all materials of a scene can be written in it.

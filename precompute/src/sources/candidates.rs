@@ -10,6 +10,7 @@
 use crate::{errors::PointsError, observer::Observer};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    camera::PINHOLE,
     shot::Shot,
     sphere::{cosine_direction, fibonacci_directions, frame_around, uniform_direction},
     surfel::{Surface, Surfel},
@@ -144,7 +145,8 @@ impl<'a> Candidates<'a> {
         let Shot { camera, aspect } = &self.shots[rng.usize(0..self.shots.len())];
         let size = [(ROWS * aspect).ceil().max(1.0) as u32, ROWS as u32];
         let pixel = Vec2::new(rng.f32() * size[0] as f32, rng.f32() * size[1] as f32);
-        segments(self.surface, camera.eye, camera.direction_through(pixel, size), 2, rng).nth(1)
+        let (origin, direction) = camera.projection(size).ray(pixel, PINHOLE);
+        segments(self.surface, origin, direction, 2, rng).nth(1)
     }
 }
 

@@ -12,7 +12,6 @@ use crate::{
         painter::Painter,
         pixel_sampler::{PixelSampler, Sight},
         surface::SurfacePoint,
-        wireframe::Screen,
     },
     sketch::{Guide, Tiles},
 };
@@ -101,7 +100,7 @@ impl Sketch {
         let (Some(last), Some((camera, size))) = (last, &self.seen_by) else { return };
         let is_shown = last.is_filled() || self.is_complete();
         self.history = if is_shown && !self.looked.contains(&None) {
-            Some(History::new(Screen::new(camera, *size), last, |x, y| self.guide(x, y), history))
+            Some(History::new(camera.projection(*size), last, |x, y| self.guide(x, y), history))
         } else {
             history
         };

@@ -101,8 +101,7 @@ impl Pixel {
                 self.normal += point.world_from_local.z_axis;
                 self.albedo += point.base_color;
                 self.roughness += point.roughness;
-                let camera = &sampler.view.camera;
-                let depth = (point.position - camera.eye).dot(-camera.world_from_view().z_axis);
+                let depth = sampler.projection.depth(point.position);
                 if depth < self.depth {
                     (self.depth, self.position) = (depth, point.position);
                 }

@@ -23,6 +23,7 @@ macro_rules! parts {
 parts!(
     "brdf",
     "bumps",
+    "camera",
     "color",
     "cut",
     "direct_lights",
@@ -108,6 +109,7 @@ impl KernelProgram {
 /// What programs begin with that shade the points of surfaces.
 const SHADING: &[&str] = &[
     "frame",
+    "camera",
     "fullscreen",
     "scene",
     "surface",
@@ -129,14 +131,25 @@ const TONE_CURVE: &str = "tone_curve";
 /// Which triangle each pixel sees.
 pub const VISIBILITY: Program = Program {
     name: "visibility_pass",
-    parts: [&["frame", "scene"], &["surface", "materials", "procedural", "opacity", "visibility_pass"]],
+    parts: [&["frame", "camera", "scene"], &["surface", "materials", "procedural", "opacity", "visibility_pass"]],
 };
 /// Barycentric weights and frames.
 pub const SURFACE: Program = Program {
     name: "surface_pass",
     parts: [
         &[],
-        &["frame", "fullscreen", "scene", "surface", "geometry", "materials", "procedural", "bumps", "surface_pass"],
+        &[
+            "frame",
+            "camera",
+            "fullscreen",
+            "scene",
+            "surface",
+            "geometry",
+            "materials",
+            "procedural",
+            "bumps",
+            "surface_pass",
+        ],
     ],
 };
 /// Rays for bakes.
@@ -148,6 +161,7 @@ pub const PARAMETERS: Program = Program {
         &[],
         &[
             "frame",
+            "camera",
             "fullscreen",
             "scene",
             "geometry",
@@ -175,7 +189,7 @@ pub const LIT: Program = Program { name: "lit_pass", parts: [&[], &["frame", "co
 /// Depth from a light.
 pub const SHADOW: Program = Program {
     name: "shadow_pass",
-    parts: [&["frame", "scene"], &["surface", "materials", "procedural", "opacity", "shadow", "shadow_pass"]],
+    parts: [&["frame", "camera", "scene"], &["surface", "materials", "procedural", "opacity", "shadow", "shadow_pass"]],
 };
 /// Local lights.
 pub const DIRECT: Program =

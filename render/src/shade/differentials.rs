@@ -17,9 +17,11 @@ pub struct Differentials {
 impl Differentials {
     /// Of a view whose samples share their pixel evenly.
     pub fn of(view: &View) -> Self {
-        let axes = view.camera.world_from_view();
-        let size = 2.0 * (0.5 * view.camera.fov_y).tan() / view.size[1] as f32 / (view.aa.max(1) as f32).sqrt();
-        Self { eye: view.camera.eye, forward: -axes.z_axis, per_depth: [axes.x_axis * size, -axes.y_axis * size] }
+        let projection = view.projection();
+        let axes = projection.world_from_view;
+        let size = projection.pixel_span(1.0) / (view.aa.max(1) as f32).sqrt();
+        let per_depth = [axes.x_axis * size, -axes.y_axis * size];
+        Self { eye: projection.eye, forward: projection.forward(), per_depth }
     }
 
     /// The footprint of a sample at `position` on the plane of a triangle of this normal, of any length, where coordinates

@@ -6,13 +6,13 @@ use crate::{
         background::Backdrop,
         differentials::Differentials,
         surface::{FirstHit, SurfacePoint, Surfaces},
-        wireframe::{self, Screen},
+        wireframe,
     },
     view::{Background, View},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    camera::Lens,
+    camera::{PINHOLE, Projection},
     ground::Ground,
     opacity::chance,
     ray::{Hit, in_eights},
@@ -23,8 +23,7 @@ use std::ops::Range;
 /// Casts camera rays through the samples of a view's pixels, and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
-    screen: Screen,
-    lens: Lens,
+    pub projection: Projection,
     backdrop: &'a Backdrop,
     /// The mesh with its ground, if it has one.
     mesh: &'a Mesh,
@@ -68,11 +67,9 @@ fn threshold([x, y]: [u32; 2], sample: u32) -> impl Fn(u32) -> f32 {
 
 impl<'a> PixelSampler<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
-        let screen = Screen::new(&view.camera, view.size);
-        let lens = view.camera.lens(view.size);
         let mesh = &renderer.dataset().scene.mesh;
         let surfaces = Surfaces::of(renderer).filtered(Differentials::of(view));
-        Self { view, screen, lens, backdrop, mesh, surfaces, offsets: view.pixel_offsets() }
+        Self { view, projection: view.projection(), backdrop, mesh, surfaces, offsets: view.pixel_offsets() }
     }
 
     /// With maps looked up at points: for so many positions in each pixel that they are filtered by these.
@@ -101,40 +98,42 @@ impl<'a> PixelSampler<'a> {
 
     /// The view from a position in the pixel's unit square, of surfaces above thresholds of opacity.
     fn sight_at(&self, [x, y]: [u32; 2], in_pixel: Vec2, threshold: impl Fn(u32) -> f32) -> Sight {
-        let (position, direction) = self.toward(x, y, in_pixel);
-        let first = self.surfaces.hit_above(self.view.camera.eye, direction, &threshold);
-        let hit = self.past_hidden_ground(first, direction, threshold);
+        let (position, ray @ (origin, direction)) = self.toward(x, y, in_pixel);
+        let first = self.surfaces.hit_above(origin, direction, &threshold);
+        let hit = self.past_hidden_ground(first, ray, threshold);
         Sight { position, direction, seen: self.seen(hit, direction) }
     }
 
-    fn toward(&self, x: u32, y: u32, in_pixel: Vec2) -> (Vec2, Vec3) {
+    /// A position in the picture, and origin and direction of its ray.
+    fn toward(&self, x: u32, y: u32, in_pixel: Vec2) -> (Vec2, (Vec3, Vec3)) {
         let position = Vec2::new(x as f32, y as f32) + in_pixel;
-        (position, self.lens.direction_through(position))
+        (position, self.projection.ray(position, PINHOLE))
     }
 
     /// Where the camera rays through one of the samples of each of some pixels meet the mesh. Eight at a time are traced
     /// together, the faster the nearer they are.
     pub fn hits(&self, pixels: &[[u32; 2]], sample: usize) -> Vec<Option<Hit>> {
-        let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1;
+        let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1.1;
         let eights = in_eights(pixels.iter().map(direction));
         // The last eight may be filled up with rays of no pixel.
         let of_ray = |ray: usize| threshold(pixels[ray.min(pixels.len() - 1)], sample as u32);
-        let eye = self.view.camera.eye;
+        // Those that are traced together begin at one point: the rays of a pinhole do.
+        let eye = self.projection.eye;
         let hits = self.surfaces.hits_from(eye, &eights, |ray, triangle| of_ray(ray)(triangle)).into_flattened();
         let first = hits.into_iter().zip(eights.as_flattened()).take(pixels.len()).enumerate();
-        first.map(|(ray, (hit, &direction))| self.past_hidden_ground(hit, direction, of_ray(ray))).collect()
+        first.map(|(ray, (hit, &direction))| self.past_hidden_ground(hit, (eye, direction), of_ray(ray))).collect()
     }
 
     /// The view along one of a pixel's samples, whose hit is known.
     pub fn sight_of(&self, [x, y]: [u32; 2], sample: usize, hit: Option<Hit>) -> Sight {
-        let (position, direction) = self.toward(x, y, self.offset(sample));
+        let (position, (_, direction)) = self.toward(x, y, self.offset(sample));
         Sight { position, direction, seen: self.seen(hit, direction) }
     }
 
     /// A hit of a camera ray, or the one behind a ground that is not seen. From below it never is.
-    fn past_hidden_ground(&self, hit: Option<Hit>, direction: Vec3, threshold: impl Fn(u32) -> f32) -> Option<Hit> {
+    fn past_hidden_ground(&self, hit: Option<Hit>, ray: (Vec3, Vec3), threshold: impl Fn(u32) -> f32) -> Option<Hit> {
         let is_seen = self.view.ground() != Ground::Off;
-        self.surfaces.past_ground(hit, (self.view.camera.eye, direction), is_seen, threshold)
+        self.surfaces.past_ground(hit, ray, is_seen, threshold)
     }
 
     /// What is seen at a hit. A ground that catches shadows reflects what is behind it.
@@ -164,7 +163,7 @@ impl<'a> PixelSampler<'a> {
 
     /// The surface that a pixel's first sample sees at `hit`; `None` for the back of a one-sided one.
     pub fn first_point(&self, x: u32, y: u32, hit: &Hit) -> Option<SurfacePoint> {
-        let (_, direction) = self.toward(x, y, self.offset(0));
+        let (_, (_, direction)) = self.toward(x, y, self.offset(0));
         match self.seen(Some(*hit), direction) {
             FirstHit::Surface(point) => Some(*point),
             FirstHit::Back | FirstHit::Background => None,
@@ -178,7 +177,7 @@ impl<'a> PixelSampler<'a> {
 
     /// Coverage of a sample on a triangle by the lines of a wireframe.
     pub fn wire(&self, position: Vec2, corners: [Vec3; 3]) -> f32 {
-        let corners = corners.map(|corner| self.screen.project(corner));
+        let corners = corners.map(|corner| self.projection.project(corner));
         wireframe::line_coverage(wireframe::edge_distance(position, corners))
     }
 

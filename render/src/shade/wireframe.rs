@@ -4,8 +4,7 @@
 //! Twin of `shaders/wireframe.wgsl`. Lines are computed from the projected corners in homogeneous coordinates, so that
 //! a corner behind the eye needs no clipping.
 
-use glam::{Mat3, Vec2, Vec3};
-use lapidary_core::camera::Camera;
+use glam::{Vec2, Vec3};
 
 /// Width of a line in pixels where it is full.
 pub const LINE_WIDTH: f32 = 1.0;
@@ -15,38 +14,6 @@ pub const LINE_FADE: f32 = 1.0;
 pub const LINE_OPACITY: f32 = 0.7;
 /// sRGB-encoded colour of lines: a cyan that stands out from black, white, skin and wood, and from magma.
 pub const LINE_COLOR: Vec3 = Vec3::new(0.10, 0.75, 0.95);
-
-/// Projects points of the world into a picture.
-#[derive(Clone, Copy, Debug)]
-pub struct Screen {
-    view_from_world: Mat3,
-    eye: Vec3,
-    /// Centre of the picture in pixels.
-    center: Vec2,
-    /// Distance of the picture plane from the eye in pixels.
-    focal: f32,
-}
-
-impl Screen {
-    /// For a picture of `size` pixels.
-    pub fn new(camera: &Camera, size: [u32; 2]) -> Self {
-        let center = 0.5 * Vec2::new(size[0] as f32, size[1] as f32);
-        let focal = center.y / (0.5 * camera.fov_y).tan();
-        Self { view_from_world: camera.world_from_view().transpose(), eye: camera.eye, center, focal }
-    }
-
-    /// Distance of the picture plane from the eye in pixels.
-    pub fn focal(&self) -> f32 {
-        self.focal
-    }
-
-    /// Pixel coordinates from the top left corner times depth, and depth in metres.
-    pub fn project(&self, point: Vec3) -> Vec3 {
-        let p = self.view_from_world * (point - self.eye);
-        let depth = -p.z;
-        Vec3::new(self.center.x * depth + self.focal * p.x, self.center.y * depth - self.focal * p.y, depth)
-    }
-}
 
 /// Distance in pixels from `pixel`, a position inside a projected triangle, to the nearest of its edges.
 pub fn edge_distance(pixel: Vec2, corners: [Vec3; 3]) -> f32 {
@@ -74,22 +41,6 @@ pub fn over(shown: Vec3, coverage: f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn screen() -> (Camera, Screen) {
-        let camera = Camera::look_at(Vec3::new(0.3, 1.0, 4.0), Vec3::new(0.0, 0.2, 0.0), 40.0);
-        let screen = Screen::new(&camera, [64, 48]);
-        (camera, screen)
-    }
-
-    #[test]
-    fn projection_inverts_the_camera_rays() {
-        let (camera, screen) = screen();
-        for pixel in [Vec2::new(0.5, 0.5), Vec2::new(40.0, 7.25), Vec2::new(63.5, 47.5)] {
-            let point = camera.eye + 3.0 * camera.direction_through(pixel, [64, 48]);
-            let p = screen.project(point);
-            assert!((p.truncate() / p.z - pixel).length() < 1e-3, "{p}");
-        }
-    }
 
     #[test]
     fn distances_are_those_on_the_screen_even_with_a_corner_behind_the_eye() {

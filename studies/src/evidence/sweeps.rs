@@ -20,7 +20,8 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::{
-    cut::CutCriterion, dataset::Dataset, image::Image, light_tree::TreeKind, ray::Intersector, scene::Scene,
+    camera::PINHOLE, cut::CutCriterion, dataset::Dataset, image::Image, light_tree::TreeKind, ray::Intersector,
+    scene::Scene,
 };
 use lapidary_precompute::Geometry;
 use lapidary_render::{LitScene, PathSettings, Quiet, Renderer, View};
@@ -212,10 +213,11 @@ fn weighted(beta: f32) -> Variant {
 fn shown_vertices(scene: &Scene, intersector: &Intersector, view: &View) -> Vec<u32> {
     let [width, height] = view.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let projection = view.projection();
     let hit = |[x, y]: [u32; 2]| {
         let center = glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-        let direction = view.camera.direction_through(center, view.size);
-        intersector.closest_hit(view.camera.eye, direction)
+        let (origin, direction) = projection.ray(center, PINHOLE);
+        intersector.closest_hit(origin, direction)
     };
     let mut vertices: Vec<u32> =
         pixels.filter_map(hit).flat_map(|h| scene.mesh.triangles[h.triangle as usize]).collect();

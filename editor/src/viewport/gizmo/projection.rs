@@ -1,8 +1,8 @@
 //! From world space to points of the viewport and back.
 
 use egui::{Pos2, Rect, vec2};
-use glam::{Mat3, Vec2, Vec3};
-use lapidary_core::camera::Camera;
+use glam::{Vec2, Vec3};
+use lapidary_core::camera::{self, Camera, PINHOLE};
 
 /// What is nearer to the eye than this share of the distance to the target is not drawn.
 const NEAR: f32 = 1e-3;
@@ -11,33 +11,27 @@ const NEAR: f32 = 1e-3;
 #[derive(Clone, Debug)]
 pub struct Projection {
     rect: Rect,
-    camera: Camera,
-    view_from_world: Mat3,
-    /// Points that a metre takes at a distance of one metre.
-    focal: f32,
+    /// In points of the rectangle.
+    of_camera: camera::Projection,
     near: f32,
 }
 
 impl Projection {
     /// That of `camera` in `rect`.
     pub fn new(camera: &Camera, rect: Rect) -> Self {
-        Self {
-            rect,
-            camera: camera.clone(),
-            view_from_world: camera.world_from_view().transpose(),
-            focal: 0.5 * rect.height().max(1.0) / (0.5 * camera.fov_y).tan(),
-            near: NEAR * camera.eye.distance(camera.target),
-        }
+        let size = rect.size().max(vec2(1.0, 1.0));
+        let of_camera = camera::Projection::new(camera, Vec2::new(size.x, size.y));
+        Self { rect, of_camera, near: NEAR * camera.eye.distance(camera.target) }
     }
 
     /// Where the eye is.
     pub fn eye(&self) -> Vec3 {
-        self.camera.eye
+        self.of_camera.eye
     }
 
     /// The unit direction of the optical axis.
     pub fn forward(&self) -> Vec3 {
-        -self.view_from_world.transpose().z_axis
+        self.of_camera.forward()
     }
 
     /// Where a point is seen; `None` behind the eye.
@@ -65,25 +59,22 @@ impl Projection {
     /// Metres that a point of the screen covers at the depth of `world`; `None` behind the eye.
     pub fn metres_per_point(&self, world: Vec3) -> Option<f32> {
         let depth = -self.view(world).z;
-        (depth > self.near).then(|| depth / self.focal)
+        (depth > self.near).then(|| self.of_camera.pixel_span(depth))
     }
 
     /// Unit direction of the ray through a position of the screen.
     pub fn direction(&self, pointer: Pos2) -> Vec3 {
         let at = pointer - self.rect.min;
-        let size = self.rect.size().max(vec2(1.0, 1.0));
-        // The camera counts pixels; only their shape matters for a direction, so finer ones are made up.
-        const FINER: f32 = 64.0;
-        let pixels = [size.x, size.y].map(|side| (FINER * side) as u32);
-        self.camera.direction_through(FINER * Vec2::new(at.x, at.y), pixels)
+        self.of_camera.ray(Vec2::new(at.x, at.y), PINHOLE).1
     }
 
     fn view(&self, world: Vec3) -> Vec3 {
-        self.view_from_world * (world - self.camera.eye)
+        self.of_camera.view(world)
     }
 
     fn project(&self, view: Vec3) -> Pos2 {
-        self.rect.center() + self.focal / -view.z * vec2(view.x, -view.y)
+        let place = self.of_camera.pixel_of_view(view);
+        self.rect.min + vec2(place.x, place.y)
     }
 }
 

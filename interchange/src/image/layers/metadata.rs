@@ -35,7 +35,7 @@ impl Metadata {
         let mut attributes = openexr::LayerAttributes { software_name, other, ..Default::default() };
         if let Some(camera) = &self.camera {
             let aspect = size[0] as f32 / size[1].max(1) as f32;
-            let width = 2.0 * (0.5 * camera.fov_y).tan() * aspect;
+            let width = 2.0 * camera.tan_half_fov() * aspect;
             attributes.world_to_camera = Some(camera_from_world(camera).to_cols_array());
             attributes.screen_window_width = width;
             attributes.vertical_field_of_view = Some(camera.fov_y.to_degrees());

@@ -14,6 +14,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
+    camera::PINHOLE,
     ray::Intersector,
     scene::Mesh,
     shot::{Frustum, Shot},
@@ -146,9 +147,11 @@ impl<'a> EdgeScale<'a> {
 /// Part of a picture that shows surfaces.
 fn filled_part(shot: &Shot, scene: &Intersector) -> f32 {
     let size = [((ROWS as f32 * shot.aspect).ceil() as u32).clamp(1, 64 * ROWS), ROWS];
+    let projection = shot.camera.projection(size);
     let hits = |pixel: u32| {
         let center = Vec2::new((pixel % size[0]) as f32 + 0.5, (pixel / size[0]) as f32 + 0.5);
-        scene.occluded(shot.camera.eye, shot.camera.direction_through(center, size))
+        let (origin, direction) = projection.ray(center, PINHOLE);
+        scene.occluded(origin, direction)
     };
     let rays = size[0] * size[1];
     (0..rays).into_par_iter().filter(|&pixel| hits(pixel)).count() as f32 / rays as f32

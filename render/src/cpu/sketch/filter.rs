@@ -4,7 +4,7 @@ use super::{Sketch, history::Detail};
 use crate::{
     cpu::picture::{Filled, FilledRow, Picture},
     shade::pixel_sampler::PixelSampler,
-    sketch::{Guide, Mean, OTHER, around, pixel_angle},
+    sketch::{Guide, Mean, OTHER, around},
     stale::Part,
     view_mode::ViewMode,
 };
@@ -38,7 +38,7 @@ struct Taps {
 
 impl<'a> Filter<'a> {
     pub fn new(sketch: &'a Sketch, picture: &'a Picture, sampler: &'a PixelSampler<'a>) -> Self {
-        let pixel_angle = pixel_angle(&sampler.view.camera, sampler.view.size);
+        let pixel_angle = sampler.view.projection().pixel_span(1.0);
         Self { sketch, picture, sampler, pixel_angle }
     }
 

@@ -9,12 +9,11 @@
 
 use crate::{
     cpu::picture::Picture,
-    shade::wireframe::Screen,
     sketch::{Guide, Mean},
     stale::Part,
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::color::luminance;
+use lapidary_core::{camera::Projection, color::luminance};
 use rayon::prelude::*;
 
 /// A pixel of the last picture: what it saw.
@@ -30,7 +29,7 @@ struct Past {
 /// The last picture, row by row.
 #[derive(Default)]
 pub(super) struct History {
-    screen: Option<Screen>,
+    projection: Option<Projection>,
     size: [u32; 2],
     points: Vec<Past>,
     /// Radiance over albedo, by [`Part`]; empty where the light had no such part.
@@ -44,7 +43,7 @@ pub(super) struct History {
 impl History {
     /// Of a picture that is shown, whose pixels see what `guide` tells. The room of `former` is used again.
     pub fn new<'g>(
-        screen: Screen,
+        projection: Projection,
         picture: &Picture,
         guide: impl Fn(u32, u32) -> &'g Guide + Sync,
         former: Option<Self>,
@@ -63,16 +62,16 @@ impl History {
         let [.., direct, added] = &mut values;
         direct.iter_mut().zip(added.drain(..)).for_each(|(direct, added)| *direct += added);
         predicted.iter_mut().for_each(Vec::clear);
-        Self { screen: Some(screen), size, points, values, predicted, width: 0 }
+        Self { projection: Some(projection), size, points, values, predicted, width: 0 }
     }
 
     /// Finds the pixels of a picture of `size`, which see what `guide` tells, unless that is done.
     pub fn predict<'g>(&mut self, guide: impl Fn(u32, u32) -> &'g Guide + Sync, size: [u32; 2]) {
-        let Some(screen) = self.screen.take() else { return };
+        let Some(projection) = self.projection.take() else { return };
         let Self { points, values, predicted, size: from, .. } = self;
         for (values, predicted) in values.iter().zip(predicted).filter(|(values, _)| !values.is_empty()) {
             // Found anew for each part: to keep where it was found would take longer.
-            by_rows(predicted, size, |x, y| Found::of(guide(x, y), &screen, points, *from)?.mean(values));
+            by_rows(predicted, size, |x, y| Found::of(guide(x, y), &projection, points, *from)?.mean(values));
         }
         self.width = size[0];
     }
@@ -100,16 +99,13 @@ struct Found {
 }
 
 impl Found {
-    fn of(guide: &Guide, screen: &Screen, points: &[Past], size: [u32; 2]) -> Option<Self> {
-        let projected = screen.project(guide.position);
-        if !(guide.is_lit() && projected.z > 0.0) {
-            return None;
-        }
+    fn of(guide: &Guide, projection: &Projection, points: &[Past], size: [u32; 2]) -> Option<Self> {
+        let (pixel, depth) = projection.pixel_of(guide.position).filter(|_| guide.is_lit())?;
         // The first sample of a pixel is at its centre.
-        let place = projected.truncate() / projected.z - 0.5;
+        let place = pixel - 0.5;
         let first = place.floor();
         let f = place - first;
-        let reach = projected.z / screen.focal();
+        let reach = depth / projection.focal;
         let (mut pixels, mut weights) = ([0; 4], [0.0; 4]);
         for (i, (pixel, weight)) in pixels.iter_mut().zip(&mut weights).enumerate() {
             let corner = Vec2::new((i % 2) as f32, (i / 2) as f32);

@@ -1,8 +1,11 @@
 //! Which pixels see something else when objects are posed anew.
 
-use crate::shade::wireframe::Screen;
 use glam::{Vec2, Vec3};
-use lapidary_core::{bounds::Bounds, camera::Camera, scene::Mesh};
+use lapidary_core::{
+    bounds::Bounds,
+    camera::{Camera, Projection},
+    scene::Mesh,
+};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -40,24 +43,22 @@ impl Moved {
 
     /// Rectangles of pixels, from and up to columns and rows, outside of which nothing is seen that has moved there.
     pub fn rectangles(&self, camera: &Camera, size: [u32; 2]) -> Vec<[[u32; 2]; 2]> {
-        let screen = Screen::new(camera, size);
-        self.boxes.iter().map(|bounds| rectangle(&screen, bounds, size)).collect()
+        let projection = camera.projection(size);
+        self.boxes.iter().map(|bounds| rectangle(&projection, bounds, size)).collect()
     }
 }
 
 /// Around a box; the whole picture if part of it is beside or behind the eye.
-fn rectangle(screen: &Screen, bounds: &Bounds, size: [u32; 2]) -> [[u32; 2]; 2] {
+fn rectangle(projection: &Projection, bounds: &Bounds, size: [u32; 2]) -> [[u32; 2]; 2] {
     let corner = |i: u32| {
         let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
-        screen.project(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
+        projection.pixel_of(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
     };
-    let corners: [Vec3; 8] = std::array::from_fn(|i| corner(i as u32));
-    if corners.iter().any(|corner| !(corner.z > 0.0)) {
-        return [[0, 0], size];
-    }
-    let places = corners.map(|corner| corner.truncate() / corner.z);
-    let low = places.into_iter().fold(Vec2::INFINITY, Vec2::min) - MARGIN;
-    let high = places.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max) + MARGIN;
+    let corners: Option<Vec<(Vec2, f32)>> = (0..8).map(corner).collect();
+    let Some(corners) = corners else { return [[0, 0], size] };
+    let places = || corners.iter().map(|&(place, _)| place);
+    let low = places().fold(Vec2::INFINITY, Vec2::min) - MARGIN;
+    let high = places().fold(Vec2::NEG_INFINITY, Vec2::max) + MARGIN;
     // Conversions clamp: what lies outside of the picture makes an empty rectangle.
     let within = |place: Vec2| [(place.x as u32).min(size[0]), (place.y as u32).min(size[1])];
     [within(low), within(high.ceil())]
@@ -91,10 +92,10 @@ mod tests {
         assert!(objects.len() == 12 && objects.iter().all(|&object| object == 1));
         let camera = camera(20.0);
         let [[[left, top], [right, bottom]]] = moved.rectangles(&camera, SIZE)[..] else { panic!("one object") };
-        let screen = Screen::new(&camera, SIZE);
+        let projection = camera.projection(SIZE);
         let is_in = |v: u32| {
-            let p = screen.project(now.positions[v as usize]);
-            let (x, y) = ((p.x / p.z) as u32, (p.y / p.z) as u32);
+            let (place, _) = projection.pixel_of(now.positions[v as usize]).unwrap();
+            let (x, y) = (place.x as u32, place.y as u32);
             (left..right).contains(&x) && (top..bottom).contains(&y)
         };
         assert!(vertices.iter().all(|&v| is_in(v)));
@@ -108,7 +109,7 @@ mod tests {
     #[test]
     fn what_reaches_behind_the_eye_may_be_anywhere_and_what_is_aside_nowhere() {
         let around = |center: Vec3, half: f32| Bounds { min: center - half, max: center + half };
-        let of = |bounds: Bounds| rectangle(&Screen::new(&camera(3.0), SIZE), &bounds, SIZE);
+        let of = |bounds: Bounds| rectangle(&camera(3.0).projection(SIZE), &bounds, SIZE);
         assert_eq!(of(around(Vec3::Z * 3.0, 0.5)), [[0, 0], SIZE]);
         let [[left, _], [right, _]] = of(around(Vec3::X * 50.0, 0.5));
         assert!(left >= right, "right of the picture");

@@ -8,7 +8,6 @@ use crate::{
     gpu::targets::{Sums, Target, format, target},
     stale::Part,
 };
-use glam::Vec2;
 use wgpu::{BindingResource::TextureView as View, util::DeviceExt};
 
 /// The last picture.
@@ -117,14 +116,12 @@ impl GpuBackend {
 
 /// The camera of a picture, and where its pixels' samples are.
 fn past(picture: &Picture) -> PastUniforms {
-    let (camera, size) = (&picture.view.camera, picture.view.size);
-    let half = 0.5 * Vec2::new(size[0] as f32, size[1] as f32);
-    let axes = camera.world_from_view();
+    let projection = picture.view.projection();
     PastUniforms {
-        world_from_view: [0, 1, 2].map(|i| axes.col(i).extend(0.0).to_array()),
-        eye: camera.eye.to_array(),
-        focal: half.y / (0.5 * camera.fov_y).tan(),
-        center: (half - picture.offset(picture.seen)).to_array(),
-        size,
+        world_from_view: [0, 1, 2].map(|i| projection.world_from_view.col(i).extend(0.0).to_array()),
+        eye: projection.eye.to_array(),
+        focal: projection.focal,
+        center: (projection.center - picture.offset(picture.seen)).to_array(),
+        size: picture.view.size,
     }
 }

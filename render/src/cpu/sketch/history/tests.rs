@@ -7,18 +7,18 @@ fn floor(position: Vec3) -> Guide {
 }
 
 /// A floor seen from above in four by four pixels, and the points at its pixels' centres.
-fn seen_from_above() -> (Screen, Vec<Past>) {
+fn seen_from_above() -> (Projection, Vec<Past>) {
     let camera = Camera { up: Vec3::NEG_Z, ..Camera::look_at(2.0 * Vec3::Y, Vec3::ZERO, 90.0) };
     let point = |i: u32| Vec3::new((i % 4) as f32 - 1.5, 0.0, (i / 4) as f32 - 1.5);
     let past = |i| Past { material: 1, position: point(i), normal: Vec3::Y };
-    (Screen::new(&camera, [4, 4]), (0..16).map(past).collect())
+    (camera.projection([4, 4]), (0..16).map(past).collect())
 }
 
 #[test]
 fn a_point_is_found_between_the_pixels_that_show_its_surface() {
-    let (screen, mut points) = seen_from_above();
+    let (projection, mut points) = seen_from_above();
     let values: Vec<Vec3> = points.iter().map(|past| past.position).collect();
-    let tell = |points: &[Past], guide: &Guide| Found::of(guide, &screen, points, [4, 4])?.mean(&values);
+    let tell = |points: &[Past], guide: &Guide| Found::of(guide, &projection, points, [4, 4])?.mean(&values);
     let place = Vec3::new(0.2, 0.0, -0.6);
     let told = tell(&points, &floor(place)).unwrap();
     assert!((told - place).length() < 1e-5, "linear values are interpolated: {told}");
