@@ -26,17 +26,17 @@ mod oren_nayar;
 mod parameter;
 mod parameters;
 mod phong_lobe;
+mod prelude;
 mod sampled;
 mod shared;
 mod surface;
 mod ward;
-mod ward_duer;
 mod wgsl;
 mod written;
 
 pub use albedo::{Albedo, albedo_table};
-pub use ashikhmin_shirley::{AshikhminShirley, AshikhminShirleyParameters};
-pub use beckmann::{Beckmann, BeckmannParameters};
+pub use ashikhmin_shirley::AshikhminShirley;
+pub use beckmann::Beckmann;
 pub use blinn_phong::{BlinnPhong, BlinnPhongParameters};
 #[cfg(any(test, feature = "test-scenes"))]
 pub use content::example_file;
@@ -56,9 +56,9 @@ pub use oren_nayar::{OrenNayar, OrenNayarParameters};
 pub use parameter::{MOST_NUMBERS, MapUse, Parameter, Value, Values};
 pub use parameters::Parameters;
 pub use sampled::SampledLobe;
+pub use shared::GlossyParameters;
 pub use surface::SurfaceParameters;
-pub use ward::{Ward, WardParameters};
-pub use ward_duer::{WardDuer, WardDuerParameters};
+pub use ward::{Ward, WardDuer};
 pub use wgsl::{WIDE_LIGHT, Wgsl};
 pub use written::{SIGNATURE, Written, WrittenError};
 

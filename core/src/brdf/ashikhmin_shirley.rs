@@ -4,32 +4,8 @@
 //! (1 - (1 - n·wi / 2)⁵) (1 - (1 - n·wo / 2)⁵)` (Eq. 4 and 5). The exponents are `2 / alpha² - 2`, so that lobes are as wide
 //! as microfacets of the same roughness.
 
-use super::{
-    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
-    microfacet::{HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
-    parameter::parameters,
-    phong_lobe::PhongLobe,
-    shared,
-};
-use crate::{
-    color::luminance,
-    simd::{Lanes, Vec3x8},
-};
-use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
-use wide::f32x8;
-
-parameters! {
-    /// Parameters of [`AshikhminShirley`].
-    pub struct AshikhminShirleyParameters {
-        base_color: Vec3 = shared::BASE_COLOR,
-        roughness: f32 = shared::ROUGHNESS,
-        metalness: f32 = shared::METALNESS,
-        specular: f32 = shared::SPECULAR,
-        ior: f32 = shared::IOR,
-        anisotropy: f32 = shared::ANISOTROPY,
-    }
-}
+use super::prelude::*;
+use super::shared::GlossyParameters;
 
 /// Two powers of the half vector's cosine over a diffuse base.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +17,7 @@ pub struct AshikhminShirley {
 impl AshikhminShirley {
     /// `p` must be within the ranges.
     #[inline]
-    pub fn new(p: &AshikhminShirleyParameters) -> Self {
+    pub fn new(p: &GlossyParameters) -> Self {
         Self {
             lobe: PhongLobe::new(widths(p.roughness, p.anisotropy)),
             schlick: Schlick::new(p.base_color, p.metalness, p.ior, p.specular),
@@ -71,11 +47,11 @@ impl Model for AshikhminShirley {
     const LABEL: &'static str = "Ashikhmin-Shirley";
     const SUMMARY: &'static str =
         "An anisotropic Phong lobe with Fresnel over a base that keeps energy: brushed metals and polished plastics.";
-    const PARAMETERS: &'static [Parameter] = AshikhminShirleyParameters::LIST;
+    const PARAMETERS: &'static [Parameter] = GlossyParameters::LIST;
 
     #[inline]
     fn from_values(values: &Values) -> Self {
-        Self::new(&AshikhminShirleyParameters::new(values))
+        Self::new(&GlossyParameters::new(values))
     }
 }
 

@@ -3,34 +3,8 @@
 //! `f = F D G / (4 |n·wi| |n·wo|)` with normally distributed slopes, the exact Fresnel factor at the half vector, and the
 //! rational fit of Smith's shadowing for each direction by itself (Walter et al., Eq. 27).
 
-use super::{
-    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
-    albedo::Albedo,
-    diffuse_base::DiffuseBase,
-    gaussian_lobe::{GaussianLobe, shadowing},
-    microfacet::{HalfVectorLobe, HalfVectors, Interface, glossy_share, is_seen, widths},
-    parameter::parameters,
-    shared,
-};
-use crate::{
-    color::luminance,
-    simd::{Lanes, Vec3x8},
-};
-use glam::Vec3;
-use wide::f32x8;
-
-parameters! {
-    /// Parameters of [`Beckmann`].
-    pub struct BeckmannParameters {
-        base_color: Vec3 = shared::BASE_COLOR,
-        roughness: f32 = shared::ROUGHNESS,
-        metalness: f32 = shared::METALNESS,
-        specular: f32 = shared::SPECULAR,
-        ior: f32 = shared::IOR,
-        anisotropy: f32 = shared::ANISOTROPY,
-        edge_color: Vec3 = shared::EDGE_COLOR,
-    }
-}
+use super::GgxParameters;
+use super::prelude::*;
 
 /// Beckmann's lobe with Fresnel over a diffuse base.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +17,7 @@ pub struct Beckmann {
 impl Beckmann {
     /// `p` must be within the ranges.
     #[inline]
-    pub fn new(p: &BeckmannParameters) -> Self {
+    pub fn new(p: &GgxParameters) -> Self {
         let above = Albedo::of_smooth_dielectric(p.ior).scaled(p.specular);
         Self {
             lobe: GaussianLobe::new(widths(p.roughness, p.anisotropy)),
@@ -62,11 +36,11 @@ impl Model for Beckmann {
     const LABEL: &'static str = "Beckmann";
     const SUMMARY: &'static str =
         "Cook and Torrance's microfacets: Fresnel over a diffuse base, as GGX, but highlights without long tails.";
-    const PARAMETERS: &'static [Parameter] = BeckmannParameters::LIST;
+    const PARAMETERS: &'static [Parameter] = GgxParameters::LIST;
 
     #[inline]
     fn from_values(values: &Values) -> Self {
-        Self::new(&BeckmannParameters::new(values))
+        Self::new(&GgxParameters::new(values))
     }
 }
 

@@ -3,22 +3,8 @@
 //! `f = F (n + 2) (n + 4) / (8π (2^(-n/2) + n)) cosⁿ θh`: the factor makes the albedo that of F for light from the normal. The
 //! exponent is `2 / alpha² - 2`, so that lobes are as wide as microfacets of the same roughness.
 
-use super::{
-    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
-    albedo::Albedo,
-    diffuse_base::DiffuseBase,
-    microfacet::{HalfVectorLobe, HalfVectors, Schlick, glossy_share, is_seen, widths},
-    parameter::parameters,
-    phong_lobe::PhongLobe,
-    shared,
-};
-use crate::{
-    color::luminance,
-    simd::{Lanes, Vec3x8},
-};
-use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, LN_2};
-use wide::f32x8;
+use super::prelude::*;
+use std::f32::consts::LN_2;
 
 parameters! {
     /// Parameters of [`BlinnPhong`].

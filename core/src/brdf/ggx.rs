@@ -4,25 +4,10 @@
 //! see [`GgxLobe`](super::ggx_lobe::GgxLobe). What a metal loses between its facets comes back (Kulla and Conty 2017), and
 //! the base reflects what a dielectric leaves: in even light of 1 a white material shows 1.
 
-use super::{
-    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
-    albedo::{Albedo, multiple_reflectance},
-    diffuse_base::DiffuseBase,
-    ggx_lobe::GgxLobe,
-    microfacet::{HalfVectorLobe, HalfVectors, Interface, glossy_share, is_seen, widths},
-    parameter::parameters,
-    shared,
-};
-use crate::{
-    color::luminance,
-    simd::{Lanes, Vec3x8},
-};
-use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
-use wide::f32x8;
+use super::prelude::*;
 
 parameters! {
-    /// Parameters of [`Ggx`].
+    /// Parameters of [`Ggx`] and [`Beckmann`](super::Beckmann).
     pub struct GgxParameters {
         base_color: Vec3 = shared::BASE_COLOR,
         roughness: f32 = shared::ROUGHNESS,

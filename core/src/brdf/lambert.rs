@@ -1,15 +1,6 @@
 //! Ideal diffuse reflection: `f = albedo / π`.
 
-use super::{
-    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values, microfacet::is_seen, parameter::parameters, shared,
-};
-use crate::{
-    simd::{Lanes, Vec3x8},
-    sphere::cosine_direction,
-};
-use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
-use wide::f32x8;
+use super::prelude::*;
 
 parameters! {
     /// Parameters of [`Lambert`].

@@ -1,16 +1,8 @@
 //! A measured BRDF in the format of the MERL database, tinted. See [`Measured`].
 
-use super::{
-    Brdf, FilePart, LightsX8, Lobes, Measured, Model, NO_LOBE, Parameter, Values, microfacet::is_seen,
-    parameter::parameters,
-};
-use crate::{
-    simd::{Lanes, Vec3x8},
-    sphere::cosine_direction,
-};
-use glam::Vec3;
-use std::{f32::consts::FRAC_1_PI, sync::Arc};
-use wide::f32x8;
+use super::prelude::*;
+use super::{FilePart, Measured};
+use std::sync::Arc;
 
 /// Albedo of a material whose file is not there.
 pub const MISSING: Vec3 = Vec3::new(0.8, 0.0, 0.8);

@@ -11,25 +11,13 @@
 //!
 //! Transmission, subsurface scattering and thin films are stored and not rendered.
 
+use super::prelude::*;
 use super::{
-    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
-    albedo::{Albedo, multiple_reflectance},
     fresnel::{MEAN_NODES, MEAN_WEIGHTS, dielectric_x8},
     fuzz,
-    ggx_lobe::GgxLobe,
-    microfacet::{HalfVectors, MIN_ALPHA, is_seen},
+    microfacet::MIN_ALPHA,
     oren_nayar::OrenNayar,
-    parameter::parameters,
-    shared,
 };
-use crate::{
-    color::luminance,
-    simd::{Lanes, Vec3x8},
-    sphere::cosine_direction,
-};
-use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
-use wide::f32x8;
 
 parameters! {
     /// Parameters of [`OpenPbr`].

@@ -1,16 +1,8 @@
 //! Rough diffuse reflection that preserves energy (Portsmouth, Kutz and Hill 2024, *EON: A Practical Energy-Preserving Rough
 //! Diffuse BRDF*): Fujii's improved Oren-Nayar and what is reflected among its facets several times.
 
-use super::{
-    Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values, microfacet::is_seen, parameter::parameters, shared,
-};
-use crate::{
-    simd::{Lanes, Vec3x8},
-    sphere::cosine_direction,
-};
-use glam::Vec3;
-use std::f32::consts::{FRAC_1_PI, PI};
-use wide::f32x8;
+use super::prelude::*;
+use std::f32::consts::PI;
 
 parameters! {
     /// Parameters of [`OrenNayar`].

@@ -1,6 +1,7 @@
 //! Declarations of the parameters that several models have.
 
-use super::Parameter;
+use super::{Parameter, parameter::parameters};
+use glam::Vec3;
 
 /// Diffuse albedo, or the reflectance of a metal.
 pub const BASE_COLOR: Parameter = Parameter::color(
@@ -68,3 +69,15 @@ pub const EDGE_COLOR: Parameter = Parameter::color(
     [0.9; 3],
     "How bright a metal becomes toward grazing angles (Gulbrandsen 2014): lower dips before the edge, as iron and chrome do.",
 );
+
+parameters! {
+    /// Parameters of a glossy lobe without the colors of a metal's edge, over a diffuse base.
+    pub struct GlossyParameters {
+        base_color: Vec3 = BASE_COLOR,
+        roughness: f32 = ROUGHNESS,
+        metalness: f32 = METALNESS,
+        specular: f32 = SPECULAR,
+        ior: f32 = IOR,
+        anisotropy: f32 = ANISOTROPY,
+    }
+}
