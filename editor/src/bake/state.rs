@@ -1,9 +1,7 @@
 //! The bake at work, and how the last one ended.
 
-use crate::{
-    bake::panel::{BakeStatus, Draft, line},
-    workspace::Seen,
-};
+use super::panel::{BakeStatus, Draft, line};
+use crate::workspace::Seen;
 use lapidary_core::{dataset::BakeParts, ground::Ground};
 use lapidary_precompute::{BakeJob, Leftover, Phase, ResolvedBake};
 use lapidary_studies::jobs::{

@@ -1,12 +1,7 @@
 //! The comparison with a reference: its threads, their results, and their last requests.
 
-use super::panel;
-use crate::{
-    actions::Action,
-    compare::panel::{ComparisonContext, ComparisonPanel},
-    viewport::compare::Compared,
-    widgets::texture_of,
-};
+use super::panel::{self, ComparisonContext, ComparisonPanel};
+use crate::{actions::Action, viewport::compare::Compared, widgets::texture_of};
 use egui::{Color32, Context, TextureHandle, TextureOptions, Ui};
 use lapidary_core::image::Region;
 use lapidary_render::{BackendFactory, Post};

@@ -1,12 +1,10 @@
 //! Why is this pixel wrong? A click in the viewport explains it, in a window of its own.
 
-use super::{panel, state::ExplainWindow};
-use crate::{
-    compare::panel::ComparisonPanel,
-    explain::panel::{ExplainContext, ExplainRequest},
-    picture::Picture,
-    workspace::Workspace,
+use super::{
+    panel::{self, ExplainContext, ExplainRequest},
+    state::ExplainWindow,
 };
+use crate::{compare::panel::ComparisonPanel, picture::Picture, workspace::Workspace};
 use egui::{Context, ScrollArea, Window};
 use lapidary_core::{dataset::BakeParts, image::Region};
 use lapidary_render::{Baked, GatheredLight, Redo, TreeOf};

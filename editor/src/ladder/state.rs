@@ -1,9 +1,7 @@
 //! The ladder of cut sizes, as far as it is climbed.
 
-use crate::{
-    ladder::panel::{LadderResult, LadderTile, LadderTruth},
-    widgets::texture_of,
-};
+use super::panel::{LadderResult, LadderTile, LadderTruth};
+use crate::widgets::texture_of;
 use egui::{Context, TextureOptions};
 use lapidary_studies::jobs::ladder::{LadderEvent, LadderJob};
 
