@@ -75,7 +75,7 @@ fn finest_slope(slot: TextureSlot, uv: vec2<f32>, is_height: bool) -> vec2<f32> 
     if !is_height {
         return slope_of(2.0 * sample_texture(slot, uv).xyz - 1.0);
     }
-    // Changes of height in metres per unit of u and v, by central differences over one texel.
+    // Changes of height in meters per unit of u and v, by central differences over one texel.
     let texels = vec2(f32(slot.width), f32(slot.height)) * slot.scale;
     let steps = 1.0 / max(abs(texels), vec2(1e-6));
     var change = vec2(0.0);
@@ -170,7 +170,7 @@ fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: m
     return bumped;
 }
 
-// Changes of height in metres per unit of u and v.
+// Changes of height in meters per unit of u and v.
 fn height_moments(slot: TextureSlot, uv: UvFootprint) -> SlopeMoments {
     if slot.kind == KIND_PROCEDURAL {
         return pattern_moments(slot, through_slot(slot, uv));

@@ -25,12 +25,12 @@ fn project(world: vec3<f32>) -> vec3<f32> {
     return vec3(center.x * -p.z + focal * p.x, center.y * -p.z - focal * p.y, -p.z);
 }
 
-// Metres that a pixel spans at a depth.
+// Meters that a pixel spans at a depth.
 fn pixel_span(depth: f32) -> f32 {
     return depth * 2.0 * frame.tan_half_fov / f32(frame.size.y);
 }
 
-// Where a point in the space of a camera, before its eye, is in a picture with this centre and distance from the eye, in pixels.
+// Where a point in the space of a camera, before its eye, is in a picture with this center and distance from the eye, in pixels.
 fn pixel_of_view(view: vec3<f32>, center: vec2<f32>, focal: f32) -> vec2<f32> {
     return center + focal / -view.z * vec2(view.x, -view.y);
 }

@@ -1,6 +1,6 @@
 // Luminance inside, the sRGB transfer function at the border. Twin of core/src/color.rs.
 
-// Of a scene-linear Rec. 709 colour.
+// Of a scene-linear Rec. 709 color.
 fn luminance(rgb: vec3<f32>) -> f32 {
     return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
 }

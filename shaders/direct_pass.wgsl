@@ -155,7 +155,7 @@ fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
     return sum / f32(samples);
 }
 
-// Metres along parallel light from the blockers around to the receiver, as their mean; 0 without any. Blockers are in the cone
+// Meters along parallel light from the blockers around to the receiver, as their mean; 0 without any. Blockers are in the cone
 // that the disc is seen in, which is as long as the way out of the scene.
 fn mean_gap(point: SurfacePoint, light: LocalLight) -> f32 {
     let view = shadow_views[light.first_view];

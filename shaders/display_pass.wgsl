@@ -3,7 +3,7 @@
 struct Display {
     // Radiance is scaled by this.
     exposure: f32,
-    // The count at the upper end of the false colours.
+    // The count at the upper end of the false colors.
     count_top: f32,
     tone_map: u32,
     view_mode: u32,
@@ -14,7 +14,7 @@ struct Display {
 }
 
 @group(0) @binding(0) var<uniform> display: Display;
-// Every 17th colour of magma, sRGB encoded.
+// Every 17th color of magma, sRGB encoded.
 @group(0) @binding(1) var<uniform> magma_stops: array<vec4<f32>, 16>;
 // Sums of the parts of the light; those that a picture lacks are a texel of zeros.
 @group(0) @binding(2) var environment_value: texture_2d<f32>;

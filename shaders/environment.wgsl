@@ -3,7 +3,7 @@
 
 const PI: f32 = 3.14159265;
 
-// The centre of the map is +Z, its left quarter +X, its top +Y.
+// The center of the map is +Z, its left quarter +X, its top +Y.
 fn uv_from_direction(d: vec3<f32>) -> vec2<f32> {
     // An arc cosine is coarser than an arc tangent on some adapters.
     return vec2(0.5 - atan2(d.x, d.z) / (2.0 * PI), atan2(length(d.xz), d.y) / PI);

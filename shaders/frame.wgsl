@@ -56,7 +56,7 @@ const VIEW_BASIS_LEVEL: u32 = 7u;
 const VIEW_BASIS_FUNCTION: u32 = 8u;
 const VIEW_BASIS_COEFFICIENTS: u32 = 9u;
 
-// Whether the view shows colours and roughnesses of surfaces.
+// Whether the view shows colors and roughnesses of surfaces.
 fn shows_color() -> bool {
     return frame.view_mode == VIEW_ALBEDO || frame.view_mode == VIEW_ROUGHNESS;
 }

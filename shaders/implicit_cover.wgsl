@@ -4,15 +4,15 @@
 const OVERLAP: f32 = 1.175;
 // The largest slope of the concentric map.
 const STEEPEST_MAP: f32 = 0.5 * 1.62;
-// Sine of the angle between centre and edge of a disc up to which CHORD holds.
+// Sine of the angle between center and edge of a disc up to which CHORD holds.
 const WIDE: f32 = 0.7;
-// Most that the distance between the directions of centre and edge exceeds that sine.
+// Most that the distance between the directions of center and edge exceeds that sine.
 const CHORD: f32 = 1.09;
 const FRAC_2_PI: f32 = 0.636619772;
 
 // A disc in the frame of a receiver.
 struct SeenDisc {
-    // Centre in metres.
+    // Center in meters.
     offset: vec3<f32>,
     // Normal over its product with the offset; zero for a disc that faces away.
     plane: vec3<f32>,

@@ -10,7 +10,7 @@ const NEARLY_FULL: u32 = 384u;
 const MOST_WAITING: u32 = 512u;
 // Nodes are entered 64 at a time, so that all invocations have work.
 const MOST_ENDS: u32 = 2u * LANES;
-// One empty neighbour in so many still makes a hole.
+// One empty neighbor in so many still makes a hole.
 const AROUND_A_HOLE: u32 = 8u;
 
 struct WalkUniforms {
@@ -173,7 +173,7 @@ fn write_row(first: u32, lane: u32) {
     }
 }
 
-// The node of a bin, for a hole the nearest of its neighbours. Twin of `closed` in core/src/implicit/views.rs.
+// The node of a bin, for a hole the nearest of its neighbors. Twin of `closed` in core/src/implicit/views.rs.
 fn closed(cell: u32, key: u32) -> u32 {
     if key != EMPTY {
         return node_of(key);

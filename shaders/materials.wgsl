@@ -232,7 +232,7 @@ fn sample_slot(slot: TextureSlot, footprint: UvFootprint) -> vec4<f32> {
     return sum / f32(taps.count);
 }
 
-// A colour of a material without a map, within the parameter's range.
+// A color of a material without a map, within the parameter's range.
 fn plain_color(material: u32, index: u32, range: vec2<f32>) -> vec3<f32> {
     return clamp(materials[material].parameters[index].value, vec3(range.x), vec3(range.y));
 }
@@ -242,7 +242,7 @@ fn plain_number(material: u32, index: u32, range: vec2<f32>) -> f32 {
     return clamp(materials[material].parameters[index].value.x, range.x, range.y);
 }
 
-// A colour of a material after its map, within the parameter's range. Twin of `ResolvedMaterial::values` in core/src/material/resolved.rs.
+// A color of a material after its map, within the parameter's range. Twin of `ResolvedMaterial::values` in core/src/material/resolved.rs.
 fn material_color(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> vec3<f32> {
     let value = materials[material].parameters[index].value;
     let map = materials[material].parameters[index].map;

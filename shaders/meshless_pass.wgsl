@@ -1,11 +1,11 @@
-// Bounced light of the meshless basis: each pixel looks up the functions that reach it in a hash grid, and normalises
+// Bounced light of the meshless basis: each pixel looks up the functions that reach it in a hash grid, and normalizes
 // their sum a level at a time. That is the splatting of the meshless paper (4.1) turned round, without blending. Twin of
 // `Basis::evaluate` and core/src/meshless/grid.rs; the views are twins of `Painter::basis_value` in
 // render/src/shade/painter.rs.
 
 struct BasisLevel {
     cells_per_metre: f32,
-    // Of the support of its functions, in metres.
+    // Of the support of its functions, in meters.
     radius: f32,
     // Behind its last function.
     end: u32,
@@ -39,7 +39,7 @@ struct BasisFunction {
 }
 
 struct Coefficient {
-    // Vector irradiance in W/m2, one column per colour channel.
+    // Vector irradiance in W/m2, one column per color channel.
     vector: mat3x3<f32>,
 }
 

@@ -1,6 +1,6 @@
 // Sharp lobes: they read the map of the environment itself. Twin of render/src/shade/mirror.rs, which says how, and of
 // core/src/environment/pyramid.rs. A pass declares `mirrored_map`, an atlas of all its levels: not the levels of one
-// texture, of which software adapters read the same at neighbouring pixels.
+// texture, of which software adapters read the same at neighboring pixels.
 
 const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;

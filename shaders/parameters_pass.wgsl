@@ -1,4 +1,4 @@
-// Deferred pass 3: base colour and roughness, for the views that show them; for the others the spread of the slopes within
+// Deferred pass 3: base color and roughness, for the views that show them; for the others the spread of the slopes within
 // the sample. Of a ground that catches shadows its reflectance.
 
 @group(2) @binding(0) var geometry: texture_2d<u32>;

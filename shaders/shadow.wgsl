@@ -2,10 +2,10 @@
 
 struct ShadowView {
     origin: vec3<f32>,
-    // Perspective: the distance of depth 1 in metres, with 0 at infinity. Parallel: the decrease of depth per metre.
+    // Perspective: the distance of depth 1 in meters, with 0 at infinity. Parallel: the decrease of depth per meter.
     depth_scale: f32,
     right: vec3<f32>,
-    // Perspective: tangent of half the angle of view; parallel: half the width in metres.
+    // Perspective: tangent of half the angle of view; parallel: half the width in meters.
     half_width: f32,
     up: vec3<f32>,
     half_height: f32,

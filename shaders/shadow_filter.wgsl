@@ -8,7 +8,7 @@
 
 // Texels from the receiver to the farthest one that is looked at.
 const KERNEL_RADIUS: f32 = 2.0;
-// Tangent of the largest angle of incidence at which neighbouring faces are distinguished from blockers.
+// Tangent of the largest angle of incidence at which neighboring faces are distinguished from blockers.
 const STEEPEST: f32 = 6.0;
 
 // A plane as a map sees it.
@@ -97,7 +97,7 @@ fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     return select(0.0, seen.blocker / seen.receiver - 1.0, seen.blocker > 0.0);
 }
 
-// Distance in metres along parallel light from the first blocker to the receiver, 0 without one.
+// Distance in meters along parallel light from the first blocker to the receiver, 0 without one.
 fn shadow_gap(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let seen = shadow_overhang(index, position, normal);
     return select(0.0, (seen.blocker - seen.plane) / shadow_views[index].depth_scale, seen.blocker > 0.0);

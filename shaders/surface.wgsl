@@ -25,7 +25,7 @@ fn interpolated_uv(corners: vec3<u32>, b: vec3<f32>) -> vec2<f32> {
     return vertices[corners.x].uv * b.x + vertices[corners.y].uv * b.y + vertices[corners.z].uv * b.z;
 }
 
-// Texture coordinates of a point, and how they change to the neighbouring samples of the picture: on the right and below.
+// Texture coordinates of a point, and how they change to the neighboring samples of the picture: on the right and below.
 struct UvFootprint {
     uv: vec2<f32>,
     right: vec2<f32>,

@@ -11,11 +11,11 @@ const FIELD_SOURCES: u32 = 2u;
 struct Node {
     // Mean radiance.
     radiance: vec3<f32>,
-    // Distant: inverse concentration as a von Mises-Fisher lobe. Sources: radius in metres, weighted by radiance.
+    // Distant: inverse concentration as a von Mises-Fisher lobe. Sources: radius in meters, weighted by radiance.
     spread: f32,
-    // Distant: unit direction. Sources: centre in metres. Weighted by radiance.
+    // Distant: unit direction. Sources: center in meters. Weighted by radiance.
     place: vec3<f32>,
-    // Distant: half-angle in radians of the cone of its leaves. Sources: their radius in metres.
+    // Distant: half-angle in radians of the cone of its leaves. Sources: their radius in meters.
     radius: f32,
 }
 
@@ -23,7 +23,7 @@ struct Node {
 // How bright each node is somewhere, over the mean of the whole tree; at least 1.
 @group(2) @binding(1) var<storage, read> brightness: array<f32>;
 
-// Distances below this many metres are taken for it.
+// Distances below this many meters are taken for it.
 const LEAST_DISTANCE: f32 = 1e-6;
 
 fn tree_height() -> u32 {

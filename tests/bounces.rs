@@ -1,4 +1,4 @@
-//! Bounced light from end to end: the bundled colour box baked with few sources, against traced paths of one bounce.
+//! Bounced light from end to end: the bundled color box baked with few sources, against traced paths of one bounce.
 
 use crate::common::Folder;
 use glam::{DVec3, Vec3};
@@ -14,7 +14,7 @@ const VIEW: &str = "--env none --components indirect --size 48x48";
 /// Pixels along a side of the squares that are compared: their means hide the noise of the paths.
 const SQUARE: usize = 8;
 
-/// The colour box, baked.
+/// The color box, baked.
 fn colour_box() -> Folder {
     let folder = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
@@ -101,7 +101,7 @@ fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
         assert!(wrong > error + 0.05, "negative control, light from other sides: {solution} {wrong}");
     }
 
-    // White walls send on for ever: the picture says so, and that of grey ones does not.
+    // White walls send on for ever: the picture says so, and that of gray ones does not.
     let errors = |color: &str| {
         let options = format!("--solution meshless --base-color {color} --backend cpu --out a.exr");
         let output = folder.run(&format!("render box.cuts {VIEW} {options}"));

@@ -106,7 +106,7 @@ pub enum AnimationError {
         path: PathBuf,
         /// Which object.
         object: String,
-        /// In metres.
+        /// In meters.
         distance: f32,
     },
     /// A pose that is no pose.

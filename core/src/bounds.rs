@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// The farthest from the origin, in metres along an axis, that anything of a scene may be. The fourth power of a distance
+/// The farthest from the origin, in meters along an axis, that anything of a scene may be. The fourth power of a distance
 /// has to stay far below the largest `f32`.
 pub const MOST_COORDINATE: f32 = 1e9;
 
@@ -11,7 +11,7 @@ pub fn is_within_reach(place: Vec3) -> bool {
     place.abs().cmple(Vec3::splat(MOST_COORDINATE)).all()
 }
 
-/// Axis-aligned bounds in metres.
+/// Axis-aligned bounds in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Smallest corner.
@@ -27,12 +27,12 @@ impl Bounds {
         points.into_iter().fold(empty, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// Length of the diagonal in metres; zero for empty bounds.
+    /// Length of the diagonal in meters; zero for empty bounds.
     pub fn diagonal(&self) -> f32 {
         (self.max - self.min).max(Vec3::ZERO).length()
     }
 
-    /// The box with this much more on each side, in metres.
+    /// The box with this much more on each side, in meters.
     pub fn grown(&self, by: f32) -> Self {
         Self { min: self.min - by, max: self.max + by }
     }
@@ -42,7 +42,7 @@ impl Bounds {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
-    /// Centre of the box.
+    /// Center of the box.
     pub fn center(&self) -> Vec3 {
         0.5 * (self.min + self.max)
     }

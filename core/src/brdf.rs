@@ -79,7 +79,7 @@ pub fn narrow_widths(lobes: Lobes) -> [f32; 3] {
 
 /// A reflectance model with its parameters.
 pub trait Brdf {
-    /// `f_r(wi, wo) cos θi` per colour for eight lights.
+    /// `f_r(wi, wo) cos θi` per color for eight lights.
     ///
     /// The spread of a light widens the lobe: the value is then close to the mean over the light's directions. Its cosine
     /// is that of the diffuse part.

@@ -19,9 +19,9 @@ pub struct Camera {
     /// Name from the source file.
     #[serde(default)]
     pub name: String,
-    /// Position in metres.
+    /// Position in meters.
     pub eye: Vec3,
-    /// A point on the optical axis in metres.
+    /// A point on the optical axis in meters.
     pub target: Vec3,
     /// Direction that appears upward in the picture; need not be perpendicular to the axis.
     pub up: Vec3,
@@ -77,10 +77,10 @@ impl Camera {
 pub const PINHOLE: Vec2 = Vec2::ZERO;
 
 /// A camera with its picture: from pixels to rays, and from points to pixels. Positions in the picture are in pixels from its top
-/// left corner; the centre of the first pixel is (0.5, 0.5). Twin of `shaders/camera.wgsl`.
+/// left corner; the center of the first pixel is (0.5, 0.5). Twin of `shaders/camera.wgsl`.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
-    /// Position of the eye in metres.
+    /// Position of the eye in meters.
     pub eye: Vec3,
     /// Columns are the right, up and backward axes of the camera.
     pub world_from_view: Mat3,
@@ -88,7 +88,7 @@ pub struct Projection {
     /// Half the height of the picture at a depth of 1.
     pub tan_half_fov: f32,
     size: Vec2,
-    /// Centre of the picture in pixels.
+    /// Center of the picture in pixels.
     pub center: Vec2,
     /// Distance of the picture plane from the eye in pixels.
     pub focal: f32,
@@ -123,7 +123,7 @@ impl Projection {
         -self.world_from_view.z_axis
     }
 
-    /// Depth of a point in metres.
+    /// Depth of a point in meters.
     pub fn depth(&self, point: Vec3) -> f32 {
         (point - self.eye).dot(self.forward())
     }
@@ -134,7 +134,7 @@ impl Projection {
         self.view_from_world * (point - self.eye)
     }
 
-    /// Position in the picture times depth, and depth in metres: homogeneous, so that points behind the eye do no harm.
+    /// Position in the picture times depth, and depth in meters: homogeneous, so that points behind the eye do no harm.
     #[inline]
     pub fn project(&self, point: Vec3) -> Vec3 {
         let p = self.view(point);
@@ -154,12 +154,12 @@ impl Projection {
         self.center + self.focal / -view.z * Vec2::new(view.x, -view.y)
     }
 
-    /// Metres that a pixel spans at a depth.
+    /// Meters that a pixel spans at a depth.
     pub fn pixel_span(&self, depth: f32) -> f32 {
         depth * 2.0 * self.tan_half_fov / self.size.y
     }
 
-    /// What a rasteriser that samples at the centres of pixels needs to sample at `in_pixel` of each. Depth is near / distance:
+    /// What a rasterizer that samples at the centers of pixels needs to sample at `in_pixel` of each. Depth is near / distance:
     /// 1 at the near plane, 0 at infinity.
     pub fn clip_from_world(&self, in_pixel: Vec2, near: f32) -> Mat4 {
         let (size, tan) = (self.size, self.tan_half_fov);

@@ -1,4 +1,4 @@
-//! Colour: the sRGB transfer function at the border, luminance inside. Twin of `shaders/color.wgsl`.
+//! Color: the sRGB transfer function at the border, luminance inside. Twin of `shaders/color.wgsl`.
 
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 /// Rec. 709 luminance weights.
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
-/// Luminance of a scene-linear Rec. 709 colour.
+/// Luminance of a scene-linear Rec. 709 color.
 #[inline]
 pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(LUMINANCE)
@@ -34,7 +34,7 @@ pub fn srgb_from_linear(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Encodes a linear colour as sRGB codes.
+/// Encodes a linear color as sRGB codes.
 pub fn codes_from_linear(rgb: Vec3) -> [u8; 3] {
     codes(rgb.map(srgb_from_linear))
 }

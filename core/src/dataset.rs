@@ -4,7 +4,7 @@
 //!
 //! | name | type | shape | |
 //! |---|---|---|---|
-//! | `positions`, `normals` | f32 | V, 3 | tessellated mesh, metres |
+//! | `positions`, `normals` | f32 | V, 3 | tessellated mesh, meters |
 //! | `tangents` | f32 | V, 4 | xyz and handedness |
 //! | `uvs` | f32 | V, 2 | (0, 0) is the top left corner |
 //! | `triangles` | u32 | T, 3 | vertex indices |
@@ -14,9 +14,9 @@
 //! | `tree_order` | u32 | N | sample index of each leaf; samples are spherical Fibonacci points |
 //! | `cuts` | u32 | texels, 4 | packed nodes, see [`crate::cut::packed`] |
 //! | `cut_offsets` | u32 | V | first texel of each vertex's cut |
-//! | `source_positions`, `source_normals` | f32 | S, 3 | surface sources in the order of their tree's leaves, metres |
+//! | `source_positions`, `source_normals` | f32 | S, 3 | surface sources in the order of their tree's leaves, meters |
 //! | `source_areas` | f32 | S | area of each, m² |
-//! | `source_spacings` | f32 | S | spacing of each, metres |
+//! | `source_spacings` | f32 | S | spacing of each, meters |
 //! | `source_triangles` | u32 | S | triangle that each lies on |
 //! | `source_barycentrics` | f32 | S, 2 | weights of its second and third corner |
 //! | `source_cuts` | u32 | texels, 4 | solid angles of the sources seen from the vertices, see [`crate::sources`] |

@@ -1,6 +1,6 @@
 //! Distant light: a latitude-longitude map of radiance, of a file or made by a formula.
 //!
-//! The centre of the map is +Z, its left quarter +X, its top +Y: `u = 1/2 - atan2(x, z) / 2π`, `v = acos(y) / π`.
+//! The center of the map is +Z, its left quarter +X, its top +Y: `u = 1/2 - atan2(x, z) / 2π`, `v = acos(y) / π`.
 
 use crate::image::Image;
 use glam::{Vec2, Vec3};
@@ -150,7 +150,7 @@ pub fn direction_from_uv(uv: Vec2) -> Vec3 {
     Vec3::new(sin_theta * sin_phi, cos_theta, sin_theta * cos_phi)
 }
 
-/// The direction of the centre of a texel of a map of `size`.
+/// The direction of the center of a texel of a map of `size`.
 pub fn texel_direction(x: u32, y: u32, size: [u32; 2]) -> Vec3 {
     direction_from_uv(Vec2::new((x as f32 + 0.5) / size[0] as f32, (y as f32 + 0.5) / size[1] as f32))
 }

@@ -91,7 +91,7 @@ pub fn add_ground(scene: &mut Scene) {
     scene.mesh.append_ground(ground);
 }
 
-/// The plane under a scene of some bounds: rings around its centre.
+/// The plane under a scene of some bounds: rings around its center.
 fn plane(bounds: Bounds, object: u32, material: u32) -> Mesh {
     let (center, diagonal) = (bounds.center(), bounds.diagonal());
     let corner = |radius: f32, turn: f32| Vec2::from_angle(TAU * turn) * radius * 0.5 * diagonal;
@@ -136,12 +136,12 @@ impl Mesh {
         1 + (self.radii_of_ground(triangle, bounds).clamp(1.0, 1e9).log2() / 2.0) as u32
     }
 
-    /// Distance of the middle of a triangle of the ground from the centre of bounds, along the ground, in their radii.
+    /// Distance of the middle of a triangle of the ground from the center of bounds, along the ground, in their radii.
     pub(crate) fn radii_of_ground(&self, triangle: u32, bounds: Bounds) -> f32 {
         self.distance_of(triangle, bounds) / (0.5 * bounds.diagonal())
     }
 
-    /// Distance in metres of the middle of a triangle from the centre of bounds, along the ground.
+    /// Distance in meters of the middle of a triangle from the center of bounds, along the ground.
     fn distance_of(&self, triangle: u32, bounds: Bounds) -> f32 {
         let middle = self.corners(triangle as usize).iter().sum::<Vec3>() / 3.0;
         middle.with_y(0.0).distance(bounds.center().with_y(0.0))

@@ -87,7 +87,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// A picture of one colour.
+    /// A picture of one color.
     pub fn filled(size: [u32; 2], value: Vec3) -> Self {
         Self { size, pixels: vec![value; size[0] as usize * size[1] as usize] }
     }

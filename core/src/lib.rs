@@ -7,11 +7,11 @@
 //!
 //! # Conventions
 //!
-//! * Right-handed coordinates, Y up, metres. Radians inside, degrees at every interface.
+//! * Right-handed coordinates, Y up, meters. Radians inside, degrees at every interface.
 //! * Scene-linear Rec. 709 RGB in `f32`; environment texels are radiance (W m⁻² sr⁻¹, arbitrary scale).
 //! * Transforms are named `world_from_object`. Directions point away from the surface: `wi` to the
 //!   light, `wo` to the eye.
-//! * Latitude-longitude maps: the centre of the image is +Z, its left quarter +X, its top +Y.
+//! * Latitude-longitude maps: the center of the image is +Z, its left quarter +X, its top +Y.
 //!   A rotation is counter-clockwise seen from +Y and turns the environment, not the camera.
 //! * A BRDF value never holds the cosine unless its name says so (`brdf_cos`).
 //! * Everything random is seeded from (scene, vertex or pixel), never from time or thread.

@@ -47,9 +47,9 @@ pub enum Emission {
     /// A rectangle around the position that faces the target and emits on that side; intensity is its radiance in
     /// W/(m² sr).
     Rectangle {
-        /// Metres along its horizontal edge.
+        /// Meters along its horizontal edge.
         width: f32,
-        /// Metres along the other.
+        /// Meters along the other.
         height: f32,
     },
 }
@@ -76,12 +76,12 @@ pub struct Light {
     /// How it emits.
     #[serde(flatten)]
     pub emission: Emission,
-    /// Where it is, in metres.
+    /// Where it is, in meters.
     pub position: Vec3,
     /// Its target; points have no direction and may leave it out.
     #[serde(default)]
     pub target: Vec3,
-    /// Per colour channel; the unit is that of [`Emission`].
+    /// Per color channel; the unit is that of [`Emission`].
     pub intensity: Vec3,
 }
 

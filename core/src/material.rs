@@ -219,7 +219,7 @@ impl Material {
         self
     }
 
-    /// Sends this radiance, in W/(m² sr), as a colour up to one and the rest as its luminance.
+    /// Sends this radiance, in W/(m² sr), as a color up to one and the rest as its luminance.
     pub fn set_emission(&mut self, radiance: Vec3) {
         let largest = radiance.max_element();
         if largest > 0.0 {

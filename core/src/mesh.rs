@@ -8,7 +8,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// The least diagonal of a scene in metres. The fourth power of a distance has to stay above the smallest `f32`.
+/// The least diagonal of a scene in meters. The fourth power of a distance has to stay above the smallest `f32`.
 pub const LEAST_DIAGONAL: f32 = 1e-6;
 
 /// How much the length of a stored direction may differ from 1.
@@ -22,7 +22,7 @@ pub fn is_unit(direction: Vec3) -> bool {
 /// An indexed triangle mesh in world space. All vertex arrays have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertex positions in metres.
+    /// Vertex positions in meters.
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one per vertex.
     pub normals: Vec<Vec3>,
@@ -108,7 +108,7 @@ pub enum MeshError {
     /// Everything is in one place, or nearly.
     #[error("the scene is {diagonal:e} m across, below the limit of {LEAST_DIAGONAL:e} m; scale the scene up")]
     TooSmall {
-        /// Diagonal of its bounds in metres.
+        /// Diagonal of its bounds in meters.
         diagonal: f32,
     },
     /// Vertices that an animation made for another mesh.
@@ -176,7 +176,7 @@ impl Mesh {
         Bounds::around(self.positions[..self.vertices_of_scene()].iter().copied())
     }
 
-    /// The three corners of a triangle in metres.
+    /// The three corners of a triangle in meters.
     #[inline]
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|v| self.positions[v as usize])

@@ -4,7 +4,7 @@
 //! The method is that of Lehtinen et al., *A Meshless Hierarchical Representation for Light Transport* (SIGGRAPH 2008),
 //! cited here as "the meshless paper". It knows only points with normals, and nothing of the kind of surface.
 //!
-//! * [`Basis`]: the functions, range queries, normalised values (meshless paper, 2.1 and 2.2)
+//! * [`Basis`]: the functions, range queries, normalized values (meshless paper, 2.1 and 2.2)
 //! * [`FunctionGrid`]: which functions reach a point, in arrays that a graphics adapter can read
 //! * [`Projection`]: coefficients of a function that was sampled at the points (2.1)
 //! * [`SenderSamples`]: direct light on the senders, from the points of the next level

@@ -24,7 +24,7 @@ pub const REACH_OF_SHADING: f32 = 1.0 - 1e-4;
 /// The same for points that bounce light.
 pub const REACH_OF_BOUNCE: f32 = 1.0 - 1e-3;
 
-/// Distance in metres of ray origins from the triangle of a shaded point. `edge` is its mean edge in metres, `largest`
+/// Distance in meters of ray origins from the triangle of a shaded point. `edge` is its mean edge in meters, `largest`
 /// is [`LARGEST`] times the diagonal of the scene.
 #[inline(always)]
 pub fn of_shading(edge: f32, largest: f32) -> f32 {
@@ -32,7 +32,7 @@ pub fn of_shading(edge: f32, largest: f32) -> f32 {
 }
 
 /// The same for a baked vertex: `edge` is the mean edge around it, and `height` the largest offset that the triangles
-/// around it allow, in metres.
+/// around it allow, in meters.
 pub fn of_baking(edge: f32, height: f32, diagonal: f32) -> f32 {
     (OF_EDGE * edge).min(height).clamp(SMALLEST_BAKED * diagonal, LARGEST * diagonal)
 }

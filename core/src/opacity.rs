@@ -1,6 +1,6 @@
 //! How much of the light that meets a surface is stopped by it, point by point.
 //!
-//! A surface that stops less is thin: light passes straight on, neither refracted nor coloured. It is looked up at points, never
+//! A surface that stops less is thin: light passes straight on, neither refracted nor colored. It is looked up at points, never
 //! within footprints, so that rays, cameras and bakes meet the same holes.
 
 use crate::{

@@ -56,7 +56,7 @@ pub const OPEN: u8 = u8::MAX;
 pub struct Hit {
     /// Index of the triangle in the mesh.
     pub triangle: u32,
-    /// Distance along the unit direction in metres.
+    /// Distance along the unit direction in meters.
     pub distance: f32,
     /// Barycentric weights of the second and third corner.
     pub barycentric: Vec2,
@@ -210,7 +210,7 @@ impl Intersector {
         beyond.flatten()
     }
 
-    /// The first surface along a ray before `distance` metres, with its normal on the side of the origin.
+    /// The first surface along a ray before `distance` meters, with its normal on the side of the origin.
     pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
         self.surfel_above(origin, direction, distance, any_threshold(origin, direction))
     }
@@ -272,7 +272,7 @@ impl Intersector {
         })
     }
 
-    /// Whether anything that stops all light lies along a ray before `distance` metres.
+    /// Whether anything that stops all light lies along a ray before `distance` meters.
     pub fn occluded_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {

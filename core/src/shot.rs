@@ -47,7 +47,7 @@ impl Shot {
 /// The view frustum of a shot, which measures how large surfaces appear in its picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Frustum {
-    /// Position of the eye, in metres.
+    /// Position of the eye, in meters.
     pub eye: Vec3,
     view_from_world: Mat3,
     /// Half the height of the picture at a depth of 1.

@@ -239,7 +239,7 @@ impl<L: Lanes> Vec3x8<L> {
         }
     }
 
-    /// Component-wise product, as for colours.
+    /// Component-wise product, as for colors.
     #[inline(always)]
     pub fn scale(self, other: Self) -> Self {
         Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }

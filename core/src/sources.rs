@@ -24,7 +24,7 @@ pub struct Source {
     pub surfel: Surfel,
     /// Area in m² that it represents.
     pub area: f32,
-    /// Distance between sources here, in metres: the radius of its Poisson disk.
+    /// Distance between sources here, in meters: the radius of its Poisson disk.
     pub spacing: f32,
 }
 

@@ -21,7 +21,7 @@ pub struct MeshPlace {
 /// A point of a surface, seen from one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surfel {
-    /// In metres.
+    /// In meters.
     pub position: Vec3,
     /// Unit geometric normal on the side that it is seen from.
     pub normal: Vec3,
@@ -56,7 +56,7 @@ pub trait Surface: Sync {
     /// A box around all of it.
     fn bounds(&self) -> Bounds;
 
-    /// Distance in metres that rays start off a surface.
+    /// Distance in meters that rays start off a surface.
     fn offset(&self) -> f32 {
         offset::TRANSPORT * self.bounds().diagonal()
     }

@@ -50,9 +50,9 @@ pub enum Channel {
 pub struct TextureSlot {
     /// Index into the scene's textures.
     pub texture: u32,
-    /// Colour space of 8-bit texels.
+    /// Color space of 8-bit texels.
     pub color_space: ColorSpace,
-    /// Component for scalar parameters; colours and normals read RGB.
+    /// Component for scalar parameters; colors and normals read RGB.
     pub channel: Channel,
     /// Repetitions across the unit square of texture coordinates; at most [`TextureSlot::MOST`].
     pub scale: Vec2,
@@ -119,7 +119,7 @@ impl TextureSlot {
         Vec2::new(cos * s.x + sin * s.y, -sin * s.x + cos * s.y) + self.offset
     }
 
-    /// The tangent-space normal, not normalised, that a texel of a normal map encodes.
+    /// The tangent-space normal, not normalized, that a texel of a normal map encodes.
     pub fn tangent_normal(&self, texel: Vec3) -> Vec3 {
         let green = if self.flip_y { -self.strength } else { self.strength };
         (2.0 * texel - 1.0) * Vec3::new(self.strength, green, 1.0)
@@ -131,7 +131,7 @@ impl TextureSlot {
 pub enum Texels {
     /// 8 bits per component, as in png, jpg and tga.
     U8(Vec<[u8; 4]>),
-    /// Floating point, as in hdr, exr and 16-bit grey png. Those of a scene are at most [`Texels::MOST`].
+    /// Floating point, as in hdr, exr and 16-bit gray png. Those of a scene are at most [`Texels::MOST`].
     F32(Vec<[f32; 4]>),
 }
 
@@ -215,7 +215,7 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// A visible default for a texture that could not be read: a magenta and grey chequerboard.
+    /// A visible default for a texture that could not be read: a magenta and gray chequerboard.
     pub fn missing(name: &str) -> Self {
         let texels = (0..64).map(|i| if (i / 8 + i) % 2 == 0 { [255, 0, 255, 255] } else { [90, 90, 90, 255] });
         Self::new(name, [8, 8], Texels::U8(texels.collect()))
@@ -269,7 +269,7 @@ impl Texture {
         taps.positions().map(blended).sum::<Vec4>() / taps.count as f32
     }
 
-    /// The mean within a footprint, through a slot: coordinates transformed, colour space applied.
+    /// The mean within a footprint, through a slot: coordinates transformed, color space applied.
     pub fn sample_footprint(&self, footprint: &UvFootprint, slot: &TextureSlot) -> Vec4 {
         self.sample_taps(footprint.through(slot).taps(self.size), slot.color_space)
     }

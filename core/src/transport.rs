@@ -11,7 +11,7 @@ use std::ops::{Add, Mul, Range, Sub};
 
 pub use energy::BounceEnergy;
 
-/// Type of a coefficient: a number, a colour, vector irradiance per channel, or the coefficients of a directional
+/// Type of a coefficient: a number, a color, vector irradiance per channel, or the coefficients of a directional
 /// basis.
 pub trait Coefficient: Copy + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self> {
     /// The zero of the type.

@@ -1,4 +1,4 @@
-//! The window. [`EditorState`] is its state and behaviour without a window, so that tests can run it; [`start`] opens
+//! The window. [`EditorState`] is its state and behavior without a window, so that tests can run it; [`start`] opens
 //! one.
 
 mod camera;

@@ -280,7 +280,7 @@ fn name(severity: Severity) -> &'static str {
     }
 }
 
-/// The colour of a severity in the theme.
+/// The color of a severity in the theme.
 pub fn color(ui: &Ui, severity: Severity) -> egui::Color32 {
     match severity {
         Severity::Note => ui.visuals().text_color(),

@@ -15,7 +15,7 @@ const MAX_PITCH: f32 = 89.9_f32.to_radians();
 /// Limits of the vertical field of view in radians, those of the command line.
 const FOV: [f32; 2] = [1.0_f32.to_radians(), 170.0_f32.to_radians()];
 
-/// Nearest and farthest distance that dollying goes to, in diagonals of the scene. Nearer than this, neighbouring
+/// Nearest and farthest distance that dollying goes to, in diagonals of the scene. Nearer than this, neighboring
 /// eye positions are no longer distinct in `f32` for a scene that lies some diagonals off the origin.
 const REACH: [f32; 2] = [1e-4, 1e3];
 
@@ -57,7 +57,7 @@ pub fn pan(camera: &Camera, delta: Vec2, height: f32) -> Camera {
 }
 
 /// Scales the distance to the point `toward` by `factor` and keeps the direction of view, so that the point stays where
-/// it is in the picture. Stops at distances that suit a scene with a diagonal of `scene_size` metres.
+/// it is in the picture. Stops at distances that suit a scene with a diagonal of `scene_size` meters.
 pub fn dolly(camera: &Camera, factor: f32, toward: Vec3, scene_size: f32) -> Camera {
     if !(factor > 0.0 && factor.is_finite()) {
         return camera.clone();
@@ -72,7 +72,7 @@ pub fn dolly(camera: &Camera, factor: f32, toward: Vec3, scene_size: f32) -> Cam
     sound(Camera { eye, target, ..camera.clone() }, camera)
 }
 
-/// Flies for `secs` seconds at `speed` metres a second along `motion`: to the right, up the vertical, and ahead, each
+/// Flies for `secs` seconds at `speed` meters a second along `motion`: to the right, up the vertical, and ahead, each
 /// -1 to 1.
 pub fn fly(camera: &Camera, motion: Vec3, speed: f32, secs: f32) -> Camera {
     let frame = camera.world_from_view();
@@ -91,7 +91,7 @@ pub fn framed(camera: &Camera, bounds: Bounds, aspect: f32) -> Camera {
     sound(Camera { eye, target, ..camera.clone() }, camera)
 }
 
-/// Slides the eye across the view so that `point` comes to the centre and is what is orbited from then on.
+/// Slides the eye across the view so that `point` comes to the center and is what is orbited from then on.
 pub fn centered_on(camera: &Camera, point: Vec3) -> Camera {
     let backward = camera.world_from_view().z_axis;
     let depth = (camera.eye - point).dot(backward);

@@ -129,10 +129,10 @@ fn folder_after_links(file: &Path) -> Option<PathBuf> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Theme {
-    /// Light text on dark grey: keeps the eye on the picture.
+    /// Light text on dark gray: keeps the eye on the picture.
     #[default]
     Dark,
-    /// Dark text on light grey.
+    /// Dark text on light gray.
     Light,
 }
 

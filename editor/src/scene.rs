@@ -144,7 +144,7 @@ fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, act
     }
 }
 
-/// The colour of one of an object's materials; a click selects the material.
+/// The color of one of an object's materials; a click selects the material.
 fn object_swatch(ui: &mut Ui, context: &SceneContext, object: &str, index: usize, actions: &mut Vec<Action>) {
     let Some(material) = context.document.materials.get(index) else { return };
     let name = context.document.material_name(index);

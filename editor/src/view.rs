@@ -16,7 +16,7 @@ use egui::{Button, Ui};
 use lapidary_core::{camera::Camera, cut::lit::DEFAULT_TAU};
 use lapidary_render::{BrdfSampling, ToneMap, ViewMode};
 
-/// Half the height of a 36 x 24 mm sensor in millimetres, for focal lengths.
+/// Half the height of a 36 x 24 mm sensor in millimeters, for focal lengths.
 const HALF_SENSOR_MM: f32 = 12.0;
 /// Vertical fields of view in degrees that can be set.
 const FIELDS_OF_VIEW: [f32; 2] = [5.0, 120.0];
@@ -83,8 +83,8 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     basis(ui, view, actions);
     let materials = [
         (ShownMaterials::Own, "Their own", "Each surface as it is."),
-        (ShownMaterials::Clay, "Clay", "Grey clay on all, to judge light and shape."),
-        (ShownMaterials::Grey, "Middle grey", "Albedo 0.18 on all, to judge exposure."),
+        (ShownMaterials::Clay, "Clay", "Gray clay on all, to judge light and shape."),
+        (ShownMaterials::Grey, "Middle gray", "Albedo 0.18 on all, to judge exposure."),
         (ShownMaterials::Chrome, "Chrome", "A mirror on all, to judge reflections and smoothness."),
     ];
     let solo = matches!(view.materials, ShownMaterials::Solo(_)).then_some((
@@ -226,12 +226,12 @@ fn lens(ui: &mut Ui, camera: &mut Camera) -> Edited {
     field | focal
 }
 
-/// Focal length in millimetres for a vertical field of view in radians.
+/// Focal length in millimeters for a vertical field of view in radians.
 fn focal_from_fov(fov_y: f32) -> f32 {
     HALF_SENSOR_MM / (0.5 * fov_y).tan()
 }
 
-/// Vertical field of view in radians for a focal length in millimetres.
+/// Vertical field of view in radians for a focal length in millimeters.
 fn fov_from_focal(focal_mm: f32) -> f32 {
     2.0 * (HALF_SENSOR_MM / focal_mm).atan()
 }

@@ -106,7 +106,7 @@ pub struct ViewportContext<'a> {
     pub sources: Option<&'a Arc<SourceLighting>>,
     /// Whether their clusters are drawn over the lit picture.
     pub shows_clusters: bool,
-    /// Colour of the outline.
+    /// Color of the outline.
     pub accent: Color32,
     /// Work that goes on, as "Rendering 40 %".
     pub busy: Option<&'a str>,

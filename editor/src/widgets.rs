@@ -112,7 +112,7 @@ impl<'a> Number<'a> {
         Self { entry, ..self }
     }
 
-    /// Greyed, for a reason.
+    /// Grayed, for a reason.
     pub fn disabled(self, reason: Option<&'a str>) -> Self {
         Self { disabled: reason, ..self }
     }
@@ -248,7 +248,7 @@ pub fn check_box(ui: &mut Ui, value: &mut bool, label: &str) -> Response {
     .inner
 }
 
-/// Outline of small controls on a panel of any colour, with the contrast of its fainter text.
+/// Outline of small controls on a panel of any color, with the contrast of its fainter text.
 pub fn outline(ui: &Ui) -> Stroke {
     Stroke::new(1.0, ui.visuals().weak_text_color())
 }

@@ -92,7 +92,7 @@ impl Workspace {
         self.file().and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
     }
 
-    /// Diagonal of the scene in metres, or the distance that the camera looks at.
+    /// Diagonal of the scene in meters, or the distance that the camera looks at.
     pub fn scene_size(&self) -> f32 {
         let camera = &self.document.camera;
         let diagonal = self.scene.bounds().map(|bounds| bounds.diagonal());

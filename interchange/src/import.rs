@@ -100,7 +100,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     Ok(Imported { scene, report })
 }
 
-/// Moves the targets of cameras and lights along their axes to the depth of the scene's centre, so that orbiting turns
+/// Moves the targets of cameras and lights along their axes to the depth of the scene's center, so that orbiting turns
 /// about it and handles lie in the scene.
 fn aim_at_the_center(scene: &mut Scene) {
     let bounds = scene.mesh.bounds();

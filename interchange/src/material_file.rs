@@ -24,7 +24,7 @@ pub struct SlotFile {
     /// A pattern in place of a picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub procedural: Option<Procedural>,
-    /// Colour space of 8-bit texels; by default sRGB for the base colour and linear for all else.
+    /// Color space of 8-bit texels; by default sRGB for the base color and linear for all else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color_space: Option<ColorSpace>,
     /// Component for scalar parameters.

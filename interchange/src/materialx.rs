@@ -2,8 +2,8 @@
 //! `standard_surface` and `gltf_pbr`, with values and pictures, to and from materials of the model `openpbr`.
 //!
 //! `open_pbr_surface` is read and written name by name. The others follow the translations that MaterialX publishes
-//! (`libraries/bxdf/translation`) but for four things. A coat stays on a metal, and its colour tints once. The width of a
-//! stretched lobe is kept, not the number that stretches it; see [`stretch`]. The coat's darkening is what the coat does to colours.
+//! (`libraries/bxdf/translation`) but for four things. A coat stays on a metal, and its color tints once. The width of a
+//! stretched lobe is kept, not the number that stretches it; see [`stretch`]. The coat's darkening is what the coat does to colors.
 //!
 //! Coordinates of MaterialX begin at the bottom of a picture, here at the top; `placement` converts them.
 

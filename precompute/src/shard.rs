@@ -51,7 +51,7 @@ impl Shard {
         self.of
     }
 
-    /// Whether it makes the chunk of an index. Neighbouring chunks, which take about as long, go to different shards.
+    /// Whether it makes the chunk of an index. Neighboring chunks, which take about as long, go to different shards.
     pub(crate) fn makes(self, chunk: usize) -> bool {
         chunk % self.of == self.index - 1
     }

@@ -126,7 +126,7 @@ fn some_points(mesh: &Mesh, sides: &Sidedness, intersector: &Intersector) -> [Ve
     [[of_pilot, of_pilot_too].concat(), [measured, measured_too].concat()]
 }
 
-/// Twice [`POINTS`] of the points, neighbours in runs that are spread over all.
+/// Twice [`POINTS`] of the points, neighbors in runs that are spread over all.
 fn runs_of(points: &[BakePoint]) -> [Vec<BakePoint>; 2] {
     let order = z_order(points);
     let runs: Vec<&[u32]> = order.chunks(RUN).collect();

@@ -45,7 +45,7 @@ pub enum Warning {
     },
     /// Much light leaves the scene.
     OpenViewpoint {
-        /// Place in metres.
+        /// Place in meters.
         viewpoint: Vec3,
         /// Share of the directions around it that meet no surface.
         open: f32,

@@ -75,7 +75,7 @@ tone_maps! {
         summary: "Even contrast: saturated lights fade to white without a change of hue.",
         method: "AgX with its default contrast",
     }
-    /// Khronos PBR Neutral (2024): keeps colours of product renders below 0.8.
+    /// Khronos PBR Neutral (2024): keeps colors of product renders below 0.8.
     PbrNeutral = pbr_neutral {
         key: "pbr-neutral",
         label: "Khronos PBR Neutral",
@@ -112,7 +112,7 @@ pub struct Post {
 }
 
 impl Post {
-    /// Display colour of `radiance`: encoded, each channel 0 to 1. NaN becomes magenta, to be visible.
+    /// Display color of `radiance`: encoded, each channel 0 to 1. NaN becomes magenta, to be visible.
     pub fn display(&self, radiance: Vec3) -> Vec3 {
         if radiance.is_nan() {
             return Vec3::new(1.0, 0.0, 1.0);
@@ -165,7 +165,7 @@ const AGX_OUTSET: Mat3 = Mat3::from_cols(
     Vec3::new(-0.0980208811401368, 1.15190312990417, -0.0980434501171241),
     Vec3::new(-0.0990297440797205, -0.0989611768448433, 1.15107367264116),
 );
-/// Stops below and above middle grey that the curve covers.
+/// Stops below and above middle gray that the curve covers.
 const AGX_RANGE: [f32; 2] = [-12.47393, 4.026069];
 
 fn agx(c: Vec3) -> Vec3 {

@@ -16,7 +16,7 @@ pub struct Renderer {
     opacities: Opacities,
     /// Casts rays where surfaces let through other light than at the bake.
     own_rays: Option<Intersector>,
-    /// Distance in metres that shadow rays start off a surface, at most.
+    /// Distance in meters that shadow rays start off a surface, at most.
     largest_offset: f32,
     /// Made at the first use: the references by paths do without.
     rig: OnceLock<Mutex<LightRig>>,
@@ -90,7 +90,7 @@ impl Renderer {
         self.baked.patches()
     }
 
-    /// Distance in metres that shadow rays start off a surface, at most.
+    /// Distance in meters that shadow rays start off a surface, at most.
     pub(crate) fn largest_offset(&self) -> f32 {
         self.largest_offset
     }

@@ -18,7 +18,7 @@ const TILE: u32 = 64;
 /// Least albedo that radiance is divided by, per channel: half of an 8-bit step of white.
 pub(crate) const LEAST_ALBEDO: f32 = 1.0 / 512.0;
 
-/// Least share of the filter's weight that must fit; a smaller one would let a single far or tilted neighbour decide.
+/// Least share of the filter's weight that must fit; a smaller one would let a single far or tilted neighbor decide.
 pub(crate) const LEAST_SHARE: f32 = 1.0 / 16.0;
 
 /// Weight of a surface of another material where no lattice point fits: enough where nothing else is near, and no more.
@@ -97,7 +97,7 @@ pub(crate) struct Guide {
     pub triangle: u32,
     /// Barycentric weights of the triangle's second and third corner.
     pub barycentric: Vec2,
-    /// In metres.
+    /// In meters.
     pub position: Vec3,
     /// Unit normal before bump and normal map.
     pub smooth_normal: Vec3,
@@ -143,7 +143,7 @@ impl Guide {
         surface * (a.min(b) / a.max(b))
     }
 
-    /// How well a place on a surface tells of the light here, 0 to 1. `reach` is the distance of a lattice's points in metres.
+    /// How well a place on a surface tells of the light here, 0 to 1. `reach` is the distance of a lattice's points in meters.
     ///
     /// It is exactly zero on another material, on a plane more than `reach` away, and where the normals differ by more than
     /// 60 degrees: light does not bleed over edges.

@@ -29,7 +29,7 @@ pub struct View {
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Samples per pixel; 1 is its centre.
+    /// Samples per pixel; 1 is its center.
     pub aa: u32,
     /// The background.
     pub background: Background,
@@ -48,7 +48,7 @@ pub struct View {
 }
 
 impl View {
-    /// A view with one sample at the centre of each pixel, before the environment.
+    /// A view with one sample at the center of each pixel, before the environment.
     pub fn new(camera: Camera, size: [u32; 2]) -> Self {
         Self {
             camera,
@@ -89,7 +89,7 @@ impl View {
         self.mode == ViewMode::Shaded && is_moved && View { camera, size, aa, ..other.clone() } == *self
     }
 
-    /// Positions of the samples within a pixel, the same for all pixels and renderers: the centre, or points of the R2
+    /// Positions of the samples within a pixel, the same for all pixels and renderers: the center, or points of the R2
     /// sequence (Roberts 2018), which fills the square evenly for any number.
     pub fn pixel_offsets(&self) -> Vec<Vec2> {
         (0..self.aa.max(1)).map(|i| pixel_sample_position(i, DVec2::splat(0.5))).collect()

@@ -7,7 +7,7 @@ use lapidary_core::{
 };
 use serde::{Deserialize, Serialize};
 
-/// The least count at the upper end of false colours.
+/// The least count at the upper end of false colors.
 const LEAST_TOP: f32 = 512.0;
 
 /// The quantity that the pixels of a view show.
@@ -19,7 +19,7 @@ pub enum ViewMode {
     Shaded,
     /// Shading normals in world space after bump and normal map: -1 to 1 as 0 to 1.
     Normals,
-    /// Base colour after its texture.
+    /// Base color after its texture.
     Albedo,
     /// Perceptual roughness after its texture.
     Roughness,
@@ -32,9 +32,9 @@ pub enum ViewMode {
     BrdfEvaluations,
     /// What one level of the meshless basis adds to bounced light, and takes from it: red and blue.
     BasisLevel,
-    /// One function of the meshless basis, over the grey scene.
+    /// One function of the meshless basis, over the gray scene.
     BasisFunction,
-    /// The centres of the functions with coefficients that are not zero, in a colour of their level.
+    /// The centers of the functions with coefficients that are not zero, in a color of their level.
     BasisCoefficients,
 }
 
@@ -89,12 +89,12 @@ impl ViewMode {
         matches!(self, Self::Shaded | Self::BasisLevel)
     }
 
-    /// Whether pixels are counts, shown in false colours with a legend.
+    /// Whether pixels are counts, shown in false colors with a legend.
     pub fn is_count(self) -> bool {
         matches!(self, Self::VisibilityCut | Self::MergedCut | Self::BrdfEvaluations)
     }
 
-    /// The count at the upper end of the false colours, for an illumination cut of `illum_cut` nodes if one is merged.
+    /// The count at the upper end of the false colors, for an illumination cut of `illum_cut` nodes if one is merged.
     pub fn count_top(self, sampling: BrdfSampling, illum_cut: u32) -> f32 {
         match self {
             Self::VisibilityCut => LEAST_TOP,

@@ -1,4 +1,4 @@
-// Blinn and Phong's model, normalised, over a diffuse base. Twin of core/src/brdf/blinn_phong.rs.
+// Blinn and Phong's model, normalized, over a diffuse base. Twin of core/src/brdf/blinn_phong.rs.
 
 struct BlinnPhong {
     alpha: f32,

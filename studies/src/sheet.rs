@@ -17,7 +17,7 @@ pub struct Tile {
     pub caption: Vec<String>,
 }
 
-/// How a sheet looks; lengths are in pixels and colours sRGB-encoded.
+/// How a sheet looks; lengths are in pixels and colors sRGB-encoded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetStyle {
     /// Height of the letters' em.

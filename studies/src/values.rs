@@ -62,7 +62,7 @@ pub fn share(text: &str) -> Result<f32, String> {
     if (0.0..=1.0).contains(&number) { Ok(number) } else { Err("it must be from 0 to 1".into()) }
 }
 
-/// A position in metres: three numbers separated by commas, none beyond what a scene may hold.
+/// A position in meters: three numbers separated by commas, none beyond what a scene may hold.
 ///
 /// # Errors
 /// What is wrong, in words.

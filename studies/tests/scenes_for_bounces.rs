@@ -26,7 +26,7 @@ fn add_box(text: &mut String, first: &mut usize, [a, b]: [[f32; 3]; 2], inward: 
     *first += 8;
 }
 
-/// A room of 2 m with a box in it, of one colour.
+/// A room of 2 m with a box in it, of one color.
 fn room(folder: &Path, name: &str, color: f32) {
     let (mut text, mut first) = (format!("mtllib {name}.mtl\nusemtl paint\n"), 1);
     add_box(&mut text, &mut first, [[-1.0; 3], [1.0; 3]], true);

@@ -37,7 +37,7 @@ struct BoundVertex {
 }
 
 impl BoundObject {
-    /// Binds the `vertices` of an object of the mesh to its shapes. Also returns how far the farthest vertex is from them in metres:
+    /// Binds the `vertices` of an object of the mesh to its shapes. Also returns how far the farthest vertex is from them in meters:
     /// infinitely far if they have no triangles, or if it is nowhere.
     pub fn new(object: u32, shapes: &[Shape], at_rest: &Posture, mesh: &Mesh, vertices: &[u32]) -> (Self, f32) {
         let at_rest = posed(shapes, at_rest);

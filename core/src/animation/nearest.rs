@@ -23,7 +23,7 @@ pub struct NearestPoint {
     pub triangle: usize,
     /// Weights of its corners.
     pub weights: [f32; 3],
-    /// How far it is, in metres.
+    /// How far it is, in meters.
     pub distance: f32,
     /// Cosine between its normal and the one that was asked for.
     agreement: f32,

@@ -5,7 +5,7 @@ use glam::{DVec4, Mat4, Quat, Vec3, Vec4};
 /// Where a node is within its parent: scaled, then turned, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// In units of the parent; metres at the root.
+    /// In units of the parent; meters at the root.
     pub translation: Vec3,
     /// Of length 1.
     pub rotation: Quat,

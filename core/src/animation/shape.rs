@@ -52,7 +52,7 @@ impl Posture {
         Self { world_from_nodes, joints, weights: state.weights }
     }
 
-    /// With each joint moved by a distance in metres in a direction of its own, and each morph target changed by a weight of its own.
+    /// With each joint moved by a distance in meters in a direction of its own, and each morph target changed by a weight of its own.
     pub fn trial(&self, distance: f32) -> Self {
         let mut trial = self.clone();
         for joints in &mut trial.joints {

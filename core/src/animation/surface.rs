@@ -11,7 +11,7 @@ pub const BATCH: usize = 1024;
 /// Vertices. Arrays have one length, except that tangents may be left out as a whole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// In metres.
+    /// In meters.
     pub positions: Vec<Vec3>,
     /// Of length 1; zero where the file has none.
     pub normals: Vec<Vec3>,

@@ -150,7 +150,7 @@ impl Albedo {
         self.mean
     }
 
-    /// What is not reflected, normalised so that its product for two directions over π is the BRDF of a base that
+    /// What is not reflected, normalized so that its product for two directions over π is the BRDF of a base that
     /// reflects it all: factor of the product.
     #[inline]
     pub fn normalization(&self) -> f32 {

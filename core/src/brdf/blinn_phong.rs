@@ -1,4 +1,4 @@
-//! Blinn and Phong's model, normalised (Blinn 1977; Akenine-Möller et al. 2018, 9.8), over a diffuse base.
+//! Blinn and Phong's model, normalized (Blinn 1977; Akenine-Möller et al. 2018, 9.8), over a diffuse base.
 //!
 //! `f = F (n + 2) (n + 4) / (8π (2^(-n/2) + n)) cosⁿ θh`: the factor makes the albedo that of F for light from the normal. The
 //! exponent is `2 / alpha² - 2`, so that lobes are as wide as microfacets of the same roughness.

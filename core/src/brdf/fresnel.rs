@@ -29,7 +29,7 @@ pub fn dielectric(cosine: f32, ior: f32) -> f32 {
     dielectric_x8(f32x8::splat(cosine), ior).to_array()[0]
 }
 
-/// Indices of refraction and extinction of a metal, per colour.
+/// Indices of refraction and extinction of a metal, per color.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Metal {
     /// Squares of both.
@@ -72,7 +72,7 @@ impl Metal {
         self.mean
     }
 
-    /// Indices of refraction and extinction, per colour.
+    /// Indices of refraction and extinction, per color.
     pub fn indices(&self) -> [Vec3; 2] {
         [self.n_sq, self.k_sq].map(|sq| sq.map(f32::sqrt))
     }

@@ -1,4 +1,4 @@
-//! Fuzz: fibres that stand on a surface and scatter at grazing angles (Estevez and Kulla 2017, *Production Friendly Microfacet
+//! Fuzz: fibers that stand on a surface and scatter at grazing angles (Estevez and Kulla 2017, *Production Friendly Microfacet
 //! Sheen BRDF*), with the smooth visibility of Neubelt and Pettineo 2013.
 
 use super::LightsX8;

@@ -1,4 +1,4 @@
-//! GGX microfacets over a diffuse base, in the metallic-roughness parametrisation of glTF.
+//! GGX microfacets over a diffuse base, in the metallic-roughness parametrization of glTF.
 //!
 //! `f = F D G / (4 |n·wi| |n·wo|)` with the exact Fresnel factor at the half vector and Smith's height-correlated shadowing,
 //! see [`GgxLobe`](super::ggx_lobe::GgxLobe). What a metal loses between its facets comes back (Kulla and Conty 2017), and

@@ -46,7 +46,7 @@ pub struct Level {
     pub size: [usize; 3],
     /// By how much the squared width of the lobe is larger than measured.
     pub spread: f32,
-    /// Per colour, each a 16-bit float; the azimuth of the difference vector is innermost.
+    /// Per color, each a 16-bit float; the azimuth of the difference vector is innermost.
     pub entries: Vec<[f32; 3]>,
 }
 

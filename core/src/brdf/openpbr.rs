@@ -4,9 +4,9 @@
 //! `base_metalness`; a coat; fuzz. The specification leaves the form of the layers open. Here:
 //!
 //! * every layer passes on what it does not reflect, by the product of its directional albedos for both directions, so that
-//!   the whole is reciprocal; below several layers a diffuse base is normalised for all of them at once;
+//!   the whole is reciprocal; below several layers a diffuse base is normalized for all of them at once;
 //! * lobes are GGX ([`GgxLobe`]), with what metals lose between facets; fuzz is Estevez and Kulla's, not Zeltner's table;
-//! * a coat tints by its colour whatever the angle, roughens the base, lowers its contrast of indices and darkens it by
+//! * a coat tints by its color whatever the angle, roughens the base, lowers its contrast of indices and darkens it by
 //!   what is reflected inside, as the specification says (sections on coat roughening and darkening).
 //!
 //! Transmission, subsurface scattering and thin films are stored and not rendered.
@@ -170,10 +170,10 @@ const STORED: &[Parameter] = &[
 #[derive(Clone, Copy, Debug)]
 pub struct OpenPbr {
     diffuse: OrenNayar,
-    /// Tint of the diffuse base, with its normalisation below all layers.
+    /// Tint of the diffuse base, with its normalization below all layers.
     diffuse_scale: Vec3,
     lobe: GgxLobe,
-    /// Index of refraction relative to what is above, and the colour of the dielectric's reflection.
+    /// Index of refraction relative to what is above, and the color of the dielectric's reflection.
     ior: f32,
     dielectric: Vec3,
     metal: F82,
@@ -372,7 +372,7 @@ impl Brdf for OpenPbr {
         let fresnel = (self.metal.fresnel(one) + Vec3x8::splat(self.dielectric) * dielectric_x8(one, self.ior)).lane(0);
         let glossy = (fresnel * whole + self.multiple * ((1.0 - whole) / self.whole.normalization())) * self.tint;
         let [above, coat, fuzz] = [&self.above, &self.coat_albedo, &self.fuzz_albedo].map(|albedo| albedo.at_one(1.0));
-        // The lobe passes the layers twice; the base is normalised.
+        // The lobe passes the layers twice; the base is normalized.
         let through = ((1.0 - coat) * (1.0 - fuzz)).powi(2);
         let left = (1.0 - above) * (1.0 - coat) * (1.0 - fuzz) * self.left_mean;
         let diffuse = self.diffuse.albedo_at(1.0) * self.diffuse_scale * left;

@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 pub enum Value {
     /// A number.
     Number(f32),
-    /// A linear RGB colour.
+    /// A linear RGB color.
     Color(Vec3),
 }
 
 impl Value {
-    /// The number, or the mean of the colour.
+    /// The number, or the mean of the color.
     pub fn number(self) -> f32 {
         match self {
             Self::Number(x) => x,
@@ -26,7 +26,7 @@ impl Value {
         }
     }
 
-    /// The colour, or the grey of the number.
+    /// The color, or the gray of the number.
     pub fn color(self) -> Vec3 {
         match self {
             Self::Number(x) => Vec3::splat(x),
@@ -98,7 +98,7 @@ impl Parameter {
         }
     }
 
-    /// A colour from black to white.
+    /// A color from black to white.
     pub const fn color(label: &'static str, default: [f32; 3], help: &'static str) -> Self {
         Self { default: Value::Color(Vec3::from_array(default)), ..Self::number(label, [0.0, 1.0], 0.0, help) }
     }
@@ -136,7 +136,7 @@ impl Parameter {
         letters.next().map(|first| first.to_uppercase().collect::<String>() + letters.as_str()).unwrap_or_default()
     }
 
-    /// Whether its values are colours.
+    /// Whether its values are colors.
     pub const fn is_color(&self) -> bool {
         matches!(self.default, Value::Color(_))
     }

@@ -34,7 +34,7 @@ impl Parameters {
         self.or_default(name).number()
     }
 
-    /// A colour, or the default that models declare under this name.
+    /// A color, or the default that models declare under this name.
     pub fn color(&self, name: &str) -> Vec3 {
         self.or_default(name).color()
     }
@@ -103,7 +103,7 @@ impl<'de> Deserialize<'de> for Parameters {
         let mut values = BTreeMap::new();
         for (name, read) in BTreeMap::<String, Read>::deserialize(deserializer)? {
             let Read::Value(value) = read else {
-                let reason = format!("the parameter `{name}` is neither a number nor a colour of three numbers");
+                let reason = format!("the parameter `{name}` is neither a number nor a color of three numbers");
                 return Err(D::Error::custom(reason));
             };
             values.insert(Cow::Owned(name), value);

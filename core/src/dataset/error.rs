@@ -264,9 +264,9 @@ pub enum SourceDamage {
         index: usize,
         /// Its area in m².
         area: f32,
-        /// Its spacing in metres.
+        /// Its spacing in meters.
         spacing: f32,
-        /// Diagonal of the scene in metres.
+        /// Diagonal of the scene in meters.
         diagonal: f32,
     },
 }

@@ -7,7 +7,7 @@
 //! | `meshless_positions`, `meshless_normals` | f32 | N, 3 | points of the functions, coarsest first |
 //! | `meshless_triangles`, `meshless_barycentrics` | u32, f32 | N and N, 2 | where on the mesh they lie |
 //! | `meshless_levels` | u32 | L + 1 | first function of each level, and the end of the last |
-//! | `meshless_radii` | f32 | L | radius of support in metres |
+//! | `meshless_radii` | f32 | L | radius of support in meters |
 //! | `meshless_sender_levels` | u32 | 1 | how many of the first levels send |
 //! | `meshless_links` | u16 | K, 4 | receiver in its band, and vector irradiance as three signed steps |
 //! | `meshless_link_offsets` | u32 | | first link of each (band of receivers, sender), and the end of the last |
@@ -34,7 +34,7 @@ pub struct MeshlessSettings {
     pub levels: usize,
     /// How many of the first levels send, at most `levels`.
     pub sender_levels: usize,
-    /// Distance of the coarsest level's points in metres; `None` for one that gives about
+    /// Distance of the coarsest level's points in meters; `None` for one that gives about
     /// [`Self::COARSEST_FUNCTIONS`] of them.
     pub coarse_radius: Option<f32>,
     /// Rays of each gather, 16 or more: what limits noise.
@@ -68,7 +68,7 @@ impl Default for MeshlessSettings {
 pub struct MeshlessReport {
     /// The viewpoint that was used.
     pub viewpoint: [f32; 3],
-    /// Distance of the coarsest level's points in metres.
+    /// Distance of the coarsest level's points in meters.
     pub coarse_radius: f32,
     /// Functions of each level.
     pub functions: Vec<usize>,

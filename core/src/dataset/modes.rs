@@ -32,7 +32,7 @@ pub struct IndirectReport {
     pub viewpoint: [f32; 3],
     /// Surface sources.
     pub sources: usize,
-    /// Least distance of any two in position and normal, in metres.
+    /// Least distance of any two in position and normal, in meters.
     pub radius: f32,
     /// Largest spacing of the sources; 0 for a dataset with equal spacing.
     pub widest_spacing: f32,

@@ -13,7 +13,7 @@ pub fn constant(radiance: Vec3) -> Image {
     Image::filled([16, 8], radiance)
 }
 
-/// Haziness of the sky: a clear day with a little vapour (Preetham, figure 2).
+/// Haziness of the sky: a clear day with a little vapor (Preetham, figure 2).
 const TURBIDITY: f32 = 3.0;
 
 /// Radiance per luminance in kcd/m², chosen so that a white wall in the noon sun is at about 3.
@@ -28,10 +28,10 @@ const SUN_KLX: f32 = 128.0;
 /// Reflectance of the ground below the horizon.
 const GROUND_ALBEDO: f32 = 0.2;
 
-/// A clear sky and the sun at `elevation` in radians, halfway between +X and +Z, over grey ground.
+/// A clear sky and the sun at `elevation` in radians, halfway between +X and +Z, over gray ground.
 ///
 /// The sky is that of Preetham, Shirley and Smits, *A Practical Analytic Model for Daylight* (SIGGRAPH 1999). The sun's
-/// colour is the attenuation by air and aerosols of their appendix. The sun is smaller than two texels: its energy is
+/// color is the attenuation by air and aerosols of their appendix. The sun is smaller than two texels: its energy is
 /// spread over the texels that it covers, so that irradiance is right at any resolution of the map.
 pub fn sun_and_sky(elevation: f32) -> Image {
     // At the horizon itself the model divides by zero.
@@ -168,7 +168,7 @@ fn irradiance_from_above(map: &Image) -> Vec3 {
 
 /// A soft box of the studio.
 struct SoftBox {
-    /// Direction of its centre, of any length.
+    /// Direction of its center, of any length.
     toward: Vec3,
     /// Half its width and height in radians.
     half_size: [f32; 2],
@@ -193,7 +193,7 @@ pub fn studio() -> Image {
 }
 
 impl SoftBox {
-    /// The box as seen from the centre, its last eighth fading out.
+    /// The box as seen from the center, its last eighth fading out.
     fn radiance_from(&self, direction: Vec3) -> Vec3 {
         let axis = self.toward.normalize();
         let right = Vec3::Y.cross(axis).normalize();

@@ -228,7 +228,7 @@ mod tests {
         (0..map.pixels.len()).map(texel).sum()
     }
 
-    /// Grey with a disc of `angle` degrees around a direction, of `radiance`.
+    /// Gray with a disc of `angle` degrees around a direction, of `radiance`.
     fn disc(size: [u32; 2], toward: Vec3, angle: f32, radiance: Vec3) -> Environment {
         let cos = (0.5 * angle).to_radians().cos();
         environment(

@@ -103,7 +103,7 @@ pub(super) mod tests {
         Mesh { ground: None, ..a }
     }
 
-    /// A cube of a metre that stands at the origin.
+    /// A cube of a meter that stands at the origin.
     pub fn cube() -> Mesh {
         block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5))
     }

@@ -5,7 +5,7 @@ use super::{bins::CubeBins, links::Links};
 use crate::implicit::{disc_forest::DiscForest, forest::quadtrees::Slot};
 use glam::Vec3;
 
-/// Distances in metres from a leaf to the nearest other in each bin; infinite where there is none.
+/// Distances in meters from a leaf to the nearest other in each bin; infinite where there is none.
 pub fn nearest(forest: &DiscForest, leaf: u32, bins: CubeBins) -> Vec<f32> {
     let from = forest.discs()[leaf as usize].position;
     let mut nearest = vec![f32::INFINITY; bins.len()];

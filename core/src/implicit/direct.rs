@@ -7,9 +7,9 @@
 //! * Bins are cells of equal cosine weight in the leaf's own frame ([`crate::sphere::concentric`]) and not texels of a cube map in
 //!   the world, half of which lie behind the leaf. So a bin weighs the same wherever it is, and Eq. 5's form factor of the node
 //!   is not needed: with it a wall in a room of 4,096 surfels sends 0.55 of its light.
-//! * A node enters every cell that its disc covers, not only the one of its centre, and is split as long as it covers more than
+//! * A node enters every cell that its disc covers, not only the one of its center, and is split as long as it covers more than
 //!   1.4. Otherwise a closed room sees the sky in 17 % of its bins.
-//! * An empty bin with at least seven filled neighbours is a hole in the covering and not an opening; see [`Views`](super::Views).
+//! * An empty bin with at least seven filled neighbors is a hole in the covering and not an opening; see [`Views`](super::Views).
 
 mod cover;
 mod key;

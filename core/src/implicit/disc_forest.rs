@@ -15,12 +15,12 @@ pub struct DiscForest {
     /// In the order of the leaves.
     discs: Vec<Disc>,
     blocks: Vec<Block>,
-    /// In metres, as built.
+    /// In meters, as built.
     diagonal: f32,
 }
 
 impl DiscForest {
-    /// `leaves` counts the discs of each object. `discs` come object by object, neighbours side by side.
+    /// `leaves` counts the discs of each object. `discs` come object by object, neighbors side by side.
     pub fn new(leaves: &[u32], discs: Vec<Disc>) -> Self {
         let shape = Quadtrees::new(leaves);
         assert_eq!(shape.leaves(), discs.len(), "one disc for each leaf");
@@ -62,7 +62,7 @@ impl DiscForest {
         &self.discs
     }
 
-    /// Of the box around the centres of the discs as the forest was built, in metres: a scale that stays while things move.
+    /// Of the box around the centers of the discs as the forest was built, in meters: a scale that stays while things move.
     pub fn diagonal(&self) -> f32 {
         self.diagonal
     }

@@ -57,7 +57,7 @@ impl SurfelForest {
         Self { discs: DiscForest::new(&counts, discs), riders }
     }
 
-    /// Takes all of the moved objects to vertex positions in metres; the triangles stay. The same positions give the same bits.
+    /// Takes all of the moved objects to vertex positions in meters; the triangles stay. The same positions give the same bits.
     pub fn update(&mut self, positions: &[Vec3], moved: &dyn Fn(u32) -> bool) {
         let Self { discs, riders } = self;
         discs.update(moved, &|leaf, _| riders[leaf as usize].disc(positions));

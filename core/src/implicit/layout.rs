@@ -9,7 +9,7 @@ use glam::Mat3;
 /// Cells that a node may cover before its children are taken. At 2 outlines are coarser, and a walk of 4,096 surfels takes 31 ms in
 /// place of 36.
 const CELLS_OF_NODE: f32 = 1.4;
-/// One empty neighbour in so many still makes a hole. With two in eight and more, real openings close as well.
+/// One empty neighbor in so many still makes a hole. With two in eight and more, real openings close as well.
 pub(super) const AROUND_A_HOLE: usize = 8;
 
 /// How the hemisphere of each leaf is divided into bins: cells of equal cosine weight in the leaf's own frame.

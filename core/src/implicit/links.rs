@@ -1,7 +1,7 @@
 //! The link structure of the paper (implicit visibility, 4.1 and 4.2.2): the oracle of the walk, and what its Table 1 times.
 //!
 //! The paper leaves open which solid angle of a node is meant; here it is area over squared distance, which no tilt of its discs
-//! exceeds. If both ends of a link are too large, the larger is subdivided. Centres are means by area.
+//! exceeds. If both ends of a link are too large, the larger is subdivided. Centers are means by area.
 
 use super::bins::CubeBins;
 use crate::{
@@ -90,7 +90,7 @@ fn in_order(segment: &[u32], discs: &[Disc]) -> Vec<u32> {
 /// The shortest link of a node in a bin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// In metres; infinite where there is none.
+    /// In meters; infinite where there is none.
     pub distance: f32,
     /// The other end.
     pub node: u32,

@@ -27,7 +27,7 @@ const LEAST: f32 = 1e-4;
 pub struct Receiver {
     /// Which object.
     pub object: u32,
-    /// In metres, as baked.
+    /// In meters, as baked.
     pub position: Vec3,
     /// Unit normal.
     pub normal: Vec3,
@@ -123,7 +123,7 @@ impl Nearest {
     }
 }
 
-/// Distance in metres by position and normal (meshless paper, Eq. 11); what faces away is farther than all that does not, but is
+/// Distance in meters by position and normal (meshless paper, Eq. 11); what faces away is farther than all that does not, but is
 /// found where nothing else is.
 fn distance(receiver: &Receiver, disc: &Disc) -> f32 {
     let near = squashed_distance(disc.position, disc.normal, receiver.position);

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 /// The node that each cell of each leaf sees. It is what [`super::Bins`] become once all layers are in them.
 ///
-/// Discs do not cover every ray of a surface. An empty cell of which seven of the eight neighbours are filled takes the
-/// nearest of these. Along the horizon, where cells have fewer neighbours, all of them must be.
+/// Discs do not cover every ray of a surface. An empty cell of which seven of the eight neighbors are filled takes the
+/// nearest of these. Along the horizon, where cells have fewer neighbors, all of them must be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Views {
     layout: BinLayout,
@@ -98,7 +98,7 @@ fn close(keys: &[u32], side: usize, nodes: &mut [u32]) {
     }
 }
 
-/// The nearest of the neighbours of a hole; `None` for an opening.
+/// The nearest of the neighbors of a hole; `None` for an opening.
 fn nearest_around(keys: &[u32], side: usize, cell: usize) -> Option<u32> {
     let side = side as isize;
     let (row, column) = (cell as isize / side, cell as isize % side);

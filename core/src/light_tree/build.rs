@@ -1,19 +1,19 @@
 //! Top-down clustering into a complete binary tree (paper, 3.4; Hašan et al. 2006).
 //!
 //! Each node splits its samples at the median of `d(s, c1) - d(s, c2)`, the difference of the distances to two cluster
-//! centres. The centres are then recomputed a few times. All metrics are Euclidean in feature space, so this difference
+//! centers. The centers are then recomputed a few times. All metrics are Euclidean in feature space, so this difference
 //! is linear in the features: one dot product per sample, and a selection in place of a sort.
 
 use super::Features;
 use rayon::join;
 
-/// Recomputations of the two centres ("a few times" in Hašan et al. 2006).
+/// Recomputations of the two centers ("a few times" in Hašan et al. 2006).
 const ITERATIONS: usize = 6;
 
 /// Nodes below this many samples are split on the calling thread.
 const SEQUENTIAL: usize = 512;
 
-/// Sample indices in the order of the leaves of a balanced binary clustering; neighbours in order are close in features.
+/// Sample indices in the order of the leaves of a balanced binary clustering; neighbors in order are close in features.
 pub fn cluster_order(features: &Features) -> Vec<u32> {
     cluster_order_of_groups(features, 1)
 }

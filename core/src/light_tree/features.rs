@@ -1,7 +1,7 @@
 //! Clustering metrics as Euclidean distances between feature vectors (paper, Eq. 10 to 12).
 //!
 //! There are two departures. The visibility vectors are projected to [`PROJECTED`] random dimensions, which keeps
-//! distances to within some percent. And a measured constant balances the two metrics: the paper normalises Eq. 11 by
+//! distances to within some percent. And a measured constant balances the two metrics: the paper normalizes Eq. 11 by
 //! the squared solid angle of a light, which makes it some 10^6 times smaller than Eq. 10, so that a literal mixed tree
 //! is the geometric one.
 

@@ -10,11 +10,11 @@ pub struct NodeLight {
     /// Mean radiance of the leaves below each node; of surface sources weighted by area. Their cuts hold solid angles, which are
     /// proportional to area, so the product of both means is close to the mean of the product.
     pub radiance: Vec<Vec3>,
-    /// Where the light of each node comes from: its mean unit direction, or of surface sources its mean position in metres,
+    /// Where the light of each node comes from: its mean unit direction, or of surface sources its mean position in meters,
     /// weighted by luminance. In a cluster that contains a bright spot, the BRDF must be evaluated for that spot.
     pub place: Vec<Vec3>,
     /// How far the light spreads around its place, with the same weights: the inverse concentration `1 / kappa` as a von
-    /// Mises-Fisher lobe (Banerjee et al. 2005), or a radius in metres.
+    /// Mises-Fisher lobe (Banerjee et al. 2005), or a radius in meters.
     pub spread: Vec<f32>,
     /// Mean intensity of the leaves below each node, for illumination cuts: luminance, of surface sources times area.
     pub intensity: Vec<f32>,

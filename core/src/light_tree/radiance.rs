@@ -163,7 +163,7 @@ fn cell_bands(mut entries: &mut [Entry]) -> Vec<&mut [Entry]> {
     bands
 }
 
-/// Scales the entries of each sample and normalises each cell to its whole energy. Returns the solid angle that every
+/// Scales the entries of each sample and normalizes each cell to its whole energy. Returns the solid angle that every
 /// sample receives from the band.
 fn balance_band(band: &mut [Entry], scale: &[f64], grid: [usize; 2]) -> Vec<f64> {
     let mut received = vec![0.0; scale.len()];
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn a_rotation_turns_counter_clockwise_seen_from_above() {
-        // Bright at +Z (centre of the image); turned by 90 degrees it must stand at +X.
+        // Bright at +Z (center of the image); turned by 90 degrees it must stand at +X.
         let env = environment([128, 64], |x, y| {
             Vec3::splat(if (62..66).contains(&x) && (30..34).contains(&y) { 1.0 } else { 0.0 })
         });

@@ -31,7 +31,7 @@ pub enum LightProblem {
     TooFar {
         /// Which of its places.
         what: &'static str,
-        /// Where that is, in metres.
+        /// Where that is, in meters.
         place: Vec3,
     },
     /// So bright that sums of its light are no numbers.
@@ -62,17 +62,17 @@ pub enum LightProblem {
         "its size of {width} x {height} m is above the limit of {MOST_COORDINATE} m; give a smaller width and height"
     )]
     TooLarge {
-        /// Metres.
+        /// Meters.
         width: f32,
-        /// Metres.
+        /// Meters.
         height: f32,
     },
     /// No area to emit.
     #[error("its size of {width} x {height} m has no area; give a width and a height above 0")]
     NoArea {
-        /// Metres.
+        /// Meters.
         width: f32,
-        /// Metres.
+        /// Meters.
         height: f32,
     },
 }

@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 pub struct LightSample {
     /// Unit direction from the point to the light.
     pub direction: Vec3,
-    /// Metres to it; infinite for directional lights.
+    /// Meters to it; infinite for directional lights.
     pub distance: f32,
     /// Irradiance in W/m² on a surface that faces the light, divided by the density of the sample: the mean over
     /// samples is the irradiance. It includes neither visibility nor the receiver's cosine.
@@ -21,7 +21,7 @@ pub struct LightSample {
 /// Hit of a ray on a light with an extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightHit {
-    /// Metres along the ray.
+    /// Meters along the ray.
     pub distance: f32,
     /// Radiance toward the ray's origin in W/(m² sr).
     pub radiance: Vec3,
@@ -54,7 +54,7 @@ impl Light {
         Some(LightHit { distance, radiance: self.intensity, pdf: distance * distance / (shape.area() * cos) })
     }
 
-    /// A bound of its power in W, for the choice between lights; directional ones fill a disc of `radius` metres.
+    /// A bound of its power in W, for the choice between lights; directional ones fill a disc of `radius` meters.
     pub fn power_bound(&self, radius: f32) -> f32 {
         let largest = self.intensity.max_element().max(0.0);
         let power = match self.emission {

@@ -12,7 +12,7 @@ use std::{borrow::Cow, collections::BTreeMap, fmt, marker::PhantomData};
 
 /// The map of tangent-space normals, +Y up (OpenGL); `strength` scales x and y.
 pub const NORMAL: &str = "normal";
-/// The map of heights; `strength` is the height in metres of a texel of value one.
+/// The map of heights; `strength` is the height in meters of a texel of value one.
 pub const BUMP: &str = "bump";
 
 /// Names of the maps that materials of a model can have: one for each parameter, rendered or stored, and two for the normal.
@@ -29,7 +29,7 @@ pub fn map_label(name: &'static str) -> &'static str {
     }
 }
 
-/// How the 8-bit texels of a map are meant unless something says otherwise: colours are sRGB encoded.
+/// How the 8-bit texels of a map are meant unless something says otherwise: colors are sRGB encoded.
 pub fn map_color_space(name: &str) -> ColorSpace {
     if BrdfModel::declared(name).is_some_and(Parameter::is_color) { ColorSpace::Srgb } else { ColorSpace::Linear }
 }

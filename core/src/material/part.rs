@@ -10,7 +10,7 @@ pub enum MaterialPart {
     Metal,
     /// A clear layer over all.
     Coat,
-    /// Fibres over all.
+    /// Fibers over all.
     Fuzz,
     /// Light of their own.
     Emission,

@@ -2,7 +2,7 @@
 //!
 //! Metals have the measured indices of refraction and extinction at 650, 550 and 450 nm, as refractiveindex.info publishes
 //! them; they are not fits. Of the others, the indices are those of the bulk material and the albedos those of common
-//! samples: starting points, not measurements. Colours are linear.
+//! samples: starting points, not measurements. Colors are linear.
 
 use super::{BrdfModel, Material, MaterialMaps};
 use crate::brdf::{GgxParameters, Metal, OpenPbrParameters, OrenNayarParameters, Parameters};
@@ -60,7 +60,7 @@ fn pbr(group: &'static str, name: &'static str, source: &'static str, parameters
     Preset { name, group, source, model: BrdfModel::OpenPbr, parameters: parameters.into() }
 }
 
-/// The defaults of OpenPBR with a colour, a roughness and an index.
+/// The defaults of OpenPBR with a color, a roughness and an index.
 fn dielectric(color: [f32; 3], roughness: f32, ior: f32) -> OpenPbrParameters {
     OpenPbrParameters { base_color: rgb(color), specular_roughness: roughness, specular_ior: ior, ..Default::default() }
 }
@@ -129,7 +129,7 @@ fn ceramics() -> Vec<Preset> {
         pbr(
             GROUP,
             "Ceramic glaze",
-            "Celadon: glaze of index 1.54 on grey clay",
+            "Celadon: glaze of index 1.54 on gray clay",
             glazed([0.36, 0.48, 0.40], 0.6, 0.1, 1.54),
         ),
         pbr(GROUP, "Polished marble", "Calcite, index 1.6", dielectric([0.78, 0.76, 0.73], 0.12, 1.6)),

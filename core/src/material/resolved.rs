@@ -40,7 +40,7 @@ type Place = (usize, &'static Parameter);
 pub struct MaterialPoint {
     /// Reflectance.
     pub brdf: SurfaceBrdf,
-    /// Base colour; black in models without one.
+    /// Base color; black in models without one.
     pub base_color: Vec3,
     /// Perceptual roughness; 1 in models without one.
     pub roughness: f32,

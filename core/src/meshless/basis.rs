@@ -11,7 +11,7 @@ use thiserror::Error;
 
 /// Most levels of a basis: the finest would have points closer than numbers of 32 bits can tell.
 pub const MOST_LEVELS: usize = 16;
-/// Smallest and largest radius of support in metres: their squares are numbers of 32 bits, and so are those of distances.
+/// Smallest and largest radius of support in meters: their squares are numbers of 32 bits, and so are those of distances.
 const RADII: RangeInclusive<f32> = 1e-15..=4e9;
 
 /// Why points do not make a basis.
@@ -42,19 +42,19 @@ pub enum BasisError {
     Radius {
         /// Which level, from 0.
         level: usize,
-        /// Radius of support in metres.
+        /// Radius of support in meters.
         radius: f32,
     },
 }
 
-/// The functions of all levels, coarsest first. A function is centred at a point and has support within a radius around
+/// The functions of all levels, coarsest first. A function is centerd at a point and has support within a radius around
 /// it.
 #[derive(Clone)]
 pub struct Basis {
     points: Vec<Surfel>,
     /// First function of each level, and the end of the last level.
     offsets: Vec<u32>,
-    /// Radius of support in metres, one per level.
+    /// Radius of support in meters, one per level.
     radii: Vec<f32>,
     sender_levels: usize,
     grid: FunctionGrid,
@@ -72,7 +72,7 @@ impl fmt::Debug for Basis {
 }
 
 impl Basis {
-    /// A basis of Poisson-disk sets, coarsest first. `spacing` is the disk radius of the first set in metres; each
+    /// A basis of Poisson-disk sets, coarsest first. `spacing` is the disk radius of the first set in meters; each
     /// further set has half the radius of the one before. The functions of the first `sender_levels` are also senders.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ impl Basis {
         &self.points
     }
 
-    /// Radius of support of each level in metres.
+    /// Radius of support of each level in meters.
     pub fn radii(&self) -> &[f32] {
         &self.radii
     }
@@ -184,7 +184,7 @@ impl Basis {
     }
 
     /// Calls `visit` with all functions of a level whose weight at a surface point is not zero, and that weight, before
-    /// normalisation.
+    /// normalization.
     #[inline]
     pub fn for_each_weight(&self, level: usize, position: Vec3, normal: Vec3, visit: impl FnMut(u32, f32)) {
         let slot = self.grid.slot_at(level, position);
@@ -234,7 +234,7 @@ impl Basis {
     }
 
     /// Values of the functions of some levels at the points of `functions`, one row per point. A point's parents are
-    /// its row over the level before; its children and neighbours are rows of the transpose.
+    /// its row over the level before; its children and neighbors are rows of the transpose.
     pub fn values_at(&self, functions: Range<usize>, levels: Range<usize>) -> SparseRows {
         let first = functions.start;
         SparseRows::build(functions.len(), |row, out| {

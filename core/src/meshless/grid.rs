@@ -53,7 +53,7 @@ pub struct FunctionGrid {
     eights: Vec<Eight>,
     /// The first eight of the cell in each slot.
     first_eight: Vec<u32>,
-    /// Cells per metre of each level.
+    /// Cells per meter of each level.
     cells_per_metre: Vec<f32>,
 }
 
@@ -129,7 +129,7 @@ impl FunctionGrid {
         &self.entries
     }
 
-    /// Cells per metre of each level.
+    /// Cells per meter of each level.
     pub fn cells_per_metre(&self) -> &[f32] {
         &self.cells_per_metre
     }

@@ -85,7 +85,7 @@ impl SenderSamples {
 
     /// Weights each sample by how much of the room it sees. Points in a gap between two walls are dark; a mean with
     /// them would make the wall in front of the gap send too little. `is_free` tells whether a ray from a surfel in a
-    /// direction hits nothing within a distance in metres.
+    /// direction hits nothing within a distance in meters.
     pub fn by_openness(mut self, basis: &Basis, is_free: impl Fn(&Surfel, Vec3, f32) -> bool + Sync) -> Self {
         let reach = OPENNESS_REACH * basis.radii()[basis.sender_levels() - 1];
         let directions = cosine_directions(OPENNESS_RAYS);

@@ -1,8 +1,8 @@
-//! Direct light to indirect light, whenever a light moves or a colour is edited (meshless paper, 3.3).
+//! Direct light to indirect light, whenever a light moves or a color is edited (meshless paper, 3.3).
 //!
 //! Reflectance is applied here and nowhere before. Radiosity is sampled at the points of the senders, projected, and
 //! sent once through the operator. What arrives at the senders is sent again, bounce by bounce. Projecting radiosity
-//! rather than irradiance makes a coarse sender carry the mean radiosity under it, not the colour of its point.
+//! rather than irradiance makes a coarse sender carry the mean radiosity under it, not the color of its point.
 //!
 //! Intermediate bounces are gathered by the functions of the sender levels alone, because senders carry nothing finer.
 //! The sum of all that was sent reaches the finer receivers at once. The paper ends the second and later bounces at the
@@ -42,7 +42,7 @@ impl Default for SolveSettings {
 /// Indirect light as coefficients of the basis.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Vector irradiance in W/m², one per function, one column per colour channel.
+    /// Vector irradiance in W/m², one per function, one column per color channel.
     pub coefficients: Vec<Mat3A>,
     /// Mean irradiance over the surface, in W/m² per channel: of direct light, then of each bounce. It is taken at the
     /// points of the finest senders, each weighted by the area of its function, because points are denser at edges and

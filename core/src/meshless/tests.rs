@@ -173,7 +173,7 @@ fn inside_a_sphere_each_bounce_is_the_mean_times_the_reflectance() {
     for (bounce, mean) in solution.mean_irradiance.iter().enumerate() {
         let expected = Vec3::new(0.5_f32, 0.25, 0.0).powf(bounce as f32);
         let expected = if bounce == 0 { Vec3::ONE } else { expected };
-        // Vector irradiance of neighbours with other normals is a percent short each bounce, without finer receivers.
+        // Vector irradiance of neighbors with other normals is a percent short each bounce, without finer receivers.
         let tolerance = 0.012 * bounce as f32 + 1e-3;
         assert!((*mean - expected).abs().max_element() <= tolerance * expected.max_element(), "{bounce}: {mean}");
     }

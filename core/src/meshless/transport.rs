@@ -154,7 +154,7 @@ impl Transport {
         linked
     }
 
-    /// One bounce: coefficients of vector irradiance of some functions, one column per colour channel, from the
+    /// One bounce: coefficients of vector irradiance of some functions, one column per color channel, from the
     /// senders' coefficients of outgoing radiance. Senders whose largest channel is at most `threshold` are skipped.
     ///
     /// # Panics

@@ -2,7 +2,7 @@
 //!
 //! Visibility changes along boundaries: nine rays of ten tell nothing new. One probe is traced in each block, and stands for
 //! it. Where blocks that touch differ, a boundary runs between them, and is followed: eight rays of the seen side are
-//! traced, and each eight whose neighbours differ from what is known or predicted of it, until nothing is left to trace.
+//! traced, and each eight whose neighbors differ from what is known or predicted of it, until nothing is left to trace.
 //! What no probe meets and no boundary leads to is missed. An audit against all rays says how much that is.
 //!
 //! The result of an origin depends on nothing but it: not on other origins, and not on the order in which eights are traced.

@@ -58,7 +58,7 @@ impl Intersector {
         hits.into_iter().map(|eight| eight.map(|hit| hit.map(of_mesh))).collect()
     }
 
-    /// [`Self::surfel_before`] of many rays from one origin, no farther than `distance` metres, as [`Self::closest_hits`] takes them.
+    /// [`Self::surfel_before`] of many rays from one origin, no farther than `distance` meters, as [`Self::closest_hits`] takes them.
     pub fn surfels_before(&self, origin: Vec3, directions: &[[Vec3; 8]], distance: f32) -> Vec<[Option<Surfel>; 8]> {
         let hits = InstructionSet::widest().run(Eights { scene: self, origin, directions, before: distance });
         let surfel =

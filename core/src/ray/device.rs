@@ -6,7 +6,7 @@ use glam::Vec3;
 /// A node of the hierarchy of boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxNode {
-    /// Smallest corner of its box in metres, a little widened.
+    /// Smallest corner of its box in meters, a little widened.
     pub min: Vec3,
     /// Largest corner.
     pub max: Vec3,
@@ -19,7 +19,7 @@ pub struct BoxNode {
 /// Where rays start, and in which directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayOrigin {
-    /// Place in metres, off any surface.
+    /// Place in meters, off any surface.
     pub origin: Vec3,
     /// The directions that count.
     pub half: HalfSpace,

@@ -100,7 +100,7 @@ pub fn spatial_order(directions: &[Vec3]) -> Vec<u32> {
     order
 }
 
-/// Halves the set across its widest axis until groups are reached, so that neighbours in order are neighbours in space.
+/// Halves the set across its widest axis until groups are reached, so that neighbors in order are neighbors in space.
 fn sort_spatially(order: &mut [u32], directions: &[Vec3]) {
     if order.len() <= GROUP {
         return;

@@ -1,4 +1,4 @@
-//! Eight rays with an origin and a direction each: those of neighbouring points in one direction enter the same boxes.
+//! Eight rays with an origin and a direction each: those of neighboring points in one direction enter the same boxes.
 
 use super::{
     Intersector, SeenThrough,
@@ -59,7 +59,7 @@ impl Intersector {
         open
     }
 
-    /// What eight rays see before some distances in metres: those that are open meet nothing, those that are closed something that
+    /// What eight rays see before some distances in meters: those that are open meet nothing, those that are closed something that
     /// stops all light, as [`Self::occluded_before`] says of each. Of others thin surfaces stop a part.
     pub fn seen_before(&self, rays: &EightRays, before: [f32; 8]) -> SeenThrough {
         self.seen_before_in(InstructionSet::widest(), rays, before)
@@ -73,7 +73,7 @@ impl Intersector {
         SeenThrough { open: set.run(OpenBefore { scene: &veils.surfaces, rays, before }), closed }
     }
 
-    /// For each eight rays the distances in metres of their closest hits, as [`Self::closest_hit`] has them; infinite for
+    /// For each eight rays the distances in meters of their closest hits, as [`Self::closest_hit`] has them; infinite for
     /// those that meet nothing or are not active.
     pub fn closest_distances(&self, rays: &[EightRays]) -> Vec<[f32; 8]> {
         self.closest_distances_in(InstructionSet::widest(), rays)

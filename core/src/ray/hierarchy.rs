@@ -17,7 +17,7 @@ const FIRST: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::slow_build()
 };
 
-/// One triangle a leaf, neighbours merged along a curve and no more. Five million triangles take a second on two cores, a
+/// One triangle a leaf, neighbors merged along a curve and no more. Five million triangles take a second on two cores, a
 /// thirtieth of [`build`]; rays take up to twice as long.
 const QUICK: BvhBuildParams =
     BvhBuildParams { max_prims_per_leaf: 1, reinsertion_batch_ratio: 0.0, ..BvhBuildParams::fast_build() };
@@ -33,7 +33,7 @@ const LEAST_GAIN: f64 = 0.03;
 /// Most rounds, in case the cost falls for ever.
 const MOST_ROUNDS: usize = 16;
 
-/// A hierarchy over triangles. Boxes of flat walls tie in the first one, which merges neighbours along a curve, and are
+/// A hierarchy over triangles. Boxes of flat walls tie in the first one, which merges neighbors along a curve, and are
 /// badly nested: a ray may then meet hundreds of triangles. Reinsertion (Meister and Bittner 2018) mends that.
 pub(super) fn build(triangles: &[Triangle]) -> Bvh2 {
     let mut bvh = build_bvh2_from_tris(triangles, FIRST, &mut Duration::default());
@@ -60,7 +60,7 @@ pub(super) fn build_quickly(triangles: &[Triangle]) -> Bvh2 {
 }
 
 /// Two hierarchies as one, the triangles of the second after the `triangles` of the first. What is far larger than the rest, as a ground is,
-/// would spoil the curve along which neighbours are merged.
+/// would spoil the curve along which neighbors are merged.
 pub(super) fn joined(a: &Bvh2, triangles: u32, b: &Bvh2) -> Bvh2 {
     let (Some(root_a), Some(root_b)) = (a.nodes.first(), b.nodes.first()) else {
         return if a.nodes.is_empty() { b.clone() } else { a.clone() };

@@ -63,7 +63,7 @@ impl SegmentBatch {
         wanted.len() as u64
     }
 
-    /// Fills `order` with all segments, neighbours in direction next to each other.
+    /// Fills `order` with all segments, neighbors in direction next to each other.
     fn sort_by_direction(&mut self) {
         self.cells.clear();
         self.cells.extend(self.directions.iter().map(|&d| cell(d)));

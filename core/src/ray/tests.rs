@@ -189,7 +189,7 @@ fn batches_of_segments_and_single_ones_agree_to_the_bit() {
     let scene = Intersector::new(&soup(11, 500));
     let mut rng = fastrand::Rng::with_seed(3);
     let mut point = || Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5) * 9.0;
-    // In runs of neighbours, as in a tree, and some far apart.
+    // In runs of neighbors, as in a tree, and some far apart.
     let ends: Vec<Vec3> = (0..60)
         .flat_map(|_| {
             let center = point();

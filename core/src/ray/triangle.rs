@@ -1,7 +1,7 @@
 //! A triangle as seen from one origin: the edge planes through the origin decide which directions cross it.
 //!
 //! All rays of a batch share their origin, so the three edge planes are computed once per triangle and a
-//! direction costs three dot products. Neighbouring triangles compute the plane of their common edge from
+//! direction costs three dot products. Neighboring triangles compute the plane of their common edge from
 //! the same operands with opposite sign, which IEEE arithmetic negates exactly: no ray slips through between.
 //! No fused multiply-add is used anywhere: all instruction sets give the same bits.
 

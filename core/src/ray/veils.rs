@@ -105,7 +105,7 @@ impl Intersector {
         if self.occluded(origin, direction) { 0.0 } else { self.past_veils(origin, direction, f32::INFINITY) }
     }
 
-    /// Share of the light that passes along a ray before `distance` metres, 0 to 1.
+    /// Share of the light that passes along a ray before `distance` meters, 0 to 1.
     pub fn transmittance_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> f32 {
         if self.occluded_before(origin, direction, distance) {
             0.0

@@ -13,9 +13,9 @@ pub struct Placed {
     pub object: u32,
     /// Relative to the file; that of an object that is only deformed is [`Pose::AS_BAKED`].
     pub pose: Pose,
-    /// The centre of its box as its file has it, in metres.
+    /// The center of its box as its file has it, in meters.
     pub center: Vec3,
-    /// The centre of its box as baked, in metres.
+    /// The center of its box as baked, in meters.
     pub baked_center: Vec3,
 }
 

@@ -62,7 +62,7 @@ impl Scene {
         mesh
     }
 
-    /// The centre of an object as its file has it, if it is elsewhere or deformed.
+    /// The center of an object as its file has it, if it is elsewhere or deformed.
     pub fn center_in_file(&self, object: u32) -> Option<Vec3> {
         self.placed.iter().find(|placed| placed.object == object).map(|placed| placed.center)
     }

@@ -1,6 +1,6 @@
 //! Where the objects of a scene are, beside where they were baked.
 //!
-//! A pose scales and turns an object about the centre of its box, and then moves it. An animation deforms it before that. All triangles
+//! A pose scales and turns an object about the center of its box, and then moves it. An animation deforms it before that. All triangles
 //! stay the same, so that what a bake says of a vertex is found by its index under any pose.
 
 mod check;
@@ -31,9 +31,9 @@ pub const MOST_SCALE: f32 = 1e4;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pose {
-    /// In metres.
+    /// In meters.
     pub translate: Vec3,
-    /// Turns about the world's axes through the centre of the object as baked, in degrees: first about X, then Y, then Z.
+    /// Turns about the world's axes through the center of the object as baked, in degrees: first about X, then Y, then Z.
     pub rotate_degrees: Vec3,
     /// Size, 1 as baked; above 0, at most [`MOST_SCALE`].
     pub scale: f32,
@@ -61,7 +61,7 @@ impl Pose {
         Self { rotate_degrees: Vec3::new(x, y, z).map(f32::to_degrees), ..self }
     }
 
-    /// From the place where an object with this centre was baked to where it is, in metres.
+    /// From the place where an object with this center was baked to where it is, in meters.
     pub fn world_from_baked(&self, center: Vec3) -> Affine3A {
         let about_center =
             Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), self.rotation(), Vec3::ZERO);
@@ -103,7 +103,7 @@ impl Poses {
         !self.of_object.contains_key(&object) && !self.deformed.contains_key(&object)
     }
 
-    /// The vertices of an object, if it is deformed; its pose comes on top, about its centre as baked.
+    /// The vertices of an object, if it is deformed; its pose comes on top, about its center as baked.
     pub fn deformed(&self, object: u32) -> Option<&DeformedObject> {
         self.deformed.get(&object)
     }
@@ -201,7 +201,7 @@ fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {
     vertices.iter().for_each(|&vertex| mesh.turn_vertex(vertex as usize, world_from_baked, rotation));
 }
 
-/// The vertices of each object of a mesh, and the centres that they turn about.
+/// The vertices of each object of a mesh, and the centers that they turn about.
 #[derive(Clone, Debug, Default)]
 pub struct Objects {
     vertices: Vec<u32>,
@@ -241,7 +241,7 @@ impl Objects {
         &self.vertices[self.ranges[object as usize].clone()]
     }
 
-    /// The centre of the box around an object as baked, in metres.
+    /// The center of the box around an object as baked, in meters.
     pub fn center(&self, object: u32) -> Vec3 {
         self.centers[object as usize]
     }

@@ -3,9 +3,9 @@
 //! A distant source is a disc, hidden or visible. At small distances the shape of the surfaces around the point
 //! matters: in the folds of a sofa discs overlap and reach into other surfaces; at the foot of a wall the floor's discs
 //! are seen edge on. So rays go out from the point in all directions, and each assigns its part of the sphere to the
-//! source that owns the surface it hits. Shading takes the light of a source to come from its centre. So a ray is
-//! weighted by its own cosine over that of the centre. Then irradiance is nearly right even where rays hit the foot of
-//! a wall and the centre is far up.
+//! source that owns the surface it hits. Shading takes the light of a source to come from its center. So a ray is
+//! weighted by its own cosine over that of the center. Then irradiance is nearly right even where rays hit the foot of
+//! a wall and the center is far up.
 
 use super::Source;
 use crate::{
@@ -29,7 +29,7 @@ const LEAST_HEIGHT: f32 = 1e-3;
 /// faces around them, which would take the light of these faces' sources.
 const SAME_SURFACE_LIFTS: f32 = 2.0;
 
-/// Smallest cosine in the weights of rays. Interpolation shades other points than those sampled, and there a centre at
+/// Smallest cosine in the weights of rays. Interpolation shades other points than those sampled, and there a center at
 /// the horizon may be high above it. With 0.05 a single pixel of the living room held 0.4 of the squared error.
 const LEAST_COSINE: f32 = 0.3;
 
@@ -56,7 +56,7 @@ pub struct Origin {
     pub normal: Vec3,
     /// Unit normal of the surface that the point lies in.
     pub face: Vec3,
-    /// Distance from that surface, in metres.
+    /// Distance from that surface, in meters.
     pub lift: f32,
     /// Smallest cosine with `face` at which a hit can belong to the same surface: [`Self::SAME_SURFACE_COSINE`], or
     /// less where faces around a vertex lean farther from its normal.
@@ -85,9 +85,9 @@ pub struct NearField {
     /// Their indices.
     members: Vec<u32>,
     directions: Vec<Vec3>,
-    /// These by their number, neighbours one after the other.
+    /// These by their number, neighbors one after the other.
     close_together: Vec<u32>,
-    /// Length of rays, in metres.
+    /// Length of rays, in meters.
     longest: f32,
 }
 
@@ -351,7 +351,7 @@ mod tests {
     fn a_ledge_below_a_rim_is_not_taken_for_the_top() {
         let surfel = |x, y, z| Surfel { position: Vec3::new(x, y, z), ..Default::default() };
         let source = |surfel| Source { surfel, area: 1e-3, spacing: 0.05 };
-        // A ledge of two centimetres at the foot of a rim of one; the top's source is nearer to what the rim sees of it.
+        // A ledge of two centimeters at the foot of a rim of one; the top's source is nearer to what the rim sees of it.
         let (low, wide) = (-0.01, 0.02);
         let corners = [(0.0, -1.0), (0.0, 1.0), (wide, 1.0), (wide, -1.0)];
         let mesh = Mesh {

@@ -59,7 +59,7 @@ impl SourceTree {
         &self.centers
     }
 
-    /// Radius in metres of the disc whose points have the same mean squared distance from its centre as a node's
+    /// Radius in meters of the disc whose points have the same mean squared distance from its center as a node's
     /// points.
     pub fn radii(&self) -> &[f32] {
         &self.radii
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!((tree.len(), tree.height()), (1024, 10));
         assert!((tree.areas()[1] - 4.0).abs() < 1e-4);
         assert!((tree.centers()[1] - Vec3::new(100.0, 0.0, 100.0)).length() < 1e-4);
-        // Points of a square of side s lie sqrt(s² / 6) from its centre on the mean square.
+        // Points of a square of side s lie sqrt(s² / 6) from its center on the mean square.
         for (node, side) in [(1, 2.0_f32), (4, 1.0), (64, 0.25)] {
             let expected = (side * side / 3.0).sqrt();
             assert!((tree.radii()[node] / expected - 1.0).abs() < 0.01, "{}", tree.radii()[node]);

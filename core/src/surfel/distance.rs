@@ -11,14 +11,14 @@ pub const LAYERS: f32 = 8.0;
 /// Least factor for another layer. It decides only where no function of that layer is close.
 pub const LEAST_WEIGHT: f32 = 0.02;
 
-/// Distance in metres of `x` from a point with a unit normal (Eq. 10). Offsets from its tangent plane count more.
+/// Distance in meters of `x` from a point with a unit normal (Eq. 10). Offsets from its tangent plane count more.
 #[inline(always)]
 pub fn squashed_distance(center: Vec3, normal: Vec3, x: Vec3) -> f32 {
     let v = x - center;
     (v + normal * (SQUASH * v.dot(normal))).length()
 }
 
-/// Falls from 1 at the centre to 0 at distance 1 and beyond, with zero slope at both (meshless paper, Eq. 9).
+/// Falls from 1 at the center to 0 at distance 1 and beyond, with zero slope at both (meshless paper, Eq. 9).
 #[inline(always)]
 pub(crate) fn kernel(t: f32) -> f32 {
     let t = t.min(1.0);
@@ -41,7 +41,7 @@ pub fn alignment(a: Vec3, b: Vec3) -> f32 {
     cosine * cosine
 }
 
-/// Distance in metres of two surface points in position and normal (Eq. 11). It is infinite if the normals are at right
+/// Distance in meters of two surface points in position and normal (Eq. 11). It is infinite if the normals are at right
 /// angles or more, and never less than the distance of the positions.
 pub fn distance(p: &Surfel, q: &Surfel) -> f32 {
     let near =

@@ -12,14 +12,14 @@ pub struct GradedGrid {
 }
 
 impl GradedGrid {
-    /// For points with their reach in metres.
+    /// For points with their reach in meters.
     pub fn of(points: impl IntoIterator<Item = (Surfel, f32)>) -> Self {
         let mut grid = Self::default();
         points.into_iter().for_each(|(point, reach)| grid.push(point, reach));
         grid
     }
 
-    /// Adds a point that reaches so many metres.
+    /// Adds a point that reaches so many meters.
     pub fn push(&mut self, point: Surfel, reach: f32) {
         let reach = reach.max(f32::MIN_POSITIVE);
         let key = reach.log2().floor() as i32;

@@ -13,7 +13,7 @@ pub const MOST_TAPS: u32 = 8;
 /// has three times the variance of a pixel's box; one of this width has the same.
 pub const TEXELS_PER_WIDTH: f32 = 1.732_050_8;
 
-/// Texture coordinates of a point, and how they change to the neighbouring samples of the picture.
+/// Texture coordinates of a point, and how they change to the neighboring samples of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UvFootprint {
     /// The coordinates.

@@ -121,7 +121,7 @@ mod tests {
             let far = t.sample_footprint(&super::super::UvFootprint { uv, changes }, &slot);
             assert!((far - mean).abs().max_element() < 0.01, "{far} {mean}");
         }
-        // Negative control: without levels some lookups see one colour alone.
+        // Negative control: without levels some lookups see one color alone.
         let near = (0..50)
             .map(|i| t.sample(slot.transform(Vec2::new(0.013 * i as f32, 0.02 * i as f32 + 0.0013)), slot.color_space));
         let worst = near.map(|near| (near - mean).abs().max_element()).fold(0.0, f32::max);

@@ -132,7 +132,7 @@ impl SlopeTexel {
     }
 }
 
-/// The slope of a normal in tangent space that is not normalised.
+/// The slope of a normal in tangent space that is not normalized.
 pub fn slope_of(normal: Vec3) -> Vec2 {
     normal.truncate() / normal.z.max(LEAST_Z * normal.length()).max(1e-6)
 }
@@ -216,7 +216,7 @@ impl Texture {
         Some(moments.mapped(Mat2::from_diagonal(Vec2::new(slot.strength, green))))
     }
 
-    /// Changes of a bump map's height in metres per unit of u and v within a footprint; at a point by central differences over
+    /// Changes of a bump map's height in meters per unit of u and v within a footprint; at a point by central differences over
     /// one texel.
     pub fn height_moments(&self, footprint: &UvFootprint, slot: &TextureSlot) -> SlopeMoments {
         let there = footprint.through(slot);
@@ -239,7 +239,7 @@ impl Texture {
 }
 
 impl TextureSlot {
-    /// Changes of the height of a pattern in metres per unit of u and v within a footprint.
+    /// Changes of the height of a pattern in meters per unit of u and v within a footprint.
     pub fn pattern_moments(&self, pattern: &Procedural, footprint: &UvFootprint) -> SlopeMoments {
         let there = footprint.through(self);
         let turn = self.linear();

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use crate::curve::{arc, line};
 use crate::mesh::Mesh;
 
-/// Half the width of the sweep, metres.
+/// Half the width of the sweep, meters.
 const HALF_WIDTH: f32 = 2.0;
 /// Front edge of the floor.
 const FRONT: f32 = 1.5;

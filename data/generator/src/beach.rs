@@ -10,9 +10,9 @@ use crate::mesh::Mesh;
 use crate::noise::{fractal, unit};
 use crate::scene::{Camera, Material, Scene};
 
-/// Side of the square of sand in metres.
+/// Side of the square of sand in meters.
 const SIDE: f32 = 20.0;
-/// Height of the dunes in metres.
+/// Height of the dunes in meters.
 const DUNES: f32 = 0.5;
 /// Different stones, and how often each lies there.
 const STONES: usize = 16;
@@ -49,7 +49,7 @@ fn random(i: usize, what: u32) -> f32 {
     unit(i as i32, 0, SEED + what)
 }
 
-/// Height of the sand in metres over a place of the unit square.
+/// Height of the sand in meters over a place of the unit square.
 fn height(uv: Vec2) -> f32 {
     let ripples = 0.02 * fractal(uv, (40, 90), 2, SEED + 1);
     DUNES * fractal(uv, (4, 3), 3, SEED) + ripples

@@ -11,17 +11,17 @@ use crate::scene::{Camera, Material, PunctualLight, Scene, at};
 /// Quads of the tower around and up.
 const SIDES: usize = 20;
 const STOREYS: usize = 24;
-/// Radius at the foot and at the top, and height, in metres.
+/// Radius at the foot and at the top, and height, in meters.
 const RADII: [f32; 2] = [0.34, 0.24];
 const HEIGHT: f32 = 2.0;
 /// Joints of the tower, one above the other.
 const JOINTS: usize = 5;
 /// How far a joint swings to each side, in degrees.
 const SWING: f32 = 15.0;
-/// Quads of the flag, and its size in metres.
+/// Quads of the flag, and its size in meters.
 const FLAG_CELLS: [usize; 2] = [12, 8];
 const FLAG_SIZE: Vec2 = vec2(0.8, 0.5);
-/// How far the flag waves to each side, in metres.
+/// How far the flag waves to each side, in meters.
 const WAVE: f32 = 0.12;
 /// Where the block is without an animation.
 const BLOCK: Vec3 = vec3(1.1, 0.251, 0.8);

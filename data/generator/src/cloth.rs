@@ -16,11 +16,11 @@ use crate::noise;
 pub struct Drape {
     /// Vertices along each side.
     pub resolution: usize,
-    /// Side of the square in metres.
+    /// Side of the square in meters.
     pub side: f32,
     /// Turn of the square around Y against the block, radians.
     pub turn: f32,
-    /// Where its centre starts, above the block.
+    /// Where its center starts, above the block.
     pub centre: Vec3,
     /// Size of the block that it falls on; the block stands on `y = 0` around the origin.
     pub block: Vec3,
@@ -36,7 +36,7 @@ pub struct Drape {
 const STEP: f32 = 1.0 / 600.0;
 /// Steps between two searches for particles that may touch.
 const SEARCH_EVERY: usize = 10;
-/// Distance that the cloth keeps from floor and block, metres.
+/// Distance that the cloth keeps from floor and block, meters.
 pub const CLEARANCE: f32 = 0.003;
 /// Radius of the block's edges for collision.
 const BLOCK_ROUND: f32 = 0.012;
@@ -109,7 +109,7 @@ impl Cloth {
     fn step(&mut self, keep: f32) {
         let fall = Vec3::NEG_Y * (9.81 * STEP * STEP);
         for (p, before) in self.position.iter_mut().zip(&mut self.previous) {
-            // Speed limit of half a spacing per step: nothing tunnels through a neighbour.
+            // Speed limit of half a spacing per step: nothing tunnels through a neighbor.
             let moved = ((*p - *before) * keep + fall).clamp_length_max(0.4 * self.spacing);
             *before = *p;
             *p += moved;
@@ -188,7 +188,7 @@ impl Cloth {
         self.near = near;
     }
 
-    /// Pairs once, and never neighbours in the weave: links keep those apart.
+    /// Pairs once, and never neighbors in the weave: links keep those apart.
     fn may_touch(&self, i: usize, j: usize, reach: f32) -> bool {
         let n = self.drape.resolution;
         let apart = (i % n).abs_diff(j % n).max((i / n).abs_diff(j / n));

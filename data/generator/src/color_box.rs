@@ -1,4 +1,4 @@
-//! The colour box: a closed room of two metres with a red and a green wall and two blocks, after the box of Goral et al.
+//! The color box: a closed room of two meters with a red and a green wall and two blocks, after the box of Goral et al.
 //! (1984), *Modeling the Interaction of Light between Diffuse Surfaces*. Its front stands open; a spot shines from above.
 
 use glam::{Affine3A, Vec3, vec3};
@@ -8,9 +8,9 @@ use crate::mesh::Mesh;
 use crate::rounded_box::{plain_box, rounded_box};
 use crate::scene::{Camera, Material, PunctualLight, Scene, at};
 
-/// Inner width, height and depth in metres; the floor's middle is the origin.
+/// Inner width, height and depth in meters; the floor's middle is the origin.
 pub const SIZE: f32 = 2.0;
-/// Thickness of the walls in metres.
+/// Thickness of the walls in meters.
 const WALL: f32 = 0.1;
 /// Cells of the walls.
 const CELL: f32 = 0.1;

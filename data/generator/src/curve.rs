@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-/// Catmull-Rom curve through `points` with `per_span` steps between neighbours; both ends are kept.
+/// Catmull-Rom curve through `points` with `per_span` steps between neighbors; both ends are kept.
 pub fn through(points: &[Vec2], per_span: usize) -> Vec<Vec2> {
     let last = points.len() - 1;
     let mut curve = Vec::with_capacity(last * per_span + 1);

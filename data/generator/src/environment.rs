@@ -1,6 +1,6 @@
 //! Latitude-longitude radiance maps: directions, painting, energy, and the file.
 //!
-//! The centre of the image is +Z, its left quarter +X, its top +Y. Texels are radiance, linear Rec. 709.
+//! The center of the image is +Z, its left quarter +X, its top +Y. Texels are radiance, linear Rec. 709.
 
 use std::f32::consts::{PI, TAU};
 use std::fs;

@@ -19,7 +19,7 @@ const STATIONS: usize = 40;
 /// Half thickness and half width of a strip, in lantern heights.
 const SECTION: Vec2 = vec2(0.0055, 0.0115);
 
-/// The lantern of `height` metres standing on `y = 0`; its parts overlap where metal would be soldered.
+/// The lantern of `height` meters standing on `y = 0`; its parts overlap where metal would be soldered.
 pub fn lantern(height: f32) -> Vec<Mesh> {
     let mut parts: Vec<Mesh> = Vec::new();
     for k in 0..STRIPS {

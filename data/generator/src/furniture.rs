@@ -21,7 +21,7 @@ pub fn joined(parts: Vec<Mesh>) -> Mesh {
     all
 }
 
-/// A rounded box by its centre.
+/// A rounded box by its center.
 fn block(centre: Vec3, size: Vec3, radius: f32, cell: f32) -> Mesh {
     rounded_box(size, radius, cell).shifted(centre)
 }
@@ -163,7 +163,7 @@ pub fn board_top(level: usize) -> f32 {
     0.03 + COMPARTMENT * level as f32
 }
 
-/// Books in `colors` heaps, one mesh per colour: standing in rows on four of the boards, some leaning.
+/// Books in `colors` heaps, one mesh per color: standing in rows on four of the boards, some leaning.
 pub fn books(colors: usize) -> Vec<Vec<Mesh>> {
     let mut heaps = vec![Vec::new(); colors];
     let rows = [(0, -0.43, 0.40), (1, -0.43, 0.10), (2, -0.05, 0.42), (3, -0.43, 0.22), (4, 0.02, 0.40)];
@@ -202,7 +202,7 @@ pub fn book_stack() -> Vec<Mesh> {
     parts
 }
 
-/// Picture frame around a canvas of `width` by `height`, its back to -Z at `z = 0`, centre at the origin.
+/// Picture frame around a canvas of `width` by `height`, its back to -Z at `z = 0`, center at the origin.
 pub fn frame(width: f32, height: f32) -> Vec<Mesh> {
     let (bar, depth) = (0.035, 0.030);
     let mut parts = Vec::new();

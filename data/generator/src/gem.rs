@@ -19,7 +19,7 @@ const LOWER_HALF: f32 = 0.24;
 /// Half the girdle's thickness.
 const GIRDLE: f32 = 0.018;
 
-/// The gem of the given girdle diameter in metres: the table looks up, the girdle lies at `y = 0`.
+/// The gem of the given girdle diameter in meters: the table looks up, the girdle lies at `y = 0`.
 pub fn brilliant(diameter: f32) -> Mesh {
     let mut mesh = Mesh::default();
     let scale = 0.5 * diameter;

@@ -196,7 +196,7 @@ fn placed_light(index: usize, light: &PunctualLight) -> Value {
     node
 }
 
-/// Colour is the intensity with its largest channel brought to 1.
+/// Color is the intensity with its largest channel brought to 1.
 fn light(light: &PunctualLight) -> Value {
     let largest = light.intensity.into_iter().fold(0.0, f32::max);
     let mut value = json!({

@@ -61,7 +61,7 @@ pub fn lid() -> Mesh {
 /// A point of the step's section, the same on all four sides.
 #[derive(Clone, Copy)]
 struct Section {
-    /// Metres inwards from the side, and height over the centre.
+    /// Meters inwards from the side, and height over the center.
     at: Vec2,
     /// Unit normal: outwards and up.
     normal: Vec2,

@@ -1,6 +1,6 @@
 //! Makes everything that Lapidary ships in `data/`: scenes, environments and textures.
 //!
-//! Units are metres, Y is up, coordinates are right-handed, colours linear Rec. 709. Every run writes the
+//! Units are meters, Y is up, coordinates are right-handed, colors linear Rec. 709. Every run writes the
 //! same bytes.
 
 mod backdrop;

@@ -6,7 +6,7 @@ use crate::backdrop;
 use crate::scene::{Camera, Material, Scene, at};
 use crate::shader_ball::shader_ball;
 
-/// Radius of the ball in metres.
+/// Radius of the ball in meters.
 const RADIUS: f32 = 0.3;
 
 /// Composes the scene.

@@ -1,6 +1,6 @@
 //! Triangle meshes: the one type every piece is made of.
 //!
-//! Front faces wind counter-clockwise seen from outside. Positions are metres, Y up.
+//! Front faces wind counter-clockwise seen from outside. Positions are meters, Y up.
 
 use std::collections::HashMap;
 
@@ -9,7 +9,7 @@ use glam::{Affine3A, Vec2, Vec3};
 /// An indexed triangle mesh with a normal and a texture coordinate at every vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Positions in metres.
+    /// Positions in meters.
     pub positions: Vec<Vec3>,
     /// Unit normals, outward.
     pub normals: Vec<Vec3>,
@@ -64,7 +64,7 @@ impl Mesh {
         self
     }
 
-    /// The mesh shifted by `offset` metres.
+    /// The mesh shifted by `offset` meters.
     pub fn shifted(self, offset: Vec3) -> Mesh {
         self.moved(Affine3A::from_translation(offset))
     }
@@ -182,7 +182,7 @@ pub mod checks {
         assert!(volume(mesh) > 0.0, "inside out");
     }
 
-    /// Enclosed volume in cubic metres, negative when the faces point inward.
+    /// Enclosed volume in cubic meters, negative when the faces point inward.
     pub fn volume(mesh: &Mesh) -> f32 {
         let volumes = (0..mesh.triangle_count()).map(|t| {
             let [a, b, c] = mesh.corners(t);

@@ -22,7 +22,7 @@ pub struct Joint {
     pub name: String,
     /// The joint that it hangs on; the first hangs on none.
     pub parent: Option<usize>,
-    /// Where it is in the world in metres.
+    /// Where it is in the world in meters.
     pub position: Vec3,
 }
 
@@ -42,7 +42,7 @@ pub struct Skin {
 pub struct Morph {
     /// Index of the piece.
     pub piece: usize,
-    /// What it adds to positions, in metres.
+    /// What it adds to positions, in meters.
     pub positions: Vec<Vec3>,
     /// What it adds to normals.
     pub normals: Vec<Vec3>,

@@ -9,7 +9,7 @@ use crate::mesh::Mesh;
 use crate::tube::{Station, sweep_open};
 use crate::turned::turn;
 
-/// A pear of `height` metres (without stem) standing on `y = 0`, its neck bent towards +X.
+/// A pear of `height` meters (without stem) standing on `y = 0`, its neck bent towards +X.
 pub fn pear(height: f32) -> Mesh {
     let side = [
         vec2(0.0, 0.030),

@@ -9,10 +9,10 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Luma, RgbImage};
 use lapidary_core::color::srgb_from_linear;
 
-/// A 16-bit grey image: 8 bits would show as terraces in a bump map.
+/// A 16-bit gray image: 8 bits would show as terraces in a bump map.
 pub type Grey16 = ImageBuffer<Luma<u16>, Vec<u16>>;
 
-/// Paints linear Rec. 709 colours into an sRGB image; `paint` gets the pixel centre in [0, 1), top left first.
+/// Paints linear Rec. 709 colors into an sRGB image; `paint` gets the pixel center in [0, 1), top left first.
 pub fn paint_color(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
     paint_data(size, |uv| paint(uv).map(srgb_from_linear))
 }
@@ -49,7 +49,7 @@ pub fn save_png(picture: &RgbImage, path: &Path) -> Result<()> {
     save(picture.as_raw(), picture.dimensions(), ExtendedColorType::Rgb8, path)
 }
 
-/// Writes a 16-bit grey PNG.
+/// Writes a 16-bit gray PNG.
 pub fn save_png16(picture: &Grey16, path: &Path) -> Result<()> {
     save(bytemuck::cast_slice(picture.as_raw()), picture.dimensions(), ExtendedColorType::L16, path)
 }

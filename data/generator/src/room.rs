@@ -5,13 +5,13 @@ use glam::{Vec3, vec2, vec3};
 use crate::mesh::Mesh;
 use crate::rounded_box::{plain_box, rounded_box};
 
-/// Inner half width (X), height and half depth (Z) of the room in metres.
+/// Inner half width (X), height and half depth (Z) of the room in meters.
 pub const HALF_WIDTH: f32 = 2.3;
-/// Clear height in metres.
+/// Clear height in meters.
 pub const HEIGHT: f32 = 2.6;
-/// Inner half depth in metres.
+/// Inner half depth in meters.
 pub const HALF_DEPTH: f32 = 2.0;
-/// Thickness of walls and slabs in metres.
+/// Thickness of walls and slabs in meters.
 const WALL: f32 = 0.18;
 /// Cells of the walls: large, as tessellation follows later.
 const CELL: f32 = 0.35;
@@ -23,7 +23,7 @@ fn between(low: Vec3, high: Vec3) -> Mesh {
     plain_box(high - low, CELL).shifted(0.5 * (low + high))
 }
 
-/// The floor slab; texture coordinates are metres.
+/// The floor slab; texture coordinates are meters.
 pub fn floor() -> Mesh {
     between(vec3(-HALF_WIDTH - WALL, -WALL, -HALF_DEPTH - WALL), vec3(HALF_WIDTH + WALL, 0.0, HALF_DEPTH + WALL))
 }
@@ -126,7 +126,7 @@ mod tests {
         vec3(r * angle.cos(), y, r * angle.sin())
     }
 
-    /// The point a centimetre behind the inner surface of floor, ceiling or wall.
+    /// The point a centimeter behind the inner surface of floor, ceiling or wall.
     fn out_through_wall(from: Vec3, d: Vec3) -> Vec3 {
         let (low, high) = (vec3(-HALF_WIDTH, 0.0, -HALF_DEPTH), vec3(HALF_WIDTH, HEIGHT, HALF_DEPTH));
         let times = ((low - from) / d).max((high - from) / d);

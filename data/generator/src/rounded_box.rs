@@ -15,8 +15,8 @@ fn round_steps(radius: f32) -> usize {
     }
 }
 
-/// A box of `size` metres around the origin with edges rounded to `radius`, its flats cut into cells of at
-/// most `cell` metres. Texture coordinates are metres on each face, so one image keeps its scale on all.
+/// A box of `size` meters around the origin with edges rounded to `radius`, its flats cut into cells of at
+/// most `cell` meters. Texture coordinates are meters on each face, so one image keeps its scale on all.
 pub fn rounded_box(size: Vec3, radius: f32, cell: f32) -> Mesh {
     let mut mesh = Mesh::default();
     for axis in 0..3 {
@@ -78,7 +78,7 @@ fn grid_lines(half: f32, radius: f32, cell: f32) -> Vec<f32> {
     lines
 }
 
-/// Steps of at most `cell` metres from `-half` to `half`.
+/// Steps of at most `cell` meters from `-half` to `half`.
 pub fn steps_across(half: f32, cell: f32) -> usize {
     (2.0 * half / cell).ceil().max(1.0) as usize
 }

@@ -13,7 +13,7 @@ pub type Texture = Option<&'static str>;
 pub struct Material {
     /// Name shown to the artist.
     pub name: &'static str,
-    /// Linear Rec. 709 base colour.
+    /// Linear Rec. 709 base color.
     pub base_color: [f32; 3],
     /// 0 for dielectrics, 1 for metals.
     pub metallic: f32,
@@ -21,7 +21,7 @@ pub struct Material {
     pub roughness: f32,
     /// Seen and lit from both sides: open sheets only.
     pub double_sided: bool,
-    /// sRGB image that multiplies the base colour.
+    /// sRGB image that multiplies the base color.
     pub base_color_texture: Texture,
     /// Image whose green channel multiplies roughness and whose blue channel multiplies metallic.
     pub roughness_texture: Texture,
@@ -80,7 +80,7 @@ pub struct Node {
 pub struct Camera {
     /// Name shown to the artist.
     pub name: &'static str,
-    /// Position in metres.
+    /// Position in meters.
     pub eye: Vec3,
     /// Point in the middle of the picture.
     pub target: Vec3,
@@ -93,11 +93,11 @@ pub struct Camera {
 pub struct PunctualLight {
     /// Name shown to the artist.
     pub name: &'static str,
-    /// Position in metres.
+    /// Position in meters.
     pub position: Vec3,
     /// Point that a spot shines at.
     pub target: Vec3,
-    /// Radiant intensity per colour channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
+    /// Radiant intensity per color channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
     pub intensity: [f32; 3],
     /// Angles of a spot from its axis in degrees: start and end of its falloff. `None` for a point light.
     pub cone: Option<[f32; 2]>,

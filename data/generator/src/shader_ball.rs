@@ -16,12 +16,12 @@ const OPENING: f32 = 0.72;
 const INNER: f32 = 0.90;
 /// Radius of the core.
 const CORE: f32 = 0.66;
-/// Height of the ball's centre above the floor.
+/// Height of the ball's center above the floor.
 const CENTRE: f32 = 1.072;
 /// How far the opening's axis leans back from +Z towards +Y.
 const LEAN: f32 = 0.55;
 
-/// The pieces of a ball of the given outer radius in metres; the ring stands on `y = 0`, the opening looks
+/// The pieces of a ball of the given outer radius in meters; the ring stands on `y = 0`, the opening looks
 /// towards +Z and up.
 pub struct ShaderBall {
     /// Outer shell with opening and groove.

@@ -6,7 +6,7 @@ use crate::cloth::{self, Drape};
 use crate::scene::{Camera, Material, Scene, at};
 use crate::{backdrop, filigree, gem, knot, pear, rounded_box, shader_ball, vase};
 
-/// The walnut block under the cloth: size in metres, place and turn.
+/// The walnut block under the cloth: size in meters, place and turn.
 const BLOCK: Vec3 = vec3(0.32, 0.24, 0.28);
 const BLOCK_AT: Vec3 = vec3(0.30, 0.0, -0.08);
 const BLOCK_TURN: f32 = 24.0;

@@ -7,7 +7,7 @@ use crate::noise::{lerp, smoothstep};
 
 /// A rectangular soft box far away.
 struct SoftBox {
-    /// Direction of its centre.
+    /// Direction of its center.
     towards: Vec3,
     /// Half width and half height as tangents.
     half: Vec2,

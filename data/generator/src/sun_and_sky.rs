@@ -17,7 +17,7 @@ const SUN_RADIUS: f32 = 1.5;
 /// Illuminance of a surface facing the sun over that of a horizontal one from the sky alone. Clear days at this height
 /// of the sun have 80 to 90 klx over 13 to 15 klx.
 const SUN_TO_SKY: f32 = 6.0;
-/// Colour of the direct light at this height, luminance 1.
+/// Color of the direct light at this height, luminance 1.
 const SUN_COLOR: Vec3 = vec3(1.160, 0.985, 0.715);
 /// Albedo of the ground.
 const GROUND: Vec3 = vec3(0.23, 0.205, 0.17);

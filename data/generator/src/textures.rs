@@ -6,17 +6,17 @@ use glam::{Vec2, Vec3, vec2, vec3};
 
 use crate::noise::{cells, fractal, gradient, lerp, smoothstep, unit};
 
-/// Walnut, grain along U. Linear base colour.
+/// Walnut, grain along U. Linear base color.
 pub fn walnut(uv: Vec2) -> Vec3 {
     grain(uv, [vec3(0.050, 0.024, 0.013), vec3(0.185, 0.098, 0.052)], 8, 21)
 }
 
-/// Oak, grain along U. Linear base colour.
+/// Oak, grain along U. Linear base color.
 pub fn oak(uv: Vec2) -> Vec3 {
     grain(uv, [vec3(0.235, 0.135, 0.066), vec3(0.430, 0.275, 0.150)], 9, 57)
 }
 
-/// Wood: year rings cut lengthwise, wandering with slow noise, over fine fibres and pores.
+/// Wood: year rings cut lengthwise, wandering with slow noise, over fine fibers and pores.
 fn grain(uv: Vec2, [dark, light]: [Vec3; 2], rings: i32, seed: u32) -> Vec3 {
     let wander = 0.055 * fractal(uv, (1, 2), 2, seed) + 0.006 * fractal(uv, (3, 16), 2, seed + 9);
     let phase = rings as f32 * (uv.y + wander);
@@ -41,7 +41,7 @@ fn pore(uv: Vec2, seed: u32) -> f32 {
     there * smoothstep(0.0, 0.2, along) * (1.0 - smoothstep(0.5, 0.9, along)) * (TAU * 0.5 * at.y.fract()).sin()
 }
 
-/// Oak boards, [`BOARDS`] of them side by side along U. Linear base colour.
+/// Oak boards, [`BOARDS`] of them side by side along U. Linear base color.
 pub fn boards(uv: Vec2) -> Vec3 {
     let row = (uv.y * BOARDS as f32).floor() as i32;
     let within = uv.y * BOARDS as f32 - row as f32;
@@ -57,7 +57,7 @@ pub fn boards(uv: Vec2) -> Vec3 {
 /// Rows of boards across the unit square of [`boards`].
 const BOARDS: i32 = 8;
 
-/// A woven rug: a field of lozenges in a border. Linear base colour; covers the rug once.
+/// A woven rug: a field of lozenges in a border. Linear base color; covers the rug once.
 pub fn rug(uv: Vec2) -> Vec3 {
     let [ground, rust, ink, cream] =
         [vec3(0.30, 0.085, 0.050), vec3(0.44, 0.20, 0.095), vec3(0.035, 0.050, 0.085), vec3(0.56, 0.49, 0.37)];
@@ -89,7 +89,7 @@ pub fn rug(uv: Vec2) -> Vec3 {
     color * (0.82 + 0.18 * pile) * (1.0 + 0.12 * fractal(uv, (3, 3), 3, 112))
 }
 
-/// A painting: hills in evening haze. Linear base colour; covers the canvas once.
+/// A painting: hills in evening haze. Linear base color; covers the canvas once.
 pub fn painting(uv: Vec2) -> Vec3 {
     let sky = vec3(0.62, 0.36, 0.19).lerp(vec3(0.16, 0.24, 0.30), smoothstep(0.55, 0.0, uv.y));
     let mut color = sky * (1.0 + 0.10 * fractal(uv, (2, 7), 3, 121));
@@ -106,7 +106,7 @@ pub fn painting(uv: Vec2) -> Vec3 {
     color * (1.0 + 0.10 * brush)
 }
 
-/// Sofa cloth in a muted sage, its weave visible. Linear base colour.
+/// Sofa cloth in a muted sage, its weave visible. Linear base color.
 pub fn upholstery(uv: Vec2) -> Vec3 {
     let mixed = 0.5 + 0.5 * gradient(uv, (96, 96), 151);
     vec3(0.155, 0.185, 0.150) * (0.62 + 0.40 * weave(uv) + 0.16 * mixed)
@@ -126,7 +126,7 @@ pub fn weave(uv: Vec2) -> f32 {
     round.sqrt() * (0.45 + 0.55 * arch)
 }
 
-/// Undyed linen, uneven in thickness and tone. Linear base colour.
+/// Undyed linen, uneven in thickness and tone. Linear base color.
 pub fn linen(uv: Vec2) -> Vec3 {
     vec3(0.60, 0.535, 0.435) * linen_tone(uv, 1)
 }
@@ -138,7 +138,7 @@ fn linen_tone(uv: Vec2, scale: i32) -> f32 {
     0.80 + 0.20 * weave(tiled - tiled.floor()) + 0.08 * slub_x + 0.08 * slub_y
 }
 
-/// A whole cloth with woven bands along its hems. Linear base colour; covers the cloth once.
+/// A whole cloth with woven bands along its hems. Linear base color; covers the cloth once.
 pub fn banded_cloth(uv: Vec2) -> Vec3 {
     let hem = uv.min(1.0 - uv);
     let bands = band(hem.x).max(band(hem.y));
@@ -152,7 +152,7 @@ fn band(hem: f32) -> f32 {
     stripe(0.050, 0.056).max(stripe(0.066, 0.100)).max(stripe(0.110, 0.116))
 }
 
-/// A painter's backdrop: broad clouds of warm grey. Linear base colour; covers the sweep once.
+/// A painter's backdrop: broad clouds of warm gray. Linear base color; covers the sweep once.
 pub fn painted_canvas(uv: Vec2) -> Vec3 {
     let broad = 0.5 + 0.5 * fractal(uv, (3, 3), 4, 41);
     let brushed = 0.5 + 0.5 * fractal(uv, (18, 18), 2, 47);

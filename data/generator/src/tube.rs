@@ -9,11 +9,11 @@ use crate::mesh::Mesh;
 /// One station of a swept path.
 #[derive(Clone, Copy, Debug)]
 pub struct Station {
-    /// Centre of the cross-section.
+    /// Center of the cross-section.
     pub centre: Vec3,
     /// Unit direction of the first axis of the elliptic cross-section; need not be exactly across the path.
     pub outward: Vec3,
-    /// Half axes in metres: along `outward`, and sideways.
+    /// Half axes in meters: along `outward`, and sideways.
     pub radii: Vec2,
 }
 

@@ -80,7 +80,7 @@ fn tangent(run: &[Vec2], i: usize) -> Vec2 {
     middle_tangent(run[i - 1], run[i], run[i + 1])
 }
 
-/// Tangent at `b` of the parabola through three neighbours: exact on arcs, where the plain difference of
+/// Tangent at `b` of the parabola through three neighbors: exact on arcs, where the plain difference of
 /// unevenly spaced points leans towards the longer side.
 fn middle_tangent(a: Vec2, b: Vec2, c: Vec2) -> Vec2 {
     let (ab, bc) = (b - a, c - b);

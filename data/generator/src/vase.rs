@@ -6,7 +6,7 @@ use crate::curve::through;
 use crate::mesh::Mesh;
 use crate::turned::{Profile, creased, turn};
 
-/// A tall vase of `height` metres standing on `y = 0`: full shoulder, narrow neck, flared lip.
+/// A tall vase of `height` meters standing on `y = 0`: full shoulder, narrow neck, flared lip.
 pub fn vase(height: f32, segments: usize) -> Mesh {
     let wall = [
         vec2(0.170, 0.006),
@@ -37,7 +37,7 @@ pub fn vase(height: f32, segments: usize) -> Mesh {
     thrown(foot_ring(vec2(0.170, 0.006), 0.030), &wall, height, segments)
 }
 
-/// A slender bottle of `height` metres standing on `y = 0`.
+/// A slender bottle of `height` meters standing on `y = 0`.
 pub fn bottle(height: f32, segments: usize) -> Mesh {
     let wall = [
         vec2(0.150, 0.006),
@@ -65,7 +65,7 @@ pub fn bottle(height: f32, segments: usize) -> Mesh {
     thrown(foot_ring(vec2(0.150, 0.006), 0.022), &wall, height, segments)
 }
 
-/// A shallow bowl of `diameter` metres standing on `y = 0`.
+/// A shallow bowl of `diameter` meters standing on `y = 0`.
 pub fn bowl(diameter: f32, segments: usize) -> Mesh {
     let wall = [
         vec2(0.190, 0.006),

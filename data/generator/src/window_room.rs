@@ -7,19 +7,19 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use crate::environment::Environment;
 use crate::noise::{fractal, smoothstep};
 
-/// Half extents of the room around the viewpoint, metres.
+/// Half extents of the room around the viewpoint, meters.
 const HALF: Vec3 = vec3(2.3, 1.35, 2.6);
 /// Lower and upper corner of the window in the wall at -X: (z, y).
 const WINDOW: [Vec2; 2] = [vec2(-1.45, -0.40), vec2(0.85, 1.05)];
 /// Panes across and up.
 const PANES: Vec2 = vec2(3.0, 2.0);
-/// Half width of a mullion in metres.
+/// Half width of a mullion in meters.
 const MULLION: f32 = 0.028;
 /// Towards the low sun outside.
 const TOWARDS_SUN: Vec3 = vec3(-0.80, 0.52, -0.30);
 /// Radiance times pi of a white sunlit surface.
 const SUN: Vec3 = vec3(21.0, 17.5, 12.5);
-/// Lamp: centre, radius, radiance.
+/// Lamp: center, radius, radiance.
 const LAMP: Vec3 = vec3(1.55, 0.12, 1.75);
 const LAMP_RADIUS: f32 = 0.17;
 const LAMP_RADIANCE: Vec3 = vec3(15.0, 9.0, 4.2);

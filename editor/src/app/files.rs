@@ -134,7 +134,7 @@ fn may_be_read(picture: &Path, document: &Document, allowed: &AllowedFolders) ->
     is_chosen || document.scene.as_deref().is_some_and(of_scene)
 }
 
-/// Uses a picture for the base colour of a material.
+/// Uses a picture for the base color of a material.
 pub fn as_base_color(material: usize, path: PathBuf) -> Action {
     Action::Material(MaterialAction::LoadTexture { material, map: "base_color", path: Some(path) })
 }

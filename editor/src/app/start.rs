@@ -104,7 +104,7 @@ fn options(renderer: eframe::Renderer, preferences: &Preferences) -> NativeOptio
             .with_drag_and_drop(true),
         renderer,
         wgpu_options: WgpuConfiguration::default(),
-        // Pictures come in the colours of the screen.
+        // Pictures come in the colors of the screen.
         dithering: false,
         ..NativeOptions::default()
     }

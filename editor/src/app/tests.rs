@@ -254,7 +254,7 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
     window.0.key_press_modifiers(Modifiers::SHIFT, Key::W);
     window.0.run_steps(2);
     let without = exported(&mut window, &place.path("without.png"));
-    // The lines' colour is more blue than red by far.
+    // The lines' color is more blue than red by far.
     let lines = |texels: &[[u8; 4]]| texels.iter().filter(|[r, _, b, _]| b.saturating_sub(*r) > 100).count();
     assert!(lines(&with) > 100 && lines(&without) == 0, "{} and {}", lines(&with), lines(&without));
 }

@@ -1,5 +1,5 @@
-//! Colours, spacing and type of the window: calm greys and one accent, so that the picture is the only loud thing on the
-//! screen. Greys are neutral, because a tinted surround shifts how colours in the picture are seen.
+//! Colors, spacing and type of the window: calm grays and one accent, so that the picture is the only loud thing on the
+//! screen. Grays are neutral, because a tinted surround shifts how colors in the picture are seen.
 
 use crate::preferences::{Preferences, Theme};
 use egui::{
@@ -13,7 +13,7 @@ pub const SCALE: std::ops::RangeInclusive<f32> = 0.75..=2.0;
 /// Steps of the scale.
 pub const SCALE_STEP: f32 = 0.125;
 
-/// The greys of a theme, from the ground up, and its accent.
+/// The grays of a theme, from the ground up, and its accent.
 struct Palette {
     panel: u8,
     /// Text fields.
@@ -161,7 +161,7 @@ fn widgets(palette: &Palette) -> Widgets {
 mod tests {
     use super::*;
 
-    /// WCAG 2.1 contrast of two colours.
+    /// WCAG 2.1 contrast of two colors.
     fn contrast(a: Color32, b: Color32) -> f32 {
         let luminance = |c: Color32| {
             lapidary_core::color::luminance(lapidary_core::color::linear_from_codes([c.r(), c.g(), c.b()]))

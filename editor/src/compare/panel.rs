@@ -72,7 +72,7 @@ pub struct ComparisonPanel {
     pub swipe: f32,
     /// Which error is mapped.
     pub map: ShownMap,
-    /// The error at the end of the map's colours, where it was set.
+    /// The error at the end of the map's colors, where it was set.
     pub top: Option<f32>,
     /// Pixels without surfaces do not count.
     pub surfaces_only: bool,

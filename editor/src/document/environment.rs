@@ -39,7 +39,7 @@ impl Default for SunChoice {
     }
 }
 
-/// Where the centre of a map lies.
+/// Where the center of a map lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Orientation {

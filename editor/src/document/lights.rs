@@ -1,4 +1,4 @@
-//! Local lights in the terms of artists: kinds with their units, a colour separate from the intensity, and new lights
+//! Local lights in the terms of artists: kinds with their units, a color separate from the intensity, and new lights
 //! that light the visible part of the scene.
 
 use glam::Vec3;
@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 pub const CONE_DEGREES: [f32; 2] = [0.1, 90.0];
 /// Least and greatest angle of a directional light in degrees, from rim to rim.
 pub const ANGLE_DEGREES: [f32; 2] = [0.0, lapidary_core::lights::MOST_ANGLE_DEGREES];
-/// Smallest and largest side of a rectangle in metres.
+/// Smallest and largest side of a rectangle in meters.
 pub const SIDES: [f32; 2] = [1e-3, 1e3];
 /// Largest intensity, in any unit.
 pub const MOST_INTENSITY: f32 = 1e9;
@@ -73,7 +73,7 @@ impl LightKind {
         }
     }
 
-    /// As it is first, `distance` metres from what it lights.
+    /// As it is first, `distance` meters from what it lights.
     pub fn emission(self, distance: f32) -> Emission {
         match self {
             Self::Point => Emission::Point,
@@ -86,7 +86,7 @@ impl LightKind {
         }
     }
 
-    /// The intensity by which white paper at `distance` metres is about as bright as a radiance of 1.
+    /// The intensity by which white paper at `distance` meters is about as bright as a radiance of 1.
     fn intensity_for(self, distance: f32) -> f32 {
         let intensity = match self.emission(distance) {
             Emission::Point | Emission::Spot { .. } => PI * distance * distance,
@@ -134,7 +134,7 @@ pub fn copied_name(lights: &[Light], name: &str) -> String {
     free_name(lights, if base.is_empty() { "Light" } else { base })
 }
 
-/// The colour of a light, whose brightest channel is 1, and its intensity in that channel. Without any light the colour is
+/// The color of a light, whose brightest channel is 1, and its intensity in that channel. Without any light the color is
 /// white.
 pub fn color_and_intensity(intensity: Vec3) -> (Vec3, f32) {
     let brightest = intensity.max_element();

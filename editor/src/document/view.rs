@@ -19,7 +19,7 @@ pub enum BackgroundKind {
     Environment,
     /// The environment out of focus.
     Blurred,
-    /// One colour.
+    /// One color.
     Flat,
     /// A chequerboard stands for nothing.
     Transparent,
@@ -35,7 +35,7 @@ pub struct ViewSettings {
     pub background: BackgroundKind,
     /// Blur of a blurred background, as a standard deviation in degrees.
     pub blur_degrees: f32,
-    /// Scene-linear colour of a flat background.
+    /// Scene-linear color of a flat background.
     pub background_color: Vec3,
     /// Most nodes of the illumination cut, 1 to 32,768.
     pub illum_cut: u32,
@@ -84,13 +84,13 @@ pub enum ShownMaterials {
     /// Those of the document.
     #[default]
     Own,
-    /// Grey clay on all, to judge light and shape.
+    /// Gray clay on all, to judge light and shape.
     Clay,
-    /// Middle grey of albedo 0.18 on all, to judge exposure.
+    /// Middle gray of albedo 0.18 on all, to judge exposure.
     Grey,
     /// A mirror on all, to judge reflections and smoothness.
     Chrome,
-    /// That of one material; the others are grey clay.
+    /// That of one material; the others are gray clay.
     Solo(usize),
 }
 

@@ -236,7 +236,7 @@ struct Horizontal {
     marks: fn(&[f64], f64) -> Vec<GridMark>,
 }
 
-/// Points of illumination cuts, and of lit cuts in a colour of their own. Both axes begin at zero.
+/// Points of illumination cuts, and of lit cuts in a color of their own. Both axes begin at zero.
 fn curve(ui: &mut Ui, width: f32, title: &str, points: [Vec<[f64; 2]>; 2], across: Horizontal) {
     let Horizontal { value, marks } = across;
     ui.vertical(|ui| {

@@ -40,7 +40,7 @@ use transfer::Copied;
 
 /// Points of the preview's side.
 const PREVIEW_SIDE: f32 = 128.0;
-/// Grey of the disc that stands for a ball that is being made, between ground and text.
+/// Gray of the disc that stands for a ball that is being made, between ground and text.
 const PLACEHOLDER: Color32 = Color32::from_gray(72);
 
 /// What the panel shows.
@@ -117,7 +117,7 @@ impl Changes {
     }
 }
 
-/// A slot for a picture just loaded: as the map `kind` is usually read, with bumps of a millimetre.
+/// A slot for a picture just loaded: as the map `kind` is usually read, with bumps of a millimeter.
 pub fn new_slot(kind: &'static str, texture: u32) -> TextureSlot {
     let slot = TextureSlot { texture, color_space: map_color_space(kind), ..TextureSlot::default() };
     if kind == "bump" { TextureSlot { strength: 1e-3, ..slot } } else { slot }

@@ -92,7 +92,7 @@ fn write_linear(picture: &LinearPicture, transparent: bool, path: &Path) -> Resu
     Ok(image::write_with(&picture.image, transparent.then_some(picture.coverage.as_slice()), path)?)
 }
 
-/// Writes pixels as a display shows them. Alpha is the coverage of a pixel, and its colour that of the surfaces alone.
+/// Writes pixels as a display shows them. Alpha is the coverage of a pixel, and its color that of the surfaces alone.
 fn write_png(pixels: &[[u8; 4]], size: [u32; 2], transparent: bool, path: &Path) -> Result<()> {
     let alpha = |alpha| if transparent { alpha } else { 255 };
     let pixels = pixels.iter().map(|&[r, g, b, a]| [r, g, b, alpha(a)]).collect();

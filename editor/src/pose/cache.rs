@@ -153,7 +153,7 @@ impl PoseCache {
     }
 }
 
-/// A place of an object as baked, in metres, where it would be without the pose that it was baked in.
+/// A place of an object as baked, in meters, where it would be without the pose that it was baked in.
 fn without_pose(scene: &Scene, object: u32, place: Vec3) -> Vec3 {
     let placed = scene.placed.iter().find(|placed| placed.object == object);
     placed.map_or(place, |placed| placed.pose.world_from_baked(placed.center).inverse().transform_point3(place))

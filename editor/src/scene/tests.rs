@@ -25,7 +25,7 @@ struct Probe {
     actions: Vec<Action>,
 }
 
-/// Where the centres of objects are: along X, so many metres apart as their numbers are.
+/// Where the centers of objects are: along X, so many meters apart as their numbers are.
 fn center(object: u32) -> Vec3 {
     object as f32 * Vec3::X
 }
@@ -129,7 +129,7 @@ fn numbers_move_turn_and_scale_all_selected_objects_about_the_pivot() {
     let moved = Pose { translate: lid.translate + floor.translate, ..lid };
     assert_eq!(typed(&mut panel, "Move Z", "0.5"), [(0, floor), (2, moved)]);
     for (pivot, floor, lid) in [
-        // About the floor's centre X becomes Y, and -Y becomes X.
+        // About the floor's center X becomes Y, and -Y becomes X.
         (Pivot::Active, Vec3::ZERO, Vec3::new(1.0, 2.0, 0.0)),
         // The middle is (1, -0.5).
         (Pivot::Selection, Vec3::new(0.5, -1.5, 0.0), Vec3::new(1.5, 0.5, 0.0)),

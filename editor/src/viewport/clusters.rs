@@ -1,5 +1,5 @@
 //! The clusters that bounced light is gathered from, over the picture: a dot for each surface source that is in sight, in
-//! the colour of the node of the illumination cut that it belongs to.
+//! the color of the node of the illumination cut that it belongs to.
 
 use super::gizmo::Projection;
 use egui::{Color32, Mesh, Rect, Shape, Ui, ecolor::Hsva, vec2};
@@ -13,7 +13,7 @@ const MOST_DOTS: usize = 8192;
 const DOT: f32 = 3.0;
 /// A surface this much nearer than a source, as a share of its distance, hides it.
 const IN_FRONT: f32 = 2e-3;
-/// Turn of the hue from one node to the next: neighbours differ most, and none repeats.
+/// Turn of the hue from one node to the next: neighbors differ most, and none repeats.
 const GOLDEN_TURN: f32 = 0.618_034;
 
 /// The dots as they were drawn last, and what of.

@@ -43,7 +43,7 @@ impl CompareView {
 /// A node of the explained pixel that has a place in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeMark {
-    /// Middle of its sources, in metres.
+    /// Middle of its sources, in meters.
     pub center: Vec3,
     /// Its contribution over that of the largest.
     pub share: f32,
@@ -67,7 +67,7 @@ pub struct Compared<'a> {
     pub labels: [String; 2],
     /// The part that counts, in shares of the viewport.
     pub region: Option<[f32; 4]>,
-    /// Colour of its outline.
+    /// Color of its outline.
     pub accent: Color32,
     /// The middle of the pixel that is explained, in shares of the viewport.
     pub explained: Option<[f32; 2]>,

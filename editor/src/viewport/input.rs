@@ -275,7 +275,7 @@ impl Pass<'_> {
         self.response.rect.height().max(1.0)
     }
 
-    /// Diagonal of the scene in metres.
+    /// Diagonal of the scene in meters.
     fn scene_size(&self) -> f32 {
         let diagonal = self.context.scene_bounds.map(|bounds| bounds.diagonal());
         diagonal.filter(|&size| size > 0.0).unwrap_or_else(|| self.camera.eye.distance(self.camera.target))

@@ -1,6 +1,6 @@
-//! What the colours of a view mode mean, painted into the lower right corner of the picture.
+//! What the colors of a view mode mean, painted into the lower right corner of the picture.
 //!
-//! The colours are those that the renderers display: counts by magma, base colour encoded as sRGB, normals and
+//! The colors are those that the renderers display: counts by magma, base color encoded as sRGB, normals and
 //! roughness as they are.
 
 use super::ViewportContext;
@@ -18,7 +18,7 @@ use lapidary_render::{
 const MARGIN: f32 = 12.0;
 const PADDING: f32 = 10.0;
 
-/// Size of a colour bar in points, and of the ball.
+/// Size of a color bar in points, and of the ball.
 const BAR: Vec2 = vec2(240.0, 10.0);
 const BALL_RADIUS: f32 = 26.0;
 
@@ -50,7 +50,7 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
 fn of_basis(mode: ViewMode, basis: BasisView) -> [String; 2] {
     let second = match mode {
         ViewMode::BasisLevel => "Red adds light, blue takes it away",
-        ViewMode::BasisFunction => "Red where it is 1, grey where it is 0",
+        ViewMode::BasisFunction => "Red where it is 1, gray where it is 0",
         _ => "One color a level: red is the coarsest",
     };
     let number = match mode {
@@ -61,7 +61,7 @@ fn of_basis(mode: ViewMode, basis: BasisView) -> [String; 2] {
     [format!("{}{number}", mode.label()), second.into()]
 }
 
-/// The colours of a map of errors.
+/// The colors of a map of errors.
 pub fn errors(painter: &Painter, rect: Rect, field: &ErrorField) {
     let color: fn(f32) -> Color32 = match field.kind {
         ErrorMap::Signed => |place| color(ErrorMap::Signed.color(ErrorMap::Signed.error_at(place))),
@@ -102,7 +102,7 @@ impl Gathered {
     }
 }
 
-/// What a colour bar says.
+/// What a color bar says.
 struct ColorScale {
     title: String,
     color: fn(f32) -> Color32,
@@ -123,7 +123,7 @@ impl ColorScale {
     }
 }
 
-/// Quarters of the range. Above the top all counts have the same colour, which the plus says.
+/// Quarters of the range. Above the top all counts have the same color, which the plus says.
 fn count_ticks(top: f32) -> Vec<String> {
     let quarters = (0..=4).map(|i| format!("{:.0}", top * i as f32 / 4.0));
     quarters.enumerate().map(|(i, tick)| if i == 4 { tick + "+" } else { tick }).collect()
@@ -177,7 +177,7 @@ fn gradient(bar: Rect, color: fn(f32) -> Color32) -> Mesh {
     mesh
 }
 
-/// A ball that shows the colour of each normal as the camera sees it, with the world's axes around it.
+/// A ball that shows the color of each normal as the camera sees it, with the world's axes around it.
 fn ball(painter: &Painter, rect: Rect, camera: &Camera) {
     let side = 2.0 * (BALL_RADIUS + LINE);
     let center = panel(painter, rect, vec2(side, side)).center();
@@ -215,7 +215,7 @@ fn ball_mesh(center: Pos2, world_from_view: Mat3) -> Mesh {
     mesh
 }
 
-/// The colour at a place of the unit disc (y downward): the normal of the ball there.
+/// The color at a place of the unit disc (y downward): the normal of the ball there.
 fn ball_color(place: Vec2, world_from_view: Mat3) -> Color32 {
     let toward_eye = (1.0 - place.length_sq()).max(0.0).sqrt();
     let normal = world_from_view * Vec3::new(place.x, -place.y, toward_eye);
@@ -274,7 +274,7 @@ mod tests {
     fn ramps_have_the_colours_of_the_picture() {
         let at = |mode, x| (ColorScale::of(mode, BrdfSampling::Refine, 256, ENVIRONMENT).color)(x);
         assert_eq!(at(ViewMode::Roughness, 0.5), Color32::from_gray(128));
-        assert_eq!(at(ViewMode::Albedo, 0.5), Color32::from_gray(188), "base colour is encoded");
+        assert_eq!(at(ViewMode::Albedo, 0.5), Color32::from_gray(188), "base color is encoded");
         assert_eq!(at(ViewMode::BrdfEvaluations, 0.0), Color32::from_rgb(0, 0, 4));
         assert_eq!(at(ViewMode::BrdfEvaluations, 1.0), Color32::from_rgb(252, 253, 191));
         let mesh = gradient(Rect::from_min_size(Pos2::ZERO, BAR), grey);

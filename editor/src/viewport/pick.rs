@@ -18,7 +18,7 @@ pub struct Picked {
     pub material: usize,
     /// Index of the triangle in the mesh.
     pub triangle: u32,
-    /// Where the ray met it, in metres.
+    /// Where the ray met it, in meters.
     pub position: Vec3,
 }
 

@@ -1,4 +1,4 @@
-//! A row that edits a scene-linear colour, by egui's picker or as sRGB hex.
+//! A row that edits a scene-linear color, by egui's picker or as sRGB hex.
 
 use super::{Edited, number_size, outline, row, slider_width};
 use crate::document::lights::color_and_intensity;
@@ -6,7 +6,7 @@ use egui::{Align2, Color32, FontSelection, Response, TextEdit, TextStyle, Ui};
 use glam::Vec3;
 use lapidary_core::color::{codes_from_linear, linear_from_codes};
 
-/// One row with a swatch that opens a picker, and the colour as sRGB hex.
+/// One row with a swatch that opens a picker, and the color as sRGB hex.
 pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default: Vec3) -> Edited {
     let differs = color.distance(default) > 1e-5;
     row(ui, label, help, differs, |ui, name, reset| {
@@ -36,7 +36,7 @@ fn swatch(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
     .inner
 }
 
-/// The colour as sRGB hex; what is typed counts when the field is left, if it is a colour.
+/// The color as sRGB hex; what is typed counts when the field is left, if it is a color.
 fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
     let id = ui.make_persistent_id(("hex", name));
     let shown = hex_from_linear(*color);
@@ -57,13 +57,13 @@ fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
     Edited::at_once(typed.is_some())
 }
 
-/// A scene-linear colour as `#rrggbb`.
+/// A scene-linear color as `#rrggbb`.
 pub fn hex_from_linear(color: Vec3) -> String {
     let [r, g, b] = codes_from_linear(color);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The scene-linear colour that `#rrggbb` or `rgb` stands for.
+/// The scene-linear color that `#rrggbb` or `rgb` stands for.
 pub fn linear_from_hex(text: &str) -> Option<Vec3> {
     let digits = text.trim().trim_start_matches('#');
     let digits = match digits.len() {
@@ -77,7 +77,7 @@ pub fn linear_from_hex(text: &str) -> Option<Vec3> {
     Some(linear_from_codes(codes))
 }
 
-/// The colour of a light for a display.
+/// The color of a light for a display.
 pub fn display_color(intensity: Vec3) -> Color32 {
     let (color, _) = color_and_intensity(intensity);
     let [r, g, b] = codes_from_linear(color);

@@ -140,7 +140,7 @@ fn text_width(ui: &Ui, text: &str, style: TextStyle) -> f32 {
     WidgetText::from(text).into_galley(ui, Some(TextWrapMode::Extend), f32::INFINITY, style).size().x.ceil()
 }
 
-/// One row with the coordinates of a point in metres.
+/// One row with the coordinates of a point in meters.
 pub fn point_row(ui: &mut Ui, label: &str, help: &str, point: &mut Vec3) -> Edited {
     axes_row(ui, label, help, point, "m", 0.01)
 }

@@ -120,7 +120,7 @@ impl Entry<'_> {
         let weight = if has_highlight { self.number("specular", 1.0) } else { 0.0 };
         self.color("Kd", base);
         if metalness > 0.5 && luminance(base) < 0.05 {
-            // Readers take the colour of a black metal from here.
+            // Readers take the color of a black metal from here.
             self.color("Ks", base);
         } else {
             self.color("Ks", Vec3::splat(specular_color(weight, ior)));

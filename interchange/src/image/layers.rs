@@ -28,7 +28,7 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// Colours in the channels `R`, `G` and `B`.
+    /// Colors in the channels `R`, `G` and `B`.
     pub fn color(name: &str, image: &Image) -> Self {
         Self::of_three(name, ["R", "G", "B"], image)
     }
@@ -43,7 +43,7 @@ impl Layer {
         Self { name: name.into(), channels: vec![(channel.into(), values)] }
     }
 
-    /// With a channel `A`, by which colours are premultiplied.
+    /// With a channel `A`, by which colors are premultiplied.
     pub fn with_alpha(mut self, coverage: &[f32]) -> Self {
         self.channels.push(("A".into(), coverage.to_vec()));
         self

@@ -38,7 +38,7 @@ pub fn read_rec_709(path: &Path) -> Result<Image, ImageError> {
     }
 }
 
-/// The colour space of a file, if it is not Rec. 709.
+/// The color space of a file, if it is not Rec. 709.
 fn foreign(meta: &MetaData) -> Option<String> {
     let of = |header: &exr::meta::header::Header| header.shared_attributes.chromaticities;
     let found = meta.headers.iter().find_map(of)?;

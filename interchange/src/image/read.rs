@@ -47,8 +47,8 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 
 /// Decodes a png, jpg, tga, hdr or exr file that was read from `path`, and keeps `bytes` with it.
 ///
-/// 8-bit files stay 8-bit, and so do 16-bit colours, whose encoding (sRGB or linear) is known only to the slot that
-/// uses them. 16-bit greys, which hold heights, become floats.
+/// 8-bit files stay 8-bit, and so do 16-bit colors, whose encoding (sRGB or linear) is known only to the slot that
+/// uses them. 16-bit grays, which hold heights, become floats.
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.

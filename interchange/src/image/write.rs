@@ -59,7 +59,7 @@ pub(super) fn encode_hdr(image: &Image, _: Option<&[f32]>) -> io::Result<Vec<u8>
     Ok(bytes)
 }
 
-/// The picture as an 8-bit sRGB png with an alpha channel, `alpha` from 0 to 1 per pixel; colours are not premultiplied.
+/// The picture as an 8-bit sRGB png with an alpha channel, `alpha` from 0 to 1 per pixel; colors are not premultiplied.
 ///
 /// # Panics
 /// If there is not one alpha per pixel.
@@ -106,7 +106,7 @@ pub(super) fn encode_png_with(image: &Image, coverage: Option<&[f32]>) -> io::Re
     Ok(coverage.map_or_else(|| encode_png(image), |coverage| encode_png_premultiplied(image, coverage)))
 }
 
-/// A premultiplied picture as png, whose colours are not.
+/// A premultiplied picture as png, whose colors are not.
 fn encode_png_premultiplied(image: &Image, coverage: &[f32]) -> Vec<u8> {
     let straight = |(&p, &a): (&Vec3, &f32)| if a > 0.0 { p / a } else { Vec3::ZERO };
     let pixels = image.pixels.iter().zip(coverage).map(straight).collect();

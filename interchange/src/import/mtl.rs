@@ -1,6 +1,6 @@
 //! Materials of a Wavefront MTL file, with the PBR keys that Blender and others add.
 //!
-//! Read here and not by `tobj`, which panics at a colour of fewer than three numbers and drops the whole library at
+//! Read here and not by `tobj`, which panics at a color of fewer than three numbers and drops the whole library at
 //! one bad line.
 
 use super::{
@@ -18,10 +18,10 @@ use lapidary_core::{
 };
 use std::collections::HashMap;
 
-/// Height in metres of a white texel of a bump map with multiplier 1, for which MTL has no unit.
+/// Height in meters of a white texel of a bump map with multiplier 1, for which MTL has no unit.
 pub(crate) const BUMP_METRES: f32 = 0.01;
 
-/// A specular colour up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
+/// A specular color up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
 pub(crate) const LARGEST_DIELECTRIC_F0: f32 = 0.2;
 
 /// The statements of one material by lower-case key; of repeated ones the last.
@@ -166,7 +166,7 @@ pub(super) fn add_materials(
     warn(
         source,
         &missing,
-        "the materials {} are in no material library and show grey; put the .mtl file beside the scene",
+        "the materials {} are in no material library and show gray; put the .mtl file beside the scene",
     );
     warn(
         source,
@@ -198,7 +198,7 @@ fn material(
     }
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
     let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
-    // Programs leave the colour black when a texture stands in for it.
+    // Programs leave the color black when a texture stands in for it.
     material.set_emission(entry.color("ke").filter(|ke| ke.max_element() > 0.0).unwrap_or(whole));
     let opacity = entry.number("d").unwrap_or_else(|| 1.0 - entry.number("tr").unwrap_or(0.0));
     if opacity < 1.0 {
@@ -251,7 +251,7 @@ fn parameters(entry: &MtlEntry) -> GgxParameters {
     let metalness = entry.number("pm").unwrap_or(if has("map_pm") || mirror { 1.0 } else { 0.0 });
     let base_color = match (diffuse, specular) {
         (_, Some(ks)) if metalness > 0.5 && diffuse_is_black => ks,
-        // Programs leave the colour black when a texture stands in for it.
+        // Programs leave the color black when a texture stands in for it.
         (Some(kd), _) if !(has("map_kd") && kd.max_element() <= 0.0) => kd,
         _ if has("map_kd") => Vec3::ONE,
         _ => GgxParameters::default().base_color,
@@ -308,7 +308,7 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
     }
     if let Some(map) = entry.map("map_d") {
         let slot = texture_slot(&map, ColorSpace::Linear, library)?;
-        // A picture with an alpha channel has it there, whatever its colours are.
+        // A picture with an alpha channel has it there, whatever its colors are.
         let has_alpha = library.textures[slot.texture as usize].least(Channel::A as usize, ColorSpace::Linear) < 1.0;
         let channel = map.channel.unwrap_or(if has_alpha { Channel::A } else { Channel::R });
         maps.set("geometry_opacity", Some(TextureSlot { channel, ..slot }));

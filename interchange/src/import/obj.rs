@@ -258,7 +258,7 @@ fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLib
     }
     if !unread.is_empty() {
         let warning = format!(
-            "the material libraries {} cannot be read and their materials show grey; put them beside the scene",
+            "the material libraries {} cannot be read and their materials show gray; put them beside the scene",
             listed(&unread)
         );
         source.unread.push(warning.clone());

@@ -145,7 +145,7 @@ fn drop_degenerate(raw: &mut RawMesh, report: &mut ImportReport) {
     }
 }
 
-/// Normalises normals and tangents. Those that cannot be normalised, and invalid texture coordinates, are marked as
+/// Normalizes normals and tangents. Those that cannot be normalized, and invalid texture coordinates, are marked as
 /// missing.
 fn mark_invalid_attributes(raw: &mut RawMesh) {
     for normal in &mut raw.normals {
@@ -274,7 +274,7 @@ impl<'a> Welder<'a> {
     }
 }
 
-/// Texture coordinates of one unit per metre seen along the axis that is nearest to the normal, with their tangent.
+/// Texture coordinates of one unit per meter seen along the axis that is nearest to the normal, with their tangent.
 /// Chosen by vertex and not by face, so that no vertex is split; triangles across two axes are stretched.
 fn box_projection(p: Vec3, normal: Vec3) -> (Vec2, Vec4) {
     let size = normal.abs();

@@ -149,7 +149,7 @@ pub struct ImportReport {
     pub normals_rebuilt: usize,
     /// Vertices whose tangents were missing or invalid and were computed.
     pub tangents_rebuilt: usize,
-    /// Vertices without texture coordinates, which took them from a box projection of one unit per metre.
+    /// Vertices without texture coordinates, which took them from a box projection of one unit per meter.
     pub uvs_projected: usize,
     /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,

@@ -59,7 +59,7 @@ pub struct Picture {
 pub struct Relief {
     /// The picture.
     pub picture: Picture,
-    /// Scale of normals, or height in metres.
+    /// Scale of normals, or height in meters.
     pub strength: f32,
 }
 
@@ -306,7 +306,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// The space of a colour: told there, or around it.
+    /// The space of a color: told there, or around it.
     fn color_space(&self, element: XmlNode) -> ColorSpace {
         let Some(name) = element.ancestors().find_map(|node| node.attribute("colorspace")) else {
             return ColorSpace::Linear;
@@ -334,7 +334,7 @@ impl<'a> Graph<'a> {
         let prefix = told.ancestors().find_map(|around| around.attribute("fileprefix")).unwrap_or_default();
         let kind =
             if node.has_tag_name("gltf_colorimage") { "color4" } else { node.attribute("type").unwrap_or("color3") };
-        // Only colours are converted from a space.
+        // Only colors are converted from a space.
         let color_space = if kind.starts_with("color") { self.color_space(told) } else { ColorSpace::Linear };
         let is_clamped = |name: &str| {
             let mode = self.child(node, name).and_then(|mode| mode.attribute("value"));

@@ -193,7 +193,7 @@ struct Reader<'g, 'a> {
     remarks: Vec<String>,
 }
 
-/// A value of an input: the number or colour, and its map.
+/// A value of an input: the number or color, and its map.
 struct Told {
     value: Value,
     slot: Option<SlotFile>,

@@ -164,7 +164,7 @@ impl DocumentWriter {
         let node = self.surface.node();
         self.open(node, &[("name", format!("SR_{name}")), ("type", "surfaceshader".into())])?;
         for (row, end) in ends {
-            // Opacity is a number here and in OpenPBR, and a colour there.
+            // Opacity is a number here and in OpenPBR, and a color there.
             let is_color = matches!(row.default, Value::Color(_)) || row.input == "opacity";
             self.end_of(row.input, if is_color { "color3" } else { "float" }, end)?;
         }
@@ -429,7 +429,7 @@ pub(crate) fn nearest<S: Clone>(
     nearest
 }
 
-/// What the rows of glTF's surface do not say: weights are multiplied into colours.
+/// What the rows of glTF's surface do not say: weights are multiplied into colors.
 fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
     let p = &nearest.parameters;
     let (base, fuzz) = (p.number("base_weight"), p.number("fuzz_weight"));

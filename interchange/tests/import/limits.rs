@@ -51,7 +51,7 @@ fn instances_of_a_mesh_are_counted_together() {
     assert!(within(10 * MEGABYTE, &files.add("some.gltf", nodes(1000))).is_ok());
 }
 
-/// A PNG of one colour takes a few kilobytes, and its texels a thousand times as many.
+/// A PNG of one color takes a few kilobytes, and its texels a thousand times as many.
 fn flat_png(side: u32) -> Vec<u8> {
     encode_png(&Image::filled([side, side], Vec3::ONE))
 }

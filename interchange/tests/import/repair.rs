@@ -34,7 +34,7 @@ fn a_rounded_prism_is_smooth_around_and_hard_at_its_rim() {
 
 #[test]
 fn one_sharp_edge_in_a_smooth_surface_splits_nothing() {
-    // A fan of six triangles around a raised centre, with one of its rim points pulled far down: the edges to it are
+    // A fan of six triangles around a raised center, with one of its rim points pulled far down: the edges to it are
     // sharp, and every other edge is smooth.
     let mut obj = String::from("v 0 0 0\n");
     for i in 0..6 {

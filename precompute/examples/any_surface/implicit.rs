@@ -7,7 +7,7 @@ use lapidary_core::{
     surfel::{MeshPlace, Surface, Surfel},
 };
 
-/// Nearer than this in metres counts as met.
+/// Nearer than this in meters counts as met.
 const NEAR: f32 = 2e-4;
 
 /// The zero set of a function that bounds the distance to it.

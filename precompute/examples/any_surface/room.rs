@@ -1,4 +1,4 @@
-//! The room: a mesh of twelve triangles with coloured walls.
+//! The room: a mesh of twelve triangles with colored walls.
 
 use crate::aggregate::passes;
 use glam::Vec3;
@@ -9,7 +9,7 @@ use lapidary_core::{
     surfel::{MeshPlace, Surface, Surfel},
 };
 
-/// Two metres wide, high and deep.
+/// Two meters wide, high and deep.
 pub struct Room {
     mesh: Mesh,
     intersector: Intersector,

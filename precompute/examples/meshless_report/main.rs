@@ -5,7 +5,7 @@
 //! cargo run --release -p lapidary-precompute --example meshless_report -- SCENE --levels 6 --sender-levels 4 --gather-rays 300 --epsilon 0.025
 //! ```
 //!
-//! `SCENE` is a file that the program can import, or `boxes`: a closed room of 2 m with two boxes. Everything is half grey
+//! `SCENE` is a file that the program can import, or `boxes`: a closed room of 2 m with two boxes. Everything is half gray
 //! and lit by one point light.
 
 mod errors;
@@ -37,7 +37,7 @@ struct Args {
     /// Least significant link
     #[arg(long, default_value_t = 0.025)]
     epsilon: f32,
-    /// Distance of the coarsest points in metres [default: one that gives about 300 of them]
+    /// Distance of the coarsest points in meters [default: one that gives about 300 of them]
     #[arg(long)]
     coarse_radius: Option<f32>,
     /// Where the light is [default: the middle of the scene's bounds]

@@ -25,9 +25,9 @@ pub enum PointsError {
     },
     /// Points so close that there would be no end of them.
     RadiusTooSmall {
-        /// Asked for, in metres.
+        /// Asked for, in meters.
         radius: f32,
-        /// Diagonal of the scene's bounds in metres.
+        /// Diagonal of the scene's bounds in meters.
         diagonal: f32,
     },
     /// The observer asked for it.

@@ -84,7 +84,7 @@ fn direct(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
     if lit { cosine / to_light.length_squared() } else { 0.0 }
 }
 
-/// One bounce of it where everything is half grey, by rays.
+/// One bounce of it where everything is half gray, by rays.
 fn bounced(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
     const RAYS: usize = 512;
     let (frame, origin) = (frame_around(at.normal), at.position + at.normal * surface.offset());

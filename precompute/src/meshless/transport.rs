@@ -7,7 +7,7 @@
 //! Departures from the paper:
 //!
 //! * Links do not contain reflectance (see [`lapidary_core::meshless::Transport`]). So `ε` is compared with the link of
-//!   a sender of reflectance 0.38, `0.38 ‖T_ij‖ / π`, whatever the current colours of the scene.
+//!   a sender of reflectance 0.38, `0.38 ‖T_ij‖ / π`, whatever the current colors of the scene.
 //! * Receivers that no coarser one reaches always gather.
 //! * Coarse receivers have smaller thresholds, and links to coarse senders are merged rather than dropped (see
 //!   [`refine::Criterion`]).

@@ -114,7 +114,7 @@ impl<'a> Census<'a> {
     }
 
     /// Number of draws that gives a sample enough points, at least the number made for all samples. It depends on the
-    /// radius and not on the points found so far, which would favour lucky samples.
+    /// radius and not on the points found so far, which would favor lucky samples.
     fn draws_for(&self, radius: f32) -> usize {
         let enough = (OWNED_PER_SAMPLE as f32 * DENSITY * self.area_of_point / (radius * radius)).ceil();
         (enough as usize).clamp(self.draws, self.draws + FINE_DRAWS)

@@ -168,7 +168,7 @@ pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), Poi
 pub(super) struct Segment {
     /// Its hit.
     pub end: Surfel,
-    /// Its length in metres.
+    /// Its length in meters.
     pub length: f32,
 }
 

@@ -13,13 +13,13 @@ const SIDES: usize = 6;
 pub(super) struct WeightedHit {
     position: Vec3,
     side: usize,
-    /// Squared error of its light, in radians, per squared metre between it and the centre that its light is taken to
+    /// Squared error of its light, in radians, per squared meter between it and the center that its light is taken to
     /// come from.
     weight: f32,
 }
 
 impl WeightedHit {
-    /// Of a segment of this length in metres, which is positive.
+    /// Of a segment of this length in meters, which is positive.
     pub fn new(end: &Surfel, length: f32) -> Self {
         Self { position: end.position, side: side_of(end.normal), weight: length.powi(-2) }
     }
@@ -34,7 +34,7 @@ pub(super) struct Cells {
 enum Node {
     /// Points below a coordinate on an axis are in the first of two adjacent nodes, the others in the second.
     Parent { axis: usize, at: f32, first: usize },
-    /// Its width in metres.
+    /// Its width in meters.
     Cell(f32),
 }
 
@@ -60,7 +60,7 @@ impl Cells {
         Self { nodes }
     }
 
-    /// Width in metres of the cell of a point: the root of the mean squared distance of its hits from their mean, both
+    /// Width in meters of the cell of a point: the root of the mean squared distance of its hits from their mean, both
     /// weighted by error. Infinite where there are too few hits.
     pub fn width_at(&self, place: &Surfel) -> f32 {
         let mut node = side_of(place.normal);
@@ -165,7 +165,7 @@ mod tests {
         Surfel { position, normal, ..Default::default() }
     }
 
-    /// Hits spread over a square of two metres, by segments of `length`.
+    /// Hits spread over a square of two meters, by segments of `length`.
     fn hits(normal: Vec3, length: impl Fn(Vec3) -> f32) -> Vec<WeightedHit> {
         let mut rng = fastrand::Rng::with_seed(7);
         let mut coordinate = || 2.0 * rng.f32() - 1.0;
@@ -181,12 +181,12 @@ mod tests {
             places.map(|p| cells.width_at(&surfel(p, Vec3::Y))).sum::<f32>() / 861.0
         };
         let even = Cells::new(hits(Vec3::Y, |_| 1.0), 400);
-        // A square metre for each hundred cells: the root of two twelfths of a cell's side of a tenth.
+        // A square meter for each hundred cells: the root of two twelfths of a cell's side of a tenth.
         let expected = 0.1 * (1.0_f32 / 6.0).sqrt();
         for x in [-0.5, 0.5] {
             assert!((width(&even, x) / expected - 1.0).abs() < 0.25, "{} for {expected}", width(&even, x));
         }
-        // Sixteen times the error for each hit: the best density of centres is its square root, and their distance
+        // Sixteen times the error for each hit: the best density of centers is its square root, and their distance
         // the root of that again.
         let graded = Cells::new(hits(Vec3::Y, |p| if p.x < 0.0 { 0.25 } else { 1.0 }), 400);
         let ratio = width(&graded, 0.5) / width(&graded, -0.5);
@@ -199,7 +199,7 @@ mod tests {
             (0..4).map(|i| WeightedHit::new(&surfel(Vec3::new(1.0 + 1e-3 * i as f32, 0.0, 0.0), Vec3::Y), 0.01));
         let cells = Cells::new(hits(Vec3::Y, |_| 2.0).into_iter().take(500).chain(at_edge).collect(), 100);
         let width = cells.width_at(&surfel(Vec3::ZERO, Vec3::Y));
-        // Of two metres for a hundred cells of eight hits at least.
+        // Of two meters for a hundred cells of eight hits at least.
         assert!((0.03..0.3).contains(&width), "{width}");
         assert!(matches!(cells.nodes[2], Node::Parent { .. }), "the root of the side is divided");
     }

@@ -27,7 +27,7 @@ const USUAL_FACTOR: f32 = 2.0;
 /// Criteria of dart throwing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Darts {
-    /// Least distance (Eq. 11) of any two points in metres.
+    /// Least distance (Eq. 11) of any two points in meters.
     pub radius: f32,
     /// Reject points in narrow places: the harmonic mean distance of surfaces over the hemisphere is below a sixth of
     /// the radius.
@@ -52,7 +52,7 @@ pub fn poisson_disk(
     Ok(points.into_iter().map(|(point, _)| point).collect())
 }
 
-/// Candidates that are at least their radius from all earlier ones, at most `most`, with their radii in metres.
+/// Candidates that are at least their radius from all earlier ones, at most `most`, with their radii in meters.
 /// `radius` returns that of a point, or `None` where no point may be; `placed` hears their number.
 fn throw_darts(
     candidates: &mut Candidates,
@@ -134,7 +134,7 @@ pub(super) fn levels_of_at_most(
     Ok(sets)
 }
 
-/// A Poisson-disk set of exactly `count` points with variable radius, and the radius of each in metres.
+/// A Poisson-disk set of exactly `count` points with variable radius, and the radius of each in meters.
 ///
 /// `radius` returns the radius at a point for a factor. The search finds a factor that gives some more points, and
 /// leaves out the closest of these.
@@ -181,7 +181,7 @@ pub fn poisson_count(
     Ok(thin(points, count))
 }
 
-/// Leaves out the points with the nearest neighbours until `count` are left; of two neighbours only one goes where possible.
+/// Leaves out the points with the nearest neighbors until `count` are left; of two neighbors only one goes where possible.
 fn thin(mut points: Vec<(Surfel, f32)>, count: usize) -> Vec<(Surfel, f32)> {
     while points.len() > count {
         let grid = GradedGrid::of(points.iter().map(|&(point, radius)| (point, 2.0 * radius)));

@@ -34,7 +34,7 @@ pub fn order_sources(
 ) -> Result<Vec<Source>, BakeError> {
     let diagonal = surface.bounds().diagonal();
     let none = PilotVisibility { lights: sources.len(), fractions: Vec::new() };
-    // By position first, because the pilot's batches need neighbours in order to be neighbours in space.
+    // By position first, because the pilot's batches need neighbors in order to be neighbors in space.
     let sources = clustered(&sources, TreeKind::Geometric, 1.0, diagonal, &none);
     if settings.tree == TreeKind::Geometric {
         return Ok(sources);

@@ -9,7 +9,7 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Nearest sources of each that count as its neighbours: points of a Poisson-disk set touch six others.
+/// Nearest sources of each that count as its neighbors: points of a Poisson-disk set touch six others.
 const NEIGHBOURS: usize = 6;
 /// They are sought among those of which this many spacings reach so far.
 const NEIGHBOUR_REACH: f32 = 4.0;
@@ -37,7 +37,7 @@ pub struct SourceScratch {
 }
 
 impl<'a> SourceSampler<'a> {
-    /// For sources in tree order; segments end `offset` metres off their surface. Boundaries are followed between probes, of
+    /// For sources in tree order; segments end `offset` meters off their surface. Boundaries are followed between probes, of
     /// which each stands for `sources_per_probe`, or every segment is traced ([`EXHAUSTIVE`]).
     pub fn new(scene: &'a Intersector, sources: &'a [Source], offset: f32, sources_per_probe: usize) -> Self {
         let ends: Vec<Vec3> = sources.iter().map(|s| s.surfel.position + s.surfel.normal * offset).collect();

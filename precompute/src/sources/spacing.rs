@@ -1,8 +1,8 @@
 //! The local spacing of surface sources.
 //!
-//! A receiver takes the light of a source to come from its centre. The error is the distance between that centre and
-//! the true origin of the light, in units of the distance to the receiver. The rim of a table a centimetre above a
-//! ledge needs sources millimetres apart; for a ceiling decimetres are enough. So rays go out from receivers, and their
+//! A receiver takes the light of a source to come from its center. The error is the distance between that center and
+//! the true origin of the light, in units of the distance to the receiver. The rim of a table a centimeter above a
+//! ledge needs sources millimeters apart; for a ceiling decimetres are enough. So rays go out from receivers, and their
 //! hits are divided into cells whose sum of squared errors is small ([`Cells`]). The widths of the cells determine the
 //! spacing of the sources.
 
@@ -22,22 +22,22 @@ const SHORTEST: f32 = 0.02;
 /// The spacing is proportional to this power of the width. Cells are as wide as the root of the length of the segments
 /// that end there. But light from either side of a source cancels, so that the error of a receiver is of second order
 /// in the distance over that length. The sum of its squares is least for a spacing proportional to the length to the
-/// power of 2/3 (best density of centres on a surface for errors to the fourth). Cells divided by that measure itself
+/// power of 2/3 (best density of centers on a surface for errors to the fourth). Cells divided by that measure itself
 /// are worse, because then few segments decide.
 const WIDTH_POWER: f32 = 4.0 / 3.0;
 /// Largest spacing, as a multiple of that of an even set ([`even_spacing`]): few receivers are close to a lamp's bright
 /// spot on a table, and yet it lights the whole room.
 const WIDEST: f32 = 2.0;
-/// Neighbours that measure the local density of points, and the number of points where that is done.
+/// Neighbors that measure the local density of points, and the number of points where that is done.
 const NEIGHBOURS: usize = 8;
 const SAMPLED: usize = 256;
 
 /// The largest spacing of sources, up to a common factor.
 pub struct Spacing {
     cells: Cells,
-    /// Width in metres of a cell whose spacing is the width itself.
+    /// Width in meters of a cell whose spacing is the width itself.
     typical: f32,
-    /// In metres.
+    /// In meters.
     widest: f32,
 }
 
@@ -67,7 +67,7 @@ impl Spacing {
         Self { cells, typical, widest }
     }
 
-    /// Spacing in metres at a point, for the factor.
+    /// Spacing in meters at a point, for the factor.
     pub fn at(&self, place: &Surfel, factor: f32) -> f32 {
         let width = self.cells.width_at(place) / self.typical;
         (factor * self.typical * width.powf(WIDTH_POWER)).min(self.widest)
@@ -81,7 +81,7 @@ fn median(values: &mut [f32]) -> f32 {
 }
 
 /// Radius of a Poisson-disk set of `count` points spread evenly over the surface that the points lie on. Each point
-/// represents the area that its nearest neighbours leave it, however uneven the set.
+/// represents the area that its nearest neighbors leave it, however uneven the set.
 fn even_spacing(places: &[Segment], count: usize) -> f32 {
     let area_of = |place: &Segment| {
         let distance_sq = |other: &Segment| other.end.position.distance_squared(place.end.position);
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// Segments of a quarter of a metre to the places of negative x, and of a metre to the others.
+    /// Segments of a quarter of a meter to the places of negative x, and of a meter to the others.
     #[test]
     fn spacing_goes_with_the_length_of_segments_to_the_power_of_two_thirds() {
         let surfel = |x, z| Surfel { position: Vec3::new(x, 0.0, z), ..Default::default() };

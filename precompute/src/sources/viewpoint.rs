@@ -184,7 +184,7 @@ impl View {
         self.hits > 0 && 2 * self.seen.len() < self.hits
     }
 
-    /// Radius in metres of a ball with the volume that is seen. Attics are low.
+    /// Radius in meters of a ball with the volume that is seen. Attics are low.
     fn size(&self, place: Vec3) -> f32 {
         let cubes: f32 = self.seen.iter().map(|s| s.1.position.distance(place).powi(3)).sum();
         (cubes / RAYS as f32).cbrt()

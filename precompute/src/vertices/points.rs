@@ -29,24 +29,24 @@ use sight::Sight;
 const BURIAL_RAYS: usize = 48;
 
 /// Largest distance of ray origins from a surface, as a share of the least height of its triangles. From a long strip
-/// of a moulding, a millimetre high, rays would otherwise start within the next strip.
+/// of a moulding, a millimeter high, rays would otherwise start within the next strip.
 const MOST_OFFSET_PER_HEIGHT: f32 = 0.05;
 
 /// A point where visibility is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakePoint {
-    /// Position of the vertex in metres.
+    /// Position of the vertex in meters.
     pub position: Vec3,
     /// Unit normal, repaired to lie on the side of its triangles.
     pub normal: Vec3,
-    /// Distance in metres of ray origins from the surface.
+    /// Distance in meters of ray origins from the surface.
     pub offset: f32,
     /// Height above the tangent plane (as a cosine, at most 0). Below it every direction is below the planes of all
     /// triangles around: a closed surface blocks it, and no ray is needed.
     pub horizon: f32,
     /// Whether the whole sphere is sampled, the lower half from the other side.
     pub two_sided: bool,
-    /// Points in metres where the front and the back sample: the position, except in a crease.
+    /// Points in meters where the front and the back sample: the position, except in a crease.
     pub places: [Vec3; 2],
 }
 
@@ -61,7 +61,7 @@ pub struct BakePoints {
 
 impl BakePoint {
     /// Where a surface source samples its visibility of the environment: on the side that it sends light from, `offset`
-    /// metres off.
+    /// meters off.
     pub fn of_surfel(surfel: Surfel, offset: f32) -> Self {
         let Surfel { position, normal, .. } = surfel;
         Self { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }

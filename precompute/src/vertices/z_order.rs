@@ -1,4 +1,4 @@
-//! Bake points in an order in which neighbours in space are neighbours.
+//! Bake points in an order in which neighbors in space are neighbors.
 
 use crate::vertices::points::BakePoint;
 use lapidary_core::bounds::Bounds;

@@ -1,4 +1,4 @@
-//! Display colour of a pixel in each view mode.
+//! Display color of a pixel in each view mode.
 //!
 //! Twin of `shaders/display_pass.wgsl`. Only light goes through exposure and tone curve; the quantities of the other modes
 //! are shown the same at any exposure, so that they can be read off.
@@ -7,8 +7,8 @@ use crate::{measure::compare::map::magma, post::Post, view_mode::ViewMode};
 use glam::Vec3;
 use lapidary_core::color::srgb_from_linear;
 
-/// The sRGB-encoded colour, each channel 0 to 1, of a pixel's `value`. Counts of `count_top` and more have the last
-/// colour of magma. NaN becomes magenta, to be visible.
+/// The sRGB-encoded color, each channel 0 to 1, of a pixel's `value`. Counts of `count_top` and more have the last
+/// color of magma. NaN becomes magenta, to be visible.
 pub fn display_pixel(mode: ViewMode, post: &Post, count_top: f32, value: Vec3) -> Vec3 {
     if value.is_nan() {
         return Vec3::new(1.0, 0.0, 1.0);

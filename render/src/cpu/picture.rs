@@ -320,7 +320,7 @@ impl Picture {
         (self.seen[pixel].coverage() - through).max(0.0)
     }
 
-    /// Display colours of a picture of `view`; `count_top` as in [`display_pixel`].
+    /// Display colors of a picture of `view`; `count_top` as in [`display_pixel`].
     pub fn display(&self, view: &View, post: &Post, count_top: f32) -> Vec<[u8; 4]> {
         (0..self.seen.len()).into_par_iter().map(|pixel| self.display_pixel(pixel, view, post, count_top)).collect()
     }

@@ -13,24 +13,24 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use rayon::prelude::*;
 
-/// Distance in metres where there is no surface: far beyond any scene, but finite, because filters could not handle
+/// Distance in meters where there is no surface: far beyond any scene, but finite, because filters could not handle
 /// infinity.
 pub const NO_SURFACE: f32 = 1e10;
 
 /// Pictures of surface properties. `normal`, `albedo` and `roughness` are means over the samples of a pixel. As in
-/// premultiplied colours, a sample counts as zero if it hits no surface or the back of a one-sided one. `depth` and
+/// premultiplied colors, a sample counts as zero if it hits no surface or the back of a one-sided one. `depth` and
 /// `position` are those of the nearest sample, because a mean would lie off the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceLayers {
     /// Shading normal in world space after bump and normal map, -1 to 1.
     pub normal: Image,
-    /// Base colour after its texture.
+    /// Base color after its texture.
     pub albedo: Image,
     /// Perceptual roughness after its texture, one value per pixel.
     pub roughness: Vec<f32>,
-    /// Place in the world in metres; zero where there is no surface.
+    /// Place in the world in meters; zero where there is no surface.
     pub position: Image,
-    /// Distance along the optical axis in metres, one value per pixel; [`NO_SURFACE`] where there is none.
+    /// Distance along the optical axis in meters, one value per pixel; [`NO_SURFACE`] where there is none.
     pub depth: Vec<f32>,
     /// Share of the samples that hit a surface, back or front, one value per pixel.
     pub coverage: Vec<f32>,

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct FrameUniforms {
-    /// For the rasteriser, with the jitter of the sample; depth 1 at the near plane, 0 at infinity.
+    /// For the rasterizer, with the jitter of the sample; depth 1 at the near plane, 0 at infinity.
     pub clip_from_world: [[f32; 4]; 4],
     /// Right, up and backward axes, each padded to 16 bytes.
     pub world_from_view: [[f32; 4]; 3],
@@ -223,7 +223,7 @@ pub struct LightUniforms {
     pub side: u32,
 }
 
-/// `LeafLighting` of `leaf_light.wgsl`. Colours are padded to 16 bytes.
+/// `LeafLighting` of `leaf_light.wgsl`. Colors are padded to 16 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LeafLighting {
@@ -232,7 +232,7 @@ pub struct LeafLighting {
     pub received: [f32; 4],
 }
 
-/// `LeafIrradiance` of `leaf_light.wgsl`. Colours are padded to 16 bytes.
+/// `LeafIrradiance` of `leaf_light.wgsl`. Colors are padded to 16 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LeafIrradiance {
@@ -275,10 +275,10 @@ pub struct StaleMarks {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShadowView {
     pub origin: [f32; 3],
-    /// Perspective: the distance of depth 1 in metres; parallel: the decrease of depth per metre.
+    /// Perspective: the distance of depth 1 in meters; parallel: the decrease of depth per meter.
     pub depth_scale: f32,
     pub right: [f32; 3],
-    /// Perspective: tangent of half the angle of view; parallel: half the width in metres.
+    /// Perspective: tangent of half the angle of view; parallel: half the width in meters.
     pub half_width: f32,
     pub up: [f32; 3],
     pub half_height: f32,
@@ -339,7 +339,7 @@ pub struct BasisFunction {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Coefficient {
-    /// One column per colour channel, each padded to 16 bytes.
+    /// One column per color channel, each padded to 16 bytes.
     pub vector: [[f32; 4]; 3],
 }
 

@@ -262,7 +262,7 @@ fn albedo_of(brdf: Brdf) -> vec3<f32> {{
     }}
 }}
 
-// Base colour and roughness of a material, for the views that show them.
+// Base color and roughness of a material, for the views that show them.
 fn color_and_roughness(material: u32, uv: UvFootprint) -> vec4<f32> {{
     switch materials[material].model {{
 {shown}        default: {{ return vec4(0.0); }}

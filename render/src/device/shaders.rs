@@ -154,7 +154,7 @@ pub const SURFACE: Program = Program {
 };
 /// Rays for bakes.
 pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "rays_pass"]] };
-/// Base colour and roughness.
+/// Base color and roughness.
 pub const PARAMETERS: Program = Program {
     name: "parameters_pass",
     parts: [

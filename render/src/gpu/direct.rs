@@ -93,7 +93,7 @@ impl DirectLights {
         }
     }
 
-    /// Replaces the lights of a scene of `radius` metres; without lights their memory is freed. Returns a remark on
+    /// Replaces the lights of a scene of `radius` meters; without lights their memory is freed. Returns a remark on
     /// those without shadows, unless it was returned before.
     pub fn set(&mut self, lights: &[Light], radius: f32) -> Option<String> {
         self.lights = lights.iter().filter(|light| shadows::shines(light)).cloned().collect();

@@ -67,7 +67,7 @@ pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit,
 
 const BLACK: (u32, Vec3) = (BACKGROUND_FLAT, Vec3::ZERO);
 
-/// Kind and colour of what pixels without a surface show.
+/// Kind and color of what pixels without a surface show.
 fn behind(view: &View, has_map: bool) -> (u32, Vec3) {
     match view.background {
         Background::Flat(color) => (BACKGROUND_FLAT, color),
@@ -76,7 +76,7 @@ fn behind(view: &View, has_map: bool) -> (u32, Vec3) {
     }
 }
 
-/// Kind and colour of what a ground catches: white for an alpha channel.
+/// Kind and color of what a ground catches: white for an alpha channel.
 fn caught(view: &View) -> (u32, Vec3) {
     match view.background {
         Background::Transparent => (BACKGROUND_FLAT, Vec3::ONE),

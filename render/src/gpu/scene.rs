@@ -37,7 +37,7 @@ pub struct GpuScene {
     pub posed: wgpu::TextureView,
     pub tree_height: u32,
     pub leaf_solid_angle: f32,
-    /// Distance in metres nearer than which nothing is drawn.
+    /// Distance in meters nearer than which nothing is drawn.
     pub near: f32,
     /// Of the whole mesh but its ground.
     pub bounds: Bounds,
@@ -46,7 +46,7 @@ pub struct GpuScene {
 /// The ground, whose triangles are the last ones.
 pub struct GpuGround {
     pub first_triangle: u32,
-    /// In metres along Y.
+    /// In meters along Y.
     height: f32,
 }
 

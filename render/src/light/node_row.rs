@@ -15,9 +15,9 @@ use wide::f32x8;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(crate) struct NodeRow {
-    /// Bytes 0 to 11: unit direction, or position in metres.
+    /// Bytes 0 to 11: unit direction, or position in meters.
     pub place: Vec3,
-    /// Bytes 12 to 15: spread of the light, as an inverse concentration or as a radius in metres.
+    /// Bytes 12 to 15: spread of the light, as an inverse concentration or as a radius in meters.
     pub spread: f32,
     /// Bytes 16 to 27: mean radiance.
     pub radiance: Vec3,
@@ -28,7 +28,7 @@ pub(crate) struct NodeRow {
 /// What the decision on refinement reads beside the place: 8 bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeExtent {
-    /// Half-angle in radians of the cone of directions, or radius in metres.
+    /// Half-angle in radians of the cone of directions, or radius in meters.
     pub radius: f32,
     /// How bright the node is somewhere, over the mean of the whole tree: the root of the mean square of its leaves' intensities, and
     /// at least 1. A lobe that hardly looks at a node still shows it, in proportion to its light.

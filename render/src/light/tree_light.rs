@@ -25,7 +25,7 @@ pub struct TreeLight<L> {
     pub lit: LitCuts,
     /// Place, spread and radiance of each node side by side, for pixels.
     pub(crate) rows: Vec<NodeRow>,
-    /// Radius of each node, a half-angle in radians or in metres, and its brightness.
+    /// Radius of each node, a half-angle in radians or in meters, and its brightness.
     pub(crate) extents: Vec<NodeExtent>,
 }
 

@@ -96,7 +96,7 @@ fn difference(a: &Image, b: &Image) -> f32 {
 }
 
 /// What each edit shades, and that it gives the picture rendered from nothing. `slack` is the share of samples at edges
-/// by which a rasteriser may differ.
+/// by which a rasterizer may differ.
 pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64) {
     for components in [Components::UNBOUNCED, Components::ALL] {
         let baked = baked();

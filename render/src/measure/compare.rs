@@ -4,7 +4,7 @@
 //! FLIP on what a display shows of them ([`tonemap::display`]).
 //!
 //! Pixels that are not finite (NaN, infinite) in either picture are counted and left out of the metrics.
-//! SSIM and FLIP look at neighbourhoods: there such a pixel takes the other picture's value, or black if
+//! SSIM and FLIP look at neighborhoods: there such a pixel takes the other picture's value, or black if
 //! neither has one, so that it hides no difference around it and adds none.
 
 use glam::Vec3;
@@ -59,7 +59,7 @@ pub struct Metrics {
     /// Mean over the components of `(a-b)² / (b² + 0.01)` (Rousselle et al., *Adaptive Sampling and
     /// Reconstruction using Greedy Error Minimization*, 2011).
     pub rel_mse: f64,
-    /// Peak signal-to-noise ratio in decibels of the sRGB-encoded components, not quantised, with peak 1.
+    /// Peak signal-to-noise ratio in decibels of the sRGB-encoded components, not quantized, with peak 1.
     /// Infinite for pictures that look equal: `null` in JSON.
     #[serde(with = "infinite_as_null")]
     pub psnr: f64,

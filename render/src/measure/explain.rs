@@ -66,7 +66,7 @@ pub enum ExplainError {
 pub struct ExplainedVertex {
     /// Its index in the mesh.
     pub index: u32,
-    /// Where it is, in metres.
+    /// Where it is, in meters.
     pub position: Vec3,
     /// Its weight in the interpolation; zero if it is buried.
     pub weight: f32,
@@ -90,7 +90,7 @@ pub struct ExplainedNode {
     pub solid_angle: f32,
     /// Unit direction in world space that stands for the node's light.
     pub direction: Vec3,
-    /// Centre of its light in metres; `None` if that is infinitely far.
+    /// Center of its light in meters; `None` if that is infinitely far.
     pub center: Option<Vec3>,
     /// Mean radiance.
     pub radiance: Vec3,
@@ -115,14 +115,14 @@ pub struct ExplainedSun {
     pub contribution: Vec3,
 }
 
-/// Everything that decides the radiance at the centre of a pixel.
+/// Everything that decides the radiance at the center of a pixel.
 #[derive(Clone, Debug, Serialize)]
 pub struct PixelExplanation {
     /// Column and row.
     pub pixel: [u32; 2],
     /// Which light this is about.
     pub tree: TreeOf,
-    /// Where the surface is, in metres.
+    /// Where the surface is, in meters.
     pub position: Vec3,
     /// Its unit normal, after bump and normal map.
     pub normal: Vec3,
@@ -181,7 +181,7 @@ pub(crate) fn leaves_below(heap_index: u32, leaves: usize) -> Range<usize> {
 }
 
 impl Renderer {
-    /// Explains the centre of a pixel: its value for `light` in a picture with one sample per pixel.
+    /// Explains the center of a pixel: its value for `light` in a picture with one sample per pixel.
     ///
     /// # Errors
     /// A pixel outside the picture or on no surface, and a dataset without cuts for this light.
@@ -211,7 +211,7 @@ impl Renderer {
         }
     }
 
-    /// The surface at the centre of a pixel.
+    /// The surface at the center of a pixel.
     fn point_at(&self, view: &View, pixel: [u32; 2]) -> Result<Box<SurfacePoint>, ExplainError> {
         let size = view.size;
         if pixel[0] >= size[0] || pixel[1] >= size[1] {

@@ -52,7 +52,7 @@ use lapidary_core::{
 use moments::{Moments, NodeMoments};
 use std::array::from_fn;
 
-/// Predicted errors of a picture, each as a grey picture of luminances; black where there is no surface.
+/// Predicted errors of a picture, each as a gray picture of luminances; black where there is no surface.
 #[derive(Clone, Debug)]
 pub struct PredictedError {
     /// The sum over the nodes of what the paper prints.
@@ -96,7 +96,7 @@ fn radiance_variance(lighting: &SceneLighting) -> Vec<Vec3> {
     means_up_the_tree(&squares).into_iter().zip(radiance).map(variance).collect()
 }
 
-/// Returns the three sums of a point as the components of a colour.
+/// Returns the three sums of a point as the components of a color.
 struct Predictor<'a> {
     shader: Shader<'a, &'a SceneLighting>,
     lighting: &'a SceneLighting,

@@ -2,7 +2,7 @@
 //!
 //! A chain of pictures leads from the rendered one to light paths. All are computed at the same samples of the same
 //! pixels; none is estimated. They have a black background, so that an environment behind the scene is not part of any
-//! norm. Two neighbours differ in one factor only, and their difference is the error of that factor:
+//! norm. Two neighbors differ in one factor only, and their difference is the error of that factor:
 //!
 //! | picture | sum over | radiance | visibility | BRDF | what the step to the next one shows |
 //! |---|---|---|---|---|---|
@@ -144,7 +144,7 @@ pub struct ErrorSplit {
     pub region: Region,
     /// Paths per pixel.
     pub spp: u32,
-    /// Neighbours of the chain, from the rendered picture to the truth.
+    /// Neighbors of the chain, from the rendered picture to the truth.
     pub steps: Vec<SplitStep>,
     /// The rendered picture against the truth.
     pub total: SplitStep,
@@ -210,7 +210,7 @@ fn split_of(job: &SplitJob, pictures: Vec<(SplitPicture, Image)>, noise: f64) ->
     Ok(ErrorSplit { region: job.region, spp: 2 * half_of(job), steps, total, pictures })
 }
 
-/// The factor in which two neighbours of the chain differ.
+/// The factor in which two neighbors of the chain differ.
 fn factor(from: SplitPicture, to: SplitPicture) -> &'static str {
     match (from, to) {
         (SplitPicture::Rendered, SplitPicture::StoredCuts) => "lit cuts",

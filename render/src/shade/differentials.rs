@@ -1,16 +1,16 @@
-//! How far apart neighbouring samples of a picture lie on a surface: the ray differentials of a pinhole camera (Igehy 1999),
+//! How far apart neighboring samples of a picture lie on a surface: the ray differentials of a pinhole camera (Igehy 1999),
 //! which on the plane of a triangle are exact to first order. Twin of `footprint_at` in `shaders/surface.wgsl`.
 
 use crate::view::View;
 use glam::{Vec2, Vec3};
 use lapidary_core::texture::UvFootprint;
 
-/// The distance of neighbouring samples, for all pixels of a view.
+/// The distance of neighboring samples, for all pixels of a view.
 #[derive(Clone, Copy, Debug)]
 pub struct Differentials {
     eye: Vec3,
     forward: Vec3,
-    /// How far a ray moves in a metre of depth from a sample to that on the right and to that below.
+    /// How far a ray moves in a meter of depth from a sample to that on the right and to that below.
     per_depth: [Vec3; 2],
 }
 
@@ -51,7 +51,7 @@ mod tests {
             let direction = camera.direction_through(pixel, view.size);
             camera.eye - direction * (camera.eye.y / direction.y)
         };
-        // Two units of u in a metre of x, one of v in two metres of z.
+        // Two units of u in a meter of x, one of v in two meters of z.
         let (per_u, per_v) = (2.0 * Vec3::X, 0.5 * Vec3::Z);
         let uv = |p: Vec3| Vec2::new(per_u.dot(p), per_v.dot(p));
         for pixel in [Vec2::new(100.0, 50.0), Vec2::new(20.0, 80.0)] {

@@ -56,7 +56,7 @@ pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
     (start + STEP * ((sample % 4096) * CELLS * CELLS) as f32).fract()
 }
 
-/// Share of the light of a light at `distance` metres that arrives at a point.
+/// Share of the light of a light at `distance` meters that arrives at a point.
 pub(crate) fn arriving_share(intersector: &Intersector, point: &SurfacePoint, direction: Vec3, distance: f32) -> f32 {
     intersector.transmittance_before(point.ray_origin, direction, offset::REACH_OF_SHADING * distance)
 }

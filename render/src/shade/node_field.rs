@@ -39,7 +39,7 @@ pub(crate) trait NodeField: Copy {
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8;
     /// Angular spread that the references use for the light from eight leaves.
     fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8;
-    /// Centre of a node's light, if it is not infinitely far.
+    /// Center of a node's light, if it is not infinitely far.
     fn center(&self, node: usize) -> Option<Vec3>;
     /// The map that its samples stand for, if there is one.
     fn mirrored<'m>(self) -> Option<&'m MirroredMap>
@@ -160,7 +160,7 @@ impl<'a> SourceField<'a> {
     }
 }
 
-/// Smallest distance in metres: a point on a source sees it in some direction.
+/// Smallest distance in meters: a point on a source sees it in some direction.
 pub(crate) const LEAST_DISTANCE: f32 = 1e-6;
 
 impl NodeField for SourceField<'_> {
@@ -246,7 +246,7 @@ fn normalized<L: Lanes>(to_center: Vec3x8<L>) -> Vec3x8<L> {
     to_center * (L::splat(1.0) / to_center.dot(to_center).sqrt().at_least(LEAST_DISTANCE))
 }
 
-/// Inverse concentrations of discs of radius `spread` in metres, seen face on.
+/// Inverse concentrations of discs of radius `spread` in meters, seen face on.
 #[inline(always)]
 fn cap_inv_kappa<L: Lanes>(to_center: Vec3x8<L>, spread: L) -> L {
     let one = L::splat(1.0);

@@ -20,7 +20,7 @@ const FINE: f32 = 0.7;
 /// tree's mean.
 const NEGLIGIBLE: f32 = 0.02;
 
-/// Radius in radians above which a node is too wide for one direction, whatever the lobe: colours of its light that come from
+/// Radius in radians above which a node is too wide for one direction, whatever the lobe: colors of its light that come from
 /// different sides would be mixed.
 const WIDEST: f32 = 0.35;
 

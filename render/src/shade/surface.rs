@@ -29,7 +29,7 @@ pub struct SurfacePoint {
     pub weights: [f32; 3],
     /// Whether the back of its triangle is seen.
     pub from_behind: bool,
-    /// Where it is, in metres.
+    /// Where it is, in meters.
     pub position: Vec3,
     /// Origin of shadow rays: just off the face, on the visible side.
     pub ray_origin: Vec3,
@@ -41,7 +41,7 @@ pub struct SurfacePoint {
     pub world_from_local: Mat3,
     /// Direction to the eye in the local frame.
     pub wo: Vec3,
-    /// Base colour and perceptual roughness after their textures; black and 1 in models without.
+    /// Base color and perceptual roughness after their textures; black and 1 in models without.
     pub base_color: Vec3,
     pub roughness: f32,
     /// Reflectance with these parameters.
@@ -121,7 +121,7 @@ impl SurfacePoint {
 /// A surface position before its material: the coordinates for lookups in maps, and the frame that maps tilt.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePlace {
-    /// In metres.
+    /// In meters.
     pub position: Vec3,
     /// Unit normal before bump and normal map, on the visible side, facing the eye.
     pub smooth_normal: Vec3,
@@ -131,7 +131,7 @@ pub struct SurfacePlace {
     pub handedness: f32,
     /// Texture coordinates, and what a sample covers of them.
     pub uv: UvFootprint,
-    /// Gradients of u and v along the surface, per metre, for bump maps; `None` if they are undefined.
+    /// Gradients of u and v along the surface, per meter, for bump maps; `None` if they are undefined.
     pub slopes: Option<[Vec3; 2]>,
 }
 
@@ -207,7 +207,7 @@ impl<L: Lanes> ReceiverX8<L> {
         LightsX8 { wi, spread: SpreadX8::with_slopes(inv_kappa, self.slopes), cosine, above }
     }
 
-    /// Lights whose cosines are those of their centres; zero below the horizons.
+    /// Lights whose cosines are those of their centers; zero below the horizons.
     #[inline(always)]
     pub fn lights_at_centers(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
         let lights = LightsX8::spread(self.local(direction), SpreadX8::with_slopes(inv_kappa, self.slopes));
@@ -244,7 +244,7 @@ pub struct Surfaces<'a> {
     dataset: &'a Dataset,
     appearance: &'a ResolvedAppearance,
     intersector: &'a Intersector,
-    /// Largest distance in metres of shadow ray origins from a surface.
+    /// Largest distance in meters of shadow ray origins from a surface.
     largest_offset: f32,
     /// Of camera rays whose footprints count.
     differentials: Option<Differentials>,

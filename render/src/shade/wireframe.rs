@@ -10,9 +10,9 @@ use glam::{Vec2, Vec3};
 pub const LINE_WIDTH: f32 = 1.0;
 /// Width in pixels of the soft edge on each side of a line: one pixel.
 pub const LINE_FADE: f32 = 1.0;
-/// Share of the line's colour in the middle of a line.
+/// Share of the line's color in the middle of a line.
 pub const LINE_OPACITY: f32 = 0.7;
-/// sRGB-encoded colour of lines: a cyan that stands out from black, white, skin and wood, and from magma.
+/// sRGB-encoded color of lines: a cyan that stands out from black, white, skin and wood, and from magma.
 pub const LINE_COLOR: Vec3 = Vec3::new(0.10, 0.75, 0.95);
 
 /// Distance in pixels from `pixel`, a position inside a projected triangle, to the nearest of its edges.
@@ -33,7 +33,7 @@ pub fn line_coverage(distance: f32) -> f32 {
     ((0.5 * LINE_WIDTH + LINE_FADE - distance) / LINE_FADE).clamp(0.0, 1.0)
 }
 
-/// A displayed colour with lines of some coverage over it.
+/// A displayed color with lines of some coverage over it.
 pub fn over(shown: Vec3, coverage: f32) -> Vec3 {
     shown.lerp(LINE_COLOR, LINE_OPACITY * coverage)
 }

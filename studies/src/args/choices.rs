@@ -65,7 +65,7 @@ pub fn view_mode() -> impl TypedValueParser<Value = ViewMode> {
     choice(&[
         ("shaded", "The lit picture"),
         ("normals", "Shading normals, -1 to 1 as 0 to 1"),
-        ("albedo", "Base colour after its map"),
+        ("albedo", "Base color after its map"),
         ("roughness", "Roughness after its map"),
         ("visibility-cut", "Nodes of the visibility cuts"),
         ("merged-cut", "Nodes of the merged cut"),

@@ -44,7 +44,7 @@ pub struct LocalLightArgs {
     #[allow(rustdoc::broken_intra_doc_links)]
     /// Local lights: a JSON file, or none. The file holds {"lights": [{"kind": "point|spot|directional|rectangle",
     /// "position": [x,y,z], "target": [x,y,z], "intensity": [r,g,b], ...}]}. Spots have cone_degrees (axis to edge)
-    /// and penumbra_degrees; rectangles have width and height in metres. Intensity is in W/sr; for directional lights
+    /// and penumbra_degrees; rectangles have width and height in meters. Intensity is in W/sr; for directional lights
     /// it is the irradiance in W/m², for rectangles the radiance in W/(m² sr) [default: the lights of the scene]
     #[arg(long, value_name = "FILE.json")]
     lights: Option<PathBuf>,

@@ -53,7 +53,7 @@ pub struct MotionArgs {
 #[command(next_help_heading = "Pose")]
 struct ObjectArgs {
     /// Objects that are not where they were baked: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees": [X,Y,Z],
-    /// "scale": S}}}, each turned about its centre in the order X, Y, Z; on top of an animation
+    /// "scale": S}}}, each turned about its center in the order X, Y, Z; on top of an animation
     #[arg(long, value_name = "FILE.json")]
     pose: Option<PathBuf>,
 }

@@ -92,10 +92,10 @@ struct CameraArgs {
     /// else the first camera of the scene, else a view of the whole scene]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
-    /// Position of the eye in metres [default: that of the camera]
+    /// Position of the eye in meters [default: that of the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::place, allow_hyphen_values = true)]
     eye: Option<Vec3>,
-    /// Point to look at in metres [default: that of the camera]
+    /// Point to look at in meters [default: that of the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::place, allow_hyphen_values = true)]
     target: Option<Vec3>,
     /// Vertical field of view in degrees, 1 to 170 [default: that of the camera; 40 with --eye and --target]

@@ -155,7 +155,7 @@ impl Kind {
     }
 }
 
-/// The numbers themselves, or a map of them in false colours.
+/// The numbers themselves, or a map of them in false colors.
 fn write_map(predicted: &Image, path: &Path) -> Result<()> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         let nothing = Image::filled(predicted.size, Vec3::ZERO);

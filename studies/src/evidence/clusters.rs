@@ -67,7 +67,7 @@ pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &
 fn markup(scene: &str, all: &[Clusters]) -> Markup {
     html! {
         p {
-            "Samples of the environment of the scene “" (scene) "”, coloured by the node of depth " (DEPTH) " that they lie in: \
+            "Samples of the environment of the scene “" (scene) "”, colored by the node of depth " (DEPTH) " that they lie in: \
              the upper hemisphere seen from above, and the lower one from below, both with equal areas. Samples that no vertex \
              sees are clustered at random by visibility alone."
         }
@@ -158,7 +158,7 @@ fn hemisphere(x: u32, y: u32, upper: bool) -> Option<Vec3> {
     (r_sq < 1.0).then(|| Vec3::new(u * stretch, height, v * stretch))
 }
 
-/// Each pixel in the colour of its cluster, clusters parted by dark lines.
+/// Each pixel in the color of its cluster, clusters parted by dark lines.
 fn picture(nearest: &[Option<u32>], tree: &LightTree, depth: u32) -> Image {
     let mut cluster_of_sample = vec![0_u32; tree.len()];
     let shift = tree.height() - depth;
@@ -171,7 +171,7 @@ fn picture(nearest: &[Option<u32>], tree: &LightTree, depth: u32) -> Image {
     })
 }
 
-/// Colours far apart for neighbours in the tree's order.
+/// Colors far apart for neighbors in the tree's order.
 fn color(cluster: u32) -> Vec3 {
     const GOLDEN: f32 = 0.618_034;
     let hue = (cluster as f32 * GOLDEN).fract();

@@ -5,7 +5,7 @@ use glam::Vec3;
 /// Faces of a cube.
 pub const FACES: usize = 6;
 
-/// Unit directions through the centres of the `side * side` texels of each of six faces: +X, -X, +Y, -Y, +Z, -Z, row by row.
+/// Unit directions through the centers of the `side * side` texels of each of six faces: +X, -X, +Y, -Y, +Z, -Z, row by row.
 pub fn directions(side: usize) -> Vec<Vec3> {
     let at = |i: usize| (2 * i + 1) as f32 / side as f32 - 1.0;
     let texels = |face: usize| (0..side * side).map(move |i| direction(face, at(i % side), at(i / side)));

@@ -17,11 +17,11 @@ use lapidary_core::{
 };
 use lapidary_render::{Baked, Look, PathPicture, PathSettings};
 
-/// What is dragged in the colour box.
+/// What is dragged in the color box.
 const SHORT_BLOCK: &str = "Short block";
 const COLOR_BOX: &str = "color-box";
 
-/// Measures all figures. Those of pictures are of the colour box, or else of the first scene that has several objects.
+/// Measures all figures. Those of pictures are of the color box, or else of the first scene that has several objects.
 ///
 /// # Errors
 /// Ctrl-C, or a folder that cannot be written.
@@ -45,7 +45,7 @@ fn dragged(cases: &[Case]) -> Option<(&Case, Dragged)> {
 struct Dragged {
     object: u32,
     name: String,
-    /// Along X, in metres.
+    /// Along X, in meters.
     width: f32,
 }
 

@@ -21,13 +21,13 @@ pub enum LayerKind {
     Indirect,
     /// Shading normals in world space.
     Normal,
-    /// Base colour.
+    /// Base color.
     Albedo,
     /// Perceptual roughness.
     Roughness,
-    /// Places in the world in metres.
+    /// Places in the world in meters.
     Position,
-    /// Distance along the optical axis in metres.
+    /// Distance along the optical axis in meters.
     Depth,
     /// Share of a pixel that surfaces cover.
     Coverage,

@@ -35,7 +35,7 @@ pub struct MeasureRequest {
     pub region: Option<Region>,
     /// Which error is mapped.
     pub map: ShownMap,
-    /// The error at the end of the map's colours, if it is not to be found.
+    /// The error at the end of the map's colors, if it is not to be found.
     pub top: Option<f32>,
     /// How the reference is shown.
     pub post: Post,
@@ -76,7 +76,7 @@ pub struct Measured {
     pub metrics: Metrics,
     /// Error of each of them.
     pub field: ErrorField,
-    /// The errors in colours.
+    /// The errors in colors.
     pub map: DisplayPicture,
     /// What of the picture the map shows, as shares of its width and height: left, top, right, bottom.
     pub part: [f32; 4],

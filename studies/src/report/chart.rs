@@ -32,7 +32,7 @@ pub struct Chart<'a> {
     pub x: AxisScale,
     /// How the vertical axis is spread.
     pub y: AxisScale,
-    /// In the order of their colours.
+    /// In the order of their colors.
     pub lines: &'a [Line],
 }
 

@@ -61,7 +61,7 @@ pub enum Domain {
     Number(f32, f32),
     /// Three numbers from 0 to 1.
     Color,
-    /// A place in metres.
+    /// A place in meters.
     Place,
 }
 

@@ -16,7 +16,7 @@ use std::{fmt, str::FromStr};
 pub enum Value {
     /// A number.
     Number(f32),
-    /// A colour, or a place in metres.
+    /// A color, or a place in meters.
     Vector(Vec3),
 }
 

@@ -11,7 +11,7 @@ use lapidary_interchange::image::encode_png_pixels;
 use lapidary_render::Post;
 use std::{ops::Range, path::Path};
 
-/// sRGB-encoded pixels with an alpha that colours are not multiplied by, row by row from the top left.
+/// sRGB-encoded pixels with an alpha that colors are not multiplied by, row by row from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DisplayPicture {
     /// Width and height in pixels.
@@ -21,7 +21,7 @@ pub struct DisplayPicture {
 }
 
 impl DisplayPicture {
-    /// An opaque picture of one colour.
+    /// An opaque picture of one color.
     pub fn filled(size: [u32; 2], [r, g, b]: [u8; 3]) -> Self {
         Self { size, pixels: vec![[r, g, b, 255]; size[0] as usize * size[1] as usize] }
     }

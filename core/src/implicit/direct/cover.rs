@@ -1,8 +1,8 @@
 //! Which cells of a receiver a node covers.
 //!
-//! A node is a disc at its centre. Its axis turns toward the receiver by as much as its normals disagree, and its radius is
+//! A node is a disc at its center. Its axis turns toward the receiver by as much as its normals disagree, and its radius is
 //! [`OVERLAP`] times what its visible area asks: discs that tile a surface must overlap to leave no holes. A cell is covered if
-//! the ray at its middle meets the disc. The cell of the centre is no exception: if it always counted as covered, outlines would
+//! the ray at its middle meets the disc. The cell of the center is no exception: if it always counted as covered, outlines would
 //! grow by half a cell, and parallel squares exchange 2 % more.
 
 use super::{
@@ -30,9 +30,9 @@ pub const PADDED: usize = BinLayout::FINEST.cells.len() + LANES;
 /// The largest slope of the concentric map: how far a step of one in the unit disc leads in the square, half of
 /// `√(1 + (4/π)²)`.
 pub const STEEPEST: f32 = 0.5 * 1.62;
-/// Sine of the angle between centre and edge of a disc up to which [`CHORD`] holds; larger ones are looked for everywhere.
+/// Sine of the angle between center and edge of a disc up to which [`CHORD`] holds; larger ones are looked for everywhere.
 pub const WIDE: f32 = 0.7;
-/// Most that the distance between the directions of centre and edge exceeds that sine.
+/// Most that the distance between the directions of center and edge exceeds that sine.
 pub const CHORD: f32 = 1.09;
 
 /// Directions at the middles of the cells in the frame of a receiver. Those of the margin are zero, which meets no disc.
@@ -149,14 +149,14 @@ impl<L: Lanes> Discs<L> {
 
 /// Eight discs as a receiver sees them, in its frame.
 struct Seen {
-    /// Centre in metres.
+    /// Center in meters.
     offset: [[f32; LANES]; 3],
     /// Normal over its product with the offset: times a unit direction it gives the inverse of the distance to the plane.
     plane: [[f32; LANES]; 3],
     /// Squared distance less the squared radius.
     excess: [f32; LANES],
     distance_sq: [f32; LANES],
-    /// Of the centre in the square, in cells.
+    /// Of the center in the square, in cells.
     place: [[f32; LANES]; 2],
     /// How far from there cells may be covered.
     reach: [f32; LANES],
@@ -223,7 +223,7 @@ fn to_arrays<L: Lanes>(v: Vec3x8<L>) -> [[f32; LANES]; 3] {
 }
 
 /// [`crate::sphere::concentric::square_from_disc`] in cells, for eight at a time. The arctangent is good to 2e-3 of a cell, which
-/// is enough to find the cell of a centre.
+/// is enough to find the cell of a center.
 #[inline(always)]
 fn cell_coordinates<L: Lanes>(x: L, y: L, side: f32) -> [L; 2] {
     let (long, short) = (x.abs().fast_max(y.abs()), x.abs().fast_min(y.abs()));

@@ -43,7 +43,7 @@ impl DistanceCodes {
         code.min(LARGEST_CODE) << NODE_BITS | node
     }
 
-    /// The distance in metres that a key tells, to a step.
+    /// The distance in meters that a key tells, to a step.
     pub fn distance(self, key: u32) -> f32 {
         let step = (1.0_f32.to_bits() >> DROPPED) + (key >> NODE_BITS) - LARGEST_CODE;
         (f32::from_bits(step << DROPPED | 1 << (DROPPED - 1)) / self.scale).sqrt()

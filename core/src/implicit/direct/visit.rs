@@ -17,7 +17,7 @@ pub const PARALLEL: f32 = 1e-6;
 /// Where a receiver lies.
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
-    /// In metres.
+    /// In meters.
     pub position: Vec3,
     /// Its tangents and its normal.
     pub frame: Mat3,

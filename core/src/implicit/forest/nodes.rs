@@ -8,7 +8,7 @@ use std::f32::consts::PI;
 /// An oriented disc, which stands for a piece of surface (implicit visibility, 4.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disc {
-    /// Centre in metres.
+    /// Center in meters.
     pub position: Vec3,
     /// Unit normal on the side that it is seen from.
     pub normal: Vec3,
@@ -17,7 +17,7 @@ pub struct Disc {
 }
 
 impl Disc {
-    /// In metres.
+    /// In meters.
     pub fn radius(&self) -> f32 {
         (self.area / PI).sqrt()
     }
@@ -29,7 +29,7 @@ pub(crate) const FLAT: f32 = 1e-6;
 /// The discs below a node as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Node {
-    /// Mean of the centres by area, in metres.
+    /// Mean of the centers by area, in meters.
     pub center: Vec3,
     /// Unit mean of the normals by area.
     pub axis: Vec3,
@@ -37,9 +37,9 @@ pub struct Node {
     pub coherence: f32,
     /// Sum in m²; 0 for an empty slot.
     pub area: f32,
-    /// Of the ball around the centre that holds all discs, in metres.
+    /// Of the ball around the center that holds all discs, in meters.
     pub radius: f32,
-    /// Largest distance of a disc from the plane through the centre at right angles to the axis, in metres.
+    /// Largest distance of a disc from the plane through the center at right angles to the axis, in meters.
     pub thickness: f32,
     /// Cosine of the half-angle of the cone around the axis that holds all normals; 0 for a half-space and more.
     pub cone_cos: f32,

@@ -16,10 +16,10 @@ use crate::{
 use glam::{IVec3, Vec3};
 use std::{collections::HashMap, f32::consts::PI};
 
-/// Nearest directions of each that count as its neighbours: directions spread evenly touch six others.
+/// Nearest directions of each that count as its neighbors: directions spread evenly touch six others.
 const NEIGHBOURS: usize = 6;
 
-/// Directions with their neighbours, in groups of eight and in blocks with a probe each.
+/// Directions with their neighbors, in groups of eight and in blocks with a probe each.
 pub struct BoundarySet {
     graph: Graph,
     /// One for each group of the graph.

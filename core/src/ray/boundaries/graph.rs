@@ -23,7 +23,7 @@ pub(super) struct Group {
 /// A group that touches another.
 pub(super) struct Touching {
     pub group: u32,
-    /// Lanes of that other one that have a neighbour in it.
+    /// Lanes of that other one that have a neighbor in it.
     pub lanes: u8,
 }
 
@@ -41,7 +41,7 @@ impl Graph {
     }
 }
 
-/// For each eight of `order`, those that touch it: one has a member that is a neighbour of one of the other.
+/// For each eight of `order`, those that touch it: one has a member that is a neighbor of one of the other.
 fn touching(order: &[u32], neighbours: &[Vec<u32>]) -> Vec<Vec<Touching>> {
     let mut place = vec![0_u32; order.len()];
     order.iter().zip(0..).for_each(|(&member, at)| place[member as usize] = at);

@@ -10,14 +10,14 @@ use crate::{
 };
 use glam::Vec3;
 
-/// Points with their neighbours, in groups of eight and in blocks with a probe each.
+/// Points with their neighbors, in groups of eight and in blocks with a probe each.
 pub struct SegmentSet {
     graph: Graph,
     ends: Vec<Vec3>,
 }
 
 impl SegmentSet {
-    /// Of points in an order in which each run of eight lies close together, with a list of neighbours for each, which lie
+    /// Of points in an order in which each run of eight lies close together, with a list of neighbors for each, which lie
     /// on the same surface. There is one probe in each block of `points_per_probe`, a multiple of eight.
     pub fn new(ends: Vec<Vec3>, neighbours: &[Vec<u32>], points_per_probe: usize) -> Self {
         let order: Vec<u32> = (0..ends.len() as u32).collect();

@@ -125,7 +125,7 @@ fn plate(center: Vec3, radii: [f32; 2]) -> Intersector {
     Intersector::new(&mesh)
 }
 
-/// Points of a square of two metres at height 1, row by row in blocks of 2 x 4, with those beside each.
+/// Points of a square of two meters at height 1, row by row in blocks of 2 x 4, with those beside each.
 fn ceiling(side: u32) -> (Vec<Vec3>, Vec<Vec<u32>>) {
     let blocks = (0..side / 4).flat_map(|z| (0..side / 2).map(move |x| (2 * x, 4 * z)));
     let places: Vec<(u32, u32)> = blocks.flat_map(|(x, z)| (0..8).map(move |i| (x + i % 2, z + i / 2))).collect();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 /// The vertices of an object, in the order of [`Objects::vertices`](super::Objects::vertices).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PosedVertices {
-    /// In metres, within reach.
+    /// In meters, within reach.
     pub positions: Vec<Vec3>,
     /// Of length 1.
     pub normals: Vec<Vec3>,

@@ -1,6 +1,6 @@
 //! Similarities of the world: several objects move, turn and scale together as one.
 //!
-//! Each object has a pose about a centre of its own. A similarity after such a pose is a pose about that centre again.
+//! Each object has a pose about a center of its own. A similarity after such a pose is a pose about that center again.
 
 use super::Pose;
 use glam::{Quat, Vec3};
@@ -8,9 +8,9 @@ use glam::{Quat, Vec3};
 /// Scales and turns the world about a pivot, and then moves it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Similarity {
-    /// What stays where it is but for the move, in metres.
+    /// What stays where it is but for the move, in meters.
     pub pivot: Vec3,
-    /// In metres.
+    /// In meters.
     pub translate: Vec3,
     /// The turn.
     pub rotation: Quat,
@@ -22,7 +22,7 @@ impl Similarity {
     /// Leaves all where it is.
     pub const IDENTITY: Self = Self { pivot: Vec3::ZERO, translate: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0 };
 
-    /// How far it takes a point, in metres. Moves alone take all points equally far, to the bit.
+    /// How far it takes a point, in meters. Moves alone take all points equally far, to the bit.
     pub fn displacement(&self, point: Vec3) -> Vec3 {
         let from_pivot = point - self.pivot;
         self.translate + (self.scale * (self.rotation * from_pivot) - from_pivot)
@@ -30,7 +30,7 @@ impl Similarity {
 }
 
 impl Pose {
-    /// The pose that takes an object with this centre, as baked and in metres, to where a similarity takes it from this pose. Its
+    /// The pose that takes an object with this center, as baked and in meters, to where a similarity takes it from this pose. Its
     /// scale may be beyond what [`Self::validate`] allows.
     pub fn followed_by(self, similarity: &Similarity, center: Vec3) -> Self {
         let turned = match similarity.rotation == Quat::IDENTITY {
@@ -60,7 +60,7 @@ mod tests {
         let pivot = Vec3::new(1.0, 0.0, 1.0);
         let quarter = Similarity { pivot, rotation: Quat::from_rotation_y(FRAC_PI_2), ..Similarity::IDENTITY };
         let pose = Pose::AS_BAKED.followed_by(&Similarity { scale: 2.0, ..quarter }, CENTER);
-        // From the pivot the centre is 2 up and 2 along Z; Z becomes X, and both become twice as long.
+        // From the pivot the center is 2 up and 2 along Z; Z becomes X, and both become twice as long.
         assert!((CENTER + pose.translate).distance(pivot + Vec3::new(4.0, 4.0, 0.0)) < 1e-5, "{pose:?}");
         assert!(pose.rotate_degrees.distance(Vec3::Y * 90.0) < 1e-3 && pose.scale == 2.0, "{pose:?}");
     }

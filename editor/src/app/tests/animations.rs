@@ -26,7 +26,7 @@ const FLOOR: [f32; 12] = [-1.0, 0.0, -1.0, 1.0, 0.0, -1.0, 1.0, 0.0, 1.0, -1.0, 
 const PYRAMID: [f32; 15] = [-0.3, 0.0, -0.3, 0.3, 0.0, -0.3, 0.3, 0.0, 0.3, -0.3, 0.0, 0.3, 0.0, 0.6, 0.0];
 const PYRAMID_OBJECT: u32 = 1;
 
-/// Writes a floor and a pyramid on it, which the clip "slide" takes along X by some metres in a second, if there is one.
+/// Writes a floor and a pyramid on it, which the clip "slide" takes along X by some meters in a second, if there is one.
 fn write_sliding(path: &Path, metres: Option<f32>) {
     let slide = [0.0, 0.0, 0.0, metres.unwrap_or_default(), 0.0, 0.0];
     let floats = [&FLOOR[..], &PYRAMID, &[0.0, 1.0], &slide].concat();

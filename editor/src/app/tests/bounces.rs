@@ -19,7 +19,7 @@ use std::path::Path;
 
 const BOX: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf");
 
-/// The colour box with few sources, in the window.
+/// The color box with few sources, in the window.
 fn opened(place: &Place) -> Window {
     let normal = Preset::Draft.settings();
     let indirect = IndirectSettings { sources: 1024, ..normal.indirect };
@@ -34,7 +34,7 @@ fn opened(place: &Place) -> Window {
     window
 }
 
-/// Mean colour of the left and the right half of the picture, once it is finished.
+/// Mean color of the left and the right half of the picture, once it is finished.
 fn halves(state: &EditorState) -> Option<[Vec3; 2]> {
     let shown = state.picture.shown().filter(|p| p.full_size && p.samples == p.of_samples)?;
     let width = shown.size[0] as usize;

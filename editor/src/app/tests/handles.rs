@@ -51,7 +51,7 @@ fn show_ground(window: &mut Window) -> u32 {
     window.0.state().work.scene.ground_object().unwrap()
 }
 
-/// Drags the middle of the viewport, where the centre of what is selected is seen.
+/// Drags the middle of the viewport, where the center of what is selected is seen.
 fn drag_middle(window: &mut Window) {
     window.perform(Action::Camera(CameraAction::FrameSelection));
     drag_middle_as_it_is(window);
@@ -126,7 +126,7 @@ fn a_number_of_several_objects_is_one_step_of_undo_that_restores_all() {
     let poses = |window: &Window| [FLOOR, PYRAMID].map(|object| window.0.state().work.document.poses.of(object));
     let scaled = poses(&window);
     assert_eq!(scaled.map(|pose| pose.scale), [2.0, 2.0]);
-    // The pyramid's centre is 0.3 m above the floor, the pyramid the pivot.
+    // The pyramid's center is 0.3 m above the floor, the pyramid the pivot.
     assert!((scaled[0].translate.y + 0.3).abs() < 1e-5 && scaled[1].translate == glam::Vec3::ZERO, "{scaled:?}");
     window.perform(Action::Undo);
     assert!(window.0.state().work.document.poses.is_empty() && window.undo_name().is_none());

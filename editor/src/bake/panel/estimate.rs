@@ -30,23 +30,23 @@ const NODE_BYTES: f64 = 2.0;
 /// Pairs of vertex and source that a core resolves per second along boundaries, where nothing has measured them, at the sources
 /// that it holds for: 4.5 to 16.5 million in rooms.
 const SOURCE_PAIRS_PER_SECOND_AND_CORE: (f64, usize) = (8e6, 32_768);
-/// A vertex takes a time that grows by this power of the sources, beside what is near: in the colour box and the interior eight
+/// A vertex takes a time that grows by this power of the sources, beside what is near: in the color box and the interior eight
 /// times as many take 1.55 times as long, and 32 times as many 2.6 and 3.0 times.
 const SOURCES_POWER: f64 = 0.3;
 /// Core seconds for each source of placing it and measuring its area, where no trial has measured them.
 const PLACING: f64 = 7.5e-4;
 /// How much longer it takes to trace every source: 1.2 times in a furnished room, twice in an empty one.
 const EXHAUSTIVE_SOURCES: f64 = 1.5;
-/// Mean nodes of a cut over surface samples: between the 500 of the colour box and the 1,340 of the Cornell box.
+/// Mean nodes of a cut over surface samples: between the 500 of the color box and the 1,340 of the Cornell box.
 const MEAN_SOURCE_CUT: f64 = 800.0;
 /// The samples and sigma that it holds for.
 const MEAN_SOURCE_CUT_AT: (usize, f32) = (32_768, 2.0);
-/// How it changes with their number and with sigma, to whose inverse it is proportional. In the colour box 330 nodes
+/// How it changes with their number and with sigma, to whose inverse it is proportional. In the color box 330 nodes
 /// for 8,192 samples at sigma 1, 100 at sigma 4; in the Cornell box 1,336 at sigma 2, 650 at sigma 4, 328 at sigma 8.
 const SOURCE_CUT_POWER: f64 = 0.7;
 /// Bytes of a source beside its cut: place, normal, area, triangle.
 const SOURCE_BYTES: f64 = 40.0;
-/// Core seconds, bytes and levels of the colour box's meshless basis. Each level has about four times the functions of
+/// Core seconds, bytes and levels of the color box's meshless basis. Each level has about four times the functions of
 /// the one above it; their number depends on the surface in units of the coarsest distance, not on the vertices.
 const MESHLESS: (f64, f64, usize) = (110.0, 13e6, 6);
 /// Functions that gather light, in terms of those of the first two levels: all of three and four levels do, and as many of each

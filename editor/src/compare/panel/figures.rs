@@ -102,7 +102,7 @@ fn options(ui: &mut Ui, panel: &mut ComparisonPanel) {
     });
 }
 
-/// Bars in the colours of the map, their heights by the logarithm of the counts: single wrong pixels are to be seen.
+/// Bars in the colors of the map, their heights by the logarithm of the counts: single wrong pixels are to be seen.
 fn histogram(ui: &mut Ui, field: &ErrorField) {
     let (rect, response) = ui.allocate_exact_size(HISTOGRAM, Sense::hover());
     let painter = ui.painter_at(rect);
@@ -124,7 +124,7 @@ fn histogram(ui: &mut Ui, field: &ErrorField) {
     ));
 }
 
-/// The map's colour, but never as dark as the ground.
+/// The map's color, but never as dark as the ground.
 fn bar_color(field: &ErrorField, place: f32) -> Color32 {
     let color = field.kind.color(field.kind.error_at(place)).max(glam::Vec3::splat(0.28));
     let [r, g, b] = (color * 255.0).round().to_array().map(|v| v as u8);

@@ -107,7 +107,7 @@ pub struct SessionAssignment {
 pub struct SessionSlot {
     /// Which picture.
     pub texture: Option<TextureSource>,
-    /// Colour space of 8-bit texels.
+    /// Color space of 8-bit texels.
     pub color_space: ColorSpace,
     /// Component for scalar parameters.
     pub channel: Channel,

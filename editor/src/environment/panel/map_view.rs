@@ -22,7 +22,7 @@ use std::{
 
 /// Pixels of the picture.
 const PICTURE: [usize; 2] = [512, 256];
-/// Deepest subtrees that have a colour of their own.
+/// Deepest subtrees that have a color of their own.
 const DEEPEST_SUBTREE: u32 = 8;
 
 /// What the picture keeps between frames.

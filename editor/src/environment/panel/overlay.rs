@@ -22,7 +22,7 @@ const REACH: f32 = 5.0;
 pub struct Overlay {
     /// Shows the light samples.
     pub samples: bool,
-    /// Samples are coloured by the subtree of this depth that they lie in.
+    /// Samples are colored by the subtree of this depth that they lie in.
     pub subtree_depth: u32,
     /// Shows the nodes of the illumination cut.
     pub cut: bool,
@@ -129,7 +129,7 @@ fn sample_mesh(tree: &LightTree, subtree_depth: u32, picture: Rect) -> Mesh {
     mesh
 }
 
-/// Hues a golden angle apart: neighbouring subtrees differ.
+/// Hues a golden angle apart: neighboring subtrees differ.
 fn subtree_color(subtree: usize) -> Color32 {
     Hsva::new((subtree as f32 * 0.618_034).fract(), 0.65, 1.0, 1.0).into()
 }

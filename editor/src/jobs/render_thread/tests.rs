@@ -407,7 +407,7 @@ fn unhurried() -> RenderRequest {
     request
 }
 
-/// The same in a drag of its object, elsewhere by so many metres.
+/// The same in a drag of its object, elsewhere by so many meters.
 fn dragged(still: &RenderRequest, x: f32) -> RenderRequest {
     let mut request = RenderRequest { moving: true, ..still.clone() };
     request.look.poses.set(0, Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });

@@ -68,14 +68,14 @@ impl Rows<'_> {
         });
     }
 
-    /// Colour and intensity apart: the colour's brightest channel is 1.
+    /// Color and intensity apart: the color's brightest channel is 1.
     fn color(&mut self) {
         let (color, intensity) = color_and_intensity(self.light.intensity);
         self.row("Light color", |ui, light| {
             let mut picked = color;
             let help = "The color only. The intensity sets how bright it is.";
             let edited = color_row(ui, "Color", help, &mut picked, Vec3::ONE);
-            // Black is no colour of a light.
+            // Black is no color of a light.
             if edited.changed && picked.max_element() > 0.0 {
                 light.intensity = intensity * color_and_intensity(picked).0;
             }

@@ -111,7 +111,7 @@ impl LobePlot {
         }
     }
 
-    /// Share of the light that is reflected in all directions, by the light's angle in degrees, per colour.
+    /// Share of the light that is reflected in all directions, by the light's angle in degrees, per color.
     pub fn energy(&self, material: &Material) -> Vec<(f32, Vec3)> {
         let brdf = material.plain_brdf();
         let estimate = estimate(material);

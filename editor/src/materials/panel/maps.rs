@@ -183,11 +183,11 @@ fn normal_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     changes.note("Flip Y", check_row(ui, "Flip Y (DirectX)", help, &mut slot.flip_y));
 }
 
-/// Heights are in millimetres; inverting is a sign, which stays on a height of zero too.
+/// Heights are in millimeters; inverting is a sign, which stays on a height of zero too.
 fn bump_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     let mut inverted = slot.strength.is_sign_negative();
     let mut height = slot.strength.abs() * 1000.0;
-    let help = "Height of white above black in millimetres, 0 to 10; as far as 1,000 by typing.";
+    let help = "Height of white above black in millimeters, 0 to 10; as far as 1,000 by typing.";
     let row = Number::new("Height", help, 0.0..=10.0, 1.0).unit(" mm", 2).entry(0.0..=1000.0);
     let edited = slider_row(ui, &row, &mut height);
     let help = "White is low and black is high.";
@@ -245,7 +245,7 @@ fn rotation(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     changes.note("Map rotation", edited);
 }
 
-/// Channel and colour space, where the map has a choice.
+/// Channel and color space, where the map has a choice.
 fn reading(
     ui: &mut Ui,
     kind: &'static str,
@@ -255,7 +255,7 @@ fn reading(
 ) {
     if !BrdfModel::declared(kind).is_some_and(Parameter::is_color) && kind != "normal" {
         let channels = [
-            (Channel::R, "R", "Red. Grey pictures have their value here."),
+            (Channel::R, "R", "Red. Gray pictures have their value here."),
             (Channel::G, "G", "Green: the roughness in packed glTF pictures."),
             (Channel::B, "B", "Blue: the metalness in packed glTF pictures."),
             (Channel::A, "A", "Alpha."),

@@ -11,7 +11,7 @@ use std::{
     sync::Arc,
 };
 
-/// Radius in metres: what a bump map's height is relative to.
+/// Radius in meters: what a bump map's height is relative to.
 const RADIUS: f32 = 0.1;
 /// Unit squares of texture coordinates around the equator and from pole to pole, about 16 cm each.
 const TILES: Vec2 = Vec2::new(4.0, 2.0);

@@ -12,7 +12,7 @@ const STEPS_ACROSS: f32 = 20.0;
 /// By how much poses are changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// An offset in metres.
+    /// An offset in meters.
     Move(Vec3),
     /// About an axis of the world through a pivot, counter-clockwise seen against it.
     Turn {
@@ -26,7 +26,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// The nearest whole number of steps, those of moves in metres.
+    /// The nearest whole number of steps, those of moves in meters.
     pub fn snapped(self, move_step: f32) -> Self {
         let snap = |value: f32, step: f32| (value / step).round() * step;
         match self {
@@ -65,14 +65,14 @@ impl Change {
     }
 }
 
-/// The pose of an object with a centre in metres after a similarity whose factor was [limited](Change::limited).
+/// The pose of an object with a center in meters after a similarity whose factor was [limited](Change::limited).
 pub fn posed(before: Pose, by: &Similarity, center: Vec3) -> Pose {
     let pose = before.followed_by(by, center);
     // The factor may be beyond the limit by its rounding.
     Pose { scale: pose.scale.clamp(1.0 / MOST_SCALE, MOST_SCALE), ..pose }
 }
 
-/// The step of moves in a scene of this diagonal, both in metres: a power of ten, 0.1 m in a room.
+/// The step of moves in a scene of this diagonal, both in meters: a power of ten, 0.1 m in a room.
 pub fn move_step(diagonal: f32) -> f32 {
     if diagonal > 0.0 { 10f32.powi((diagonal / STEPS_ACROSS).log10().floor() as i32) } else { 0.1 }
 }
@@ -84,7 +84,7 @@ mod tests {
     const CENTER: Vec3 = Vec3::new(0.5, 2.0, -1.0);
     const TILTED: Pose = Pose { translate: Vec3::X, rotate_degrees: Vec3::new(90.0, 0.0, 0.0), scale: 2.0 };
 
-    /// A pose about its own centre after a change.
+    /// A pose about its own center after a change.
     fn changed(before: Pose, change: Change) -> Pose {
         let by = change.limited([before.scale]).similarity();
         posed(before, &Similarity { pivot: CENTER + before.translate, ..by }, CENTER)

@@ -18,7 +18,7 @@ pub const REACH: f32 = 7.0;
 /// An axis that is seen shorter than this share of its length, and a plane that is seen so thin, cannot be dragged.
 pub const LEAST_SEEN: f32 = 0.16;
 
-/// The axes of the world and their colours.
+/// The axes of the world and their colors.
 pub const AXES: [Vec3; 3] = Vec3::AXES;
 pub const COLORS: [Color32; 3] =
     [Color32::from_rgb(235, 87, 87), Color32::from_rgb(111, 191, 78), Color32::from_rgb(86, 146, 245)];

@@ -1,4 +1,4 @@
-//! The pictures of lights: a lamp in the colour of its light, and as much of its shape as says where it shines.
+//! The pictures of lights: a lamp in the color of its light, and as much of its shape as says where it shines.
 
 use super::projection::Projection;
 use crate::widgets::display_color;
@@ -22,7 +22,7 @@ pub struct Icon<'a> {
     pub painter: &'a Painter,
     /// Where things are seen.
     pub projection: &'a Projection,
-    /// Colour of what is selected.
+    /// Color of what is selected.
     pub accent: Color32,
     /// Whether this one is.
     pub selected: bool,

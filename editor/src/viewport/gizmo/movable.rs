@@ -11,13 +11,13 @@ use std::collections::BTreeMap;
 /// What objects turn and scale about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pivot {
-    /// The centre of the object that was selected last.
+    /// The center of the object that was selected last.
     #[default]
     Active,
-    /// The mean of the centres of all selected objects. Turns and scales about it leave it where it is, which the centre of a box
+    /// The mean of the centers of all selected objects. Turns and scales about it leave it where it is, which the center of a box
     /// around them would not be.
     Selection,
-    /// Each object's own centre.
+    /// Each object's own center.
     Own,
 }
 
@@ -35,14 +35,14 @@ impl Pivot {
 pub struct Subject {
     /// Its index.
     pub object: u32,
-    /// What its pose turns and scales it about: its centre where its file has it, in metres.
+    /// What its pose turns and scales it about: its center where its file has it, in meters.
     pub center: Vec3,
-    /// The centre of its present shape without its pose, in metres. It is another where an animation moves it.
+    /// The center of its present shape without its pose, in meters. It is another where an animation moves it.
     pub middle: Vec3,
 }
 
 impl Subject {
-    /// Where the middle of its shape is, in metres.
+    /// Where the middle of its shape is, in meters.
     fn place(&self, poses: &Poses) -> Vec3 {
         let pose = poses.of(self.object);
         self.center + pose.translate + pose.rotation() * (pose.scale * (self.middle - self.center))
@@ -73,7 +73,7 @@ impl Movable {
         (self.pivot, self.tool) == (other.pivot, other.tool) && objects(self) == objects(other)
     }
 
-    /// Where the handles lie, in metres: at the pivot, or the active object if each has its own.
+    /// Where the handles lie, in meters: at the pivot, or the active object if each has its own.
     pub fn place(&self, poses: &Poses) -> Vec3 {
         match self.pivot {
             Pivot::Active | Pivot::Own => self.active.place(poses),
@@ -168,7 +168,7 @@ mod tests {
         poses
     }
 
-    /// The largest change of a distance between two vertices, against a scale of all, in metres.
+    /// The largest change of a distance between two vertices, against a scale of all, in meters.
     fn deformation(poses: &Poses, scale: f32) -> f32 {
         let (old, new) = (vertices(&before()), vertices(poses));
         let pairs = (0..old.len()).flat_map(|a| (0..a).map(move |b| (a, b)));

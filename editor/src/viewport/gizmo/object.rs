@@ -148,7 +148,7 @@ impl ObjectDrag {
     }
 }
 
-/// The step of moves in the scene that is seen, in metres.
+/// The step of moves in the scene that is seen, in meters.
 fn step_in(view: &View) -> f32 {
     move_step(view.context.scene_bounds.map_or(0.0, |bounds| bounds.diagonal()))
 }

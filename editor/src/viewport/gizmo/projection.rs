@@ -56,7 +56,7 @@ impl Projection {
         seen.iter().all(|p| p.is_finite()).then_some(seen)
     }
 
-    /// Metres that a point of the screen covers at the depth of `world`; `None` behind the eye.
+    /// Meters that a point of the screen covers at the depth of `world`; `None` behind the eye.
     pub fn metres_per_point(&self, world: Vec3) -> Option<f32> {
         let depth = -self.view(world).z;
         (depth > self.near).then(|| self.of_camera.pixel_span(depth))

@@ -10,10 +10,10 @@ use std::f32::consts::TAU;
 
 /// Chords of a ring.
 const CHORDS: usize = 64;
-/// How far behind its centre a ring is still drawn, in radii: one that faces the eye is whole.
+/// How far behind its center a ring is still drawn, in radii: one that faces the eye is whole.
 const BEHIND: f32 = 0.15;
 
-/// The rings as they are seen: of each the chords before the centre.
+/// The rings as they are seen: of each the chords before the center.
 pub struct Rings {
     chords: [Vec<[Pos2; 2]>; 3],
 }
@@ -64,7 +64,7 @@ pub struct Sweep {
     axis: Vec3,
     center: Vec3,
     constraint: Constraint,
-    /// For a ring that is seen edge on, where its near side moves to, in radians a metre.
+    /// For a ring that is seen edge on, where its near side moves to, in radians a meter.
     along: Option<Vec3>,
     grabbed: Vec3,
 }

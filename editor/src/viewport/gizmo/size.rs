@@ -1,4 +1,4 @@
-//! What an object is scaled by: a square at the end of a line from its centre.
+//! What an object is scaled by: a square at the end of a line from its center.
 
 use super::{
     handles::{AXIS, Handle, REACH, distance_to_segment},
@@ -12,7 +12,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 const HALF: f32 = 5.0;
 /// A drag makes nothing smaller than this share of what it was.
 const LEAST_FACTOR: f32 = 0.01;
-/// Where the square is seen from the centre: up and to the right, as far as the tips of arrows.
+/// Where the square is seen from the center: up and to the right, as far as the tips of arrows.
 const OUT: Vec2 = vec2(FRAC_1_SQRT_2, -FRAC_1_SQRT_2);
 
 /// The handle as it is seen.

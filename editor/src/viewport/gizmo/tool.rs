@@ -35,7 +35,7 @@ impl Tool {
         }
     }
 
-    /// What Ctrl does, where moves have steps of so many metres.
+    /// What Ctrl does, where moves have steps of so many meters.
     pub fn steps(self, move_step: f32) -> String {
         match self {
             Self::Move => format!("Ctrl: steps of {move_step} m"),

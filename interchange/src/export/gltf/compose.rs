@@ -46,7 +46,7 @@ impl Component {
 pub struct Picture {
     /// Red, green, blue and alpha.
     pub components: [Component; 4],
-    /// Whether colours are sRGB encoded.
+    /// Whether colors are sRGB encoded.
     pub encodes: bool,
 }
 

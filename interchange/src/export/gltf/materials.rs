@@ -207,7 +207,7 @@ impl OneMaterial<'_, '_> {
         Some(self.composed([r, g, b, alpha], true, &color))
     }
 
-    /// A picture of colours.
+    /// A picture of colors.
     fn colors(&mut self, name: &str) -> Option<Value> {
         let slot = self.slot(name)?;
         if slot.color_space == ColorSpace::Srgb && self.is_readable(&slot) {
@@ -307,7 +307,7 @@ impl OneMaterial<'_, '_> {
 
     fn write_sheen(&mut self) {
         let color = self.color("fuzz_color");
-        // The weight was multiplied into the colour.
+        // The weight was multiplied into the color.
         if color == Vec3::ZERO {
             return self.extension("KHR_materials_sheen", None);
         }

@@ -11,7 +11,7 @@ pub enum MetaValue {
     Text(String),
     /// A number.
     Number(f64),
-    /// Three numbers: a place in metres, or a colour.
+    /// Three numbers: a place in meters, or a color.
     Vector(Vec3),
 }
 

@@ -19,7 +19,7 @@ struct Group {
     channels: Vec<(String, openexr::FlatSamples)>,
 }
 
-/// Reads one layer of an OpenEXR file: its colours, its vectors, or its one value repeated. Names match in any
+/// Reads one layer of an OpenEXR file: its colors, its vectors, or its one value repeated. Names match in any
 /// case, `-` matches `_`, and the last words of a long name suffice; `beauty` is also the layer without a name.
 ///
 /// # Errors

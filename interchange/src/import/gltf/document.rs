@@ -5,7 +5,7 @@ use crate::{import::report::ImportError, names::listed};
 use serde_json::Value;
 use std::path::Path;
 
-/// Extensions that are honoured; others are named in a warning.
+/// Extensions that are honored; others are named in a warning.
 const EXTENSIONS: [&str; 11] = [
     lights::EXTENSION,
     "KHR_materials_ior",

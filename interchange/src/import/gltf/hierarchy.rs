@@ -15,7 +15,7 @@ pub(super) struct Hierarchy {
     pub nodes: Nodes,
     /// Every node of every scene once, parents first; a file's cycles end at the second visit.
     pub order: Vec<usize>,
-    /// Names of those whose rotation was normalised.
+    /// Names of those whose rotation was normalized.
     pub turned: Vec<String>,
 }
 
@@ -91,7 +91,7 @@ impl Visit {
     }
 }
 
-/// A node, and whether its rotation was normalised. The format wants unit quaternions; those without a direction turn nothing.
+/// A node, and whether its rotation was normalized. The format wants unit quaternions; those without a direction turn nothing.
 fn read_node(node: &gltf::Node, parent: Option<usize>, targets: &[usize]) -> (Node, bool) {
     let matrix = Mat4::from_cols_array_2d(&node.transform().matrix());
     let weights = node.weights().or(node.mesh().and_then(|mesh| mesh.weights())).unwrap_or_default();

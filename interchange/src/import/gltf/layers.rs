@@ -1,7 +1,7 @@
 //! Coat, sheen, anisotropy, transmission and strong emission of glTF materials (`KHR_materials_clearcoat`, `_sheen`,
 //! `_anisotropy`, `_transmission`, `_emissive_strength`), read from the JSON itself: the `gltf` crate does not offer them.
 //!
-//! A material with a coat, sheen or a colour of its highlight becomes OpenPBR. Its coat does not darken the base, as glTF's does
+//! A material with a coat, sheen or a color of its highlight becomes OpenPBR. Its coat does not darken the base, as glTF's does
 //! not. Sheen is the same lobe here, of the square of glTF's roughness. What is transmitted would pass a thin surface straight on; no
 //! model has an opacity yet, so it is told that such a material shows opaque.
 
@@ -111,7 +111,7 @@ struct EmissiveStrength {
     emissive_strength: f32,
 }
 
-/// The colour of a highlight; its weight is read with the `gltf` crate.
+/// The color of a highlight; its weight is read with the `gltf` crate.
 #[derive(Clone, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 struct Specular {
@@ -127,7 +127,7 @@ impl Default for Specular {
 }
 
 impl Specular {
-    /// Whether it is a colour: a grey is part of the weight.
+    /// Whether it is a color: a gray is part of the weight.
     fn is_colored(&self) -> bool {
         let color = self.specular_color_factor;
         self.specular_color_texture.is_some() || color.max_element() != color.min_element()

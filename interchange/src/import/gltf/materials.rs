@@ -166,7 +166,7 @@ impl MaterialReader<'_> {
         Ok(())
     }
 
-    /// The alpha of the base colour, where the material says that it counts.
+    /// The alpha of the base color, where the material says that it counts.
     fn add_opacity(&self, material: &mut Material, source: &gltf::Material) {
         let cutoff = match source.alpha_mode() {
             AlphaMode::Opaque => return,

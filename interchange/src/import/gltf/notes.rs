@@ -35,8 +35,8 @@ impl Notes {
         }
         for (names, text) in [
             (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
-            (&self.turned, "have a rotation that is no unit quaternion, which was normalised; export them again"),
-            (&self.colored, "have vertex colours, which were left out; bake them to a texture"),
+            (&self.turned, "have a rotation that is no unit quaternion, which was normalized; export them again"),
+            (&self.colored, "have vertex colors, which were left out; bake them to a texture"),
         ] {
             if !names.is_empty() {
                 warnings.push(format!("the objects {} {text}", listed(names)));

@@ -41,7 +41,7 @@ pub(super) struct SceneFile {
     pub nodes: Nodes,
     /// Nodes of scenes, parents first.
     order: Vec<usize>,
-    /// Nodes whose rotation was normalised.
+    /// Nodes whose rotation was normalized.
     pub turned: Vec<String>,
     pub skins: Vec<Result<Skin, String>>,
     /// Animations that had channels that move no node.

@@ -67,7 +67,7 @@ pub fn audit_environment(
     })
 }
 
-/// The same for the surface sources, in tree order; segments to them end `offset` metres off their surface.
+/// The same for the surface sources, in tree order; segments to them end `offset` meters off their surface.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].

@@ -15,7 +15,7 @@ use lapidary_core::{
     scene::Scene,
 };
 
-/// A cube of half a metre that stands at the origin.
+/// A cube of half a meter that stands at the origin.
 fn cube() -> Scene {
     scene_of(&cuboid(Vec3::new(0.0, 0.25, 0.0), Vec3::splat(0.25)))
 }

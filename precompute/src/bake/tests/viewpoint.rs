@@ -62,7 +62,7 @@ fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
     let mut scene = scene_of(&turned);
     scene.materials[0].parameters.set("base_color", Vec3::ONE);
     assert_eq!(remarks(scene, "a.cuts"), "", "light is lost at the backs, so bounces end");
-    // A white room beside a large grey one.
+    // A white room beside a large gray one.
     let mut scene = scene_of(&[room(Vec3::ZERO, Vec3::ONE), room(Vec3::X * 20.0, Vec3::splat(5.0))].concat());
     scene.materials.push(scene.materials[0].clone());
     let grey = |positions: &[Vec3], t: &[u32; 3]| u32::from(positions[t[0] as usize].x > 5.0);

@@ -16,7 +16,7 @@ pub type Row = Vec<(u32, Vec3)>;
 pub struct Gatherer<'a> {
     surface: &'a dyn Surface,
     basis: &'a Basis,
-    /// The rays of a receiver by their number, neighbours in direction one after the other.
+    /// The rays of a receiver by their number, neighbors in direction one after the other.
     rays: Vec<usize>,
     offset: f32,
 }

@@ -27,8 +27,8 @@ const ROOT_THRESHOLD_SHARE: f32 = 0.1;
 /// largest of these links is kept and stands for all of them. The last sum goes to the link that was kept last. It is
 /// dropped only where none was kept: uniform light is right within the threshold.
 ///
-/// The coefficients of all other senders are deviations from local averages, so that neighbours with similar links
-/// cancel. They are kept where they are above the threshold and also vary between neighbours, as in the paper.
+/// The coefficients of all other senders are deviations from local averages, so that neighbors with similar links
+/// cancel. They are kept where they are above the threshold and also vary between neighbors, as in the paper.
 ///
 /// A level has about four times as many receivers as the one before, and all of them repeat its error. Dropped links
 /// are more often positive than negative: deviations are positive where light falls, and rays hit such surfaces more
@@ -43,7 +43,7 @@ pub struct Criterion {
     least: f32,
     /// Which senders carry values and not deviations: those that a constant function needs.
     roots: Vec<bool>,
-    /// Neighbours of the senders of each level, and the first of them.
+    /// Neighbors of the senders of each level, and the first of them.
     neighbours: Vec<(usize, SparseRows)>,
     /// Position of each sender along the curve.
     order: Vec<u32>,
@@ -98,7 +98,7 @@ impl Criterion {
         kept
     }
 
-    /// Whether a link differs by `least` from that of any neighbour of its sender. A sender that is not in the row has
+    /// Whether a link differs by `least` from that of any neighbor of its sender. A sender that is not in the row has
     /// a link of zero.
     fn varies(&self, row: &Row, &(sender, vector): &(u32, Vec3), least: f32) -> bool {
         let level = self.neighbours.iter().rev().find(|(first, _)| *first <= sender as usize);

@@ -47,7 +47,7 @@ fn operator(epsilon: f32) -> (Transport, MeshlessReport) {
     transport_operator(&Hollow, &basis(), &MeshlessSettings { epsilon, ..Default::default() }, &Silent).unwrap()
 }
 
-/// RMS over random points of irradiance minus `expected`, when direct irradiance is `1 + z` and everything is half grey.
+/// RMS over random points of irradiance minus `expected`, when direct irradiance is `1 + z` and everything is half gray.
 fn error(transport: Transport, expected: f32) -> f32 {
     let bake = MeshlessBake { basis: basis(), transport };
     let senders = bake.basis.sender_points();

@@ -70,7 +70,7 @@ fn a_vertex_takes_no_light_from_faces_that_lean_far_from_its_normal() {
 
 #[test]
 fn opposite_walls_have_their_form_factor() {
-    // Two opposite squares of a cube: 0.1998 (Howell's catalogue, C-11).
+    // Two opposite squares of a cube: 0.1998 (Howell's catalog, C-11).
     let prepared = Prepared::new(&room(Vec3::ZERO, Vec3::ONE));
     let sources = sources_of(&prepared);
     let (mut sum, side) = (0.0, 8);

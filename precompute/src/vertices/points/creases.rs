@@ -54,7 +54,7 @@ impl BakePoints {
         rises
     }
 
-    /// Centroid of the hat function of each point: one at its vertices, falling to zero at their neighbours.
+    /// Centroid of the hat function of each point: one at its vertices, falling to zero at their neighbors.
     fn hat_centroids(&self, mesh: &Mesh) -> Vec<Vec3> {
         let mut sums = vec![(Vec3::ZERO, 0.0_f32); self.points.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {

@@ -35,7 +35,7 @@ impl<'a> Sight<'a> {
         Self { mesh, scene, frustums: shots.iter().map(Shot::frustum).collect(), around }
     }
 
-    /// A better point to sample than `position`, on the side of a unit normal, where rays start `offset` metres off. It
+    /// A better point to sample than `position`, on the side of a unit normal, where rays start `offset` meters off. It
     /// is the middle of the visible part of its triangles, weighted as in interpolation. `None` if the point is visible
     /// to an eye that it faces, within the picture or beside it, if it faces no eye, or if everything around it is
     /// hidden.
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use lapidary_core::camera::Camera;
 
-    /// Half a metre between vertices.
+    /// Half a meter between vertices.
     const CELL: f32 = 0.5;
     const SIDE: i32 = 6;
 

@@ -44,7 +44,7 @@ impl Stored {
 
 /// Light from surfaces changes along an edge as their nearness does: `1 / (1 + t / r)` for a distance `t`, where `r` is
 /// this many units of the edge length. A surface at a much larger distance hides other light from the whole edge alike.
-/// In the colour box 8, 24 and 64 units leave errors of 0.037, 0.032 and 0.035.
+/// In the color box 8, 24 and 64 units leave errors of 0.037, 0.032 and 0.035.
 const HALF_DISTANCE: f32 = 24.0;
 
 /// Visibility and nearness from single points over few directions.
@@ -52,7 +52,7 @@ pub(super) struct Pilot<'a> {
     scene: &'a Intersector,
     toward: Vec<Vec3>,
     stored: Stored,
-    /// Distance in metres at which nearness is a half.
+    /// Distance in meters at which nearness is a half.
     half_distance: f32,
     /// Errors at the midpoints of edges, kept between rounds: most edges are not split.
     pub errors: FxHashMap<EdgeKey, f32>,
@@ -87,7 +87,7 @@ fn key_of(point: &BakePoint) -> PointKey {
 }
 
 impl<'a> Pilot<'a> {
-    /// `unit` is the edge length in metres that equal triangles would have.
+    /// `unit` is the edge length in meters that equal triangles would have.
     pub fn new(
         scene: &'a Intersector,
         stored: Stored,
@@ -99,7 +99,7 @@ impl<'a> Pilot<'a> {
         Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors, samples, observer, traced }
     }
 
-    /// Samples of the points, in their order. Neighbours are traced together: their rays in one direction lie side by side.
+    /// Samples of the points, in their order. Neighbors are traced together: their rays in one direction lie side by side.
     fn seen_from(&self, points: &[BakePoint]) -> Result<Vec<PilotSample>, BakeError> {
         let order = z_order(points);
         let eights = order.par_chunks(8).map(|members| {

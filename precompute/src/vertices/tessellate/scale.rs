@@ -33,15 +33,15 @@ const GAP_AT_END: f32 = 1e-4;
 /// Rows of rays through a picture that measure how much of it surfaces fill.
 const ROWS: u32 = 96;
 
-/// Converts metres to units.
+/// Converts meters to units.
 pub(super) struct EdgeScale<'a> {
     scene: &'a Intersector,
     observer: &'a dyn Observer,
     /// Frustums of the shots that see any surface.
     frustums: Vec<Frustum>,
-    /// Edge length in metres at which equal triangles over the whole surface would use up the budget.
+    /// Edge length in meters at which equal triangles over the whole surface would use up the budget.
     pub unit: f32,
-    /// Units per metre of a surface that no shot sees.
+    /// Units per meter of a surface that no shot sees.
     unseen: f32,
     /// Units per height of a picture.
     seen: f32,
@@ -51,12 +51,12 @@ pub(super) struct EdgeScale<'a> {
 /// How the unit grows around a scene.
 struct Falloff {
     center: Vec3,
-    /// Within it, in metres, it does not grow.
+    /// Within it, in meters, it does not grow.
     radius: f32,
 }
 
 impl Falloff {
-    /// Units per metre at a place, as a share of those at the scene.
+    /// Units per meter at a place, as a share of those at the scene.
     fn at(&self, place: Vec3) -> f32 {
         let distance = (place - self.center).with_y(0.0).length();
         self.radius / distance.max(self.radius)
@@ -105,7 +105,7 @@ impl<'a> EdgeScale<'a> {
         Self { scene, observer, frustums, unit, unseen, seen, falloff }
     }
 
-    /// Units per metre of each triangle.
+    /// Units per meter of each triangle.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].

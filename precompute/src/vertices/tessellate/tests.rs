@@ -88,7 +88,7 @@ fn the_result_is_valid_conforming_and_has_the_same_surface() {
     assert!(!is_conforming(&cracked), "negative control: a hanging vertex is noticed");
 }
 
-/// Vertices a square metre of the plane y = `height` between two distances from (0.3, 0.2).
+/// Vertices a square meter of the plane y = `height` between two distances from (0.3, 0.2).
 fn density(mesh: &Mesh, height: f32, near: f32, far: f32) -> f32 {
     let in_ring = |p: &&Vec3| {
         let r = Vec3::new(p.x - 0.3, 0.0, p.z - 0.2).length();

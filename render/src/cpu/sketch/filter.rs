@@ -177,7 +177,7 @@ impl<'a> Filter<'a> {
         self.sketch.history.as_ref()?.predicted(part, x, y)
     }
 
-    /// Distance of a lattice in metres at a pixel.
+    /// Distance of a lattice in meters at a pixel.
     fn reach(&self, guide: &Guide, stride: u32) -> f32 {
         stride as f32 * self.pixel_angle * guide.position.distance(self.sampler.view.camera.eye)
     }

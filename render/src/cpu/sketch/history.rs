@@ -20,7 +20,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
     material: u32,
-    /// In metres.
+    /// In meters.
     position: Vec3,
     /// Unit normal after bump and normal map.
     normal: Vec3,
@@ -101,7 +101,7 @@ struct Found {
 impl Found {
     fn of(guide: &Guide, projection: &Projection, points: &[Past], size: [u32; 2]) -> Option<Self> {
         let (pixel, depth) = projection.pixel_of(guide.position).filter(|_| guide.is_lit())?;
-        // The first sample of a pixel is at its centre.
+        // The first sample of a pixel is at its center.
         let place = pixel - 0.5;
         let first = place.floor();
         let f = place - first;

@@ -107,7 +107,7 @@ impl GpuForest {
         })
     }
 
-    /// Takes all leaves, and the nodes above them, to vertex positions in metres.
+    /// Takes all leaves, and the nodes above them, to vertex positions in meters.
     ///
     /// # Errors
     /// A lost device.

@@ -39,7 +39,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Layers for `lights`. If not all fit, lights with the most power per layer in a scene of `radius` metres get
+    /// Layers for `lights`. If not all fit, lights with the most power per layer in a scene of `radius` meters get
     /// them.
     pub fn new(lights: &[Light], room: ShadowRoom, radius: f32) -> Self {
         let grid = if layers_wanted(lights, FINE_GRID) <= LAYERS_FOR_FINE_GRID { FINE_GRID } else { COARSE_GRID };

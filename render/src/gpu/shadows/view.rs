@@ -21,7 +21,7 @@ const WIDEST_VIEW: f32 = 75.0;
 pub struct ShadowViewSettings {
     /// Bounds of everything that casts shadows.
     pub bounds: Bounds,
-    /// Distance from a light, in metres, within which nothing casts a shadow.
+    /// Distance from a light, in meters, within which nothing casts a shadow.
     pub near: f32,
     /// Texels of a side of a map.
     pub size: u32,

@@ -43,7 +43,7 @@ fn scene() -> Dataset {
     dataset
 }
 
-/// A grey sky, brighter on one side, above a darker and patterned lower half.
+/// A gray sky, brighter on one side, above a darker and patterned lower half.
 fn sky() -> Illumination {
     illumination([64, 32], |x, y| {
         let above = 0.4 + 0.02 * x as f32;

@@ -6,7 +6,7 @@ use crate::{
     lit_scene::edits,
 };
 
-/// Share of samples at edges by which the rasteriser differs from rays.
+/// Share of samples at edges by which the rasterizer differs from rays.
 const EDGES: f64 = 0.02;
 
 fn another() -> GpuBackend {

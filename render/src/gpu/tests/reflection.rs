@@ -228,7 +228,7 @@ fn shared_structs_have_the_same_members_offsets_and_sizes() {
     assert!(shape_in(&modules, "FrameUniforms").iter().all(|shape| *shape != moved));
 }
 
-/// Types of buffers without a struct of their own: radii, patches, stops of a colour scale, the table of sRGB.
+/// Types of buffers without a struct of their own: radii, patches, stops of a color scale, the table of sRGB.
 const PLAIN: [&str; 7] = [
     "array<Float32>",
     "array<Uint32>",

@@ -11,7 +11,7 @@ use lapidary_core::{
 };
 use std::sync::Arc;
 
-/// Colours, heights, and normals of sizes that are no powers of two.
+/// Colors, heights, and normals of sizes that are no powers of two.
 fn fine_textures() -> Vec<Arc<Texture>> {
     let codes = (0..96 * 64).map(|i| std::array::from_fn(|c| noise(4 * i + c as u32))).collect();
     let floats = (0..64 * 33).map(|i| [f32::from(noise(i)) / 255.0; 4]).collect();

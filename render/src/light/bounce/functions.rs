@@ -1,5 +1,5 @@
 //! The meshless solution at any point of a surface, for display: each pixel sums the functions that reach it, and
-//! normalises them a level at a time (meshless paper, 4.1, with the loop turned round). Detail ends at the basis, not at
+//! normalizes them a level at a time (meshless paper, 4.1, with the loop turned round). Detail ends at the basis, not at
 //! the mesh.
 
 use glam::{Mat3A, Vec3};
@@ -27,7 +27,7 @@ impl fmt::Debug for MeshlessLight {
 }
 
 impl MeshlessLight {
-    /// Light of a dataset's functions by their `coefficients`: vector irradiance in W/m², one column per colour channel.
+    /// Light of a dataset's functions by their `coefficients`: vector irradiance in W/m², one column per color channel.
     /// `None` if it has no meshless basis.
     ///
     /// # Panics
@@ -51,7 +51,7 @@ impl MeshlessLight {
         &self.dataset.meshless.as_ref().expect("it was made with a basis").basis
     }
 
-    /// Vector irradiance of each function in W/m², one column per colour channel.
+    /// Vector irradiance of each function in W/m², one column per color channel.
     pub fn coefficients(&self) -> &[Mat3A] {
         &self.coefficients
     }
@@ -98,7 +98,7 @@ impl MeshlessLight {
         values.iter().find(|(found, _)| *found == function).map_or(0.0, |(_, value)| *value)
     }
 
-    /// The finest level with a function whose coefficient is not zero and whose centre is close to a point (meshless
+    /// The finest level with a function whose coefficient is not zero and whose center is close to a point (meshless
     /// paper, Fig. 1).
     pub(crate) fn marked_level(&self, position: Vec3, normal: Vec3) -> Option<usize> {
         let basis = self.basis();
@@ -119,7 +119,7 @@ pub(crate) fn is_back_lit(basis: &Basis, position: Vec3, normal: Vec3) -> bool {
     basis.reaches(basis.levels() - 1, position, normal)
 }
 
-/// Colour of a level among some: the hues from red to magenta.
+/// Color of a level among some: the hues from red to magenta.
 pub(crate) fn level_color(level: usize, levels: usize) -> Vec3 {
     let hue = level as f32 / levels as f32;
     let channel = |shift: f32| (((hue + shift).fract() * 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);

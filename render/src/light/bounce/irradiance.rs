@@ -17,9 +17,9 @@ use std::array::from_fn;
 /// How shadow rays are cast.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowRays {
-    /// Samples along each side of an area light; averages over neighbouring points reduce their error.
+    /// Samples along each side of an area light; averages over neighboring points reduce their error.
     pub area_samples: u32,
-    /// Distance in metres that they start off a surface.
+    /// Distance in meters that they start off a surface.
     pub offset: f32,
 }
 

@@ -95,7 +95,7 @@ impl LitPoints {
         sum
     }
 
-    /// Distance in metres of shadow ray origins from a surface.
+    /// Distance in meters of shadow ray origins from a surface.
     fn ray_offset(&self) -> f32 {
         offset::BOUNCE * self.baked.dataset.scene.mesh.bounds().diagonal()
     }

@@ -13,7 +13,7 @@ use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 /// Points a source.
 pub(super) const PARTS: usize = 4;
 
-/// [`PARTS`] points of the surface for each source. Rays start `offset` metres off it.
+/// [`PARTS`] points of the surface for each source. Rays start `offset` meters off it.
 pub(super) fn source_parts(sources: &[Source], intersector: &Intersector, offset: f32) -> Vec<Surfel> {
     let parts = |(i, source): (usize, &Source)| {
         let place = move |part| place_of_part((i, source), part, intersector, offset);
@@ -33,7 +33,7 @@ fn place_of_part(
     let Surfel { position, normal, .. } = source.surfel;
     let radius = (source.area * FRAC_1_PI).sqrt();
     let (u, v) = normal.any_orthonormal_pair();
-    // A square with the same spread as the disc, rotated per source so that neighbours do not line up.
+    // A square with the same spread as the disc, rotated per source so that neighbors do not line up.
     let golden_angle = PI * (3.0 - 5.0_f32.sqrt());
     let (sin, cos) = (golden_angle * (source_index % 4096) as f32 + 0.5 * PI * part as f32).sin_cos();
     let lift = normal * (0.5 * radius + offset);

@@ -19,7 +19,7 @@ const SIZE: [u32; 2] = [1024, 512];
 /// Radiance of the sky: little, for it is interpolated over the few vertices of these scenes.
 const SKY: f32 = 0.05;
 
-/// A grey sky with a sun of `degrees` across, whose light on a surface that faces it is `irradiance`.
+/// A gray sky with a sun of `degrees` across, whose light on a surface that faces it is `irradiance`.
 fn sunny(toward: Vec3, degrees: f32, irradiance: f32) -> Illumination {
     let radius = (0.5 * degrees).to_radians();
     let radiance = irradiance / (PI * radius.sin().powi(2));

@@ -15,7 +15,7 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// From the coarsest to the finest. Each is less exact than the next and takes less time, measured in the colour box
+    /// From the coarsest to the finest. Each is less exact than the next and takes less time, measured in the color box
     /// (`docs/results.md`).
     pub const LADDER: [Self; 5] = [
         Self { surfels: 4096, side: 14, bounces: 1 },

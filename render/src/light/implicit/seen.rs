@@ -11,7 +11,7 @@ use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
 /// What the leaves of a forest see.
 pub trait LeafSight: Send {
-    /// Looks anew. `positions` are those of the vertices in metres, to which the forest was updated, and `changed` the objects that
+    /// Looks anew. `positions` are those of the vertices in meters, to which the forest was updated, and `changed` the objects that
     /// moved since the last call. While they are always the same, what is seen of the others is kept.
     fn look(&mut self, forest: &SurfelForest, positions: &[Vec3], changed: &BTreeSet<u32>);
 

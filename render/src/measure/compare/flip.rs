@@ -2,11 +2,11 @@
 //!
 //! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, *FLIP: A
 //! Difference Evaluator for Alternating Images* (HPG 2020); section and equation numbers refer to it. The
-//! filters are separated and normalised as in version 1.2 of the authors' program, whose results the tests
+//! filters are separated and normalized as in version 1.2 of the authors' program, whose results the tests
 //! hold. It is written here because the maintained binding (`nv-flip`) needs a C++ compiler, and this project
 //! builds with nothing but the Rust toolchain.
 //!
-//! Two pipelines meet at the end (Fig. 2): the colours that are left after the eye's blur, and the edges and
+//! Two pipelines meet at the end (Fig. 2): the colors that are left after the eye's blur, and the edges and
 //! points of the lightness, each compared between test and reference.
 
 use glam::{Vec2, Vec3, Vec4};
@@ -19,9 +19,9 @@ mod filter;
 /// Pixels per degree of visual angle at 0.7 m from a display 0.7 m wide with 3840 pixels (section 4).
 pub const PIXELS_PER_DEGREE: f32 = 67.0;
 
-/// Exponent of the colour difference, `q_c` (section 4.1.4).
+/// Exponent of the color difference, `q_c` (section 4.1.4).
 const COLOR_EXPONENT: f32 = 0.7;
-/// Fraction of the largest colour difference that is stretched over most of the range, `p_c`.
+/// Fraction of the largest color difference that is stretched over most of the range, `p_c`.
 const SMALL_COLOR_DIFFERENCE: f32 = 0.4;
 /// How far it is stretched, `p_t`.
 const SMALL_COLOR_RANGE: f32 = 0.95;

@@ -1,4 +1,4 @@
-//! False-colour maps of the error in each pixel, with a legend.
+//! False-color maps of the error in each pixel, with a legend.
 
 use super::{CompareError, Pair, flip, rel_mse_term};
 use glam::Vec3;
@@ -37,10 +37,10 @@ pub enum ErrorMap {
 /// A displayable error map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorMapImage {
-    /// The map in the top left corner, at the size of the pictures, and the legend below it. Colours are linear: what
-    /// writes a picture as sRGB (PNG) shows those of the colour map.
+    /// The map in the top left corner, at the size of the pictures, and the legend below it. Colors are linear: what
+    /// writes a picture as sRGB (PNG) shows those of the color map.
     pub image: Image,
-    /// The errors at the two ends of the colour bar; errors above have the colour of the end.
+    /// The errors at the two ends of the color bar; errors above have the color of the end.
     pub range: [f32; 2],
 }
 
@@ -63,12 +63,12 @@ pub struct ErrorField {
     pub errors: Vec<f32>,
     /// Which pixels are finite in both pictures; the errors of others are meaningless.
     pub finite: Vec<bool>,
-    /// The error at the upper end of the colours. The range of signed errors begins at its negative, other ranges at 0.
+    /// The error at the upper end of the colors. The range of signed errors begins at its negative, other ranges at 0.
     pub top: f32,
 }
 
 impl ErrorField {
-    /// The errors of `test` against `reference`. The colours end at `top`, which makes several maps comparable. Without
+    /// The errors of `test` against `reference`. The colors end at `top`, which makes several maps comparable. Without
     /// `top` they end at 1 for FLIP. For other errors they end at the 99th percentile, rounded up to 1, 2 or 5 times a
     /// power of ten.
     ///
@@ -87,7 +87,7 @@ impl ErrorField {
     }
 
     /// Errors in scene-linear units that were predicted without a reference, one per pixel for all its components. They
-    /// have the colours of absolute errors; `top` as in [`Self::new`].
+    /// have the colors of absolute errors; `top` as in [`Self::new`].
     ///
     /// # Errors
     /// A picture without pixels, or none that is finite, and a `top` that is not positive.
@@ -96,13 +96,13 @@ impl ErrorField {
         Ok(Self { title: "Predicted error", ..Self::new(errors, &black, ErrorMap::Absolute, top)? })
     }
 
-    /// The sRGB-encoded colours of all pixels; magenta where one is not finite.
+    /// The sRGB-encoded colors of all pixels; magenta where one is not finite.
     pub fn colors(&self) -> Vec<Vec3> {
         let color = |(&e, &finite): (&f32, &bool)| if finite { self.kind.color(e / self.top) } else { NOT_FINITE };
         self.errors.par_iter().zip(&self.finite).map(color).collect()
     }
 
-    /// Errors at both ends of the colours and at evenly spaced positions that divide them into `parts`, as short texts.
+    /// Errors at both ends of the colors and at evenly spaced positions that divide them into `parts`, as short texts.
     pub fn ticks(&self, parts: usize) -> Vec<String> {
         (0..=parts).map(|i| legend::short_number(self.top * self.kind.error_at(i as f32 / parts as f32))).collect()
     }
@@ -164,7 +164,7 @@ impl ErrorMap {
         }
     }
 
-    /// The sRGB-encoded colour of an error in units of the range's upper end.
+    /// The sRGB-encoded color of an error in units of the range's upper end.
     pub fn color(self, error: f32) -> Vec3 {
         match self {
             Self::Signed => diverging::diverging(error),
@@ -172,7 +172,7 @@ impl ErrorMap {
         }
     }
 
-    /// The error, in units of the range's upper end, at a position of 0 to 1 in the colours.
+    /// The error, in units of the range's upper end, at a position of 0 to 1 in the colors.
     pub fn error_at(self, place: f32) -> f32 {
         if self == Self::Signed { 2.0 * place - 1.0 } else { place }
     }

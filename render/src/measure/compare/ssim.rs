@@ -19,7 +19,7 @@ const C2: f64 = 0.03 * 0.03;
 /// Means under the window of `a`, `b`, `a²`, `b²` and `ab`.
 type Moments = [f64; 5];
 
-/// Mean structural similarity of two grey pictures with values from 0 to 1, given row by row; 1 if they are equal.
+/// Mean structural similarity of two gray pictures with values from 0 to 1, given row by row; 1 if they are equal.
 ///
 /// # Panics
 /// If the sizes differ or there are no pixels.

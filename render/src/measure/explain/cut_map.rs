@@ -31,7 +31,7 @@ pub struct CutMap {
     pub cut: Image,
     /// The light of each sample that rays find visible.
     pub traced: Image,
-    /// Interpolated and traced visibility of the samples whose light is received. Where they agree, the colour is grey,
+    /// Interpolated and traced visibility of the samples whose light is received. Where they agree, the color is gray,
     /// from hidden to visible. It is red where the renderer lets blocked light through, and blue where it holds visible
     /// light back. Only for the environment: the cuts over surface sources hold solid angles, which are not fractions
     /// of one.
@@ -40,7 +40,7 @@ pub struct CutMap {
     pub cluster: Vec<u32>,
 }
 
-/// Linear greys of the borders of bright and of dark clusters.
+/// Linear grays of the borders of bright and of dark clusters.
 const BORDERS: [Vec3; 2] = [Vec3::splat(0.02), Vec3::splat(0.35)];
 /// Factor of light from below the horizon: it is in the cuts of vertices that see it, and not in the pixel.
 const NOT_RECEIVED: f32 = 0.1;
@@ -159,7 +159,7 @@ impl Shown {
     }
 }
 
-/// Interpolated and traced visibility in one colour; almost black for light that is not received.
+/// Interpolated and traced visibility in one color; almost black for light that is not received.
 fn visibility_color(pair: Option<(f32, f32)>) -> Vec3 {
     let Some((interpolated, traced)) = pair else { return Vec3::new(0.0, 0.004, 0.01) };
     let both = Vec3::splat(0.03 + 0.5 * interpolated.min(traced));

@@ -155,7 +155,7 @@ fn pixels_that_have_no_cut_are_refused_with_a_reason() {
 #[test]
 fn the_map_shows_exact_visibility_at_a_vertex_and_leaks_beside_the_shadow() {
     let mut dataset = dataset(mesh(4, true), white());
-    // The blocker of this floor is one metre up and one metre wide; its vertices are a metre apart.
+    // The blocker of this floor is one meter up and one meter wide; its vertices are a meter apart.
     dataset.scene.materials[0].double_sided = false;
     let renderer = Renderer::new(dataset);
     let light = illumination([64, 32], |_, _| Vec3::ONE);

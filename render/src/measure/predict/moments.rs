@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// Mean and variance over the leaves of a node, by colour.
+/// Mean and variance over the leaves of a node, by color.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// Mean.

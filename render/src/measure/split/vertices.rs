@@ -15,7 +15,7 @@ use std::{
 /// Sets the visibility of all leaves of the environment's tree (0 or 1) as a vertex sees them.
 pub type TraceVertex<'a> = &'a (dyn Fn(u32, &mut [u8]) + Sync);
 
-/// Number of vertices in the cache, at one byte per leaf: half a gigabyte for 32,768 leaves. Neighbouring pixels share
+/// Number of vertices in the cache, at one byte per leaf: half a gigabyte for 32,768 leaves. Neighboring pixels share
 /// vertices.
 const KEPT: usize = 16_384;
 

@@ -20,7 +20,7 @@ pub struct Emitters {
 pub struct EmitterSample {
     /// Unit direction to it.
     pub direction: Vec3,
-    /// In metres.
+    /// In meters.
     pub distance: f32,
     /// Radiance toward the other point.
     pub radiance: Vec3,
@@ -76,7 +76,7 @@ impl Emitters {
         })
     }
 
-    /// Density per solid angle of [`Self::sample`] at a point of a material at this distance in metres, whose normal has this
+    /// Density per solid angle of [`Self::sample`] at a point of a material at this distance in meters, whose normal has this
     /// cosine to the direction.
     pub fn pdf(&self, material: u32, distance: f32, cosine: f32) -> f32 {
         let per_area = self.luminance[material as usize] / self.running.last().map_or(1.0, |&sum| sum as f32);

@@ -72,8 +72,8 @@ impl EnvironmentDistribution {
     }
 }
 
-/// Mean luminance over a texel of the bilinear interpolation between texel centres: a bright texel reaches into its
-/// neighbours, which must be sampled accordingly or they give fireflies.
+/// Mean luminance over a texel of the bilinear interpolation between texel centers: a bright texel reaches into its
+/// neighbors, which must be sampled accordingly or they give fireflies.
 fn mean_luminance(map: &Image, x: usize, y: usize) -> f32 {
     const TENT: [(isize, f32); 3] = [(-1, 0.125), (0, 0.75), (1, 0.125)]; // integrals of the tent over three texels
     let (width, height) = (map.width() as isize, map.height() as isize);

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// A gradient with grey noise of `sigma`.
+    /// A gradient with gray noise of `sigma`.
     fn noisy(rng: &mut fastrand::Rng, sigma: f32) -> Image {
         // Of a variance of one.
         let mut noise = || 12.0_f32.sqrt() * (rng.f32() - 0.5);

@@ -18,7 +18,7 @@ pub struct LightChoice<'a> {
 }
 
 impl<'a> LightChoice<'a> {
-    /// For a scene that fits in a sphere of `radius` metres.
+    /// For a scene that fits in a sphere of `radius` meters.
     pub fn new(lights: &'a [Light], radius: f32) -> Self {
         let lights: Vec<&Light> = lights.iter().filter(|light| light.shines()).collect();
         let count = lights.len() as f64;

@@ -54,7 +54,7 @@ fn normals() -> Texture {
     Texture::new("normals", [SIZE; 2], Texels::F32((0..SIZE * SIZE).map(texel).collect()))
 }
 
-/// A place on the plane z = 0, a unit of u and v in a metre.
+/// A place on the plane z = 0, a unit of u and v in a meter.
 fn place(uv: UvFootprint) -> SurfacePlace {
     let (smooth_normal, tangent, slopes) = (Vec3::Z, Vec3::X, Some([Vec3::X, Vec3::Y]));
     SurfacePlace { position: Vec3::ZERO, smooth_normal, tangent, handedness: 1.0, uv, slopes }

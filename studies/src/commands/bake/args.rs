@@ -72,7 +72,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
     /// Objects that are not where the scene file has them: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees":
-    /// [X,Y,Z], "scale": S}}}, each turned about its centre in the order X, Y, Z
+    /// [X,Y,Z], "scale": S}}}, each turned about its center in the order X, Y, Z
     #[arg(long, value_name = "FILE.json")]
     pose: Option<PathBuf>,
     /// Bake the scene at this time of its animation, in seconds; a .gltf or .glb scene has one [default: at rest]
@@ -99,7 +99,7 @@ pub struct BakeArgs {
     /// hemisphere; 0 to 1000, smaller is finer [default: 2]
     #[arg(long, value_name = "S")]
     pub source_sigma: Option<f32>,
-    /// Bounced light is baked for one enclosed space: that around this point, in metres. Surfaces that light from
+    /// Bounced light is baked for one enclosed space: that around this point, in meters. Surfaces that light from
     /// there cannot reach get no sources [default: the space chosen from shots, cameras and lights, else the largest
     /// found]
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
@@ -110,7 +110,7 @@ pub struct BakeArgs {
     /// First levels of the meshless basis that send light [default: that of the preset: 4, draft 3]
     #[arg(long, value_name = "L")]
     pub sender_levels: Option<usize>,
-    /// Distance between the coarsest points of the meshless basis in metres, at least 1/10000 of the scene's diagonal
+    /// Distance between the coarsest points of the meshless basis in meters, at least 1/10000 of the scene's diagonal
     /// [default: one that gives about 300 points]
     #[arg(long, value_name = "R")]
     pub coarse_radius: Option<f32>,
@@ -166,7 +166,7 @@ pub struct BakeArgs {
     #[arg(long, conflicts_with = "max_vertices")]
     pub no_tessellate: bool,
     /// Shot to bake for; may be given several times. Most vertices go where its camera looks. Give the name of a
-    /// camera of the scene (16:9), or eye and target in metres, then the vertical field of view in degrees (40 if
+    /// camera of the scene (16:9), or eye and target in meters, then the vertical field of view in degrees (40 if
     /// left out) and width over height (1.7778 if left out) [default: all views alike]
     #[arg(
         long = "shot",

@@ -28,7 +28,7 @@ struct Curve {
 /// Relative RMSE against light paths of the posed scene, noise taken off.
 #[derive(Serialize)]
 struct Step {
-    /// Metres that the object has moved.
+    /// Meters that the object has moved.
     moved: f32,
     preview: f64,
     /// Ratio of the mean luminances.
@@ -104,7 +104,7 @@ impl Curve {
         };
         let lines = [line("preview", |step| step.preview), line("as baked", |step| step.as_baked)];
         let (x, y) = (AxisScale::Linear, AxisScale::Linear);
-        Chart { title: "Error over a drag", x_label: "metres moved", x, y, lines: &lines }.svg()
+        Chart { title: "Error over a drag", x_label: "meters moved", x, y, lines: &lines }.svg()
     }
 
     fn table(&self) -> Markup {

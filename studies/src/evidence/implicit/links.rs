@@ -139,7 +139,7 @@ fn ms_since(begin: Instant) -> f64 {
     1e3 * begin.elapsed().as_secs_f64()
 }
 
-/// Light of the sky on half grey surfaces, and its first bounce.
+/// Light of the sky on half gray surfaces, and its first bounce.
 fn one_bounce(forest: &VertexForest, links: &Links) {
     let discs = &forest.discs;
     let grey = |light: Vec<Vec3>| -> Vec<Vec3A> { light.into_iter().map(|e| (0.5 * e).into()).collect() };

@@ -2,7 +2,7 @@
 //!
 //! `lambert` is `diffuse`, exactly, and a Beckmann metal is `roughconductor`. A GGX metal is nearly that: shadowing and masking are
 //! independent of each other there, and here correlated by height (Heitz 2014, Eq. 99), and light that is lost between facets comes
-//! back here. What lets light through is within a `mask`. All else becomes `principled` (Burley 2012) of the same width and colour, whose diffuse base is Burley's.
+//! back here. What lets light through is within a `mask`. All else becomes `principled` (Burley 2012) of the same width and color, whose diffuse base is Burley's.
 //!
 //! The exact form of `ggx` is the plugin `lapidary_ggx` of `tests/crosscheck`, which says the formula of this program in its own words.
 
@@ -138,7 +138,7 @@ impl MaterialWriter<'_, '_> {
         .concat())
     }
 
-    /// Whether it is a metal of one colour, for which Mitsuba has the same Fresnel factor.
+    /// Whether it is a metal of one color, for which Mitsuba has the same Fresnel factor.
     fn is_metal(&self) -> bool {
         let material = self.material;
         let mapped = ["base_color", "metalness", "edge_color", "roughness", "anisotropy"]
@@ -213,7 +213,7 @@ impl MaterialWriter<'_, '_> {
         .concat())
     }
 
-    /// The colour of a parameter, or its map.
+    /// The color of a parameter, or its map.
     fn color(&mut self, name: &str, parameter: &str) -> Result<String> {
         let color = self.material.parameters.clone().sanitized().color(parameter);
         match self.material.maps.get(parameter) {
@@ -252,7 +252,7 @@ impl MaterialWriter<'_, '_> {
     }
 }
 
-/// Gives a GGX material what it lacks of OpenPBR's: the weight of its colour, how bright its highlight is, and a lobe as wide.
+/// Gives a GGX material what it lacks of OpenPBR's: the weight of its color, how bright its highlight is, and a lobe as wide.
 fn take_from_openpbr(common: &mut Material) {
     let p = OpenPbrParameters::from(&common.parameters.clone().sanitized());
     common.parameters.set("base_color", p.base_weight * p.base_color);

@@ -5,7 +5,7 @@
 //!
 //! * A spot's penumbra: Mitsuba falls off linearly in the angle, this program smoothly in its cosine.
 //! * A rectangle is geometry in Mitsuba: it is seen, unless emitters are hidden, and stands in the way of other light. So is
-//!   the disc of a directional light with an extent, a thousand kilometres away.
+//!   the disc of a directional light with an extent, a thousand kilometers away.
 //! * A surface with smooth normals shines on the side of these in Mitsuba, and on that of its triangles here.
 //! * A map of radiance is sampled by texture coordinates in Mitsuba, which finds one surface at each point from 0 to 1.
 
@@ -20,14 +20,14 @@ use lapidary_core::{
 };
 use lapidary_render::Illumination;
 
-/// Metres to what is infinitely far: from there the rays to any place of a scene are as good as parallel.
+/// Meters to what is infinitely far: from there the rays to any place of a scene are as good as parallel.
 const FAR: f32 = 1e6;
 
 /// Where the map lies in the exported folder.
 pub const ENVIRONMENT_FILE: &str = "environment.exr";
 
 /// The map with twice as many rows and one more. Mitsuba interpolates between rows that lie from pole to pole, the first and the last on
-/// them; this program between texel centres, and holds the values beyond the outermost. On rows at all centres and edges of
+/// them; this program between texel centers, and holds the values beyond the outermost. On rows at all centers and edges of
 /// texels both are the same function. Columns need no such care, but there must be two.
 pub fn environment_map(map: &Image) -> Image {
     let height = map.height();
@@ -84,7 +84,7 @@ fn shape(kind: &str, world_from_shape: Mat4, radiance: Vec3) -> String {
     xml::plugin("shape", kind, "", &(xml::to_world(world_from_shape) + &emitter + &black))
 }
 
-/// The light that surfaces of a material send, by its map of colours or else that of luminances.
+/// The light that surfaces of a material send, by its map of colors or else that of luminances.
 ///
 /// # Errors
 /// A map that cannot be written.

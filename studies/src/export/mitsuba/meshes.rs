@@ -70,7 +70,7 @@ impl Part {
         xml::plugin("shape", "ply", "", &(properties + emitter))
     }
 
-    /// Metres from the triangles along their normals.
+    /// Meters from the triangles along their normals.
     fn lift(&self, mesh: &Mesh) -> f32 {
         let corners = self.triangles.iter().flat_map(|&triangle| mesh.corners(triangle));
         let largest = corners.fold(0.0, |largest: f32, corner| largest.max(corner.abs().max_element()));

@@ -18,7 +18,7 @@ pub fn value(kind: &str, name: &str, value: impl Display) -> String {
     format!("  <{kind} name=\"{name}\" value=\"{value}\"/>\n")
 }
 
-/// Three numbers: a colour (`rgb`), a `point` or a `vector`.
+/// Three numbers: a color (`rgb`), a `point` or a `vector`.
 pub fn triple(kind: &str, name: &str, Vec3 { x, y, z }: Vec3) -> String {
     value(kind, name, format_args!("{x}, {y}, {z}"))
 }

@@ -213,7 +213,7 @@ fn renderer_of<'a>(known: &'a mut Option<Casting>, baked: &Baked, look: &Look) -
     &mut known.insert(Casting { of: baked.clone(), poses: look.poses.clone(), renderer }).renderer
 }
 
-/// A lit picture in the size of the comparison. Traced references look at the centre of each pixel, as the picture with cuts then
+/// A lit picture in the size of the comparison. Traced references look at the center of each pixel, as the picture with cuts then
 /// does; that of another program filters, as the live picture does.
 fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View {
     let live = &request.look.view;

@@ -7,10 +7,10 @@ use crate::{
 };
 use lapidary_core::scene::pose::Pose;
 
-/// The right square of the scene, and its centre.
+/// The right square of the scene, and its center.
 const OBJECT: u32 = 1;
 const CENTER: Vec3 = Vec3::X;
-/// The left square, whose centre is the opposite.
+/// The left square, whose center is the opposite.
 const OTHER: u32 = 0;
 
 /// The right square selected, with the handles of a tool, seen at an angle.
@@ -27,7 +27,7 @@ fn pose(harness: &Harness<App>) -> Pose {
     harness.state().document.poses.of(OBJECT)
 }
 
-/// Where a point so many points of the screen from the centre is seen.
+/// Where a point so many points of the screen from the center is seen.
 fn beside_center(harness: &Harness<App>, direction: Vec3, points: f32) -> Pos2 {
     let rect = harness.get_by_label("Viewport").rect();
     let projection = Projection::new(&harness.state().document.camera, rect);
@@ -57,7 +57,7 @@ fn a_drag_of_an_arrow_moves_the_object_by_as_much_as_the_pointer_in_one_gesture(
         let grabbed = beside_center(&harness, axis, 60.0);
         let rect = harness.get_by_label("Viewport").rect();
         let scale = Projection::new(&harness.state().document.camera, rect).metres_per_point(CENTER).unwrap();
-        // The same place of the arrow after a move by one metre.
+        // The same place of the arrow after a move by one meter.
         let to = at(&harness, CENTER + (60.0 * scale + 1.0) * axis);
         drag(&mut harness, grabbed, to - grabbed);
         let moved = pose(&harness).translate;
@@ -167,7 +167,7 @@ fn posing_both(tool: Tool, pivot: Pivot) -> Harness<'static, App> {
     harness
 }
 
-/// Where the centres of both squares are: the active one, and the other.
+/// Where the centers of both squares are: the active one, and the other.
 fn centers(harness: &Harness<App>) -> [Vec3; 2] {
     [(OBJECT, CENTER), (OTHER, -CENTER)]
         .map(|(object, center)| center + harness.state().document.poses.of(object).translate)

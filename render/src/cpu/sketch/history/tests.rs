@@ -6,7 +6,7 @@ fn floor(position: Vec3) -> Guide {
     Guide { material, position, smooth_normal: Vec3::Y, normal: Vec3::Y, albedo: Vec3::ONE, ..Guide::unlit(material) }
 }
 
-/// A floor seen from above in four by four pixels, and the points at its pixels' centres.
+/// A floor seen from above in four by four pixels, and the points at its pixels' centers.
 fn seen_from_above() -> (Projection, Vec<Past>) {
     let camera = Camera { up: Vec3::NEG_Z, ..Camera::look_at(2.0 * Vec3::Y, Vec3::ZERO, 90.0) };
     let point = |i: u32| Vec3::new((i % 4) as f32 - 1.5, 0.0, (i / 4) as f32 - 1.5);

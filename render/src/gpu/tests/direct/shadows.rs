@@ -1,4 +1,4 @@
-//! Shadow maps against shadow rays: where rays to a ring of neighbours agree, the map must say exactly the same.
+//! Shadow maps against shadow rays: where rays to a ring of neighbors agree, the map must say exactly the same.
 
 use super::*;
 use lapidary_core::ray::Intersector;
@@ -71,7 +71,7 @@ fn judge(rig: &mut Rig, view: &View, light: &Light, room: ShadowRoom, metres_per
     verdict
 }
 
-/// Lights and the width of a texel at one metre, or of parallel light, as a multiple of one over the map's size.
+/// Lights and the width of a texel at one meter, or of parallel light, as a multiple of one over the map's size.
 fn casting() -> Vec<(Light, f32)> {
     let tan = |degrees: f32| degrees.to_radians().tan();
     vec![

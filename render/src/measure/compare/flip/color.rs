@@ -1,4 +1,4 @@
-//! The colour spaces of FLIP: linear Rec. 709, the opponent space YCxCz, Hunt-adjusted CIELab.
+//! The color spaces of FLIP: linear Rec. 709, the opponent space YCxCz, Hunt-adjusted CIELab.
 
 use glam::{Mat3, Vec3, Vec3Swizzles};
 use std::sync::LazyLock;
@@ -37,13 +37,13 @@ fn cube_root_with_linear_toe(t: f32) -> f32 {
     if t > DELTA * DELTA * DELTA { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
 }
 
-/// Colours look less colourful when they are dark (section 4.1.2, after Hunt).
+/// Colors look less colorful when they are dark (section 4.1.2, after Hunt).
 fn hunt_adjusted(lab: Vec3) -> Vec3 {
     let colorfulness = 0.01 * lab.x;
     Vec3::new(lab.x, colorfulness * lab.y, colorfulness * lab.z)
 }
 
-/// Hunt-adjusted CIELab of a filtered opponent colour, brought back into the display's gamut first.
+/// Hunt-adjusted CIELab of a filtered opponent color, brought back into the display's gamut first.
 pub(super) fn perceived(ycc: Vec3) -> Vec3 {
     hunt_adjusted(lab_from_linear(linear_from_opponent(ycc).clamp(Vec3::ZERO, Vec3::ONE)))
 }
@@ -54,7 +54,7 @@ pub(super) fn hyab(a: Vec3, b: Vec3) -> f32 {
     difference.x.abs() + difference.yz().length()
 }
 
-/// The distance of green and blue, the farthest pair of colours in the display's gamut.
+/// The distance of green and blue, the farthest pair of colors in the display's gamut.
 pub(super) fn largest_difference() -> f32 {
     let [green, blue] = [Vec3::Y, Vec3::Z].map(|rgb| hunt_adjusted(lab_from_linear(rgb)));
     hyab(green, blue)

@@ -20,7 +20,7 @@ const FEATURE_WIDTH: f32 = 0.082;
 pub(super) fn contrast_sensitivity(pixels_per_degree: f32) -> Kernel {
     let widest_sigma = (SCALE.max_element() / (2.0 * PI * PI)).sqrt();
     let offsets = taps((3.0 * widest_sigma * pixels_per_degree).ceil());
-    // The amplitude is split evenly between the two passes; Y and Cx are normalised anyway.
+    // The amplitude is split evenly between the two passes; Y and Cx are normalized anyway.
     let amplitude = (AMPLITUDE * (Vec4::splat(PI) / SCALE).map(f32::sqrt)).map(f32::sqrt);
     let weight = |offset: f32| {
         let degrees = offset / pixels_per_degree;
@@ -101,7 +101,7 @@ pub(super) fn separable(pixels: &[Vec4], width: usize, across: &Kernel, down: &K
     filtered
 }
 
-/// The index that a tap of the kernel centred at `center` reads, clamped to `0..count`.
+/// The index that a tap of the kernel centerd at `center` reads, clamped to `0..count`.
 fn reached(center: usize, tap: usize, kernel: &Kernel, count: usize) -> usize {
     (center + tap).saturating_sub(kernel.len() / 2).min(count - 1)
 }

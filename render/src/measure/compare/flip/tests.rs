@@ -5,7 +5,7 @@
 
 use super::*;
 
-/// A colour of 8-bit sRGB for each column and row.
+/// A color of 8-bit sRGB for each column and row.
 type Picture = fn(u32, u32) -> [u8; 3];
 
 fn hash(x: u32, y: u32, seed: u32) -> u32 {

@@ -1,5 +1,5 @@
-//! Colours of errors with a sign: blue below zero, orange above, black for no error. Blue and orange differ for every
-//! common colour blindness, and as with magma correct pixels are dark.
+//! Colors of errors with a sign: blue below zero, orange above, black for no error. Blue and orange differ for every
+//! common color blindness, and as with magma correct pixels are dark.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use glam::Vec3;
 const BELOW: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.13, 0.38, 0.80), Vec3::new(0.72, 0.90, 1.0)];
 const ABOVE: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.80, 0.36, 0.05), Vec3::new(1.0, 0.91, 0.66)];
 
-/// The sRGB-encoded colour of an error, clamped to the range -1 to 1.
+/// The sRGB-encoded color of an error, clamped to the range -1 to 1.
 pub(super) fn diverging(error: f32) -> Vec3 {
     let stops = if error < 0.0 { BELOW } else { ABOVE };
     let position = 2.0 * error.abs().min(1.0);

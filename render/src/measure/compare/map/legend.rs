@@ -1,4 +1,4 @@
-//! The strip under an error map: what is shown, the colour bar, its ticks.
+//! The strip under an error map: what is shown, the color bar, its ticks.
 
 use super::{ErrorMap, NOT_FINITE, linear};
 use crate::measure::lettering::Lettering;
@@ -14,7 +14,7 @@ pub(super) struct Legend {
     pub top: f32,
     /// Whether some pixels lie above `top`; its label then ends in `+`.
     pub saturated: bool,
-    /// Number of pixels drawn in the colour of numbers that are not finite.
+    /// Number of pixels drawn in the color of numbers that are not finite.
     pub non_finite: usize,
 }
 
@@ -37,7 +37,7 @@ const HEIGHT: usize = LABEL + LINE + MARGIN;
 
 const INTERVALS: usize = 4;
 
-/// Linear colours of the strip.
+/// Linear colors of the strip.
 const BACKGROUND: Vec3 = Vec3::splat(0.02);
 const TEXT: Vec3 = Vec3::splat(0.7);
 

@@ -1,22 +1,22 @@
-//! The colour map magma, as in matplotlib (CC0): perceptually even, readable by the colour blind, black where
+//! The color map magma, as in matplotlib (CC0): perceptually even, readable by the color blind, black where
 //! there is no error. It is the map of the FLIP authors, so that pictures can be compared with theirs.
 
 use glam::Vec3;
 
-/// Every 17th of matplotlib's 256 sRGB colours; in between, interpolation is off by at most 2.2 / 255.
+/// Every 17th of matplotlib's 256 sRGB colors; in between, interpolation is off by at most 2.2 / 255.
 const STOPS: [u32; 16] = [
     0x000004, 0x0b0924, 0x20114b, 0x3b0f70, 0x57157e, 0x721f81, 0x8c2981, 0xa8327d, 0xc43c75, 0xde4968, 0xf1605d,
     0xfa7f5e, 0xfe9f6d, 0xfebf84, 0xfddea0, 0xfcfdbf,
 ];
 
-/// The sRGB-encoded colour of an error, clamped to the range 0 to 1.
+/// The sRGB-encoded color of an error, clamped to the range 0 to 1.
 pub fn magma(error: f32) -> Vec3 {
     let position = error.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
     let below = (position as usize).min(STOPS.len() - 2);
     stop(below).lerp(stop(below + 1), position - below as f32)
 }
 
-/// The colours between which [`magma`] interpolates.
+/// The colors between which [`magma`] interpolates.
 pub fn magma_stops() -> [Vec3; 16] {
     std::array::from_fn(stop)
 }

@@ -33,7 +33,7 @@ const SERVER_LIMIT: Duration = Duration::from_secs(10);
 /// Side of the square in the middle of the window that is looked at, in pixels.
 const SIDE: usize = 300;
 
-/// A picture has more colours than this. Panels are flat, and words have some dozens at their edges.
+/// A picture has more colors than this. Panels are flat, and words have some dozens at their edges.
 const MOST_COLORS_WITHOUT: usize = 512;
 
 /// A display in memory.

@@ -23,7 +23,7 @@ impl Side {
         }
     }
 
-    /// Both, each first in every second round, so that a drift of the machine favours neither.
+    /// Both, each first in every second round, so that a drift of the machine favors neither.
     pub fn in_turn(round: usize) -> [Self; 2] {
         match round % 2 {
             0 => [Self::Other, Self::This],

@@ -1,4 +1,4 @@
-//! Pictures of X servers: a header of big-endian words, a name, a map of colours, and the pixels row by row.
+//! Pictures of X servers: a header of big-endian words, a name, a map of colors, and the pixels row by row.
 //! The layout is that of `X11/XWDFile.h`, version 7.
 
 use std::{collections::BTreeSet, ops::Range};
@@ -6,7 +6,7 @@ use std::{collections::BTreeSet, ops::Range};
 /// Version of the layout.
 const VERSION: usize = 7;
 
-/// Bytes of a colour in the map.
+/// Bytes of a color in the map.
 const BYTES_OF_COLOR: usize = 12;
 
 /// Words of the header that are read, by their place.
@@ -44,7 +44,7 @@ impl<'a> Xwd<'a> {
         Some(Self { width, height, bytes_per_line, pixels })
     }
 
-    /// How many colours the square of `side` pixels in the middle has.
+    /// How many colors the square of `side` pixels in the middle has.
     pub fn colors_in_middle(&self, side: usize) -> usize {
         let (columns, rows) = (middle(self.width, side), middle(self.height, side));
         let row = |y: usize| &self.pixels[y * self.bytes_per_line..][4 * columns.start..4 * columns.end];
@@ -62,7 +62,7 @@ fn middle(size: usize, side: usize) -> Range<usize> {
 mod tests {
     use super::*;
 
-    /// A picture whose pixels have a colour each where `is_colorful`, with two colours in its map.
+    /// A picture whose pixels have a color each where `is_colorful`, with two colors in its map.
     fn picture([width, height]: [u32; 2], is_colorful: impl Fn(u32, u32) -> bool) -> Vec<u8> {
         let (header, line) = (104, 4 * width + 8);
         let mut words = [0_u32; 25];
