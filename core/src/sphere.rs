@@ -6,14 +6,18 @@ pub mod octahedron;
 use glam::{Mat3, Vec3};
 use std::f32::consts::{PI, TAU};
 
+/// `(√5 − 1) / 2`: steps by this share of a turn fill the turn evenly, however many there are.
+pub const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
+/// The same for turns of single precision.
+pub const GOLDEN_TURN: f32 = 0.618_034;
+
 /// Solid angle of the whole sphere in steradians.
 pub const SPHERE: f32 = 4.0 * PI;
 
 /// The `i`-th of `n` spherical Fibonacci points: nearly uniform, each with solid angle `4π / n`.
 pub fn fibonacci_direction(i: usize, n: usize) -> Vec3 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9; // (√5 − 1) / 2: the most irrational turn
     let y = 1.0 - (2.0 * i as f64 + 1.0) / n as f64;
-    let phi = std::f64::consts::TAU * (i as f64 * GOLDEN).fract();
+    let phi = std::f64::consts::TAU * (i as f64 * GOLDEN_SECTION).fract();
     let r = (1.0 - y * y).max(0.0).sqrt();
     Vec3::new((r * phi.sin()) as f32, y as f32, (r * phi.cos()) as f32)
 }

@@ -40,7 +40,7 @@ pub fn remedy_control(remedy: Remedy) -> &'static str {
         Remedy::FewerFunctions => "bake with fewer Levels",
         Remedy::SmallerPicture => remedy.words(),
         Remedy::EnvironmentBake => "choose Environment in Bake of, and bake again",
-        Remedy::SourceBake => "choose Bounce light in Bake of, and bake again",
+        Remedy::SourceBake => "choose Bounced light in Bake of, and bake again",
     }
 }
 

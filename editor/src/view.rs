@@ -151,13 +151,13 @@ fn view_mode_meaning(mode: ViewMode) -> &'static str {
         ViewMode::Albedo => "Base color after its map.",
         ViewMode::Roughness => "Roughness after its map.",
         ViewMode::VisibilityCut => {
-            "Nodes of the baked visibility cuts: where memory goes. Over bounce light if the environment was not baked."
+            "Nodes of the baked visibility cuts: where memory goes. Over bounced light if the environment was not baked."
         }
         ViewMode::MergedCut => {
-            "Nodes after merging visibility and light, of environment and bounce light: where time goes."
+            "Nodes after merging visibility and light, of environment and bounced light: where time goes."
         }
         ViewMode::BrdfEvaluations => "How often the BRDF is evaluated.",
-        ViewMode::BasisLevel => "What one level of the meshless basis adds to bounce light, and takes from it.",
+        ViewMode::BasisLevel => "What one level of the meshless basis adds to bounced light, and takes from it.",
         ViewMode::BasisFunction => "One function of the meshless basis.",
         ViewMode::BasisCoefficients => "The functions of the meshless basis that carry light, by level.",
     }

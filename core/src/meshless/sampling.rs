@@ -15,7 +15,7 @@ use super::{
     sparse::SparseRows,
 };
 use crate::{
-    sphere::{cosine_direction, frame_around},
+    sphere::{GOLDEN_TURN, cosine_direction, frame_around},
     surfel::{Surface, Surfel},
 };
 use glam::Vec3;
@@ -152,8 +152,7 @@ impl SenderSamples {
 
 /// Cosine-distributed directions over the hemisphere around +Z.
 fn cosine_directions(count: usize) -> Vec<Vec3> {
-    const GOLDEN: f32 = 0.618_034;
-    (0..count).map(|i| cosine_direction((i as f32 + 0.5) / count as f32, (i as f32 * GOLDEN).fract())).collect()
+    (0..count).map(|i| cosine_direction((i as f32 + 0.5) / count as f32, (i as f32 * GOLDEN_TURN).fract())).collect()
 }
 
 /// Values minus the products of a matrix and a vector.

@@ -3,7 +3,7 @@
 
 use super::gizmo::Projection;
 use egui::{Color32, Mesh, Rect, Shape, Ui, ecolor::Hsva, vec2};
-use lapidary_core::{camera::Camera, cut::packed, ray::Intersector};
+use lapidary_core::{camera::Camera, cut::packed, ray::Intersector, sphere::GOLDEN_TURN};
 use lapidary_render::SourceLighting;
 use std::sync::Arc;
 
@@ -13,8 +13,6 @@ const MOST_DOTS: usize = 8192;
 const DOT: f32 = 3.0;
 /// A surface this much nearer than a source, as a share of its distance, hides it.
 const IN_FRONT: f32 = 2e-3;
-/// Turn of the hue from one node to the next: neighbors differ most, and none repeats.
-const GOLDEN_TURN: f32 = 0.618_034;
 
 /// The dots as they were drawn last, and what of.
 #[derive(Default)]

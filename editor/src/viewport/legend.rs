@@ -34,7 +34,7 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
         (ViewMode::Shaded, None) => {}
         (ViewMode::Shaded, Some(sources)) => {
             let (points, clusters) = (grouped(sources.leaves() as u64), grouped(sources.cut.len() as u64));
-            let colors = "Bounce light: one color per cluster".to_owned();
+            let colors = "Bounced light: one color per cluster".to_owned();
             words(painter, rect, &[colors, format!("{points} points in {clusters} clusters")]);
         }
         (ViewMode::Normals, _) => ball(painter, rect, &context.document.camera),
@@ -94,9 +94,9 @@ impl Gathered {
 
     fn words(self) -> &'static str {
         match (self.environment, self.bounce) {
-            (true, true) => ", environment and bounce light",
+            (true, true) => ", environment and bounced light",
             (true, false) => ", environment",
-            (false, true) => ", bounce light",
+            (false, true) => ", bounced light",
             (false, false) => ": no light is gathered by cuts",
         }
     }
@@ -245,7 +245,7 @@ mod tests {
         let title = |mode, baked| ColorScale::of(mode, BrdfSampling::Refine, 256, Gathered::baked(baked)).title;
         let of_cuts = |baked| title(ViewMode::VisibilityCut, baked);
         assert_eq!(of_cuts(BakeParts::ENVIRONMENT), "Visibility cut size, environment");
-        assert_eq!(of_cuts(BakeParts::INDIRECT), "Visibility cut size, bounce light");
+        assert_eq!(of_cuts(BakeParts::INDIRECT), "Visibility cut size, bounced light");
         assert_eq!(of_cuts(BakeParts::ALL), of_cuts(BakeParts::ENVIRONMENT));
         assert_eq!(of_cuts(BakeParts::MESHLESS), "Visibility cut size: no light is gathered by cuts");
         assert_eq!(title(ViewMode::Roughness, BakeParts::INDIRECT), "Roughness");

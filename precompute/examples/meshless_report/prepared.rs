@@ -7,7 +7,7 @@ use lapidary_core::{
     meshless::{SenderSamples, Solver},
     ray::Intersector,
     scene::{Object, Scene},
-    sphere::{cosine_direction, frame_around},
+    sphere::{GOLDEN_TURN, cosine_direction, frame_around},
     surfel::{Surface, Surfel},
 };
 use lapidary_interchange::import::import;
@@ -59,12 +59,11 @@ pub fn lit(samples: &SenderSamples, solver: &Solver, surface: &MeshSurface, lamp
 /// Irradiance of a point from surfaces of the given radiance, by cosine-distributed rays along a Fibonacci lattice that is
 /// shifted at random by point.
 pub fn gathered(surface: &MeshSurface, at: &Surfel, rays: usize, radiance: impl Fn(&Surfel) -> f32) -> f32 {
-    const GOLDEN: f32 = 0.618_034;
     let (frame, origin) = (frame_around(at.normal), at.position + at.normal * surface.offset());
     let mut random = fastrand::Rng::with_seed(at.position.x.to_bits().into());
     let (shift, turn) = (random.f32(), random.f32());
     let ray = |i: usize| {
-        let (u, v) = ((i as f32 + shift) / rays as f32, (i as f32 * GOLDEN + turn).fract());
+        let (u, v) = ((i as f32 + shift) / rays as f32, (i as f32 * GOLDEN_TURN + turn).fract());
         surface.first_hit(origin, frame * cosine_direction(u, v)).map_or(0.0, |hit| radiance(&hit))
     };
     (0..rays).map(ray).sum::<f32>() * (std::f32::consts::PI / rays as f32)

@@ -11,7 +11,7 @@ use glam::{Mat2, Vec2, Vec3};
 use lapidary_core::{
     image::Image,
     light_tree::{LightTree, TreeKind},
-    sphere::{fibonacci_directions, frame_around},
+    sphere::{GOLDEN_TURN, fibonacci_directions, frame_around},
 };
 use lapidary_interchange::image;
 use maud::{Markup, html};
@@ -173,8 +173,7 @@ fn picture(nearest: &[Option<u32>], tree: &LightTree, depth: u32) -> Image {
 
 /// Colors far apart for neighbors in the tree's order.
 fn color(cluster: u32) -> Vec3 {
-    const GOLDEN: f32 = 0.618_034;
-    let hue = (cluster as f32 * GOLDEN).fract();
+    let hue = (cluster as f32 * GOLDEN_TURN).fract();
     let wave = |shift: f32| 0.5 + 0.5 * (std::f32::consts::TAU * (hue + shift)).cos();
     let value = 0.35 + 0.3 * (cluster as f32 * 0.754_877_7).fract();
     Vec3::new(wave(0.0), wave(0.667), wave(0.333)) * value + 0.05

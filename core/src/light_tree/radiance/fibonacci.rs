@@ -3,10 +3,9 @@
 //! The directions of all samples, and everything that depends on height alone, are computed once: the grid of an
 //! [`super::EnvironmentSampler`] asks for millions of nearest samples.
 
+use crate::sphere::GOLDEN_SECTION;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
-
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// All samples of a Fibonacci sphere.
 pub struct FibonacciLattice {
@@ -43,7 +42,7 @@ impl FibonacciLattice {
         let count = lights as f64;
         let direction = |i: usize| {
             let height = 1.0 - (2.0 * i as f64 + 1.0) / count;
-            let (sin, cos) = (TAU * (i as f64 * GOLDEN).fract()).sin_cos();
+            let (sin, cos) = (TAU * (i as f64 * GOLDEN_SECTION).fract()).sin_cos();
             let radius = (1.0 - height * height).max(0.0).sqrt();
             DVec3::new(radius * sin, height, radius * cos)
         };
@@ -53,10 +52,11 @@ impl FibonacciLattice {
     /// Near a height, -1 to 1.
     pub fn zone(&self, height: f64) -> Zone<'_> {
         let count = self.directions.len() as f64;
-        let zone = (count * PI * 5.0_f64.sqrt() * (1.0 - height * height)).ln() / (2.0 * (1.0 + GOLDEN).ln());
-        let fk = (1.0 + GOLDEN).powf(zone.floor().max(2.0)) / 5.0_f64.sqrt();
-        let step = |f: f64| DVec2::new(TAU * ((f + 1.0) * GOLDEN).fract() - TAU * GOLDEN, -2.0 * f / count);
-        Zone { lattice: self, height, basis: [step(fk.round()), step((fk * (1.0 + GOLDEN)).round())] }
+        let zone = (count * PI * 5.0_f64.sqrt() * (1.0 - height * height)).ln() / (2.0 * (1.0 + GOLDEN_SECTION).ln());
+        let fk = (1.0 + GOLDEN_SECTION).powf(zone.floor().max(2.0)) / 5.0_f64.sqrt();
+        let step =
+            |f: f64| DVec2::new(TAU * ((f + 1.0) * GOLDEN_SECTION).fract() - TAU * GOLDEN_SECTION, -2.0 * f / count);
+        Zone { lattice: self, height, basis: [step(fk.round()), step((fk * (1.0 + GOLDEN_SECTION)).round())] }
     }
 }
 

@@ -146,7 +146,7 @@ fn without_bounce_light_the_panel_leads_to_the_bake_of_it() {
     let mut window = opened(&place);
     window.0.get_by_label("Lights").click();
     window.0.run_steps(3);
-    window.click("Bake with bounce light");
+    window.click("Bake with bounced light");
     assert_eq!(window.0.state().work.document.bake.mode, BakeParts::CUTS);
     assert_eq!(window.0.state().work.tabs.inspector, Inspector::Bake);
 }

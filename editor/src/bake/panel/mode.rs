@@ -35,11 +35,11 @@ pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<A
 pub fn name(mode: BakeParts) -> &'static str {
     match (mode.environment(), mode.sources(), mode.meshless()) {
         (_, false, false) => "Environment",
-        (false, true, false) => "Bounce light",
-        (true, true, false) => "Environment and bounce light",
+        (false, true, false) => "Bounced light",
+        (true, true, false) => "Environment and bounced light",
         (false, false, true) => "Many soft bounces only",
         (true, false, true) => "Environment and many soft bounces",
-        (false, true, true) => "Bounce light, with many bounces",
+        (false, true, true) => "Bounced light, with many bounces",
         (true, true, true) => "All, with many bounces",
     }
 }

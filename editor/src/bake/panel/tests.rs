@@ -325,7 +325,7 @@ fn what_is_baked_is_chosen_and_presets_keep_it() {
     both.get_by_label("Bake of").click();
     both.run();
     assert!(both.query_by_label_contains("Takes longest").is_some(), "what it gives and costs");
-    both.get_by_label("Bounce light").click();
+    both.get_by_label("Bounced light").click();
     both.run();
     assert!(matches!(both.state().actions[..], [Action::Bake(BakeAction::Choose(BakeParts::INDIRECT))]));
 }

@@ -6,7 +6,11 @@ use super::thumbnail::{adapted, display_color};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, ecolor::Hsva, vec2};
 use glam::Vec3;
 use lapidary_core::{
-    color::luminance, cut::packed, environment::uv_from_direction, light_tree::LightTree, sphere::SPHERE,
+    color::luminance,
+    cut::packed,
+    environment::uv_from_direction,
+    light_tree::LightTree,
+    sphere::{GOLDEN_TURN, SPHERE},
 };
 use lapidary_render::SceneLighting;
 use std::{f32::consts::TAU, ops::Range, sync::Arc};
@@ -131,7 +135,7 @@ fn sample_mesh(tree: &LightTree, subtree_depth: u32, picture: Rect) -> Mesh {
 
 /// Hues a golden angle apart: neighboring subtrees differ.
 fn subtree_color(subtree: usize) -> Color32 {
-    Hsva::new((subtree as f32 * 0.618_034).fract(), 0.65, 1.0, 1.0).into()
+    Hsva::new((subtree as f32 * GOLDEN_TURN).fract(), 0.65, 1.0, 1.0).into()
 }
 
 /// The nodes of an illumination cut, left to right.

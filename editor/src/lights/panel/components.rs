@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
                 clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
         }
-        Some(_) => bounce_hint(ui, "This bake has no bounce light.", context, actions),
+        Some(_) => bounce_hint(ui, "This bake has no bounced light.", context, actions),
         None => bounce_hint(ui, "Nothing is baked yet.", context, actions),
     }
     if context.document.components.shows(Component::Environment) {
@@ -47,7 +47,7 @@ fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
 
 fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'static str> {
     if !document.components.shows(Component::Indirect) {
-        Some("Bounce light is not in the picture: switch it on above")
+        Some("Bounced light is not in the picture: switch it on above")
     } else if solution.is_some_and(|solution| !solution.needs().cuts) {
         Some("Only cuts gather light from clusters: choose another solution above")
     } else if document.view.mode != ViewMode::Shaded {
@@ -121,19 +121,19 @@ fn solution(ui: &mut Ui, bounces: Bounces, wanted: Solution, actions: &mut Vec<A
     let solutions = bounces.solutions();
     let Some(now) = bounces.closest_to(wanted) else { return };
     let choices: Vec<_> = solutions.iter().map(|&s| (s, s.label(), s.summary())).collect();
-    edit_row(actions, "Bounce light by", &now, Edit::Solution, |solution| {
-        combo_row(ui, "Bounce by", "How bounced light is computed.", solution, &choices)
+    edit_row(actions, "Bounced light by", &now, Edit::Solution, |solution| {
+        combo_row(ui, "Bounced by", "How bounced light is computed.", solution, &choices)
     });
     note(ui, now.summary());
 }
 
-/// Leads to a bake of bounce light that loses nothing of what is baked.
+/// Leads to a bake of bounced light that loses nothing of what is baked.
 fn bounce_hint(ui: &mut Ui, text: &str, context: &LightsContext, actions: &mut Vec<Action>) {
     let asked = context.document.bake.mode;
     let wanted = context.baked.map_or(asked, |baked| asked.with(baked));
     let has_bounces = wanted.sources() || wanted.meshless();
     let mode = if has_bounces { wanted } else { wanted.with(BakeParts::INDIRECT) };
-    hint(ui, text, "Bake with bounce light", mode, context.can_bake, actions);
+    hint(ui, text, "Bake with bounced light", mode, context.can_bake, actions);
 }
 
 fn hint(ui: &mut Ui, text: &str, button: &str, mode: BakeParts, can_bake: bool, actions: &mut Vec<Action>) {

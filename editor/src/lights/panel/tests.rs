@@ -267,26 +267,26 @@ fn solo_is_set_and_taken_back_and_switches_stay() {
 #[test]
 fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     let none = panel(None, Some(Bounces::default()));
-    assert!(none.query_by_label("Bounce by").is_none());
+    assert!(none.query_by_label("Bounced by").is_none());
     let mut none = none;
-    let asked = click(&mut none, "Bake with bounce light");
+    let asked = click(&mut none, "Bake with bounced light");
     assert!(matches!(asked[..], [Action::Bake(BakeAction::Choose(BakeParts::CUTS))]), "the environment stays baked");
     none.state_mut().document.bake.mode = BakeParts::INDIRECT;
     none.run();
-    let asked = click(&mut none, "Bake with bounce light");
+    let asked = click(&mut none, "Bake with bounced light");
     assert!(matches!(asked[..], [Action::Bake(BakeAction::Choose(BakeParts::INDIRECT))]), "there is nothing to lose");
     none.state_mut().baked = Some(BakeParts::ENVIRONMENT);
     none.run();
-    let asked = click(&mut none, "Bake with bounce light");
+    let asked = click(&mut none, "Bake with bounced light");
     assert!(matches!(asked[..], [Action::Bake(BakeAction::Choose(BakeParts::CUTS))]), "the environment is baked");
     let mut both = panel(None, Some(Bounces { cuts: true, meshless: true }));
-    assert!(both.query_by_label("Bake with bounce light").is_none());
-    click(&mut both, "Bounce by");
+    assert!(both.query_by_label("Bake with bounced light").is_none());
+    click(&mut both, "Bounced by");
     let chosen = click(&mut both, "Cuts over meshless");
     let is_it = |a: &Action| matches!(a, Action::Edit { edit: Edit::Solution(Solution::CutsMeshless), .. });
     assert!(chosen.iter().any(is_it), "{chosen:?}");
     let mut cuts = panel(None, Some(Bounces { cuts: true, meshless: false }));
-    click(&mut cuts, "Bounce by");
+    click(&mut cuts, "Bounced by");
     assert!(cuts.query_by_label("Meshless").is_none());
 }
 

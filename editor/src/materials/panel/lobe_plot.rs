@@ -9,6 +9,7 @@ use lapidary_core::{
     brdf::{Brdf, BrdfModel, SampledLobe},
     color::luminance,
     material::Material,
+    sphere::GOLDEN_TURN,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -182,7 +183,7 @@ fn albedo(brdf: &dyn Brdf, wo: Vec3) -> Vec3 {
     let sample = |i: usize| {
         let (x, y) = ((i % STRATA) as f32 + 0.5, (i / STRATA) as f32 + 0.5);
         // The golden ratio spreads the third number over the strata.
-        let third = (i as f32 * 0.618_034).fract();
+        let third = (i as f32 * GOLDEN_TURN).fract();
         let wi = brdf.sample(wo, Vec3::new(x, y, 0.0) / STRATA as f32 + third * Vec3::Z);
         let density = brdf.pdf(wi, wo);
         if wi.z > 0.0 && density > 0.0 { brdf.brdf_cos(wi, wo) / density } else { Vec3::ZERO }

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lapidary_core::{
     meshless::Basis,
     ray::{in_eights, spatial_order},
-    sphere::frame_around,
+    sphere::{GOLDEN_TURN, frame_around},
     surfel::Surface,
 };
 use std::f32::consts::{PI, TAU};
@@ -118,10 +118,9 @@ impl<'a> Gatherer<'a> {
 /// The `i`-th of `n` directions spread evenly over the hemisphere around +Z. `turn` rotates the set around the axis,
 /// and `shift` moves it along the axis by a part of a stratum.
 fn lattice_direction(i: usize, n: usize, turn: f32, shift: f32) -> Vec3 {
-    const GOLDEN: f32 = 0.618_034;
     let z = (i as f32 + shift) / n as f32;
     let r = (1.0 - z * z).max(0.0).sqrt();
-    let (sin, cos) = (2.0 * PI * ((i as f32 * GOLDEN).fract() + turn)).sin_cos();
+    let (sin, cos) = (2.0 * PI * ((i as f32 * GOLDEN_TURN).fract() + turn)).sin_cos();
     Vec3::new(r * cos, r * sin, z)
 }
 
