@@ -1,17 +1,14 @@
 //! A scene on a renderer that shows one look after another, and repeats only what an edit changes ([`Redo`]).
 
 mod ladder;
+mod lighting;
 mod pose_rigs;
 mod posing;
 
 use crate::{
-    Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Marks,
-    Pixels, Posing, Post, Redo, RenderStats, SceneLighting, Stale, SurfaceLayers, Tier, View,
-    light::{
-        drift::Drift,
-        implicit::detail::Detail,
-        situation::{Changes, Gathering, Situation},
-    },
+    Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Posing, Post,
+    RenderStats, SceneLighting, Stale, SurfaceLayers, Tier, View,
+    light::{drift::Drift, implicit::detail::Detail, situation::Situation},
 };
 use lapidary_core::{ground::Ground, image::Image};
 use pose_rigs::PoseRigs;
@@ -198,131 +195,6 @@ impl<B: Backend + ?Sized> LitScene<B> {
         while self.is_unsolved {
             self.advance()?;
         }
-        Ok(())
-    }
-
-    /// [`Self::light`] with the first step of bounced light.
-    fn light_first(&mut self, look: &Look) -> Result<(), BackendError> {
-        let redo = self.redo(look);
-        self.arrange(look, redo.light)?;
-        let (before, changes) = (self.lit.take().map(|lit| lit.local), redo.light);
-        self.relight = false;
-        self.finished &= !redo.renders();
-        if changes.poses {
-            self.give_pose()?;
-        }
-        if changes.appearance {
-            let remarks = self.backend.set_appearance(&look.appearance)?;
-            self.remarks.replace(0, remarks);
-        }
-        if changes.poses || changes.environment || changes.gathering {
-            self.give_environment(look)?;
-        }
-        let local = match &before {
-            Some(local) if !changes.any() && !redo.shown => local.clone(),
-            _ => self.light_locally(look, redo)?,
-        };
-        self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
-        self.lit = Some(Lit { look: look.clone(), local });
-        Ok(())
-    }
-
-    /// What the renderer must redo to show a look.
-    fn redo(&self, look: &Look) -> Redo {
-        let redo = match &self.lit {
-            Some(lit) => Redo::between(&lit.look, look),
-            None => Redo::ALL,
-        };
-        let appearance = redo.light.appearance;
-        let redo =
-            if self.relight { Redo { light: Changes { appearance, ..Changes::ALL }, ..Redo::ALL } } else { redo };
-        Redo { light: Changes { poses: self.must_pose(&look.poses), ..redo.light }, ..redo }
-    }
-
-    /// Brings the situation up to date. Where objects cannot be posed so, it stays as it is.
-    fn arrange(&mut self, look: &Look, changes: Changes) -> Result<(), BackendError> {
-        if changes.poses {
-            self.situation.scene = self.posed(&look.poses).map_err(BackendError::Pose)?;
-            self.situation.poses = look.poses.clone();
-        }
-        let (situation, dataset) = (&mut self.situation, &self.baked.dataset);
-        if changes.appearance {
-            situation.appearance = look.appearance.fitted(&dataset.scene.materials).0.into();
-        }
-        if changes.lights {
-            situation.lights = look.lights.clone();
-        }
-        if changes.environment || changes.gathering {
-            let lighting = self.environment_rig.lighting(&look.light, look.illum_cut).with_tau(look.tau);
-            situation.environment = Some(lighting.into());
-            situation.gathering = Gathering { illum_cut: look.illum_cut, tau: look.tau };
-            // Suns belong to an environment whose visibility was baked.
-            let suns = if dataset.settings.mode.environment() { look.light.suns() } else { Vec::new() };
-            situation.suns = suns.into();
-            self.light_revision += 1;
-        }
-        self.local_rig.note(changes);
-        self.pose_rigs.note(changes);
-        Ok(())
-    }
-
-    /// The pixels to redo, with those that the bounced light of changed materials reaches.
-    fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
-        let mut stale = redo.pixels;
-        if redo.light.appearance && stale.bounce != Pixels::All && now.shown_bounce().is_some() {
-            let is_as_baked = self.situation.poses.is_empty();
-            let before = before.filter(|_| self.keeps_unseen && !redo.view && is_as_baked);
-            let patches = before.and_then(|b| self.drift.add(&self.baked, b, now));
-            let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
-            stale.bounce = stale.bounce.and(reached);
-        }
-        // Another view is rendered with the light of now.
-        if redo.view || stale.bounce == Pixels::All {
-            self.drift.reset();
-        }
-        stale
-    }
-
-    /// Gives the renderer the light of the environment, for the visibility cuts that it has.
-    fn give_environment(&mut self, look: &Look) -> Result<(), BackendError> {
-        let Some(lighting) = self.situation.environment.clone() else { return Ok(()) };
-        let lighting = match self.pose_rigs.used().filter(|_| !self.situation.poses.is_empty()) {
-            Some(rig) => lighting.with_replaced_cuts(rig.lit(&self.situation).moved_vertices()).into(),
-            None => lighting,
-        };
-        let remarks = self.backend.set_light(&look.light, &lighting)?;
-        self.remarks.replace(1, remarks);
-        Ok(())
-    }
-
-    /// Prepares local lights, bounced light, and the shown components. Bounced light that is not shown is not computed.
-    fn light_locally(&mut self, look: &Look, redo: Redo) -> Result<LocalLighting, BackendError> {
-        let (situation, solution) = (&self.situation, look.shown_solution());
-        self.is_unsolved = look.components.indirect && self.local_rig.advance(situation, solution);
-        let mut local = self.local_rig.lighting(situation, look.components, solution);
-        let rig = self.pose_rigs.used().filter(|_| !situation.poses.is_empty());
-        local.posed = rig.map(|rig| rig.lit(situation).light(solution.bounces()).into());
-        let Changes { poses, environment, lights, .. } = redo.light;
-        if poses || environment || lights || redo.shown || local.bounce.is_some() || local.posed.is_some() {
-            let remarks = self.backend.set_local_lighting(&local)?;
-            self.remarks.replace(2, remarks);
-        }
-        Ok(local)
-    }
-
-    /// Gives the renderer the next step of bounced light.
-    fn advance(&mut self) -> Result<(), BackendError> {
-        let Some(mut lit) = self.lit.take() else { return Ok(()) };
-        let (solution, posed) = (lit.look.shown_solution(), lit.local.posed.take());
-        self.is_unsolved = self.local_rig.advance(&self.situation, solution);
-        let local = self.local_rig.lighting(&self.situation, lit.look.components, solution);
-        lit.local = LocalLighting { posed, ..local };
-        let remarks = self.backend.set_local_lighting(&lit.local)?;
-        self.remarks.replace(2, remarks);
-        self.finished = false;
-        self.stale.bounce = Pixels::All;
-        self.drift.reset();
-        self.lit = Some(lit);
         Ok(())
     }
 
