@@ -7,8 +7,10 @@
 //!
 //! Coordinates of MaterialX begin at the bottom of a picture, here at the top; `placement` converts them.
 
+mod candidates;
 mod estimate;
 mod graph;
+mod nearest;
 mod placement;
 mod read;
 pub mod stretch;
@@ -18,7 +20,7 @@ mod tests;
 mod write;
 
 pub(crate) use estimate::without_file;
+pub(crate) use nearest::nearest;
 pub use read::{MaterialXError, ReadMaterial, names, read};
 pub use surface::Surface;
-pub(crate) use write::nearest;
 pub use write::{Written, write};

@@ -1,5 +1,9 @@
 //! The nodes behind an input: constants, and pictures behind nodes that pass them on.
 
+mod relief;
+
+pub use relief::Relief;
+
 use super::placement::{placed, tiled};
 use glam::{Affine2, Vec2, Vec3};
 use lapidary_core::texture::{Channel, ColorSpace};
@@ -52,15 +56,6 @@ pub struct Picture {
     pub factor: Vec3,
     /// And this is added.
     pub added: Vec3,
-}
-
-/// A map of the normal, or of heights, and how strong it is.
-#[derive(Clone, Debug)]
-pub struct Relief {
-    /// The picture.
-    pub picture: Picture,
-    /// Scale of normals, or height in meters.
-    pub strength: f32,
 }
 
 /// Finds nodes of a document by name, and follows connections.
@@ -416,49 +411,6 @@ impl<'a> Graph<'a> {
             }
             other => self.beyond(node, &format!("coordinates by the node \"{other}\" are not read")),
         }
-    }
-
-    /// The maps behind the input of a normal: of normals and of heights.
-    pub fn reliefs(&self, input: XmlNode<'a>) -> Result<[Option<Relief>; 2]> {
-        self.steps.set(0);
-        self.reliefs_behind(input)
-    }
-
-    fn reliefs_behind(&self, input: XmlNode<'a>) -> Result<[Option<Relief>; 2]> {
-        let Some((node, _)) = self.target(input)? else { return Ok([None, None]) };
-        self.step(node)?;
-        match node.tag_name().name() {
-            "normalmap" | "gltf_normalmap" => Ok([Some(self.normals(node)?), None]),
-            "bump" => {
-                let [normals, _] = match self.child(node, "normal") {
-                    Some(below) => self.reliefs_behind(below)?,
-                    None => [None, None],
-                };
-                let height = self.needed(node, "height")?;
-                let Found::Picture(picture) = self.follow(height)? else { return Ok([normals, None]) };
-                let strength = self.constant(node, "scale", &[1.0])?[0] * picture.factor.x;
-                Ok([normals, Some(Relief { picture: *picture, strength })])
-            }
-            "dot" => self.reliefs_behind(self.needed(node, "in")?),
-            // The normal as it is.
-            "normal" => Ok([None, None]),
-            other => self.beyond(node, &format!("a normal by the node \"{other}\" is not read")),
-        }
-    }
-
-    fn normals(&self, node: XmlNode<'a>) -> Result<Relief> {
-        let found = if node.has_tag_name("gltf_normalmap") {
-            self.image(node, None)?
-        } else {
-            self.follow(self.needed(node, "in")?)?
-        };
-        let Found::Picture(picture) = found else { return self.beyond(node, "it has no picture of normals") };
-        if self.child(node, "space").and_then(|space| space.attribute("value")).is_some_and(|space| space != "tangent")
-        {
-            return self.beyond(node, "normals that are not those of tangent space are not read");
-        }
-        let strength = self.constant(node, "scale", &[1.0])?[0];
-        Ok(Relief { picture: *picture, strength })
     }
 }
 

@@ -1,16 +1,16 @@
 //! From materials to a document.
 
 use super::{
-    estimate::{leave_out_patterns, without_file},
+    estimate::leave_out_patterns,
+    nearest::nearest,
     placement::Placement,
-    stretch,
     surface::{OPACITY_CUTOFF, Row, Surface},
 };
 use crate::material_file::{MaterialFile, SlotFile};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::{BrdfModel, MapUse, Parameter, Value},
-    material::{BUMP, MaterialOf, NORMAL},
+    brdf::{MapUse, Parameter, Value},
+    material::{BUMP, NORMAL},
     texture::{Channel, ColorSpace},
 };
 use quick_xml::{
@@ -392,107 +392,4 @@ fn triple(Vec3 { x, y, z }: Vec3) -> String {
 
 fn pair(Vec2 { x, y }: Vec2) -> String {
     format!("{x}, {y}")
-}
-
-/// The parameters of `openpbr` that say a material best to a surface; `remarks` get what is lost.
-pub(crate) fn nearest<S: Clone>(
-    material: &MaterialOf<S>,
-    surface: Surface,
-    remarks: &mut Vec<String>,
-) -> MaterialOf<S> {
-    let mut nearest = as_openpbr(material, remarks);
-    nearest.parameters = nearest.parameters.sanitized();
-    match surface {
-        Surface::OpenPbr => {
-            if nearest.parameters.number(OPACITY_CUTOFF) > 0.0 {
-                remarks.push("OpenPBR has no opacity below which it is cut out; it is blended".into());
-            }
-        }
-        Surface::StandardSurface => {
-            unstretched(&mut nearest, ["specular_roughness", "specular_roughness_anisotropy"], stretch::to_burley);
-            unstretched(&mut nearest, ["coat_roughness", "coat_roughness_anisotropy"], stretch::to_burley);
-        }
-        Surface::GltfPbr => {
-            unstretched(&mut nearest, ["specular_roughness", "specular_roughness_anisotropy"], stretch::to_gltf);
-            say_to_gltf(&mut nearest, remarks);
-        }
-    }
-    if surface != Surface::OpenPbr {
-        if nearest.maps.get("fuzz_roughness").is_some() {
-            remarks.push("the map of its fuzz roughness is written as it is, without a change of its scale".into());
-        }
-        let stored: Vec<String> = nearest.stored().map(|p| p.label.to_lowercase()).collect();
-        if !stored.is_empty() {
-            remarks.push(format!("what it stores and does not render is left out: {}", stored.join(", ")));
-        }
-    }
-    nearest
-}
-
-/// What the rows of glTF's surface do not say: weights are multiplied into colors.
-fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
-    let p = &nearest.parameters;
-    let (base, fuzz) = (p.number("base_weight"), p.number("fuzz_weight"));
-    let (base_color, fuzz_color) = (base * p.color("base_color"), fuzz * p.color("fuzz_color"));
-    let told = [
-        (p.number("base_diffuse_roughness") > 0.0, "glTF has no roughness of the diffuse base"),
-        (p.number("coat_weight") > 0.0 && p.color("coat_color") != Vec3::ONE, "glTF has no color of the coat"),
-        (p.number("coat_weight") > 0.0 && p.number("coat_darkening") > 0.0, "glTF's coat does not darken"),
-        (p.number("coat_weight") > 0.0 && (p.number("coat_ior") - 1.5).abs() > 1e-6, "glTF's coat has the index 1.5"),
-        (p.number("coat_roughness_anisotropy") > 0.0, "glTF's coat is not stretched"),
-    ];
-    remarks.extend(told.into_iter().filter(|(lost, _)| *lost).map(|(_, text)| text.to_owned()));
-    for weight in ["base_weight", "fuzz_weight", "base_diffuse_roughness", "coat_color", "coat_ior", "coat_darkening"] {
-        if nearest.maps.get(weight).is_some() {
-            remarks.push(format!("the map of its {} is left out", weight.replace('_', " ")));
-        }
-    }
-    nearest.parameters.set("base_color", base_color);
-    nearest.parameters.set("fuzz_color", fuzz_color);
-}
-
-/// The other surface's numbers in place of OpenPBR's, of the same lobe.
-fn unstretched<S>(nearest: &mut MaterialOf<S>, names: [&'static str; 2], numbers: fn(stretch::Widths) -> [f32; 2]) {
-    let [roughness, anisotropy] = names.map(|name| nearest.parameters.number(name));
-    let is_mapped = names.iter().any(|name| nearest.maps.get(name).is_some());
-    if anisotropy > 0.0 && !is_mapped {
-        let lobe = numbers(stretch::of_openpbr(roughness, anisotropy));
-        names.into_iter().zip(lobe).for_each(|(name, number)| nearest.parameters.set(name, number));
-    }
-}
-
-/// A material as one of `openpbr`, with the lobe as wide as it is; `remarks` get what has no place there.
-pub(crate) fn as_openpbr<S: Clone>(material: &MaterialOf<S>, remarks: &mut Vec<String>) -> MaterialOf<S> {
-    let material = &*without_file(material, remarks);
-    let mut nearest = material.own();
-    if material.model == BrdfModel::OpenPbr {
-        return nearest;
-    }
-    // What is not told is the default of its model, not of the other.
-    for parameter in material.model.parameters() {
-        nearest.parameters.set(parameter.name, parameter.sanitized(material.parameters.value(parameter)));
-    }
-    nearest.change_model(BrdfModel::OpenPbr);
-    // A name that two models have may have different defaults.
-    if material.model.parameter_for("roughness").is_none() {
-        nearest.parameters.set("specular_weight", 0.0);
-        nearest.parameters.set("specular_roughness", 1.0);
-    }
-    let number = |quantity: &str| {
-        material.model.parameter_for(quantity).map_or(0.0, |p| p.sanitized(material.parameters.value(p)).number())
-    };
-    let anisotropy = number("anisotropy");
-    if anisotropy < 0.0 {
-        remarks.push("its highlight is stretched across the tangent, which OpenPBR cannot say; it is round".into());
-    }
-    if anisotropy > 0.0 {
-        let lobe = stretch::to_openpbr(stretch::of_burley(number("roughness"), 0.9 * anisotropy));
-        nearest.parameters.set("specular_roughness", lobe[0]);
-        nearest.parameters.set("specular_roughness_anisotropy", lobe[1]);
-    }
-    let edge = material.model.parameter("edge_color");
-    if edge.is_some_and(|p| material.parameters.value(p) != p.default) && number("metalness") > 0.0 {
-        remarks.push("the color of its metal toward the edge becomes that of OpenPBR".into());
-    }
-    nearest
 }

@@ -1,0 +1,81 @@
+//! The materials of a document.
+
+use super::{graph::Graph, read::MaterialXError, surface::Surface};
+use roxmltree::Node;
+
+/// A material, or a surface that no material has.
+pub struct Candidate<'a> {
+    /// Its name in the document.
+    pub name: &'a str,
+    /// Its name for people.
+    pub label: &'a str,
+    /// Its surface, if it has one.
+    pub shader: Option<Node<'a, 'a>>,
+    pub line: u32,
+}
+
+/// What a surface is: its element, or what a reference to it says.
+pub fn category<'a>(shader: Node<'a, 'a>) -> &'a str {
+    if shader.has_tag_name("shaderref") {
+        shader.attribute("node").unwrap_or_default()
+    } else {
+        shader.tag_name().name()
+    }
+}
+
+impl<'a> Candidate<'a> {
+    /// All of a document in its order.
+    pub fn all(graph: &Graph<'a>, root: Node<'a, 'a>) -> Vec<Self> {
+        let of = |node: Node<'a, 'a>, shader| {
+            let name = node.attribute("name").unwrap_or_default();
+            let label = node.attribute("uiname").filter(|label| !label.is_empty()).unwrap_or(name);
+            Self { name, label, shader, line: graph.line(node) }
+        };
+        let materials = root.children().filter(|node| node.has_tag_name("surfacematerial")).map(|node| {
+            let input = graph.child(node, "surfaceshader");
+            let target = input.and_then(|input| graph.target(input).ok().flatten());
+            of(node, target.map(|(shader, _)| shader))
+        });
+        // Before version 1.38 a material holds its surface.
+        let before = root.children().filter(|node| node.has_tag_name("material")).map(|node| {
+            let shader = node.children().find(|child| child.has_tag_name("shaderref"));
+            of(node, shader)
+        });
+        let materials: Vec<_> = materials.chain(before).collect();
+        if !materials.is_empty() {
+            return materials;
+        }
+        let is_surface = |node: &Node| Surface::of(node.tag_name().name()).is_some();
+        root.children().filter(is_surface).map(|node| of(node, Some(node))).collect()
+    }
+
+    /// Its surface, if it is one that is read.
+    pub fn surface(&self) -> Option<(Node<'a, 'a>, Surface)> {
+        let shader = self.shader?;
+        Some((shader, Surface::of(category(shader))?))
+    }
+
+    fn is_called(&self, name: &str) -> bool {
+        let shader = self.shader.and_then(|shader| shader.attribute("name"));
+        [self.name, self.label].contains(&name) || shader == Some(name)
+    }
+}
+
+/// The one that is wanted, by its name, or the first that is read.
+pub fn choose<'b, 'a>(
+    all: &'b [Candidate<'a>],
+    wanted: Option<&str>,
+    line: u32,
+) -> Result<&'b Candidate<'a>, MaterialXError> {
+    let Some(first) = all.first() else {
+        let reason = "it has no material, and no surface that is read";
+        return Err(MaterialXError::Contents { line, reason: reason.into() });
+    };
+    match wanted {
+        Some(name) => all.iter().find(|candidate| candidate.is_called(name)).ok_or_else(|| {
+            let known = all.iter().map(|candidate| candidate.name.to_owned()).collect();
+            MaterialXError::NoSuchMaterial { name: name.into(), known }
+        }),
+        None => Ok(all.iter().find(|candidate| candidate.surface().is_some()).unwrap_or(first)),
+    }
+}
