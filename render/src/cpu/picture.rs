@@ -1,6 +1,9 @@
 //! The planes of an unfinished picture, to which samples are added row by row. Each part of the light has a sum of its
 //! own, so that an edit makes only those parts and pixels begin anew that it changes; see [`crate::stale`].
 
+mod filled;
+mod row;
+
 use crate::{
     backend::{PictureStats, ShadedSamples},
     cpu::display::display_pixel,
@@ -16,9 +19,11 @@ use crate::{
     view::{Background, View},
     view_mode::ViewMode,
 };
+pub(super) use filled::{Filled, FilledRow};
 use glam::{Vec2, Vec3};
-use lapidary_core::{image::Image, ray::Hit};
+use lapidary_core::image::Image;
 use rayon::prelude::*;
+use row::Row;
 use std::ops::Range;
 
 /// What the samples of one pixel show, whatever its light.
@@ -59,46 +64,6 @@ pub(crate) struct Picture {
     filled: Filled,
 }
 
-/// Stand-ins for pixels that lack their first sample.
-#[derive(Default)]
-pub(super) struct Filled {
-    /// Radiance, or the quantity of the view's mode, by [`Part`]; empty where the light has no such part.
-    pub values: [Vec<Vec3>; Part::COUNT],
-    /// Coverage by the lines of a wireframe; empty without one.
-    wire: Vec<f32>,
-    /// Whether the value is the share of the light behind it that a ground lets through; empty without such a ground.
-    through: Vec<bool>,
-}
-
-/// The stand-ins of a row.
-pub(super) struct FilledRow<'f> {
-    pub y: u32,
-    /// By [`Part`].
-    pub values: [&'f mut [Vec3]; Part::COUNT],
-    /// Empty without a wireframe.
-    pub wire: &'f mut [f32],
-    /// Empty without a ground that lets light through.
-    pub through: &'f mut [bool],
-}
-
-impl Filled {
-    /// The rows of a picture of some width.
-    pub fn rows(&mut self, width: u32) -> Vec<FilledRow<'_>> {
-        let width = width.max(1) as usize;
-        let count = self.values[Part::Environment as usize].len().div_ceil(width) as u32;
-        let mut values = self.values.each_mut().map(|values| values.chunks_mut(width));
-        let mut wire = self.wire.chunks_mut(width);
-        let mut through = self.through.chunks_mut(width);
-        let mut row = |y| FilledRow {
-            y,
-            values: values.each_mut().map(|rows| rows.next().unwrap_or_default()),
-            wire: wire.next().unwrap_or_default(),
-            through: through.next().unwrap_or_default(),
-        };
-        (0..count).map(&mut row).collect()
-    }
-}
-
 /// The first sample of a pixel, as far as the picture lacks it.
 pub(super) struct FirstSample {
     pixel: [u32; 2],
@@ -106,13 +71,6 @@ pub(super) struct FirstSample {
     /// By [`Part`].
     sums: [Option<Sum>; Part::COUNT],
     shows_surface: bool,
-}
-
-/// The pixels of a row.
-struct Row<'p> {
-    y: u32,
-    seen: &'p mut [Seen],
-    parts: [&'p mut [Sum]; Part::COUNT],
 }
 
 impl Picture {
@@ -359,66 +317,6 @@ impl Picture {
             mean_merged_nodes: mean(|sum| sum.merged_nodes),
             mean_brdf_evaluations: mean(|sum| sum.brdf_evaluations),
             shaded: ShadedSamples::of(self.shaded),
-        }
-    }
-}
-
-impl Row<'_> {
-    /// Adds a sample to each pixel that lacks it. Returns the samples of surfaces that were shaded, by part.
-    fn add(
-        mut self,
-        sampler: &PixelSampler,
-        painter: &mut Painter,
-        patches: Option<&[u8]>,
-        sample: u32,
-    ) -> [u64; Part::COUNT] {
-        let mut shaded = [0; Part::COUNT];
-        let y = self.y;
-        let lacking: Vec<[u32; 2]> =
-            (0..self.seen.len()).filter(|&x| self.lacks_any(x, sample)).map(|x| [x as u32, y]).collect();
-        let hits = sampler.hits(&lacking, sample as usize);
-        let (mut sights, together) = (Vec::new(), painter.together());
-        for (pixels, hits) in lacking.chunks(together).zip(hits.chunks(together)) {
-            let sight = |(&pixel, &hit): (&[u32; 2], &Option<Hit>)| sampler.sight_of(pixel, sample as usize, hit);
-            sights.clear();
-            sights.extend(pixels.iter().zip(hits).map(sight));
-            let seen_lights = lights_seen(painter, &sights, |i| self.lacks(pixels[i][0] as usize, sample));
-            for ((&pixel, sight), seen_lights) in pixels.iter().zip(&sights).zip(seen_lights) {
-                let lacks = self.lacks(pixel[0] as usize, sample);
-                self.add_to_pixel(pixel, lacks, (sampler, &mut *painter), patches, (sample, sight, seen_lights));
-                let surface = matches!(sight.seen, FirstHit::Surface(_));
-                shaded.iter_mut().zip(lacks).for_each(|(count, lacks)| *count += u64::from(surface && lacks));
-            }
-        }
-        shaded
-    }
-
-    /// Which parts of a pixel lack a sample.
-    fn lacks(&self, x: usize, sample: u32) -> [bool; Part::COUNT] {
-        Part::ALL.map(|part| self.parts[part as usize].get(x).is_some_and(|sum| sum.samples == sample))
-    }
-
-    /// Whether a pixel lacks a sample of any part, or of what it shows.
-    fn lacks_any(&self, x: usize, sample: u32) -> bool {
-        self.lacks(x, sample).contains(&true) || self.seen[x].samples == sample
-    }
-
-    /// Adds a sample to those parts of a pixel that lack it.
-    fn add_to_pixel(
-        &mut self,
-        [x, y]: [u32; 2],
-        lacks: [bool; Part::COUNT],
-        (sampler, painter): (&PixelSampler, &mut Painter),
-        patches: Option<&[u8]>,
-        (sample, sight, seen_lights): (u32, &Sight, SeenOfParts),
-    ) {
-        let seen = &mut self.seen[x as usize];
-        if seen.samples == sample {
-            seen.add(sampler, sight.position, &sight.seen, patches);
-        }
-        for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
-            let sum = &mut self.parts[part as usize][x as usize];
-            sum.add(part, (sampler, painter), sight, (pixel_shift(x, y, sample), seen_lights));
         }
     }
 }
