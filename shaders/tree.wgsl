@@ -1,5 +1,5 @@
 // The tree of lights that a pass merges, by heap index, and how its nodes are seen from a point. Twin of
-// render/src/shade/node_field.rs, core/src/light_tree/lighting.rs and core/src/sources/radiance.rs.
+// render/src/shade/node_field.rs, core/src/light_tree/node_light.rs and core/src/sources/light.rs.
 
 // Which tree that is: none, distant lights of the environment, or sources on surfaces.
 override FIELD: u32 = 1u;

@@ -24,6 +24,8 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     baked: Baked,
     /// What lights it now.
     situation: Situation,
+    /// Whether the renderer has the situation's poses.
+    is_posed: bool,
     /// Poses the scene; `None` before it ever was.
     posing: Option<Posing>,
     /// Rigs that light the posed scene.
@@ -97,6 +99,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(Self {
             situation: Situation::unlit(&baked),
             baked,
+            is_posed: true,
             posing: None,
             pose_rigs: PoseRigs::default(),
             detail: Detail::FINEST,
@@ -134,6 +137,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
         (self.baked, self.situation) = (baked.clone(), Situation::unlit(baked));
         (self.posing, self.pose_rigs, self.lit) = (None, PoseRigs::default(), None);
+        (self.is_posed, self.is_unsolved) = (true, false);
         self.forget_pictures();
         Ok(true)
     }

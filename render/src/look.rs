@@ -108,7 +108,8 @@ impl Redo {
         let light = Changes {
             poses: *poses != new.poses,
             appearance: !appearance.is_same(&new.appearance),
-            environment: !light.is_same(&new.light),
+            // The illumination cut is part of the environment's light, which sources and senders receive by it.
+            environment: !light.is_same(&new.light) || *illum_cut != new.illum_cut,
             lights: *lights != new.lights,
             gathering: (*illum_cut, *tau) != (new.illum_cut, new.tau),
         };
@@ -199,6 +200,7 @@ mod tests {
         let sky = |light| changed(light, all(true, true, false));
         let [environment, gathering] =
             [sky(Changes { environment: true, ..Changes::NONE }), sky(Changes { gathering: true, ..Changes::NONE })];
+        let cut = sky(Changes { environment: true, gathering: true, ..Changes::NONE });
         assert_eq!(redone(|_| ()), Redo::NOTHING);
         assert_eq!(
             redone(|look| look.poses.set(0, Pose { scale: 2.0, ..Pose::AS_BAKED })),
@@ -218,7 +220,7 @@ mod tests {
         assert_eq!(redone(|look| look.lights = Arc::default()), changed(lit, lights));
         assert_eq!(redone(|look| look.light.rotation += 0.1), environment);
         assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), environment);
-        assert_eq!(redone(|look| look.illum_cut = 7), gathering);
+        assert_eq!(redone(|look| look.illum_cut = 7), cut);
         assert_eq!(redone(|look| look.tau = 0.5), gathering);
     }
 

@@ -31,7 +31,7 @@ struct Loaded {
 }
 
 impl Loaded {
-    /// For light from around `wi`; magenta where it is no reflectance. Twin of `written_mean` in `shaders/written.wgsl`.
+    /// For light from around `wi`; magenta where it is no reflectance. Twin of the function that `render/src/device/written.rs` writes.
     fn mean(&self, wi: Vec3, wo: Vec3, inv_kappa: f32) -> Vec3 {
         let width = self.estimate.width();
         let at = |wi: Vec3| self.written.value(&self.arguments, wi, wo).unwrap_or(MISSING * FRAC_1_PI);

@@ -10,7 +10,7 @@ use lapidary_core::{
 };
 use std::{ops::BitOr, sync::Arc};
 
-/// All that lights a scene. A copy shares everything.
+/// All that lights a scene. A copy shares everything but the poses.
 #[derive(Clone, Debug)]
 pub struct Situation {
     /// The scene as its objects are posed, with its rays.
@@ -29,7 +29,7 @@ pub struct Situation {
     pub gathering: Gathering,
 }
 
-/// How cuts gather light from the trees of solvers.
+/// How cuts gather light from the trees of solvers; the cuts over the environment are made alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gathering {
     /// Most nodes of an illumination cut.

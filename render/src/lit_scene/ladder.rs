@@ -1,5 +1,5 @@
-//! The ladder of a look's light, from what a drag has time for to all there is: the detail at which posed objects are lit, then the
-//! steps of the solver of bounced light. Solvers know no clock; whoever shows pictures between the steps does.
+//! The ladder of a look's light, from what a drag has time for to all there is: the steps of the solver of bounced light, then the
+//! finest detail of posed objects. Solvers know no clock; whoever shows pictures between the steps does.
 
 use super::LitScene;
 use crate::{Backend, BackendError, Look, Redo, light::implicit::detail::Detail};

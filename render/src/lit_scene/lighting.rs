@@ -13,7 +13,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let redo = self.redo(look);
         self.arrange(look, redo.light)?;
         let (before, changes) = (self.lit.take().map(|lit| lit.local), redo.light);
-        self.relight = false;
+        (self.relight, self.is_unsolved) = (false, false);
         self.finished &= !redo.renders();
         if changes.poses {
             self.give_pose()?;
@@ -51,6 +51,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if changes.poses {
             self.situation.scene = self.posed(&look.poses).map_err(BackendError::Pose)?;
             self.situation.poses = look.poses.clone();
+            self.is_posed = false;
         }
         let (situation, dataset) = (&mut self.situation, &self.baked.dataset);
         if changes.appearance {

@@ -8,7 +8,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// Whether objects are elsewhere than a look has them, or lit at another detail.
     pub(super) fn must_pose(&self, poses: &Poses) -> bool {
         let is_as_fine = self.pose_rigs.detail() == Some(self.detail);
-        self.situation.poses != *poses || !poses.is_empty() && !is_as_fine
+        !self.is_posed || self.situation.poses != *poses || !poses.is_empty() && !is_as_fine
     }
 
     /// The scene as objects are posed.
@@ -32,6 +32,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             }
         };
         self.backend.pose(&posed).inspect_err(|_| self.pose_rigs = PoseRigs::default())?;
+        self.is_posed = true;
         self.forget_pictures();
         Ok(())
     }

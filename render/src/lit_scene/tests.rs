@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::{
-    Appearance, Components, CpuBackend, Illumination, PictureStats, STRIDES, Tiles, test_looks::look,
-    test_scenes::rel_rmse,
+    Appearance, Components, CpuBackend, Illumination, PictureStats, STRIDES, Solution, Tiles,
+    test_looks::look,
+    test_scenes::{from_above, illumination, linked_floor_and_wall, rel_rmse},
 };
 use glam::Vec3;
 use lapidary_core::{scene::pose::Pose, test_scenes::dataset};
@@ -71,6 +72,28 @@ fn the_environment_is_lit_again_only_when_it_is_another_or_forgotten() {
     scene.forget_light();
     assert_eq!(revision(&mut scene, &turned), 3);
     assert_eq!(revision(&mut scene, &turned), 3, "once");
+}
+
+#[test]
+fn bounced_light_of_the_environment_has_the_illumination_cut_of_now() {
+    let baked = Baked::from(linked_floor_and_wall());
+    let light = illumination([64, 32], |x, y| Vec3::splat((x * y) as f32 * 0.01));
+    let shown = |scene: &mut LitScene, illum_cut| {
+        let components = Components { indirect: true, ..Components::NONE };
+        let appearance = Appearance::of(&baked.dataset.scene);
+        let view = View { aa: 1, ..from_above(8) };
+        let look = Look { appearance, light: light.clone(), components, view, illum_cut, lights: [].into(), ..look() };
+        [Solution::Meshless, Solution::CutsMeshless].map(|solution| {
+            let look = Look { solution, ..look.clone() };
+            scene.show_whole(&look).unwrap().image
+        })
+    };
+    let begin = || LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), baked.clone()).unwrap();
+    let mut one = begin();
+    let coarse = shown(&mut one, 2);
+    let fine = shown(&mut one, 256);
+    assert!(fine == shown(&mut begin(), 256), "as if no other cut had been before");
+    assert!(fine != coarse && fine[0].pixels[27].x > 0.0, "negative control");
 }
 
 /// The coarsest sketch of a look, after finished ones of others.

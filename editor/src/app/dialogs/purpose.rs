@@ -89,8 +89,7 @@ impl Purpose {
             }
             Action::Export(ExportAction::Layers(_)) => Self::picture("Export the picture with layers", vec!["exr"]),
             Action::Export(ExportAction::Materials(_)) => {
-                let formats = MaterialFormat::ALL.iter().filter(|format| format.exports());
-                let files = formats.map(|format| format.label).collect::<Vec<_>>().join(", ");
+                let files = MaterialFormat::exported().join(", ");
                 Self::new(FileUse::Material, ["Export the materials", "Export"], &files, Mode::Save, export::endings())
             }
             Action::Export(ExportAction::SequenceFolder(_)) => {
