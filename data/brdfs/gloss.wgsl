@@ -1,4 +1,4 @@
-// Phong's highlight of 1975, made reciprocal and normalized (Lewis 1994), over a diffuse base. A BRDF for Lapidary.
+// Phong's highlight of 1975, made reciprocal and normalised (Lewis 1994), over a diffuse base. A BRDF for Lapidary.
 //
 // @parameter base_color | Base color | color | 0.2 0.3 0.5 | 0..1 | | Diffuse albedo.
 // @parameter gloss | Gloss | number | 0.3 | 0..1 | | Share of light in the highlight.

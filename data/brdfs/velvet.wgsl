@@ -1,8 +1,8 @@
-// Velvet: a diffuse cloth whose fibers light up toward grazing angles, after Ashikhmin 2000. A BRDF for Lapidary.
+// Velvet: a diffuse cloth whose fibres light up toward grazing angles, after Ashikhmin 2000. A BRDF for Lapidary.
 //
-// @parameter cloth_color | Cloth color | color | 0.25 0.02 0.05 | 0..1 | | Albedo of the cloth between the fibers.
-// @parameter fiber_color | Fiber color | color | 0.5 0.25 0.3 | 0..1 | | What the fibers reflect.
-// @parameter fiber_spread | Fiber spread | number | 0.35 | 0.1..1 | | How far the fibers stand from the normal, as a slope.
+// @parameter cloth_color | Cloth color | color | 0.25 0.02 0.05 | 0..1 | | Albedo of the cloth between the fibres.
+// @parameter fibre_color | Fibre color | color | 0.5 0.25 0.3 | 0..1 | | What the fibres reflect.
+// @parameter fibre_spread | Fibre spread | number | 0.35 | 0.1..1 | | How far the fibres stand from the normal, as a slope.
 
 fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     let h = normalize(wi + wo);
