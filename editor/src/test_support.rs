@@ -1,19 +1,25 @@
 //! Scenes and checks that tests of several panels and of the viewport share.
 
+use crate::document::{Document, TextureEntry};
 use egui_kittest::{Harness, kittest::NodeT};
 use glam::Vec3;
 use lapidary_core::{
     dataset::{BakeReport, Dataset},
     image::Image,
+    material::Material,
     scene::Mesh,
     sources::{Source, SourceTree},
     surfel::Surfel,
     test_scenes,
+    texture::{ColorSpace, Texture, TextureSlot},
 };
 use lapidary_interchange::image;
 use lapidary_precompute::Preset;
 use lapidary_render::SourceLighting;
-use std::{path::Path, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 /// Width in points that panels are tested at: that of a narrow inspector.
 pub const WIDTH: f32 = 300.0;
@@ -73,4 +79,13 @@ pub fn row_of_sources(illum_cut: u32) -> SourceLighting {
 /// Writes a small picture.
 pub fn write_picture(path: &Path) {
     image::write(&Image::filled([2, 2], Vec3::splat(0.25)), path).unwrap();
+}
+
+/// A document of one material, whose map is a picture of this file.
+pub fn document_with_a_map(file: Option<PathBuf>) -> Document {
+    let texture = Arc::new(Texture::missing("wood.png"));
+    let slot = Some(TextureSlot { rotation: 0.5, color_space: ColorSpace::Srgb, ..TextureSlot::default() });
+    let mut material = Material { name: "wood".into(), ..Default::default() };
+    material.maps.set("base_color", slot);
+    Document { materials: vec![material], textures: vec![TextureEntry { texture, file }], ..Document::empty() }
 }

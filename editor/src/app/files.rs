@@ -142,19 +142,7 @@ pub fn as_base_color(material: usize, path: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::TextureEntry;
-    use lapidary_core::{
-        material::Material,
-        texture::{ColorSpace, TextureSlot},
-    };
-
-    fn document(file: Option<PathBuf>) -> Document {
-        let texture = Arc::new(Texture::missing("wood.png"));
-        let slot = Some(TextureSlot { rotation: 0.5, color_space: ColorSpace::Srgb, ..TextureSlot::default() });
-        let mut material = Material { name: "wood".into(), ..Default::default() };
-        material.maps.set("base_color", slot);
-        Document { materials: vec![material], textures: vec![TextureEntry { texture, file }], ..Document::empty() }
-    }
+    use crate::test_support::document_with_a_map as document;
 
     #[test]
     fn a_picture_elsewhere_that_only_the_scene_names_is_not_read_unless_allowed() {

@@ -146,16 +146,9 @@ fn write_material(file: &MaterialFile, path: &Path) -> Result<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::texture::{ColorSpace, Procedural};
+    use crate::test_support::document_with_a_map as document;
+    use lapidary_core::texture::Procedural;
     use lapidary_interchange::{image, import::load_material};
-
-    fn document(file: Option<PathBuf>) -> Document {
-        let texture = Arc::new(Texture::missing("wood.png"));
-        let slot = Some(TextureSlot { rotation: 0.5, color_space: ColorSpace::Srgb, ..TextureSlot::default() });
-        let mut material = Material { name: "wood".into(), ..Default::default() };
-        material.maps.set("base_color", slot);
-        Document { materials: vec![material], textures: vec![TextureEntry { texture, file }], ..Document::empty() }
-    }
 
     #[test]
     fn a_written_material_is_read_again_as_it_was() {
