@@ -51,7 +51,7 @@ pub use audit::BakeAudit;
 pub use error::{Damage, DatasetError, MeshlessDamage, SourceDamage, SurfelDamage};
 pub use meshless::{MeshlessReport, MeshlessSettings};
 pub use modes::{IndirectReport, IndirectSettings, sigma_text};
-pub use parts::{BakeParts, PartsError};
+pub use parts::{BakePart, BakeParts, PartsError};
 #[cfg(any(test, feature = "test-scenes"))]
 pub(crate) use tensors::METADATA_KEY;
 

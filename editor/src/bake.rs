@@ -23,7 +23,7 @@ impl Baking {
         let source = work.scene.source.as_ref();
         let report = source.map(|source| &source.report);
         let (may_try, mode) = (!matches!(status, BakeStatus::Running { .. }), work.document.bake.mode);
-        let bounces = mode.sources() || mode.meshless();
+        let bounces = mode.bounces();
         let context = BakeContext {
             document: &work.document,
             dataset: work.scene.baked.as_ref().map(|b| &*b.dataset),

@@ -4,62 +4,114 @@ use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 use thiserror::Error;
 
+macro_rules! bake_parts {
+    ($($(#[doc = $doc:literal])* $part:ident($has:ident) = $key:literal,)*) => {
+        /// A part of a bake, which can be baked without the others.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum BakePart {
+            $($(#[doc = $doc])* $part,)*
+        }
+
+        impl BakePart {
+            /// All of them, in the order in which they are baked.
+            pub const ALL: &'static [Self] = &[$(Self::$part,)*];
+
+            /// Its name in files and options.
+            pub const fn key(self) -> &'static str {
+                match self { $(Self::$part => $key,)* }
+            }
+        }
+
+        impl BakeParts {
+            $(
+                #[doc = concat!("Whether [`BakePart::", stringify!($part), "`] is baked.")]
+                pub fn $has(self) -> bool {
+                    self.has(BakePart::$part)
+                }
+            )*
+        }
+    };
+}
+
+// A new part is its line here, and one in the tables of what holds it: [`super::stored`] for the file, `precompute` for the bake,
+// `studies` for its options, `editor` for its controls.
+bake_parts! {
+    /// Visibility of distant light.
+    Environment(environment) = "environment",
+    /// Surface sources, and what the vertices see of them.
+    Sources(sources) = "indirect",
+    /// The meshless basis and its transport operator.
+    Meshless(meshless) = "meshless",
+}
+
+impl BakePart {
+    /// Whether it is about light that bounces.
+    pub fn bounces(self) -> bool {
+        self != Self::Environment
+    }
+}
+
 /// The parts of a bake, at least one. Parts that are not baked are dark: their cuts are one node without visibility.
 ///
 /// In files and options a set has a name, or the names of its parts with commas between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct BakeParts {
-    environment: bool,
-    sources: bool,
-    meshless: bool,
+    /// Bit `i` for part `i` of [`BakePart::ALL`].
+    bits: u8,
 }
 
 impl BakeParts {
     /// Visibility of distant light.
-    pub const ENVIRONMENT: Self = Self { environment: true, sources: false, meshless: false };
+    pub const ENVIRONMENT: Self = Self::only(BakePart::Environment);
     /// Surface sources, and what the vertices see of them.
-    pub const INDIRECT: Self = Self { environment: false, sources: true, meshless: false };
+    pub const INDIRECT: Self = Self::only(BakePart::Sources);
     /// Both, and the sources' cuts over the environment: all light that cuts gather.
-    pub const CUTS: Self = Self { environment: true, sources: true, meshless: false };
+    pub const CUTS: Self = Self::ENVIRONMENT.with(Self::INDIRECT);
     /// The meshless basis and its transport operator.
-    pub const MESHLESS: Self = Self { environment: false, sources: false, meshless: true };
+    pub const MESHLESS: Self = Self::only(BakePart::Meshless);
     /// Visibility of distant light and the meshless basis, without surface sources.
-    pub const ENVIRONMENT_MESHLESS: Self = Self { environment: true, sources: false, meshless: true };
+    pub const ENVIRONMENT_MESHLESS: Self = Self::ENVIRONMENT.with(Self::MESHLESS);
     /// All of these.
-    pub const ALL: Self = Self { environment: true, sources: true, meshless: true };
+    pub const ALL: Self = Self { bits: (1 << BakePart::ALL.len()) - 1 };
 
-    /// The sets with a name of their own. Others are written as the names of their parts.
-    const NAMED: [(&str, Self); 5] = [
-        ("environment", Self::ENVIRONMENT),
-        ("indirect", Self::INDIRECT),
-        ("cuts", Self::CUTS),
-        ("meshless", Self::MESHLESS),
-        ("all", Self::ALL),
-    ];
+    /// The sets with a name of their own beside those of one part. Others are written as the names of their parts.
+    const NAMED: [(&str, Self); 2] = [("cuts", Self::CUTS), ("all", Self::ALL)];
 
-    /// Whether visibility of distant light is baked.
-    pub fn environment(self) -> bool {
-        self.environment
+    /// One part alone.
+    pub const fn only(part: BakePart) -> Self {
+        Self { bits: 1 << part as u8 }
     }
 
-    /// Whether surface sources are baked.
-    pub fn sources(self) -> bool {
-        self.sources
+    /// Whether a part is baked.
+    pub const fn has(self, part: BakePart) -> bool {
+        self.bits & Self::only(part).bits != 0
     }
 
-    /// Whether the meshless basis is baked.
-    pub fn meshless(self) -> bool {
-        self.meshless
+    /// Whether all parts of another set are baked.
+    pub const fn has_all(self, other: Self) -> bool {
+        self.bits & other.bits == other.bits
     }
 
     /// The union of both sets.
-    pub fn with(self, other: Self) -> Self {
-        Self {
-            environment: self.environment || other.environment,
-            sources: self.sources || other.sources,
-            meshless: self.meshless || other.meshless,
-        }
+    pub const fn with(self, other: Self) -> Self {
+        Self { bits: self.bits | other.bits }
+    }
+
+    /// Its parts, in the order in which they are baked.
+    pub fn parts(self) -> impl Iterator<Item = BakePart> {
+        BakePart::ALL.iter().copied().filter(move |part| self.has(*part))
+    }
+
+    /// Whether a part of light that bounces is baked.
+    pub fn bounces(self) -> bool {
+        self.parts().any(BakePart::bounces)
+    }
+
+    /// The set of a name.
+    fn named(name: &str) -> Option<Self> {
+        let of_part = BakePart::ALL.iter().find(|part| part.key() == name).map(|part| Self::only(*part));
+        of_part.or(Self::NAMED.into_iter().find(|(known, _)| *known == name).map(|(_, parts)| parts))
     }
 }
 
@@ -71,17 +123,20 @@ impl Default for BakeParts {
 
 /// A text that names no parts of a bake.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error(
-    "\"{0}\" is not a part of a bake; use environment, indirect, cuts, meshless, all, or some of these with commas between"
-)]
+#[error("\"{0}\" is not a part of a bake; use {names}, or some of these with commas between", names = names())]
 pub struct PartsError(String);
+
+/// All names, as in a sentence.
+fn names() -> String {
+    let of_parts = BakePart::ALL.iter().map(|part| part.key());
+    of_parts.chain(BakeParts::NAMED.map(|(name, _)| name)).collect::<Vec<_>>().join(", ")
+}
 
 impl FromStr for BakeParts {
     type Err = PartsError;
 
     fn from_str(text: &str) -> Result<Self, PartsError> {
-        let named = |part: &str| Self::NAMED.into_iter().find(|(name, _)| *name == part.trim()).map(|(_, parts)| parts);
-        let parts = text.split(',').map(named).collect::<Option<Vec<_>>>();
+        let parts = text.split(',').map(|name| Self::named(name.trim())).collect::<Option<Vec<_>>>();
         parts.and_then(|parts| parts.into_iter().reduce(Self::with)).ok_or_else(|| PartsError(text.into()))
     }
 }
@@ -99,8 +154,7 @@ impl fmt::Display for BakeParts {
         if let Some((name, _)) = Self::NAMED.iter().find(|(_, parts)| parts == self) {
             return f.write_str(name);
         }
-        let parts = [(self.environment, "environment"), (self.sources, "indirect"), (self.meshless, "meshless")];
-        let names: Vec<&str> = parts.into_iter().filter(|(is_in, _)| *is_in).map(|(_, name)| name).collect();
+        let names: Vec<&str> = self.parts().map(BakePart::key).collect();
         f.write_str(&names.join(","))
     }
 }
@@ -117,7 +171,7 @@ mod tests {
 
     /// All sets.
     fn all() -> impl Iterator<Item = BakeParts> {
-        (1..8).map(|bits| BakeParts { environment: bits & 1 != 0, sources: bits & 2 != 0, meshless: bits & 4 != 0 })
+        (1..8).map(|bits| BakeParts { bits })
     }
 
     #[test]
@@ -141,6 +195,7 @@ mod tests {
         for (name, parts) in BakeParts::NAMED {
             assert_eq!(parts.to_string(), name);
         }
+        assert_eq!(BakeParts::INDIRECT.to_string(), "indirect");
         assert_eq!("environment,indirect".parse(), Ok(BakeParts::CUTS));
         assert_eq!(" meshless, environment".parse(), Ok(BakeParts::ENVIRONMENT_MESHLESS));
         assert_eq!(BakeParts::ENVIRONMENT_MESHLESS.to_string(), "environment,meshless");

@@ -9,7 +9,7 @@ use crate::{
 };
 use lapidary_core::{
     animation::{BoundAnimation, ClipTime},
-    dataset::{BakeParts, bake_hash},
+    dataset::bake_hash,
     scene::pose::Poses,
 };
 use lapidary_interchange::formats::SceneFormat;
@@ -114,12 +114,8 @@ fn interrupted(scene: &OpenScene) -> Option<PathBuf> {
 /// A long bake begins with a draft if it brings light that cannot be seen yet.
 pub fn wants_draft(work: &Workspace) -> bool {
     let wanted = &work.document.bake;
-    let has = |part: fn(BakeParts) -> bool| {
-        !part(wanted.mode) || work.scene.shown().is_some_and(|baked| part(baked.dataset.settings.mode))
-    };
-    let has_all = [BakeParts::environment, BakeParts::sources, BakeParts::meshless].into_iter().all(has);
-    let bounces = wanted.mode.sources() || wanted.mode.meshless();
-    !has_all && (bounces || wanted.lights > Preset::Draft.settings().lights) && draft_is_sooner(wanted)
+    let has_all = work.scene.shown().is_some_and(|baked| baked.dataset.settings.mode.has_all(wanted.mode));
+    !has_all && (wanted.mode.bounces() || wanted.lights > Preset::Draft.settings().lights) && draft_is_sooner(wanted)
 }
 
 /// Where a bake of a document has the objects, relative to the file, and the time of the animation that it is at.

@@ -131,7 +131,7 @@ fn solution(ui: &mut Ui, bounces: Bounces, wanted: Solution, actions: &mut Vec<A
 fn bounce_hint(ui: &mut Ui, text: &str, context: &LightsContext, actions: &mut Vec<Action>) {
     let asked = context.document.bake.mode;
     let wanted = context.baked.map_or(asked, |baked| asked.with(baked));
-    let has_bounces = wanted.sources() || wanted.meshless();
+    let has_bounces = wanted.bounces();
     let mode = if has_bounces { wanted } else { wanted.with(BakeParts::INDIRECT) };
     hint(ui, text, "Bake with bounced light", mode, context.can_bake, actions);
 }

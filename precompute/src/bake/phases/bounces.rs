@@ -48,7 +48,7 @@ pub fn bake_bounces(
     clock: &mut Clock,
 ) -> Result<Bounces, BakeError> {
     let mut bounces = Bounces::default();
-    if !(settings.mode.sources() || settings.mode.meshless()) {
+    if !settings.mode.bounces() {
         return Ok(bounces);
     }
     // Reflectance stays out of everything baked, so that materials remain free to change.

@@ -38,7 +38,7 @@ pub struct Stored {
 impl Stored {
     /// Those of a bake.
     pub fn of(mode: BakeParts) -> Option<Self> {
-        Some(Self { environment: mode.environment(), bounces: mode.sources() || mode.meshless() })
+        Some(Self { environment: mode.environment(), bounces: mode.bounces() })
     }
 }
 
