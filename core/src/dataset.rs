@@ -37,30 +37,33 @@ mod audit;
 mod brdfs;
 mod error;
 mod header;
-mod indirect;
 mod meshless;
-mod modes;
 mod parts;
 mod read;
 mod reader;
+mod report;
+mod settings;
+mod sources;
+mod stored;
 mod tensors;
 mod validate;
 mod write;
 
 pub use audit::BakeAudit;
-pub use error::{Damage, DatasetError, MeshlessDamage, SourceDamage, SurfelDamage};
+pub use error::{Damage, DatasetError};
 pub use meshless::{MeshlessReport, MeshlessSettings};
-pub use modes::{IndirectReport, IndirectSettings, sigma_text};
 pub use parts::{BakePart, BakeParts, PartsError};
+pub use report::{BakeReport, BakeRun, sigma_text};
+pub use settings::BakeSettings;
+pub use sources::{IndirectReport, IndirectSettings};
 #[cfg(any(test, feature = "test-scenes"))]
 pub(crate) use tensors::METADATA_KEY;
 
 use crate::{
     camera::Camera,
-    cut::{CutCriterion, packed::PackedCuts},
-    ground::Ground,
+    cut::packed::PackedCuts,
     image::ImageError,
-    light_tree::{LightTree, TreeKind},
+    light_tree::LightTree,
     mesh::Mesh,
     meshless::MeshlessBake,
     scene::{
@@ -72,8 +75,7 @@ use crate::{
     texture::Texture,
 };
 use glam::Vec2;
-use serde::{Deserialize, Serialize};
-use std::{collections::BTreeMap, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
 
 /// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
@@ -151,169 +153,6 @@ impl Dataset {
             false => shot.camera.clone(),
         };
         self.settings.shots.iter().enumerate().map(named).collect()
-    }
-}
-
-/// Everything that decides the result of a bake. Threads and chunks do not.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BakeSettings {
-    /// Number of light samples, `2^H`, at most 32,768.
-    pub lights: usize,
-    /// Clustering metric of the light tree.
-    pub tree: TreeKind,
-    /// Weight of the geometric metric in a mixed tree, 0 to 1.
-    pub beta: f32,
-    /// How fine the visibility cuts are.
-    pub criterion: CutCriterion,
-    /// Vertex clusters of the pilot visibility, `M`.
-    pub pilot_clusters: usize,
-    /// The ground under the scene. It gets a fifth of [`Self::max_vertices`] beside those of the scene.
-    #[serde(default)]
-    pub ground: Ground,
-    /// Most vertices after tessellation; `None` leaves the mesh as it is.
-    pub max_vertices: Option<usize>,
-    /// Whether further vertices are spread evenly, without asking where visibility varies: for a first look.
-    #[serde(default)]
-    pub even_vertices: bool,
-    /// Pictures for which most vertices are placed; empty for a bake that serves all views alike.
-    #[serde(default)]
-    pub shots: Vec<Shot>,
-    /// Largest size in bytes of the vertices' cuts over the environment, which are coarsened by a common `sigma` until
-    /// they fit. It does not limit surface sources and the meshless basis.
-    pub max_bytes: Option<u64>,
-    /// Whether every light and surface source is traced from every vertex, where otherwise boundaries are followed
-    /// ([`crate::ray::BoundarySet`], [`crate::ray::SegmentSet`]).
-    #[serde(default = "before_boundaries")]
-    pub exhaustive: bool,
-    /// Which parts are baked.
-    #[serde(default)]
-    pub mode: BakeParts,
-    /// How the parts that bounce light are baked, if they are.
-    #[serde(default)]
-    pub indirect: IndirectSettings,
-    /// How the meshless basis is baked, if it is.
-    #[serde(default)]
-    pub meshless: MeshlessSettings,
-}
-
-impl Default for BakeSettings {
-    /// The paper's 32,768 lights and sigma 2, a mixed tree, visibility of the environment alone.
-    fn default() -> Self {
-        Self {
-            lights: 32_768,
-            tree: TreeKind::Mixed,
-            beta: 0.5,
-            criterion: CutCriterion::default(),
-            pilot_clusters: 1024,
-            ground: Ground::Off,
-            max_vertices: Some(100_000),
-            even_vertices: false,
-            shots: Vec::new(),
-            max_bytes: None,
-            exhaustive: false,
-            mode: BakeParts::default(),
-            indirect: IndirectSettings::default(),
-            meshless: MeshlessSettings::default(),
-        }
-    }
-}
-
-impl BakeSettings {
-    /// Those of all bakes with the same contents: how a ground is shown is not baked.
-    pub fn of_content(&self) -> Self {
-        let ground = if self.ground == Ground::Off { Ground::Off } else { Ground::Shadow };
-        Self { ground, ..self.clone() }
-    }
-}
-
-/// Datasets before version 5 do not say how they were traced.
-fn before_boundaries() -> bool {
-    true
-}
-
-/// Report of a bake; the keys are those of `--report`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct BakeReport {
-    /// Vertices after tessellation.
-    pub vertices: usize,
-    /// Triangles after tessellation.
-    pub triangles: usize,
-    /// Light samples.
-    pub lights: usize,
-    /// Clustering metric.
-    pub tree: TreeKind,
-    /// Weight of the geometric metric.
-    pub beta: f32,
-    /// Error bound of a cluster over the environment; larger than asked for if a byte budget required it.
-    pub sigma: f32,
-    /// Mean number of nodes of a vertex's cut.
-    pub mean_cut: f64,
-    /// Largest cut.
-    pub max_cut: usize,
-    /// Root mean square over all vertices and lights of stored minus traced visibility, of what boundaries tell
-    /// ([`Self::audit`] has what they miss), before cuts were coarsened to fit.
-    pub rms_visibility: f64,
-    /// Bytes of nodes, padding and offsets.
-    pub bytes_cuts: u64,
-    /// Bytes of all tensors.
-    pub bytes_total: u64,
-    /// (vertex, light) pairs.
-    pub samples_resolved: u64,
-    /// Rays traced for them; directions below the horizon of a closed surface need none, and those far from boundaries.
-    pub rays_traced: u64,
-    /// What following boundaries has missed; `None` for an exhaustive bake.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub audit: Option<BakeAudit>,
-    /// Whether a graphics device traced the environment, where rays along edges may fall to either side.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub on_device: bool,
-    /// Which parts were baked.
-    pub mode: BakeParts,
-    /// The part of the surface sources.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub indirect: Option<IndirectReport>,
-    /// How the meshless basis went, if it was baked.
-    pub meshless: Option<MeshlessReport>,
-    /// How long it took. A dataset does not hold it, so that equal bakes are equal files; those of earlier versions do.
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub run: Option<BakeRun>,
-    /// Distinct bake points; vertices that agree in position and normal share one.
-    pub bake_points: usize,
-    /// Bake points inside other geometry.
-    pub buried_points: usize,
-    /// Vertices before tessellation.
-    pub source_vertices: usize,
-    /// Histogram of cut sizes: entry `i` counts bake points with `2^i` to `2^(i+1) - 1` nodes.
-    pub cut_size_histogram: Vec<u64>,
-    /// Warnings of the import and the bake.
-    pub warnings: Vec<String>,
-}
-
-/// What a bake took on the machine that it ran on.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BakeRun {
-    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and those of other modes.
-    pub seconds: BTreeMap<String, f64>,
-    /// Pairs a second of the visibility phase.
-    pub samples_per_second: f64,
-    /// Greatest resident memory of the process.
-    pub peak_memory_bytes: u64,
-    /// What it was estimated to be before the bake; `None` if the dataset was merged.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub estimated_memory_bytes: Option<u64>,
-}
-
-impl BakeReport {
-    /// How the environment was traced: lights for each that is probed, 1 if every light is.
-    pub fn lights_per_probe(&self) -> usize {
-        self.audit.map_or(1, |audit| audit.leaves_per_probe)
-    }
-
-    /// Seconds of a phase, or of all as `total`; `None` if they are not known, as in a dataset that was read.
-    pub fn seconds(&self, phase: &str) -> Option<f64> {
-        self.run.as_ref()?.seconds.get(phase).copied()
     }
 }
 

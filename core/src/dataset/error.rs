@@ -9,14 +9,12 @@ use crate::{
     lights::{LightProblem, MAX_LIGHTS},
     material::MaterialProblem,
     mesh::MeshError,
-    meshless::{BasisError, TransportError},
 };
-use std::path::{Path, PathBuf};
+use std::{
+    error::Error,
+    path::{Path, PathBuf},
+};
 use thiserror::Error;
-
-/// Largest vector irradiance of one step of a stored link: a sender of unit radiance that fills the sphere would give 4π
-/// over 32,767 steps, and children may undo what their parents carry.
-pub(super) const MOST_LINK_SCALE: f32 = 64.0 / 32_767.0;
 
 /// Why a dataset cannot be written or read. Paths come last.
 #[derive(Debug, Error)]
@@ -158,12 +156,9 @@ pub enum Damage {
     /// The tree order is no permutation of a power of two.
     #[error("the order of the light tree is no permutation of 2^H samples")]
     Tree,
-    /// A surface source is invalid.
+    /// What a part of a bake has stored is invalid.
     #[error(transparent)]
-    Source(#[from] SourceDamage),
-    /// The meshless basis or its links are invalid.
-    #[error(transparent)]
-    Meshless(#[from] MeshlessDamage),
+    Part(Box<dyn Error + Send + Sync>),
     /// A material refers to a texture that is not there.
     #[error("material `{material}` refers to texture {texture}, but there are {count}")]
     Texture {
@@ -240,57 +235,11 @@ pub enum Damage {
     Metadata(String),
 }
 
-/// Errors of surface sources.
-#[derive(Debug, Error, PartialEq)]
-pub enum SourceDamage {
-    /// No power of two.
-    #[error("{0} surface sources make no complete binary tree")]
-    Count(usize),
-    /// Where it is.
-    #[error("surface source {index} {source}")]
-    Place {
-        /// Which source.
-        index: usize,
-        /// What is wrong with it.
-        source: SurfelDamage,
-    },
-    /// How large it is.
-    #[error(
-        "surface source {index} has an area of {area} m² and a spacing of {spacing} m; both must be 0 or more and fit the \
-         scene, which is {diagonal} m large"
-    )]
-    Size {
-        /// Which source.
-        index: usize,
-        /// Its area in m².
-        area: f32,
-        /// Its spacing in meters.
-        spacing: f32,
-        /// Diagonal of the scene in meters.
-        diagonal: f32,
-    },
-}
-
-/// Errors of the meshless basis.
-#[derive(Debug, Error, PartialEq)]
-pub enum MeshlessDamage {
-    /// Its points or levels.
-    #[error(transparent)]
-    Basis(BasisError),
-    /// Its links.
-    #[error(transparent)]
-    Transport(TransportError),
-    /// Where a function is.
-    #[error("function {function} of the meshless basis {source}")]
-    Function {
-        /// Which function.
-        function: usize,
-        /// What is wrong with it.
-        source: SurfelDamage,
-    },
-    /// Links that carry more light than there is.
-    #[error("the links of the meshless basis have a scale of {0}, which is not between 0 and {MOST_LINK_SCALE}")]
-    Scale(f32),
+impl Damage {
+    /// Of what a part of a bake has stored.
+    pub(super) fn of_part(error: impl Error + Send + Sync + 'static) -> Self {
+        Self::Part(Box::new(error))
+    }
 }
 
 /// Errors of a surface point.

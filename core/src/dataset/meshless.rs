@@ -14,17 +14,27 @@
 //! | `meshless_link_scale` | f32 | 1 | vector irradiance of one step |
 
 use super::{
-    error::{Damage, MeshlessDamage},
+    Dataset,
+    error::{Damage, SurfelDamage},
     reader::Reader,
+    stored::{StoredPart, is_size},
     tensors::{Tensor, owned, tensor},
+    validate::check_surfel,
 };
 use crate::{
-    meshless::{Basis, MeshlessBake, PackedLink, Transport},
+    meshless::{Basis, BasisError, MeshlessBake, PackedLink, Transport, TransportError},
     surfel::{MeshPlace, Surfel},
 };
 use glam::{Vec2, Vec3};
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Largest vector irradiance of one step of a stored link: a sender of unit radiance that fills the sphere would give 4π
+/// over 32,767 steps, and children may undo what their parents carry.
+const MOST_LINK_SCALE: f32 = 64.0 / 32_767.0;
+/// Most rays of a gather.
+const MOST_RAYS: usize = 65_536;
 
 /// Settings of a meshless bake.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,8 +100,36 @@ pub struct MeshlessReport {
     pub bytes_points: u64,
 }
 
+/// The meshless basis in a dataset.
+pub(super) struct StoredBasis;
+
+impl StoredPart for StoredBasis {
+    fn tensors<'a>(&self, dataset: &'a Dataset) -> Vec<Tensor<'a>> {
+        dataset.meshless.as_deref().map_or_else(Vec::new, tensors)
+    }
+
+    fn read(&self, reader: &Reader, dataset: &mut Dataset) -> Result<(), Damage> {
+        dataset.meshless = reader.meshless()?.map(Into::into);
+        Ok(())
+    }
+
+    fn settings(&self, dataset: &Dataset) -> Vec<(&'static str, bool)> {
+        let MeshlessSettings { coarse_radius, rays, epsilon, levels: _, sender_levels: _ } = dataset.settings.meshless;
+        vec![
+            ("coarse radius", coarse_radius.is_none_or(is_size)),
+            ("rays", (1..=MOST_RAYS).contains(&rays)),
+            ("epsilon", is_size(epsilon)),
+        ]
+    }
+
+    fn check(&self, dataset: &Dataset) -> Result<(), Damage> {
+        let triangles = dataset.scene.mesh.triangles.len();
+        dataset.meshless.as_deref().map_or(Ok(()), |bake| check(bake, triangles).map_err(Damage::of_part))
+    }
+}
+
 /// The tensors of a meshless bake.
-pub(super) fn tensors(bake: &MeshlessBake) -> Vec<Tensor<'_>> {
+fn tensors(bake: &MeshlessBake) -> Vec<Tensor<'_>> {
     let (basis, transport) = (&bake.basis, &bake.transport);
     let (points, n) = (basis.points(), basis.len());
     let positions: Vec<Vec3> = points.iter().map(|p| p.position).collect();
@@ -114,7 +152,7 @@ pub(super) fn tensors(bake: &MeshlessBake) -> Vec<Tensor<'_>> {
 
 impl Reader<'_> {
     /// The meshless bake, if there is one.
-    pub(super) fn meshless(&self) -> Result<Option<MeshlessBake>, Damage> {
+    fn meshless(&self) -> Result<Option<MeshlessBake>, Damage> {
         if !self.has("meshless_positions") {
             return Ok(None);
         }
@@ -122,12 +160,13 @@ impl Reader<'_> {
         let radii: Vec<f32> = self.array("meshless_radii", Dtype::F32, &[], None)?;
         let sender_levels: Vec<u32> = self.array("meshless_sender_levels", Dtype::U32, &[], Some(1))?;
         let basis = Basis::from_parts(self.functions()?, offsets, radii, sender_levels[0] as usize);
-        let basis = basis.map_err(MeshlessDamage::Basis)?;
+        let basis = basis.map_err(|e| Damage::of_part(MeshlessDamage::Basis(e)))?;
         let links: Vec<PackedLink> = self.array("meshless_links", Dtype::U16, &[4], None)?;
         let offsets: Vec<u32> = self.array("meshless_link_offsets", Dtype::U32, &[], None)?;
         let scale: Vec<f32> = self.array("meshless_link_scale", Dtype::F32, &[], Some(1))?;
         let transport = Transport::from_parts([basis.len(), basis.senders().len()], scale[0], offsets, links);
-        Ok(Some(MeshlessBake { basis, transport: transport.map_err(MeshlessDamage::Transport)? }))
+        let transport = transport.map_err(|e| Damage::of_part(MeshlessDamage::Transport(e)))?;
+        Ok(Some(MeshlessBake { basis, transport }))
     }
 
     fn functions(&self) -> Result<Vec<Surfel>, Damage> {
@@ -140,4 +179,42 @@ impl Reader<'_> {
         let point = |i: usize| Surfel { position: positions[i], normal: normals[i], place: place(i) };
         Ok((0..positions.len()).map(point).collect())
     }
+}
+
+fn check(bake: &MeshlessBake, triangles: usize) -> Result<(), MeshlessDamage> {
+    let (basis, transport) = (&bake.basis, &bake.transport);
+    for (function, point) in basis.points().iter().enumerate() {
+        check_surfel(point, triangles).map_err(|source| MeshlessDamage::Function { function, source })?;
+    }
+    let [receivers, senders] = [basis.len(), basis.senders().len()];
+    if [transport.receivers(), transport.senders()] != [receivers, senders] {
+        return Err(MeshlessDamage::Transport(TransportError { receivers, senders }));
+    }
+    if (0.0..=MOST_LINK_SCALE).contains(&transport.scale()) {
+        Ok(())
+    } else {
+        Err(MeshlessDamage::Scale(transport.scale()))
+    }
+}
+
+/// Errors of the meshless basis.
+#[derive(Debug, Error, PartialEq)]
+enum MeshlessDamage {
+    /// Its points or levels.
+    #[error(transparent)]
+    Basis(BasisError),
+    /// Its links.
+    #[error(transparent)]
+    Transport(TransportError),
+    /// Where a function is.
+    #[error("function {function} of the meshless basis {source}")]
+    Function {
+        /// Which function.
+        function: usize,
+        /// What is wrong with it.
+        source: SurfelDamage,
+    },
+    /// Links that carry more light than there is.
+    #[error("the links of the meshless basis have a scale of {0}, which is not between 0 and {MOST_LINK_SCALE}")]
+    Scale(f32),
 }

@@ -6,6 +6,7 @@ use super::{
     error::Damage,
     header::Header,
     reader::{Reader, TensorFile},
+    stored::all_stored,
 };
 use crate::{
     light_tree::{LightTree, is_permutation},
@@ -15,7 +16,7 @@ use crate::{
     texture::Texture,
 };
 use safetensors::Dtype;
-use std::{path::Path, sync::Arc};
+use std::path::Path;
 
 impl Dataset {
     /// Reads and checks a dataset. `decode` decodes the pictures in it.
@@ -57,21 +58,20 @@ impl Reader<'_> {
         let scene = self.scene(&header, decode)?;
         let (vertices, triangles) = (scene.mesh.positions.len(), scene.mesh.triangles.len());
         let cuts = self.cuts(["cuts", "cut_offsets"], vertices)?;
-        let reported = header.report.indirect.as_ref().map_or(0.0, |report| report.radius);
-        let indirect = self.indirect(vertices, reported)?;
-        let meshless = self.meshless()?;
-        Ok(Dataset {
+        let mut dataset = Dataset {
             two_sided: self.flags("triangle_two_sided", triangles)?,
             vertex_valid: self.flags("vertex_valid", vertices)?,
             scene,
             tree,
             cuts,
-            indirect,
-            meshless: meshless.map(Arc::new),
+            indirect: None,
+            meshless: None,
             settings: header.settings,
             scene_hash: header.scene_hash,
             report: header.report,
-        })
+        };
+        all_stored().try_for_each(|part| part.read(self, &mut dataset))?;
+        Ok(dataset)
     }
 
     fn scene(&self, header: &Header, decode: DecodePicture) -> Result<Scene, Damage> {

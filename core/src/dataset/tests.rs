@@ -105,7 +105,6 @@ fn maps_of_every_parameter_survive_the_disk() {
     assert_eq!(in_place, [Some(0.5), Some(0.25), Some(0.125)]);
 }
 
-/// Writes over the first `from` of the header, with spaces behind so that its length stays.
 #[test]
 fn what_is_stored_and_not_rendered_survives_the_disk() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,6 +123,7 @@ fn what_is_stored_and_not_rendered_survives_the_disk() {
     assert_ne!(read, dataset.scene.materials, "negative control");
 }
 
+/// Writes over the first `from` of the header, with spaces behind so that its length stays.
 fn replace(bytes: &mut [u8], from: &str, to: &str) {
     let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
     bytes[at..at + from.len()].copy_from_slice(format!("{to:len$}", len = from.len()).as_bytes());

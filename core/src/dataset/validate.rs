@@ -3,32 +3,19 @@
 
 use super::{
     Dataset,
-    error::{Damage, MOST_LINK_SCALE, MeshlessDamage, SourceDamage, SurfelDamage},
+    error::{Damage, SurfelDamage},
     header::Header,
-    indirect::{SOURCE_CUTS, SOURCE_ENVIRONMENT_CUTS},
+    stored::all_stored,
 };
 use crate::{
-    bounds::is_within_reach,
-    cut::packed::PackedCuts,
-    light_tree::{height_of, is_permutation},
-    lights::MAX_LIGHTS,
-    mesh::is_unit,
-    meshless::{MeshlessBake, TransportError},
-    ray::is_number_per_probe,
-    scene::Scene,
-    shot::Shot,
-    sources::{IndirectBake, Source},
-    surfel::Surfel,
+    bounds::is_within_reach, cut::packed::PackedCuts, light_tree::is_permutation, lights::MAX_LIGHTS, mesh::is_unit,
+    scene::Scene, surfel::Surfel,
 };
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// Largest area of a source in squares of the scene's diagonal, and spacing in diagonals. A scene may be folded.
-const MOST_SOURCE_SIZE: f32 = 64.0;
 /// How far weights of a triangle's corners may be outside 0 to 1 by rounding.
 const BARYCENTRIC_SLACK: f32 = 0.01;
-/// Most rays of a gather.
-const MOST_RAYS: usize = 65_536;
 
 impl Dataset {
     /// Checks all contents.
@@ -56,56 +43,16 @@ impl Dataset {
             return Err(Damage::Tree);
         }
         check_cuts("cuts", &self.cuts, self.tree.height(), vertices)?;
-        self.indirect.iter().try_for_each(|bake| self.check_indirect(bake))?;
-        self.meshless.iter().try_for_each(|bake| check_meshless(bake, triangles))?;
+        all_stored().try_for_each(|part| part.check(self))?;
         self.check_header()
     }
 
-    /// The settings that a verification uses, and what the bake made of them. The bake itself has narrower ranges.
     fn check_settings(&self) -> Result<(), Damage> {
-        let settings = &self.settings;
-        let (cuts, sources) = (&settings.criterion, &settings.indirect.criterion);
-        let meshless = &settings.meshless;
-        let is_size = |x: f32| x.is_finite() && x >= 0.0;
-        let checks = [
-            ("beta", settings.beta.is_finite()),
-            ("sigma", is_size(cuts.sigma)),
-            ("total error", cuts.total_error.is_none_or(is_size)),
-            ("sigma of the sources", is_size(sources.sigma)),
-            ("contrast of the sources", is_size(sources.contrast)),
-            ("largest solid angle", is_size(sources.max_solid_angle)),
-            ("viewpoint", settings.indirect.viewpoint.is_none_or(is_within_reach)),
-            ("coarse radius", meshless.coarse_radius.is_none_or(is_size)),
-            ("rays", (1..=MOST_RAYS).contains(&meshless.rays)),
-            ("epsilon", is_size(meshless.epsilon)),
-            ("shots", settings.shots.iter().all(Shot::is_valid)),
-            ("lights per probe", is_number_per_probe(self.report.lights_per_probe())),
-            (
-                "sources per probe",
-                self.report.indirect.as_ref().is_none_or(|r| is_number_per_probe(r.sources_per_probe())),
-            ),
-        ];
-        match checks.into_iter().find(|(_, is_good)| !is_good) {
+        let mut checks = all_stored().flat_map(|part| part.settings(self));
+        match checks.find(|(_, is_good)| !is_good) {
             Some((name, _)) => Err(Damage::Setting(name)),
             None => Ok(()),
         }
-    }
-
-    fn check_indirect(&self, bake: &IndirectBake) -> Result<(), Damage> {
-        let mesh = &self.scene.mesh;
-        let (count, diagonal) = (bake.sources.len(), mesh.bounds().diagonal());
-        let height = height_of(count).map_err(|_| SourceDamage::Count(count))?;
-        for (index, source) in bake.sources.iter().enumerate() {
-            check_surfel(&source.surfel, mesh.triangles.len())
-                .map_err(|source| SourceDamage::Place { index, source })?;
-            let &Source { area, spacing, .. } = source;
-            let fits = |size: f32, scene: f32| size >= 0.0 && size <= MOST_SOURCE_SIZE * scene;
-            if !(fits(area, diagonal * diagonal) && fits(spacing, diagonal)) {
-                return Err(SourceDamage::Size { index, area, spacing, diagonal }.into());
-            }
-        }
-        check_cuts(SOURCE_CUTS[0], &bake.cuts, height, mesh.positions.len())?;
-        check_cuts(SOURCE_ENVIRONMENT_CUTS[0], &bake.environment_cuts, self.tree.height(), count)
     }
 
     /// The JSON part reads back as what it was. Numbers that are not finite become `null` in JSON and do not.
@@ -122,7 +69,8 @@ fn check_count(what: &'static str, found: usize, expected: usize) -> Result<(), 
     if found == expected { Ok(()) } else { Err(Damage::Count { what, found, expected }) }
 }
 
-fn check_cuts(cuts: &'static str, packed: &PackedCuts, height: u32, count: usize) -> Result<(), Damage> {
+/// Checks `count` cuts over a tree of `height`.
+pub(super) fn check_cuts(cuts: &'static str, packed: &PackedCuts, height: u32, count: usize) -> Result<(), Damage> {
     check_count("cuts", packed.len(), count)?;
     packed.validate(height).map_err(|(index, source)| Damage::Cut { cuts, index, source })
 }
@@ -149,23 +97,8 @@ fn check_scene(scene: &Scene) -> Result<(), Damage> {
     Ok(())
 }
 
-fn check_meshless(bake: &MeshlessBake, triangles: usize) -> Result<(), Damage> {
-    let (basis, transport) = (&bake.basis, &bake.transport);
-    for (function, point) in basis.points().iter().enumerate() {
-        check_surfel(point, triangles).map_err(|source| MeshlessDamage::Function { function, source })?;
-    }
-    let [receivers, senders] = [basis.len(), basis.senders().len()];
-    if [transport.receivers(), transport.senders()] != [receivers, senders] {
-        return Err(MeshlessDamage::Transport(TransportError { receivers, senders }).into());
-    }
-    if (0.0..=MOST_LINK_SCALE).contains(&transport.scale()) {
-        Ok(())
-    } else {
-        Err(MeshlessDamage::Scale(transport.scale()).into())
-    }
-}
-
-fn check_surfel(surfel: &Surfel, count: usize) -> Result<(), SurfelDamage> {
+/// Checks a point on one of `count` triangles.
+pub(super) fn check_surfel(surfel: &Surfel, count: usize) -> Result<(), SurfelDamage> {
     let triangle = surfel.place.triangle;
     if !is_within_reach(surfel.position) {
         Err(SurfelDamage::Position)

@@ -3,7 +3,7 @@
 use super::{
     BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION, brdfs,
     header::Header,
-    indirect, meshless,
+    stored::all_stored,
     tensors::{Tensor, arranged, checksum, cut_tensors, tensor},
 };
 use crate::{material::Material, output::write_parts_atomically};
@@ -89,8 +89,7 @@ impl Dataset {
             tensor("tree_order", Dtype::U32, [self.tree.len()], self.tree.order()),
         ];
         tensors.extend(cut_tensors(["cuts", "cut_offsets"], &self.cuts));
-        tensors.extend(self.indirect.iter().flat_map(indirect::tensors));
-        tensors.extend(self.meshless.as_deref().into_iter().flat_map(meshless::tensors));
+        tensors.extend(all_stored().flat_map(|part| part.tensors(self)));
         for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {
             tensors.push(Tensor {
                 name: name.into(),

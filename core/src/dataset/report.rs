@@ -1,0 +1,112 @@
+//! How a bake went.
+
+use super::{BakeAudit, BakeParts, IndirectReport, MeshlessReport};
+use crate::light_tree::TreeKind;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Report of a bake; the keys are those of `--report`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct BakeReport {
+    /// Vertices after tessellation.
+    pub vertices: usize,
+    /// Triangles after tessellation.
+    pub triangles: usize,
+    /// Light samples.
+    pub lights: usize,
+    /// Clustering metric.
+    pub tree: TreeKind,
+    /// Weight of the geometric metric.
+    pub beta: f32,
+    /// Error bound of a cluster over the environment; larger than asked for if a byte budget required it.
+    pub sigma: f32,
+    /// Mean number of nodes of a vertex's cut.
+    pub mean_cut: f64,
+    /// Largest cut.
+    pub max_cut: usize,
+    /// Root mean square over all vertices and lights of stored minus traced visibility, of what boundaries tell
+    /// ([`Self::audit`] has what they miss), before cuts were coarsened to fit.
+    pub rms_visibility: f64,
+    /// Bytes of nodes, padding and offsets.
+    pub bytes_cuts: u64,
+    /// Bytes of all tensors.
+    pub bytes_total: u64,
+    /// (vertex, light) pairs.
+    pub samples_resolved: u64,
+    /// Rays traced for them; directions below the horizon of a closed surface need none, and those far from boundaries.
+    pub rays_traced: u64,
+    /// What following boundaries has missed; `None` for an exhaustive bake.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit: Option<BakeAudit>,
+    /// Whether a graphics device traced the environment, where rays along edges may fall to either side.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub on_device: bool,
+    /// Which parts were baked.
+    pub mode: BakeParts,
+    /// The part of the surface sources.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub indirect: Option<IndirectReport>,
+    /// How the meshless basis went, if it was baked.
+    pub meshless: Option<MeshlessReport>,
+    /// How long it took. A dataset does not hold it, so that equal bakes are equal files; those of earlier versions do.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub run: Option<BakeRun>,
+    /// Distinct bake points; vertices that agree in position and normal share one.
+    pub bake_points: usize,
+    /// Bake points inside other geometry.
+    pub buried_points: usize,
+    /// Vertices before tessellation.
+    pub source_vertices: usize,
+    /// Histogram of cut sizes: entry `i` counts bake points with `2^i` to `2^(i+1) - 1` nodes.
+    pub cut_size_histogram: Vec<u64>,
+    /// Warnings of the import and the bake.
+    pub warnings: Vec<String>,
+}
+
+/// What a bake took on the machine that it ran on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BakeRun {
+    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and those of other modes.
+    pub seconds: BTreeMap<String, f64>,
+    /// Pairs a second of the visibility phase.
+    pub samples_per_second: f64,
+    /// Greatest resident memory of the process.
+    pub peak_memory_bytes: u64,
+    /// What it was estimated to be before the bake; `None` if the dataset was merged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimated_memory_bytes: Option<u64>,
+}
+
+impl BakeReport {
+    /// How the environment was traced: lights for each that is probed, 1 if every light is.
+    pub fn lights_per_probe(&self) -> usize {
+        self.audit.map_or(1, |audit| audit.leaves_per_probe)
+    }
+
+    /// Seconds of a phase, or of all as `total`; `None` if they are not known, as in a dataset that was read.
+    pub fn seconds(&self, phase: &str) -> Option<f64> {
+        self.run.as_ref()?.seconds.get(phase).copied()
+    }
+}
+
+/// A sigma as text: as it was asked for, or rounded, with the one asked for, where a limit of size raised it.
+pub fn sigma_text(held: f32, asked: f32) -> String {
+    if held == asked {
+        return asked.to_string();
+    }
+    let rounded = format!("{held:.2e}").parse().unwrap_or(held);
+    format!("{rounded} ({asked} asked for)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sigma_that_a_limit_raised_is_told_rounded_and_others_as_asked() {
+        assert_eq!(sigma_text(2.0 * 1.05_f32.powi(2), 2.0), "2.2 (2 asked for)");
+        assert_eq!(sigma_text(2.0 * 1.05_f32.powi(3), 2.0), "2.32 (2 asked for)");
+        assert_eq!(sigma_text(0.001_234_5, 0.001_234_5), "0.0012345");
+    }
+}
