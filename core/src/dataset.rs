@@ -136,6 +136,17 @@ impl Dataset {
         }
     }
 
+    /// The parts that it has for light that bounces.
+    pub fn bounces(&self) -> BakeParts {
+        let stored = BakePart::ALL.iter().filter(|part| part.bounces() && stored::stored(**part).is_in(self));
+        stored.fold(BakeParts::NONE, |all, part| all.with(BakeParts::only(*part)))
+    }
+
+    /// Whether it has anything of bounced light.
+    pub fn has_bounces(&self) -> bool {
+        self.bounces() != BakeParts::NONE
+    }
+
     /// Interpolation weights of three vertices. `barycentric` are those of the second and third; the shares of buried
     /// vertices go to the others.
     pub fn interpolation_weights(&self, vertices: [u32; 3], barycentric: Vec2) -> [f32; 3] {

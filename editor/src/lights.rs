@@ -8,8 +8,8 @@ pub use panel::{LightsPanel, add_menu};
 
 use crate::{actions::Action, picture::Picture, workspace::Workspace};
 use egui::Ui;
+use lapidary_core::dataset::BakeParts;
 use lapidary_core::lights::Light;
-use lapidary_render::Bounces;
 use panel::LightsContext;
 
 /// Shows the tab; `suns` are those of the environment.
@@ -26,7 +26,7 @@ pub fn show(
         suns,
         document: &work.document,
         selected: work.selected_light(),
-        bounces: scene.map(|baked| Bounces::of(&baked.dataset)),
+        bounces: scene.map(|baked| baked.dataset.bounces()),
         baked: work.scene.baked_parts(),
         energy: picture.shown().and_then(|shown| shown.local.energy),
         scene,

@@ -4,6 +4,7 @@ pub(crate) mod checkpoint;
 mod clock;
 mod job;
 pub(crate) mod memory;
+mod parts;
 mod phases;
 mod remarks;
 mod report;
@@ -30,8 +31,8 @@ use self::{
 };
 use crate::{
     errors::{BakeError, CutsOf, cancelled},
-    meshless::points::check_coarse_radius,
     observer::{Event, Observer, Phase},
+    setting::Setting,
     shard::Shard,
     vertices::{tessellate::Stored, tracing::Tracing},
     warning::Warning,
@@ -49,7 +50,6 @@ use lapidary_core::{
 };
 use std::{
     path::{Path, PathBuf},
-    sync::Arc,
     time::Instant,
 };
 
@@ -189,9 +189,8 @@ impl<'a> Begun<'a> {
         let observer = clock.observer;
         Checkpoint::is_left(&work.folder_of(&job.output))?;
         let estimated_memory = Some(check_memory(&scene, &settings)?);
-        if settings.mode.meshless() {
-            check_coarse_radius(&settings.meshless, scene.mesh.bounds().diagonal())?;
-        }
+        let diagonal = scene.mesh.bounds().diagonal();
+        parts::of(settings.mode).try_for_each(|part| part.check_scene(&settings, diagonal))?;
         let hash = scene_hash(&scene);
         let content = Content {
             scene_hash: bake_hash(&hash, &scene, &job.poses, job.clip_time.as_ref()),
@@ -235,8 +234,7 @@ impl<'a> Begun<'a> {
         let coarser = factor.is_some().then_some(&coarser as _);
         let packed = pack(&seen.cuts, coarser, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?;
         let report = report(&geometry, &settings, &packed, warnings);
-        let (indirect, meshless) = (bounces.report, bounces.meshless_report);
-        let report = BakeReport { sigma, audit: seen.audit, on_device: seen.on_device, indirect, meshless, ..report };
+        let report = BakeReport { sigma, audit: seen.audit, on_device: seen.on_device, ..report };
         let vertex_valid = geometry.vertex_valid();
         let mut dataset = Dataset {
             scene: geometry.scene,
@@ -244,12 +242,13 @@ impl<'a> Begun<'a> {
             vertex_valid,
             tree,
             cuts: packed.cuts,
-            indirect: bounces.indirect,
-            meshless: bounces.meshless.map(Arc::new),
+            indirect: None,
+            meshless: None,
             settings: settings.into_settings(),
             scene_hash: hash,
             report,
         };
+        bounces.into_iter().for_each(|put| put(&mut dataset));
         clock.add(Phase::Pack, packing.elapsed());
         finish_report(&mut dataset, clock, estimated_memory);
         Ok((dataset, checkpoint))
@@ -271,7 +270,9 @@ fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<u64, BakeError
     let needed = memory::estimate(vertices, triangles, places_vertices, settings, threads);
     match lapidary_core::memory::available() {
         Some(available) if needed > available => {
-            Err(BakeError::Memory { mode: settings.mode, needed: needed >> 20, available: available >> 20 })
+            let sizes: Vec<Setting> = parts::of(settings.mode).filter_map(|part| part.size()).collect();
+            let has_cuts = sizes.len() < settings.mode.parts().count();
+            Err(BakeError::Memory { sizes, has_cuts, needed: needed >> 20, available: available >> 20 })
         }
         _ => Ok(peak().max(resident() + needed)),
     }

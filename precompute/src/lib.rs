@@ -47,12 +47,12 @@ pub use sources::{
     disk::{Darts, poisson_disk},
     viewpoint::find_viewpoint,
 };
-pub use trial::{BounceTrial, Trial};
+pub use trial::{BasisTrial, BounceTrial, SourcesTrial, Trial};
 pub use unshadowed::unshadowed;
-pub use verify::{MeshlessVerification, Verification, verify};
+pub use verify::{EnvironmentVerification, MeshlessVerification, SourcesVerification, Verification, verify};
 pub use vertices::{
     sampler::VertexSampler,
     sidedness::{Sidedness, classify},
     tessellate::{POINTS_PER_VERTEX, Stored},
 };
-pub use warning::Warning;
+pub use warning::{BasisWarning, SourcesWarning, Warning};

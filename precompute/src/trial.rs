@@ -1,8 +1,12 @@
 //! A bake in small: a few points of a scene, traced as a bake traces them, tell what the whole will take before it begins.
 
+mod basis;
 mod bounces;
+mod sources;
 
+pub use basis::BasisTrial;
 pub use bounces::BounceTrial;
+pub use sources::SourcesTrial;
 
 use crate::{
     mesh_surface::MeshSurface,
@@ -89,6 +93,15 @@ impl Trial {
             core_secs_per_split: split_secs / count,
         })
     }
+}
+
+/// A scene whose parts that bounce light are tried.
+struct Tried<'a> {
+    scene: &'a Scene,
+    sides: &'a Sidedness,
+    intersector: &'a Intersector,
+    surface: &'a MeshSurface<'a>,
+    viewpoint: Vec3,
 }
 
 /// What a trial by one thread finds, unless the scene is too large for one.

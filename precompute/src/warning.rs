@@ -1,5 +1,11 @@
 //! What a bake repaired, left out, or changed against its settings.
 
+mod basis;
+mod sources;
+
+pub use basis::BasisWarning;
+pub use sources::SourcesWarning;
+
 use crate::setting::{Naming, Setting};
 use glam::Vec3;
 use serde::{Serialize, Serializer};
@@ -28,10 +34,6 @@ pub enum Warning {
         /// The first of these files.
         path: PathBuf,
     },
-    /// The surface sources differ from those of the checkpoint.
-    OtherSources,
-    /// The points of the meshless basis differ from those of the checkpoint.
-    OtherBasis,
     /// Cuts were coarsened until they fit a texture.
     Coarsened {
         /// The leaves of the cuts.
@@ -52,36 +54,21 @@ pub enum Warning {
     },
     /// A closed space reflects nearly all light.
     EndlessBounces,
-    /// The meshless basis has almost no functions.
-    FewFunctions,
-    /// A level of the meshless basis ends before it covers all surfaces.
-    UncoveredLevel {
-        /// Which, from 1.
-        level: usize,
-        /// Its points.
-        points: usize,
-    },
-    /// Areas of surface sources are noise.
-    UnevenAreas {
-        /// Mean number of points that estimate each area.
-        points: f32,
-    },
-    /// Many surface sources have no area.
-    WithoutArea {
-        /// How many.
-        without: usize,
-        /// Of how many.
-        sources: usize,
-    },
+    /// About surface sources.
+    Sources(SourcesWarning),
+    /// About the meshless basis.
+    Basis(BasisWarning),
 }
 
 impl Warning {
     /// Whether it tells what became of a checkpoint. The result is the same as without one.
     pub(crate) fn is_about_resuming(&self) -> bool {
-        matches!(
-            self,
-            Self::OtherCheckpoint | Self::Discarded | Self::KeptFolder { .. } | Self::OtherSources | Self::OtherBasis
-        )
+        match self {
+            Self::OtherCheckpoint | Self::Discarded | Self::KeptFolder { .. } => true,
+            Self::Sources(warning) => *warning == SourcesWarning::Other,
+            Self::Basis(warning) => *warning == BasisWarning::Other,
+            _ => false,
+        }
     }
 
     /// In words, with settings called by `name`.
@@ -107,16 +94,6 @@ impl Warning {
                 "the folder of the checkpoint stays, for this is no part of a checkpoint; move it elsewhere ({})",
                 path.display()
             ),
-            Self::OtherSources => {
-                "the surface sources differ from those of the interrupted bake, because cameras, lights or objects have \
-                 changed; the finished part of their cuts is baked again"
-                    .into()
-            }
-            Self::OtherBasis => {
-                "the points of the meshless basis differ from those of the interrupted bake, because cameras, lights or \
-                 objects have changed; the finished part of their links is baked again"
-                    .into()
-            }
             Self::Coarsened { leaves, bound, asked, fitted } => format!(
                 "the cuts over the {leaves} exceed a texture and were coarsened to a {} of {fitted:.2} instead of {asked}; \
                  lower {} to keep it",
@@ -134,27 +111,8 @@ impl Warning {
                  bounce; lower the base colors to 0.9 or less"
                     .into()
             }
-            Self::FewFunctions => format!(
-                "the meshless basis has almost no functions: light reaches hardly any surface; give a place inside the scene \
-                 as {}",
-                name(Setting::Viewpoint)
-            ),
-            Self::UncoveredLevel { level, points } => format!(
-                "level {level} of the meshless basis ends at {points} points, before they cover all surfaces, and light is \
-                 missing; give a larger {} or fewer {}",
-                name(Setting::CoarseRadius),
-                name(Setting::Levels)
-            ),
-            Self::UnevenAreas { points } => format!(
-                "light reaches a small part of the scene: only {points:.1} points estimate the area of each surface source, \
-                 so bounced light is uneven; remove unreachable surfaces, or give a place in a larger space as {}",
-                name(Setting::Viewpoint)
-            ),
-            Self::WithoutArea { without, sources } => format!(
-                "{without} of {sources} surface sources have no area and bounce no light; lower {}, or check the scene for \
-                 coincident faces",
-                name(Setting::Sources)
-            ),
+            Self::Sources(warning) => warning.text(name),
+            Self::Basis(warning) => warning.text(name),
         }
     }
 }

@@ -65,10 +65,7 @@ pub use light::{
     },
     local::{LocalLighting, LocalRig},
     situation::{Changes, Gathering, Situation},
-    solver::{
-        BounceLight,
-        solutions::{Bounces, Solution},
-    },
+    solver::{BounceLight, solutions::Solution},
     tree_light::TreeLight,
 };
 pub use lit_scene::{FinishedPicture, LitScene};

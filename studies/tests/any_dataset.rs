@@ -19,7 +19,7 @@ use lapidary_core::{
 };
 use lapidary_interchange::{environment, image};
 use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve, verify};
-use lapidary_render::{Bounces, Components, CpuBackend, Illumination, LitScene, Look, Solution, View};
+use lapidary_render::{Components, CpuBackend, Illumination, LitScene, Look, Solution, View};
 use proptest::prelude::*;
 use std::{fs, path::Path, sync::OnceLock};
 
@@ -76,7 +76,7 @@ fn flaw(dataset: &Dataset, lights: &[Light], light: Illumination, solution: Solu
 /// Verifies and renders a dataset that was read.
 fn use_all_of(dataset: &Dataset, light: &Illumination) -> Result<(), TestCaseError> {
     verify(dataset, 4);
-    let solutions = Bounces::of(dataset).solutions();
+    let solutions = Solution::of(dataset.bounces());
     for solution in if solutions.is_empty() { vec![Solution::Cuts] } else { solutions } {
         let flaw = flaw(dataset, &dataset.scene.lights, light.clone(), solution);
         prop_assert!(flaw.is_none(), "{}", flaw.unwrap_or_default());

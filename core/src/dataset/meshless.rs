@@ -104,6 +104,10 @@ pub struct MeshlessReport {
 pub(super) struct StoredBasis;
 
 impl StoredPart for StoredBasis {
+    fn is_in(&self, dataset: &Dataset) -> bool {
+        dataset.meshless.is_some()
+    }
+
     fn tensors<'a>(&self, dataset: &'a Dataset) -> Vec<Tensor<'a>> {
         dataset.meshless.as_deref().map_or_else(Vec::new, tensors)
     }

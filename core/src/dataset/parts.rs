@@ -5,7 +5,7 @@ use std::{fmt, str::FromStr};
 use thiserror::Error;
 
 macro_rules! bake_parts {
-    ($($(#[doc = $doc:literal])* $part:ident($has:ident) = $key:literal,)*) => {
+    ($($(#[doc = $doc:literal])* $part:ident($has:ident) = $key:literal, $noun:literal;)*) => {
         /// A part of a bake, which can be baked without the others.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum BakePart {
@@ -19,6 +19,11 @@ macro_rules! bake_parts {
             /// Its name in files and options.
             pub const fn key(self) -> &'static str {
                 match self { $(Self::$part => $key,)* }
+            }
+
+            /// What a dataset has of it, in a sentence.
+            pub const fn noun(self) -> &'static str {
+                match self { $(Self::$part => $noun,)* }
             }
         }
 
@@ -37,11 +42,11 @@ macro_rules! bake_parts {
 // `studies` for its options, `editor` for its controls.
 bake_parts! {
     /// Visibility of distant light.
-    Environment(environment) = "environment",
+    Environment(environment) = "environment", "visibility of the environment";
     /// Surface sources, and what the vertices see of them.
-    Sources(sources) = "indirect",
+    Sources(sources) = "indirect", "surface sources";
     /// The meshless basis and its transport operator.
-    Meshless(meshless) = "meshless",
+    Meshless(meshless) = "meshless", "meshless basis";
 }
 
 impl BakePart {
@@ -51,7 +56,7 @@ impl BakePart {
     }
 }
 
-/// The parts of a bake, at least one. Parts that are not baked are dark: their cuts are one node without visibility.
+/// The parts of a bake, at least one but for [`Self::NONE`]. Parts that are not baked are dark: their cuts are one node without visibility.
 ///
 /// In files and options a set has a name, or the names of its parts with commas between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,6 +67,8 @@ pub struct BakeParts {
 }
 
 impl BakeParts {
+    /// No part: what a dataset lacks, or has of bounced light.
+    pub const NONE: Self = Self { bits: 0 };
     /// Visibility of distant light.
     pub const ENVIRONMENT: Self = Self::only(BakePart::Environment);
     /// Surface sources, and what the vertices see of them.
@@ -96,6 +103,11 @@ impl BakeParts {
     /// The union of both sets.
     pub const fn with(self, other: Self) -> Self {
         Self { bits: self.bits | other.bits }
+    }
+
+    /// The parts of this set that the other has not.
+    pub const fn without(self, other: Self) -> Self {
+        Self { bits: self.bits & !other.bits }
     }
 
     /// Its parts, in the order in which they are baked.
@@ -175,11 +187,13 @@ mod tests {
     }
 
     #[test]
-    fn a_union_has_all_parts_of_both_and_no_other() {
+    fn sets_have_the_parts_that_they_are_made_of() {
         for (a, b) in all().flat_map(|a| all().map(move |b| (a, b))) {
             for has in [BakeParts::environment, BakeParts::sources, BakeParts::meshless] {
                 assert_eq!(has(a.with(b)), has(a) || has(b), "{a} with {b}");
+                assert_eq!(has(a.without(b)), has(a) && !has(b), "{a} without {b}");
             }
+            assert_eq!(a.has_all(b), b.without(a) == BakeParts::NONE);
         }
         assert_eq!(BakeParts::ENVIRONMENT.with(BakeParts::INDIRECT), BakeParts::CUTS);
     }

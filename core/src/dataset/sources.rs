@@ -99,6 +99,10 @@ impl IndirectReport {
 pub(super) struct StoredSources;
 
 impl StoredPart for StoredSources {
+    fn is_in(&self, dataset: &Dataset) -> bool {
+        dataset.indirect.is_some()
+    }
+
     fn tensors<'a>(&self, dataset: &'a Dataset) -> Vec<Tensor<'a>> {
         dataset.indirect.as_ref().map_or_else(Vec::new, tensors)
     }

@@ -8,6 +8,9 @@ use crate::{ray::is_number_per_probe, shot::Shot};
 
 /// A part of a bake in a dataset. One without tensors of its own has only settings.
 pub(super) trait StoredPart {
+    /// Whether it is in a dataset.
+    fn is_in(&self, dataset: &Dataset) -> bool;
+
     /// Its tensors; none if it was not baked.
     fn tensors<'a>(&self, _dataset: &'a Dataset) -> Vec<Tensor<'a>> {
         Vec::new()
@@ -46,6 +49,10 @@ pub(super) fn all_stored() -> impl Iterator<Item = &'static dyn StoredPart> {
 struct StoredEnvironment;
 
 impl StoredPart for StoredEnvironment {
+    fn is_in(&self, dataset: &Dataset) -> bool {
+        dataset.settings.mode.environment()
+    }
+
     fn settings(&self, dataset: &Dataset) -> Vec<(&'static str, bool)> {
         let settings = &dataset.settings;
         vec![

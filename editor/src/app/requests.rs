@@ -9,8 +9,8 @@ use crate::{
     workspace::Seen,
 };
 use egui::Context;
-use lapidary_core::environment::Environment;
-use lapidary_render::{Appearance, Baked, Bounces, Components, Illumination, Look, View};
+use lapidary_core::{dataset::BakeParts, environment::Environment};
+use lapidary_render::{Appearance, Baked, Components, Illumination, Look, Solution, View};
 use std::sync::Arc;
 
 impl EditorState {
@@ -43,7 +43,7 @@ impl EditorState {
         let environment = self.environments.loaded()?.clone();
         let document = &self.work.document;
         let baked = self.work.scene.rendered();
-        let bounces = baked.map(|b| Bounces::of(&b.dataset)).unwrap_or_default();
+        let bounces = baked.map_or(BakeParts::NONE, |b| b.dataset.bounces());
         let assigned = baked.and_then(|baked| self.picture.requests.assigned(document, baked));
         Some(Look {
             poses: baked.map(|baked| self.pose.poses_since(&self.work, baked)).unwrap_or_default(),
@@ -51,7 +51,7 @@ impl EditorState {
             light: illumination(document, environment),
             lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
             components: shown_components(document, baked),
-            solution: bounces.closest_to(document.solution).unwrap_or_default(),
+            solution: Solution::closest_to(document.solution, bounces).unwrap_or_default(),
             illum_cut: document.view.illum_cut,
             tau: document.view.tau,
             sampling: document.view.sampling,
@@ -75,7 +75,7 @@ impl EditorState {
 fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
     let shown = document.components.shown();
     let Some(dataset) = baked.map(|baked| &baked.dataset) else { return shown };
-    let (has_environment, has_bounces) = (dataset.settings.mode.environment(), Bounces::of(dataset).any());
+    let (has_environment, has_bounces) = (dataset.settings.mode.environment(), dataset.has_bounces());
     Components { environment: shown.environment && has_environment, indirect: shown.indirect && has_bounces, ..shown }
 }
 

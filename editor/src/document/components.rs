@@ -1,7 +1,7 @@
 //! Which parts of the light are in the picture.
 
 use lapidary_core::{dataset::Dataset, lights::Light};
-use lapidary_render::{Bounces, Components};
+use lapidary_render::Components;
 use serde::{Deserialize, Serialize};
 
 /// A part of the light.
@@ -77,7 +77,7 @@ impl Unlit {
     /// do not.
     pub fn of(lights: &[Light], shines: bool, components: ComponentSettings, dataset: &Dataset) -> Option<Self> {
         let (shown, environment) = (components.shown(), dataset.settings.mode.environment());
-        let bounces = shown.indirect && Bounces::of(dataset).any();
+        let bounces = shown.indirect && dataset.has_bounces();
         let by_environment = environment && (shown.environment || bounces);
         let by_lights = (shines || lights.iter().any(Light::shines)) && (shown.direct || bounces);
         match (by_environment || by_lights, lights.is_empty() && !shines && !environment) {

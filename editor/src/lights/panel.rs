@@ -13,7 +13,7 @@ pub use list::add_menu;
 use crate::{actions::Action, document::Document, widgets::section};
 use egui::{RichText, Ui};
 use lapidary_core::{dataset::BakeParts, lights::Light, transport::BounceEnergy};
-use lapidary_render::{Baked, Bounces};
+use lapidary_render::Baked;
 
 /// What the panel shows.
 pub struct LightsContext<'a> {
@@ -22,7 +22,7 @@ pub struct LightsContext<'a> {
     /// The selected light.
     pub selected: Option<usize>,
     /// What the bake that is shown has for bounced light; `None` without a bake.
-    pub bounces: Option<Bounces>,
+    pub bounces: Option<BakeParts>,
     /// What that bake is of.
     pub baked: Option<BakeParts>,
     /// How much light the bounces in the picture carry, if that is known.

@@ -12,7 +12,7 @@ use lapidary_interchange::{
     import::{ImportError, ImportOptions, Imported, import_with, load_material},
 };
 use lapidary_precompute::{BakeJob, Preset, ResolvedBake, Silent, bake, resolve, verify};
-use lapidary_render::{Baked, Bounces, Components, CpuBackend, Illumination, LitScene, Look, View};
+use lapidary_render::{Baked, Components, CpuBackend, Illumination, LitScene, Look, Solution, View};
 use std::{
     fs,
     path::Path,
@@ -99,8 +99,7 @@ pub fn read_material(path: &Path) -> Result<(), String> {
 fn show(dataset: Dataset) -> Result<(), String> {
     let baked = Baked::from(dataset);
     picture(&baked, |_| ())?;
-    Bounces::of(&baked.dataset)
-        .solutions()
+    Solution::of(baked.dataset.bounces())
         .into_iter()
         .try_for_each(|solution| picture(&baked, |look| look.solution = solution))
 }

@@ -1,6 +1,7 @@
 //! An estimate of the memory that a bake takes.
 
-use lapidary_core::dataset::{BakeSettings, MeshlessSettings};
+use super::parts;
+use lapidary_core::dataset::BakeSettings;
 
 /// What a bake of this size will take beside the scene, in bytes: either while the hierarchy of boxes is built, and vertices are
 /// placed if there is room for more, or for mesh, hierarchy, cuts and links of its parts, and buffers of each thread.
@@ -22,50 +23,8 @@ pub fn estimate(
 }
 
 /// That of the parts of a bake.
-fn parts(v: u64, settings: &BakeSettings, threads: usize) -> u64 {
-    let (mode, lights, sources) = (settings.mode, settings.lights as u64, settings.indirect.sources as u64);
-    let mut bytes = 0;
-    if mode.environment() {
-        bytes += cuts(v, environment_nodes(settings)) + buffers(lights, settings, threads);
-    }
-    if mode.sources() {
-        bytes += cuts(v, source_nodes(settings)) + buffers(sources, settings, threads);
-    }
-    if mode.sources() && mode.environment() {
-        bytes += cuts(sources, environment_nodes(settings));
-    }
-    if mode.meshless() { bytes + basis_and_links(&settings.meshless) } else { bytes }
-}
-
-/// The packed cuts.
-fn cuts(points: u64, nodes: u64) -> u64 {
-    points * nodes * 2
-}
-
-/// Pilot visibility, and a thread's visibility, sums and cut over lights or sources.
-fn buffers(leaves: u64, settings: &BakeSettings, threads: usize) -> u64 {
-    leaves * settings.pilot_clusters as u64 + threads as u64 * leaves * 20
-}
-
-/// Twice the mean of real scenes.
-fn environment_nodes(settings: &BakeSettings) -> u64 {
-    (settings.lights as u64).min(u64::from(settings.criterion.max_nodes)).min(400)
-}
-
-/// The mean of the scene with the longest cuts, of 32,768 sources at sigma 2. Other scenes have 500 and more. Finer
-/// bounds give longer cuts.
-fn source_nodes(settings: &BakeSettings) -> u64 {
-    let finer = (2.0 / settings.indirect.criterion.sigma.max(1e-3)).max(1.0);
-    ((1340.0 * finer) as u64).min(settings.indirect.sources as u64)
-}
-
-/// Each level has four times as many functions as the one before.
-fn basis_and_links(settings: &MeshlessSettings) -> u64 {
-    const BYTES_PER_FUNCTION: u64 = 150; // point, place in its tree, row of links
-    const LINKS_PER_FUNCTION: u64 = 20; // 9 to 40 in real scenes, fewer with more levels
-    const BYTES_PER_LINK: u64 = 24; // 16 in rows while baking, 8 packed
-    let functions = settings.expected_functions();
-    functions * (BYTES_PER_FUNCTION + LINKS_PER_FUNCTION * BYTES_PER_LINK)
+fn parts(vertices: u64, settings: &BakeSettings, threads: usize) -> u64 {
+    parts::of(settings.mode).map(|part| part.memory(vertices, settings, threads)).sum()
 }
 
 #[cfg(test)]

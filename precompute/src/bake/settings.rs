@@ -1,14 +1,8 @@
 //! Presets from fast to good, and the check that turns options into settings.
 
+use super::parts::{self, within};
 use crate::{errors::SettingsError, setting::Setting};
-use lapidary_core::{
-    bounds::MOST_COORDINATE,
-    cut::CutCriterion,
-    dataset::{BakeSettings, IndirectSettings, MeshlessSettings},
-    ground::Ground,
-    light_tree::height_of,
-    shot::Shot,
-};
+use lapidary_core::{cut::CutCriterion, dataset::BakeSettings, ground::Ground, shot::Shot};
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
@@ -16,14 +10,12 @@ use std::ops::Deref;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// A quarter of the lights and of the surface sources, few vertices, and a meshless basis of four levels and half the
-    /// rays: for setting up a scene. Seconds for the environment alone.
+    /// Few vertices, and each part in its draft: for setting up a scene. Seconds for the environment alone.
     Draft,
-    /// The paper's 32,768 lights and sigma 2, as many surface sources, and the meshless paper's six levels.
+    /// What the papers have.
     #[default]
     Normal,
-    /// Finer cuts over the environment and three times the vertices, for final pictures; sources and meshless basis as in
-    /// [`Self::Normal`].
+    /// Finer cuts over the environment and three times the vertices, for final pictures; all else as in [`Self::Normal`].
     High,
 }
 
@@ -44,20 +36,17 @@ impl Preset {
     /// The settings behind the name.
     pub fn settings(self) -> BakeSettings {
         let normal = BakeSettings::default();
-        let sigma = |sigma| CutCriterion { sigma, ..CutCriterion::default() };
         match self {
-            // Eq. 5 bounds |C| var: a quarter of the lights at half the sigma is the same error in solid angle.
-            Self::Draft => BakeSettings {
-                lights: 8192,
-                criterion: sigma(1.5),
-                pilot_clusters: 256,
-                max_vertices: Some(30_000),
-                indirect: IndirectSettings { sources: 8192, ..normal.indirect },
-                meshless: MeshlessSettings { levels: 4, sender_levels: 3, rays: 256, ..normal.meshless },
-                ..normal
-            },
+            Self::Draft => {
+                let mut draft = BakeSettings { pilot_clusters: 256, max_vertices: Some(30_000), ..normal };
+                parts::all().for_each(|part| part.draft(&mut draft));
+                draft
+            }
             Self::Normal => normal,
-            Self::High => BakeSettings { criterion: sigma(1.5), max_vertices: Some(300_000), ..normal },
+            Self::High => {
+                let criterion = CutCriterion { sigma: 1.5, ..CutCriterion::default() };
+                BakeSettings { criterion, max_vertices: Some(300_000), ..normal }
+            }
         }
     }
 }
@@ -108,14 +97,12 @@ impl ResolvedBake {
 /// # Errors
 /// The first setting out of range.
 pub fn resolve(settings: BakeSettings) -> Result<ResolvedBake, SettingsError> {
-    height_of(settings.lights)?;
-    height_of(settings.indirect.sources).map_err(|_| SettingsError::Sources(settings.indirect.sources))?;
     check_shots(&settings.shots)?;
-    for (setting, value, low, high) in ranges(&settings) {
-        if !(value >= low && value <= high) {
-            return Err(SettingsError::Range { setting, value, low, high });
-        }
-    }
+    within(&[
+        (Setting::PilotClusters, settings.pilot_clusters as f64, 1.0, 65_536.0),
+        (Setting::MaxVertices, settings.max_vertices.map_or(3.0, |most| most as f64), 3.0, 1e8),
+    ])?;
+    parts::all().try_for_each(|part| part.check(&settings))?;
     Ok(ResolvedBake(settings))
 }
 
@@ -126,37 +113,11 @@ fn check_shots(shots: &[Shot]) -> Result<(), SettingsError> {
     }
 }
 
-/// Each number with its least and greatest value; for a number that is left out, its least value.
-fn ranges(settings: &BakeSettings) -> [(Setting, f64, f64, f64); 16] {
-    let (sources, meshless) = (&settings.indirect.criterion, &settings.meshless);
-    let optional = |value: Option<f64>, low| value.unwrap_or(low);
-    let viewpoint = settings.indirect.viewpoint.unwrap_or_default().to_array().map(f64::from);
-    let farthest = viewpoint.into_iter().fold(0.0, |a: f64, b| if a.is_nan() || b.abs() <= a.abs() { a } else { b });
-    [
-        (Setting::Viewpoint, farthest, -f64::from(MOST_COORDINATE), f64::from(MOST_COORDINATE)),
-        (Setting::Beta, f64::from(settings.beta), 0.0, 1.0),
-        (Setting::Sigma, f64::from(settings.criterion.sigma), 0.0, 1e3),
-        (Setting::SourceSigma, f64::from(sources.sigma), 0.0, 1e3),
-        (Setting::SourceContrast, f64::from(sources.contrast), 0.0, 1e3),
-        (Setting::LargestSolidAngle, f64::from(sources.max_solid_angle), 1e-4, 10.0),
-        (Setting::Levels, meshless.levels as f64, 1.0, 8.0),
-        (Setting::SenderLevels, meshless.sender_levels as f64, 1.0, meshless.levels as f64),
-        (Setting::GatherRays, meshless.rays as f64, 16.0, 65_536.0),
-        (Setting::Epsilon, f64::from(meshless.epsilon), 0.0, 1.0),
-        (Setting::CoarseRadius, optional(meshless.coarse_radius.map(f64::from), 1.0), 1e-6, 1e9),
-        (Setting::MaxCut, f64::from(settings.criterion.max_nodes), 1.0, f64::from(u32::MAX)),
-        (Setting::TotalError, optional(settings.criterion.total_error.map(f64::from), 0.0), 0.0, 1e3),
-        (Setting::PilotClusters, settings.pilot_clusters as f64, 1.0, 65_536.0),
-        (Setting::MaxVertices, optional(settings.max_vertices.map(|v| v as f64), 3.0), 3.0, 1e8),
-        (Setting::MaxBytes, optional(settings.max_bytes.map(|v| v as f64), 1024.0), 1024.0, 1e12),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Vec3;
-    use lapidary_core::camera::Camera;
+    use lapidary_core::{camera::Camera, dataset::IndirectSettings};
 
     #[test]
     fn a_dense_mesh_gets_room_for_more_vertices() {

@@ -197,8 +197,8 @@ fn sources_are_traced_along_boundaries_and_as_good_as_one_by_one() {
     };
     let (dataset, exhaustive) = (run("a.cuts", false), run("b.cuts", true).report.indirect.unwrap());
     let verified = crate::verify(&dataset, 64);
-    assert!(verified.passed && verified.source_vertices == 64, "{verified:?}");
-    assert!(verified.source_error <= 1.02 * verified.exhaustive_source_error, "{verified:?}");
+    assert!(verified.passed && verified.sources.source_vertices == 64, "{verified:?}");
+    assert!(verified.sources.source_error <= 1.02 * verified.sources.exhaustive_source_error, "{verified:?}");
     let followed = dataset.report.indirect.unwrap();
     let audit = followed.audit.expect("an audit");
     assert!(exhaustive.audit.is_none() && exhaustive.sources_per_probe() == 1);

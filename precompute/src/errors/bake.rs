@@ -7,11 +7,7 @@ use crate::{
     setting::{Naming, Setting},
 };
 use lapidary_core::{
-    dataset::{BakeParts, DatasetError},
-    lock::LockError,
-    meshless::BasisError,
-    output::OutputError,
-    scene::MeshError,
+    dataset::DatasetError, lock::LockError, meshless::BasisError, output::OutputError, scene::MeshError,
 };
 use std::fmt;
 use thiserror::Error;
@@ -43,8 +39,10 @@ pub enum BakeError {
     Dataset(#[from] DatasetError),
     /// More memory than there is.
     Memory {
-        /// The parts of the bake.
-        mode: BakeParts,
+        /// Settings that make it smaller, beside the number of vertices.
+        sizes: Vec<Setting>,
+        /// Whether it has cuts, which are smaller with larger bounds.
+        has_cuts: bool,
         /// Estimated need in MB.
         needed: u64,
         /// Free now, in MB.
@@ -93,9 +91,9 @@ impl BakeError {
             Self::Shard(error) => error.to_string(),
             Self::Output(error) => error.to_string(),
             Self::Dataset(error) => error.to_string(),
-            Self::Memory { mode, needed, available } => format!(
+            Self::Memory { sizes, has_cuts, needed, available } => format!(
                 "the bake needs about {needed} MB of memory, {available} MB are free; {}, or close other programs",
-                memory_remedy(*mode, name)
+                memory_remedy(sizes, *has_cuts, name)
             ),
             Self::TooManyTexels { cuts, texels, limit } => {
                 let (cuts, remedy) = cuts.told(name);
@@ -122,15 +120,15 @@ impl CutsOf {
     }
 }
 
-/// Remedies that make a bake of these parts smaller.
-fn memory_remedy(parts: BakeParts, name: Naming) -> String {
-    let [vertices, levels] = [Setting::MaxVertices, Setting::Levels].map(name);
-    let has_cuts = parts.environment() || parts.sources();
-    match (has_cuts, parts.meshless()) {
-        (_, false) => format!("lower {vertices} or raise the sigmas"),
-        (false, true) => format!("lower {levels} or {vertices}"),
-        (true, true) => {
-            format!("lower {vertices} or {levels}, raise the sigmas, or leave a part out with {}", name(Setting::Mode))
+/// What makes a bake smaller that has these settings of size.
+fn memory_remedy(sizes: &[Setting], has_cuts: bool, name: Naming) -> String {
+    let vertices = name(Setting::MaxVertices);
+    let sizes = sizes.iter().copied().map(name).collect::<Vec<_>>().join(" or ");
+    match (has_cuts, sizes.is_empty()) {
+        (_, true) => format!("lower {vertices} or raise the sigmas"),
+        (false, false) => format!("lower {sizes} or {vertices}"),
+        (true, false) => {
+            format!("lower {vertices} or {sizes}, raise the sigmas, or leave a part out with {}", name(Setting::Mode))
         }
     }
 }

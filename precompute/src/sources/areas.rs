@@ -6,7 +6,7 @@ use crate::{
     errors::PointsError,
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
-    warning::Warning,
+    warning::{SourcesWarning, Warning},
 };
 use lapidary_core::{
     sources::OWNED_WITHIN,
@@ -124,12 +124,12 @@ impl<'a> Census<'a> {
 /// Warns of areas that are noise.
 fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
     let (samples, without) = (points_of.len(), points_of.iter().filter(|&&n| n == 0).count());
-    let warn = |message| observer.event(Event::Warning { message });
+    let warn = |warning| observer.event(Event::Warning { message: Warning::Sources(warning) });
     if owned < FEW * samples {
-        warn(Warning::UnevenAreas { points: owned as f32 / samples as f32 });
+        warn(SourcesWarning::UnevenAreas { points: owned as f32 / samples as f32 });
     }
     if without as f32 > WITHOUT_AREA * samples as f32 {
-        warn(Warning::WithoutArea { without, sources: samples });
+        warn(SourcesWarning::WithoutArea { without, sources: samples });
     }
 }
 

@@ -4,7 +4,7 @@ use super::candidates::Candidates;
 use crate::{
     errors::PointsError,
     observer::{Event, Observer},
-    warning::Warning,
+    warning::{BasisWarning, Warning},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -126,8 +126,8 @@ pub(super) fn levels_of_at_most(
         let placed = |points: usize| observer.event(Event::Advanced { done: (before + points) as u64 });
         let points = poisson_disk(&mut candidates, darts(level), placed)?;
         if points.len() >= most {
-            let message = Warning::UncoveredLevel { level: level + 1, points: most };
-            observer.event(Event::Warning { message });
+            let warning = BasisWarning::UncoveredLevel { level: level + 1, points: most };
+            observer.event(Event::Warning { message: Warning::Basis(warning) });
         }
         sets.push(points);
     }

@@ -1,11 +1,10 @@
 //! The meshless operator: links of some functions made again, and the light that it carries against rays.
 
+use super::Again;
 use crate::{mesh_surface::MeshSurface, meshless::transport::recompute::recompute_links};
 use glam::Vec3;
 use lapidary_core::{
-    dataset::Dataset,
     meshless::{MeshlessBake, Projection, Transport, irradiance},
-    ray::Intersector,
     sphere::{cosine_direction, frame_around},
     surfel::{Surface, Surfel},
 };
@@ -34,26 +33,41 @@ pub struct MeshlessVerification {
     pub energy: f64,
 }
 
-/// Verifies at most `count` functions; `None` without a meshless basis.
-pub(super) fn verify(dataset: &Dataset, intersector: &Intersector, count: usize) -> Option<MeshlessVerification> {
-    let bake = dataset.meshless.as_deref()?;
-    let black = |_: &_| Vec3::ZERO;
-    let surface = MeshSurface::new(&dataset.scene.mesh, intersector, &dataset.two_sided, &black);
-    let mut random = fastrand::Rng::with_seed(super::seed(dataset));
-    let picked = picked_functions(bake, count.min(FUNCTIONS), &mut random);
-    let again = recompute_links(&surface, &bake.basis, &dataset.settings.meshless, &picked);
-    let stored = rows_of(&bake.transport);
-    let differs = |(receiver, row): &&(usize, Vec<_>)| !agree(row, &stored[*receiver], bake.transport.scale());
-    let pairs = compare_light(bake, &surface, &mut random);
-    let sum = |f: &dyn Fn(&(f32, f32)) -> f32| pairs.iter().map(|pair| f64::from(f(pair))).sum::<f64>();
-    let squares = sum(&|(rays, _)| rays * rays).max(f64::MIN_POSITIVE);
-    Some(MeshlessVerification {
-        functions: again.len(),
-        different_functions: again.iter().filter(differs).count(),
-        points: pairs.len(),
-        error: (sum(&|(rays, links)| (rays - links).powi(2)) / squares).sqrt(),
-        energy: sum(&|p| p.1) / sum(&|p| p.0).max(f64::MIN_POSITIVE),
-    })
+impl MeshlessVerification {
+    /// `None` without a meshless basis.
+    pub(super) fn of(again: &Again) -> Option<Self> {
+        let bake = again.dataset.meshless.as_deref()?;
+        let (surface, mut random) = (&again.surface, again.random());
+        let picked = picked_functions(bake, again.count.min(FUNCTIONS), &mut random);
+        let links = recompute_links(surface, &bake.basis, &again.dataset.settings.meshless, &picked);
+        let stored = rows_of(&bake.transport);
+        let differs = |(receiver, row): &&(usize, Vec<_>)| !agree(row, &stored[*receiver], bake.transport.scale());
+        let pairs = compare_light(bake, surface, &mut random);
+        let sum = |f: &dyn Fn(&(f32, f32)) -> f32| pairs.iter().map(|pair| f64::from(f(pair))).sum::<f64>();
+        let squares = sum(&|(rays, _)| rays * rays).max(f64::MIN_POSITIVE);
+        Some(Self {
+            functions: links.len(),
+            different_functions: links.iter().filter(differs).count(),
+            points: pairs.len(),
+            error: (sum(&|(rays, links)| (rays - links).powi(2)) / squares).sqrt(),
+            energy: sum(&|p| p.1) / sum(&|p| p.0).max(f64::MIN_POSITIVE),
+        })
+    }
+
+    /// Whether the links agree.
+    pub(super) fn agrees(&self) -> bool {
+        self.different_functions == 0
+    }
+
+    /// In sentences, a line each.
+    pub(super) fn text(&self) -> String {
+        let Self { functions, different_functions, points, error, energy } = self;
+        format!(
+            "made the links of {functions} functions again: {different_functions} differ; a smooth light at {points} points: \
+             {:.1} % error against rays, {energy:.3} of the energy\n",
+            100.0 * error
+        )
+    }
 }
 
 /// As many of each level.
@@ -117,7 +131,7 @@ mod tests {
         verify::verify,
     };
     use lapidary_core::{
-        dataset::{BakeParts, BakeSettings, MeshlessSettings},
+        dataset::{BakeParts, BakeSettings, Dataset, MeshlessSettings},
         meshless::PackedLink,
     };
     use lapidary_interchange::image;

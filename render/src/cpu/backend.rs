@@ -12,7 +12,6 @@ use crate::{
     light::{
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
-        solver::solutions::Bounces,
     },
     post::Post,
     renderer::Renderer,
@@ -142,7 +141,7 @@ impl CpuBackend {
         let light = light_of(Some(renderer), environment, &self.local, lights);
         let sampler = PixelSampler::new(renderer, view, backdrop);
         // Without bounces no edit changes the light of other surfaces.
-        let patches = Bounces::of(&renderer.dataset).any().then(|| renderer.patches());
+        let patches = renderer.dataset.has_bounces().then(|| renderer.patches());
         let (sketch, dataset, sampling) = (&mut self.sketch, &renderer.dataset, *sampling);
         Some(AtWork { picture, sketch, sampler, patches, complete, light, dataset, sampling })
     }

@@ -7,11 +7,7 @@ use crate::{
         components::Components,
         implicit::PosedLight,
         situation::{Changes, Situation},
-        solver::{
-            BounceLight, BounceSolver,
-            rigs::Rigs,
-            solutions::{Bounces, Solution},
-        },
+        solver::{BounceLight, BounceSolver, rigs::Rigs, solutions::Solution},
     },
 };
 use lapidary_core::{lights::Light, transport::BounceEnergy};
@@ -65,7 +61,7 @@ pub struct LocalRig {
 impl LocalRig {
     /// For a dataset.
     pub fn new(baked: &Baked) -> Self {
-        let solutions = Bounces::of(&baked.dataset).solutions().into_iter();
+        let solutions = Solution::of(baked.dataset.bounces()).into_iter();
         let solvers = solutions.map(|solution| (solution, solution.solver(), Changes::ALL)).collect();
         Self { rigs: Rigs::new(baked), solvers }
     }

@@ -5,12 +5,12 @@ use crate::{terminal::Console, values};
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::{
-    dataset::{BakeParts, Dataset},
+    dataset::{BakePart, BakeParts, Dataset},
     environment::SunSettings,
     lights::{Light, LightsFile},
 };
 use lapidary_interchange::environment;
-use lapidary_render::{Bounces, Components, Illumination, Renderer, Solution, is_buried};
+use lapidary_render::{Components, Illumination, Renderer, Solution, is_buried};
 use std::path::{Path, PathBuf};
 
 /// Without an environment nothing shines from afar.
@@ -149,20 +149,17 @@ impl LocalLights {
     /// # Errors
     /// Bounced light was asked for, and the dataset has none of that kind.
     pub fn bounces_of(&self, dataset: &Dataset) -> Result<(Components, Solution)> {
-        let bounces = Bounces::of(dataset);
-        let solution = self.solution.unwrap_or(bounces.closest_to(Solution::default()).unwrap_or_default());
-        let has = bounces.solutions().contains(&solution);
+        let bounces = dataset.bounces();
+        let wanted = self.solution.or(Solution::closest_to(Solution::default(), bounces)).unwrap_or_default();
+        let missing = wanted.needs().without(bounces);
+        let has = missing == BakeParts::NONE;
         let components = self.components.unwrap_or(Components { indirect: has, ..Components::ALL });
         if !has && (components.indirect || self.solution.is_some()) {
-            match solution.needs() {
-                Bounces { meshless: false, .. } => {
-                    bail!("the dataset has no surface sources; bake it with --mode indirect")
-                }
-                Bounces { cuts: false, .. } => bail!("the dataset has no meshless basis; bake it with --mode meshless"),
-                _ => bail!("the dataset lacks surface sources or a meshless basis; bake it with --mode all"),
-            }
+            let nouns: Vec<&str> = missing.parts().map(BakePart::noun).collect();
+            let mode = wanted.needs().with(bounces);
+            bail!("the dataset has no {}; bake it with --mode {mode}", nouns.join(" and no "));
         }
-        Ok((components, solution))
+        Ok((components, wanted))
     }
 }
 

@@ -16,7 +16,7 @@ use clap::Args;
 use lapidary_core::image::Image;
 use lapidary_interchange::image;
 use lapidary_precompute::Observer;
-use lapidary_render::{Bounces, FinishedPicture, Look, RenderStats, Solution};
+use lapidary_render::{FinishedPicture, Look, RenderStats, Solution};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -118,7 +118,7 @@ fn solutions(viewed: &ViewedScene) -> Result<Vec<Solution>> {
     if viewed.local.solution.is_some() {
         return Ok(vec![viewed.local.bounces_of(&viewed.baked.dataset)?.1]);
     }
-    let solutions = Bounces::of(&viewed.baked.dataset).solutions();
+    let solutions = Solution::of(viewed.baked.dataset.bounces());
     if solutions.is_empty() {
         bail!("the dataset has no bounced light; bake it with --mode indirect, meshless or all");
     }

@@ -94,7 +94,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
             bail!("{BOUNCES_AS_BAKED}; use --kind path");
         }
         let (_, solution) = viewed.local.bounces_of(&viewed.baked.dataset)?;
-        if !solution.needs().cuts {
+        if !solution.needs().sources() {
             bail!(
                 "--kind samples shows bounced light of surface sources only; use --kind path, or bake with --mode all"
             );

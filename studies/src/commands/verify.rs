@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use clap::{Args, builder::RangedU64ValueParser};
 use lapidary_core::dataset::Dataset;
 use lapidary_interchange::image;
-use lapidary_precompute::{Verification, verify};
+use lapidary_precompute::verify;
 use std::path::PathBuf;
 
 /// Options of `verify`.
@@ -40,61 +40,11 @@ impl VerifyArgs {
         if self.json {
             print_out(&json_text(&result)?)?;
         } else {
-            print_out(&verification_text(&result))?;
+            print_out(&result.text())?;
         }
         if !result.passed {
             bail!("the dataset does not agree with its scene; bake it again ({})", self.file.display());
         }
         Ok(())
     }
-}
-
-fn verification_text(v: &Verification) -> String {
-    let mut text = String::new();
-    if v.vertices > 0 || (v.source_vertices == 0 && v.meshless.is_none()) {
-        text += &format!(
-            "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
-            v.vertices, v.rms_visibility, v.expected_rms, v.worst_rms, v.different_cuts
-        );
-        if v.leaves_wrong > 0.0 {
-            text += &format!(
-                "boundaries have missed {:.3} % of their visibility; cuts of all that was traced have an RMS of {:.4}\n",
-                100.0 * v.leaves_wrong,
-                v.exhaustive_rms
-            );
-        }
-    }
-    if v.source_vertices > 0 {
-        text += &format!(
-            "traced the sources from {} vertices again: {} cuts differ\n",
-            v.source_vertices, v.different_source_cuts
-        );
-        if v.sources_wrong > 0.0 {
-            text += &format!(
-                "boundaries have missed {:.3} % of these sources; the error of solid angles is {:.2} %, of all that was \
-                 traced {:.2} %\n",
-                100.0 * v.sources_wrong,
-                100.0 * v.source_error,
-                100.0 * v.exhaustive_source_error
-            );
-        }
-    }
-    if v.sources > 0 {
-        text += &format!(
-            "traced the environment from {} sources again: {} cuts differ\n",
-            v.sources, v.different_source_environment_cuts
-        );
-    }
-    if let Some(m) = &v.meshless {
-        text += &format!(
-            "made the links of {} functions again: {} differ; a smooth light at {} points: {:.1} % error against rays, \
-             {:.3} of the energy\n",
-            m.functions,
-            m.different_functions,
-            m.points,
-            100.0 * m.error,
-            m.energy
-        );
-    }
-    text
 }

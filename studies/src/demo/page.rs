@@ -259,7 +259,7 @@ fn bake_contents(report: &Report) -> Markup {
     let at_most = format!("on average, {} at most; 16 bits each", b.max_cut);
     let whole = format!("of {} for the whole dataset", megabytes(b.bytes_total));
     let pairs = format!("{:.0} M", b.samples_resolved as f64 / 1e6);
-    let again = format!("vertices, ray by ray; {} cuts differ", v.different_cuts);
+    let again = format!("vertices, ray by ray; {} cuts differ", v.environment.different_cuts);
     html! {
         (row("Vertices", &grouped(b.vertices as u64), &added))
         (row("Triangles", &grouped(b.triangles as u64), "after tessellation"))
@@ -269,7 +269,7 @@ fn bake_contents(report: &Report) -> Markup {
         (row("Cuts", &megabytes(b.bytes_cuts), &whole))
         (row("Pairs", &pairs, "of vertex and light"))
         (row("Buried points", &grouped(b.buried_points as u64), "lie inside other geometry and have no say"))
-        (row("Traced again", &grouped(v.vertices as u64), &again))
+        (row("Traced again", &grouped(v.environment.vertices as u64), &again))
     }
 }
 

@@ -94,7 +94,7 @@ fn what(dataset: &Dataset, look: &Look) -> String {
     if direct && !look.lights.is_empty() {
         parts.push(format!("shadow rays to {} local lights", look.lights.len()));
     }
-    match dataset.indirect.as_ref().filter(|_| look.solution.needs().cuts) {
+    match dataset.indirect.as_ref().filter(|_| look.solution.needs().sources()) {
         _ if !indirect => {}
         Some(baked) => {
             let sources = grouped(baked.sources.len() as u64);

@@ -8,7 +8,7 @@ use crate::{
 };
 use egui::{Button, RichText, Ui};
 use lapidary_core::{dataset::BakeParts, transport::BounceEnergy};
-use lapidary_render::{Bounces, Solution, ViewMode};
+use lapidary_render::{Solution, ViewMode};
 use lapidary_studies::missing_light;
 
 /// Shows switches, solo buttons and the solution.
@@ -19,11 +19,11 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
         });
     }
     match context.bounces {
-        Some(bounces) if bounces.any() => {
-            let now = bounces.closest_to(context.document.solution);
+        Some(bounces) if bounces != BakeParts::NONE => {
+            let now = Solution::closest_to(context.document.solution, bounces);
             solution(ui, bounces, context.document.solution, actions);
             bounce_energy(ui, context.energy);
-            if bounces.cuts {
+            if bounces.sources() {
                 clusters(ui, &mut state.shows_clusters, no_clusters(context.document, now));
             }
         }
@@ -48,7 +48,7 @@ fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
 fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'static str> {
     if !document.components.shows(Component::Indirect) {
         Some("Bounced light is not in the picture: switch it on above")
-    } else if solution.is_some_and(|solution| !solution.needs().cuts) {
+    } else if solution.is_some_and(|solution| !solution.needs().sources()) {
         Some("Only cuts gather light from clusters: choose another solution above")
     } else if document.view.mode != ViewMode::Shaded {
         Some("Clusters lie over the lit picture: choose the view mode Shaded")
@@ -117,9 +117,9 @@ fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSett
     })
 }
 
-fn solution(ui: &mut Ui, bounces: Bounces, wanted: Solution, actions: &mut Vec<Action>) {
-    let solutions = bounces.solutions();
-    let Some(now) = bounces.closest_to(wanted) else { return };
+fn solution(ui: &mut Ui, bounces: BakeParts, wanted: Solution, actions: &mut Vec<Action>) {
+    let solutions = Solution::of(bounces);
+    let Some(now) = Solution::closest_to(wanted, bounces) else { return };
     let choices: Vec<_> = solutions.iter().map(|&s| (s, s.label(), s.summary())).collect();
     edit_row(actions, "Bounced light by", &now, Edit::Solution, |solution| {
         combo_row(ui, "Bounced by", "How bounced light is computed.", solution, &choices)

@@ -16,12 +16,12 @@ use lapidary_core::{
     test_scenes,
     transport::BounceEnergy,
 };
-use lapidary_render::{Baked, Bounces, Solution, ViewMode};
+use lapidary_render::{Baked, Solution, ViewMode};
 
 struct Probe {
     document: Document,
     selected: Option<usize>,
-    bounces: Option<Bounces>,
+    bounces: Option<BakeParts>,
     baked: Option<BakeParts>,
     energy: Option<BounceEnergy>,
     scene: Option<Baked>,
@@ -33,7 +33,7 @@ fn light(kind: LightKind) -> Light {
     Light { name: kind.label().into(), emission: kind.emission(1.0), ..test_scenes::light() }
 }
 
-fn panel(selected: Option<usize>, bounces: Option<Bounces>) -> Harness<'static, Probe> {
+fn panel(selected: Option<usize>, bounces: Option<BakeParts>) -> Harness<'static, Probe> {
     let document = Document { lights: LightKind::ALL.map(light).into(), ..Document::empty() };
     let show = |ui: &mut Ui, probe: &mut Probe| {
         let Probe { document, selected, bounces, baked, energy, scene, panel, actions } = probe;
@@ -212,7 +212,7 @@ fn a_touch_leaves_a_large_intensity_large() {
 
 #[test]
 fn clusters_can_be_switched_where_they_show() {
-    let mut panel = panel(None, Some(Bounces { cuts: true, meshless: true }));
+    let mut panel = panel(None, Some(BakeParts::INDIRECT.with(BakeParts::MESHLESS)));
     let works = |panel: &mut Harness<Probe>| {
         panel.run();
         let before = panel.state().panel.shows_clusters;
@@ -266,7 +266,7 @@ fn solo_is_set_and_taken_back_and_switches_stay() {
 
 #[test]
 fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
-    let none = panel(None, Some(Bounces::default()));
+    let none = panel(None, Some(BakeParts::NONE));
     assert!(none.query_by_label("Bounced by").is_none());
     let mut none = none;
     let asked = click(&mut none, "Bake with bounced light");
@@ -279,20 +279,20 @@ fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     none.run();
     let asked = click(&mut none, "Bake with bounced light");
     assert!(matches!(asked[..], [Action::Bake(BakeAction::Choose(BakeParts::CUTS))]), "the environment is baked");
-    let mut both = panel(None, Some(Bounces { cuts: true, meshless: true }));
+    let mut both = panel(None, Some(BakeParts::INDIRECT.with(BakeParts::MESHLESS)));
     assert!(both.query_by_label("Bake with bounced light").is_none());
     click(&mut both, "Bounced by");
     let chosen = click(&mut both, "Cuts over meshless");
     let is_it = |a: &Action| matches!(a, Action::Edit { edit: Edit::Solution(Solution::CutsMeshless), .. });
     assert!(chosen.iter().any(is_it), "{chosen:?}");
-    let mut cuts = panel(None, Some(Bounces { cuts: true, meshless: false }));
+    let mut cuts = panel(None, Some(BakeParts::INDIRECT));
     click(&mut cuts, "Bounced by");
     assert!(cuts.query_by_label("Meshless").is_none());
 }
 
 #[test]
 fn a_bake_without_the_environment_says_so_while_it_is_wanted() {
-    let mut panel = panel(None, Some(Bounces { cuts: true, meshless: false }));
+    let mut panel = panel(None, Some(BakeParts::INDIRECT));
     let offers = |panel: &Harness<Probe>| panel.query_by_label("Bake with the environment").is_some();
     assert!(!offers(&panel), "negative control: no bake");
     panel.state_mut().baked = Some(BakeParts::INDIRECT);
@@ -309,7 +309,7 @@ fn a_bake_without_the_environment_says_so_while_it_is_wanted() {
 
 #[test]
 fn bounces_are_reported_and_missing_light_comes_with_a_remedy() {
-    let mut panel = panel(None, Some(Bounces { cuts: true, meshless: true }));
+    let mut panel = panel(None, Some(BakeParts::INDIRECT.with(BakeParts::MESHLESS)));
     let says = |panel: &Harness<Probe>, text: &str| panel.query_by_label_contains(text).is_some();
     assert!(!says(&panel, "Bounces:"));
     let mut show = |last_share, missing_share| {

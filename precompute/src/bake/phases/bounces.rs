@@ -1,8 +1,13 @@
 //! The parts of a bake that bounce light, from one viewpoint.
 
-use super::{geometry::Geometry, meshless::bake_meshless, sources::SourcePhases};
+use super::geometry::Geometry;
 use crate::{
-    bake::{checkpoint::Checkpoint, clock::Clock, settings::ResolvedBake},
+    bake::{
+        checkpoint::Checkpoint,
+        clock::Clock,
+        parts::{self, Put},
+        settings::ResolvedBake,
+    },
     errors::BakeError,
     mesh_surface::MeshSurface,
     observer::{Event, Observer},
@@ -11,15 +16,7 @@ use crate::{
     warning::Warning,
 };
 use glam::Vec3;
-use lapidary_core::{
-    camera::Camera,
-    dataset::{IndirectReport, MeshlessReport},
-    light_tree::LightTree,
-    meshless::MeshlessBake,
-    scene::Scene,
-    sources::IndirectBake,
-    surfel::Surfel,
-};
+use lapidary_core::{camera::Camera, light_tree::LightTree, scene::Scene, surfel::Surfel};
 
 /// Largest share of directions that may miss the scene around a viewpoint without a warning: in a court without a roof
 /// a third miss.
@@ -29,13 +26,16 @@ const MOST_OPEN: f32 = 0.4;
 /// bounce carries half of the first.
 const MOST_REFLECTANCE: f32 = 0.95;
 
-/// The parts that bounce light.
-#[derive(Default)]
-pub struct Bounces {
-    pub indirect: Option<IndirectBake>,
-    pub report: Option<IndirectReport>,
-    pub meshless: Option<MeshlessBake>,
-    pub meshless_report: Option<MeshlessReport>,
+/// What the parts that bounce light are baked from.
+pub struct Bouncing<'a> {
+    pub geometry: &'a Geometry,
+    pub surface: &'a MeshSurface<'a>,
+    /// See [`find_viewpoint`].
+    pub viewpoint: Vec3,
+    pub tree: &'a LightTree,
+    pub settings: &'a ResolvedBake,
+    pub tracing: Tracing<'a>,
+    pub checkpoint: &'a Checkpoint,
 }
 
 /// Bakes the parts beyond the environment.
@@ -46,25 +46,16 @@ pub fn bake_bounces(
     tracing: Tracing,
     checkpoint: &Checkpoint,
     clock: &mut Clock,
-) -> Result<Bounces, BakeError> {
-    let mut bounces = Bounces::default();
+) -> Result<Vec<Put>, BakeError> {
     if !settings.mode.bounces() {
-        return Ok(bounces);
+        return Ok(Vec::new());
     }
     // Reflectance stays out of everything baked, so that materials remain free to change.
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
-    if settings.mode.sources() {
-        let phases = SourcePhases { geometry, surface: &surface, viewpoint, tree, settings, tracing, checkpoint };
-        let (indirect, report) = phases.bake_indirect(clock)?;
-        (bounces.indirect, bounces.report) = (Some(indirect), Some(report));
-    }
-    if settings.mode.meshless() {
-        let (meshless, report) = bake_meshless(&surface, viewpoint, &settings.meshless, checkpoint, clock)?;
-        (bounces.meshless, bounces.meshless_report) = (Some(meshless), Some(report));
-    }
-    Ok(bounces)
+    let bouncing = Bouncing { geometry, surface: &surface, viewpoint, tree, settings, tracing, checkpoint };
+    parts::of(settings.mode).map(|part| part.bake(&bouncing, clock)).collect()
 }
 
 /// The viewpoint that was asked for, or the one found, preferably at a shot's camera. Warns if light is lost around it.

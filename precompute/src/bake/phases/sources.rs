@@ -5,6 +5,7 @@
 
 use super::{
     audit::audit_sources,
+    bounces::Bouncing,
     chunks::{EnvironmentCuts, SourceCuts, bake_chunks},
     fit::{TEXTURE_BYTES, fit_sources},
     geometry::Geometry,
@@ -13,47 +14,27 @@ use super::{
 };
 use crate::{
     bake::{
-        checkpoint::{Checkpoint, Places, Series},
+        checkpoint::{Places, Series},
         clock::Clock,
-        settings::ResolvedBake,
     },
     errors::{BakeError, CutsOf},
-    mesh_surface::MeshSurface,
     observer::{Event, Phase},
     sources::{
         order::order_sources,
         placement::{place_sources, placement_units},
         sampler::SourceSampler,
     },
-    vertices::{
-        points::BakePoint,
-        tracing::{ManySampler, Tracing},
-        visibility::EXHAUSTIVE,
-    },
-    warning::Warning,
+    vertices::{points::BakePoint, tracing::ManySampler, visibility::EXHAUSTIVE},
+    warning::{SourcesWarning, Warning},
 };
-use glam::Vec3;
 use lapidary_core::{
     cut::prune_sources,
     dataset::{BakeAudit, IndirectReport},
-    light_tree::LightTree,
     sources::{IndirectBake, Source},
     surfel::{Surface, Surfel},
 };
 
-/// Input of the phases.
-pub struct SourcePhases<'a> {
-    pub geometry: &'a Geometry,
-    pub surface: &'a MeshSurface<'a>,
-    pub viewpoint: Vec3,
-    pub tree: &'a LightTree,
-    pub settings: &'a ResolvedBake,
-    /// How the environment is traced.
-    pub tracing: Tracing<'a>,
-    pub checkpoint: &'a Checkpoint,
-}
-
-impl SourcePhases<'_> {
+impl Bouncing<'_> {
     /// All phases of the sources.
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let sources = self.sources(clock)?;
@@ -115,7 +96,7 @@ impl SourcePhases<'_> {
             Ok::<_, BakeError>((bake_chunks(&maker, &kept, observer)?, audit))
         })?;
         if kept.has_met_others() {
-            observer.event(Event::Warning { message: Warning::OtherSources });
+            observer.event(Event::Warning { message: Warning::Sources(SourcesWarning::Other) });
         }
         let height = cuts.height();
         let coarsened = fit_sources(&cuts, criterion, TEXTURE_BYTES, observer)?;

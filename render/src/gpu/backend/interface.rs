@@ -18,7 +18,6 @@ use crate::{
     light::{
         environment::{Illumination, SceneLighting},
         local::LocalLighting,
-        solver::solutions::Bounces,
     },
     post::Post,
     sampling::BrdfSampling,
@@ -53,7 +52,7 @@ impl Backend for GpuBackend {
         let appearance = Appearance::of(&dataset.scene);
         let (materials, _) = GpuMaterials::new(&self.gpu, &appearance, None);
         self.gpu.check()?;
-        let patches: Vec<u32> = match Bounces::of(dataset).any() {
+        let patches: Vec<u32> = match dataset.has_bounces() {
             true => baked.patches().iter().map(|&patch| patch.into()).collect(),
             false => vec![0],
         };

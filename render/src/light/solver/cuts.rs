@@ -1,14 +1,11 @@
 //! One bounce: surface sources under direct light, gathered by cuts (paper, 4.1).
 
-use super::{
-    BounceLight, BounceSolver,
-    rigs::Rigs,
-    solutions::{Bounces, Described},
-};
+use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
 use crate::light::{
     bounce::SourceLighting,
     situation::{Changes, Gathering, Situation},
 };
+use lapidary_core::dataset::BakeParts;
 use std::sync::Arc;
 
 /// Gathers the sources.
@@ -22,7 +19,7 @@ impl Described for CutsSolver {
     const SUMMARY: &'static str = "One bounce, sharp in glossy and bumped surfaces.";
     const METHOD: &'static str = "One bounce, by cuts over surface sources";
     const BOUNCES: u32 = 1;
-    const NEEDS: Bounces = Bounces { cuts: true, meshless: false };
+    const NEEDS: BakeParts = BakeParts::INDIRECT;
 }
 
 impl BounceSolver for CutsSolver {

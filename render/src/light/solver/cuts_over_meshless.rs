@@ -1,17 +1,13 @@
 //! Many bounces in the meshless basis, added to the surface sources, which cuts gather: the last bounce is as sharp as one bounce
 //! by cuts.
 
-use super::{
-    BounceLight, BounceSolver,
-    rigs::Rigs,
-    solutions::{Bounces, Described},
-};
+use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
 use crate::light::{
     bounce::SourceLighting,
     situation::{Changes, Gathering, Situation},
 };
 use glam::Vec3;
-use lapidary_core::{meshless::SolveSettings, transport::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, meshless::SolveSettings, transport::BounceEnergy};
 use std::sync::Arc;
 
 /// Gathers the sources under all bounces of the basis.
@@ -44,7 +40,7 @@ impl Described for CutsOverMeshless {
     const SUMMARY: &'static str = "Many bounces, the last one sharp in glossy and bumped surfaces.";
     const METHOD: &'static str = "Meshless bounces added to the surface sources, gathered by cuts";
     const BOUNCES: u32 = SolveSettings::DEFAULT.bounces + 1;
-    const NEEDS: Bounces = Bounces { cuts: true, meshless: true };
+    const NEEDS: BakeParts = BakeParts::INDIRECT.with(BakeParts::MESHLESS);
 }
 
 impl BounceSolver for CutsOverMeshless {

@@ -1,17 +1,13 @@
 //! The least solver: irradiance that is the same everywhere. It shows that a solver is added by its file and its line in the list
 //! of solutions, and it takes its time.
 
-use super::{
-    BounceLight, BounceSolver,
-    rigs::Rigs,
-    solutions::{Bounces, Described},
-};
+use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
 use crate::light::{
     implicit::Sides,
     situation::{Changes, Situation},
 };
 use glam::Vec3;
-use lapidary_core::transport::BounceEnergy;
+use lapidary_core::{dataset::BakeParts, transport::BounceEnergy};
 use std::sync::Arc;
 
 /// Gives all surfaces the intensities of the lights as irradiance, a half of what is missing in each step.
@@ -30,7 +26,7 @@ impl Described for Even {
     const SUMMARY: &'static str = "As much light everywhere.";
     const METHOD: &'static str = "Irradiance of the lights' intensities";
     const BOUNCES: u32 = STEPS;
-    const NEEDS: Bounces = Bounces { cuts: true, meshless: true };
+    const NEEDS: BakeParts = BakeParts::INDIRECT.with(BakeParts::MESHLESS);
 }
 
 impl BounceSolver for Even {
@@ -117,7 +113,7 @@ mod tests {
     #[test]
     fn it_is_listed_as_the_others_are_and_light_may_be_shown_before_it_is_whole() {
         let baked = Baked::from(linked_floor_and_wall());
-        assert!(Bounces::of(&baked.dataset).solutions().contains(&Solution::Even));
+        assert!(Solution::of(baked.dataset.bounces()).contains(&Solution::Even));
         assert_eq!((Solution::Even.label(), Solution::Even.bounces()), ("Even", STEPS));
         let (mut rigs, mut solver) = (Rigs::new(&baked), Solution::Even.solver());
         let situation = Situation { lights: [point_light(Vec3::ZERO, 8.0)].into(), ..Situation::unlit(&baked) };

@@ -1,15 +1,11 @@
 //! Many bounces in the meshless basis (Lehtinen et al. 2008).
 
-use super::{
-    BounceLight, BounceSolver,
-    rigs::Rigs,
-    solutions::{Bounces, Described},
-};
+use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
 use crate::light::{
     bounce::MeshlessLight,
     situation::{Changes, Situation},
 };
-use lapidary_core::{meshless::SolveSettings, transport::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, meshless::SolveSettings, transport::BounceEnergy};
 use std::sync::Arc;
 
 /// Solves in the basis.
@@ -24,7 +20,7 @@ impl Described for MeshlessSolver {
     const SUMMARY: &'static str = "Many bounces, soft: the fastest while a light moves.";
     const METHOD: &'static str = "Many bounces, in the meshless basis";
     const BOUNCES: u32 = SolveSettings::DEFAULT.bounces;
-    const NEEDS: Bounces = Bounces { cuts: false, meshless: true };
+    const NEEDS: BakeParts = BakeParts::MESHLESS;
 }
 
 impl BounceSolver for MeshlessSolver {

@@ -1,7 +1,7 @@
 //! The list of all solutions. A new one is a file beside this one, and its line here.
 
 use super::{BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver};
-use lapidary_core::dataset::Dataset;
+use lapidary_core::dataset::BakeParts;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -19,7 +19,7 @@ pub trait Described: BounceSolver + Default + 'static {
     /// Bounces between surfaces that its pictures contain.
     const BOUNCES: u32;
     /// What a dataset must have for it.
-    const NEEDS: Bounces;
+    const NEEDS: BakeParts;
 }
 
 macro_rules! solutions {
@@ -60,7 +60,7 @@ macro_rules! solutions {
             }
 
             /// What a dataset must have for it.
-            pub const fn needs(self) -> Bounces {
+            pub const fn needs(self) -> BakeParts {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::NEEDS,)* }
             }
 
@@ -80,6 +80,19 @@ solutions! {
     Even(Even) = "even",
 }
 
+impl Solution {
+    /// Those that can be chosen where these parts are baked.
+    pub fn of(baked: BakeParts) -> Vec<Self> {
+        Self::ALL.iter().copied().filter(|solution| baked.has_all(solution.needs())).collect()
+    }
+
+    /// The wanted solution, or else one that there is.
+    pub fn closest_to(wanted: Self, baked: BakeParts) -> Option<Self> {
+        let solutions = Self::of(baked);
+        solutions.iter().find(|&&s| s == wanted).or(solutions.first()).copied()
+    }
+}
+
 impl Default for Solution {
     fn default() -> Self {
         Self::ALL[0]
@@ -92,55 +105,18 @@ impl fmt::Display for Solution {
     }
 }
 
-/// The means of bounced light that a dataset has, or that a solution needs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Bounces {
-    /// Surface samples and their visibility cuts.
-    pub cuts: bool,
-    /// A meshless basis and its transport.
-    pub meshless: bool,
-}
-
-impl Bounces {
-    /// Those of a dataset.
-    pub fn of(dataset: &Dataset) -> Self {
-        Self { cuts: dataset.indirect.is_some(), meshless: dataset.meshless.is_some() }
-    }
-
-    /// Whether there are any.
-    pub fn any(self) -> bool {
-        self.cuts || self.meshless
-    }
-
-    /// Whether there is all that is needed.
-    pub fn has(self, needs: Self) -> bool {
-        (self.cuts || !needs.cuts) && (self.meshless || !needs.meshless)
-    }
-
-    /// The solutions that can be chosen.
-    pub fn solutions(self) -> Vec<Solution> {
-        Solution::ALL.iter().copied().filter(|solution| self.has(solution.needs())).collect()
-    }
-
-    /// The wanted solution, or else one that there is.
-    pub fn closest_to(self, wanted: Solution) -> Option<Solution> {
-        let solutions = self.solutions();
-        solutions.iter().find(|&&s| s == wanted).or(solutions.first()).copied()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn only_what_is_baked_can_be_chosen() {
-        let bounces = |cuts, meshless| Bounces { cuts, meshless };
-        assert!(bounces(false, false).solutions().is_empty());
-        assert_eq!(bounces(false, false).closest_to(Solution::Cuts), None);
-        assert_eq!(bounces(true, false).closest_to(Solution::CutsMeshless), Some(Solution::Cuts));
-        assert_eq!(bounces(false, true).solutions(), [Solution::Meshless]);
-        assert_eq!(bounces(true, true).closest_to(Solution::CutsMeshless), Some(Solution::CutsMeshless));
+        const BOTH: BakeParts = BakeParts::INDIRECT.with(BakeParts::MESHLESS);
+        assert!(Solution::of(BakeParts::ENVIRONMENT).is_empty());
+        assert_eq!(Solution::closest_to(Solution::Cuts, BakeParts::NONE), None);
+        assert_eq!(Solution::closest_to(Solution::CutsMeshless, BakeParts::INDIRECT), Some(Solution::Cuts));
+        assert_eq!(Solution::of(BakeParts::MESHLESS), [Solution::Meshless]);
+        assert_eq!(Solution::closest_to(Solution::CutsMeshless, BOTH), Some(Solution::CutsMeshless));
     }
 
     #[test]

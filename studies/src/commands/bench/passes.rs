@@ -9,7 +9,7 @@ use anyhow::Result;
 use clap::Args;
 use lapidary_core::lights::Light;
 use lapidary_render::{
-    Backend, BackendError, Bounces, Changes, CpuBackend, LightRig, LitScene, LocalRig, Look, Post, Situation,
+    Backend, BackendError, Changes, CpuBackend, LightRig, LitScene, LocalRig, Look, Post, Situation,
     gpu::{GpuBackend, PassTimes},
 };
 use serde::Serialize;
@@ -167,7 +167,7 @@ impl<'a> Measurement<'a> {
     /// Median milliseconds from a moved light to its bounces.
     fn light_moved(&self) -> Option<f64> {
         let Look { components, solution, lights, .. } = &self.look;
-        let bounces = components.indirect && Bounces::of(&self.viewed.baked.dataset).any();
+        let bounces = components.indirect && self.viewed.baked.dataset.has_bounces();
         if !bounces || lights.is_empty() {
             return None;
         }
