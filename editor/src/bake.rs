@@ -5,6 +5,7 @@ mod follow;
 mod ground;
 mod kept;
 pub mod panel;
+mod parts;
 mod perform;
 mod stale;
 mod state;

@@ -1,7 +1,7 @@
 //! The bake: presets with their cost, all settings, progress, and the report of the last one.
 
-mod bounces;
 mod estimate;
+pub mod histogram;
 pub mod mode;
 mod progress;
 mod report;
@@ -10,7 +10,9 @@ mod settings;
 mod tests;
 mod views;
 
-pub use estimate::SceneStats;
+#[cfg(test)]
+pub use estimate::{Estimate, test_speed};
+pub use estimate::{NODE_BYTES, SceneStats, Speed};
 pub use progress::line;
 
 use crate::{
@@ -20,7 +22,6 @@ use crate::{
     widgets::{copyable, section},
 };
 use egui::{RichText, Ui};
-use estimate::Speed;
 use lapidary_core::dataset::{BakeParts, Dataset};
 use lapidary_precompute::{BounceTrial, Leftover, Phase, Trial, resolve};
 
@@ -126,7 +127,6 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
         settings::presets(ui, context, &speed, actions);
         section(ui, "Advanced", false, |ui| {
             settings::advanced(ui, &context.document.bake, actions);
-            bounces::advanced(ui, &context.document.bake, actions);
             mode::advanced(ui, context.document.bake.mode, actions);
         });
     }

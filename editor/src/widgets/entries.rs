@@ -1,6 +1,6 @@
 //! Rows for special values: ranges over decades, counts, optional limits, long lists of choices, points.
 
-use super::{Edited, RowName, check_box, note, number_size, row, row_of, slider_width};
+use super::{Edited, RowName, check_box, note, number_size, row, row_of, slider_width, units::grouped};
 use egui::{
     Align, ComboBox, DragValue, Layout, Response, Slider, TextStyle, TextWrapMode, Ui, WidgetText, emath::Numeric,
 };
@@ -127,6 +127,24 @@ pub fn combo_row<T: PartialEq + Copy>(
         name.of(list.response).on_hover_text(help);
         Edited::at_once(*value != before)
     })
+}
+
+/// A number out of a list, which also has the present one.
+pub fn count_row(
+    ui: &mut Ui,
+    label: &str,
+    help: &str,
+    counts: impl Iterator<Item = usize>,
+    value: &mut usize,
+) -> Edited {
+    let mut counts: Vec<usize> = counts.collect();
+    if !counts.contains(value) {
+        counts.push(*value);
+    }
+    let names: Vec<String> = counts.iter().map(|&n| grouped(n as u64)).collect();
+    let choices: Vec<(usize, &str, &str)> =
+        counts.iter().zip(&names).map(|(&n, name)| (n, name.as_str(), "")).collect();
+    combo_row(ui, label, help, value, &choices)
 }
 
 /// Points that a list takes at least if it cuts none of its choices.

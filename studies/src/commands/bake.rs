@@ -4,7 +4,10 @@ mod args;
 
 pub use args::BakeArgs;
 
-use crate::terminal::{Console, Outcome};
+use crate::{
+    bake_parts,
+    terminal::{Console, Outcome},
+};
 use anyhow::Result;
 use lapidary_core::dataset::BakeReport;
 use std::path::Path;
@@ -30,43 +33,13 @@ pub fn run(args: &BakeArgs, console: Console) -> Result<Outcome> {
 
 /// Says what came of a bake or a merge.
 pub(super) fn summarize(report: &BakeReport, output: &Path, console: Console) -> Result<()> {
+    let parts: Vec<String> = bake_parts::all().filter_map(|part| part.summary(report)).collect();
     console.summary(format_args!(
         "{}: {} vertices, {}, {:.1} MB, {:.1} s",
         output.display(),
         report.vertices,
-        parts(report).join("; "),
+        parts.join("; "),
         report.bytes_total as f64 / 1e6,
         report.seconds("total").unwrap_or(0.0),
     ))
-}
-
-/// What was baked, with how fine it is.
-fn parts(report: &BakeReport) -> Vec<String> {
-    let mut parts = Vec::new();
-    if report.mode.environment() {
-        parts.push(format!("{:.0} nodes a cut, visibility RMS {:.3}", report.mean_cut, report.rms_visibility));
-    }
-    if let Some(indirect) = &report.indirect {
-        let error = 100.0 * indirect.relative_error;
-        parts.push(format!("{} sources, {:.0} nodes a cut, error {error:.1} %", indirect.sources, indirect.mean_cut));
-    }
-    if let Some(meshless) = &report.meshless {
-        parts.push(format!("{} basis functions", meshless.functions.iter().sum::<usize>()));
-    }
-    parts
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use lapidary_core::dataset::{BakeParts, IndirectReport};
-
-    #[test]
-    fn the_summary_tells_only_what_was_baked() {
-        let environment = BakeReport { mean_cut: 170.0, ..Default::default() };
-        assert_eq!(parts(&environment), ["170 nodes a cut, visibility RMS 0.000"]);
-        let sources = IndirectReport { sources: 512, mean_cut: 87.0, relative_error: 0.05, ..Default::default() };
-        let bounces = BakeReport { mode: BakeParts::INDIRECT, indirect: Some(sources), ..environment };
-        assert_eq!(parts(&bounces), ["512 sources, 87 nodes a cut, error 5.0 %"]);
-    }
 }

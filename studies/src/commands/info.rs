@@ -1,12 +1,13 @@
 //! The `info` command: what a dataset holds, or a scene that can be baked.
 
 use crate::{
+    bake_parts,
     outputs::CommandFiles,
     terminal::{json_text, print_out},
 };
 use anyhow::Result;
 use clap::Args;
-use lapidary_core::dataset::{BakeAudit, BakeSettings, Dataset, IndirectReport, MeshlessReport, sigma_text};
+use lapidary_core::dataset::Dataset;
 use lapidary_interchange::{
     formats::{FileFormat, SceneFormat},
     image,
@@ -126,17 +127,7 @@ fn info_text(dataset: &Dataset) -> String {
         let plural = if s.shots.len() == 1 { "" } else { "s" };
         text += &format!("for        {} shot{plural}\n", s.shots.len());
     }
-    if s.mode.environment() {
-        text += &format!("light tree {} samples, {:?}, beta {}\n", r.lights, s.tree, s.beta);
-        let sigma = sigma_text(r.sigma, s.criterion.sigma);
-        text += &format!("cuts       {:.1} nodes on average, {} at most, sigma {sigma}\n", r.mean_cut, r.max_cut);
-        text += &format!("error      {:.4} RMS of visibility\n", r.rms_visibility);
-        text += &r.audit.as_ref().map_or(String::new(), audit_text);
-    } else {
-        text += "cuts       not baked: the environment is dark\n";
-    }
-    text += &r.indirect.as_ref().map_or(String::new(), |indirect| indirect_text(indirect, s));
-    text += &r.meshless.as_ref().map_or(String::new(), meshless_text);
+    text.extend(bake_parts::all().map(|part| part.info(r, s)));
     text += &format!(
         "size       {:.1} MB of cuts, {:.1} MB in all\n",
         r.bytes_cuts as f64 / 1e6,
@@ -151,55 +142,4 @@ fn info_text(dataset: &Dataset) -> String {
         text += &format!("warning    {warning}\n");
     }
     text
-}
-
-fn audit_text(audit: &BakeAudit) -> String {
-    let wrong = 100.0 * audit.leaves_wrong;
-    match audit.leaves_per_probe {
-        1 => "audit      too fine for boundaries: every light was traced\n".into(),
-        lights => format!(
-            "audit      {wrong:.3} % of visibility wrong, {:.4} RMS where {:.4} is possible, over {} vertices; a probe for \
-             {lights} lights\n",
-            audit.rms_error, audit.rms_exhaustive, audit.vertices
-        ),
-    }
-}
-
-fn indirect_text(r: &IndirectReport, s: &BakeSettings) -> String {
-    let [x, y, z] = r.viewpoint;
-    let without = if r.without_area > 0 { format!(" ({} of them on none)", r.without_area) } else { String::new() };
-    let apart = if r.widest_spacing > r.radius {
-        format!("{:.3} to {:.3}", r.radius, r.widest_spacing)
-    } else {
-        format!("{:.3}", r.radius)
-    };
-    let audit = match &r.audit {
-        None => String::new(),
-        Some(audit) if audit.leaves_per_probe == 1 => ", too fine for boundaries".into(),
-        Some(audit) => format!(", {:.3} % of sources missed", 100.0 * audit.leaves_wrong),
-    };
-    format!(
-        "sources    {} on {:.1} m²{without}, {apart} m apart, reached from {x:.2}, {y:.2}, {z:.2}\n\
-         seen       {:.1} nodes on average, {} at most, sigma {}, {:.1} % error of solid angles, {:.1} MB{audit}\n",
-        r.sources,
-        r.area,
-        r.mean_cut,
-        r.max_cut,
-        sigma_text(r.criterion(s.indirect.criterion).sigma, s.indirect.criterion.sigma),
-        100.0 * r.relative_error,
-        r.bytes_cuts as f64 / 1e6
-    )
-}
-
-fn meshless_text(r: &MeshlessReport) -> String {
-    format!(
-        "meshless   {} functions on {} levels, {} of them send\n\
-         links      {}, {:.3} % of the possible ones, {:.1} MB with points\n",
-        r.functions.iter().sum::<usize>(),
-        r.functions.len(),
-        r.senders,
-        r.links,
-        100.0 * r.share,
-        (r.bytes_links + r.bytes_points) as f64 / 1e6
-    )
 }

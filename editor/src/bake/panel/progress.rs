@@ -4,11 +4,20 @@
 use super::{BakeStatus, Draft};
 use crate::{
     actions::{Action, BakeAction},
+    bake::parts::{self, Step},
     widgets::units::{duration, grouped},
 };
 use egui::{Align, Button, Grid, Layout, ProgressBar, RichText, Ui};
 use lapidary_core::dataset::BakeParts;
 use lapidary_precompute::Phase;
+
+/// The phases of any bake.
+const OF_ALL: [Step; 4] = [
+    (Phase::Import, "Reading the scene", "Geometry and materials."),
+    (Phase::Tessellate, "Refining the mesh", "Splitting triangles where shadows vary."),
+    (Phase::Tree, "Building the light tree", "Clustering directions of the environment that are alike."),
+    (Phase::Pack, "Writing the bake", "Packing it and writing the file."),
+];
 
 /// Shows a running bake, with a button to stop it.
 pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
@@ -97,35 +106,17 @@ fn steps(phase: Phase, mode: BakeParts) -> Vec<Phase> {
     Phase::ALL.into_iter().filter(|p| *p == phase || runs_in(*p, mode)).collect()
 }
 
-/// Whether a bake of this mode goes through a phase; the light tree is made for any.
+/// Whether a bake of this mode goes through a phase.
 fn runs_in(phase: Phase, mode: BakeParts) -> bool {
-    match phase {
-        Phase::Import | Phase::Tessellate | Phase::Tree | Phase::Pack => true,
-        Phase::Pilot | Phase::Visibility => mode.environment(),
-        Phase::Points | Phase::SourceTree | Phase::SourceVisibility => mode.sources(),
-        Phase::SourceEnvironment => mode.sources() && mode.environment(),
-        Phase::Basis | Phase::Transport => mode.meshless(),
-    }
+    let mut steps = OF_ALL.into_iter().chain(mode.parts().flat_map(|part| parts::of(part).steps(mode)));
+    steps.any(|(step, ..)| step == phase)
 }
 
 /// A phase's name and what it does.
 pub fn described(phase: Phase) -> (&'static str, &'static str) {
-    match phase {
-        Phase::Import => ("Reading the scene", "Geometry and materials."),
-        Phase::Tessellate => ("Refining the mesh", "Splitting triangles where shadows vary."),
-        Phase::Pilot => {
-            ("Pilot visibility", "Tracing a few vertices, by whose visibility light directions are clustered.")
-        }
-        Phase::Tree => ("Building the light tree", "Clustering directions of the environment that are alike."),
-        Phase::Visibility => ("Environment visibility", "Following what every vertex sees of the environment."),
-        Phase::Points => ("Placing surface sources", "Points that send bounced light, where light can reach."),
-        Phase::SourceTree => ("Building the source tree", "Clustering surface sources that send similar light."),
-        Phase::SourceVisibility => ("Source visibility", "Tracing every vertex against the surface sources."),
-        Phase::SourceEnvironment => ("Environment on sources", "Tracing every surface source against the environment."),
-        Phase::Basis => ("Meshless basis", "Placing the basis functions of the soft bounces."),
-        Phase::Transport => ("Meshless transport", "Tracing light between the basis functions."),
-        Phase::Pack => ("Writing the bake", "Packing it and writing the file."),
-    }
+    let mut steps = OF_ALL.into_iter().chain(parts::all().flat_map(|part| part.steps(BakeParts::ALL)));
+    let step = steps.find(|(step, ..)| *step == phase);
+    step.map_or((phase.name(), ""), |(_, name, help)| (name, help))
 }
 
 #[cfg(test)]
@@ -160,6 +151,7 @@ mod tests {
         assert_eq!(modes.map(phases), [6, 7, 10, 6, 12]);
         let names: std::collections::BTreeSet<_> = Phase::ALL.map(|p| described(p).0).into();
         assert_eq!(names.len(), Phase::ALL.len());
+        assert!(Phase::ALL.iter().all(|phase| !described(*phase).1.is_empty()), "each has words");
         assert!(!runs_in(Phase::Points, BakeParts::ENVIRONMENT) && !runs_in(Phase::Visibility, BakeParts::INDIRECT));
     }
 }

@@ -1,17 +1,16 @@
 //! What the last bake did: a table, the sizes of its cuts, and what it remarked.
 
 use super::progress::described;
-use crate::widgets::{
-    copyable,
-    units::{bytes, duration, grouped},
+use crate::{
+    bake::parts::{self, count},
+    widgets::{
+        copyable,
+        units::{bytes, duration},
+    },
 };
 use egui::{Grid, RichText, Ui};
-use egui_plot::{Bar, BarChart, Plot};
-use lapidary_core::dataset::{BakeAudit, BakeReport, BakeRun, BakeSettings, sigma_text};
+use lapidary_core::dataset::{BakeReport, BakeSettings};
 use lapidary_precompute::Phase;
-
-/// Height of the histogram in points.
-const PLOT_HEIGHT: f32 = 110.0;
 
 /// Shows the report of a bake with these settings.
 pub fn show(ui: &mut Ui, report: &BakeReport, settings: &BakeSettings) {
@@ -22,11 +21,7 @@ pub fn show(ui: &mut Ui, report: &BakeReport, settings: &BakeSettings) {
             ui.end_row();
         }
     });
-    if report.mode.environment() && report.cut_size_histogram.iter().any(|count| *count > 0) {
-        ui.add_space(4.0);
-        ui.label(RichText::new("Nodes of the visibility cuts").weak());
-        histogram(ui, &report.cut_size_histogram);
-    }
+    parts::all().for_each(|part| part.diagram(ui, report));
     for warning in &report.warnings {
         copyable(ui, RichText::new(warning).color(ui.visuals().warn_fg_color));
     }
@@ -38,10 +33,7 @@ fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
         ("Vertices", format!("{} ({} points)", count(report.vertices), count(report.bake_points))),
         ("Triangles", count(report.triangles)),
     ];
-    if report.mode.environment() {
-        rows.extend(environment_rows(report, settings));
-    }
-    rows.extend(bounce_rows(report, settings));
+    rows.extend(parts::all().flat_map(|part| part.rows(report, settings)));
     rows.push(("File", bytes(report.bytes_total)));
     if let Some(run) = &report.run {
         rows.push(("Peak memory", bytes(run.peak_memory_bytes)));
@@ -57,109 +49,11 @@ fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
     rows
 }
 
-fn count(n: usize) -> String {
-    grouped(n as u64)
-}
-
-/// What was baked of distant light.
-fn environment_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'static str, String)> {
-    let mut rows = vec![
-        ("Lights", count(report.lights)),
-        ("Mean cut", format!("{:.1} nodes", report.mean_cut)),
-        ("Largest cut", format!("{} nodes", count(report.max_cut))),
-        ("Sigma", sigma_text(report.sigma, settings.criterion.sigma)),
-        ("Visibility error", format!("{:.4} RMS", report.rms_visibility)),
-        ("Cuts", bytes(report.bytes_cuts)),
-    ];
-    if let Some(audit) = &report.audit {
-        rows.extend([
-            ("Audit, error", format!("{:.4} RMS", audit.rms_error)),
-            ("Audit, missed", missed(audit, "lights")),
-        ]);
-    }
-    let speed = |run: &BakeRun| ("Speed", format!("{:.1} M pairs/s", run.samples_per_second / 1e6));
-    rows.extend(report.run.as_ref().map(speed));
-    rows
-}
-
-/// How much of the lights or sources following boundaries has missed.
-fn missed(audit: &BakeAudit, leaves: &str) -> String {
-    match audit.leaves_per_probe {
-        1 => "none, all traced".into(),
-        _ => format!("{:.3} % of {leaves}", 100.0 * audit.leaves_wrong),
-    }
-}
-
-/// What was baked of bounced light.
-fn bounce_rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(&'static str, String)> {
-    let mut rows = Vec::new();
-    if let Some(indirect) = &report.indirect {
-        let asked = settings.indirect.criterion;
-        rows.extend([
-            ("Sources", count(indirect.sources)),
-            ("Mean source cut", format!("{:.1} nodes", indirect.mean_cut)),
-            ("Source sigma", sigma_text(indirect.criterion(asked).sigma, asked.sigma)),
-            ("Bounce error", format!("{:.1} %", 100.0 * indirect.relative_error)),
-            ("Source cuts", bytes(indirect.bytes_cuts)),
-        ]);
-        rows.extend(indirect.audit.iter().map(|audit| ("Sources missed", missed(audit, "sources"))));
-    }
-    if let Some(meshless) = &report.meshless {
-        rows.extend([
-            ("Basis", format!("{} functions", count(meshless.functions.iter().sum()))),
-            ("Basis links", format!("{} ({})", count(meshless.links), bytes(meshless.bytes_links))),
-        ]);
-    }
-    rows
-}
-
-/// Bars over the powers of two; the pointer tells the range and the number of bake points.
-fn histogram(ui: &mut Ui, counts: &[u64]) {
-    let bars = counts.iter().enumerate().map(|(i, &n)| Bar::new(i as f64, n as f64).width(0.9).name(bar_text(i, n)));
-    let chart = BarChart::new("Bake points", bars.collect()).element_formatter(Box::new(|bar, _| bar.name.clone()));
-    let chart = chart.color(ui.visuals().selection.bg_fill);
-    let plot = Plot::new("cut sizes")
-        .height(PLOT_HEIGHT)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .allow_axis_zoom_drag(false)
-        .show_grid([false, true])
-        .show_axes([true, false])
-        .x_grid_spacer(|input| {
-            let (first, last) = (input.bounds.0.ceil() as i64, input.bounds.1.floor() as i64);
-            let mark = |i: i64| egui_plot::GridMark { value: i as f64, step_size: 1.0 };
-            (first..=last.min(first + 64)).map(mark).collect()
-        })
-        .x_axis_formatter(|mark, _| power_of_two(mark.value));
-    plot.show(ui, |plot| plot.bar_chart(chart));
-}
-
-/// The label under a bar: its smallest cut.
-fn power_of_two(exponent: f64) -> String {
-    if (0.0..=20.0).contains(&exponent) { format!("{}", 1_u64 << exponent as u32) } else { String::new() }
-}
-
-fn bar_text(index: usize, points: u64) -> String {
-    let low = 1_u64 << index.min(40);
-    let range = if low == 1 { "1 node".into() } else { format!("{low} to {} nodes", 2 * low - 1) };
-    format!("{range}: {} points", grouped(points))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::dataset::{BakeParts, IndirectReport};
+    use lapidary_core::dataset::{BakeAudit, BakeParts, BakeRun, IndirectReport};
     use lapidary_precompute::Preset;
-
-    #[test]
-    fn bars_name_their_range() {
-        assert_eq!(bar_text(0, 5), "1 node: 5 points");
-        assert_eq!(bar_text(4, 12_345), "16 to 31 nodes: 12,345 points");
-        assert_eq!([0.0, 7.0, -1.0].map(power_of_two), ["1", "128", ""]);
-    }
 
     #[test]
     fn the_table_has_units_and_only_phases_that_ran() {
@@ -189,7 +83,7 @@ mod tests {
         assert_eq!(audited(1), ["0.0800 RMS", "none, all traced"]);
         let sources = |audit| {
             let indirect = Some(IndirectReport { audit, ..Default::default() });
-            let rows = bounce_rows(&BakeReport { indirect, ..report.clone() }, &Preset::Normal.settings());
+            let rows = self::rows(&BakeReport { indirect, ..report.clone() }, &Preset::Normal.settings());
             rows.into_iter().find(|(name, _)| *name == "Sources missed").map(|(_, value)| value)
         };
         let found = BakeAudit { leaves_per_probe: 8, leaves_wrong: 2e-3, ..Default::default() };

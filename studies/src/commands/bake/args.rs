@@ -2,18 +2,17 @@
 
 use crate::{
     args::{OutsideArgs, ShotOption, choices},
+    bake_parts::{self, PartOptions},
     outputs::CommandFiles,
     terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
-    values::{self, place},
+    values,
 };
 use anyhow::{Context, Error, Result};
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
-use glam::Vec3;
 use lapidary_core::{
     animation::{BoundAnimation, ClipTime, Playback},
     dataset::{BakeParts, BakeReport, BakeSettings},
     ground::Ground,
-    light_tree::TreeKind,
     ray::RayDevices,
     scene::{Scene, pose::Poses},
 };
@@ -92,65 +91,12 @@ pub struct BakeArgs {
     /// environment,indirect; all stands for all three
     #[arg(long, value_name = "PARTS", default_value_t)]
     pub mode: BakeParts,
-    /// Number of surface sources: a power of two up to 32768 [default: that of the preset]
-    #[arg(long, value_name = "N")]
-    pub sources: Option<usize>,
-    /// Error bound of a cluster of sources: split while |C| var > sigma², in units of a source's share of the
-    /// hemisphere; 0 to 1000, smaller is finer [default: 2]
-    #[arg(long, value_name = "S")]
-    pub source_sigma: Option<f32>,
-    /// Bounced light is baked for one enclosed space: that around this point, in meters. Surfaces that light from
-    /// there cannot reach get no sources [default: the space chosen from shots, cameras and lights, else the largest
-    /// found]
-    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
-    pub viewpoint: Option<Vec3>,
-    /// Levels of the meshless basis, 1 to 8 [default: that of the preset]
-    #[arg(long, value_name = "L")]
-    pub levels: Option<usize>,
-    /// First levels of the meshless basis that send light [default: that of the preset: 4, draft 3]
-    #[arg(long, value_name = "L")]
-    pub sender_levels: Option<usize>,
-    /// Distance between the coarsest points of the meshless basis in meters, at least 1/10000 of the scene's diagonal
-    /// [default: one that gives about 300 points]
-    #[arg(long, value_name = "R")]
-    pub coarse_radius: Option<f32>,
-    /// Rays by which each point of the meshless basis gathers light, 16 to 65536 [default: that of the preset]
-    #[arg(long, value_name = "N")]
-    pub gather_rays: Option<usize>,
-    /// Smallest link between functions of the meshless basis that is kept, as a share of the light of a sender of
-    /// reflectance 0.38; 0 to 1, smaller is finer [default: 0.025]
-    #[arg(long, value_name = "E")]
-    pub epsilon: Option<f32>,
-    /// Light samples of the environment: a power of two up to 32768 [default: that of the preset]
-    #[arg(long, value_name = "N")]
-    pub lights: Option<usize>,
-    /// Metric that clusters the light tree [default: mixed]
-    #[arg(long, value_parser = choices::tree_kind())]
-    pub tree: Option<TreeKind>,
-    /// Weight of the geometric metric in a mixed tree, 0 to 1 [default: 0.5]
-    #[arg(long, value_name = "B")]
-    pub beta: Option<f32>,
-    /// Error bound of a cluster of lights: split while |C| var > sigma² (Eq. 5); 0 to 1000, usually 1.5 to 3, smaller
-    /// is finer [default: that of the preset]
-    #[arg(long, value_name = "S")]
-    pub sigma: Option<f32>,
-    /// Most nodes in the cut of one vertex, 1 or more [default: no limit]
-    #[arg(long, value_name = "K")]
-    pub max_cut: Option<u32>,
-    /// Bound the error of each whole cut instead of each cluster, 0 to 1000 [default: off]
-    #[arg(long, value_name = "E")]
-    pub total_error: Option<f32>,
-    /// Most bytes for the vertices' cuts over the environment, 1024 or more; cuts are coarsened until they fit. The
-    /// limit leaves out surface sources and the meshless basis [default: no limit]
-    #[arg(long, value_name = "BYTES")]
-    pub max_bytes: Option<u64>,
+    #[command(flatten)]
+    parts: PartOptions,
     /// Trace every light and surface source from every vertex. Otherwise boundaries of visibility are followed, and an
     /// audit of one vertex in a hundred keeps the error within 1 % of an exhaustive bake's
     #[arg(long)]
     pub exhaustive: bool,
-    /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
-    #[arg(long, value_name = "M")]
-    pub pilot_clusters: Option<usize>,
     /// A ground under the scene, which renderings show unless they are told otherwise; it takes up to a fifth more vertices
     /// [default: shadow under a lone object; off where the scene has a floor, and with a meshless basis]
     #[arg(long, value_parser = choices::ground())]
@@ -204,25 +150,10 @@ pub struct BakeArgs {
 impl BakeArgs {
     fn settings(&self) -> BakeSettings {
         let mut s = self.preset.settings();
-        s.lights = self.lights.unwrap_or(s.lights);
-        s.tree = self.tree.unwrap_or(s.tree);
-        s.beta = self.beta.unwrap_or(s.beta);
-        s.criterion.sigma = self.sigma.unwrap_or(s.criterion.sigma);
-        s.criterion.max_nodes = self.max_cut.unwrap_or(s.criterion.max_nodes);
-        s.criterion.total_error = self.total_error.or(s.criterion.total_error);
-        s.max_bytes = self.max_bytes.or(s.max_bytes);
+        self.parts.apply(&mut s);
         s.exhaustive = self.exhaustive;
         s.even_vertices = self.even_vertices;
-        s.pilot_clusters = self.pilot_clusters.unwrap_or(s.pilot_clusters);
         s.mode = self.mode;
-        s.indirect.sources = self.sources.unwrap_or(s.indirect.sources);
-        s.indirect.criterion.sigma = self.source_sigma.unwrap_or(s.indirect.criterion.sigma);
-        s.indirect.viewpoint = self.viewpoint.or(s.indirect.viewpoint);
-        s.meshless.levels = self.levels.unwrap_or(s.meshless.levels);
-        s.meshless.sender_levels = self.sender_levels.unwrap_or(s.meshless.sender_levels.min(s.meshless.levels));
-        s.meshless.coarse_radius = self.coarse_radius.or(s.meshless.coarse_radius);
-        s.meshless.rays = self.gather_rays.unwrap_or(s.meshless.rays);
-        s.meshless.epsilon = self.epsilon.unwrap_or(s.meshless.epsilon);
         s.ground = self.ground.unwrap_or(s.ground);
         s.max_vertices = if self.no_tessellate { None } else { self.max_vertices.or(s.max_vertices) };
         s
@@ -268,8 +199,8 @@ impl BakeArgs {
             settings = settings.with_room_for(vertices);
         }
         if self.ground.is_none() {
-            // The basis would spread over all of a ground, and be coarse on what stands on it.
-            let ground = if settings.mode.meshless() { Ground::Off } else { Ground::suiting(&imported.scene.mesh) };
+            let suits = settings.mode.parts().all(|part| bake_parts::of(part).suits_a_ground());
+            let ground = if suits { Ground::suiting(&imported.scene.mesh) } else { Ground::Off };
             settings = settings.with_ground(ground);
         }
         let poses = self.pose.as_deref().map(|path| Poses::read(path, &imported.scene)).transpose()?;
