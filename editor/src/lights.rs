@@ -8,7 +8,6 @@ pub use panel::{LightsPanel, add_menu};
 
 use crate::{actions::Action, picture::Picture, workspace::Workspace};
 use egui::Ui;
-use lapidary_core::dataset::BakeParts;
 use lapidary_core::lights::Light;
 use panel::LightsContext;
 

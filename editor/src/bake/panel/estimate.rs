@@ -90,18 +90,18 @@ pub fn test_speed(report: Option<&BakeReport>) -> Speed<'_> {
 mod tests {
     use super::{test_speed as speed, *};
     use lapidary_core::dataset::BakeParts;
-    use lapidary_precompute::Preset;
+    use lapidary_precompute::{BasisTrial, Preset, SourcesTrial};
 
     #[test]
     fn a_trial_of_the_bounces_tells_what_they_take() {
-        let trial = BounceTrial {
+        let sources = SourcesTrial {
             sources: 1024,
             core_secs_per_source: 6e-4,
             core_secs_per_point: 3e-4,
             mean_cut: (85.0, 2.0),
-            functions: 1276,
-            core_secs_per_gather_ray: 2e-6,
         };
+        let basis = BasisTrial { functions: 1276, core_secs_per_gather_ray: 2e-6 };
+        let trial = BounceTrial { sources, basis };
         let of = |mode, bounces| {
             let speed = Speed { bounces, ..speed(None) };
             let settings = BakeSettings { mode, max_vertices: None, ..Preset::Normal.settings() };

@@ -11,7 +11,7 @@ use crate::{
 };
 use egui::Ui;
 use lapidary_core::dataset::{BakeParts, BakeReport, BakeSettings, MeshlessSettings};
-use lapidary_precompute::Phase;
+use lapidary_precompute::{BounceTrial, Phase};
 
 /// Levels of the basis at most.
 const MOST_LEVELS: usize = 8;
@@ -74,7 +74,7 @@ impl PartOfPanel for Meshless {
         let settings = &settings.meshless;
         let (core_secs, bytes, measured_levels) = MESHLESS;
         let share = 4_f64.powf(settings.levels as f64 - measured_levels as f64);
-        let core_secs = speed.bounces.map_or(share * core_secs, |trial| {
+        let core_secs = speed.bounces.map_or(share * core_secs, |BounceTrial { basis: trial, .. }| {
             let receivers = trial.functions as f64 * gathering(settings.levels);
             OF_WHOLE_BASIS * receivers * settings.rays as f64 * trial.core_secs_per_gather_ray
         });

@@ -95,7 +95,7 @@ impl PartOfPanel for Sources {
         // Their tree has a pilot of its own, unless it is by place alone.
         let has_pilot = settings.tree != TreeKind::Geometric;
         let pilot = if has_pilot { environment::pilot_points(settings, vertices) } else { 0.0 };
-        let placing = speed.bounces.map_or(PLACING, |trial| trial.core_secs_per_source) / speed.cores as f64;
+        let placing = speed.bounces.map_or(PLACING, |trial| trial.sources.core_secs_per_source) / speed.cores as f64;
         let secs = (vertices + pilot) * per_point + sources * placing + own_secs;
         let nodes = vertices * cut_size(speed, &settings.indirect) + sources * own_nodes;
         Cost { secs, bytes: nodes * NODE_BYTES + sources * SOURCE_BYTES }
@@ -119,7 +119,9 @@ impl PartOfPanel for Sources {
 /// (vertex, source) pairs a second along boundaries, and the sources that it came from.
 fn pairs_per_second(speed: &Speed) -> (f64, usize) {
     let cores = speed.cores as f64;
-    let of_trial = |trial: BounceTrial| (cores * trial.sources as f64 / trial.core_secs_per_point, trial.sources);
+    let of_trial = |BounceTrial { sources: trial, .. }: BounceTrial| {
+        (cores * trial.sources as f64 / trial.core_secs_per_point, trial.sources)
+    };
     let measured = speed.last.and_then(|(report, _)| measured_pairs_per_second(report));
     let (rate, at) = SOURCE_PAIRS_PER_SECOND_AND_CORE;
     measured.or(speed.bounces.map(of_trial)).unwrap_or((rate * cores, at))
@@ -145,7 +147,8 @@ fn cut_size(speed: &Speed, settings: &IndirectSettings) -> f64 {
 /// A mean cut over sources, and the sources and sigma that it came from.
 fn mean_cut(speed: &Speed) -> (f64, usize, f32) {
     let measured = speed.last.and_then(|(report, settings)| measured_cut(report, settings));
-    let of_trial = speed.bounces.map(|trial| (trial.mean_cut.0, trial.sources, trial.mean_cut.1));
+    let of_trial =
+        speed.bounces.map(|BounceTrial { sources: trial, .. }| (trial.mean_cut.0, trial.sources, trial.mean_cut.1));
     measured.or(of_trial).unwrap_or((MEAN_SOURCE_CUT, MEAN_SOURCE_CUT_AT.0, MEAN_SOURCE_CUT_AT.1))
 }
 
