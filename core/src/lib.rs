@@ -37,7 +37,7 @@
 //! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
-//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`color`] (luminance, sRGB), [`input`] (reading of files that a
+//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`sparse`] (matrices of weights), [`color`] (luminance, sRGB), [`input`] (reading of files that a
 //! user gave), [`output`] (what may be written, and files that are replaced whole), [`lock`] (one writer at a time), [`memory`]
 //! (what is free).
 
@@ -69,6 +69,7 @@ pub mod scene;
 pub mod shot;
 pub mod simd;
 pub mod sources;
+pub mod sparse;
 pub mod sphere;
 pub mod surfel;
 #[cfg(any(test, feature = "test-scenes"))]

@@ -18,7 +18,6 @@ mod grid;
 mod projection;
 mod sampling;
 mod solve;
-mod sparse;
 mod transport;
 
 pub use basis::{Basis, BasisError, MOST_LEVELS};
@@ -27,7 +26,6 @@ pub use grid::{Cell, FunctionGrid};
 pub use projection::Projection;
 pub use sampling::SenderSamples;
 pub use solve::{Solution, SolveSettings, Solver};
-pub use sparse::SparseRows;
 pub use transport::{PackedLink, Transport, TransportError, irradiance};
 
 /// A baked basis and its operator. Neither depends on reflectance.

@@ -1,11 +1,11 @@
 //! A bake in small: a few points of a scene, traced as a bake traces them, tell what the whole will take before it begins.
 
-mod basis;
 mod bounces;
+mod meshless;
 mod sources;
 
-pub use basis::BasisTrial;
 pub use bounces::BounceTrial;
+pub use meshless::BasisTrial;
 pub use sources::SourcesTrial;
 
 use crate::{

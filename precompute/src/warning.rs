@@ -1,9 +1,9 @@
 //! What a bake repaired, left out, or changed against its settings.
 
-mod basis;
+mod meshless;
 mod sources;
 
-pub use basis::BasisWarning;
+pub use meshless::BasisWarning;
 pub use sources::SourcesWarning;
 
 use crate::setting::{Naming, Setting};

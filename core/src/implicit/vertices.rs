@@ -8,7 +8,7 @@ use crate::{
         disc_forest::DiscForest,
         forest::{nodes::Disc, quadtrees::Slot},
     },
-    meshless::SparseRows,
+    sparse::SparseRows,
     surfel::distance::{alignment, kernel, same_layer, squashed_distance},
     transport::Coefficient,
 };

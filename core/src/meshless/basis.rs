@@ -1,7 +1,7 @@
 //! Hierarchical basis functions around scattered surface points (meshless paper, 2.1 and 2.2).
 
-use super::{grid::FunctionGrid, sparse::SparseRows};
-use crate::{bounds::is_within_reach, mesh::is_unit, surfel::Surfel, transport::Coefficient};
+use super::grid::FunctionGrid;
+use crate::{bounds::is_within_reach, mesh::is_unit, sparse::SparseRows, surfel::Surfel, transport::Coefficient};
 use glam::Vec3;
 use std::{
     fmt,

@@ -2,8 +2,8 @@
 //!
 //! The points are the vertices of a mesh for display, or the sources whose cuts gather the last bounce.
 
-use super::{basis::Basis, sparse::SparseRows, transport::Transport};
-use crate::transport::Coefficient;
+use super::{basis::Basis, transport::Transport};
+use crate::{sparse::SparseRows, transport::Coefficient};
 use glam::Vec3;
 use rayon::prelude::*;
 

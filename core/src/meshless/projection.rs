@@ -1,7 +1,7 @@
 //! Coefficients of a function that was sampled at the points of the basis (meshless paper, 2.1 and 2.4).
 
-use super::{basis::Basis, sparse::SparseRows};
-use crate::transport::Coefficient;
+use super::basis::Basis;
+use crate::{sparse::SparseRows, transport::Coefficient};
 use rayon::prelude::*;
 use std::ops::Range;
 

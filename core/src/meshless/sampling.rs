@@ -12,9 +12,9 @@ use super::{
     basis::Basis,
     projection::Projection,
     solve::{Solver, usable, usable_reflectance},
-    sparse::SparseRows,
 };
 use crate::{
+    sparse::SparseRows,
     sphere::{GOLDEN_TURN, cosine_direction, frame_around},
     surfel::{Surface, Surfel},
 };

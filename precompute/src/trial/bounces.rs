@@ -1,6 +1,6 @@
 //! The parts that bounce light, in small.
 
-use super::{Tried, basis::BasisTrial, sources::SourcesTrial, tried};
+use super::{Tried, meshless::BasisTrial, sources::SourcesTrial, tried};
 use crate::{
     errors::BakeError, mesh_surface::MeshSurface, sources::viewpoint::find_viewpoint, vertices::sidedness::classify,
 };

@@ -3,7 +3,8 @@
 use super::gather::Row;
 use glam::Vec3;
 use lapidary_core::{
-    meshless::{Basis, Projection, SparseRows},
+    meshless::{Basis, Projection},
+    sparse::SparseRows,
     surfel::Surfel,
 };
 use rayon::prelude::*;
