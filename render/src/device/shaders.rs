@@ -19,6 +19,8 @@ macro_rules! parts {
 
 parts!(
     "brdf",
+    "brdf_dispatch",
+    "brdf_written",
     "bumps",
     "camera",
     "color",
@@ -123,8 +125,17 @@ impl ShaderSource {
         Ok(texts?.join("\n"))
     }
 
+    /// Texts in which the models of a scene are filled: the dispatch to them, and what one has that a user wrote.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn templates(&self) -> std::io::Result<[Cow<'static, str>; 2]> {
+        Ok([self.part("brdf_dispatch")?, self.part("brdf_written")?])
+    }
+
     fn models(&self, models: &ModelSet) -> std::io::Result<String> {
-        let mut text = models.text();
+        let [dispatch, written] = self.templates()?;
+        let mut text = models.text([&dispatch, &written]);
         for &model in models.models() {
             match self {
                 Self::Embedded => text += model.wgsl(),

@@ -87,7 +87,7 @@ pub const MARKS: Entry = Entry {
     ..Entry::new("marks_pass", [&[], &["fullscreen", "scene", "marks_pass"]])
 };
 
-/// The merge of cuts. Twin of `merge` in render/src/shade/merge.rs. Its variants are those of
+/// The merge of cuts. Twin of `Shader` in render/src/shade/merge.rs. Its variants are those of
 /// [`MergeVariant`](super::passes::MergeVariant).
 pub const MERGE: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Light::LAYOUT, Shading::LAYOUT],
@@ -130,14 +130,14 @@ pub const DIRECT: Entry = Entry {
     ..Entry::new("direct_pass", [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]])
 };
 
-/// Bounced light of the meshless basis, and that of vertices. Twin of `MeshlessLight::at` in render/src/light/bounce.rs.
+/// Bounced light of the meshless basis, and that of vertices. Twin of `MeshlessLight::at` in render/src/light/bounce/functions.rs.
 pub const MESHLESS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Basis::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,
     ..Entry::new("meshless_pass", [SHADING, &["color", "posed", "meshless_pass"]])
 };
 
-/// What an edit leaves of the pixels. Twin of `Picture::keep` in render/src/cpu/picture.rs.
+/// What an edit leaves of the pixels. Twin of `Picture::forget` in render/src/cpu/picture.rs.
 pub const KEEP: Entry = Entry {
     groups: &[Kept::LAYOUT],
     targets: &format::SUMS,

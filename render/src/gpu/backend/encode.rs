@@ -1,8 +1,11 @@
 //! The passes of a picture as commands.
 
-use super::progress::{Progress, SumState};
+use super::{
+    pipelines::Pipelines,
+    progress::{Progress, SumState},
+};
 use crate::{
-    device::{GpuDevice, layout, uniform},
+    device::{layout, uniform},
     gpu::{
         groups::Kept,
         passes::{PartPass, Passes},
@@ -104,11 +107,12 @@ impl Progress {
     /// that those of the added lights become part of the direct light.
     pub fn encode_kept(
         &mut self,
-        (gpu, passes): (&GpuDevice, &Passes),
+        pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
         pixels: impl Fn(Part) -> Pixels,
         merges_added: bool,
     ) {
+        let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let (targets, &SumState { front, marks_front, .. }) = (self.targets(), self.state());
         for part in Part::ALL {
             let Some(sums) = &targets.parts[part as usize] else { continue };

@@ -1,13 +1,12 @@
 //! What is kept of a picture for one from another camera. Twin of `cpu/sketch/history.rs`.
 
-use super::{GpuBackend, encode::full_screen, picture::Picture, progress::Progress};
+use super::{GpuBackend, encode::full_screen, picture::Picture, pipelines::Pipelines, progress::Progress};
 use crate::{
     backend::Backend,
     device::{GpuDevice, layout::PastUniforms, uniform},
     error::BackendError,
     gpu::{
         groups::{Added, Past},
-        passes::Passes,
         targets::{Sums, Target, format, target},
     },
     stale::Part,
@@ -55,9 +54,8 @@ impl GpuBackend {
             self.fill(0)?;
         }
         let Self { pipelines, progress, .. } = self;
-        let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
-        progress.make_history(gpu);
-        pipelines.submit(|encoder| progress.encode_history(gpu, passes, encoder))
+        progress.make_history(pipelines.gpu());
+        pipelines.submit(|encoder| progress.encode_history(pipelines, encoder))
     }
 }
 
@@ -80,8 +78,9 @@ impl Progress {
         self.history = Some(History { size, past, parts, predicted, predicted_size, is_predicted: true });
     }
 
-    fn encode_history(&self, gpu: &GpuDevice, passes: &Passes, encoder: &mut wgpu::CommandEncoder) {
+    fn encode_history(&self, pipelines: &Pipelines, encoder: &mut wgpu::CommandEncoder) {
         let Some(history) = &self.history else { return };
+        let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let (groups, targets, shown) = (&self.picture().groups, self.targets(), self.shown());
         for part in Part::ALL {
             let bound = history.parts[part as usize].as_ref().zip(groups.sums[part as usize].as_ref());
@@ -102,8 +101,9 @@ impl Progress {
     }
 
     /// Finds the pixels of the picture in the last one.
-    pub fn encode_predicted(&self, gpu: &GpuDevice, passes: &Passes, encoder: &mut wgpu::CommandEncoder) {
+    pub fn encode_predicted(&self, pipelines: &Pipelines, encoder: &mut wgpu::CommandEncoder) {
         let Some(history) = &self.history else { return };
+        let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let uniforms = &uniform(gpu, "past", bytemuck::bytes_of(&history.past));
         let (groups, front) = (&self.picture().groups, self.state().front);
         for part in Part::ALL {

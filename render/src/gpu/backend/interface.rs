@@ -148,8 +148,7 @@ impl Backend for GpuBackend {
         self.progress.state = Some(state);
         let Self { pipelines, progress, .. } = self;
         let (pixels, merges_added) = (|part| step.forgets(stale, part), step == DirectStep::MergeAndAdd);
-        let of = (pipelines.gpu(), &pipelines.passes);
-        pipelines.submit(|encoder| progress.encode_kept(of, encoder, pixels, merges_added))
+        pipelines.submit(|encoder| progress.encode_kept(pipelines, encoder, pixels, merges_added))
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
@@ -209,7 +208,7 @@ impl Backend for GpuBackend {
         let is_unpredicted = progress.take_unpredicted();
         pipelines.submit(|encoder| {
             if is_unpredicted {
-                progress.encode_predicted(pipelines.gpu(), &pipelines.passes, encoder);
+                progress.encode_predicted(pipelines, encoder);
             }
             progress.encode_sketch(&pipelines.passes, encoder, stride, &areas);
         })?;
@@ -275,7 +274,7 @@ impl GpuBackend {
     /// Uniforms of a sample, for every `stride`th pixel of every `stride`th row.
     fn write_frame(&self, sample: u32, stride: u32) {
         let uniforms = self.shown.frame(self.progress.picture(), sample, stride);
-        let Pipelines { uniforms: buffers, .. } = &self.pipelines;
-        self.pipelines.gpu().queue.write_buffer(&buffers.frame, 0, bytemuck::bytes_of(&uniforms));
+        let Pipelines { device, uniforms: buffers, .. } = &self.pipelines;
+        device.gpu.queue.write_buffer(&buffers.frame, 0, bytemuck::bytes_of(&uniforms));
     }
 }
