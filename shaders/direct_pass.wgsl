@@ -18,21 +18,16 @@ const SEARCH_RADIUS: f32 = 1.5;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy) * frame.stride;
-    let sums = previous_sums(pixel);
-    if !lacks_sample(sums) {
-        return sums;
+    let begun = begin(vec2<u32>(position.xy) * frame.stride);
+    if !begun.has_surface {
+        return without_surface(begun, vec3(0.0));
     }
-    let g = textureLoad(geometry, pixel, 0);
-    if !is_surface(g) {
-        return with_sample(sums, g, vec4(0.0), 0u, 0u);
-    }
-    let point = surface_point(g, pixel, ray(pixel, PINHOLE).direction);
+    let point = begun_point(begun);
     var received = vec3(0.0);
     for (var i = 0u; i < arrayLength(&local_lights); i++) {
         received += light_from(point, local_lights[i]);
     }
-    return with_sample(sums, g, vec4(received, 0.0), 0u, 0u);
+    return with_sample(begun, vec4(received, 0.0), NO_WORK);
 }
 
 // Radiance that a point reflects of a light toward the eye.

@@ -1,4 +1,4 @@
-// Lit cuts: vertices' cuts coarsened under the light of the moment, which lit_pass.wgsl makes. Twin of `PackedCursor` in
+// Lit cuts: vertices' cuts coarsened under the light of the moment, which lit_write_kernel.wgsl writes. Twin of `PackedCursor` in
 // core/src/cut/packed.rs.
 
 // Nodes of all lit cuts: in the low half a packed node, in the high half the position in the stored cut of the first node

@@ -11,35 +11,23 @@
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy) * frame.stride;
-    let sums = previous_sums(pixel);
-    if !lacks_sample(sums) {
-        return sums;
+    let begun = begin(vec2<u32>(position.xy) * frame.stride);
+    if !begun.has_surface {
+        return with_background(begun);
     }
-    let g = textureLoad(geometry, pixel, 0);
-    let direction = ray(pixel, PINHOLE).direction;
-    if !is_surface(g) {
-        // The environment is no count, and a back is black.
-        let shows = IS_FIRST && g.x == 0u && frame.view_mode == VIEW_SHADED;
-        let shown = select(vec3(0.0), background_radiance(direction), shows);
-        return with_sample(sums, g, vec4(shown, 0.0), 0u, 0u);
-    }
-    let point = surface_point(g, pixel, direction);
+    let point = begun_point(begun);
     var shaded = no_light();
     if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
-    if !IS_FIRST {
-        let value = select(vec3(0.0), view_value(g, point, pixel, shaded), needs_merge());
-        return with_sample(sums, g, vec4(value, 0.0), shaded.merged_nodes, shaded.brdf_evaluations);
+    // The first part also has values without a merge.
+    var value = vec3(0.0);
+    if IS_FIRST || needs_merge() {
+        value = view_value(begun, point, shaded);
     }
-    let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
-    let value = vec4(view_value(g, point, pixel, shaded), wire);
-    return with_sample(sums, g, value, shaded.merged_nodes, shaded.brdf_evaluations);
+    let work = vec2(shaded.merged_nodes, shaded.brdf_evaluations);
+    return with_sample(begun, vec4(value, lines_at(begun.pixel, point.vertices)), work);
 }
-
-// Whether it renders the first part of the light, which also has values without a merge, and the background.
-override IS_FIRST: bool = true;
 
 fn needs_merge() -> bool {
     return frame.view_mode == VIEW_SHADED || is_work(frame.view_mode);
@@ -50,16 +38,16 @@ fn is_work(mode: u32) -> bool {
 }
 
 // Value of a surface in the view mode. Those of the meshless basis are part of the bounced light.
-fn view_value(g: vec4<u32>, point: SurfacePoint, pixel: vec2<u32>, shaded: Shaded) -> vec3<f32> {
+fn view_value(begun: Begun, point: SurfacePoint, shaded: Shaded) -> vec3<f32> {
     switch frame.view_mode {
         case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
-        case VIEW_ALBEDO: { return textureLoad(color_roughness, pixel, 0).xyz; }
-        case VIEW_ROUGHNESS: { return vec3(textureLoad(color_roughness, pixel, 0).w); }
+        case VIEW_ALBEDO: { return textureLoad(color_roughness, begun.pixel, 0).xyz; }
+        case VIEW_ROUGHNESS: { return vec3(textureLoad(color_roughness, begun.pixel, 0).w); }
         case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(point)); }
         case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
         case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
         case VIEW_BASIS_LEVEL, VIEW_BASIS_FUNCTION, VIEW_BASIS_COEFFICIENTS: { return vec3(0.0); }
-        default: { return light_value(point, (g.w & FLAG_BACK) != 0u, shaded.radiance); }
+        default: { return light_value(point, (begun.g.w & FLAG_BACK) != 0u, shaded.radiance); }
     }
 }
 

@@ -62,17 +62,12 @@ const BASIS_GREY: f32 = 0.4;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy) * frame.stride;
-    let sums = previous_sums(pixel);
-    if !lacks_sample(sums) {
-        return sums;
+    let begun = begin(vec2<u32>(position.xy) * frame.stride);
+    if !begun.has_surface {
+        return without_surface(begun, vec3(0.0));
     }
-    let g = textureLoad(geometry, pixel, 0);
-    if !is_surface(g) {
-        return with_sample(sums, g, vec4(0.0), 0u, 0u);
-    }
-    let point = surface_point(g, pixel, ray(pixel, PINHOLE).direction);
-    return with_sample(sums, g, vec4(value_at(point, (g.w & FLAG_BACK) != 0u), 0.0), 0u, 0u);
+    let value = value_at(begun_point(begun), (begun.g.w & FLAG_BACK) != 0u);
+    return with_sample(begun, vec4(value, 0.0), NO_WORK);
 }
 
 fn value_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {

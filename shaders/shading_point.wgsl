@@ -12,22 +12,54 @@ fn previous_sums(pixel: vec2<u32>) -> Sums {
     return Sums(textureLoad(previous_value, pixel, 0), textureLoad(previous_work, pixel, 0));
 }
 
-// Whether a pixel lacks the sample that is rendered. Others stay as they are.
-fn lacks_sample(sums: Sums) -> bool {
-    return sample_count(sums.work) == frame.sample;
+// A pixel of a pass that adds a sample to the sums of a part of the light.
+struct Begun {
+    pixel: vec2<u32>,
+    sums: Sums,
+    // What it sees, see geometry.wgsl.
+    g: vec4<u32>,
+    // Whether it has the sample already: its sums stay as they are.
+    is_done: bool,
+    // Whether there is a surface to shade.
+    has_surface: bool,
 }
 
-// The sums with one more sample, of the surface `g` or of none. Of a ground in a picture with an alpha channel they have the
-// share of the light that it lets through, in all four numbers.
-fn with_sample(sums: Sums, g: vec4<u32>, value: vec4<f32>, merged_nodes: u32, brdf_evaluations: u32) -> Sums {
-    let covered = select(0u, 1u, g.x != 0u);
-    let surface = select(0u, 1u, is_surface(g));
+// Begins the sample that is rendered.
+fn begin(pixel: vec2<u32>) -> Begun {
+    let sums = previous_sums(pixel);
+    if sample_count(sums.work) != frame.sample {
+        return Begun(pixel, sums, vec4(0u), true, false);
+    }
+    let g = textureLoad(geometry, pixel, 0);
+    return Begun(pixel, sums, g, false, is_surface(g));
+}
+
+// Ends a pixel without a surface to shade, by a value if it lacks the sample.
+fn without_surface(begun: Begun, value: vec3<f32>) -> Sums {
+    if begun.is_done {
+        return begun.sums;
+    }
+    return with_sample(begun, vec4(value, 0.0), NO_WORK);
+}
+
+fn begun_point(begun: Begun) -> SurfacePoint {
+    return surface_point(begun.g, begun.pixel, ray(begun.pixel, PINHOLE).direction);
+}
+
+// Merged nodes and BRDF evaluations of passes that count none.
+const NO_WORK: vec2<u32> = vec2<u32>(0u, 0u);
+
+// The sums with one more sample. Of a ground in a picture with an alpha channel they have the share of the light that it lets
+// through, in all four numbers.
+fn with_sample(begun: Begun, value: vec4<f32>, work: vec2<u32>) -> Sums {
+    let covered = select(0u, 1u, begun.g.x != 0u);
+    let surface = select(0u, 1u, begun.has_surface);
     let counts = vec2(1u | (surface << 16u), covered | (surface << 16u));
     var added = value;
-    if frame.lets_light_through != 0u && (g.w & FLAG_CATCHER) != 0u {
+    if frame.lets_light_through != 0u && (begun.g.w & FLAG_CATCHER) != 0u {
         added = vec4(dot(value.xyz, frame.share_weights));
     }
-    return Sums(sums.value + added, sums.work + vec4(merged_nodes, brdf_evaluations, counts));
+    return Sums(begun.sums.value + added, begun.sums.work + vec4(work, counts));
 }
 
 // Whether there is anything to shade.

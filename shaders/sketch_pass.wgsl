@@ -12,26 +12,15 @@
 // Weight of another material where nothing fits.
 const OTHER: f32 = 1e-3;
 
-// Whether it fills the first part of the light, which also has the background and the lines of a wireframe.
-override IS_FIRST: bool = true;
-
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let pixel = vec2<u32>(position.xy);
-    let sums = previous_sums(pixel);
-    if !lacks_sample(sums) {
-        return sums;
+    let begun = begin(vec2<u32>(position.xy));
+    if !begun.has_surface {
+        return with_background(begun);
     }
-    let g = textureLoad(geometry, pixel, 0);
-    if !is_surface(g) {
-        let shows = IS_FIRST && g.x == 0u && frame.view_mode == VIEW_SHADED;
-        let shown = select(vec3(0.0), background_radiance(ray(pixel, PINHOLE).direction), shows);
-        return with_sample(sums, g, vec4(shown, 0.0), 0u, 0u);
-    }
-    let here = guide(g, pixel);
-    let has_lines = IS_FIRST && frame.wireframe != 0u;
-    let wire = select(0.0, wireframe_coverage(pixel, triangles[g.x - 1u].vertices), has_lines);
-    return with_sample(sums, g, vec4(filtered(pixel, here) * here.divisor, wire), 0u, 0u);
+    let here = guide(begun.g, begun.pixel);
+    let lines = lines_at(begun.pixel, triangles[begun.g.x - 1u].vertices);
+    return with_sample(begun, vec4(filtered(begun.pixel, here) * here.divisor, lines), NO_WORK);
 }
 
 fn filtered(pixel: vec2<u32>, here: Guide) -> vec3<f32> {

@@ -1,4 +1,4 @@
-// The tree of lights that a pass merges, by heap index, and how its nodes are seen from a point. Twin of
+// A tree of lights, by heap index, and how its nodes are seen from a point. Twin of
 // render/src/shade/node_field.rs, core/src/light_tree/node_light.rs and core/src/sources/light.rs.
 
 // Which tree that is: none, distant lights of the environment, or sources on surfaces.
@@ -25,15 +25,6 @@ struct Node {
 
 // Distances below this many meters are taken for it.
 const LEAST_DISTANCE: f32 = 1e-6;
-
-fn tree_height() -> u32 {
-    return select(frame.tree_height, frame.source_tree_height, FIELD == FIELD_SOURCES);
-}
-
-// Solid angle of a leaf whose cut value is one.
-fn leaf_solid_angle() -> f32 {
-    return select(frame.leaf_solid_angle, 1.0, FIELD == FIELD_SOURCES);
-}
 
 // The directions in which a node lies.
 struct Cone {

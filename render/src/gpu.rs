@@ -1,10 +1,11 @@
 //! The GPU renderer (paper, 4.2): deferred passes, then one fragment shader that merges the cuts. Portable: WebGPU's
 //! default limits and no optional feature are enough. It is the twin of the CPU renderer and is tested against it.
 
-mod addition;
 mod backend;
 mod direct;
+mod entries;
 mod frame;
+mod groups;
 mod light;
 mod lit;
 mod materials;

@@ -1,4 +1,5 @@
-//! Compiled shaders, layouts of bindings, and resources bound to them.
+//! Compiled shaders, and what is bound to them. A bind group is declared once, by the names and kinds of its bindings: its layout, and
+//! the structure of what is bound, follow. A test compares it with the shaders.
 
 use super::{
     adapter::GpuDevice,
@@ -6,7 +7,7 @@ use super::{
     shaders::{Program, ShaderSource},
 };
 use crate::error::BackendError;
-use wgpu::{BindGroupLayout, ShaderStages as Stages};
+use wgpu::{BindGroupLayout, BindingResource, ShaderStages as Stages};
 
 /// Where the text of shaders comes from, and for which models it is compiled.
 #[derive(Clone, Debug, Default)]
@@ -15,13 +16,6 @@ pub struct Shaders {
     pub models: ModelSet,
     /// Whether any surface lets light through.
     pub has_veils: bool,
-}
-
-impl Shaders {
-    /// The constant that tells it to passes that draw triangles.
-    pub fn veils(&self) -> (&'static str, f64) {
-        ("HAS_VEILS", f64::from(u8::from(self.has_veils)))
-    }
 }
 
 /// The compiled text of a program.
@@ -37,7 +31,7 @@ pub fn module(gpu: &GpuDevice, shaders: &Shaders, program: &Program) -> Result<w
 }
 
 /// A kind of binding.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binding {
     Uniform,
     Storage,
@@ -48,42 +42,112 @@ pub enum Binding {
     DepthLayers,
 }
 
-/// Bindings 0, 1, ... of these kinds.
-pub fn bind_layout(gpu: &GpuDevice, label: &str, bindings: &[Binding]) -> BindGroupLayout {
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let texture_of =
-        |sample_type, view_dimension| wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
-    let texture = |sample_type| texture_of(sample_type, wgpu::TextureViewDimension::D2);
-    let entry = |(binding, kind): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
-        binding: binding as u32,
-        visibility: match kind {
-            Binding::Written => Stages::COMPUTE,
-            _ => Stages::VERTEX_FRAGMENT | Stages::COMPUTE,
-        },
-        ty: match kind {
-            Binding::Uniform => buffer(wgpu::BufferBindingType::Uniform),
-            Binding::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
-            Binding::Written => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
-            Binding::Uint => texture(wgpu::TextureSampleType::Uint),
-            Binding::Float => texture(wgpu::TextureSampleType::Float { filterable: false }),
-            Binding::DepthLayers => texture_of(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array),
-        },
-        count: None,
-    };
-    let entries: Vec<_> = bindings.iter().enumerate().map(entry).collect();
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+/// A bind group as shaders declare it.
+#[derive(Clone, Copy, Debug)]
+pub struct GroupLayout {
+    pub name: &'static str,
+    /// Names and kinds of the bindings 0, 1, ...
+    pub bindings: &'static [(&'static str, Binding)],
 }
 
-/// Resources at bindings 0, 1, ... of a layout.
-pub fn bind(
-    gpu: &GpuDevice,
-    label: &str,
-    layout: &BindGroupLayout,
-    resources: &[wgpu::BindingResource],
-) -> wgpu::BindGroup {
-    let numbered = resources.iter().enumerate();
-    let entries: Vec<_> = numbered
-        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone() })
-        .collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+impl GroupLayout {
+    /// The layout on a device, which has equal ones but once.
+    pub fn on(&self, gpu: &GpuDevice) -> BindGroupLayout {
+        let entry = |(index, (_, kind)): (usize, &(&str, Binding))| wgpu::BindGroupLayoutEntry {
+            binding: index as u32,
+            visibility: match kind {
+                Binding::Written => Stages::COMPUTE,
+                _ => Stages::VERTEX_FRAGMENT | Stages::COMPUTE,
+            },
+            ty: kind.of_layout(),
+            count: None,
+        };
+        let entries: Vec<_> = self.bindings.iter().enumerate().map(entry).collect();
+        gpu.device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(self.name), entries: &entries })
+    }
+
+    /// Resources at its bindings.
+    pub fn bind(&self, gpu: &GpuDevice, resources: &[BindingResource]) -> wgpu::BindGroup {
+        let numbered = (0..).zip(resources.iter().cloned());
+        let entries: Vec<_> = numbered.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.name),
+            layout: &self.on(gpu),
+            entries: &entries,
+        })
+    }
 }
+
+impl Binding {
+    fn of_layout(self) -> wgpu::BindingType {
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled: false,
+        };
+        let plane = |sample_type| texture(sample_type, wgpu::TextureViewDimension::D2);
+        match self {
+            Self::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+            Self::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+            Self::Written => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+            Self::Uint => plane(wgpu::TextureSampleType::Uint),
+            Self::Float => plane(wgpu::TextureSampleType::Float { filterable: false }),
+            Self::DepthLayers => texture(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array),
+        }
+    }
+}
+
+/// What a binding holds.
+pub trait Bound {
+    fn resource(&self) -> BindingResource<'_>;
+}
+
+impl Bound for wgpu::Buffer {
+    fn resource(&self) -> BindingResource<'_> {
+        self.as_entire_binding()
+    }
+}
+
+impl Bound for wgpu::TextureView {
+    fn resource(&self) -> BindingResource<'_> {
+        BindingResource::TextureView(self)
+    }
+}
+
+/// What is bound at a kind of binding.
+macro_rules! bound {
+    ($life:lifetime Uniform) => { &$life wgpu::Buffer };
+    ($life:lifetime Storage) => { &$life wgpu::Buffer };
+    ($life:lifetime Written) => { &$life wgpu::Buffer };
+    ($life:lifetime Uint) => { &$life wgpu::TextureView };
+    ($life:lifetime Float) => { &$life wgpu::TextureView };
+    ($life:lifetime DepthLayers) => { &$life wgpu::TextureView };
+}
+
+/// Declares bind groups: a structure of what is bound, in the order of the bindings, with its layout.
+macro_rules! bind_groups {
+    ($($(#[$doc:meta])* $group:ident { $($binding:ident: $kind:ident),+ $(,)? })+) => {$(
+        $(#[$doc])*
+        pub struct $group<'a> {
+            $(pub $binding: $crate::device::bound!('a $kind)),+
+        }
+
+        impl $group<'_> {
+            /// Its names and kinds.
+            pub const LAYOUT: $crate::device::GroupLayout = $crate::device::GroupLayout {
+                name: stringify!($group),
+                bindings: &[$((stringify!($binding), $crate::device::Binding::$kind)),+],
+            };
+
+            /// Binds it.
+            pub fn bind(&self, gpu: &$crate::device::GpuDevice) -> wgpu::BindGroup {
+                use $crate::device::Bound;
+                Self::LAYOUT.bind(gpu, &[$(self.$binding.resource()),+])
+            }
+        }
+    )+};
+}
+
+pub(crate) use {bind_groups, bound};

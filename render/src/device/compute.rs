@@ -2,8 +2,9 @@
 
 use super::{
     adapter::{GpuDevice, Room, has_hardware, is_emulated},
+    bindings::Shaders,
     kernel::Kernel,
-    shaders::KernelProgram,
+    kernels::KernelProgram,
 };
 use crate::error::BackendError;
 use std::{
@@ -71,7 +72,7 @@ impl SharedDevice {
         if let Some(known) = kernels.get(program.program.name) {
             return Ok(known.clone());
         }
-        let made = Arc::new(Kernel::new(&self.gpu, program)?);
+        let made = Arc::new(Kernel::new(&self.gpu, &Shaders::default(), program, &[])?);
         kernels.insert(program.program.name, made.clone());
         Ok(made)
     }

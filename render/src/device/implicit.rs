@@ -14,7 +14,7 @@ use super::{
     adapter::GpuDevice,
     compute::SharedDevice,
     kernel::Kernel,
-    shaders::{IMPLICIT_BOUNCE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE, IMPLICIT_WALK},
+    kernels::{IMPLICIT_BOUNCE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE, IMPLICIT_WALK},
 };
 use crate::error::BackendError;
 use lapidary_core::implicit::{BinLayout, forest::SurfelForest};

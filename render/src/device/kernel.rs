@@ -2,10 +2,10 @@
 
 use super::{
     adapter::GpuDevice,
-    bindings::{Binding, Shaders, bind, bind_layout, module},
+    bindings::{Shaders, module},
     buffers::uniform,
+    kernels::{KernelProgram, Slice},
     pace::Pace,
-    shaders::KernelProgram,
 };
 use crate::error::BackendError;
 use std::{
@@ -13,11 +13,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// A kernel: a program with one compute entry point. Its data are in group 1; group 0 tells the slice (`shaders/slice.wgsl`).
+/// A kernel: a program with one compute entry point. Its data are in the groups from 1 on; group 0 tells the slice
+/// (`shaders/slice.wgsl`).
 pub struct Kernel {
-    label: &'static str,
     pipeline: wgpu::ComputePipeline,
-    data: wgpu::BindGroupLayout,
     slice: wgpu::BindGroup,
     /// Held while it runs.
     running: Mutex<Running>,
@@ -30,45 +29,42 @@ struct Running {
 }
 
 impl Kernel {
-    /// Compiles a program.
+    /// Compiles a program, with values of its specialization constants.
     ///
     /// # Errors
     /// A shader that does not compile, or a lost device.
-    pub fn new(gpu: &GpuDevice, &KernelProgram { program, bindings }: &KernelProgram) -> Result<Self, BackendError> {
-        let label = program.name;
-        let slices = bind_layout(gpu, "slice", &[Binding::Uniform]);
+    pub fn new(
+        gpu: &GpuDevice,
+        shaders: &Shaders,
+        KernelProgram { program, groups }: &KernelProgram,
+        constants: &[(&str, f64)],
+    ) -> Result<Self, BackendError> {
+        let label = Some(program.name);
         let first = uniform(gpu, "first workgroup", &0_u32.to_ne_bytes());
-        let slice = bind(gpu, "slice", &slices, &[first.as_entire_binding()]);
-        let data = bind_layout(gpu, label, bindings);
-        let module = module(gpu, &Shaders::default(), &program)?;
+        let slice = Slice { slice: &first }.bind(gpu);
+        let groups: Vec<_> = [&Slice::LAYOUT].into_iter().chain(*groups).map(|group| Some(group.on(gpu))).collect();
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &[Some(&slices), Some(&data)],
+            label,
+            bind_group_layouts: &groups.iter().map(Option::as_ref).collect::<Vec<_>>(),
             immediate_size: 0,
         });
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(label),
+            label,
             layout: Some(&layout),
-            module: &module,
+            module: &module(gpu, shaders, program)?,
             entry_point: None,
-            compilation_options: Default::default(),
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: None,
         });
         gpu.check()?;
-        Ok(Self { label, pipeline, data, slice, running: Mutex::new(Running { first, pace: Pace::default() }) })
-    }
-
-    /// Binds its data.
-    pub fn bind(&self, gpu: &GpuDevice, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
-        let resources: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-        bind(gpu, self.label, &self.data, &resources)
+        Ok(Self { pipeline, slice, running: Mutex::new(Running { first, pace: Pace::default() }) })
     }
 
     /// Runs workgroups on bound data, slice by slice. Returns after the last, with the time of all.
     ///
     /// # Errors
     /// A lost device, or what the driver reports.
-    pub fn run(&self, gpu: &GpuDevice, data: &wgpu::BindGroup, workgroups: u32) -> Result<Duration, BackendError> {
+    pub fn run(&self, gpu: &GpuDevice, data: &[wgpu::BindGroup], workgroups: u32) -> Result<Duration, BackendError> {
         let begin = Instant::now();
         let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
         let mut done = 0;
@@ -84,13 +80,15 @@ impl Kernel {
         Ok(begin.elapsed())
     }
 
-    fn dispatch(&self, gpu: &GpuDevice, data: &wgpu::BindGroup, workgroups: u32) {
+    fn dispatch(&self, gpu: &GpuDevice, data: &[wgpu::BindGroup], workgroups: u32) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &self.slice, &[]);
-            pass.set_bind_group(1, data, &[]);
+            for (group, data) in (1..).zip(data) {
+                pass.set_bind_group(group, data, &[]);
+            }
             pass.dispatch_workgroups(workgroups, 1, 1);
         }
         gpu.queue.submit([encoder.finish()]);

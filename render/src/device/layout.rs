@@ -242,12 +242,13 @@ pub struct LeafIrradiance {
     pub last: [f32; 4],
 }
 
-/// `LitUniforms` of `lit_pass.wgsl`.
+/// `LitUniforms` of `lit_parts.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LitUniforms {
     pub cuts: u32,
     pub tau: f32,
+    pub tree_height: u32,
 }
 
 /// `Display` of `display_pass.wgsl`.

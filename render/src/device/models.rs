@@ -124,8 +124,9 @@ impl ModelSet {
         place.map_or(material.model as u32, |index| (BrdfModel::ALL.len() + index) as u32)
     }
 
-    /// The parameters of each model, what all of them have in common, and the dispatch.
-    pub fn text(&self) -> String {
+    /// The parameters of each model, what all of them have in common, and the dispatch, from the texts of
+    /// [`ShaderSource::templates`](super::shaders::ShaderSource::templates).
+    pub fn text(&self, [dispatch, of_written]: [&str; 2]) -> String {
         let mut text = String::from("// Written from the declarations of the models.\n");
         let all = BrdfModel::ALL.iter().map(|&model| constant(model));
         let written = (0..self.written.len()).map(|index| format!("MODEL_WRITTEN_{index}"));
@@ -136,10 +137,10 @@ impl ModelSet {
             let is_there = self.parts.contains(&part);
             writeln!(text, "const {}: bool = {is_there};", part.constant()).expect("a string takes all");
         }
-        self.written.iter().enumerate().for_each(|(index, of)| text += &written::text(of, index));
+        self.written.iter().enumerate().for_each(|(index, of)| text += &written::text(of, index, of_written));
         let entries = self.entries();
         entries.iter().for_each(|entry| text += &parameters(entry));
-        text += &brdf(&entries);
+        text += &brdf(&entries, dispatch);
         text
     }
 
@@ -182,93 +183,41 @@ fn written_of(material: &Material) -> Option<&Arc<Written>> {
     file.content.as_ref().and_then(Content::written)
 }
 
-/// Any of the models, and the dispatch to them.
-fn brdf(entries: &[Entry]) -> String {
-    let each = |f: &dyn Fn(&Entry) -> String| entries.iter().map(f).collect::<String>();
-    let members = each(&|Entry { type_name, prefix, .. }| format!("    {prefix}: {type_name},\n"));
-    let makes = each(&|Entry { constant, prefix, list, more, .. }| {
-        let read = if list.is_empty() { String::new() } else { format!("read_{prefix}(material, uv){more}") };
-        format!("        case {constant}: {{ brdf.{prefix} = {prefix}_of({read}); }}\n")
-    });
-    let reflects = each(&|Entry { constant, prefix, .. }| {
-        format!("        case {constant}: {{ return {prefix}_reflect(brdf.{prefix}, light, wo); }}\n")
-    });
-    let of = |what: &str| {
-        each(&|Entry { constant, prefix, .. }| {
-            format!("        case {constant}: {{ return {prefix}_{what}(brdf.{prefix}); }}\n")
-        })
-    };
-    let shown = each(&|Entry { constant, prefix, list, .. }| {
-        let field = |quantity, none: &str| {
-            let parameter = list.iter().find(|p| p.quantity == quantity);
-            parameter.map_or(none.to_owned(), |p| format!("p.{}", p.name))
-        };
-        let (color, roughness) = (field("base_color", "vec3(0.0)"), field("roughness", "1.0"));
-        if list.is_empty() {
-            return format!("        case {constant}: {{ return vec4({color}, {roughness}); }}\n");
+/// Any of the models, and the dispatch to them: `shaders/brdf_dispatch.wgsl` with the lines of each model at their places.
+fn brdf(entries: &[Entry], dispatch: &str) -> String {
+    let of_all = |place: &str| entries.iter().map(|entry| lines_at(place, entry)).collect();
+    let filled = |line: &str| line.strip_prefix("//= ").map_or_else(|| format!("{line}\n"), of_all);
+    dispatch.lines().map(filled).collect()
+}
+
+/// The lines of a model at a place of the dispatch.
+fn lines_at(place: &str, entry: &Entry) -> String {
+    let Entry { constant, prefix, type_name, list, more, .. } = entry;
+    match place {
+        "members" => format!("    {prefix}: {type_name},\n"),
+        "makes" => {
+            let read = if list.is_empty() { String::new() } else { format!("read_{prefix}(material, uv){more}") };
+            format!("        case {constant}: {{ brdf.{prefix} = {prefix}_of({read}); }}\n")
         }
-        format!(
-            "        case {constant}: {{\n            let p = read_{prefix}(material, uv);\n            \
-                 return vec4({color}, {roughness});\n        }}\n"
-        )
-    });
-    let (lobes, albedos) = (of("lobes"), of("albedo"));
-    let diffuse = constant(DIFFUSE);
+        "reflects" => format!("        case {constant}: {{ return {prefix}_reflect(brdf.{prefix}, light, wo); }}\n"),
+        "shown" => shown_by(entry),
+        function => format!("        case {constant}: {{ return {prefix}_{function}(brdf.{prefix}); }}\n"),
+    }
+}
+
+/// The case of a model where base color and roughness are shown.
+fn shown_by(Entry { constant, prefix, list, .. }: &Entry) -> String {
+    let field = |quantity, none: &str| {
+        let parameter = list.iter().find(|p| p.quantity == quantity);
+        parameter.map_or(none.to_owned(), |p| format!("p.{}", p.name))
+    };
+    let (color, roughness) = (field("base_color", "vec3(0.0)"), field("roughness", "1.0"));
+    if list.is_empty() {
+        return format!("        case {constant}: {{ return vec4({color}, {roughness}); }}\n");
+    }
     format!(
-        "
-// Any of the models.
-struct Brdf {{
-    model: u32,
-{members}}}
-
-// That of a material.
-fn brdf_of(material: u32, uv: UvFootprint) -> Brdf {{
-    var brdf: Brdf;
-    brdf.model = materials[material].model;
-    switch brdf.model {{
-{makes}        default: {{}}
-    }}
-    return brdf;
-}}
-
-fn diffuse_brdf(reflectance: vec3<f32>) -> Brdf {{
-    var brdf: Brdf;
-    brdf.model = {diffuse};
-    brdf.lambert = Lambert(reflectance);
-    return brdf;
-}}
-
-// f_r times the cosine for a light.
-fn reflection_of(brdf: Brdf, light: Light, wo: vec3<f32>) -> vec3<f32> {{
-    if !(wo.z > 0.0) {{
-        return vec3(0.0);
-    }}
-    switch brdf.model {{
-{reflects}        default: {{ return vec3(0.0); }}
-    }}
-}}
-
-// Widths of its lobes along tangent and bitangent, NO_LOBE for none.
-fn lobes_of(brdf: Brdf) -> mat3x2<f32> {{
-    switch brdf.model {{
-{lobes}        default: {{ return mat3x2(NO_LOBE, NO_LOBE, NO_LOBE); }}
-    }}
-}}
-
-// Albedo for light from the normal.
-fn albedo_of(brdf: Brdf) -> vec3<f32> {{
-    switch brdf.model {{
-{albedos}        default: {{ return vec3(0.0); }}
-    }}
-}}
-
-// Base color and roughness of a material, for the views that show them.
-fn color_and_roughness(material: u32, uv: UvFootprint) -> vec4<f32> {{
-    switch materials[material].model {{
-{shown}        default: {{ return vec4(0.0); }}
-    }}
-}}
-"
+        "        case {constant}: {{\n            let p = read_{prefix}(material, uv);\n            \
+             return vec4({color}, {roughness});\n        }}\n"
     )
 }
 
@@ -320,12 +269,18 @@ fn read_{prefix}(material: u32, uv: UvFootprint) -> {parameters_name} {{
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device::shaders::ShaderSource;
     use lapidary_core::material::BUMP;
+
+    fn text(set: &ModelSet) -> String {
+        let [dispatch, written] = ShaderSource::Embedded.templates().unwrap();
+        set.text([&dispatch, &written])
+    }
 
     /// The text and what lays out its materials follow from the lists of what is rendered.
     #[test]
     fn shaders_know_nothing_of_what_is_only_stored() {
-        let text = ModelSet::all().text();
+        let text = text(&ModelSet::all());
         let has = |p: &Parameter| [&text, BrdfModel::OpenPbr.wgsl()].iter().any(|text| text.contains(p.name));
         assert!(!BrdfModel::OpenPbr.stored_parameters().iter().any(has));
         assert!(BrdfModel::OpenPbr.own_parameters().iter().all(has), "negative control");
@@ -343,7 +298,7 @@ mod tests {
         rich.parameters.set("base_metalness", 1.0);
         rich.maps.set("base_color", Some(Default::default()));
         let [plain, rich] = [plain, rich].map(set_of);
-        let (bare, full) = (plain.text(), rich.text());
+        let (bare, full) = (text(&plain), text(&rich));
         assert!(bare.contains("plain_color(material, ") && !bare.contains("material_color("));
         assert!(bare.contains("const HAS_COAT: bool = false;") && bare.contains("const HAS_METAL: bool = false;"));
         assert!(full.contains("const HAS_COAT: bool = true;") && full.contains("const HAS_METAL: bool = true;"));
@@ -360,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_material_that_stores_more_has_the_same_shaders() {
-        let text = |material: Material| set_of(material).text();
+        let text = |material: Material| text(&set_of(material));
         let plain = Material { model: BrdfModel::OpenPbr, ..Default::default() };
         let mut glass = plain.clone();
         glass.parameters.set("transmission_weight", 1.0);

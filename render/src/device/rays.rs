@@ -3,12 +3,12 @@
 
 use super::{
     adapter::GpuDevice,
-    bindings::{Binding, Shaders, bind, bind_layout, module},
+    bindings::{Shaders, module},
     buffers::{storage, uniform},
     compute::{Compute, SharedDevice},
+    kernels::{Hierarchy, RAYS, RayWork},
     layout,
     readback::read_words,
-    shaders::RAYS,
 };
 use crate::{error::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
@@ -31,12 +31,6 @@ pub struct GpuRays {
     /// Whether a scene that it does not take is an error, or left to the cores.
     is_asked_for: bool,
     gpu: Arc<GpuDevice>,
-    pass: Arc<RayPass>,
-}
-
-struct RayPass {
-    hierarchy: wgpu::BindGroupLayout,
-    work: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
 }
 
@@ -46,8 +40,7 @@ impl GpuRays {
     /// # Errors
     /// A driver that refuses.
     pub fn on(device: &SharedDevice, is_asked_for: bool) -> Result<Self, BackendError> {
-        let pass = RayPass::new(&device.gpu)?;
-        Ok(Self { is_asked_for, gpu: device.gpu.clone(), pass: Arc::new(pass) })
+        Ok(Self { is_asked_for, gpu: device.gpu.clone(), pipeline: pipeline(&device.gpu)? })
     }
 
     /// The fastest adapter that is more than an emulation on the processor, if there is one that works. Scenes that it does not
@@ -74,11 +67,10 @@ impl GpuRays {
             usage: Usages::STORAGE | Usages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let work = [&uniforms, &toward, &origins, &open].map(|buffer| buffer.as_entire_binding());
-        let work = bind(gpu, "work of rays", &self.pass.work, &work);
+        let work = RayWork { rays: &uniforms, directions: &toward, origins: &origins, open_words: &open }.bind(gpu);
         gpu.check()?;
-        let (gpu, pass) = (self.gpu.clone(), self.pass.clone());
-        Ok(GpuRayScene { gpu, pass, hierarchy, work, origins: Mutex::new(origins), open, words, directions: count })
+        let (gpu, pipeline, origins) = (self.gpu.clone(), self.pipeline.clone(), Mutex::new(origins));
+        Ok(GpuRayScene { gpu, pipeline, hierarchy, work, origins, open, words, directions: count })
     }
 
     /// The hierarchy of a scene, bound.
@@ -96,8 +88,7 @@ impl GpuRays {
         gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
         let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
         let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
-        let buffers = [nodes.as_entire_binding(), corners.as_entire_binding()];
-        Ok(bind(gpu, "hierarchy", &self.pass.hierarchy, &buffers))
+        Ok(Hierarchy { nodes: &nodes, corners: &corners }.bind(gpu))
     }
 }
 
@@ -111,34 +102,29 @@ impl RayDevices for GpuRays {
     }
 }
 
-impl RayPass {
-    fn new(gpu: &GpuDevice) -> Result<Self, BackendError> {
-        use Binding::{Storage, Uniform, Written};
-        let hierarchy = bind_layout(gpu, "hierarchy", &[Storage, Storage]);
-        let work = bind_layout(gpu, "work of rays", &[Uniform, Storage, Storage, Written]);
-        let module = module(gpu, &Shaders::default(), &RAYS)?;
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("rays"),
-            bind_group_layouts: &[Some(&hierarchy), Some(&work)],
-            immediate_size: 0,
-        });
-        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("rays"),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some("trace"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-        gpu.check()?;
-        Ok(Self { hierarchy, work, pipeline })
-    }
+fn pipeline(gpu: &GpuDevice) -> Result<wgpu::ComputePipeline, BackendError> {
+    let groups = [Hierarchy::LAYOUT.on(gpu), RayWork::LAYOUT.on(gpu)];
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(RAYS.name),
+        bind_group_layouts: &groups.each_ref().map(Some),
+        immediate_size: 0,
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(RAYS.name),
+        layout: Some(&layout),
+        module: &module(gpu, &Shaders::default(), &RAYS)?,
+        entry_point: None,
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    gpu.check()?;
+    Ok(pipeline)
 }
 
 /// A scene and directions on the GPU.
 struct GpuRayScene {
     gpu: Arc<GpuDevice>,
-    pass: Arc<RayPass>,
+    pipeline: wgpu::ComputePipeline,
     hierarchy: wgpu::BindGroup,
     work: wgpu::BindGroup,
     /// Held while rays of its origins are traced.
@@ -157,7 +143,7 @@ impl GpuRayScene {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&self.pass.pipeline);
+            pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &self.hierarchy, &[]);
             pass.set_bind_group(1, &self.work, &[]);
             pass.dispatch_workgroups(self.directions.div_ceil(DIRECTIONS_PER_GROUP), origins.len() as u32, 1);

@@ -1,62 +1,25 @@
 //! Direct light of local lights: shadow maps, then a pass over every pixel for each part of them that is summed.
 
 use super::{
-    addition::{Addition, PictureInputs},
-    pipeline::{Layouts, Pipeline},
+    groups::{LocalLights, ShadowViews},
+    passes::{PartPass, Passes},
     scene::GpuScene,
     shadows::{self, Plan, ShadowMaps, ShadowRoom},
-    targets::format,
 };
 use crate::{
     device::{
-        Binding, GpuDevice, Shaders, bind, bind_layout,
+        GpuDevice,
         layout::{LocalLight, ShadowView, constants},
-        module,
-        shaders::{DIRECT, SHADOW},
         storage,
     },
-    error::BackendError,
     stale::Part,
     summed::SummedLights,
 };
 use glam::Vec3;
 use lapidary_core::lights::{Disc, Emission, Light, RectangleShape};
-use wgpu::BindingResource::TextureView as View;
 
 /// Texels of a side of few shadow maps: four of them are all that there may be.
 const LARGEST: u32 = 4096;
-
-/// Pipelines of shadow maps and local lights, with what they read.
-pub struct DirectPasses {
-    shadow: wgpu::RenderPipeline,
-    direct: wgpu::RenderPipeline,
-    views: wgpu::BindGroupLayout,
-    lights: wgpu::BindGroupLayout,
-}
-
-impl DirectPasses {
-    /// Builds the pipelines.
-    ///
-    /// # Errors
-    /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders, layouts: &Layouts) -> Result<Self, BackendError> {
-        use Binding::{DepthLayers, Storage};
-        let views = bind_layout(gpu, "shadow views", &[Storage]);
-        let lights = bind_layout(gpu, "local lights", &[Storage, Storage, DepthLayers]);
-        let shadow = Pipeline {
-            depth: true,
-            layouts: &[&layouts.frame, &layouts.scene, &views],
-            constants: &[shaders.veils()],
-            ..Pipeline::new(module(gpu, shaders, &SHADOW)?, "shadow map")
-        };
-        let direct = Pipeline {
-            layouts: &[&layouts.frame, &layouts.scene, &lights, &layouts.addition],
-            targets: &format::SUMS,
-            ..Pipeline::new(module(gpu, shaders, &DIRECT)?, "direct")
-        };
-        Ok(Self { shadow: shadow.build(gpu), direct: direct.build(gpu), views, lights })
-    }
-}
 
 /// The local lights that shine, and their shadow maps.
 pub struct DirectLights {
@@ -140,37 +103,41 @@ impl DirectLights {
         }
     }
 
-    /// Renders shadow maps that are out of date, and binds the resources of a picture, for each part of the lights.
-    pub fn prepare(&mut self, picture: &PictureInputs, passes: &DirectPasses) -> Vec<Addition> {
+    /// Renders shadow maps that are out of date, with the groups of the frame and the scene. Returns a pass for each part of the
+    /// lights.
+    pub fn prepare(
+        &mut self,
+        gpu: &GpuDevice,
+        passes: &Passes,
+        scene: &GpuScene,
+        shared: [&wgpu::BindGroup; 2],
+    ) -> Vec<PartPass> {
         if self.lights.is_empty() {
             return Vec::new();
         }
-        let PictureInputs { gpu, scene, .. } = *picture;
         let views = self.views(scene);
         // Bindings of no size are not allowed.
         let bound = if views.is_empty() { &[bytemuck::Zeroable::zeroed()][..] } else { &views[..] };
-        let views_buffer = storage(gpu, "shadow views", bytemuck::cast_slice(bound));
+        let shadow_views = &storage(gpu, "shadow views", bytemuck::cast_slice(bound));
         let packed = self.packed(scene);
         self.make_room(gpu);
         let Some(maps) = self.maps.as_mut() else { return Vec::new() };
-        let group = bind(gpu, "shadow views", &passes.views, &[views_buffer.as_entire_binding()]);
-        let (frame, geometry) = (picture.frame_group(), picture.scene_group());
+        let group = ShadowViews { shadow_views }.bind(gpu);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for layer in maps.stale(&views) {
-            let groups = [&frame, &geometry, &group];
+            let groups = [shared[0], shared[1], &group];
             let view = (layer, views[layer as usize]);
             maps.encode(&mut encoder, &passes.shadow, groups, 3 * scene.triangle_count, view);
         }
         gpu.queue.submit([encoder.finish()]);
         let (direct, added) = packed.split_at(self.first);
         let parts = [(Part::Direct, direct), (Part::Added, added)].into_iter().filter(|(_, lights)| !lights.is_empty());
-        let addition = |(part, lights): (Part, &[LocalLight])| {
-            let lights = storage(gpu, "local lights", bytemuck::cast_slice(lights));
-            let bound = [views_buffer.as_entire_binding(), lights.as_entire_binding(), View(&maps.array)];
-            let lights = bind(gpu, "local lights", &passes.lights, &bound);
-            Addition::new(picture, ("direct", &passes.direct), lights, part)
+        let pass = |(part, lights): (Part, &[LocalLight])| {
+            let local_lights = &storage(gpu, "local lights", bytemuck::cast_slice(lights));
+            let light = LocalLights { shadow_views, local_lights, shadow_maps: &maps.array }.bind(gpu);
+            PartPass { part, pass: passes.direct.clone(), light }
         };
-        parts.filter_map(addition).collect()
+        parts.map(pass).collect()
     }
 
     /// Whether there are textures of lights.

@@ -2,7 +2,7 @@
 //! these.
 
 use super::{
-    lit::{GpuLitCuts, LitField, LitPass},
+    lit::{GpuLitCuts, LitField, LitKernels, LitTree},
     scene::{GpuCuts, GpuScene, SourceCuts, cut_view, float_texture},
 };
 use crate::{
@@ -41,8 +41,8 @@ impl GpuTreeLight {
     /// A lost device.
     fn new<L>(
         gpu: &GpuDevice,
-        pass: &LitPass,
-        (field, cuts): (LitField, &GpuCuts),
+        kernels: &LitKernels,
+        (field, stored): (LitField, &GpuCuts),
         light: &TreeLight<L>,
     ) -> Result<Self, BackendError> {
         let node = |(row, extent): (&NodeRow, &NodeExtent)| Node {
@@ -54,10 +54,12 @@ impl GpuTreeLight {
         let nodes: Vec<Node> = light.rows.iter().zip(&light.extents).map(node).collect();
         let nodes = storage(gpu, "light of a tree", bytemuck::cast_slice(&nodes));
         let brightness: Vec<f32> = light.extents.iter().map(|extent| extent.brightness).collect();
+        let brightness = storage(gpu, "brightness", bytemuck::cast_slice(&brightness));
+        let tree = LitTree { field, stored, height: light.height(), nodes: &nodes, brightness: &brightness };
         Ok(Self {
-            lit: pass.make(gpu, field, (cuts, light.height()), &nodes, &light.lit)?,
+            lit: kernels.make(gpu, tree, &light.lit)?,
             nodes,
-            brightness: storage(gpu, "brightness", bytemuck::cast_slice(&brightness)),
+            brightness,
             cut: cut_view(gpu, "illumination cut", &light.cut),
             max_nodes: light.max_nodes,
         })
@@ -115,16 +117,15 @@ impl GpuLight {
     /// A lost device.
     pub fn new(
         gpu: &GpuDevice,
-        pass: &LitPass,
+        kernels: &LitKernels,
         scene: &GpuScene,
-        light: &Illumination,
-        lighting: &SceneLighting,
+        (light, lighting): (&Illumination, &SceneLighting),
         before: Option<&Self>,
     ) -> Result<Self, BackendError> {
         let before = before.and_then(|before| before.mirrored.as_ref());
         let mirrored = lighting.lights.mirrored.as_ref();
         Ok(Self {
-            tree: GpuTreeLight::new(gpu, pass, (LitField::Environment, &scene.cuts), lighting)?,
+            tree: GpuTreeLight::new(gpu, kernels, (LitField::Environment, &scene.cuts), lighting)?,
             rotation: light.rotation,
             intensity: light.intensity,
             mirrored: mirrored.map(|map| GpuPyramid::new(gpu, map.pyramid(), before)),
@@ -150,7 +151,7 @@ impl GpuSources {
     /// A lost device.
     pub fn new(
         gpu: &GpuDevice,
-        pass: &LitPass,
+        kernels: &LitKernels,
         baked: &SourceCuts,
         lighting: &Arc<SourceLighting>,
         before: Option<Self>,
@@ -158,7 +159,7 @@ impl GpuSources {
         if let Some(same) = before.filter(|b| Arc::ptr_eq(&b.lighting, lighting)) {
             return Ok(same);
         }
-        let tree = GpuTreeLight::new(gpu, pass, (LitField::Sources, &baked.cuts), lighting)?;
+        let tree = GpuTreeLight::new(gpu, kernels, (LitField::Sources, &baked.cuts), lighting)?;
         Ok(Self { tree, lighting: lighting.clone() })
     }
 }

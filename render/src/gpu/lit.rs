@@ -1,31 +1,33 @@
-//! Lit cuts on the GPU: a compute pass coarsens the stored cuts whenever the light changes. Twin of
+//! Lit cuts on the GPU: two kernels coarsen the stored cuts whenever the light changes. Twin of
 //! [`LitCuts`](lapidary_core::cut::lit::LitCuts).
 //!
-//! A first pass counts nodes, so that the buffer is no larger than they need; a second one writes them.
+//! The first one counts nodes, so that the buffer is no larger than they need; the second one writes them.
 
 use super::scene::GpuCuts;
 use crate::{
     device::{
-        Binding, GpuDevice, Shaders, bind, bind_layout, layout, module, readback::read_word, shaders::LIT, storage,
-        uniform,
+        GpuDevice, Kernel, Shaders,
+        kernels::{CountedCuts, KernelProgram, LIT_COUNT, LIT_WRITE, StoredCuts, WrittenCuts},
+        layout::{
+            LitUniforms,
+            constants::{FIELD_ENVIRONMENT, FIELD_SOURCES},
+        },
+        readback::read_word,
+        storage, uniform,
     },
     error::BackendError,
     remedy::Remedy,
 };
-use bytemuck::Zeroable;
 use lapidary_core::cut::lit::{DEFAULT_TAU, LitCuts};
-use wgpu::{BindGroupLayout, BindingResource::TextureView as View, BufferUsages as Usages};
+use wgpu::BufferUsages as Usages;
 
 /// Stored cuts that one workgroup coarsens; the shader's size of workgroups.
 const CUTS_PER_GROUP: u32 = 64;
 
-/// The pipelines, with what they read.
-pub struct LitPass {
-    frame: BindGroupLayout,
-    light: BindGroupLayout,
-    cuts: BindGroupLayout,
-    count: [wgpu::ComputePipeline; 2],
-    write: [wgpu::ComputePipeline; 2],
+/// The kernels, by the tree that the cuts are over.
+pub struct LitKernels {
+    count: [Kernel; 2],
+    write: [Kernel; 2],
 }
 
 /// Which tree the cuts are over.
@@ -33,6 +35,16 @@ pub struct LitPass {
 pub enum LitField {
     Environment,
     Sources,
+}
+
+/// Stored cuts, and the light of the tree that they are over.
+#[derive(Clone, Copy)]
+pub struct LitTree<'a> {
+    pub field: LitField,
+    pub stored: &'a GpuCuts,
+    pub height: u32,
+    pub nodes: &'a wgpu::Buffer,
+    pub brightness: &'a wgpu::Buffer,
 }
 
 /// Lit cuts of all vertices.
@@ -51,63 +63,29 @@ impl GpuLitCuts {
     }
 }
 
-impl LitPass {
-    /// Builds the pipelines.
+impl LitKernels {
+    /// Compiles the kernels.
     ///
     /// # Errors
     /// A shader that cannot be read.
     pub fn new(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
-        use Binding::{Storage, Uint, Uniform, Written};
-        let frame = bind_layout(gpu, "frame of lit cuts", &[Uniform]);
-        let nothing = bind_layout(gpu, "nothing", &[]);
-        let light = bind_layout(gpu, "light of lit cuts", &[Storage, Storage, Uint]);
-        let cuts = bind_layout(gpu, "lit cuts", &[Uniform, Storage, Written, Written, Written, Written]);
-        let module = module(gpu, shaders, &LIT)?;
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("lit cuts"),
-            bind_group_layouts: &[Some(&frame), Some(&nothing), Some(&light), Some(&cuts)],
-            immediate_size: 0,
-        });
-        let fields = [layout::constants::FIELD_ENVIRONMENT, layout::constants::FIELD_SOURCES];
-        let pipelines = |entry_point| {
-            fields.map(|field| {
-                gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some("lit cuts"),
-                    layout: Some(&layout),
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions {
-                        constants: &[("FIELD", f64::from(field))],
-                        ..Default::default()
-                    },
-                    cache: None,
-                })
-            })
-        };
-        let (count, write) = (pipelines("count"), pipelines("write"));
-        Ok(Self { frame, light, cuts, count, write })
+        let over = |program: &KernelProgram, field| Kernel::new(gpu, shaders, program, &[("FIELD", f64::from(field))]);
+        let kernels = |program| Ok([over(program, FIELD_ENVIRONMENT)?, over(program, FIELD_SOURCES)?]);
+        Ok(Self { count: kernels(&LIT_COUNT)?, write: kernels(&LIT_WRITE)? })
     }
 
-    /// The cuts of `stored` under the light of a tree of `height` with `nodes`, as coarse as `lit` has them; coarser where
-    /// they would not fit the adapter.
+    /// The stored cuts under the light of their tree, as coarse as `lit` has them; coarser where they would not fit the adapter.
     ///
     /// # Errors
     /// A lost device.
-    pub fn make(
-        &self,
-        gpu: &GpuDevice,
-        field: LitField,
-        (stored, height): (&GpuCuts, u32),
-        nodes: &wgpu::Buffer,
-        lit: &LitCuts,
-    ) -> Result<GpuLitCuts, BackendError> {
+    pub fn make(&self, gpu: &GpuDevice, tree: LitTree, lit: &LitCuts) -> Result<GpuLitCuts, BackendError> {
+        let [count, write] = [&self.count, &self.write].map(|kernels| &kernels[tree.field as usize]);
         let mut tau = lit.tau();
         loop {
-            let work = Work::new(self, gpu, (stored, height), nodes, tau);
-            let total = work.count(gpu, &self.count[field as usize])?;
-            let bytes = u64::from(total) * size_of::<u32>() as u64;
+            let work = Work::new(gpu, tree, tau);
+            let bytes = u64::from(work.count(gpu, count)?) * size_of::<u32>() as u64;
             if bytes <= gpu.max_storage_bytes() {
-                return work.write(self, gpu, &self.write[field as usize], bytes);
+                return work.write(gpu, write, bytes);
             }
             if tau >= 1.0 {
                 gpu.within("the lit cuts", "bytes", bytes, gpu.max_storage_bytes(), Remedy::SmallerCuts)?;
@@ -120,103 +98,53 @@ impl LitPass {
 /// The resources of one run.
 struct Work<'a> {
     stored: &'a GpuCuts,
-    frame: wgpu::BindGroup,
-    light: wgpu::BindGroup,
+    tree: wgpu::BindGroup,
     uniforms: wgpu::Buffer,
-    offsets: wgpu::Buffer,
-    total: wgpu::Buffer,
     whole_light: wgpu::Buffer,
-    cuts: wgpu::BindGroup,
+    offsets: wgpu::Buffer,
 }
 
 impl<'a> Work<'a> {
-    fn new(
-        pass: &LitPass,
-        gpu: &GpuDevice,
-        (stored, height): (&'a GpuCuts, u32),
-        nodes: &wgpu::Buffer,
-        tau: f32,
-    ) -> Self {
-        let heights = layout::FrameUniforms {
-            tree_height: height,
-            source_tree_height: height,
-            ..layout::FrameUniforms::zeroed()
-        };
-        let frame = uniform(gpu, "heights of lit cuts", bytemuck::bytes_of(&heights));
-        let lit = layout::LitUniforms { cuts: stored.count, tau };
-        let buffer = |words: u32, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("lit cuts"),
-                size: u64::from(words) * 4,
-                usage: Usages::STORAGE | usage,
-                mapped_at_creation: false,
-            })
-        };
-        let offsets = buffer(stored.texels.max(1), Usages::empty());
-        let total = buffer(1, Usages::COPY_SRC);
-        let whole_light = buffer(stored.count.max(1), Usages::empty());
-        let uniforms = uniform(gpu, "uniforms of lit cuts", bytemuck::bytes_of(&lit));
-        // Nothing is written while nodes are counted.
-        let unwritten = buffer(1, Usages::empty());
-        let light = [nodes.as_entire_binding(), nodes.as_entire_binding(), View(&stored.view)];
+    fn new(gpu: &GpuDevice, tree: LitTree<'a>, tau: f32) -> Self {
+        let LitTree { stored, height, nodes, brightness, .. } = tree;
+        let uniforms = LitUniforms { cuts: stored.count, tau, tree_height: height };
         Self {
             stored,
-            frame: bind(gpu, "frame of lit cuts", &pass.frame, &[frame.as_entire_binding()]),
-            light: bind(gpu, "light of lit cuts", &pass.light, &light),
-            cuts: bind_cuts(pass, gpu, stored, [&uniforms, &offsets, &unwritten, &total, &whole_light]),
-            uniforms,
-            offsets,
-            total,
-            whole_light,
+            tree: StoredCuts { nodes, brightness, visibility_cuts: &stored.view }.bind(gpu),
+            uniforms: uniform(gpu, "uniforms of lit cuts", bytemuck::bytes_of(&uniforms)),
+            whole_light: buffer(gpu, 4 * u64::from(stored.count), Usages::empty()),
+            offsets: buffer(gpu, 4 * u64::from(stored.texels), Usages::empty()),
         }
     }
 
-    fn count(&self, gpu: &GpuDevice, pipeline: &wgpu::ComputePipeline) -> Result<u32, BackendError> {
-        self.run(gpu, pipeline, &self.cuts);
-        read_word(gpu, &self.total)
+    fn count(&self, gpu: &GpuDevice, kernel: &Kernel) -> Result<u32, BackendError> {
+        let total = buffer(gpu, 4, Usages::COPY_SRC);
+        let Self { stored, uniforms, whole_light, offsets, .. } = self;
+        let cuts = CountedCuts { lit: uniforms, starts: &stored.starts, whole_light, offsets, total: &total };
+        self.run(gpu, kernel, cuts.bind(gpu))?;
+        read_word(gpu, &total)
     }
 
-    fn write(
-        self,
-        pass: &LitPass,
-        gpu: &GpuDevice,
-        pipeline: &wgpu::ComputePipeline,
-        bytes: u64,
-    ) -> Result<GpuLitCuts, BackendError> {
-        let nodes = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("lit cuts"),
-            size: bytes.max(4),
-            usage: Usages::STORAGE,
-            mapped_at_creation: false,
-        });
-        let buffers = [&self.uniforms, &self.offsets, &nodes, &self.total, &self.whole_light];
-        self.run(gpu, pipeline, &bind_cuts(pass, gpu, self.stored, buffers));
-        gpu.check()?;
+    fn write(self, gpu: &GpuDevice, kernel: &Kernel, bytes: u64) -> Result<GpuLitCuts, BackendError> {
+        let nodes = buffer(gpu, bytes, Usages::empty());
+        let Self { stored, uniforms, whole_light, offsets, .. } = &self;
+        let cuts = WrittenCuts { lit: uniforms, starts: &stored.starts, whole_light, offsets, lit_nodes: &nodes };
+        self.run(gpu, kernel, cuts.bind(gpu))?;
         Ok(GpuLitCuts { nodes, offsets: self.offsets })
     }
 
-    fn run(&self, gpu: &GpuDevice, pipeline: &wgpu::ComputePipeline, cuts: &wgpu::BindGroup) {
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &self.frame, &[]);
-            pass.set_bind_group(2, &self.light, &[]);
-            pass.set_bind_group(3, cuts, &[]);
-            let groups = self.stored.count.div_ceil(CUTS_PER_GROUP);
-            let columns = groups.min(gpu.limits.max_compute_workgroups_per_dimension);
-            pass.dispatch_workgroups(columns, groups.div_ceil(columns.max(1)), 1);
-        }
-        gpu.queue.submit([encoder.finish()]);
+    fn run(&self, gpu: &GpuDevice, kernel: &Kernel, cuts: wgpu::BindGroup) -> Result<(), BackendError> {
+        let groups = self.stored.count.div_ceil(CUTS_PER_GROUP);
+        kernel.run(gpu, &[cuts, self.tree.clone()], groups).map(drop)
     }
 }
 
-fn bind_cuts(
-    pass: &LitPass,
-    gpu: &GpuDevice,
-    stored: &GpuCuts,
-    [uniforms, offsets, nodes, total, whole_light]: [&wgpu::Buffer; 5],
-) -> wgpu::BindGroup {
-    let buffers = [uniforms, &stored.starts, offsets, nodes, total, whole_light].map(|b| b.as_entire_binding());
-    bind(gpu, "lit cuts", &pass.cuts, &buffers)
+/// A buffer of zeros; none can be empty.
+fn buffer(gpu: &GpuDevice, bytes: u64, usage: Usages) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("lit cuts"),
+        size: bytes.max(4),
+        usage: Usages::STORAGE | usage,
+        mapped_at_creation: false,
+    })
 }

@@ -3,12 +3,11 @@
 use super::{
     measured::GpuMeasured,
     pool::{Place, TexturePool},
-    scene::GpuScene,
 };
 use crate::{
     appearance::Appearance,
     device::{
-        GpuDevice, ModelSet, bind,
+        GpuDevice, ModelSet,
         layout::{
             Material, MaterialParameter, Tables, TextureSlot,
             constants::{KIND_PROCEDURAL, MOST_PARAMETERS, NO_TABLE},
@@ -57,20 +56,6 @@ impl GpuMaterials {
         let narrowest = appearance.materials.iter().map(narrowest_lobe).fold(f32::INFINITY, f32::min);
         let materials = Self { buffer, pool, tables: tables(gpu), measured, narrowest };
         (materials, messages)
-    }
-
-    /// The group of the scene, with its materials.
-    pub fn bound_with(&self, gpu: &GpuDevice, layout: &wgpu::BindGroupLayout, scene: &GpuScene) -> wgpu::BindGroup {
-        let resources = [
-            scene.vertices.as_entire_binding(),
-            scene.triangles.as_entire_binding(),
-            self.buffer.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&self.pool.view),
-            self.tables.as_entire_binding(),
-            self.measured.buffer.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&scene.posed),
-        ];
-        bind(gpu, "scene", layout, &resources)
     }
 }
 

@@ -2,46 +2,18 @@
 //! coefficients of a solution. They are uploaded when they change and not when the camera moves. A pass evaluates them at
 //! every pixel.
 
-use super::{
-    addition::{Addition, PictureInputs},
-    pipeline::{Layouts, Pipeline},
-    targets::format,
-};
+use super::groups;
 use crate::{
-    device::{Binding, GpuDevice, Shaders, bind, bind_layout, layout, module, shaders::MESHLESS, storage, uniform},
+    device::{GpuDevice, layout, storage, uniform},
     error::BackendError,
     light::bounce::MeshlessLight,
     remedy::Remedy,
-    stale::Part,
     view_mode::BasisView,
 };
 use bytemuck::{NoUninit, Zeroable};
 use glam::Mat3A;
 use lapidary_core::{dataset::Dataset, meshless::Basis};
 use std::sync::Arc;
-
-/// The pipeline, with what it reads.
-pub struct MeshlessPass {
-    pipeline: wgpu::RenderPipeline,
-    light: wgpu::BindGroupLayout,
-}
-
-impl MeshlessPass {
-    /// Builds the pipeline.
-    ///
-    /// # Errors
-    /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders, layouts: &Layouts) -> Result<Self, BackendError> {
-        use Binding::{Storage, Uniform};
-        let light = bind_layout(gpu, "meshless light", &[Uniform, Storage, Storage, Storage, Storage]);
-        let pipeline = Pipeline {
-            layouts: &[&layouts.frame, &layouts.scene, &light, &layouts.addition],
-            targets: &format::SUMS,
-            ..Pipeline::new(module(gpu, shaders, &MESHLESS)?, "meshless")
-        };
-        Ok(Self { pipeline: pipeline.build(gpu), light })
-    }
-}
 
 /// Bounced light of the basis as it was last shown.
 #[derive(Default)]
@@ -63,18 +35,17 @@ impl GpuMeshless {
         self.coefficients = None;
     }
 
-    /// Uploads missing data, and binds the resources of a picture.
+    /// Uploads missing data, and binds what the pass reads.
     ///
     /// # Errors
     /// A basis beyond the adapter's limits.
-    pub fn prepare(
+    pub fn bound(
         &mut self,
-        picture: &PictureInputs,
-        pass: &MeshlessPass,
+        gpu: &GpuDevice,
         light: &Arc<MeshlessLight>,
         shown: BasisView,
-    ) -> Result<Option<Addition>, BackendError> {
-        let (gpu, basis) = (picture.gpu, light.basis());
+    ) -> Result<wgpu::BindGroup, BackendError> {
+        let basis = light.basis();
         let known = self.functions.take().filter(|(dataset, _)| Arc::ptr_eq(dataset, light.dataset()));
         let make = || Ok((light.dataset().clone(), Functions::new(gpu, basis)?));
         let (_, functions) = self.functions.insert(known.map_or_else(make, Ok)?);
@@ -82,14 +53,16 @@ impl GpuMeshless {
         let make = || Ok((light.clone(), coefficients(gpu, light.coefficients())?));
         let (_, coefficients) = self.coefficients.insert(known.map_or_else(make, Ok)?);
         let Functions { slots, entries, functions } = functions;
-        Ok(addition(picture, pass, &uniforms(basis, shown), [slots, entries, functions, coefficients]))
+        let basis = &uniform(gpu, "meshless light", bytemuck::bytes_of(&uniforms(basis, shown)));
+        Ok(groups::Basis { basis, slots, entries, functions, coefficients }.bind(gpu))
     }
 
-    /// The pass for a picture whose bounced light is of vertices alone.
-    pub fn without_functions(picture: &PictureInputs, pass: &MeshlessPass) -> Option<Addition> {
+    /// What the pass reads in a picture whose bounced light is of vertices alone.
+    pub fn without_functions(gpu: &GpuDevice) -> wgpu::BindGroup {
         // As large as the largest element of the arrays.
-        let nothing = storage(picture.gpu, "no function", bytemuck::bytes_of(&layout::Coefficient::zeroed()));
-        addition(picture, pass, &layout::BasisUniforms::zeroed(), [&nothing; 4])
+        let nothing = &storage(gpu, "no function", bytemuck::bytes_of(&layout::Coefficient::zeroed()));
+        let basis = &uniform(gpu, "no basis", bytemuck::bytes_of(&layout::BasisUniforms::zeroed()));
+        groups::Basis { basis, slots: nothing, entries: nothing, functions: nothing, coefficients: nothing }.bind(gpu)
     }
 
     /// The coefficients, to detect a new upload.
@@ -97,19 +70,6 @@ impl GpuMeshless {
     pub fn coefficients(&self) -> Option<&wgpu::Buffer> {
         self.coefficients.as_ref().map(|(_, buffer)| buffer)
     }
-}
-
-/// Binds what the pass reads.
-fn addition(
-    picture: &PictureInputs,
-    pass: &MeshlessPass,
-    uniforms: &layout::BasisUniforms,
-    [slots, entries, functions, coefficients]: [&wgpu::Buffer; 4],
-) -> Option<Addition> {
-    let uniforms = uniform(picture.gpu, "meshless light", bytemuck::bytes_of(uniforms));
-    let buffers = [&uniforms, slots, entries, functions, coefficients].map(|buffer| buffer.as_entire_binding());
-    let bound = bind(picture.gpu, "meshless light", &pass.light, &buffers);
-    Addition::new(picture, ("meshless", &pass.pipeline), bound, Part::Bounce)
 }
 
 impl Functions {

@@ -1,22 +1,21 @@
-//! The pipelines: built once from the shaders, with variants of the merge for the needs of scene and view mode.
+//! The passes as they are compiled: from their entries, with variants of the merge for the needs of scene and view mode.
 
 use super::{
-    direct::DirectPasses,
-    lit::LitPass,
-    meshless::MeshlessPass,
-    pipeline::{Layouts, Pipeline, layouts},
-    targets::format,
+    entries::{
+        DIRECT, DISPLAY, Entry, HISTORY, KEEP, MARKS, MERGE, MESHLESS, PARAMETERS, PREDICT, SHADOW, SKETCH, SURFACE,
+        VISIBILITY,
+    },
+    lit::LitKernels,
+    pipeline::{Compiled, Pass},
 };
 use crate::{
-    device::{
-        GpuDevice, Shaders, module,
-        shaders::{DISPLAY, HISTORY, KEEP, MARKS, MERGE, PARAMETERS, PREDICT, SKETCH, SURFACE, VISIBILITY},
-    },
+    device::{GpuDevice, Shaders},
     error::BackendError,
+    stale::Part,
 };
 use std::collections::HashMap;
 
-/// Specialisation of the merge pass.
+/// Specialization of the merge pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MergeVariant {
     /// Which tree of lights is merged, one of the constants `FIELD_...`.
@@ -29,29 +28,36 @@ pub struct MergeVariant {
     pub mirrors: bool,
 }
 
-/// All pipelines.
+impl MergeVariant {
+    /// Values of the constants of [`MERGE`].
+    fn values(self) -> [f64; 5] {
+        let Self { field, is_first, refine, lit, mirrors } = self;
+        [field, is_first.into(), refine.into(), lit.into(), mirrors.into()].map(f64::from)
+    }
+}
+
+/// All passes.
 pub struct Passes {
-    pub layouts: Layouts,
-    pub visibility: wgpu::RenderPipeline,
-    pub surface: wgpu::RenderPipeline,
-    pub parameters: wgpu::RenderPipeline,
-    pub marks: wgpu::RenderPipeline,
-    pub keep: wgpu::RenderPipeline,
-    pub display: wgpu::RenderPipeline,
+    pub visibility: Pass,
+    pub surface: Pass,
+    pub parameters: Pass,
+    pub marks: Pass,
+    pub shadow: Pass,
+    pub direct: Pass,
+    pub meshless: Pass,
+    pub keep: Pass,
     /// For the first part of the light and the others.
-    pub sketch: [wgpu::RenderPipeline; 2],
-    /// Keep a picture for the next one, and find its pixels in that.
-    pub history: wgpu::RenderPipeline,
-    pub predict: wgpu::RenderPipeline,
-    pub direct: DirectPasses,
-    pub meshless: MeshlessPass,
-    pub lit: LitPass,
-    merge_module: wgpu::ShaderModule,
-    merge: HashMap<MergeVariant, wgpu::RenderPipeline>,
+    pub sketch: [Pass; 2],
+    pub history: Pass,
+    pub predict: Pass,
+    pub display: Pass,
+    pub lit: LitKernels,
+    merge: Compiled,
+    merges: HashMap<MergeVariant, Pass>,
 }
 
 impl Passes {
-    /// Builds the pipelines from `source`, the merge pass in `variants`.
+    /// Builds the passes from `shaders`, the merge in `variants`.
     ///
     /// # Errors
     /// A shader that cannot be read or does not compile, with the compiler's message.
@@ -59,7 +65,7 @@ impl Passes {
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let mut passes = Self::build(gpu, shaders);
         if let Ok(passes) = &mut passes {
-            variants.iter().for_each(|&variant| drop(passes.merge(gpu, variant).clone()));
+            variants.iter().for_each(|&variant| drop(passes.merge(gpu, variant)));
         }
         match pollster::block_on(scope.pop()) {
             None => passes,
@@ -68,96 +74,45 @@ impl Passes {
     }
 
     fn build(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
-        let layouts = layouts(gpu);
-        let l = &layouts;
-        let load = |program| module(gpu, shaders, program);
-        let visibility = Pipeline {
-            depth: true,
-            layouts: &[&l.frame, &l.scene],
-            targets: &[format::TRIANGLE],
-            constants: &[shaders.veils()],
-            ..Pipeline::new(load(&VISIBILITY)?, "visibility")
-        };
-        let surface = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.ids],
-            targets: &[format::GEOMETRY, format::FLOATS],
-            ..Pipeline::new(load(&SURFACE)?, "surface")
-        };
-        let parameters = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.parameters],
-            targets: &[format::FLOATS],
-            ..Pipeline::new(load(&PARAMETERS)?, "parameters")
-        };
-        let marks = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.patches, &l.marks],
-            targets: &[format::MARKS],
-            ..Pipeline::new(load(&MARKS)?, "marks")
-        };
-        let keep = Pipeline { layouts: &[&l.keep], targets: &format::SUMS, ..Pipeline::new(load(&KEEP)?, "kept sums") };
-        let display =
-            Pipeline { layouts: &[&l.display], targets: &[format::SHOWN], ..Pipeline::new(load(&DISPLAY)?, "display") };
-        let sketch_module = load(&SKETCH)?;
-        let sketch = [1.0, 0.0].map(|is_first| {
-            let pipeline = Pipeline {
-                layouts: &[&l.frame, &l.scene, &l.lattice, &l.merge],
-                targets: &format::SUMS,
-                constants: &[("IS_FIRST", is_first)],
-                ..Pipeline::new(sketch_module.clone(), "sketch")
-            };
-            pipeline.build(gpu)
-        });
-        let history = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.added, &l.merge],
-            targets: &format::SUMS,
-            ..Pipeline::new(load(&HISTORY)?, "history")
-        };
-        let predict = Pipeline {
-            layouts: &[&l.frame, &l.scene, &l.past, &l.merge],
-            targets: &[format::FLOATS],
-            ..Pipeline::new(load(&PREDICT)?, "predict")
-        };
+        let compiled = |entry: &'static Entry| Compiled::new(gpu, shaders, entry);
+        let pass = |entry, values: &[f64]| Ok::<_, BackendError>(compiled(entry)?.variant(gpu, values));
+        let has_veils = [f64::from(shaders.has_veils)];
+        let sketch = compiled(&SKETCH)?;
         Ok(Self {
-            visibility: visibility.build(gpu),
-            surface: surface.build(gpu),
-            parameters: parameters.build(gpu),
-            marks: marks.build(gpu),
-            keep: keep.build(gpu),
-            display: display.build(gpu),
-            sketch,
-            history: history.build(gpu),
-            predict: predict.build(gpu),
-            direct: DirectPasses::new(gpu, shaders, &layouts)?,
-            meshless: MeshlessPass::new(gpu, shaders, &layouts)?,
-            lit: LitPass::new(gpu, shaders)?,
-            merge_module: load(&MERGE)?,
-            merge: HashMap::new(),
-            layouts,
+            visibility: pass(&VISIBILITY, &has_veils)?,
+            surface: pass(&SURFACE, &[])?,
+            parameters: pass(&PARAMETERS, &[])?,
+            marks: pass(&MARKS, &[])?,
+            shadow: pass(&SHADOW, &has_veils)?,
+            direct: pass(&DIRECT, &[])?,
+            meshless: pass(&MESHLESS, &[])?,
+            keep: pass(&KEEP, &[])?,
+            sketch: [1.0, 0.0].map(|is_first| sketch.variant(gpu, &[is_first])),
+            history: pass(&HISTORY, &[])?,
+            predict: pass(&PREDICT, &[])?,
+            display: pass(&DISPLAY, &[])?,
+            lit: LitKernels::new(gpu, shaders)?,
+            merge: compiled(&MERGE)?,
+            merges: HashMap::new(),
         })
     }
 
-    /// The variants of the merge pass that are in use.
+    /// The variants of the merge that are in use.
     pub fn variants(&self) -> Vec<MergeVariant> {
-        self.merge.keys().copied().collect()
+        self.merges.keys().copied().collect()
     }
 
-    /// The merge pass for a variant, built at its first use.
-    pub fn merge(&mut self, gpu: &GpuDevice, variant: MergeVariant) -> &wgpu::RenderPipeline {
-        let (l, module) = (&self.layouts, &self.merge_module);
-        self.merge.entry(variant).or_insert_with(|| {
-            let flag = |name, on| (name, f64::from(u8::from(on)));
-            let pipeline = Pipeline {
-                layouts: &[&l.frame, &l.scene, &l.light, &l.merge],
-                targets: &format::SUMS,
-                constants: &[
-                    ("FIELD", f64::from(variant.field)),
-                    flag("IS_FIRST", variant.is_first),
-                    flag("REFINE", variant.refine),
-                    flag("LIT", variant.lit),
-                    flag("MIRRORS", variant.mirrors),
-                ],
-                ..Pipeline::new(module.clone(), "merge")
-            };
-            pipeline.build(gpu)
-        })
+    /// A variant of the merge, built at its first use.
+    pub fn merge(&mut self, gpu: &GpuDevice, variant: MergeVariant) -> Pass {
+        let built = self.merges.entry(variant);
+        built.or_insert_with(|| self.merge.variant(gpu, &variant.values())).clone()
     }
+}
+
+/// A pass of a picture that adds samples to the sums of a part of the light.
+pub struct PartPass {
+    pub part: Part,
+    pub pass: Pass,
+    /// What it reads beside the frame, the scene, and the points to shade.
+    pub light: wgpu::BindGroup,
 }

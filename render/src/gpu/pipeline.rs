@@ -1,109 +1,80 @@
-//! What all passes that draw are built from: layouts of bindings, and pipelines.
+//! Pipelines of the passes that draw, built from their entries.
 
-use super::targets::format;
-use crate::device::{Binding, GpuDevice, bind_layout};
-use wgpu::BindGroupLayout;
+use super::{entries::Entry, targets::format};
+use crate::{
+    device::{GpuDevice, Shaders, module},
+    error::BackendError,
+};
 
-/// Bind group layouts by what they hold.
-pub struct Layouts {
-    pub frame: BindGroupLayout,
-    /// The mesh and its materials.
-    pub scene: BindGroupLayout,
-    pub light: BindGroupLayout,
-    /// One texture of unsigned integers.
-    pub ids: BindGroupLayout,
-    pub parameters: BindGroupLayout,
-    pub merge: BindGroupLayout,
-    /// The other passes that add to sums.
-    pub addition: BindGroupLayout,
-    pub display: BindGroupLayout,
-    /// The sums of a lattice, and what the last picture tells.
-    pub lattice: BindGroupLayout,
-    /// The sums of another part of the light, and what the pixels show.
-    pub added: BindGroupLayout,
-    /// A part of the light in the last picture.
-    pub past: BindGroupLayout,
-    pub patches: BindGroupLayout,
-    pub marks: BindGroupLayout,
-    pub keep: BindGroupLayout,
+/// A pass with the text that it was compiled from, of which variants are built.
+pub struct Compiled {
+    entry: &'static Entry,
+    module: wgpu::ShaderModule,
 }
 
-/// What differs between pipelines.
-pub struct Pipeline<'a> {
-    pub module: wgpu::ShaderModule,
+/// One variant of a pass.
+#[derive(Clone)]
+pub struct Pass {
     pub label: &'static str,
-    pub layouts: &'a [&'a BindGroupLayout],
-    pub targets: &'a [wgpu::TextureFormat],
-    pub constants: &'a [(&'a str, f64)],
-    pub depth: bool,
+    pub pipeline: wgpu::RenderPipeline,
 }
 
-impl<'a> Pipeline<'a> {
-    pub fn new(module: wgpu::ShaderModule, label: &'static str) -> Self {
-        Self { module, label, layouts: &[], targets: &[], constants: &[], depth: false }
+impl Compiled {
+    /// Compiles the text of a pass.
+    ///
+    /// # Errors
+    /// A shader that cannot be read.
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, entry: &'static Entry) -> Result<Self, BackendError> {
+        Ok(Self { entry, module: module(gpu, shaders, &entry.program)? })
     }
 
-    pub fn build(&self, gpu: &GpuDevice) -> wgpu::RenderPipeline {
-        let layouts: Vec<_> = self.layouts.iter().map(|&l| Some(l)).collect();
+    /// The variant with these values of the constants of its entry.
+    pub fn variant(&self, gpu: &GpuDevice, values: &[f64]) -> Pass {
+        let Self { entry: Entry { program, groups, targets, has_depth, constants }, module } = self;
+        debug_assert_eq!(constants.len(), values.len(), "{}", program.name);
+        let label = Some(program.name);
+        let groups: Vec<_> = groups.iter().map(|group| Some(group.on(gpu))).collect();
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(self.label),
-            bind_group_layouts: &layouts,
+            label,
+            bind_group_layouts: &groups.iter().map(Option::as_ref).collect::<Vec<_>>(),
             immediate_size: 0,
         });
         let target = |&format: &wgpu::TextureFormat| {
             Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL })
         };
-        let targets: Vec<_> = self.targets.iter().map(target).collect();
-        let options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
-        gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(self.label),
+        let constants: Vec<_> = constants.iter().copied().zip(values.iter().copied()).collect();
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label,
             layout: Some(&layout),
             vertex: wgpu::VertexState {
-                module: &self.module,
+                module,
                 entry_point: Some("vertex"),
                 compilation_options: Default::default(),
                 buffers: &[],
             },
             primitive: Default::default(),
-            // Depth grows toward the eye and is 0 at infinity: floats are finest near 0.
-            depth_stencil: self.depth.then(|| wgpu::DepthStencilState {
-                format: format::DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
+            depth_stencil: has_depth.then(depth),
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
-                module: &self.module,
+                module,
                 entry_point: Some("fragment"),
-                compilation_options: options,
-                targets: &targets,
+                compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+                targets: &targets.iter().map(target).collect::<Vec<_>>(),
             }),
             multiview_mask: None,
             cache: None,
-        })
+        });
+        Pass { label: program.name, pipeline }
     }
 }
 
-/// All layouts.
-pub fn layouts(gpu: &GpuDevice) -> Layouts {
-    use Binding::{Float, Storage, Uint, Uniform};
-    let layout = |label, bindings: &[Binding]| bind_layout(gpu, label, bindings);
-    Layouts {
-        frame: layout("frame", &[Uniform]),
-        scene: layout("scene", &[Storage, Storage, Storage, Uint, Uniform, Storage, Float]),
-        light: layout("light", &[Storage, Storage, Uint, Uint, Storage, Storage]),
-        ids: layout("ids", &[Uint]),
-        parameters: layout("parameters", &[Uint, Float]),
-        merge: layout("merge", &[Uint, Float, Float, Float, Uint, Float, Float]),
-        addition: layout("addition", &[Uint, Float, Float, Float, Uint]),
-        display: layout("display", &[Uniform, Uniform, Float, Uint, Float, Uint, Float, Uint, Float, Uint]),
-        lattice: layout("lattice", &[Float, Uint, Float]),
-        added: layout("added", &[Float, Uint, Uint]),
-        past: layout("past", &[Uniform, Float, Uint]),
-        patches: layout("patches", &[Storage]),
-        marks: layout("marks", &[Uint, Uint]),
-        keep: layout("keep", &[Uniform, Uint, Float, Uint, Float]),
+/// Depth grows toward the eye and is 0 at infinity: floats are finest near 0.
+fn depth() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: format::DEPTH,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: Default::default(),
+        bias: Default::default(),
     }
 }

@@ -6,7 +6,7 @@ mod view;
 pub use plan::{Plan, ShadowRoom, capacity, shines};
 pub use view::{ShadowViewSettings, views, views_per_point};
 
-use super::targets::format;
+use super::{pipeline::Pass, targets::format};
 use crate::device::{GpuDevice, layout::ShadowView};
 
 /// A depth texture and what its layers show.
@@ -69,13 +69,13 @@ impl ShadowMaps {
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        pipeline: &wgpu::RenderPipeline,
+        pass: &Pass,
         groups: [&wgpu::BindGroup; 3],
         corners: u32,
         (layer, view): (u32, ShadowView),
     ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("shadow map"),
+        let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(pass.label),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.layers[layer as usize],
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
@@ -83,11 +83,11 @@ impl ShadowMaps {
             }),
             ..Default::default()
         });
-        pass.set_pipeline(pipeline);
+        drawing.set_pipeline(&pass.pipeline);
         for (i, group) in groups.into_iter().enumerate() {
-            pass.set_bind_group(i as u32, group, &[]);
+            drawing.set_bind_group(i as u32, group, &[]);
         }
-        pass.draw(0..corners, layer..layer + 1);
+        drawing.draw(0..corners, layer..layer + 1);
         self.rendered[layer as usize] = Some(view);
     }
 }

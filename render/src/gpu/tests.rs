@@ -1,5 +1,6 @@
 //! Shaders against naga, layouts against shaders, and the GPU against the CPU on the same buffers.
 
+mod bindings;
 mod bounce;
 mod direct;
 mod emission;

@@ -5,6 +5,7 @@ use crate::{
     device::{
         adapter::GpuDevice,
         buffers::{storage, uniform},
+        kernels,
         layout::{Disc, Rider, WalkUniforms},
         readback::read_range,
     },
@@ -112,12 +113,12 @@ impl GpuForest {
     /// # Errors
     /// A lost device.
     pub fn update(&mut self, positions: &[Vec3]) -> Result<(), BackendError> {
-        let (GpuImplicit { gpu, kernels }, b) = (&self.on, &self.buffers);
+        let (GpuImplicit { gpu, kernels: on }, b) = (&self.on, &self.buffers);
         gpu.queue.write_buffer(&b.positions, 0, cast_slice(positions));
-        let update = kernels.update.bind(gpu, &[&b.positions, &b.riders, &b.discs]);
-        let nodes = kernels.nodes.bind(gpu, &[&b.discs, &b.spans, &b.blocks]);
-        self.times.update = kernels.update.run(gpu, &update, self.leaves.div_ceil(LEAVES_PER_GROUP))?
-            + kernels.nodes.run(gpu, &nodes, self.nodes)?;
+        let leaves = kernels::Leaves { positions: &b.positions, riders: &b.riders, discs: &b.discs }.bind(gpu);
+        let nodes = kernels::Nodes { discs: &b.discs, spans: &b.spans, blocks: &b.blocks }.bind(gpu);
+        self.times.update = on.update.run(gpu, &[leaves], self.leaves.div_ceil(LEAVES_PER_GROUP))?
+            + on.nodes.run(gpu, &[nodes], self.nodes)?;
         Ok(())
     }
 
@@ -171,7 +172,7 @@ impl GpuForest {
 
     /// One walk. Returns how long it took.
     pub(super) fn look(&self, look: &Look, into: &wgpu::Buffer) -> Result<Duration, BackendError> {
-        let (GpuImplicit { gpu, kernels }, b) = (&self.on, &self.buffers);
+        let (GpuImplicit { gpu, kernels: on }, b) = (&self.on, &self.buffers);
         let uniforms = WalkUniforms {
             first_leaf: look.leaves.start,
             has_kept: u32::from(look.kept.is_some()),
@@ -181,8 +182,16 @@ impl GpuForest {
         gpu.queue.write_buffer(&b.walk, 0, bytes_of(&uniforms));
         gpu.queue.write_buffer(&b.walked, 0, cast_slice(&bits(self.leaves_of.len(), look.objects)));
         let kept = look.kept.unwrap_or(&b.nothing);
-        let data = kernels.walk.bind(gpu, &[&b.walk, &b.discs, &b.blocks, &b.directions, &b.walked, kept, into]);
-        kernels.walk.run(gpu, &data, look.leaves.len() as u32)
+        let data = kernels::Walk {
+            walk: &b.walk,
+            discs: &b.discs,
+            blocks: &b.blocks,
+            directions: &b.directions,
+            walked: &b.walked,
+            kept,
+            seen: into,
+        };
+        on.walk.run(gpu, &[data.bind(gpu)], look.leaves.len() as u32)
     }
 
     /// What some leaves saw at the last walk.

@@ -8,6 +8,7 @@ use crate::{
     device::{
         adapter::GpuDevice,
         buffers::{storage, uniform},
+        kernels,
         layout::{LeafIrradiance, LeafLighting, LightUniforms},
         readback::read_range,
     },
@@ -79,14 +80,30 @@ impl GpuForest {
 
     /// One bounce, or before all of them the light of what emits and of the sky.
     fn gather(&mut self, is_first: bool) -> Result<(), BackendError> {
-        let (GpuImplicit { gpu, kernels }, b, l) = (&self.on, &self.buffers, &self.light);
+        let (GpuImplicit { gpu, kernels: on }, b, l) = (&self.on, &self.buffers, &self.light);
         let BinLayout { cells, turn } = self.layout;
         let uniforms = LightUniforms { turn: cos_sin(turn), is_first: u32::from(is_first), side: cells.side as u32 };
         gpu.queue.write_buffer(&l.uniforms, 0, bytes_of(&uniforms));
-        let pull = [&l.uniforms, &b.discs, &b.spans, &l.lighting, &l.irradiance, &l.radiance];
-        let bounce = [&l.uniforms, &b.discs, &b.views, &b.directions, &l.radiance, &l.lighting, &l.sky, &l.irradiance];
-        self.times.pull += kernels.pull.run(gpu, &kernels.pull.bind(gpu, &pull), self.nodes)?;
-        self.times.bounce += kernels.bounce.run(gpu, &kernels.bounce.bind(gpu, &bounce), self.leaves)?;
+        let pulled = kernels::Pulled {
+            uniforms: &l.uniforms,
+            discs: &b.discs,
+            spans: &b.spans,
+            lighting: &l.lighting,
+            light: &l.irradiance,
+            radiance: &l.radiance,
+        };
+        let gathered = kernels::Gathered {
+            uniforms: &l.uniforms,
+            discs: &b.discs,
+            views: &b.views,
+            directions: &b.directions,
+            radiance: &l.radiance,
+            lighting: &l.lighting,
+            sky: &l.sky,
+            light: &l.irradiance,
+        };
+        self.times.pull += on.pull.run(gpu, &[pulled.bind(gpu)], self.nodes)?;
+        self.times.bounce += on.bounce.run(gpu, &[gathered.bind(gpu)], self.leaves)?;
         Ok(())
     }
 }

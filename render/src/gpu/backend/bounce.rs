@@ -1,13 +1,63 @@
 //! The bounced light of a picture, by the passes that show it.
 
-use crate::light::{
-    bounce::{MeshlessLight, SourceLighting},
-    implicit::{PosedLight, Sides},
-    local::LocalLighting,
-    solver::BounceLight,
+use crate::{
+    device::GpuDevice,
+    error::BackendError,
+    gpu::{light::GpuSources, lit::LitKernels, meshless::GpuMeshless, scene::GpuScene},
+    light::{
+        bounce::{MeshlessLight, SourceLighting},
+        implicit::{PosedLight, Sides},
+        local::LocalLighting,
+        solver::BounceLight,
+    },
+    view::View,
+    view_mode::ViewMode,
 };
 use glam::Vec3;
 use std::sync::Arc;
+
+/// Bounced light as it is shown, with what is uploaded of it.
+#[derive(Default)]
+pub struct GpuBounce {
+    pub light: ShownBounce,
+    /// As they were last shown.
+    pub sources: Option<GpuSources>,
+    pub functions: GpuMeshless,
+}
+
+impl GpuBounce {
+    /// Other bounced light. Nothing is uploaded yet.
+    pub fn set(&mut self, light: ShownBounce) {
+        self.light = light;
+        if self.light.functions.is_none() {
+            self.functions.forget_light();
+        }
+    }
+
+    /// Uploads the light of sources, if it is shown.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn upload(&mut self, gpu: &GpuDevice, kernels: &LitKernels, scene: &GpuScene) -> Result<(), BackendError> {
+        let (before, shown) = (self.sources.take(), self.light.sources.as_ref().zip(scene.sources.as_ref()));
+        let make = |(lighting, baked)| GpuSources::new(gpu, kernels, baked, lighting, before);
+        self.sources = shown.map(make).transpose()?;
+        Ok(())
+    }
+
+    /// What the pass reads that evaluates bounced light at every pixel, if it has any to show.
+    ///
+    /// # Errors
+    /// A basis beyond the adapter's limits.
+    pub fn evaluated(&mut self, gpu: &GpuDevice, view: &View) -> Result<Option<wgpu::BindGroup>, BackendError> {
+        let shaded = view.mode == ViewMode::Shaded;
+        if let Some(light) = self.light.functions.as_ref().filter(|_| shaded || view.mode.is_of_basis()) {
+            return self.functions.bound(gpu, light, view.basis).map(Some);
+        }
+        let is_of_vertices = shaded && self.light.is_of_vertices;
+        Ok(is_of_vertices.then(|| GpuMeshless::without_functions(gpu)))
+    }
+}
 
 /// Bounced light as the passes show it.
 #[derive(Default)]

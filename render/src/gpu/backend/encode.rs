@@ -1,59 +1,33 @@
 //! The passes of a picture as commands.
 
-use super::{GpuBackend, Loaded, SumState};
+use super::{
+    pipelines::Pipelines,
+    progress::{Progress, SumState},
+};
 use crate::{
-    device::{
-        bind,
-        layout::{
-            self,
-            constants::{FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES},
-        },
-    },
+    device::{layout, uniform},
     gpu::{
-        frame::{Lit, frame},
-        passes::MergeVariant,
+        groups::Kept,
+        passes::{PartPass, Passes},
+        pipeline::Pass,
         targets::{Sums, Target},
     },
-    post::Post,
-    sampling::BrdfSampling,
-    shade::mirror::Mirror,
     stale::{Marks, Part, Pixels},
-    view::Background,
 };
 use lapidary_core::image::Region;
-use wgpu::util::DeviceExt;
 
-impl GpuBackend {
-    pub(super) fn write_frame(&self, sample: u32, stride: u32) {
-        let picture = self.picture();
-        let light = self.shown_environment().map(|(light, _)| light);
-        let lit = Lit {
-            shown: light,
-            behind: self.light.as_ref().map(|(light, _)| light),
-            emission: self.local.components.direct,
-            catches: picture.catches,
-        };
-        let uniforms = frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, lit, stride);
-        self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniforms));
+impl Progress {
+    /// What the pixels of a sample see: triangles, marks, surfaces.
+    pub fn encode_seen(&mut self, passes: &Passes, encoder: &mut wgpu::CommandEncoder, sample: u32) {
+        self.encode_visibility(passes, encoder);
+        self.encode_marks(passes, encoder, sample);
+        self.encode_deferred(passes, encoder);
     }
 
-    pub(super) fn write_display(&self, post: &Post) {
-        let picture = self.picture();
-        let uniforms = layout::Display {
-            exposure: post.exposure.exp2(),
-            count_top: picture.count_top,
-            tone_map: post.tone_map as u32,
-            view_mode: picture.view.mode as u32,
-            transparent: u32::from(picture.view.background == Background::Transparent),
-            lets_light_through: u32::from(picture.lets_light_through()),
-        };
-        self.gpu.queue.write_buffer(&self.display, 0, bytemuck::bytes_of(&uniforms));
-    }
-
-    pub(super) fn encode_visibility(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (targets, groups) = (self.targets(), &self.picture().groups);
+    pub fn encode_visibility(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder) {
+        let (targets, picture) = (self.targets(), self.picture());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("visibility"),
+            label: Some(passes.visibility.label),
             color_attachments: &[cleared(&targets.triangle)],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &targets.depth.view,
@@ -62,88 +36,37 @@ impl GpuBackend {
             }),
             ..Default::default()
         });
-        pass.set_pipeline(&self.passes.visibility);
-        pass.set_bind_group(0, &groups.frame, &[]);
-        pass.set_bind_group(1, &groups.scene, &[]);
-        pass.draw(0..3 * self.loaded().scene.triangles_shown(&self.picture().view), 0..1);
+        bind(&mut pass, &passes.visibility, &[&picture.groups.frame, &picture.groups.scene]);
+        pass.draw(0..picture.corners, 0..1);
     }
 
-    pub(super) fn encode_deferred(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub fn encode_deferred(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder) {
         let (targets, groups) = (self.targets(), &self.picture().groups);
         let outputs = [&targets.geometry, &targets.rotation];
-        let shared = [&groups.frame, &groups.scene];
-        full_screen(encoder, "surface", &self.passes.surface, &outputs, &[&shared[..], &[&groups.triangle]].concat());
+        full_screen(encoder, &passes.surface, &outputs, &[&groups.frame, &groups.scene, &groups.seen]);
         let outputs = [&targets.color_roughness];
-        full_screen(
-            encoder,
-            "parameters",
-            &self.passes.parameters,
-            &outputs,
-            &[&shared[..], &[&groups.parameters]].concat(),
-        );
+        full_screen(encoder, &passes.parameters, &outputs, &[&groups.frame, &groups.scene, &groups.surfaces]);
     }
 
     /// What the pixels show of a sample, unless it is known.
-    pub(super) fn encode_marks(&mut self, encoder: &mut wgpu::CommandEncoder, sample: u32) {
+    fn encode_marks(&mut self, passes: &Passes, encoder: &mut wgpu::CommandEncoder, sample: u32) {
         let Some(state) = self.state.as_mut().filter(|state| state.marked == sample) else { return };
         let from = state.marks_front;
         (state.marked, state.marks_front) = (sample + 1, 1 - from);
         let groups = &self.picture().groups;
         let bound = [&groups.frame, &groups.scene, &groups.patches, &groups.marks[from]];
-        full_screen(encoder, "marks", &self.passes.marks, &[&self.targets().marks[1 - from]], &bound);
+        full_screen(encoder, &passes.marks, &[&self.targets().marks[1 - from]], &bound);
     }
 
     /// All passes that add a sample to the sums of the parts of the light, in some areas of the sums or of the lattice with
     /// a stride.
-    pub(super) fn encode_parts(&mut self, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
-        let from = self.state().front;
-        for addition in &self.picture().additions {
-            let Some(sums) = self.written(addition.part, stride) else { continue };
-            self.encode_areas(encoder, addition.label, &addition.pipeline, &addition.groups(from), sums, areas);
-        }
-        for (part, field) in self.fields() {
-            let variant = self.merge_variant(field, part == Part::Environment);
-            let pipeline = self.passes.merge(&self.gpu, variant).clone();
-            let groups = &self.picture().groups;
-            let light = if field == FIELD_SOURCES { groups.sources.as_ref() } else { Some(&groups.light) };
-            let bound = light.zip(groups.sums[part as usize].as_ref());
-            let Some(((light, merge), sums)) = bound.zip(self.written(part, stride)) else {
-                continue;
-            };
-            let bound = [&groups.frame, &groups.scene, light, &merge[from]];
-            self.encode_areas(encoder, "merge", &pipeline, &bound, sums, areas);
-        }
-    }
-
-    /// The trees of lights that are merged, by the part of the light. The first part is never missing, because it also
-    /// has what has no light.
-    fn fields(&self) -> Vec<(Part, u32)> {
-        let first = if self.shown_environment().is_some() { FIELD_ENVIRONMENT } else { FIELD_NONE };
-        let sources = self.picture().groups.sources.as_ref().map(|_| (Part::Bounce, FIELD_SOURCES));
-        [Some((Part::Environment, first)), sources].into_iter().flatten().collect()
-    }
-
-    fn encode_areas(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        label: &str,
-        pipeline: &wgpu::RenderPipeline,
-        groups: &[&wgpu::BindGroup],
-        to: &Sums,
-        areas: &[Region],
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(label),
-            color_attachments: &[kept(&to.value), kept(&to.work)],
-            ..Default::default()
-        });
-        pass.set_pipeline(pipeline);
-        for (i, group) in groups.iter().enumerate() {
-            pass.set_bind_group(i as u32, *group, &[]);
-        }
-        for area in areas {
-            pass.set_scissor_rect(area.x, area.y, area.width, area.height);
-            pass.draw(0..3, 0..1);
+    pub fn encode_parts(&self, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
+        let (picture, from) = (self.picture(), self.state().front);
+        let groups = &picture.groups;
+        for PartPass { part, pass, light } in &picture.passes {
+            let bound = groups.sums[*part as usize].as_ref().zip(self.written(*part, stride));
+            let Some((sums, to)) = bound else { continue };
+            encode_areas(encoder, pass, &[&groups.frame, &groups.scene, light, &sums[from]], to, areas);
         }
     }
 
@@ -157,50 +80,39 @@ impl GpuBackend {
     }
 
     /// Fills between the pixels of the lattice with a stride, in some areas.
-    pub(super) fn encode_sketch(&self, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
+    pub fn encode_sketch(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
         let (groups, front) = (&self.picture().groups, self.state().front);
         for part in Part::ALL {
             let bound = groups.sums[part as usize].as_ref().zip(groups.lattices[part as usize].as_ref());
             let Some(((sums, lattices), to)) = bound.zip(self.written(part, 1)) else { continue };
             let Some(lattice) = lattice(stride) else { continue };
             let bound = [&groups.frame, &groups.scene, &lattices[lattice], &sums[front]];
-            let pipeline = &self.passes.sketch[usize::from(part != Part::Environment)];
-            self.encode_areas(encoder, "sketch", pipeline, &bound, to, areas);
+            encode_areas(encoder, &passes.sketch[usize::from(part != Part::Environment)], &bound, to, areas);
         }
     }
 
-    pub(super) fn encode_display(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub fn encode_display(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder) {
         let group = &self.picture().groups.display[self.shown()];
-        full_screen(encoder, "display", &self.passes.display, &[&self.targets().shown], &[group]);
-    }
-
-    fn merge_variant(&self, field: u32, is_first: bool) -> MergeVariant {
-        let refine = self.picture().sampling != BrdfSampling::Once;
-        let may_mirror = |loaded: &Loaded| Mirror::may_be(loaded.materials.narrowest, loaded.scene.leaf_solid_angle);
-        MergeVariant {
-            field,
-            is_first,
-            refine,
-            mirrors: refine && field == FIELD_ENVIRONMENT && self.scene.as_ref().is_some_and(may_mirror),
-            lit: self.picture().sampling == BrdfSampling::Lit,
-        }
+        full_screen(encoder, &passes.display, &[&self.targets().shown], &[group]);
     }
 
     /// Drops all samples, and what the pixels show.
-    pub(super) fn clear_all(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub fn clear_all(&self, encoder: &mut wgpu::CommandEncoder) {
         let (targets, state) = (self.targets(), self.state());
         targets.parts.iter().flatten().for_each(|sums| clear(encoder, &sums[state.front]));
         clear_targets(encoder, &[&targets.marks[state.marks_front]]);
     }
 
-    /// Moves the sums of all parts to the other of their textures, without what is stale. `added` is the part that is
-    /// added to the direct light.
-    pub(super) fn encode_kept(
+    /// Moves the sums of all parts to the other of their textures, without the stale `pixels` of each part. `merges_added` tells
+    /// that those of the added lights become part of the direct light.
+    pub fn encode_kept(
         &mut self,
+        pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
         pixels: impl Fn(Part) -> Pixels,
         merges_added: bool,
     ) {
+        let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let (targets, &SumState { front, marks_front, .. }) = (self.targets(), self.state());
         for part in Part::ALL {
             let Some(sums) = &targets.parts[part as usize] else { continue };
@@ -213,18 +125,15 @@ impl GpuBackend {
                 }
             };
             let added = targets.parts[Part::Added as usize].as_ref().filter(|_| merges_added && part == Part::Direct);
-            let added = added.map_or(&targets.nothing.value, |sums| &sums[front].value);
-            let uniform = self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("stale marks"),
-                contents: bytemuck::bytes_of(&stale_marks(stale)),
-                usage: wgpu::BufferUsages::UNIFORM,
-            });
-            let inputs = [&targets.marks[marks_front], &sums[front].value, &sums[front].work, added];
-            let [marks, value, work, added] = inputs.map(|t| wgpu::BindingResource::TextureView(&t.view));
-            let bound = [uniform.as_entire_binding(), marks, value, work, added];
-            let group = bind(&self.gpu, "kept sums", &self.passes.layouts.keep, &bound);
+            let group = Kept {
+                stale: &uniform(gpu, "stale marks", bytemuck::bytes_of(&stale_marks(stale))),
+                marks: &targets.marks[marks_front].view,
+                value: &sums[front].value.view,
+                work: &sums[front].work.view,
+                added: added.map_or(&targets.nothing.value.view, |sums| &sums[front].value.view),
+            };
             let to = &sums[1 - front];
-            full_screen(encoder, "kept sums", &self.passes.keep, &[&to.value, &to.work], &[&group]);
+            full_screen(encoder, &passes.keep, &[&to.value, &to.work], &[&group.bind(gpu)]);
         }
         self.flip();
     }
@@ -270,23 +179,41 @@ fn kept(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
     attachment(target, wgpu::LoadOp::Load)
 }
 
-/// A pass over every pixel.
-pub(super) fn full_screen(
+fn bind(drawing: &mut wgpu::RenderPass, pass: &Pass, groups: &[&wgpu::BindGroup]) {
+    drawing.set_pipeline(&pass.pipeline);
+    for (i, group) in groups.iter().enumerate() {
+        drawing.set_bind_group(i as u32, *group, &[]);
+    }
+}
+
+/// A pass over some areas, which keeps the others.
+fn encode_areas(
     encoder: &mut wgpu::CommandEncoder,
-    label: &str,
-    pipeline: &wgpu::RenderPipeline,
-    outputs: &[&Target],
+    pass: &Pass,
     groups: &[&wgpu::BindGroup],
+    to: &Sums,
+    areas: &[Region],
 ) {
+    let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(pass.label),
+        color_attachments: &[kept(&to.value), kept(&to.work)],
+        ..Default::default()
+    });
+    bind(&mut drawing, pass, groups);
+    for area in areas {
+        drawing.set_scissor_rect(area.x, area.y, area.width, area.height);
+        drawing.draw(0..3, 0..1);
+    }
+}
+
+/// A pass over every pixel.
+pub fn full_screen(encoder: &mut wgpu::CommandEncoder, pass: &Pass, outputs: &[&Target], groups: &[&wgpu::BindGroup]) {
     let attachments: Vec<_> = outputs.iter().map(|t| cleared(t)).collect();
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
+    let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(pass.label),
         color_attachments: &attachments,
         ..Default::default()
     });
-    pass.set_pipeline(pipeline);
-    for (i, group) in groups.iter().enumerate() {
-        pass.set_bind_group(i as u32, *group, &[]);
-    }
-    pass.draw(0..3, 0..1);
+    bind(&mut drawing, pass, groups);
+    drawing.draw(0..3, 0..1);
 }

@@ -1,104 +1,106 @@
-//! Bind groups of the passes of a picture.
+//! What the passes of a picture read, bound: each group as `gpu/groups.rs` declares it.
 
-use super::{GpuBackend, Loaded};
+use super::{pipelines::Uniforms, progress::Progress, shown::Shown};
 use crate::{
-    device::bind,
+    device::GpuDevice,
     gpu::{
-        light::{GpuLight, GpuTreeLight},
-        scene::GpuCuts,
+        groups::{Display, Frame, Lattice, Marks, Patches, Scene, Seen, Shading, Surfaces},
         targets::{Sums, Targets},
     },
     stale::Part,
 };
+use wgpu::BindGroup;
 
-/// Everything the passes of a picture read.
+/// Everything that the passes of a picture read, but what some add alone.
 pub struct Groups {
-    pub frame: wgpu::BindGroup,
-    pub scene: wgpu::BindGroup,
-    pub light: wgpu::BindGroup,
-    pub triangle: wgpu::BindGroup,
-    pub parameters: wgpu::BindGroup,
-    /// Surface sources, if their light is shown.
-    pub sources: Option<wgpu::BindGroup>,
-    pub patches: wgpu::BindGroup,
+    pub frame: BindGroup,
+    pub scene: BindGroup,
+    pub seen: BindGroup,
+    pub surfaces: BindGroup,
+    pub patches: BindGroup,
     /// Indexed by which of the marks is read.
-    pub marks: [wgpu::BindGroup; 2],
+    pub marks: [BindGroup; 2],
     /// Indexed by which of the sums is read.
-    pub display: [wgpu::BindGroup; 2],
-    /// Surfaces, with the sums of each part that the light has, indexed by which of them is read; and their lattices.
-    pub sums: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
-    pub lattices: [Option<[wgpu::BindGroup; 2]>; Part::COUNT],
+    pub display: [BindGroup; 2],
+    /// Points to shade, with the sums of each part that the light has, indexed by which of them is read; and their lattices.
+    pub sums: [Option<[BindGroup; 2]>; Part::COUNT],
+    pub lattices: [Option<[BindGroup; 2]>; Part::COUNT],
 }
 
-impl GpuBackend {
-    /// Binds what the passes of a picture read.
-    pub(super) fn groups(
-        &self,
-        loaded: &Loaded,
-        light: &GpuLight,
-        map: &wgpu::TextureView,
-        targets: &Targets,
-    ) -> Groups {
-        use wgpu::BindingResource::TextureView as View;
-        let layouts = &self.passes.layouts;
-        let group = |label, layout, resources: &[wgpu::BindingResource]| bind(&self.gpu, label, layout, resources);
-        let (scene, materials) = (&loaded.scene, &loaded.materials);
-        // Without levels the pass reads none.
-        let mirrored = light.mirrored.as_ref().map_or(map, |mirrored| &mirrored.view);
-        let merge = |from: &Sums| {
-            let inputs = [
-                View(&targets.geometry.view),
-                View(&targets.rotation.view),
-                View(&targets.color_roughness.view),
-                View(&from.value.view),
-                View(&from.work.view),
-                View(map),
-                View(mirrored),
-            ];
-            group("merge", &layouts.merge, &inputs)
-        };
-        let display = |front: usize| {
-            let sums = targets.parts.iter().map(|part| part.as_ref().map_or(&targets.nothing, |sums| &sums[front]));
-            let sums = sums.flat_map(|sums| [View(&sums.value.view), View(&sums.work.view)]);
-            let uniforms = [self.display.as_entire_binding(), self.magma.as_entire_binding()];
-            group("display", &layouts.display, &uniforms.into_iter().chain(sums).collect::<Vec<_>>())
-        };
-        let lattice = |part: Part, sums: &Sums| {
-            let predicted = self.history.as_ref().and_then(|history| history.predicted(part));
-            let predicted = predicted.unwrap_or(&targets.nothing.value);
-            let inputs = [View(&sums.value.view), View(&sums.work.view), View(&predicted.view)];
-            group("lattice", &layouts.lattice, &inputs)
-        };
-        let marks = |from: usize| {
-            group("marks", &layouts.marks, &[View(&targets.triangle.view), View(&targets.marks[from].view)])
-        };
-        let lit = |label, tree: &GpuTreeLight, cuts: &GpuCuts| {
-            let inputs = [
-                tree.nodes.as_entire_binding(),
-                tree.brightness.as_entire_binding(),
-                View(&cuts.view),
-                View(&tree.cut),
-                tree.lit.nodes.as_entire_binding(),
-                tree.lit.offsets.as_entire_binding(),
-            ];
-            group(label, &layouts.light, &inputs)
-        };
-        let sources = self.sources.as_ref().zip(scene.sources.as_ref());
-        Groups {
-            frame: group("frame", &layouts.frame, &[self.frame.as_entire_binding()]),
-            scene: materials.bound_with(&self.gpu, &layouts.scene, scene),
-            light: lit("light", &light.tree, &scene.cuts),
-            triangle: group("triangle", &layouts.ids, &[View(&targets.triangle.view)]),
-            parameters: group("parameters", &layouts.parameters, &[View(&targets.geometry.view), View(map)]),
-            sources: sources.map(|(light, baked)| lit("sources", &light.tree, &baked.cuts)),
-            patches: group("patches", &layouts.patches, &[loaded.patches.as_entire_binding()]),
+impl Groups {
+    /// Those of a picture whose light is uploaded and whose targets are made.
+    pub fn new(gpu: &GpuDevice, uniforms: &Uniforms, shown: &Shown, progress: &Progress) -> Self {
+        let (loaded, targets) = (shown.loaded(), progress.targets());
+        let Targets { triangle, geometry, parts, .. } = targets;
+        let [triangle_ids, geometry] = [&triangle.view, &geometry.view];
+        let marks = |from: usize| Marks { triangle_ids, previous_marks: &targets.marks[from].view }.bind(gpu);
+        let shading = |from: &Sums| shading(gpu, targets, from, shown);
+        Self {
+            frame: Frame { frame: &uniforms.frame }.bind(gpu),
+            scene: scene(gpu, shown),
+            seen: Seen { triangle_ids }.bind(gpu),
+            surfaces: Surfaces { geometry, environment_map: shown.map() }.bind(gpu),
+            patches: Patches { patches: &loaded.patches }.bind(gpu),
             marks: [0, 1].map(marks),
-            display: [0, 1].map(display),
-            sums: Part::ALL.map(|part| targets.parts[part as usize].as_ref().map(|sums| sums.each_ref().map(merge))),
+            display: [0, 1].map(|front| display(gpu, uniforms, targets, front)),
+            sums: parts.each_ref().map(|sums| sums.as_ref().map(|sums| sums.each_ref().map(shading))),
             lattices: Part::ALL.map(|part| {
-                let lattices = targets.lattices[part as usize].as_ref();
-                lattices.map(|lattices| lattices.each_ref().map(|sums| lattice(part, sums)))
+                let predicted = progress.history.as_ref().and_then(|history| history.predicted(part));
+                let predicted = &predicted.unwrap_or(&targets.nothing.value).view;
+                let lattice = |sums: &Sums| {
+                    Lattice { lattice_value: &sums.value.view, lattice_work: &sums.work.view, predicted }.bind(gpu)
+                };
+                targets.lattices[part as usize].as_ref().map(|lattices| lattices.each_ref().map(lattice))
             }),
         }
     }
+}
+
+fn scene(gpu: &GpuDevice, shown: &Shown) -> BindGroup {
+    let (scene, materials) = (&shown.loaded().scene, &shown.loaded().materials);
+    let group = Scene {
+        vertices: &scene.vertices,
+        triangles: &scene.triangles,
+        materials: &materials.buffer,
+        pool: &materials.pool.view,
+        tables: &materials.tables,
+        measured: &materials.measured.buffer,
+        posed: &scene.posed,
+    };
+    group.bind(gpu)
+}
+
+/// Points to shade, with some sums.
+fn shading(gpu: &GpuDevice, targets: &Targets, from: &Sums, shown: &Shown) -> BindGroup {
+    // Without levels no pass reads any.
+    let mirrored = shown.merged_environment().0.mirrored.as_ref();
+    let group = Shading {
+        geometry: &targets.geometry.view,
+        rotation: &targets.rotation.view,
+        color_roughness: &targets.color_roughness.view,
+        previous_value: &from.value.view,
+        previous_work: &from.work.view,
+        environment_map: shown.map(),
+        mirrored_map: mirrored.map_or(shown.map(), |mirrored| &mirrored.view),
+    };
+    group.bind(gpu)
+}
+
+/// The sums of all parts; a texel of zeros for those that the light lacks.
+fn display(gpu: &GpuDevice, uniforms: &Uniforms, targets: &Targets, front: usize) -> BindGroup {
+    let sums = targets.parts.each_ref().map(|part| part.as_ref().map_or(&targets.nothing, |sums| &sums[front]));
+    let [environment, bounce, direct, added] = sums.map(|sums| (&sums.value.view, &sums.work.view));
+    let group = Display {
+        display: &uniforms.display,
+        magma_stops: &uniforms.magma,
+        environment_value: environment.0,
+        environment_work: environment.1,
+        bounce_value: bounce.0,
+        bounce_work: bounce.1,
+        direct_value: direct.0,
+        direct_work: direct.1,
+        added_value: added.0,
+        added_work: added.1,
+    };
+    group.bind(gpu)
 }

@@ -1,14 +1,16 @@
 //! What is kept of a picture for one from another camera. Twin of `cpu/sketch/history.rs`.
 
-use super::{GpuBackend, Picture, encode::full_screen};
+use super::{GpuBackend, encode::full_screen, picture::Picture, pipelines::Pipelines, progress::Progress};
 use crate::{
     backend::Backend,
-    device::{GpuDevice, bind, layout::PastUniforms},
+    device::{GpuDevice, layout::PastUniforms, uniform},
     error::BackendError,
-    gpu::targets::{Sums, Target, format, target},
+    gpu::{
+        groups::{Added, Past},
+        targets::{Sums, Target, format, target},
+    },
     stale::Part,
 };
-use wgpu::{BindingResource::TextureView as View, util::DeviceExt};
 
 /// The last picture.
 pub struct History {
@@ -43,7 +45,7 @@ impl GpuBackend {
     /// Keeps a picture that was sketched for one from another camera. What was never shown tells less than the picture
     /// before it.
     pub(super) fn remember(&mut self) -> Result<(), BackendError> {
-        let (is_complete, lattices) = (self.state().summed.complete > 0, &self.picture().lattices);
+        let (is_complete, lattices) = (self.progress.state().summed.complete > 0, &self.progress.picture().lattices);
         let (is_filled, is_shown) = (lattices.filled, is_complete || lattices.was_filled);
         if lattices.making.is_none() || !is_shown {
             return Ok(());
@@ -51,30 +53,34 @@ impl GpuBackend {
         if !is_complete && !is_filled {
             self.fill(0)?;
         }
-        let kept = self.kept_history();
-        self.history = Some(kept);
-        self.submit(|s, encoder| s.encode_history(encoder))
+        let Self { pipelines, progress, .. } = self;
+        progress.make_history(pipelines.gpu());
+        pipelines.submit(|encoder| progress.encode_history(pipelines, encoder))
     }
+}
 
-    /// Room for the picture. That of the last one is used again.
-    fn kept_history(&mut self) -> History {
+impl Progress {
+    /// Room for what is kept of the picture. That of the last one is used again.
+    fn make_history(&mut self, gpu: &GpuDevice) {
+        let before = self.history.take();
         let (targets, size) = (self.targets(), self.targets().size);
         let has = |part: Part| part != Part::Added && targets.parts[part as usize].is_some();
         let wanted = Part::ALL.map(has);
-        let before = self.history.take();
         let predicted_size = before.as_ref().map_or([0, 0], |before| before.predicted_size);
         let (fits, before) =
             (before.as_ref().is_some_and(|before| before.size == size), before.map(|b| (b.parts, b.predicted)));
         let (parts, predicted) = before.unwrap_or_default();
         let mut parts = if fits { parts } else { Default::default() };
         for (part, wanted) in parts.iter_mut().zip(wanted) {
-            *part = part.take().filter(|_| wanted).or_else(|| wanted.then(|| Sums::new(&self.gpu, size)));
+            *part = part.take().filter(|_| wanted).or_else(|| wanted.then(|| Sums::new(gpu, size)));
         }
-        History { size, past: past(self.picture()), parts, predicted, predicted_size, is_predicted: true }
+        let past = past(self.picture());
+        self.history = Some(History { size, past, parts, predicted, predicted_size, is_predicted: true });
     }
 
-    fn encode_history(&self, encoder: &mut wgpu::CommandEncoder) {
+    fn encode_history(&self, pipelines: &Pipelines, encoder: &mut wgpu::CommandEncoder) {
         let Some(history) = &self.history else { return };
+        let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let (groups, targets, shown) = (&self.picture().groups, self.targets(), self.shown());
         for part in Part::ALL {
             let bound = history.parts[part as usize].as_ref().zip(groups.sums[part as usize].as_ref());
@@ -82,34 +88,30 @@ impl GpuBackend {
             // A new picture has all of its local lights in one part.
             let added = targets.parts[Part::Added as usize].as_ref().filter(|_| part == Part::Direct);
             let added = added.map_or(&targets.nothing, |sums| &sums[shown]);
-            let inputs = [&added.value, &added.work, &targets.marks[self.state().marks_front]].map(|t| View(&t.view));
-            let added = bind(&self.gpu, "added sums", &self.passes.layouts.added, &inputs);
+            let marks = &targets.marks[self.state().marks_front].view;
+            let added = Added { added_value: &added.value.view, added_work: &added.work.view, marks }.bind(gpu);
             let bound = [&groups.frame, &groups.scene, &added, &sums[shown]];
-            full_screen(encoder, "history", &self.passes.history, &[&to.value, &to.work], &bound);
+            full_screen(encoder, &passes.history, &[&to.value, &to.work], &bound);
         }
     }
 
     /// Whether the pixels of the picture are yet to be found in the last one; they will be.
-    pub(super) fn take_unpredicted(&mut self) -> bool {
+    pub fn take_unpredicted(&mut self) -> bool {
         self.history.as_mut().is_some_and(|history| !std::mem::replace(&mut history.is_predicted, true))
     }
 
     /// Finds the pixels of the picture in the last one.
-    pub(super) fn encode_predicted(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub fn encode_predicted(&self, pipelines: &Pipelines, encoder: &mut wgpu::CommandEncoder) {
         let Some(history) = &self.history else { return };
-        let uniforms = self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("past"),
-            contents: bytemuck::bytes_of(&history.past),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
+        let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
+        let uniforms = &uniform(gpu, "past", bytemuck::bytes_of(&history.past));
         let (groups, front) = (&self.picture().groups, self.state().front);
         for part in Part::ALL {
             let kept = history.parts[part as usize].as_ref().zip(history.predicted(part));
             let Some(((from, to), sums)) = kept.zip(groups.sums[part as usize].as_ref()) else { continue };
-            let inputs = [uniforms.as_entire_binding(), View(&from.value.view), View(&from.work.view)];
-            let past = bind(&self.gpu, "past", &self.passes.layouts.past, &inputs);
+            let past = Past { past: uniforms, past_value: &from.value.view, past_place: &from.work.view }.bind(gpu);
             let bound = [&groups.frame, &groups.scene, &past, &sums[front]];
-            full_screen(encoder, "predict", &self.passes.predict, &[to], &bound);
+            full_screen(encoder, &passes.predict, &[to], &bound);
         }
     }
 }

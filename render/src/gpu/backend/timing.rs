@@ -1,6 +1,6 @@
 //! How long the passes of a sample take.
 
-use super::GpuBackend;
+use super::{GpuBackend, pipelines::Pipelines};
 use crate::{error::BackendError, post::Post};
 use lapidary_core::image::Region;
 use std::time::{Duration, Instant};
@@ -27,25 +27,24 @@ impl GpuBackend {
     /// # Panics
     /// Before [`crate::Backend::begin`].
     pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
-        let whole = Region::whole(self.picture().view.size);
-        self.write_frame(sample, 1);
-        self.leave_sketch(sample);
-        self.gpu.wait()?;
-        self.write_display(post);
-        Ok(PassTimes {
-            visibility: self.timed(|s, encoder| s.encode_visibility(encoder))?,
-            deferred: self.timed(|s, encoder| s.encode_deferred(encoder))?,
-            merge: self.timed(|s, encoder| {
-                s.encode_parts(encoder, 1, &[whole]);
-                s.sample_done(sample);
-            })?,
-            display: self.timed(|s, encoder| s.encode_display(encoder))?,
-        })
+        let Self { pipelines, shown, progress } = self;
+        let (gpu, passes, uniforms) = (pipelines.gpu(), &pipelines.passes, &pipelines.uniforms);
+        let (picture, whole) = (progress.picture(), Region::whole(progress.picture().view.size));
+        gpu.queue.write_buffer(&uniforms.frame, 0, bytemuck::bytes_of(&shown.frame(picture, sample, 1)));
+        gpu.queue.write_buffer(&uniforms.display, 0, bytemuck::bytes_of(&picture.display(post)));
+        progress.leave_sketch(sample);
+        gpu.wait()?;
+        let visibility = timed(pipelines, |encoder| progress.encode_visibility(passes, encoder))?;
+        let deferred = timed(pipelines, |encoder| progress.encode_deferred(passes, encoder))?;
+        let merge = timed(pipelines, |encoder| progress.encode_parts(encoder, 1, &[whole]))?;
+        progress.sample_done(sample);
+        let display = timed(pipelines, |encoder| progress.encode_display(passes, encoder))?;
+        Ok(PassTimes { visibility, deferred, merge, display })
     }
+}
 
-    fn timed(&mut self, encode: impl FnOnce(&mut Self, &mut wgpu::CommandEncoder)) -> Result<Duration, BackendError> {
-        let start = Instant::now();
-        self.submit(encode)?;
-        Ok(start.elapsed())
-    }
+fn timed(pipelines: &Pipelines, encode: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<Duration, BackendError> {
+    let start = Instant::now();
+    pipelines.submit(encode)?;
+    Ok(start.elapsed())
 }

@@ -1,9 +1,12 @@
 //! Every shader parses and is valid as it is joined; every struct and constant that both sides share is the same.
 
-use crate::device::{
-    ModelSet, ShaderSource,
-    layout::{self, constants},
-    shaders::{DISPLAY, KERNELS, programs},
+use crate::{
+    device::{
+        ModelSet, ShaderSource, kernels,
+        layout::{self, constants},
+        shaders::Program,
+    },
+    gpu::entries,
 };
 use lapidary_core::implicit;
 use lapidary_core::{
@@ -16,9 +19,13 @@ use naga::{
 };
 use std::mem::offset_of;
 
+fn programs() -> impl Iterator<Item = Program> {
+    kernels::programs().chain(entries::ALL.map(|entry| entry.program))
+}
+
 fn modules() -> Vec<(&'static str, Module)> {
-    let parse = |program: &crate::device::shaders::Program| {
-        let text = ShaderSource::Embedded.text(program, &ModelSet::all()).unwrap();
+    let parse = |program: Program| {
+        let text = ShaderSource::Embedded.text(&program, &ModelSet::all()).unwrap();
         let module = naga::front::wgsl::parse_str(&text);
         (program.name, module.unwrap_or_else(|e| panic!("{}: {}", program.name, e.emit_to_string(&text))))
     };
@@ -37,14 +44,14 @@ fn every_program_is_valid_without_optional_features() {
         })
         .collect();
     assert!(failures.is_empty(), "{failures:#?}");
-    let is_kernel = |name: &str| KERNELS.iter().any(|kernel| kernel.name == name);
+    let is_kernel = |name: &str| kernels::programs().any(|kernel| kernel.name == name);
     assert!(modules.iter().all(|(name, m)| m.entry_points.len() == if is_kernel(name) { 1 } else { 2 }));
 }
 
 #[test]
 fn validation_finds_a_broken_program() {
     let text = ShaderSource::Embedded
-        .text(&DISPLAY, &ModelSet::all())
+        .text(&entries::DISPLAY.program, &ModelSet::all())
         .unwrap()
         .replace("return vec4(with_lines(", "return vec3(with_lines(");
     let valid = naga::front::wgsl::parse_str(&text)
@@ -58,13 +65,13 @@ fn programs_are_read_from_a_folder_as_from_the_binary() {
     let source = ShaderSource::Folder(folder);
     for program in programs() {
         assert_eq!(
-            source.text(program, &ModelSet::all()).unwrap(),
-            ShaderSource::Embedded.text(program, &ModelSet::all()).unwrap()
+            source.text(&program, &ModelSet::all()).unwrap(),
+            ShaderSource::Embedded.text(&program, &ModelSet::all()).unwrap()
         );
     }
     let files = source.files();
     assert!(!files.is_empty() && files.iter().all(|f| f.is_file()));
-    assert!(ShaderSource::Folder("nowhere".into()).text(&DISPLAY, &ModelSet::all()).is_err());
+    assert!(ShaderSource::Folder("nowhere".into()).text(&entries::DISPLAY.program, &ModelSet::all()).is_err());
 }
 
 /// Name and offset of each member, and the size.
@@ -168,7 +175,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("BoxNode", shape!(layout::BoxNode, low, first, high, triangles)),
         ("RayUniforms", shape!(layout::RayUniforms, directions, words)),
         ("RayOrigin", shape!(layout::RayOrigin, origin, height, normal, is_above)),
-        ("LitUniforms", shape!(layout::LitUniforms, cuts, tau)),
+        ("LitUniforms", shape!(layout::LitUniforms, cuts, tau, tree_height)),
         ("Slice", (vec![("first".into(), 0)], size_of::<u32>() as u32)),
         ("Disc", shape!(layout::Disc, position, area, normal, padding)),
         ("Block", shape!(Block, center, axis, coherence, area, radius, thickness, cone_cos, cone_sin, below)),

@@ -1,22 +1,27 @@
-// Makes lit cuts: coarsens each stored cut under the light of the moment. Twin of core/src/cut/lit.rs. A first pass sums
-// each vertex's light and counts the nodes; a second one writes them.
+// Coarsens stored cuts under the light of the moment, an invocation each. Twin of core/src/cut/lit.rs. One kernel sums each cut's light and
+// counts its nodes; a second one writes them. Each says with `keep` what becomes of a node.
 
 struct LitUniforms {
     // Number of stored cuts.
     cuts: u32,
     // Largest share of a vertex's light that a node moves between its parts.
     tau: f32,
+    // Of the tree that the cuts are over.
+    tree_height: u32,
 }
 
-@group(3) @binding(0) var<uniform> lit: LitUniforms;
+@group(1) @binding(0) var<uniform> lit: LitUniforms;
 // First texel of each stored cut.
-@group(3) @binding(1) var<storage, read> starts: array<u32>;
-@group(3) @binding(2) var<storage, read_write> written_offsets: array<u32>;
-@group(3) @binding(3) var<storage, read_write> written_nodes: array<u32>;
-// Number of nodes of all lit cuts.
-@group(3) @binding(4) var<storage, read_write> total: atomic<u32>;
-// Whole light of each cut.
-@group(3) @binding(5) var<storage, read_write> whole_light: array<f32>;
+@group(1) @binding(1) var<storage, read> starts: array<u32>;
+
+fn tree_height() -> u32 {
+    return lit.tree_height;
+}
+
+// The cut of an invocation.
+fn cut_of(group: vec3<u32>, lane: u32) -> u32 {
+    return 64u * workgroup_number(group) + lane;
+}
 
 // A node in the making.
 struct Part {
@@ -34,46 +39,6 @@ struct Part {
 // Parts that may still be joined: never two of one depth, once they were tried.
 var<private> pending: array<Part, 17>;
 
-@compute @workgroup_size(64)
-fn count(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let cut = cut_of(id, groups);
-    if cut >= lit.cuts {
-        return;
-    }
-    let start = starts[cut];
-    whole_light[cut] = sum_of_light(start);
-    let nodes = coarsen(start, whole_light[cut], false, 0u);
-    written_offsets[start] = atomicAdd(&total, nodes);
-}
-
-@compute @workgroup_size(64)
-fn write(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let cut = cut_of(id, groups);
-    if cut >= lit.cuts {
-        return;
-    }
-    let start = starts[cut];
-    _ = coarsen(start, whole_light[cut], true, written_offsets[start]);
-}
-
-// The cut of an invocation. Workgroups lie in rows, because there is a limit to their number in each dimension.
-fn cut_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
-    return id.x + id.y * groups.x * 64u;
-}
-
-fn sum_of_light(start: u32) -> f32 {
-    let leaves = 1u << tree_height();
-    var cursor = visibility_cursor(start);
-    var sum = 0.0;
-    loop {
-        let part = part_at(cursor, start);
-        sum += part.light * part.value;
-        if cursor.end >= leaves { break; }
-        advance_visibility(&cursor);
-    }
-    return sum;
-}
-
 fn part_at(cursor: Cursor, start: u32) -> Part {
     let size = cursor_size(cursor.texel);
     let node = ((1u << tree_height()) + cursor.end - size) / size;
@@ -82,8 +47,8 @@ fn part_at(cursor: Cursor, start: u32) -> Part {
     return Part((cursor.texel.x >> 12u) & 15u, cursor.position - (start << 3u), code, value_of_code(code), light, 0.0);
 }
 
-// Coarsens a stored cut, and writes its nodes from `first` on if asked. Returns their number.
-fn coarsen(start: u32, whole: f32, writes: bool, first: u32) -> u32 {
+// Coarsens a stored cut, and keeps its nodes from `first` on, as the kernel does. Returns their number.
+fn coarsen(start: u32, whole: f32, first: u32) -> u32 {
     let leaves = 1u << tree_height();
     var cursor = visibility_cursor(start);
     var done = 0u;
@@ -95,7 +60,7 @@ fn coarsen(start: u32, whole: f32, writes: bool, first: u32) -> u32 {
             let both = joined(pending[waiting - 2u], pending[waiting - 1u]);
             if lit.tau <= 0.0 || !(both.moved <= lit.tau * whole) {
                 // No node to the left can be joined any more.
-                done = flushed(waiting, writes, first, done);
+                done = flushed(waiting, first, done);
                 waiting = 0u;
                 break;
             }
@@ -105,7 +70,7 @@ fn coarsen(start: u32, whole: f32, writes: bool, first: u32) -> u32 {
         if cursor.end >= leaves { break; }
         advance_visibility(&cursor);
     }
-    return flushed(waiting, writes, first, done);
+    return flushed(waiting, first, done);
 }
 
 // Whether the last two of the waiting parts, which end at leaf `end`, have one parent.
@@ -126,12 +91,9 @@ fn joined(left: Part, right: Part) -> Part {
     return Part(left.depth - 1u, left.stored, code, value, light, moved);
 }
 
-fn flushed(waiting: u32, writes: bool, first: u32, done: u32) -> u32 {
-    if writes {
-        for (var i = 0u; i < waiting; i += 1u) {
-            let part = pending[i];
-            written_nodes[first + done + i] = (part.stored << 16u) | (part.depth << 12u) | part.code;
-        }
+fn flushed(waiting: u32, first: u32, done: u32) -> u32 {
+    for (var i = 0u; i < waiting; i += 1u) {
+        keep(first + done + i, pending[i]);
     }
     return done + waiting;
 }

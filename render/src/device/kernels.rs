@@ -1,0 +1,130 @@
+//! The kernels: one compute step each, with its text and what it reads and writes in one place.
+
+use super::{
+    bindings::{GroupLayout, bind_groups},
+    shaders::Program,
+};
+
+/// A kernel of one compute step.
+#[derive(Clone, Copy, Debug)]
+pub struct KernelProgram {
+    /// Its text.
+    pub program: Program,
+    /// Groups 1, 2, ...: its data. Group 0 is [`Slice`].
+    pub groups: &'static [GroupLayout],
+}
+
+impl KernelProgram {
+    const fn new(name: &'static str, parts: [&'static [&'static str]; 2], groups: &'static [GroupLayout]) -> Self {
+        Self { program: Program { name, parts }, groups }
+    }
+}
+
+bind_groups! {
+    /// What all kernels but that of rays begin with.
+    Slice { slice: Uniform }
+
+    /// A scene that rays meet.
+    Hierarchy { nodes: Storage, corners: Storage }
+
+    /// Rays from some origins.
+    RayWork { rays: Uniform, directions: Storage, origins: Storage, open_words: Written }
+
+    /// Leaves at positions of vertices.
+    Leaves { positions: Storage, riders: Storage, discs: Written }
+
+    /// Nodes above leaves.
+    Nodes { discs: Storage, spans: Storage, blocks: Written }
+
+    /// A walk of leaves through a forest.
+    Walk {
+        walk: Uniform,
+        discs: Storage,
+        blocks: Storage,
+        directions: Storage,
+        walked: Storage,
+        kept: Storage,
+        seen: Written,
+    }
+
+    /// The light of nodes from that of leaves.
+    Pulled {
+        uniforms: Uniform,
+        discs: Storage,
+        spans: Storage,
+        lighting: Storage,
+        light: Storage,
+        radiance: Written,
+    }
+
+    /// The light of leaves from that of the nodes that they see.
+    Gathered {
+        uniforms: Uniform,
+        discs: Storage,
+        views: Storage,
+        directions: Storage,
+        radiance: Storage,
+        lighting: Storage,
+        sky: Storage,
+        light: Written,
+    }
+
+    /// Stored cuts, and the light of the tree that they are over.
+    StoredCuts { nodes: Storage, brightness: Storage, visibility_cuts: Uint }
+
+    /// Lit cuts as they are counted.
+    CountedCuts { lit: Uniform, starts: Storage, whole_light: Written, offsets: Written, total: Written }
+
+    /// Lit cuts as they are written.
+    WrittenCuts { lit: Uniform, starts: Storage, whole_light: Storage, offsets: Storage, lit_nodes: Written }
+}
+
+/// Rays for bakes. Its groups are [`Hierarchy`] and [`RayWork`]: it runs in no slices. Twin of `Intersector::trace_batch` in
+/// core/src/ray/batch.rs.
+pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "rays_pass"]] };
+
+/// What kernels of implicit visibility begin with.
+const FOREST: &[&str] = &["slice", "ordered", "forest"];
+
+/// Discs of leaves. Twin of `Rider::disc` in core/src/implicit/forest.rs.
+pub const IMPLICIT_UPDATE: KernelProgram =
+    KernelProgram::new("implicit_update_kernel", [FOREST, &["implicit_update_kernel"]], &[Leaves::LAYOUT]);
+/// The nodes above them. Twin of `Node::around` in core/src/implicit/forest/nodes.rs.
+pub const IMPLICIT_NODES: KernelProgram =
+    KernelProgram::new("implicit_nodes_kernel", [FOREST, &["implicit_nodes_kernel"]], &[Nodes::LAYOUT]);
+/// What leaves see. Twin of `Visits::find` in core/src/implicit/.
+pub const IMPLICIT_WALK: KernelProgram = KernelProgram::new(
+    "implicit_walk_kernel",
+    [FOREST, &["hemisphere", "distance_key", "implicit_visit", "implicit_cover", "implicit_walk_kernel"]],
+    &[Walk::LAYOUT],
+);
+/// Radiance of nodes. Twin of `DiscForest::pull` in core/src/implicit/disc_forest.rs.
+pub const IMPLICIT_PULL: KernelProgram =
+    KernelProgram::new("implicit_pull_kernel", [FOREST, &["leaf_light", "implicit_pull_kernel"]], &[Pulled::LAYOUT]);
+/// Irradiance of leaves. Twin of `LeafLight::new` in core/src/implicit/gather.rs.
+pub const IMPLICIT_BOUNCE: KernelProgram = KernelProgram::new(
+    "implicit_bounce_kernel",
+    [FOREST, &["hemisphere", "octahedron", "leaf_light", "implicit_bounce_kernel"]],
+    &[Gathered::LAYOUT],
+);
+
+/// What kernels of lit cuts begin with.
+const LIT: &[&str] = &["slice", "color", "tree", "cut", "lit_parts"];
+
+/// How many nodes lit cuts have. Twin of `LitCuts` in core/src/cut/lit.rs.
+pub const LIT_COUNT: KernelProgram =
+    KernelProgram::new("lit_count_kernel", [LIT, &["lit_count_kernel"]], &[CountedCuts::LAYOUT, StoredCuts::LAYOUT]);
+/// The nodes of lit cuts. Twin of `LitCuts` in core/src/cut/lit.rs.
+pub const LIT_WRITE: KernelProgram =
+    KernelProgram::new("lit_write_kernel", [LIT, &["lit_write_kernel"]], &[WrittenCuts::LAYOUT, StoredCuts::LAYOUT]);
+
+/// Those that run in slices.
+#[cfg(test)]
+pub const SLICED: [KernelProgram; 7] =
+    [IMPLICIT_UPDATE, IMPLICIT_NODES, IMPLICIT_WALK, IMPLICIT_PULL, IMPLICIT_BOUNCE, LIT_COUNT, LIT_WRITE];
+
+/// All texts of one compute step.
+#[cfg(test)]
+pub fn programs() -> impl Iterator<Item = Program> {
+    SLICED.into_iter().map(|kernel| kernel.program).chain([RAYS])
+}

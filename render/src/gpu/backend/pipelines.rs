@@ -1,0 +1,98 @@
+//! What draws: it changes only when shaders are compiled anew.
+
+use crate::{
+    device::{GpuDevice, ShaderSource, Shaders, SharedDevice, layout},
+    error::BackendError,
+    gpu::passes::Passes,
+    measure::compare::map::magma_stops,
+    remedy::Remedy,
+};
+use wgpu::util::DeviceExt;
+
+/// A device, with the passes that are compiled on it and the buffers of their uniforms.
+pub struct Pipelines {
+    /// With the kernels of other work.
+    pub device: SharedDevice,
+    pub passes: Passes,
+    /// What the passes are compiled from.
+    pub shaders: Shaders,
+    pub uniforms: Uniforms,
+}
+
+/// Uniforms of the passes of a picture.
+pub struct Uniforms {
+    pub frame: wgpu::Buffer,
+    pub display: wgpu::Buffer,
+    pub magma: wgpu::Buffer,
+}
+
+impl Pipelines {
+    /// Compiles the passes.
+    ///
+    /// # Errors
+    /// A shader that cannot be read or does not compile.
+    pub fn new(device: SharedDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+        let shaders = Shaders { source: source.clone(), ..Default::default() };
+        let passes = Passes::new(&device.gpu, &shaders, &[])?;
+        Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders })
+    }
+
+    /// The device itself.
+    pub fn gpu(&self) -> &GpuDevice {
+        &self.device.gpu
+    }
+
+    /// Compiles the passes anew, with the variants that are in use. If that fails, the previous ones stay.
+    ///
+    /// # Errors
+    /// A shader that cannot be read or does not compile.
+    pub fn compile(&mut self, shaders: Shaders) -> Result<(), BackendError> {
+        self.passes = Passes::new(&self.device.gpu, &shaders, &self.passes.variants())?;
+        self.shaders = shaders;
+        Ok(())
+    }
+
+    /// Does some work, and waits for it.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn submit(&self, encode: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<(), BackendError> {
+        let mut encoder = self.gpu().device.create_command_encoder(&Default::default());
+        encode(&mut encoder);
+        self.gpu().queue.submit([encoder.finish()]);
+        self.gpu().wait()
+    }
+
+    /// An error for a picture that the adapter has no room for.
+    pub fn check_size(&self, size: [u32; 2]) -> Result<(), BackendError> {
+        let gpu = self.gpu();
+        let limit = u64::from(gpu.limits.max_texture_dimension_2d);
+        let longest = u64::from(size[0].max(size[1]));
+        gpu.within("the sides of the picture", "pixels", longest, limit, Remedy::SmallerPicture)?;
+        let bytes = u64::from(size[0].next_multiple_of(256)) * u64::from(size[1]) * 16;
+        gpu.within("the pixels of the picture", "bytes", bytes, gpu.limits.max_buffer_size, Remedy::SmallerPicture)
+    }
+}
+
+impl Uniforms {
+    fn new(gpu: &GpuDevice) -> Self {
+        let uniform = |label, size: usize| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let magma = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("magma"),
+            contents: bytemuck::cast_slice(&magma_stops().map(|c| c.extend(1.0).to_array())),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        Self {
+            frame: uniform("frame", size_of::<layout::FrameUniforms>()),
+            display: uniform("display", size_of::<layout::Display>()),
+            magma,
+        }
+    }
+}

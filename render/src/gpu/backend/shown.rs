@@ -1,0 +1,239 @@
+//! What pictures show: a scene, and what lights it.
+
+use super::{bounce::GpuBounce, groups::Groups, picture::Picture, pipelines::Pipelines};
+use crate::{
+    appearance::Assigned,
+    device::{
+        GpuDevice,
+        layout::{
+            FrameUniforms,
+            constants::{FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES},
+        },
+    },
+    error::BackendError,
+    gpu::{
+        direct::DirectLights,
+        frame::{Lit, frame},
+        groups::Light,
+        light::{GpuLight, GpuMap, GpuTreeLight},
+        materials::GpuMaterials,
+        passes::{MergeVariant, PartPass},
+        scene::{GpuCuts, GpuScene},
+        shadows::Plan,
+    },
+    light::local::LocalLighting,
+    sampling::BrdfSampling,
+    shade::{background::caught_per_radiance, mirror::Mirror},
+    stale::Part,
+    summed::{DirectStep, SummedLights},
+    view::{Background, View},
+    view_mode::ViewMode,
+};
+use glam::Vec3;
+use lapidary_core::{dataset::Dataset, environment::Environment, image::Image, opacity::Opacities};
+use std::sync::Arc;
+
+/// A scene and its light, as far as they are set and uploaded.
+pub struct Shown {
+    pub scene: Option<Loaded>,
+    /// What the surfaces let through.
+    pub opacities: Opacities,
+    pub environment: ShownEnvironment,
+    pub local: LocalLighting,
+    pub bounce: GpuBounce,
+    pub local_lights: DirectLights,
+}
+
+/// A scene and how it looks.
+pub struct Loaded {
+    pub scene: GpuScene,
+    /// The patch of each vertex, or a single one where nothing asks for them.
+    pub patches: wgpu::Buffer,
+    pub materials: GpuMaterials,
+    /// The materials of its triangles.
+    pub assigned: Assigned,
+    pub dataset: Arc<Dataset>,
+}
+
+/// Light of the environment, and its map as it is seen.
+#[derive(Default)]
+pub struct ShownEnvironment {
+    /// As it was set, whether it is shown or not.
+    pub light: Option<(GpuLight, Arc<Environment>)>,
+    /// Stands in where none is shown; made for the scene.
+    dark: Option<(GpuLight, Arc<Environment>)>,
+    map: Option<GpuMap>,
+}
+
+impl Shown {
+    /// Nothing yet.
+    pub fn new(gpu: &GpuDevice) -> Self {
+        Self {
+            scene: None,
+            opacities: Opacities::default(),
+            environment: ShownEnvironment::default(),
+            local: LocalLighting::default(),
+            bounce: GpuBounce::default(),
+            local_lights: DirectLights::new(gpu),
+        }
+    }
+
+    /// Another scene, without light.
+    pub fn set_scene(&mut self, loaded: Loaded) {
+        self.scene = Some(loaded);
+        self.forget_light();
+        (self.environment.light, self.environment.dark) = (None, None);
+        self.bounce = GpuBounce::default();
+    }
+
+    /// The lights go with where their scene is.
+    pub fn forget_light(&mut self) {
+        self.local_lights.set(&[], 1.0);
+        (self.local, self.bounce.light) = Default::default();
+    }
+
+    pub fn loaded(&self) -> &Loaded {
+        self.scene.as_ref().expect("a picture is begun with a scene")
+    }
+
+    /// The environment if it is shown.
+    pub fn shown_environment(&self) -> Option<&(GpuLight, Arc<Environment>)> {
+        self.environment.light.as_ref().filter(|_| self.local.components.environment)
+    }
+
+    /// The environment that is merged: one without light if none is shown.
+    pub fn merged_environment(&self) -> &(GpuLight, Arc<Environment>) {
+        let merged = self.shown_environment().or(self.environment.dark.as_ref());
+        merged.expect("a picture is begun with an environment, be it a dark one")
+    }
+
+    /// The map that passes read.
+    pub fn map(&self) -> &wgpu::TextureView {
+        &self.environment.map.as_ref().expect("a picture is begun with a map").view
+    }
+
+    /// Uploads what a view shows of the light, and is not there yet. Returns the reflectance of a ground that catches shadows for a
+    /// radiance of 1 behind it, if there is one.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn upload(&mut self, pipelines: &Pipelines, view: &View) -> Result<Option<Vec3>, BackendError> {
+        let (gpu, Loaded { scene, .. }) = (pipelines.gpu(), self.scene.as_ref().expect("there is a scene"));
+        self.bounce.upload(gpu, &pipelines.passes.lit, scene)?;
+        if self.shown_environment().is_none() && self.environment.dark.is_none() {
+            let map = Image::filled([1, 1], Vec3::ZERO);
+            let dark = (GpuLight::dark(gpu, scene.tree_height), Environment::new(String::new(), map).into());
+            self.environment.dark = Some(dark);
+        }
+        let catches = self.environment.light.as_ref().and_then(|(light, environment)| {
+            scene.ground.as_ref()?;
+            caught_per_radiance(view, environment, light.intensity, self.local.components.environment)
+        });
+        // In a part of a picture that hides its background it catches one that does not shine there.
+        let seen = self.environment.light.as_ref().filter(|_| catches.is_some());
+        let (_, map) = seen.unwrap_or(self.merged_environment());
+        let blur = match view.background {
+            Background::Blurred(width) => Some(width),
+            _ => None,
+        };
+        let map = map.clone();
+        self.environment.map = Some(GpuMap::new(gpu, &map, blur, self.environment.map.take()));
+        Ok(catches)
+    }
+
+    /// The parts of the light. Counts of merged nodes have one for each tree.
+    pub fn parts(&self, mode: ViewMode) -> [bool; Part::COUNT] {
+        let (shaded, bounce) = (mode == ViewMode::Shaded, &self.bounce);
+        let lights = |part| shaded && self.local_lights.has(part);
+        Part::ALL.map(|part| match part {
+            Part::Environment => true,
+            Part::Bounce => {
+                let shows_basis = (shaded || mode.is_of_basis()) && bounce.light.functions.is_some();
+                bounce.sources.is_some() || shows_basis || shaded && bounce.light.is_of_vertices
+            }
+            Part::Direct | Part::Added => lights(part),
+        })
+    }
+
+    /// The passes that add samples to the parts of the light. The first part is never missing, because it also has what has no
+    /// light.
+    pub fn passes(
+        &mut self,
+        Pipelines { device, passes, .. }: &mut Pipelines,
+        (view, sampling): (&View, BrdfSampling),
+        groups: &Groups,
+    ) -> Result<Vec<PartPass>, BackendError> {
+        let (gpu, shaded) = (&*device.gpu, view.mode == ViewMode::Shaded);
+        let mut all = Vec::new();
+        if shaded && let Some(Loaded { scene, .. }) = &self.scene {
+            all = self.local_lights.prepare(gpu, passes, scene, [&groups.frame, &groups.scene]);
+        }
+        let bounced = self.bounce.evaluated(gpu, view)?;
+        all.extend(bounced.map(|light| PartPass { part: Part::Bounce, pass: passes.meshless.clone(), light }));
+        for (part, field, light) in self.merged(gpu) {
+            let pass = passes.merge(gpu, self.merge_variant(field, part == Part::Environment, sampling));
+            all.push(PartPass { part, pass, light });
+        }
+        Ok(all)
+    }
+
+    /// The trees of lights that are merged, by the part of the light.
+    fn merged(&self, gpu: &GpuDevice) -> Vec<(Part, u32, wgpu::BindGroup)> {
+        let scene = &self.loaded().scene;
+        let first = if self.shown_environment().is_some() { FIELD_ENVIRONMENT } else { FIELD_NONE };
+        let environment = (Part::Environment, first, bound(gpu, &self.merged_environment().0.tree, &scene.cuts));
+        let sources = self.bounce.sources.as_ref().zip(scene.sources.as_ref());
+        let sources = sources.map(|(light, baked)| (Part::Bounce, FIELD_SOURCES, bound(gpu, &light.tree, &baked.cuts)));
+        [environment].into_iter().chain(sources).collect()
+    }
+
+    fn merge_variant(&self, field: u32, is_first: bool, sampling: BrdfSampling) -> MergeVariant {
+        let (refine, Loaded { scene, materials, .. }) = (sampling != BrdfSampling::Once, self.loaded());
+        let may_mirror = Mirror::may_be(materials.narrowest, scene.leaf_solid_angle);
+        MergeVariant {
+            field,
+            is_first,
+            refine,
+            mirrors: refine && field == FIELD_ENVIRONMENT && may_mirror,
+            lit: sampling == BrdfSampling::Lit,
+        }
+    }
+
+    /// Uniforms of a sample of a picture, for every `stride`th pixel of every `stride`th row.
+    pub fn frame(&self, picture: &Picture, sample: u32, stride: u32) -> FrameUniforms {
+        let lit = Lit {
+            shown: self.shown_environment().map(|(light, _)| light),
+            behind: self.environment.light.as_ref().map(|(light, _)| light),
+            emission: self.local.components.direct,
+            catches: picture.catches,
+        };
+        frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, lit, stride)
+    }
+
+    /// Replaces the local lights in the sums by those that shine now. `before` are the shadow maps in the sums, and whether these are
+    /// complete.
+    pub fn step_lights(&mut self, lights: &mut SummedLights, before: Option<(&Plan, bool)>) -> DirectStep {
+        let shown = self.local.shown_lights();
+        let step = lights.update(&shown, before.is_some_and(|(_, complete)| complete));
+        if self.local_lights.order(lights, before.map(|(plan, _)| plan)) || step == DirectStep::Anew {
+            return step;
+        }
+        // With other shadow maps, a sum of lights is not what it was.
+        *lights = SummedLights { direct: shown, added: Vec::new() };
+        self.local_lights.order(lights, None);
+        DirectStep::Anew
+    }
+}
+
+/// A tree of lights and the cuts over it.
+fn bound(gpu: &GpuDevice, tree: &GpuTreeLight, cuts: &GpuCuts) -> wgpu::BindGroup {
+    let light = Light {
+        nodes: &tree.nodes,
+        brightness: &tree.brightness,
+        visibility_cuts: &cuts.view,
+        illumination_cut: &tree.cut,
+        lit_nodes: &tree.lit.nodes,
+        lit_offsets: &tree.lit.offsets,
+    };
+    light.bind(gpu)
+}

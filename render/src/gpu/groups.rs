@@ -1,0 +1,87 @@
+//! What passes read: bind groups, each declared once for its layout and for what is bound. The names are those of the shaders.
+
+use crate::device::bind_groups;
+
+bind_groups! {
+    /// Camera, picture and switches.
+    Frame { frame: Uniform }
+
+    /// The mesh, its materials, and what posed objects change of its light.
+    Scene {
+        vertices: Storage,
+        triangles: Storage,
+        materials: Storage,
+        pool: Uint,
+        tables: Uniform,
+        measured: Storage,
+        posed: Float,
+    }
+
+    /// What the visibility pass wrote.
+    Seen { triangle_ids: Uint }
+
+    /// What the surface pass wrote, and the map that a ground catches shadows of.
+    Surfaces { geometry: Uint, environment_map: Float }
+
+    /// A surface point to shade, the sums of the part of the light that is rendered, and the maps that passes may read.
+    Shading {
+        geometry: Uint,
+        rotation: Float,
+        color_roughness: Float,
+        previous_value: Float,
+        previous_work: Uint,
+        environment_map: Float,
+        mirrored_map: Float,
+    }
+
+    /// A tree of lights, and the cuts over it.
+    Light {
+        nodes: Storage,
+        brightness: Storage,
+        visibility_cuts: Uint,
+        illumination_cut: Uint,
+        lit_nodes: Storage,
+        lit_offsets: Storage,
+    }
+
+    /// Views of shadow maps that are rendered.
+    ShadowViews { shadow_views: Storage }
+
+    /// Local lights, and their shadow maps.
+    LocalLights { shadow_views: Storage, local_lights: Storage, shadow_maps: DepthLayers }
+
+    /// Functions of the meshless basis, with the grid that finds them, and the coefficients of a solution.
+    Basis { basis: Uniform, slots: Storage, entries: Storage, functions: Storage, coefficients: Storage }
+
+    /// The patch of each vertex.
+    Patches { patches: Storage }
+
+    /// What the pixels show, and what they showed so far.
+    Marks { triangle_ids: Uint, previous_marks: Uint }
+
+    /// Sums of a part of the light, and what is stale of them.
+    Kept { stale: Uniform, marks: Uint, value: Float, work: Uint, added: Float }
+
+    /// The sums of a lattice, and what the last picture tells.
+    Lattice { lattice_value: Float, lattice_work: Uint, predicted: Float }
+
+    /// The sums of another part of the light, and what the pixels show.
+    Added { added_value: Float, added_work: Uint, marks: Uint }
+
+    /// A part of the light in the last picture.
+    Past { past: Uniform, past_value: Float, past_place: Uint }
+
+    /// The sums of all parts of the light.
+    Display {
+        display: Uniform,
+        magma_stops: Uniform,
+        environment_value: Float,
+        environment_work: Uint,
+        bounce_value: Float,
+        bounce_work: Uint,
+        direct_value: Float,
+        direct_work: Uint,
+        added_value: Float,
+        added_work: Uint,
+    }
+}
