@@ -3,11 +3,10 @@
 //!
 //! Each step keeps its result, so that a moved light casts rays for that light only and an edited material none.
 
-pub(crate) mod functions;
 mod irradiance;
 mod light_groups;
 mod lit_points;
-mod meshless;
+pub(crate) mod meshless;
 mod source_parts;
 
 use crate::{
@@ -23,9 +22,8 @@ use lapidary_core::{cut::lit::CutValues, dataset::Dataset, offset, sources::Sour
 use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
-pub use functions::MeshlessLight;
 pub(crate) use lit_points::LitPoints;
-pub use meshless::MeshlessRig;
+pub use meshless::{MeshlessRig, functions::MeshlessLight};
 
 /// Samples of an area light along each of its sides, at each of a source's parts.
 const AREA_SAMPLES: u32 = 2;

@@ -4,20 +4,16 @@
 use crate::{
     baked::Baked,
     light::{
-        bounce::{MeshlessLight, SourceLighting, functions::is_back_lit},
+        bounce::{SourceLighting, meshless::compared::ComparedPoints},
         local::LocalLighting,
         solver::BounceLight,
     },
 };
-use glam::{Mat3A, Vec3};
-use lapidary_core::{
-    cut::{
-        merge::merge,
-        packed::{PackedCursor, VALUE_MAX},
-        solid_angle,
-    },
-    dataset::Dataset,
-    meshless::{Basis, Flattening, MeshlessBake},
+use glam::Vec3;
+use lapidary_core::cut::{
+    merge::merge,
+    packed::{PackedCursor, VALUE_MAX},
+    solid_angle,
 };
 use rayon::prelude::*;
 
@@ -30,8 +26,8 @@ const NOT_SEEN: f32 = 1.0 / 512.0;
 #[derive(Default)]
 pub(crate) struct Drift {
     changes: Vec<f32>,
-    /// Where the light of the meshless basis is compared; found at the first use.
-    points: Option<BasisPoints>,
+    /// Where light in a basis is compared; found at the first use.
+    points: Option<ComparedPoints>,
 }
 
 impl Drift {
@@ -48,25 +44,15 @@ impl Drift {
                 let of_vertices = baked.patches().iter().map(|patch| 1 << patch).collect();
                 (gathered_changes(baked, old, new)?, of_vertices)
             }
-            (BounceLight::Functions(old), BounceLight::Functions(new)) => self.changes_of_functions(baked, old, new)?,
+            (BounceLight::Functions(old), BounceLight::Functions(new)) => {
+                if self.points.is_none() {
+                    self.points = Some(ComparedPoints::new(baked)?);
+                }
+                self.points.as_ref()?.changes(old, new, share)
+            }
             _ => return None,
         };
         Some(self.add_changes(changes, &patches))
-    }
-
-    fn changes_of_functions(
-        &mut self,
-        baked: &Baked,
-        old: &MeshlessLight,
-        new: &MeshlessLight,
-    ) -> Option<(Vec<f32>, Vec<u64>)> {
-        if self.points.is_none() {
-            self.points = Some(BasisPoints::new(baked)?);
-        }
-        let points = self.points.as_ref()?;
-        let [old, new] = [old, new].map(|light| points.light.apply(light.coefficients()));
-        let change = |(old, new): (&Mat3A, &Mat3A)| share(lengths(*new - *old), lengths(*new));
-        Some((old.par_iter().zip(&new).map(change).collect(), points.patches.clone()))
     }
 
     /// Adds changes at points, each of which is in some patches.
@@ -82,47 +68,6 @@ impl Drift {
         shaded.for_each(|(drift, _)| *drift = 0.0);
         stale
     }
-}
-
-/// Points that tell how the light of the meshless basis changes: the vertices, on both sides where both are lit, and the
-/// points of the senders, which also lie within large triangles.
-struct BasisPoints {
-    light: Flattening,
-    /// Patches of vertices that the pixels around each show, one bit each.
-    patches: Vec<u64>,
-}
-
-impl BasisPoints {
-    fn new(baked: &Baked) -> Option<Self> {
-        let dataset = &baked.dataset;
-        let MeshlessBake { basis, transport } = dataset.meshless.as_deref()?;
-        let (mesh, patches) = (&dataset.scene.mesh, baked.patches());
-        let of_vertices = |vertices: &[u32]| vertices.iter().fold(0, |bits, &v| bits | 1 << patches[v as usize]);
-        let fronts = (0..).zip(mesh.positions.iter().copied().zip(mesh.normals.iter().copied()));
-        let backs = lit_backs(dataset, basis);
-        let vertices = fronts.chain(backs).map(|(vertex, point)| (point, of_vertices(&[vertex])));
-        let senders = basis.sender_points().iter().map(|sender| {
-            let triangle = mesh.triangles[sender.place.triangle as usize];
-            ((sender.position, sender.normal), of_vertices(&triangle))
-        });
-        let (points, patches): (Vec<_>, Vec<_>) = vertices.chain(senders).unzip();
-        Some(Self { light: Flattening::new(basis, transport, &points), patches })
-    }
-}
-
-/// Vertices of two-sided triangles whose back is lit, with place and normal.
-fn lit_backs(dataset: &Dataset, basis: &Basis) -> Vec<(u32, (Vec3, Vec3))> {
-    let mesh = &dataset.scene.mesh;
-    let mut seen_from_both = vec![false; mesh.positions.len()];
-    let two_sided = mesh.triangles.iter().zip(&dataset.two_sided).filter(|(_, two_sided)| **two_sided);
-    two_sided.flat_map(|(triangle, _)| triangle).for_each(|&vertex| seen_from_both[vertex as usize] = true);
-    let back = |vertex: u32| (vertex, (mesh.positions[vertex as usize], -mesh.normals[vertex as usize]));
-    let vertices = (0..seen_from_both.len() as u32).into_par_iter().filter(|&v| seen_from_both[v as usize]);
-    vertices.map(back).filter(|(_, (position, normal))| is_back_lit(basis, *position, *normal)).collect()
-}
-
-fn lengths(vector: Mat3A) -> Vec3 {
-    Vec3::new(vector.x_axis.length(), vector.y_axis.length(), vector.z_axis.length())
 }
 
 /// Of the light in its brightest channel.

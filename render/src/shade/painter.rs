@@ -2,7 +2,7 @@
 
 use crate::{
     light::{
-        bounce::{MeshlessLight, functions::level_color},
+        bounce::{MeshlessLight, meshless::functions::level_color},
         environment::SceneLighting,
         implicit::{PosedLight, Sides},
         solver::BounceLight,

@@ -375,7 +375,7 @@ fn shared_constants_have_the_same_values() {
         ("SQUASH", lapidary_core::surfel::distance::SQUASH),
         ("LAYERS", lapidary_core::surfel::distance::LAYERS),
         ("LEAST_WEIGHT", lapidary_core::surfel::distance::LEAST_WEIGHT),
-        ("POINT_RADIUS", crate::light::bounce::functions::POINT_RADIUS),
+        ("POINT_RADIUS", crate::light::bounce::meshless::functions::POINT_RADIUS),
         ("BASIS_GREY", crate::shade::painter::BASIS_GREY),
     ] {
         expected.push((name.into(), value.into()));

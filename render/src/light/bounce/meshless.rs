@@ -2,7 +2,10 @@
 //! through the operator for some bounces. The result is evaluated at the points of pixels, for display, or at the surface
 //! sources, for the bounce that cuts gather.
 
-use super::{functions::MeshlessLight, irradiance::environment_irradiance_of, lit_points::LitPoints};
+pub(crate) mod compared;
+pub(crate) mod functions;
+
+use super::{irradiance::environment_irradiance_of, lit_points::LitPoints};
 use crate::{
     baked::Baked,
     light::{
@@ -10,6 +13,7 @@ use crate::{
         situation::{Changes, Lit, Situation},
     },
 };
+use functions::MeshlessLight;
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
