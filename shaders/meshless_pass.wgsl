@@ -161,11 +161,11 @@ fn kernel(distance: f32) -> f32 {
 }
 
 fn basis_value(point: SurfacePoint) -> vec3<f32> {
-    let grey = vec3(BASIS_GREY * point.wo.z);
+    let gray = vec3(BASIS_GREY * point.wo.z);
     switch frame.view_mode {
         case VIEW_BASIS_LEVEL: { return level_part(point); }
-        case VIEW_BASIS_FUNCTION: { return mix(grey, vec3(1.0, 0.0, 0.0), function_value(point)); }
-        default: { return marked(point, grey); }
+        case VIEW_BASIS_FUNCTION: { return mix(gray, vec3(1.0, 0.0, 0.0), function_value(point)); }
+        default: { return marked(point, gray); }
     }
 }
 

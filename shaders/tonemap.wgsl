@@ -62,6 +62,6 @@ fn pbr_neutral(color: vec3<f32>) -> vec3<f32> {
     }
     let d = 1.0 - start;
     let new_peak = 1.0 - d * d / (peak + d - start);
-    let grey = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
-    return mix(c * (new_peak / peak), vec3(new_peak), grey);
+    let gray = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
+    return mix(c * (new_peak / peak), vec3(new_peak), gray);
 }

@@ -200,7 +200,7 @@ fn exposure_brightens_png_files_and_leaves_scene_linear_ones() {
     assert_eq!(read("a.exr"), read("b.exr"));
     let (a, b) = (read("a.png"), read("b.png"));
     let unclipped = |p: &&Vec3| p.max_element() < 0.9 && p.min_element() > 0.05;
-    let place = a.pixels.iter().position(|p| unclipped(&p)).expect("a grey pixel");
+    let place = a.pixels.iter().position(|p| unclipped(&p)).expect("a gray pixel");
     let ratio = a.pixels[place] / b.pixels[place];
     assert!((ratio - 2.0).abs().max_element() < 0.1, "{ratio}");
 }

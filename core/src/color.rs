@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn srgb_round_trips_and_hits_the_known_middle_grey() {
+    fn srgb_round_trips_and_hits_the_known_middle_gray() {
         for i in 0..=255 {
             let x = i as f32 / 255.0;
             assert!((srgb_from_linear(linear_from_srgb(x)) - x).abs() < 1e-5);

@@ -147,9 +147,9 @@ mod tests {
         }
     }
 
-    struct Grey(f32);
+    struct Gray(f32);
 
-    impl Surfaces<Pair> for Grey {
+    impl Surfaces<Pair> for Gray {
         type Arriving = Vec<f32>;
 
         fn arriving(&self, received: Vec<f32>) -> Vec<f32> {
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_series_is_the_inverse_of_one_minus_the_operator() {
-        let surfaces = Grey(0.8);
+        let surfaces = Gray(0.8);
         // Of x = T R (d + x), by hand: x0 = 0.4 (d1 + x1), x1 = 0.2 (d0 + x0).
         let direct = [3.0, 1.0];
         let x0 = (0.4 * direct[1] + 0.08 * direct[0]) / (1.0 - 0.08);
@@ -188,11 +188,11 @@ mod tests {
 
     #[test]
     fn what_is_emitted_is_sent_once_and_not_reflected_first() {
-        let black = Grey(0.0);
+        let black = Gray(0.0);
         let emitted = |bounces| Series::new(&Pair, &black, vec![0.0; 2], Some(vec![2.0, 0.0])).with_bounces(bounces);
         assert_eq!(emitted(1).received, [0.0, 0.5]);
         assert_eq!(emitted(3).received, [0.0, 0.5], "black surfaces end it");
-        let grey = Series::new(&Pair, &Grey(1.0), vec![0.0; 2], Some(vec![2.0, 0.0])).with_bounces(2);
-        assert_eq!(grey.received, [0.25, 0.5], "negative control: grey ones send it back");
+        let gray = Series::new(&Pair, &Gray(1.0), vec![0.0; 2], Some(vec![2.0, 0.0])).with_bounces(2);
+        assert_eq!(gray.received, [0.25, 0.5], "negative control: gray ones send it back");
     }
 }

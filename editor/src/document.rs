@@ -239,7 +239,7 @@ mod tests {
         };
         assert_eq!(colors(&document), [Vec3::X; 2]);
         for (shown, expected) in [
-            (ShownMaterials::Grey, [Vec3::splat(0.18); 2]),
+            (ShownMaterials::Gray, [Vec3::splat(0.18); 2]),
             (ShownMaterials::Clay, [Vec3::splat(0.5); 2]),
             (ShownMaterials::Chrome, [Vec3::splat(0.65); 2]),
             (ShownMaterials::Solo(1), [Vec3::splat(0.5), Vec3::X]),

@@ -84,7 +84,7 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     let materials = [
         (ShownMaterials::Own, "Their own", "Each surface as it is."),
         (ShownMaterials::Clay, "Clay", "Gray clay on all, to judge light and shape."),
-        (ShownMaterials::Grey, "Middle gray", "Albedo 0.18 on all, to judge exposure."),
+        (ShownMaterials::Gray, "Middle gray", "Albedo 0.18 on all, to judge exposure."),
         (ShownMaterials::Chrome, "Chrome", "A mirror on all, to judge reflections and smoothness."),
     ];
     let solo = matches!(view.materials, ShownMaterials::Solo(_)).then_some((

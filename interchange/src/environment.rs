@@ -80,7 +80,7 @@ fn parse_numbers(text: &str) -> Result<Vec<f32>, String> {
 fn constant_from(numbers: Option<&[f32]>) -> Result<Image, String> {
     let radiance = match numbers {
         None => Vec3::ONE,
-        Some(&[grey]) => Vec3::splat(grey),
+        Some(&[gray]) => Vec3::splat(gray),
         Some(&[r, g, b]) => Vec3::new(r, g, b),
         Some(other) => return Err(format!("constant takes three numbers and not {}", other.len())),
     };

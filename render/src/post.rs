@@ -190,8 +190,8 @@ fn pbr_neutral(c: Vec3) -> Vec3 {
     }
     let d = 1.0 - START;
     let new_peak = 1.0 - d * d / (peak + d - START);
-    let grey = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
-    (c * (new_peak / peak)).lerp(Vec3::splat(new_peak), grey)
+    let gray = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    (c * (new_peak / peak)).lerp(Vec3::splat(new_peak), gray)
 }
 
 #[cfg(test)]

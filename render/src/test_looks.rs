@@ -17,7 +17,7 @@ use lapidary_core::{
 pub fn look() -> Look {
     let maps = MaterialMaps::from(["bump", "normal"].map(|kind| (kind, TextureSlot::default())));
     let material = |name: &str| Material { name: name.into(), maps: maps.clone(), ..Default::default() };
-    let environment = Environment::new("grey".into(), Image::filled([4, 2], Vec3::ONE));
+    let environment = Environment::new("gray".into(), Image::filled([4, 2], Vec3::ONE));
     let light = Light {
         name: "key".into(),
         emission: Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 },

@@ -162,8 +162,8 @@ impl Interface {
         let [dielectric, metal] = self.weights;
         let mut all = Vec3x8::splat(Vec3::ZERO);
         if dielectric > 0.0 {
-            let grey = L::splat(dielectric) * dielectric_x8(wi_dot_h, self.ior);
-            all = Vec3x8 { x: grey, y: grey, z: grey };
+            let gray = L::splat(dielectric) * dielectric_x8(wi_dot_h, self.ior);
+            all = Vec3x8 { x: gray, y: gray, z: gray };
         }
         if metal > 0.0 {
             all = all + self.metal.fresnel(wi_dot_h) * L::splat(metal);

@@ -342,8 +342,8 @@ impl Brdf for OpenPbr {
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let half = HalfVectors::new(lights.wi, wo);
         let (cos_i, cos_o) = (lights.wi.z, L::splat(wo.z));
-        let grey = dielectric_x8(half.wi_dot_h, self.ior);
-        let fresnel = self.metal.fresnel(half.wi_dot_h) + Vec3x8::splat(self.dielectric) * grey;
+        let gray = dielectric_x8(half.wi_dot_h, self.ior);
+        let fresnel = self.metal.fresnel(half.wi_dot_h) + Vec3x8::splat(self.dielectric) * gray;
         let glossy = fresnel * self.lobe.reflect(lights, &half, wo);
         let multiple = Vec3x8::splat(self.multiple * FRAC_1_PI) * (self.whole.left(cos_i, cos_o) * lights.cosine);
         let diffuse = self.diffuse.value(lights.wi, wo) * (self.above.left(cos_i, cos_o) * lights.cosine);

@@ -273,7 +273,7 @@ mod tests {
             suns.is_empty() && rest.is_none()
         };
         let size = [1024, 512];
-        assert!(none(&Environment::new("grey".into(), constant(Vec3::ONE))));
+        assert!(none(&Environment::new("gray".into(), constant(Vec3::ONE))));
         assert!(none(&Environment::new("black".into(), constant(Vec3::ZERO))));
         assert!(none(&disc(size, Vec3::X, 10.0, Vec3::splat(1e4))), "a window");
         assert!(none(&disc(size, Vec3::X, 1.0, Vec3::splat(10.0))), "a lamp among others");

@@ -30,8 +30,8 @@ fn print_times(label: u32, scene: Furnished) {
     let copy = least_ms(|| drop(bins.clone()));
     let closing = least_ms(|| drop(bins.clone().views())) - copy;
     let views = bins.views();
-    let grey = vec![Vec3::splat(0.5); surfels];
-    let lighting = Lighting { reflectance: &grey, emitted: &grey, received: &grey, sky: &|_| Vec3::ONE };
+    let gray = vec![Vec3::splat(0.5); surfels];
+    let lighting = Lighting { reflectance: &gray, emitted: &gray, received: &gray, sky: &|_| Vec3::ONE };
     let bounce = least_ms(|| drop(LeafLight::new(discs, &views, &lighting, 1)));
     let drag = Drag::begin(discs, BinLayout::FINEST, [discs.shape().trees().len() as u32 - 1].into());
     let frame = least_ms(|| drop(drag.frame(discs)));

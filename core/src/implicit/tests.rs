@@ -134,9 +134,9 @@ fn a_furnace_is_everywhere_the_same() {
     let direct = |light: &LeafLight| mean(light.direct.iter().map(|e| e.x / PI));
     let black = direct(&light(forest, &|_| 1.0, 0.0, 0));
     assert!((black - 1.0).abs() < 0.01, "{black}");
-    let grey = light(forest, &|_| 1.0, 0.5, 12);
-    let sum = direct(&grey) + mean(grey.bounced.iter().map(|e| e.x / PI));
-    assert!((sum - 2.0).abs() < 0.04, "half grey: {sum}");
+    let gray = light(forest, &|_| 1.0, 0.5, 12);
+    let sum = direct(&gray) + mean(gray.bounced.iter().map(|e| e.x / PI));
+    assert!((sum - 2.0).abs() < 0.04, "half gray: {sum}");
     let BounceEnergy { bounces, missing_share, .. } = light(forest, &|_| 1.0, 0.5, 3).energy;
     assert!(bounces == 3 && (missing_share - 0.0625).abs() < 0.003, "of 1 + 1/2 + 1/4 + 1/8: {missing_share}");
     let open = &room(Vec3::ZERO, Vec3::ONE)[2..];

@@ -30,13 +30,13 @@ const BLOCK: Vec3 = vec3(1.1, 0.251, 0.8);
 pub fn bending_tower() -> Scene {
     let mut scene = Scene { name: "bending-tower", materials: materials(), ..Scene::default() };
     let floor = plain_box(vec3(5.0, 0.1, 4.0), 0.5).shifted(vec3(0.0, -0.05, 0.0));
-    scene.add("Floor", floor, "Grey paint", Affine3A::IDENTITY);
+    scene.add("Floor", floor, "Gray paint", Affine3A::IDENTITY);
     let wall = plain_box(vec3(0.1, 2.4, 3.0), 0.4).shifted(vec3(-1.2, 1.2, 0.0));
     scene.add("Wall", wall, "Red paint", Affine3A::IDENTITY);
     scene.add("Tower", tower(), "White paint", Affine3A::IDENTITY);
     let tower = scene.nodes.len() - 1;
     let pole = rounded_box(vec3(0.04, 1.5, 0.04), 0.01, 0.1);
-    scene.add("Pole", pole, "Grey paint", at(vec3(1.0, 0.751, -0.9), 0.0));
+    scene.add("Pole", pole, "Gray paint", at(vec3(1.0, 0.751, -0.9), 0.0));
     scene.add("Flag", flag(), "Blue cloth", at(vec3(1.02, 0.95, -0.9), 0.0));
     let flag = scene.nodes.len() - 1;
     scene.add("Block", rounded_box(Vec3::splat(0.5), 0.02, 0.125), "Green paint", at(BLOCK, 0.0));
@@ -161,7 +161,7 @@ fn cap(mesh: &mut Mesh, y: f32, radius: f32, normal: Vec3) {
 fn materials() -> Vec<Material> {
     let cloth = Material::dielectric("Blue cloth", [0.08, 0.16, 0.55], 0.9);
     vec![
-        Material::dielectric("Grey paint", [0.5, 0.5, 0.5], 0.9),
+        Material::dielectric("Gray paint", [0.5, 0.5, 0.5], 0.9),
         Material::dielectric("Red paint", [0.58, 0.055, 0.045], 0.9),
         Material::dielectric("White paint", [0.72, 0.70, 0.66], 0.9),
         Material::dielectric("Green paint", [0.12, 0.40, 0.075], 0.9),

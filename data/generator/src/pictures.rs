@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Luma, RgbImage};
 use lapidary_core::color::srgb_from_linear;
 
 /// A 16-bit gray image: 8 bits would show as terraces in a bump map.
-pub type Grey16 = ImageBuffer<Luma<u16>, Vec<u16>>;
+pub type Gray16 = ImageBuffer<Luma<u16>, Vec<u16>>;
 
 /// Paints linear Rec. 709 colors into an sRGB image; `paint` gets the pixel center in [0, 1), top left first.
 pub fn paint_color(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
@@ -26,8 +26,8 @@ pub fn paint_data(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
 }
 
 /// Paints heights in [0, 1]. The lowest four bits stay empty: they would be noise, and do not compress.
-pub fn paint_height(size: u32, height: impl Fn(Vec2) -> f32) -> Grey16 {
-    Grey16::from_fn(size, size, |x, y| {
+pub fn paint_height(size: u32, height: impl Fn(Vec2) -> f32) -> Gray16 {
+    Gray16::from_fn(size, size, |x, y| {
         let value = height(pixel_centre(x, y, size)).clamp(0.0, 1.0);
         Luma([((value * 4095.0 + 0.5) as u16) << 4])
     })
@@ -50,7 +50,7 @@ pub fn save_png(picture: &RgbImage, path: &Path) -> Result<()> {
 }
 
 /// Writes a 16-bit gray PNG.
-pub fn save_png16(picture: &Grey16, path: &Path) -> Result<()> {
+pub fn save_png16(picture: &Gray16, path: &Path) -> Result<()> {
     save(bytemuck::cast_slice(picture.as_raw()), picture.dimensions(), ExtendedColorType::L16, path)
 }
 
@@ -95,13 +95,13 @@ mod tests {
     #[test]
     fn the_filter_chosen_is_small_and_keeps_every_pixel() {
         let folder = tempfile::tempdir().unwrap();
-        let (color, grey) = (folder.path().join("color.png"), folder.path().join("grey.png"));
+        let (color, gray) = (folder.path().join("color.png"), folder.path().join("gray.png"));
         let picture = paint_color(128, crate::textures::walnut);
         let heights = paint_height(64, |uv| crate::textures::hammered(uv, 4));
         save_png(&picture, &color).unwrap();
-        save_png16(&heights, &grey).unwrap();
+        save_png16(&heights, &gray).unwrap();
         assert_eq!(image::open(&color).unwrap().into_rgb8(), picture);
-        assert_eq!(image::open(&grey).unwrap().into_luma16(), heights);
+        assert_eq!(image::open(&gray).unwrap().into_luma16(), heights);
         let best = |filter| {
             let (size, color) = (picture.dimensions(), ExtendedColorType::Rgb8);
             encode(picture.as_raw(), size, color, CompressionType::Best, filter).unwrap().len()

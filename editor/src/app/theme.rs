@@ -112,21 +112,21 @@ fn style(theme: egui::Theme, palette: &Palette) -> Style {
 }
 
 fn visuals(theme: egui::Theme, palette: &Palette) -> Visuals {
-    let grey = Color32::from_gray;
-    let line = Stroke::new(1.0, grey(palette.line));
+    let gray = Color32::from_gray;
+    let line = Stroke::new(1.0, gray(palette.line));
     Visuals {
         widgets: widgets(palette),
         selection: Selection { bg_fill: palette.accent, stroke: Stroke::new(1.0, palette.on_accent) },
         hyperlink_color: if theme == egui::Theme::Dark { Color32::from_rgb(122, 172, 232) } else { palette.accent },
-        weak_text_color: Some(grey(palette.weak)),
-        faint_bg_color: grey(if theme == egui::Theme::Dark { palette.panel + 5 } else { palette.panel - 6 }),
-        extreme_bg_color: grey(palette.well),
-        text_edit_bg_color: Some(grey(palette.well)),
-        code_bg_color: grey(palette.stage),
+        weak_text_color: Some(gray(palette.weak)),
+        faint_bg_color: gray(if theme == egui::Theme::Dark { palette.panel + 5 } else { palette.panel - 6 }),
+        extreme_bg_color: gray(palette.well),
+        text_edit_bg_color: Some(gray(palette.well)),
+        code_bg_color: gray(palette.stage),
         warn_fg_color: palette.warning,
         error_fg_color: palette.error,
-        panel_fill: grey(palette.panel),
-        window_fill: grey(palette.panel),
+        panel_fill: gray(palette.panel),
+        window_fill: gray(palette.panel),
         window_stroke: line,
         window_corner_radius: CornerRadius::same(4),
         menu_corner_radius: CornerRadius::same(4),
@@ -139,13 +139,13 @@ fn visuals(theme: egui::Theme, palette: &Palette) -> Visuals {
 }
 
 fn widgets(palette: &Palette) -> Widgets {
-    let grey = Color32::from_gray;
+    let gray = Color32::from_gray;
     let of = |fill: u8, text: u8, line: Option<u8>| WidgetVisuals {
-        bg_fill: grey(fill),
-        weak_bg_fill: grey(fill),
-        bg_stroke: line.map_or(Stroke::NONE, |line| Stroke::new(1.0, grey(line))),
+        bg_fill: gray(fill),
+        weak_bg_fill: gray(fill),
+        bg_stroke: line.map_or(Stroke::NONE, |line| Stroke::new(1.0, gray(line))),
         corner_radius: CornerRadius::same(3),
-        fg_stroke: Stroke::new(1.0, grey(text)),
+        fg_stroke: Stroke::new(1.0, gray(text)),
         expansion: 0.0,
     };
     Widgets {
@@ -173,16 +173,16 @@ mod tests {
     #[test]
     fn all_text_can_be_read_on_its_ground() {
         for palette in [&DARK, &LIGHT] {
-            let grey = Color32::from_gray;
+            let gray = Color32::from_gray;
             let pairs = [
-                (grey(palette.text), grey(palette.panel)),
-                (grey(palette.weak), grey(palette.panel)),
-                (grey(palette.text), grey(palette.control)),
-                (grey(palette.weak), grey(palette.stage)),
-                (grey(palette.strong), grey(palette.active)),
+                (gray(palette.text), gray(palette.panel)),
+                (gray(palette.weak), gray(palette.panel)),
+                (gray(palette.text), gray(palette.control)),
+                (gray(palette.weak), gray(palette.stage)),
+                (gray(palette.strong), gray(palette.active)),
                 (palette.on_accent, palette.accent),
-                (palette.warning, grey(palette.panel)),
-                (palette.error, grey(palette.panel)),
+                (palette.warning, gray(palette.panel)),
+                (palette.error, gray(palette.panel)),
             ];
             for (i, (text, ground)) in pairs.into_iter().enumerate() {
                 assert!(contrast(text, ground) >= 4.5, "pair {i}: {}", contrast(text, ground));

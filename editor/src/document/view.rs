@@ -87,7 +87,8 @@ pub enum ShownMaterials {
     /// Gray clay on all, to judge light and shape.
     Clay,
     /// Middle gray of albedo 0.18 on all, to judge exposure.
-    Grey,
+    #[serde(alias = "grey")]
+    Gray,
     /// A mirror on all, to judge reflections and smoothness.
     Chrome,
     /// That of one material; the others are gray clay.
@@ -106,7 +107,7 @@ impl ShownMaterials {
             Self::Own => own.clone(),
             Self::Solo(material) if material == index => own.clone(),
             Self::Clay | Self::Solo(_) => clay(),
-            Self::Grey => all(BrdfModel::Lambert, "base_color", Vec3::splat(0.18).into()),
+            Self::Gray => all(BrdfModel::Lambert, "base_color", Vec3::splat(0.18).into()),
             Self::Chrome => {
                 let mirror = all(BrdfModel::Ggx, "base_color", Vec3::splat(0.65).into());
                 let parameters = mirror.parameters.with("metalness", 1.0).with("roughness", 0.1);

@@ -224,7 +224,7 @@ fn constant_radiance(spec: &str) -> Option<Vec3> {
     };
     let numbers: Option<Vec<f32>> = numbers.split(',').map(|n| n.trim().parse().ok()).collect();
     match numbers?[..] {
-        [grey] => Some(Vec3::splat(grey)),
+        [gray] => Some(Vec3::splat(gray)),
         [r, g, b] => Some(Vec3::new(r, g, b)),
         _ => None,
     }

@@ -114,8 +114,8 @@ impl ColorScale {
     fn of(mode: ViewMode, sampling: BrdfSampling, illum_cut: u32, gathered: Gathered) -> Self {
         let fractions = || ["0", "0.25", "0.5", "0.75", "1"].map(String::from).into();
         let (color, ticks): (fn(f32) -> Color32, _) = match mode {
-            ViewMode::Albedo => (|x| grey(srgb_from_linear(x)), fractions()),
-            ViewMode::Roughness => (grey, fractions()),
+            ViewMode::Albedo => (|x| gray(srgb_from_linear(x)), fractions()),
+            ViewMode::Roughness => (gray, fractions()),
             _ => (|x| color(magma(x)), count_ticks(mode.count_top(sampling, illum_cut))),
         };
         let of_what = if mode.is_count() { gathered.words() } else { "" };
@@ -129,7 +129,7 @@ fn count_ticks(top: f32) -> Vec<String> {
     quarters.enumerate().map(|(i, tick)| if i == 4 { tick + "+" } else { tick }).collect()
 }
 
-fn grey(x: f32) -> Color32 {
+fn gray(x: f32) -> Color32 {
     color(Vec3::splat(x))
 }
 
@@ -277,7 +277,7 @@ mod tests {
         assert_eq!(at(ViewMode::Albedo, 0.5), Color32::from_gray(188), "base color is encoded");
         assert_eq!(at(ViewMode::BrdfEvaluations, 0.0), Color32::from_rgb(0, 0, 4));
         assert_eq!(at(ViewMode::BrdfEvaluations, 1.0), Color32::from_rgb(252, 253, 191));
-        let mesh = gradient(Rect::from_min_size(Pos2::ZERO, BAR), grey);
+        let mesh = gradient(Rect::from_min_size(Pos2::ZERO, BAR), gray);
         assert!(mesh.is_valid());
         assert_eq!(mesh.vertices.last().map(|v| v.color), Some(Color32::WHITE));
     }

@@ -252,9 +252,9 @@ mod tests {
     }
 
     #[test]
-    fn sixteen_bit_greys_become_floats_and_colours_stay_for_the_slot_to_decode() {
-        let grey = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([257 * 51])));
-        let texture = decode(&png(grey), Path::new("height.png")).unwrap();
+    fn sixteen_bit_grays_become_floats_and_colours_stay_for_the_slot_to_decode() {
+        let gray = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([257 * 51])));
+        let texture = decode(&png(gray), Path::new("height.png")).unwrap();
         let Texels::F32(texels) = &texture.texels else { panic!("a height map lost its precision") };
         assert!((texels[0][0] - 0.2).abs() < 1e-6);
         let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([257 * 51, 0, 65535])));

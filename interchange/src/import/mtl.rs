@@ -71,7 +71,7 @@ impl MtlEntry {
             self.statements.get(key)?.split_whitespace().take(3).map(|w| w.parse().ok()).collect();
         match *numbers? {
             [r, g, b] => Some(Vec3::new(r, g, b)),
-            [grey] => Some(Vec3::splat(grey)),
+            [gray] => Some(Vec3::splat(gray)),
             _ => None,
         }
         .filter(|c| c.is_finite())

@@ -191,7 +191,7 @@ fn alpha_counts_where_the_material_says_so() {
 }
 
 #[test]
-fn a_colored_highlight_becomes_openpbr_and_a_grey_one_is_a_weight() {
+fn a_colored_highlight_becomes_openpbr_and_a_gray_one_is_a_weight() {
     let of = |color: &str| {
         let specular =
             format!(r#""KHR_materials_specular": {{"specularFactor": 0.5, "specularColorFactor": {color}}}"#);
@@ -200,6 +200,6 @@ fn a_colored_highlight_becomes_openpbr_and_a_grey_one_is_a_weight() {
     let colored = of("[1, 0.5, 0.25]");
     assert_eq!((colored.model, colored.parameters.number("specular_weight")), (BrdfModel::OpenPbr, 0.5));
     assert_eq!(colored.parameters.color("specular_color"), Vec3::new(1.0, 0.5, 0.25));
-    let grey = of("[0.5, 0.5, 0.5]");
-    assert!(grey.model == BrdfModel::Ggx && (grey.parameters.number("specular") - 0.25).abs() < 1e-6);
+    let gray = of("[0.5, 0.5, 0.5]");
+    assert!(gray.model == BrdfModel::Ggx && (gray.parameters.number("specular") - 0.25).abs() < 1e-6);
 }

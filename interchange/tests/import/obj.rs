@@ -44,12 +44,12 @@ fn obj_quirks_are_understood() {
 fn opacity_is_read_under_all_its_names() {
     let files = Files::new();
     let library = "newmtl d\nd 0.25\nnewmtl tr\nTr 0.25\nnewmtl both\nTr 1\nd 1\n\
-        newmtl grey\nmap_d grey.png\nnewmtl alpha\nmap_d -s 2 2 1 alpha.png\nnewmtl said\nmap_d -imfchan g alpha.png\n";
+        newmtl gray\nmap_d gray.png\nnewmtl alpha\nmap_d -s 2 2 1 alpha.png\nnewmtl said\nmap_d -imfchan g alpha.png\n";
     files.add("a.mtl", library);
-    files.add_png("grey.png", [0.5; 3]);
+    files.add_png("gray.png", [0.5; 3]);
     files.add_rgba("alpha.png", [1, 1], &[255, 255, 255, 0]);
     let mut obj = String::from("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\n");
-    let names = ["d", "tr", "both", "grey", "alpha", "said"];
+    let names = ["d", "tr", "both", "gray", "alpha", "said"];
     names.iter().for_each(|name| obj += &format!("usemtl {name}\nf 1 3 2\n"));
     let imported = import(&files.add("a.obj", obj)).unwrap();
     assert_eq!(imported.report.warnings, [""; 0]);
@@ -107,11 +107,11 @@ fn missing_libraries_and_textures_are_visible_and_reported() {
 #[test]
 fn bump_maps_that_are_blue_are_normal_maps_and_a_file_is_loaded_once() {
     let files = Files::new();
-    files.add_png("grey.png", [0.2; 3]);
+    files.add_png("gray.png", [0.2; 3]);
     files.add_png("blue.png", [0.214, 0.214, 1.0]);
     files.add(
         "a.mtl",
-        "newmtl a\nbump -bm 0.5 grey.png\nmap_Kd grey.png\nnewmtl b\nmap_Bump -bm 0.25 blue.png\nnewmtl c\nnorm blue.png\n",
+        "newmtl a\nbump -bm 0.5 gray.png\nmap_Kd gray.png\nnewmtl b\nmap_Bump -bm 0.25 blue.png\nnewmtl c\nnorm blue.png\n",
     );
     let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl a\nf 1 3 2\nusemtl b\nf 1 3 2\nusemtl c\nf 1 3 2\n";
     let scene = import(&files.add("a.obj", obj)).unwrap().scene;

@@ -51,11 +51,11 @@ struct OneBounce<'a> {
 
 impl<'a> OneBounce<'a> {
     fn new(bake: &'a MeshlessBake, solver: &Solver, surface: &MeshSurface, lamp: &Lamp) -> Self {
-        let (irradiance, grey) = lit(&SenderSamples::on_surface(&bake.basis, solver, surface), solver, surface, lamp);
+        let (irradiance, gray) = lit(&SenderSamples::on_surface(&bake.basis, solver, surface), solver, surface, lamp);
         let outgoing: Vec<f32> = irradiance.iter().map(|e| e.x * GREY * FRAC_1_PI).collect();
         let projection = Projection::new(&bake.basis, bake.basis.sender_levels());
         let once = SolveSettings { bounces: 1, ..Default::default() };
-        let received = solver.solve(bake, &irradiance, &grey, once).coefficients;
+        let received = solver.solve(bake, &irradiance, &gray, once).coefficients;
         Self { bake, sent: projection.pull_push(&outgoing), received }
     }
 

@@ -12,17 +12,17 @@ pub fn print(bake: &MeshlessBake, solver: &Solver, prepared: &Prepared, lamp: &L
     let (mesh, surface) = (&prepared.scene.mesh, prepared.surface());
     let samples = SenderSamples::on_surface(&bake.basis, solver, &surface);
     let direct = || lit(&samples, solver, &surface, lamp);
-    let (irradiance, grey) = direct();
+    let (irradiance, gray) = direct();
     let time = median_ms(|| drop(black_box(direct())));
-    println!("direct light on {} samples, {} senders fitted: {time:.1} ms", samples.points().len(), grey.len());
+    println!("direct light on {} samples, {} senders fitted: {time:.1} ms", samples.points().len(), gray.len());
     for bounces in [1, 4] {
         let settings = SolveSettings { bounces, ..Default::default() };
-        let time = median_ms(|| drop(black_box(solver.solve(bake, &irradiance, &grey, settings))));
+        let time = median_ms(|| drop(black_box(solver.solve(bake, &irradiance, &gray, settings))));
         println!("solving {bounces} bounces {time:.1} ms");
     }
     let vertices: Vec<_> = mesh.positions.iter().copied().zip(mesh.normals.iter().copied()).collect();
     let flattening = Flattening::new(&bake.basis, &bake.transport, &vertices);
-    let solution = solver.solve(bake, &irradiance, &grey, SolveSettings::default());
+    let solution = solver.solve(bake, &irradiance, &gray, SolveSettings::default());
     let time = median_ms(|| drop(black_box(flattening.apply(&solution.coefficients))));
     println!(
         "flattening to {} vertices {time:.1} ms; {} weights, {:.1} MB",

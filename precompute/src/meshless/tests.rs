@@ -30,9 +30,9 @@ fn a_room_of_uniform_light_stays_uniform_and_fades_by_its_reflectance() {
     assert!((200..450).contains(&coarsest), "about {} functions: {coarsest}", MeshlessSettings::COARSEST_FUNCTIONS);
     assert_eq!(report.functions.iter().sum::<usize>(), bake.basis.len());
     let ones = vec![Vec3::ONE; bake.basis.senders().len()];
-    let grey = vec![Vec3::new(0.5, 0.8, 0.0); ones.len()];
+    let gray = vec![Vec3::new(0.5, 0.8, 0.0); ones.len()];
     let solver = Solver::new(&bake);
-    let solution = solver.solve(&bake, &ones, &grey, SolveSettings { bounces: 3, threshold: 0.0 });
+    let solution = solver.solve(&bake, &ones, &gray, SolveSettings { bounces: 3, threshold: 0.0 });
     for (bounce, mean) in solution.mean_irradiance.iter().enumerate() {
         let expected = Vec3::new(0.5_f32.powi(bounce as i32), 0.8_f32.powi(bounce as i32), 0.0);
         let expected = if bounce == 0 { Vec3::ONE } else { expected };
@@ -114,9 +114,9 @@ fn one_bounce_between_boxes_agrees_with_rays() {
     let (bake, report) = meshless_bake(&surface, light, &settings, &Silent).unwrap();
     let senders = bake.basis.sender_points();
     let lit: Vec<Vec3> = senders.par_iter().map(|p| Vec3::splat(direct(&surface, light, p))).collect();
-    let grey = vec![Vec3::splat(0.5); lit.len()];
+    let gray = vec![Vec3::splat(0.5); lit.len()];
     let once = SolveSettings { bounces: 1, threshold: 0.0 };
-    let coefficients = Solver::new(&bake).solve(&bake, &lit, &grey, once).coefficients;
+    let coefficients = Solver::new(&bake).solve(&bake, &lit, &gray, once).coefficients;
     let darts = Darts { radius: 0.05 * report.coarse_radius, open_only: false, most: 400 };
     let points = poisson_disk(&mut Candidates::new(&surface, light, 77, &Silent).unwrap(), darts, |_| ()).unwrap();
     let pair = |p: &Surfel| {

@@ -222,15 +222,15 @@ fn upload(gpu: &GpuDevice, mut words: Vec<u32>) -> wgpu::TextureView {
 mod tests {
     use super::*;
 
-    fn grey(size: [u32; 2], value: u8) -> Arc<Texture> {
+    fn gray(size: [u32; 2], value: u8) -> Arc<Texture> {
         let texels = vec![[value; 4]; (size[0] * size[1]) as usize];
-        Arc::new(Texture::new("grey", size, Texels::U8(texels)))
+        Arc::new(Texture::new("gray", size, Texels::U8(texels)))
     }
 
     #[test]
     fn textures_that_fit_stay_and_the_largest_is_halved_first() {
         let detail = Detail::Values(ColorSpace::Linear);
-        let used = |size, value| Used { index: 0, detail, texture: grey(size, value) };
+        let used = |size, value| Used { index: 0, detail, texture: gray(size, value) };
         let textures = [used([64, 64], 7), used([8, 8], 9)];
         let needed = words_of(&textures[0].texture, detail) + words_of(&textures[1].texture, detail);
         let (fitted, messages) = fit(&textures, needed);
@@ -245,7 +245,7 @@ mod tests {
         let mut material = Material { model: lapidary_core::material::BrdfModel::OpenPbr, ..Default::default() };
         material.maps.set("transmission_weight", Some(TextureSlot::default()));
         let used = |material: &Material| {
-            let textures = vec![grey([8, 8], 9)];
+            let textures = vec![gray([8, 8], 9)];
             in_use(&Appearance { materials: vec![material.clone()], textures, assigned: None }).len()
         };
         assert_eq!(used(&material), 0);
@@ -258,7 +258,7 @@ mod tests {
         let slopes = [SlopeSource::Normals, SlopeSource::Heights(Default::default())].map(Detail::Slopes);
         let floats = Texture::new("floats", [5, 9], Texels::F32(vec![[0.5; 4]; 45]));
         for detail in [Detail::Values(ColorSpace::Srgb), slopes[0], slopes[1]] {
-            for texture in [&*grey([16, 3], 100), &floats] {
+            for texture in [&*gray([16, 3], 100), &floats] {
                 let mut words = Vec::new();
                 append(&mut words, texture, detail);
                 assert_eq!(words.len() as u64, words_of(texture, detail), "{detail:?}");

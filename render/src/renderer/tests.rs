@@ -35,8 +35,8 @@ fn a_white_floor_in_a_white_furnace_is_white_for_all_three() {
         let worst = picture.pixels.iter().map(|p| (p.x - 1.0).abs()).fold(0.0, f32::max);
         assert!(i == 2 || worst < 0.02, "picture {i}: {worst}"); // the path reference has noise
     }
-    let grey = illumination([64, 32], |_, _| Vec3::splat(0.98));
-    let darker = renderer.render(&view, &grey, 256, BrdfSampling::Refine).0;
+    let gray = illumination([64, 32], |_, _| Vec3::splat(0.98));
+    let darker = renderer.render(&view, &gray, 256, BrdfSampling::Refine).0;
     assert!(darker.pixels.iter().all(|p| p.x < 0.99), "negative control: two percent less light is seen");
 }
 

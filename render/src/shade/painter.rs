@@ -228,15 +228,15 @@ impl<'a> Painter<'a> {
     fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
         let Some(Bounce::Functions(light)) = self.bounce else { return Vec3::ZERO };
         let (position, normal) = (point.position, point.face_normal);
-        let grey = Vec3::splat(BASIS_GREY * point.wo.z);
+        let gray = Vec3::splat(BASIS_GREY * point.wo.z);
         match self.mode {
             ViewMode::BasisLevel => {
                 light.level_part(self.basis.level, position, [normal, point.world_from_local.z_axis])
             }
-            ViewMode::BasisFunction => grey.lerp(Vec3::X, light.function_value(self.basis.function, position, normal)),
+            ViewMode::BasisFunction => gray.lerp(Vec3::X, light.function_value(self.basis.function, position, normal)),
             _ => match light.marked_level(position, normal) {
                 Some(level) => level_color(level, light.basis().levels()),
-                None => grey,
+                None => gray,
             },
         }
     }

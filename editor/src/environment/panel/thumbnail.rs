@@ -72,10 +72,10 @@ mod tests {
     #[test]
     fn dim_and_bright_constants_look_the_same() {
         let shown = |radiance: f32| thumbnail(&environment([64, 32], |_, _| Vec3::splat(radiance)), [16, 8]);
-        let grey = shown(1.0).pixels[0];
-        assert_eq!(grey, Color32::from_gray(109), "0.18 / 1.18, encoded");
+        let gray = shown(1.0).pixels[0];
+        assert_eq!(gray, Color32::from_gray(109), "0.18 / 1.18, encoded");
         for radiance in [1e-4, 100.0, 1e5] {
-            assert!(shown(radiance).pixels.iter().all(|p| p.r().abs_diff(grey.r()) <= 1), "{radiance}");
+            assert!(shown(radiance).pixels.iter().all(|p| p.r().abs_diff(gray.r()) <= 1), "{radiance}");
         }
     }
 

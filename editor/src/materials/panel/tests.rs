@@ -160,7 +160,7 @@ fn reset_puts_the_default_back() {
 }
 
 #[test]
-fn the_model_shows_what_it_reads_and_greys_what_has_no_effect() {
+fn the_model_shows_what_it_reads_and_grays_what_has_no_effect() {
     let mut harness = harness(|_| {});
     let disabled =
         |h: &Harness<App>, label: &str| h.get_by_role_and_label(Role::Slider, label).accesskit_node().is_disabled();

@@ -65,8 +65,8 @@ fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
     // A white room beside a large gray one.
     let mut scene = scene_of(&[room(Vec3::ZERO, Vec3::ONE), room(Vec3::X * 20.0, Vec3::splat(5.0))].concat());
     scene.materials.push(scene.materials[0].clone());
-    let grey = |positions: &[Vec3], t: &[u32; 3]| u32::from(positions[t[0] as usize].x > 5.0);
-    scene.mesh.triangle_material = scene.mesh.triangles.iter().map(|t| grey(&scene.mesh.positions, t)).collect();
+    let gray = |positions: &[Vec3], t: &[u32; 3]| u32::from(positions[t[0] as usize].x > 5.0);
+    scene.mesh.triangle_material = scene.mesh.triangles.iter().map(|t| gray(&scene.mesh.positions, t)).collect();
     scene.materials[0].parameters.set("base_color", Vec3::ONE);
     scene.materials[1].parameters.set("base_color", Vec3::splat(0.3));
     let white = remarks(scene.clone(), "b.cuts");

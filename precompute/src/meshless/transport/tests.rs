@@ -52,9 +52,9 @@ fn error(transport: Transport, expected: f32) -> f32 {
     let bake = MeshlessBake { basis: basis(), transport };
     let senders = bake.basis.sender_points();
     let direct: Vec<Vec3> = senders.iter().map(|p| Vec3::splat(1.0 + p.position.z)).collect();
-    let grey = vec![Vec3::splat(0.5); direct.len()];
+    let gray = vec![Vec3::splat(0.5); direct.len()];
     let settings = SolveSettings { bounces: 1, threshold: 0.0 };
-    let coefficients = Solver::new(&bake).solve(&bake, &direct, &grey, settings).coefficients;
+    let coefficients = Solver::new(&bake).solve(&bake, &direct, &gray, settings).coefficients;
     let mut random = fastrand::Rng::with_seed(6);
     let squares = (0..500).map(|_| {
         let p = uniform_direction(random.f32(), random.f32());

@@ -328,8 +328,8 @@ fn the_cores_go_on_where_an_adapter_fails() {
     assert!(*sight.views(discs, 0..256) == seen, "by the cores");
     sight.look(&case.forest, &case.mesh.positions, &[1].into());
     assert!(*sight.views(discs, 0..256) == seen);
-    let grey = vec![Vec3::splat(0.5); 256];
-    let lighting = Lighting { reflectance: &grey, emitted: &grey, received: &grey, sky: &|_| Vec3::ONE };
+    let gray = vec![Vec3::splat(0.5); 256];
+    let lighting = Lighting { reflectance: &gray, emitted: &gray, received: &gray, sky: &|_| Vec3::ONE };
     let (bounced, expected) =
         (sight.light(discs, &lighting, 1).bounced, LeafLight::new(discs, &seen, &lighting, 1).bounced);
     assert!(bounced.iter().zip(&expected).all(|(a, b)| a.distance(*b) < 1e-6), "but for the order of sums");

@@ -3,7 +3,7 @@
 use super::*;
 use lapidary_core::color::linear_from_srgb;
 
-fn grey(value: f32) -> Image {
+fn gray(value: f32) -> Image {
     Image::filled([24, 16], Vec3::splat(value))
 }
 
@@ -26,7 +26,7 @@ fn equal_pictures_are_equal_by_every_metric() {
 
 #[test]
 fn linear_errors_of_constant_pictures_are_known() {
-    let metrics = compare(&grey(2.5), &grey(2.0)).unwrap();
+    let metrics = compare(&gray(2.5), &gray(2.0)).unwrap();
     assert_near(metrics.rmse, 0.5);
     assert_near(metrics.rel_rmse, 0.25);
     assert_near(metrics.rel_mse, 0.25 / 4.01);
@@ -35,14 +35,14 @@ fn linear_errors_of_constant_pictures_are_known() {
 #[test]
 fn an_error_in_one_channel_counts_a_third() {
     let test = Image::filled([24, 16], Vec3::new(1.3, 1.0, 1.0));
-    let metrics = compare(&test, &grey(1.0)).unwrap();
+    let metrics = compare(&test, &gray(1.0)).unwrap();
     assert_near(metrics.rmse, 0.3 / 3.0_f64.sqrt());
     assert_near(metrics.rel_mse, 0.09 / 1.01 / 3.0);
 }
 
 #[test]
 fn displayed_errors_of_constant_pictures_are_known() {
-    let metrics = compare(&grey(linear_from_srgb(0.6)), &grey(linear_from_srgb(0.4))).unwrap();
+    let metrics = compare(&gray(linear_from_srgb(0.6)), &gray(linear_from_srgb(0.4))).unwrap();
     assert_near(metrics.psnr, -20.0 * 0.2_f64.log10());
     // Without variance only the means are left.
     let c1 = 0.01_f64.powi(2);
@@ -51,7 +51,7 @@ fn displayed_errors_of_constant_pictures_are_known() {
 
 #[test]
 fn what_a_display_clamps_concerns_only_the_linear_metrics() {
-    let metrics = compare(&grey(3.0), &grey(2.0)).unwrap();
+    let metrics = compare(&gray(3.0), &gray(2.0)).unwrap();
     assert_eq!((metrics.psnr, metrics.flip), (f64::INFINITY, 0.0));
     assert_near(metrics.rmse, 1.0);
 }
@@ -68,7 +68,7 @@ fn one_changed_pixel_is_noticed_by_every_metric() {
 
 #[test]
 fn relative_metrics_know_which_picture_is_the_reference() {
-    let [there, back] = [compare(&grey(2.0), &grey(1.0)).unwrap(), compare(&grey(1.0), &grey(2.0)).unwrap()];
+    let [there, back] = [compare(&gray(2.0), &gray(1.0)).unwrap(), compare(&gray(1.0), &gray(2.0)).unwrap()];
     assert_near(there.rel_rmse, 1.0);
     assert_near(back.rel_rmse, 0.5);
     assert_near(there.rel_mse / back.rel_mse, 4.01 / 1.01);
@@ -77,8 +77,8 @@ fn relative_metrics_know_which_picture_is_the_reference() {
 
 #[test]
 fn pixels_that_are_not_finite_are_counted_and_left_out() {
-    let reference = grey(1.0);
-    let mut test = grey(1.5);
+    let reference = gray(1.0);
+    let mut test = gray(1.5);
     test.pixels[0].x = f32::NAN;
     test.pixels[7].z = f32::INFINITY;
     let metrics = compare(&test, &reference).unwrap();
@@ -86,7 +86,7 @@ fn pixels_that_are_not_finite_are_counted_and_left_out() {
     assert_near(metrics.rmse, 0.5);
     let swapped = compare(&reference, &test).unwrap();
     assert_eq!(swapped.non_finite_pixels, 2);
-    let only_nan = compare(&grey(f32::NAN), &reference);
+    let only_nan = compare(&gray(f32::NAN), &reference);
     assert_eq!(only_nan, Err(CompareError::NothingFinite { pixels: 24 * 16 }));
 }
 
@@ -101,7 +101,7 @@ fn a_pixel_that_is_not_finite_adds_no_difference_around_it() {
 
 #[test]
 fn sizes_that_differ_are_an_error_that_names_both() {
-    let error = compare(&grey(1.0), &Image::filled([16, 24], Vec3::ONE)).unwrap_err().to_string();
+    let error = compare(&gray(1.0), &Image::filled([16, 24], Vec3::ONE)).unwrap_err().to_string();
     assert!(error.contains("24 x 16") && error.contains("16 x 24") && error.contains("render both"), "{error}");
 }
 
@@ -117,8 +117,8 @@ fn one_pixel_is_compared_and_none_is_an_error() {
 
 #[test]
 fn a_black_reference_gives_an_infinite_relative_error_only_if_there_is_one() {
-    assert_eq!(compare(&grey(0.1), &grey(0.0)).unwrap().rel_rmse, f64::INFINITY);
-    assert_eq!(compare(&grey(0.0), &grey(0.0)).unwrap().rel_rmse, 0.0);
+    assert_eq!(compare(&gray(0.1), &gray(0.0)).unwrap().rel_rmse, f64::INFINITY);
+    assert_eq!(compare(&gray(0.0), &gray(0.0)).unwrap().rel_rmse, 0.0);
 }
 
 #[test]

@@ -20,7 +20,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn middle_grey_is_encoded_and_the_rest_is_clamped() {
+    fn middle_gray_is_encoded_and_the_rest_is_clamped() {
         let shown =
             display(&Image { size: [2, 1], pixels: vec![Vec3::splat(0.214_041), Vec3::new(-1.0, 7.0, f32::NAN)] });
         assert!((shown.pixels[0] - Vec3::splat(0.5)).length() < 1e-5);

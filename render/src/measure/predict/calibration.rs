@@ -134,15 +134,15 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn grey(values: &[f32]) -> Image {
+    fn gray(values: &[f32]) -> Image {
         Image { size: [values.len() as u32, 1], pixels: values.iter().map(|&v| Vec3::splat(v)).collect() }
     }
 
     #[test]
     fn a_prediction_twice_as_great_is_within_everywhere_and_half_as_great_nowhere() {
         let errors: Vec<f32> = (1..=100).map(|i| i as f32 * 0.01).collect();
-        let scaled = |scale: f32| grey(&errors.iter().map(|e| e * scale).collect::<Vec<_>>());
-        let of = |scale| calibrate(&scaled(scale), &grey(&errors), &grey(&[0.0; 100]), 10).unwrap();
+        let scaled = |scale: f32| gray(&errors.iter().map(|e| e * scale).collect::<Vec<_>>());
+        let of = |scale| calibrate(&scaled(scale), &gray(&errors), &gray(&[0.0; 100]), 10).unwrap();
         let twice = of(2.0);
         assert_eq!((twice.pixels, twice.within, twice.bins.len()), (100, 1.0, 10));
         assert!((twice.rank_correlation - 1.0).abs() < 1e-9 && (twice.ratio - 2.0).abs() < 1e-5);
@@ -158,7 +158,7 @@ mod tests {
         let up: Vec<f32> = (0..50).map(|i| (i as f32 * 0.2).exp()).collect();
         let down: Vec<f32> = up.iter().rev().copied().collect();
         let of = |a: &[f32], b: &[f32]| {
-            calibrate(&grey(a), &grey(b), &grey(&vec![0.0; a.len()]), 4).unwrap().rank_correlation
+            calibrate(&gray(a), &gray(b), &gray(&vec![0.0; a.len()]), 4).unwrap().rank_correlation
         };
         assert!((of(&up, &up) - 1.0).abs() < 1e-9 && (of(&up, &down) + 1.0).abs() < 1e-9);
         assert_eq!(of(&up, &[1.0; 50]), 0.0);
@@ -167,12 +167,12 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_or_nothing_is_left_out() {
-        let predicted = grey(&[1.0, f32::NAN, 0.0, 2.0]);
-        let calibration = calibrate(&predicted, &grey(&[0.5, 1.0, 0.0, f32::INFINITY]), &grey(&[0.0; 4]), 3).unwrap();
+        let predicted = gray(&[1.0, f32::NAN, 0.0, 2.0]);
+        let calibration = calibrate(&predicted, &gray(&[0.5, 1.0, 0.0, f32::INFINITY]), &gray(&[0.0; 4]), 3).unwrap();
         assert_eq!((calibration.pixels, calibration.bins.len()), (1, 1));
-        let nothing = grey(&[0.0; 4]);
+        let nothing = gray(&[0.0; 4]);
         assert_eq!(calibrate(&nothing, &nothing, &nothing, 3), Err(CalibrationError::NoPixels));
-        let other = calibrate(&nothing, &nothing, &grey(&[0.0; 3]), 3).unwrap_err().to_string();
+        let other = calibrate(&nothing, &nothing, &gray(&[0.0; 3]), 3).unwrap_err().to_string();
         assert!(other.contains("4 x 1") && other.contains("3 x 1"), "{other}");
     }
 }

@@ -16,7 +16,7 @@ fn dark() -> Illumination {
     illumination([2, 1], |_, _| Vec3::ZERO)
 }
 
-fn grey(albedo: f32) -> GgxParameters {
+fn gray(albedo: f32) -> GgxParameters {
     GgxParameters { base_color: Vec3::splat(albedo), ..white() }
 }
 
@@ -32,7 +32,7 @@ fn only(components: &str, bounces: u32, spp: u32) -> PathSettings {
 #[test]
 fn bounces_in_a_closed_sphere_follow_the_geometric_series() {
     let albedo = 0.6_f32;
-    let renderer = Renderer::new(dataset(sphere(24), grey(albedo)));
+    let renderer = Renderer::new(dataset(sphere(24), gray(albedo)));
     let lamp = [light(Emission::Point, Vec3::ZERO, Vec3::ZERO, PI)];
     let view = view(Vec3::new(0.1, 0.0, 0.0), Vec3::X, 60.0, 12);
     let indirect =
@@ -65,7 +65,7 @@ fn walls_that_absorb_nothing_end_and_stay_finite() {
 #[test]
 fn one_bounce_from_a_wall_is_its_form_factor() {
     let albedo = 0.8;
-    let renderer = Renderer::new(dataset(plates(), grey(albedo)));
+    let renderer = Renderer::new(dataset(plates(), gray(albedo)));
     let along = [light(Emission::PARALLEL, Vec3::new(1.0, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.0), 2.0)];
     let view = view(Vec3::new(1.0, 3.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 25.0, 12);
     let picture = renderer.path_reference(&view, &dark(), &along, only("indirect", 1, 1024), &Quiet);
@@ -93,9 +93,9 @@ fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
     let mut mesh = plates();
     let half = mesh.triangles.len() / 2;
     mesh.triangle_material[half..].fill(1);
-    let mut dataset = dataset(mesh, grey(albedo));
+    let mut dataset = dataset(mesh, gray(albedo));
     let mut lamp = dataset.scene.materials[0].clone();
-    lamp.parameters = grey(0.0).into();
+    lamp.parameters = gray(0.0).into();
     lamp.parameters.set("emission_luminance", shines);
     dataset.scene.materials.push(lamp);
     let renderer = Renderer::new(dataset);
@@ -122,7 +122,7 @@ fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
 
 #[test]
 fn a_wall_that_is_assigned_a_material_that_shines_lights_as_one_of_the_mesh() {
-    let mut own = dataset(plates(), grey(0.8));
+    let mut own = dataset(plates(), gray(0.8));
     let mut lamp = own.scene.materials[0].clone();
     lamp.parameters.set("emission_luminance", 3.0);
     own.scene.materials.push(lamp);
@@ -143,7 +143,7 @@ fn a_wall_that_is_assigned_a_material_that_shines_lights_as_one_of_the_mesh() {
 
 #[test]
 fn components_sum_to_the_whole() {
-    let mut dataset = dataset(plates(), GgxParameters { roughness: 0.4, ..grey(0.7) });
+    let mut dataset = dataset(plates(), GgxParameters { roughness: 0.4, ..gray(0.7) });
     dataset.scene.materials[0].model = BrdfModel::Ggx;
     let renderer = Renderer::new(dataset);
     let sky = illumination([16, 8], |x, y| Vec3::new(0.3, 0.1, if (x, y) == (4, 2) { 9.0 } else { 0.1 }));
@@ -193,7 +193,7 @@ fn rectangles_in_highlights_are_integrated_exactly() {
 
 #[test]
 fn one_of_many_lights_at_a_time_gives_the_mean_of_all() {
-    let renderer = Renderer::new(dataset(plates(), grey(0.8)));
+    let renderer = Renderer::new(dataset(plates(), gray(0.8)));
     let mut rng = fastrand::Rng::with_seed(3);
     let mut lamps = Vec::new();
     for _ in 0..50 {
@@ -213,7 +213,7 @@ fn one_of_many_lights_at_a_time_gives_the_mean_of_all() {
 /// find its share of the pixels, and pictures of other first paths say how well.
 #[test]
 fn shifted_places_see_whole_pixels_and_their_misses_are_noise() {
-    let renderer = Renderer::new(dataset(plates(), grey(0.5)));
+    let renderer = Renderer::new(dataset(plates(), gray(0.5)));
     let sun = [light(Emission::PARALLEL, Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 0.0, 0.0), 2.0)];
     let view = view(Vec3::new(1.0, 40.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 5.0, 12);
     let trace = |positions, spp, first_pass, aa| {

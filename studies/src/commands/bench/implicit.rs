@@ -64,22 +64,22 @@ pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: &JsonArg
 struct Posed<'a> {
     positions: &'a [Vec3],
     forest: SurfelForest,
-    grey: Vec<Vec3>,
+    gray: Vec<Vec3>,
 }
 
 impl<'a> Posed<'a> {
     fn new(dataset: &'a Dataset, surfels: u32) -> Self {
         let mesh = &dataset.scene.mesh;
         let forest = SurfelForest::new(mesh, &dataset.two_sided, surfels);
-        Self { positions: &mesh.positions, grey: vec![Vec3::splat(0.5); forest.riders().len()], forest }
+        Self { positions: &mesh.positions, gray: vec![Vec3::splat(0.5); forest.riders().len()], forest }
     }
 
     fn run(&self, adapter: String, times: &[Times]) -> Run {
-        Run { adapter, surfels: self.grey.len(), milliseconds: medians(times) }
+        Run { adapter, surfels: self.gray.len(), milliseconds: medians(times) }
     }
 
     fn lighting(&self) -> Lighting<'_> {
-        Lighting { reflectance: &self.grey, emitted: &self.grey, received: &self.grey, sky: &|_| Vec3::ONE }
+        Lighting { reflectance: &self.gray, emitted: &self.gray, received: &self.gray, sky: &|_| Vec3::ONE }
     }
 
     /// Frames after one to warm up.
@@ -94,7 +94,7 @@ impl<'a> Posed<'a> {
         let (walk, views): (_, Views) = timed(|| Bins::walk(discs, BinLayout::FINEST, &|_| true).views());
         let (light, _) = timed(|| LeafLight::new(discs, &views, &self.lighting(), BOUNCES));
         // Once for what emits, and once a bounce.
-        let sent = vec![Vec3A::ONE; self.grey.len()];
+        let sent = vec![Vec3A::ONE; self.gray.len()];
         let pull = timed(|| discs.pull(&sent)).0 * (1 + BOUNCES);
         steps([update, walk, pull, light.saturating_sub(pull)], update + walk + light)
     }

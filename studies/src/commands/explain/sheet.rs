@@ -50,8 +50,8 @@ mod tests {
 
     #[test]
     fn steps_without_a_change_are_black_and_all_have_one_range() {
-        let grey = |value: f32| Image::filled([120, 90], Vec3::splat(value));
-        let sheet = sheet(&[&grey(1.2), &grey(1.2), &grey(1.1), &grey(1.0)]).unwrap();
+        let gray = |value: f32| Image::filled([120, 90], Vec3::splat(value));
+        let sheet = sheet(&[&gray(1.2), &gray(1.2), &gray(1.1), &gray(1.0)]).unwrap();
         let column = |i: u32| (i * (240 + GAP) + 7) as usize;
         let below = |i| sheet.at(column(i), 180 + GAP as usize + 7);
         assert!(below(0).max_element() < 0.01, "nothing changes");

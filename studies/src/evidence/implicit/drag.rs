@@ -122,9 +122,9 @@ mod tests {
 
     #[test]
     fn a_preview_is_told_from_a_picture_as_baked() {
-        let grey = |value: f32| Image::filled([4, 4], Vec3::splat(value));
-        let paths = LightPaths { image: grey(1.0), noise: 0.0 };
-        let step = Step::new(0.1, &paths, &grey(1.02), &grey(1.5)).unwrap();
+        let gray = |value: f32| Image::filled([4, 4], Vec3::splat(value));
+        let paths = LightPaths { image: gray(1.0), noise: 0.0 };
+        let step = Step::new(0.1, &paths, &gray(1.02), &gray(1.5)).unwrap();
         assert!((step.preview - 0.02).abs() < 1e-3 && (step.preview_energy - 1.02).abs() < 1e-3);
         assert!((step.as_baked - 0.5).abs() < 1e-3, "negative control");
     }

@@ -142,10 +142,10 @@ fn ms_since(begin: Instant) -> f64 {
 /// Light of the sky on half gray surfaces, and its first bounce.
 fn one_bounce(forest: &VertexForest, links: &Links) {
     let discs = &forest.discs;
-    let grey = |light: Vec<Vec3>| -> Vec<Vec3A> { light.into_iter().map(|e| (0.5 * e).into()).collect() };
+    let gray = |light: Vec<Vec3>| -> Vec<Vec3A> { light.into_iter().map(|e| (0.5 * e).into()).collect() };
     let gather = |sent: &[Vec3A]| links.irradiance(discs, &discs.pull(sent), &|_| Vec3::ONE);
     let direct = gather(&vec![Vec3A::ZERO; discs.discs().len()]);
-    gather(&grey(direct));
+    gather(&gray(direct));
 }
 
 impl Row {

@@ -34,8 +34,8 @@ fn a_white_ball_in_a_white_furnace_cannot_be_told_from_it() {
     for (radiance, _) in pixels.iter().filter(|p| p.1 == 1.0) {
         assert!((radiance - 1.0).abs().max_element() < 0.03, "{radiance}");
     }
-    let grey = ball(lambert(Vec3::splat(0.9)), |_| Vec3::ONE).render(16);
-    assert!((mean(&grey).x - 1.0).abs() > 0.05, "negative control: nine tenths are not all");
+    let gray = ball(lambert(Vec3::splat(0.9)), |_| Vec3::ONE).render(16);
+    assert!((mean(&gray).x - 1.0).abs() > 0.05, "negative control: nine tenths are not all");
 }
 
 #[test]
