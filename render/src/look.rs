@@ -21,7 +21,7 @@ pub struct Look {
     /// Materials and textures.
     pub appearance: Appearance,
     /// The environment with rotation and intensity; its map is compared by address.
-    pub light: Illumination,
+    pub illumination: Illumination,
     /// Local lights.
     pub lights: Arc<[Light]>,
     /// Which parts of the light are in the picture.
@@ -44,7 +44,7 @@ pub struct Look {
 impl Look {
     /// Whether the ground, if there is one, catches shadows over what is behind it.
     pub fn catches_shadows(&self) -> bool {
-        let Illumination { environment, intensity, .. } = &self.light;
+        let Illumination { environment, intensity, .. } = &self.illumination;
         caught_per_radiance(&self.view, environment, *intensity, self.components.environment).is_some()
     }
 
@@ -62,11 +62,11 @@ impl Look {
     }
 
     /// A scene as it was baked, under an environment alone, with an illumination cut of 256 nodes.
-    pub fn under_environment(scene: &Scene, view: View, light: Illumination) -> Self {
+    pub fn under_environment(scene: &Scene, view: View, illumination: Illumination) -> Self {
         Self {
             poses: Poses::default(),
             appearance: Appearance::of(scene),
-            light,
+            illumination,
             lights: Arc::default(),
             components: Components { environment: true, ..Components::NONE },
             solution: Solution::default(),
@@ -104,12 +104,24 @@ impl Redo {
     /// What a renderer that has shown `old` must redo to show `new`.
     pub fn between(old: &Look, new: &Look) -> Self {
         // All fields by name, so that a new one is not forgotten.
-        let Look { poses, appearance, light, lights, components, solution, illum_cut, tau, sampling, view, post } = old;
+        let Look {
+            poses,
+            appearance,
+            illumination,
+            lights,
+            components,
+            solution,
+            illum_cut,
+            tau,
+            sampling,
+            view,
+            post,
+        } = old;
         let light = Changes {
             poses: *poses != new.poses,
             appearance: !appearance.is_same(&new.appearance),
             // The illumination cut is part of the environment's light, which sources and senders receive by it.
-            environment: !light.is_same(&new.light) || *illum_cut != new.illum_cut,
+            environment: !illumination.is_same(&new.illumination) || *illum_cut != new.illum_cut,
             lights: *lights != new.lights,
             gathering: (*illum_cut, *tau) != (new.illum_cut, new.tau),
         };
@@ -153,7 +165,7 @@ impl Redo {
     /// Whether other suns shine.
     fn shows_other_suns(old: &Look, new: &Look, changes: Changes) -> bool {
         let may_differ = changes.environment || old.components.environment != new.components.environment;
-        let shown = |look: &Look| if look.components.environment { look.light.suns() } else { Vec::new() };
+        let shown = |look: &Look| if look.components.environment { look.illumination.suns() } else { Vec::new() };
         may_differ && shown(old) != shown(new)
     }
 
@@ -218,8 +230,11 @@ mod tests {
         let lights = Stale { lights: true, ..all(false, true, false) };
         let lit = Changes { lights: true, ..Changes::NONE };
         assert_eq!(redone(|look| look.lights = Arc::default()), changed(lit, lights));
-        assert_eq!(redone(|look| look.light.rotation += 0.1), environment);
-        assert_eq!(redone(|look| look.light.environment = Arc::new((*look.light.environment).clone())), environment);
+        assert_eq!(redone(|look| look.illumination.rotation += 0.1), environment);
+        assert_eq!(
+            redone(|look| look.illumination.environment = Arc::new((*look.illumination.environment).clone())),
+            environment
+        );
         assert_eq!(redone(|look| look.illum_cut = 7), cut);
         assert_eq!(redone(|look| look.tau = 0.5), gathering);
     }
@@ -243,18 +258,18 @@ mod tests {
         let size = [256, 128];
         let sunny = Image::from_fn(size, |x, y| glam::Vec3::splat(if (x, y) == (9, 40) { 1e6 } else { 1.0 }));
         let mut old = look();
-        old.light.environment = Arc::new(Environment::new("sunny".into(), sunny));
-        old.light.sun = Some(Default::default());
+        old.illumination.environment = Arc::new(Environment::new("sunny".into(), sunny));
+        old.illumination.sun = Some(Default::default());
         let lights = |edit: fn(&mut Look)| {
             let mut new = old.clone();
             edit(&mut new);
             Redo::between(&old, &new).pixels.lights
         };
-        assert!(lights(|look| look.light.rotation += 0.1) && lights(|look| look.light.sun = None));
+        assert!(lights(|look| look.illumination.rotation += 0.1) && lights(|look| look.illumination.sun = None));
         assert!(lights(|look| look.components.environment = false));
         assert!(!lights(|look| look.view.camera.eye.x += 1.0) && !lights(|look| look.components.indirect = false));
-        old.light.sun = None;
-        let turned = Look { light: Illumination { rotation: 1.0, ..old.light.clone() }, ..old.clone() };
+        old.illumination.sun = None;
+        let turned = Look { illumination: Illumination { rotation: 1.0, ..old.illumination.clone() }, ..old.clone() };
         assert!(!Redo::between(&old, &turned).pixels.lights, "negative control");
     }
 

@@ -29,7 +29,7 @@ pub fn look() -> Look {
     Look {
         poses: Poses::default(),
         appearance: Appearance { materials: vec![material("gold"), material("wood")], ..Default::default() },
-        light: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0, sun: None },
+        illumination: Illumination { environment: environment.into(), rotation: 0.3, intensity: 1.0, sun: None },
         lights: [light].into(),
         components: Components::ALL,
         solution: Default::default(),
@@ -48,7 +48,7 @@ pub fn plain_look(aa: u32) -> Look {
     Look {
         poses: Poses::default(),
         appearance: Appearance::default(),
-        light: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0, sun: None },
+        illumination: Illumination { environment: environment.into(), rotation: 0.0, intensity: 1.0, sun: None },
         lights: [].into(),
         components: Components::ALL,
         solution: Default::default(),

@@ -51,7 +51,7 @@ impl BouncedLight {
     /// `spp` light paths per pixel that are followed for a number of bounces.
     pub fn light_paths(&self, spp: u32, bounces: u32, progress: &dyn Progress) -> LightPaths {
         let settings = PathSettings { bounces, components: INDIRECT, ..PathSettings::direct(spp) };
-        let Look { view, light, lights, .. } = &self.look;
-        self.renderer.path_picture(view, light, lights, settings, progress).into()
+        let Look { view, illumination, lights, .. } = &self.look;
+        self.renderer.path_picture(view, illumination, lights, settings, progress).into()
     }
 }

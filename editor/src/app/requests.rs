@@ -48,7 +48,7 @@ impl EditorState {
         Some(Look {
             poses: baked.map(|baked| self.pose.poses_since(&self.work, baked)).unwrap_or_default(),
             appearance: Appearance { assigned, ..document.appearance() },
-            light: illumination(document, environment),
+            illumination: illumination(document, environment),
             lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
             components: shown_components(document, baked),
             solution: Solution::closest_to(document.solution, bounces).unwrap_or_default(),

@@ -31,9 +31,9 @@ fn base(baked: &Baked, components: Components) -> Look {
     let camera = Camera::look_at(Vec3::new(1.0, 3.0, 4.0), Vec3::new(-0.5, 0.3, 0.0), 50.0);
     let view = View { aa: AA, ..View::new(camera, [40, 32]) };
     let lights = [point_light(Vec3::new(0.5, 1.2, 0.4), 2.0)].into();
-    let light = illumination([16, 8], |x, _| Vec3::splat(0.05 + 0.02 * x as f32));
+    let illumination = illumination([16, 8], |x, _| Vec3::splat(0.05 + 0.02 * x as f32));
     let appearance = Appearance::of(&baked.dataset.scene);
-    Look { appearance, light, lights, components, view, illum_cut: 64, ..look() }
+    Look { appearance, illumination, lights, components, view, illum_cut: 64, ..look() }
 }
 
 /// A renderer with its scene.
@@ -121,7 +121,7 @@ pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64
                 Box::new(|look| look.appearance.materials[0].parameters.set("base_color", Vec3::new(0.2, 0.9, 0.4))),
                 of(floor, bounce, floor, 0),
             ),
-            ("another sky", Box::new(|look| look.light.rotation += 1.0), of(all, bounce, 0, 0)),
+            ("another sky", Box::new(|look| look.illumination.rotation += 1.0), of(all, bounce, 0, 0)),
             ("a lamp that moves", Box::new(|l| lights(l, &|l| l[0].position.x += 0.2)), of(0, bounce, all, 0)),
             ("a second lamp", Box::new(|look| lights(look, &|l| l.push(lamp()))), of(0, bounce, 0, all)),
             ("that moves", Box::new(|look| lights(look, &|l| l[1].position.y += 0.5)), of(0, bounce, 0, all)),
@@ -167,7 +167,7 @@ pub fn unfinished_pictures_go_on<B: Backend>(make: impl Fn() -> B) {
     let edits: [fn(&mut Look); 5] = [
         |look| look.appearance.materials[0].parameters.set("base_color", Vec3::X),
         |look| look.lights = look.lights.iter().cloned().chain([point_light(Vec3::Y, 1.0)]).collect(),
-        |look| look.light.rotation += 0.5,
+        |look| look.illumination.rotation += 0.5,
         |look| look.appearance.materials[2].parameters.set("base_color", Vec3::Y),
         |look| look.lights = look.lights.iter().cloned().chain([point_light(Vec3::splat(0.7), 1.0)]).collect(),
     ];

@@ -61,11 +61,11 @@ impl<B: Backend + ?Sized> LitScene<B> {
             situation.lights = look.lights.clone();
         }
         if changes.environment || changes.gathering {
-            let lighting = self.environment_rig.lighting(&look.light, look.illum_cut).with_tau(look.tau);
+            let lighting = self.environment_rig.lighting(&look.illumination, look.illum_cut).with_tau(look.tau);
             situation.environment = Some(lighting.into());
             situation.gathering = Gathering { illum_cut: look.illum_cut, tau: look.tau };
             // Suns belong to an environment whose visibility was baked.
-            let suns = if dataset.settings.mode.environment() { look.light.suns() } else { Vec::new() };
+            let suns = if dataset.settings.mode.environment() { look.illumination.suns() } else { Vec::new() };
             situation.suns = suns.into();
             self.light_revision += 1;
         }
@@ -98,7 +98,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             Some(rig) => lighting.with_replaced_cuts(rig.lit(&self.situation).moved_vertices()).into(),
             None => lighting,
         };
-        let remarks = self.backend.set_light(&look.light, &lighting)?;
+        let remarks = self.backend.set_light(&look.illumination, &lighting)?;
         self.remarks.replace(1, remarks);
         Ok(())
     }

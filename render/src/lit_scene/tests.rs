@@ -27,7 +27,7 @@ fn pictures_do_not_depend_on_those_before_them() {
     let mut looks = vec![base(); 8];
     // Darker: the brightest pixels are clipped.
     looks[1].post.exposure = -3.0;
-    looks[2].light.intensity = 3.0;
+    looks[2].illumination.intensity = 3.0;
     looks[3].lights = [].into();
     looks[4].components.environment = false;
     looks[5].appearance.materials[0].parameters.set("roughness", 0.1);
@@ -62,12 +62,12 @@ fn the_environment_is_lit_again_only_when_it_is_another_or_forgotten() {
         scene.light_revision()
     };
     let moved = Look { lights: Arc::default(), ..base() };
-    let environment = base().light;
-    let at = |look: Look| Look { light: environment.clone(), ..look };
+    let environment = base().illumination;
+    let at = |look: Look| Look { illumination: environment.clone(), ..look };
     assert_eq!(revision(&mut scene, &at(base())), 1);
     assert_eq!(revision(&mut scene, &at(moved.clone())), 1);
     let mut turned = at(moved);
-    turned.light.rotation += 0.1;
+    turned.illumination.rotation += 0.1;
     assert_eq!(revision(&mut scene, &turned), 2);
     scene.forget_light();
     assert_eq!(revision(&mut scene, &turned), 3);
@@ -82,7 +82,8 @@ fn bounced_light_of_the_environment_has_the_illumination_cut_of_now() {
         let components = Components { indirect: true, ..Components::NONE };
         let appearance = Appearance::of(&baked.dataset.scene);
         let view = View { aa: 1, ..from_above(8) };
-        let look = Look { appearance, light: light.clone(), components, view, illum_cut, lights: [].into(), ..look() };
+        let look =
+            Look { appearance, illumination: light.clone(), components, view, illum_cut, lights: [].into(), ..look() };
         [Solution::Meshless, Solution::CutsMeshless].map(|solution| {
             let look = Look { solution, ..look.clone() };
             scene.show_whole(&look).unwrap().image
@@ -122,7 +123,7 @@ fn a_look_from_another_camera_has_the_detail_of_the_last_picture() {
     let error = |image: &Image| rel_rmse(image, &full);
     let (after, alone) = (sketched_after(&[&look], &moved), sketched_after(&[], &moved));
     assert!(error(&after) < 0.7 * error(&alone), "{} {}", error(&after), error(&alone));
-    let turned = Look { light: Illumination { rotation: 0.5, ..look.light.clone() }, ..look.clone() };
+    let turned = Look { illumination: Illumination { rotation: 0.5, ..look.illumination.clone() }, ..look.clone() };
     let mut rough = look.clone();
     rough.appearance.materials[0].parameters.set("roughness", 0.3);
     for other in [turned, rough] {

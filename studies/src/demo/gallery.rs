@@ -46,7 +46,7 @@ pub fn take<'a>(
     let hero = hero(still_life);
     let usual = Look { view: View { aa: 2, ..still_life.look("main", "sun-and-sky", SIZE).view }, ..hero.clone() };
     let under = |still_life: &StillLife, environment: &str| Look {
-        light: still_life.look("main", environment, SIZE).light,
+        illumination: still_life.look("main", environment, SIZE).illumination,
         ..usual.clone()
     };
     let mut take = |still_life: &mut StillLife, name: &str, title: &str, look: Look| {
@@ -68,7 +68,7 @@ pub fn take<'a>(
             .into_iter()
             .map(|degrees| {
                 let mut look = under(still_life, "sun-and-sky");
-                look.light.rotation = degrees.to_radians();
+                look.illumination.rotation = degrees.to_radians();
                 take(still_life, &format!("rotation-{degrees}"), &format!("turned by {degrees}°"), look)
             })
             .collect::<Result<_>>()?,

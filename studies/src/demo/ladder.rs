@@ -130,7 +130,8 @@ fn close_up(still_life: &mut StillLife, steps: &Steps) -> Result<Detail> {
     let progress = steps.progress("reference", "passes");
     let start = Instant::now();
     let renderer = still_life.renderer(&look);
-    let truth = renderer.path_reference(&look.view, &look.light, &[], PathSettings::direct(PATH_SAMPLES), &progress);
+    let truth =
+        renderer.path_reference(&look.view, &look.illumination, &[], PathSettings::direct(PATH_SAMPLES), &progress);
     progress.finish();
     steps.check()?;
     let seconds = start.elapsed().as_secs_f64();

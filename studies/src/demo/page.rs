@@ -36,7 +36,7 @@ fn figure(class: &str, picture: &Picture, caption: Markup) -> Markup {
 fn hero(report: &Report) -> Markup {
     let picture = &report.gallery.hero;
     let caption = html! {
-        "Lit by the whole environment “" (picture.look.light.environment.name) "” through lit cuts, in "
+        "Lit by the whole environment “" (picture.look.illumination.environment.name) "” through lit cuts, in "
         (seconds(picture.seconds)) " on the CPU with " (picture.look.view.aa)
         " samples per pixel. No pixel is noisy: which lights each vertex sees was found once, in the bake."
     };
@@ -194,7 +194,7 @@ fn error_row(rungs: &[Rung]) -> Markup {
 
 fn gallery(report: &Report) -> Markup {
     let gallery = &report.gallery;
-    let turned = capitalized(&gallery.rotations[0].look.light.environment.name.replace('-', " "));
+    let turned = capitalized(&gallery.rotations[0].look.illumination.environment.name.replace('-', " "));
     let environments = html! {
         p {
             "The bake knows nothing of light: a new environment only needs a new illumination cut, whose making is part of the \

@@ -85,7 +85,7 @@ impl Measurement<'_> {
         let posed = baked.posed(&look.poses).context("the object cannot be posed so")?;
         let settings = PathSettings { bounces, components: look.components, ..PathSettings::direct(spp) };
         let renderer = Look { poses: Poses::default(), ..look.clone() }.renderer(&posed);
-        let picture = renderer.path_picture(&look.view, &look.light, &look.lights, settings, &progress);
+        let picture = renderer.path_picture(&look.view, &look.illumination, &look.lights, settings, &progress);
         progress.finish();
         self.steps.check()?;
         Ok(picture)

@@ -140,7 +140,7 @@ impl Sweeper<'_> {
         let renderer = Renderer::new(bakes.mixed().clone());
         let progress = steps.progress("light paths", "passes");
         let settings = PathSettings::direct(scale.spp);
-        let paths = renderer.path_picture(&look.view, &look.light, &[], settings, &progress);
+        let paths = renderer.path_picture(&look.view, &look.illumination, &[], settings, &progress);
         let paths = LightPaths::from(paths);
         progress.finish();
         steps.check()?;

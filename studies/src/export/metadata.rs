@@ -17,7 +17,7 @@ pub const SOFTWARE: &str = concat!("Lapidary ", env!("CARGO_PKG_VERSION"));
 pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
     let camera = &look.view.camera;
     let lights: Vec<_> = look.lights.iter().filter(|light| light.shines()).collect();
-    let environment = &look.light.environment;
+    let environment = &look.illumination.environment;
     let Value::Object(mut settings) = json!({
         "scene_hash": dataset.scene_hash,
         "bake": dataset.settings,
@@ -27,8 +27,8 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
         "camera.up": camera.up.to_array().map(number),
         "camera.fov_degrees": number(camera.fov_y.to_degrees()),
         "environment": environment.name,
-        "environment.rotation_degrees": number(look.light.rotation.to_degrees()),
-        "environment.intensity": number(look.light.intensity),
+        "environment.rotation_degrees": number(look.illumination.rotation.to_degrees()),
+        "environment.intensity": number(look.illumination.intensity),
         "lights": lights,
         "materials": look.appearance.materials,
         "components": look.components.to_string(),

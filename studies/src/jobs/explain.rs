@@ -30,7 +30,7 @@ impl ExplainedPicture {
     fn explain(&self, pixel: [u32; 2]) -> Result<ExplainedPixel> {
         let (renderer, light) = (self.look.renderer(&self.baked), self.gathered.light());
         let mut explanation = renderer.explain(&self.look.view, pixel, light, self.look.sampling)?;
-        renderer.explain_suns(&mut explanation, &self.look.light);
+        renderer.explain_suns(&mut explanation, &self.look.illumination);
         let map = renderer.cut_map(&explanation, light, MAP_WIDTH).into();
         Ok(ExplainedPixel { explanation, map })
     }
@@ -44,7 +44,7 @@ impl ExplainedPicture {
             region,
             light: self.gathered.light(),
             sampling: self.look.sampling,
-            illumination: &self.look.light,
+            illumination: &self.look.illumination,
             lights: &self.look.lights,
             spp: SPLIT_SPP,
             trace_vertex: Some(&trace),

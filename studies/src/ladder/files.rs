@@ -90,7 +90,7 @@ impl Summary {
         let [png, exr] = files(prefix, "reference");
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            environment: look.light.environment.name.clone(),
+            environment: look.illumination.environment.name.clone(),
             size: look.view.size,
             aa: look.view.aa,
             renderer: renderer.unwrap_or_default(),

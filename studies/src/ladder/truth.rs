@@ -45,7 +45,7 @@ pub fn every_sample(baked: &Baked, look: &Look, renderer: &Renderer, progress: &
     let mut bounced = components.indirect.then(|| Bounced::new(baked, look)).transpose()?;
     let base = bounced.as_mut().map(Bounced::of_basis).transpose()?.flatten();
     let light = SampledLight {
-        environment: components.environment.then_some(&look.light),
+        environment: components.environment.then_some(&look.illumination),
         lights: if components.direct { &look.lights } else { &[] },
         emission: components.direct,
         sources: bounced.as_ref().and_then(|bounced| bounced.scene.local()?.sources().map(|lighting| &**lighting)),

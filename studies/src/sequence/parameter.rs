@@ -180,8 +180,8 @@ impl Parameter {
 
     fn set_of_picture(self, look: &mut Look, number: f32, vector: Vec3) {
         match self {
-            Self::Rotation => look.light.rotation = number.to_radians(),
-            Self::Intensity => look.light.intensity = number,
+            Self::Rotation => look.illumination.rotation = number.to_radians(),
+            Self::Intensity => look.illumination.intensity = number,
             Self::Exposure => look.post.exposure = number,
             Self::IllumCut => look.illum_cut = number as u32,
             Self::LitCuts => look.tau = number,

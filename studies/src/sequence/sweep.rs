@@ -247,8 +247,8 @@ mod tests {
             format!(
                 "{:?} {} {} {:?} {} {} {:?} {:?}",
                 look.appearance.materials,
-                look.light.rotation,
-                look.light.intensity,
+                look.illumination.rotation,
+                look.illumination.intensity,
                 look.post,
                 look.illum_cut,
                 look.tau,

@@ -42,7 +42,7 @@ impl Turn {
             look.view.camera = axis.turned_camera(&look.view.camera);
         }
         if matches!(self, Self::Object | Self::Environment) {
-            look.light.rotation += degrees.to_radians();
+            look.illumination.rotation += degrees.to_radians();
         }
         if matches!(self, Self::Object | Self::Lights) {
             look.lights = look.lights.iter().map(|light| axis.turned_light(light)).collect();
@@ -86,7 +86,7 @@ mod tests {
     /// A direction of the world in the picture, and in the map.
     fn seen(look: &Look, direction: Vec3) -> (Vec3, Vec3) {
         let view = look.view.camera.world_from_view().transpose() * direction;
-        (view, Quat::from_rotation_y(-look.light.rotation) * direction)
+        (view, Quat::from_rotation_y(-look.illumination.rotation) * direction)
     }
 
     #[test]
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn each_turn_moves_its_own_and_a_full_one_comes_back() {
         let before = look();
-        let parts = |look: &Look| (look.view.camera.eye, look.light.rotation, look.lights[0].position);
+        let parts = |look: &Look| (look.view.camera.eye, look.illumination.rotation, look.lights[0].position);
         let moved = |turn| {
             let (eye, rotation, light) = parts(&turned(turn, 90.0));
             let (eye0, rotation0, light0) = parts(&before);

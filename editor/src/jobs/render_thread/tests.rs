@@ -96,7 +96,7 @@ fn an_edit_under_the_same_camera_is_shown_in_full_size_at_once() {
     thread.request(edited.clone());
     complete(&mut thread);
     log.lock().unwrap().begun.clear();
-    edited.look.light.rotation = 1.0;
+    edited.look.illumination.rotation = 1.0;
     thread.request(edited.clone());
     let first = wait_for("a picture", || thread.frames());
     assert!(first.full_size && first.samples == 0, "some lattice");
@@ -204,9 +204,9 @@ fn requests_are_the_same_until_anything_of_them_is_not() {
         |r| r.baked = Some(dataset().into()),
         |r| r.baked = None,
         |r| r.look.appearance.materials.push(Material::default()),
-        |r| r.look.light.environment = Arc::new((*r.look.light.environment).clone()),
-        |r| r.look.light.rotation = 0.1,
-        |r| r.look.light.intensity = 2.0,
+        |r| r.look.illumination.environment = Arc::new((*r.look.illumination.environment).clone()),
+        |r| r.look.illumination.rotation = 0.1,
+        |r| r.look.illumination.intensity = 2.0,
         |r| r.look.illum_cut = 17,
         |r| r.look.sampling = BrdfSampling::Once,
         |r| r.look.view.aa = 2,
@@ -275,7 +275,7 @@ fn an_edit_redoes_only_what_it_changed() {
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).light_revision, 1);
     assert_eq!(counts(&log), (1, 2, 1));
-    edited.look.light.rotation = 1.0;
+    edited.look.illumination.rotation = 1.0;
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).light_revision, 2);
     edited.look.illum_cut = 4;
@@ -346,7 +346,7 @@ fn pictures_are_shown_while_requests_keep_coming() {
     complete(&mut thread);
     let mut shown = 0;
     for i in 0..100 {
-        turned.look.light.rotation = i as f32;
+        turned.look.illumination.rotation = i as f32;
         thread.request(turned.clone());
         std::thread::sleep(Duration::from_millis(4));
         shown += usize::from(thread.frames().is_some());

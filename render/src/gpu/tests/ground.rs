@@ -134,7 +134,7 @@ fn with_an_alpha_channel_a_ground_darkens_what_a_picture_is_laid_over() {
 #[test]
 fn light_of_one_color_gives_an_open_ground_no_coverage() {
     let red = illumination([8, 4], |_, _| Vec3::X);
-    let transparent = Look { light: red, lights: [].into(), ..look(Ground::Shadow, Background::Transparent) };
+    let transparent = Look { illumination: red, lights: [].into(), ..look(Ground::Shadow, Background::Transparent) };
     let counts = shows_ground(transparent.view.size.iter().product::<u32>() as usize);
     for (_, coverage) in pictures(&transparent) {
         let of_ground = || coverage.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(coverage, _)| *coverage);
@@ -232,9 +232,9 @@ fn references_have_the_same_ground() {
     };
     let baked = scene().into();
     let renderer = look.renderer(&baked);
-    let samples = renderer.samples_reference(&look.view, &look.light, &Quiet);
+    let samples = renderer.samples_reference(&look.view, &look.illumination, &Quiet);
     let settings = PathSettings { components: look.components, ..PathSettings::direct(256) };
-    let paths = renderer.path_reference(&look.view, &look.light, &[], settings, &Quiet);
+    let paths = renderer.path_reference(&look.view, &look.illumination, &[], settings, &Quiet);
     let surface = Look { view: View { ground: Ground::On, ..look.view.clone() }, ..look.clone() };
     for ((picture, _), (surface, _)) in pictures(&look).iter().zip(&pictures(&surface)) {
         for (name, reference, most) in [("samples", &samples, 0.03), ("paths", &paths, 0.04)] {

@@ -123,7 +123,7 @@ impl Subject {
 
     fn turn(&mut self) -> Result<Turned> {
         let [light_milliseconds, finished_milliseconds] = medians(self.frames, || {
-            self.look.light.rotation += TURN;
+            self.look.illumination.rotation += TURN;
             turned(&mut self.scene, &self.look)
         })?;
         Ok(Turned { light_milliseconds, finished_milliseconds })
@@ -217,7 +217,7 @@ mod tests {
         }
         assert!(0.0 < turned.light_milliseconds && turned.light_milliseconds < turned.finished_milliseconds);
         assert_eq!(subject.look.view.camera.eye, before);
-        assert!(subject.look.light.rotation > 0.3 + 2.0 * TURN, "three turns");
+        assert!(subject.look.illumination.rotation > 0.3 + 2.0 * TURN, "three turns");
     }
 
     #[test]

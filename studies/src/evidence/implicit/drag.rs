@@ -53,7 +53,7 @@ pub fn record(measurement: &Measurement, case: &Case, dragged: &Dragged, noteboo
         let mut look = measurement.lit_by_lamps(dataset, size);
         look.components = Components { indirect: true, ..Components::NONE };
         // What comes in from afar bounces too.
-        look.light.intensity = 0.0;
+        look.illumination.intensity = 0.0;
         let steps = drag(measurement, dataset.clone().into(), look, Solution::Cuts.bounces(), dragged)?;
         curves.push(Curve { light: "one bounce", steps });
     }

@@ -76,7 +76,7 @@ fn exposure_begins_nothing_anew_and_light_does() {
     let mut other = first.clone();
     other.look.post = Post { exposure: 2.0, ..Post::default() };
     assert!(!thread.request(other.clone()));
-    other.look.light.rotation = 1.0;
+    other.look.illumination.rotation = 1.0;
     assert!(thread.request(other.clone()));
     assert!(thread.request(ComparisonRequest { kind: ReferenceKind::Samples, ..other }));
     thread.stop();

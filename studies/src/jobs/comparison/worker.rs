@@ -191,7 +191,7 @@ impl Worker {
 fn paths(renderer: &Renderer, look: &Look, view: &View, spp: u32, progress: &dyn Progress) -> PathPicture {
     let bounces = if look.components.indirect { look.solution.bounces() } else { 0 };
     let settings = PathSettings { bounces, components: look.components, ..PathSettings::direct(spp) };
-    renderer.path_picture(view, &look.light, &look.lights, settings, progress)
+    renderer.path_picture(view, &look.illumination, &look.lights, settings, progress)
 }
 
 /// What casts rays on a scene, and what that is.
