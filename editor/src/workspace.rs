@@ -11,7 +11,7 @@ mod steps;
 mod tabs;
 
 pub use outputs::{Written, brdf_files, files_in_use};
-pub use scene::{OpenScene, Seen};
+pub use scene::{BakeStage, OpenScene};
 pub use selection::Selection;
 pub use shown_bounds::ShownBounds;
 pub use tabs::{Inspector, Side, Tabs};

@@ -15,7 +15,7 @@ use crate::{
     },
     post::Post,
     sampling::BrdfSampling,
-    stale::{Part, Stale},
+    stale::{LightPart, Stale},
     view::View,
 };
 use lapidary_core::image::Image;
@@ -49,8 +49,8 @@ pub struct ShadedSamples {
 }
 
 impl ShadedSamples {
-    /// Counts by [`Part`].
-    pub(crate) fn of([environment, bounce, direct, added]: [u64; Part::COUNT]) -> Self {
+    /// Counts by [`LightPart`].
+    pub(crate) fn of([environment, bounce, direct, added]: [u64; LightPart::COUNT]) -> Self {
         Self { environment, bounce, direct, added }
     }
 }

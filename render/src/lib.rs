@@ -60,7 +60,7 @@ pub use light::{
     environment::{Distant, Illumination, LightRig, SceneLighting},
     implicit::{
         Sides,
-        detail::Detail,
+        detail::ImplicitDetail,
         seen::{CoreSight, LeafSight},
     },
     local::{LocalLighting, LocalRig},

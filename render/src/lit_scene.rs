@@ -8,7 +8,7 @@ mod posing;
 use crate::{
     Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Posing, Post,
     RenderStats, SceneLighting, Stale, SurfaceLayers, Tier, View,
-    light::{drift::Drift, implicit::detail::Detail, situation::Situation},
+    light::{drift::Drift, implicit::detail::ImplicitDetail, situation::Situation},
 };
 use lapidary_core::{ground::Ground, image::Image};
 use pose_rigs::PoseRigs;
@@ -30,16 +30,16 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     posing: Option<Posing>,
     /// Rigs that light the posed scene.
     pose_rigs: PoseRigs,
-    /// Detail level for posed lighting.
-    detail: Detail,
+    /// How finely posed objects are lit.
+    detail: ImplicitDetail,
     /// The one that a drag has time for.
-    drag_detail: Detail,
+    drag_detail: ImplicitDetail,
     /// Whether the solver of bounced light has more steps to do.
     is_unsolved: bool,
     environment_rig: LightRig,
     local_rig: LocalRig,
     /// What the renderer has; `None` after a failure, so that everything is set again.
-    lit: Option<Lit>,
+    lit: Option<LitLook>,
     /// Number of times that the environment was lit, which tells others that its light is new.
     light_revision: u64,
     /// Whether all samples of the look's picture are rendered.
@@ -57,7 +57,7 @@ pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
 }
 
 /// A look and its light, as the renderer has them.
-struct Lit {
+struct LitLook {
     look: Look,
     local: LocalLighting,
 }
@@ -102,8 +102,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
             is_posed: true,
             posing: None,
             pose_rigs: PoseRigs::default(),
-            detail: Detail::FINEST,
-            drag_detail: Detail::OF_A_DRAG,
+            detail: ImplicitDetail::FINEST,
+            drag_detail: ImplicitDetail::OF_A_DRAG,
             is_unsolved: false,
             environment_rig,
             local_rig,

@@ -7,7 +7,7 @@
 
 /// The parts of a picture's light, each with a sum of its own in every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum LightPart {
     /// Direct light of the environment, the background, and what view modes without light show.
     Environment,
     /// Bounced light.
@@ -18,7 +18,7 @@ pub(crate) enum Part {
     Added,
 }
 
-impl Part {
+impl LightPart {
     /// Number of parts.
     pub const COUNT: usize = 4;
     /// All parts.
@@ -145,11 +145,11 @@ impl Stale {
     }
 
     /// The pixels that lose their samples of a part.
-    pub(crate) fn pixels(&self, part: Part) -> Pixels {
+    pub(crate) fn pixels(&self, part: LightPart) -> Pixels {
         match part {
-            Part::Environment => self.environment,
-            Part::Bounce => self.bounce,
-            Part::Direct | Part::Added => self.direct,
+            LightPart::Environment => self.environment,
+            LightPart::Bounce => self.bounce,
+            LightPart::Direct | LightPart::Added => self.direct,
         }
     }
 }

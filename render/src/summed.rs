@@ -3,7 +3,7 @@
 use crate::{
     light::light_counts::{LightCounts, light_key},
     sampling::BrdfSampling,
-    stale::{Part, Pixels, Stale},
+    stale::{LightPart, Pixels, Stale},
     view::View,
     view_mode::ViewMode,
 };
@@ -49,9 +49,9 @@ impl Summed {
 /// The local lights whose direct light the sums of a picture have.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SummedLights {
-    /// In [`Part::Direct`].
+    /// In [`LightPart::Direct`].
     pub direct: Vec<Light>,
-    /// In [`Part::Added`].
+    /// In [`LightPart::Added`].
     pub added: Vec<Light>,
 }
 
@@ -60,9 +60,9 @@ pub(crate) struct SummedLights {
 pub(crate) enum DirectStep {
     /// Both stay.
     Keep,
-    /// [`Part::Added`] begins anew.
+    /// [`LightPart::Added`] begins anew.
     Add,
-    /// [`Part::Added`] is added to [`Part::Direct`], and then begins anew.
+    /// [`LightPart::Added`] is added to [`LightPart::Direct`], and then begins anew.
     MergeAndAdd,
     /// Both begin anew.
     Anew,
@@ -70,11 +70,11 @@ pub(crate) enum DirectStep {
 
 impl DirectStep {
     /// The pixels that lose their samples of a part by this step and by edits.
-    pub fn forgets(self, stale: &Stale, part: Part) -> Pixels {
+    pub fn forgets(self, stale: &Stale, part: LightPart) -> Pixels {
         let begins_anew = match part {
-            Part::Environment | Part::Bounce => false,
-            Part::Direct => self == Self::Anew,
-            Part::Added => self != Self::Keep,
+            LightPart::Environment | LightPart::Bounce => false,
+            LightPart::Direct => self == Self::Anew,
+            LightPart::Added => self != Self::Keep,
         };
         stale.pixels(part).and(Pixels::all_if(begins_anew))
     }

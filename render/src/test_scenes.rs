@@ -4,7 +4,7 @@ use crate::{
     Appearance, Background, Baked, BrdfSampling, Changes, Components, Illumination, LocalLighting, LocalRig,
     PictureStats, RenderStats, Renderer, SceneLighting, Situation, Solution, Tier, View,
     cpu::picture::Picture,
-    light::situation::Lit,
+    light::situation::Relight,
     measure::compare::compare,
     shade::{
         background::{Backdrop, BlurCache},
@@ -47,7 +47,7 @@ pub(crate) struct Edited<L> {
     pub situation: Situation,
 }
 
-impl<L: Lit> Edited<L> {
+impl<L: Relight> Edited<L> {
     /// A rig of a scene as it was baked, without light.
     pub fn new(baked: &Baked, mut rig: L) -> Self {
         let situation = Situation::unlit(baked);
@@ -88,7 +88,7 @@ impl Edited<LocalRig> {
     }
 }
 
-impl Lit for LocalRig {
+impl Relight for LocalRig {
     fn update(&mut self, _: &Situation, changes: Changes) {
         self.note(changes);
     }

@@ -20,7 +20,7 @@ use crate::{
     scene::{self, SceneContext},
     view::{self, ViewContext},
     viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
-    workspace::{Inspector, Seen, Side, Tabs},
+    workspace::{BakeStage, Inspector, Side, Tabs},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{dataset::BakeParts, lights::Light, material::Material};
@@ -265,7 +265,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     }
     if state.work.scene.rendered().is_none() {
         notice::show(ui, response.rect, state, actions);
-    } else if state.work.scene.seen() == Seen::Unshadowed && state.baking.progress().is_none() {
+    } else if state.work.scene.seen() == BakeStage::Unshadowed && state.baking.progress().is_none() {
         notice::show_below(ui, response.rect, state, actions);
     }
     response

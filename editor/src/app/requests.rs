@@ -6,7 +6,7 @@ use crate::{
     document::{Document, lights::shines},
     jobs::render_thread::RenderRequest,
     viewport::ViewportResponse,
-    workspace::Seen,
+    workspace::BakeStage,
 };
 use egui::Context;
 use lapidary_core::{dataset::BakeParts, environment::Environment};
@@ -20,7 +20,9 @@ impl EditorState {
         // A clip may play for hours.
         self.baking.hold(is_dragging);
         let moving = is_dragging || self.pose.timeline.playing;
-        self.picture.render.set_preview(self.work.scene.seen() == Seen::Unshadowed && self.baking.progress().is_some());
+        self.picture
+            .render
+            .set_preview(self.work.scene.seen() == BakeStage::Unshadowed && self.baking.progress().is_some());
         let Some(look) = self.look(viewport.size_px) else { return };
         let request = RenderRequest {
             baked: self.work.scene.rendered().cloned(),

@@ -1,7 +1,7 @@
 //! The bake at work, and how the last one ended.
 
 use super::panel::{BakeStatus, Draft, line};
-use crate::workspace::Seen;
+use crate::workspace::BakeStage;
 use lapidary_core::{dataset::BakeParts, ground::Ground};
 use lapidary_precompute::{BakeJob, Leftover, Phase, ResolvedBake};
 use lapidary_studies::jobs::{
@@ -118,14 +118,14 @@ impl Baking {
     }
 
     /// A few words, to lie over the picture, about what is seen and what comes.
-    pub fn words(&self, seen: Seen) -> Option<&'static str> {
+    pub fn words(&self, seen: BakeStage) -> Option<&'static str> {
         match (seen, self.run.is_some()) {
-            (Seen::Unshadowed, true) => Some("No shadows yet; baking"),
-            (Seen::Unshadowed, false) => Some("No shadows yet"),
-            (Seen::Draft, true) => Some("Draft; full bake running"),
-            (Seen::Draft, false) => Some("Draft"),
-            (Seen::Whole, true) => Some("Baking"),
-            (Seen::Whole, false) => None,
+            (BakeStage::Unshadowed, true) => Some("No shadows yet; baking"),
+            (BakeStage::Unshadowed, false) => Some("No shadows yet"),
+            (BakeStage::Draft, true) => Some("Draft; full bake running"),
+            (BakeStage::Draft, false) => Some("Draft"),
+            (BakeStage::Whole, true) => Some("Baking"),
+            (BakeStage::Whole, false) => None,
         }
     }
 

@@ -8,7 +8,9 @@ mod worker;
 
 use glam::Vec2;
 use lapidary_core::{dataset::Dataset, image::Image};
-use lapidary_render::{BackendFactory, Baked, Detail, LocalLighting, Look, PictureStats, Redo, SceneLighting, Tier};
+use lapidary_render::{
+    BackendFactory, Baked, ImplicitDetail, LocalLighting, Look, PictureStats, Redo, SceneLighting, Tier,
+};
 use lapidary_studies::jobs::{Wake, spawn};
 use std::{
     sync::{
@@ -67,7 +69,7 @@ pub struct RenderedFrame {
     /// By what its light was found.
     pub tier: Tier,
     /// How finely posed objects are lit, if any are.
-    pub detail: Option<Detail>,
+    pub detail: Option<ImplicitDetail>,
     /// Whether that is the size asked for, and not a reduced one.
     pub full_size: bool,
     /// Samples per pixel so far; 0 while the first one is filled in between the pixels that have it.

@@ -7,7 +7,7 @@ use crate::{
     workspace::Workspace,
 };
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use lapidary_render::{BackendFactory, Detail, Tier};
+use lapidary_render::{BackendFactory, ImplicitDetail, Tier};
 use lapidary_studies::jobs::Wake;
 use std::{
     path::PathBuf,
@@ -130,7 +130,7 @@ impl Picture {
 }
 
 /// By what the light of a picture was found, and how finely that of posed objects.
-type Means = (Tier, Option<Detail>);
+type Means = (Tier, Option<ImplicitDetail>);
 
 /// Whether a picture goes over into the next. It does not where the next is coarser: then something has just begun to move.
 fn fades(shown: Means, next: Means) -> bool {
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn a_picture_goes_over_into_one_of_other_means_or_a_finer_one() {
         let posed = |detail| (Tier::Implicit, Some(detail));
-        let ([coarsest, .., finest], cuts) = (Detail::LADDER.map(posed), (Tier::Cuts, None));
+        let ([coarsest, .., finest], cuts) = (ImplicitDetail::LADDER.map(posed), (Tier::Cuts, None));
         assert!(fades(cuts, coarsest) && fades(finest, cuts) && fades(coarsest, finest));
         assert!(!fades(finest, coarsest), "something begins to move");
         assert!(!fades(cuts, cuts) && !fades(finest, finest), "more samples of the same");

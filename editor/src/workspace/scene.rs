@@ -35,7 +35,7 @@ pub struct OpenScene {
 
 /// What the picture is rendered by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Seen {
+pub enum BakeStage {
     /// The scene without shadows.
     Unshadowed,
     /// A draft of a bake.
@@ -68,11 +68,11 @@ impl OpenScene {
     }
 
     /// What the picture is rendered by.
-    pub fn seen(&self) -> Seen {
+    pub fn seen(&self) -> BakeStage {
         match self.shown() {
-            None => Seen::Unshadowed,
-            Some(_) if self.is_draft => Seen::Draft,
-            Some(_) => Seen::Whole,
+            None => BakeStage::Unshadowed,
+            Some(_) if self.is_draft => BakeStage::Draft,
+            Some(_) => BakeStage::Whole,
         }
     }
 

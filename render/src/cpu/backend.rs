@@ -22,7 +22,7 @@ use crate::{
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
     },
-    stale::{Part, Stale},
+    stale::{LightPart, Stale},
     summed::{DirectStep, Summed, SummedLights},
     view::View,
 };
@@ -74,7 +74,7 @@ impl Begun {
         if step == DirectStep::MergeAndAdd {
             picture.merge_added();
         }
-        Part::ALL.into_iter().for_each(|part| picture.forget(part, step.forgets(stale, part)));
+        LightPart::ALL.into_iter().for_each(|part| picture.forget(part, step.forgets(stale, part)));
     }
 }
 

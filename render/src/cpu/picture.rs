@@ -15,7 +15,7 @@ use crate::{
         surface::FirstHit,
         wireframe,
     },
-    stale::{Marks, Part, Pixels},
+    stale::{LightPart, Marks, Pixels},
     view::{Background, View},
     view_mode::ViewMode,
 };
@@ -56,10 +56,10 @@ pub(super) struct Sum {
 pub(crate) struct Picture {
     size: [u32; 2],
     seen: Vec<Seen>,
-    /// By [`Part`]; empty where the light has no such part.
-    parts: [Vec<Sum>; Part::COUNT],
+    /// By [`LightPart`]; empty where the light has no such part.
+    parts: [Vec<Sum>; LightPart::COUNT],
     /// Samples of surfaces that were shaded, by part, since the picture was begun or resumed.
-    shaded: [u64; Part::COUNT],
+    shaded: [u64; LightPart::COUNT],
     /// Stand-ins for pixels that lack their first sample; empty but for a sketch.
     filled: Filled,
 }
@@ -68,14 +68,14 @@ pub(crate) struct Picture {
 pub(super) struct FirstSample {
     pixel: [u32; 2],
     seen: Option<Seen>,
-    /// By [`Part`].
-    sums: [Option<Sum>; Part::COUNT],
+    /// By [`LightPart`].
+    sums: [Option<Sum>; LightPart::COUNT],
     shows_surface: bool,
 }
 
 impl Picture {
     /// Without samples, of a light with these parts. The room of a former picture is used again.
-    pub fn new(size: [u32; 2], parts: [bool; Part::COUNT], former: Option<Self>) -> Self {
+    pub fn new(size: [u32; 2], parts: [bool; LightPart::COUNT], former: Option<Self>) -> Self {
         let mut picture = former.unwrap_or_default();
         picture.size = size;
         picture.seen.clear();
@@ -86,19 +86,19 @@ impl Picture {
     }
 
     /// Makes room for the parts of a light, drops the others, and begins to count.
-    pub fn resume(&mut self, parts: [bool; Part::COUNT]) {
+    pub fn resume(&mut self, parts: [bool; LightPart::COUNT]) {
         for (sums, shown) in self.parts.iter_mut().zip(parts) {
             sums.resize(if shown { self.seen.len() } else { 0 }, Sum::default());
             if !shown {
                 sums.shrink_to_fit();
             }
         }
-        self.shaded = [0; Part::COUNT];
+        self.shaded = [0; LightPart::COUNT];
         self.filled.values.iter_mut().for_each(Vec::clear);
     }
 
     /// Drops the samples of a part in some pixels.
-    pub fn forget(&mut self, part: Part, pixels: Pixels) {
+    pub fn forget(&mut self, part: LightPart, pixels: Pixels) {
         let sums = &mut self.parts[part as usize];
         match pixels {
             Pixels::Nothing => {}
@@ -132,7 +132,7 @@ impl Picture {
     ) {
         let add_row = |painter: &mut Painter<'a>, row: Row| row.add(sampler, painter, patches, sample);
         let shaded = self.rows(rows).into_par_iter().map_init(painter, add_row);
-        let sum = |a: [u64; Part::COUNT], b: [u64; Part::COUNT]| std::array::from_fn(|i| a[i] + b[i]);
+        let sum = |a: [u64; LightPart::COUNT], b: [u64; LightPart::COUNT]| std::array::from_fn(|i| a[i] + b[i]);
         let shaded = shaded.reduce(Default::default, sum);
         self.shaded = sum(self.shaded, shaded);
     }
@@ -158,26 +158,26 @@ impl Picture {
     }
 
     /// Whether the light has a part.
-    pub(super) fn has_part(&self, part: Part) -> bool {
+    pub(super) fn has_part(&self, part: LightPart) -> bool {
         !self.parts[part as usize].is_empty()
     }
 
     /// Which parts of a pixel's light lack their first sample.
-    pub(super) fn lacks(&self, x: u32, y: u32) -> [bool; Part::COUNT] {
+    pub(super) fn lacks(&self, x: u32, y: u32) -> [bool; LightPart::COUNT] {
         let pixel = self.index(x, y);
-        Part::ALL.map(|part| self.lacks_part(part, pixel))
+        LightPart::ALL.map(|part| self.lacks_part(part, pixel))
     }
 
-    fn lacks_part(&self, part: Part, pixel: usize) -> bool {
+    fn lacks_part(&self, part: LightPart, pixel: usize) -> bool {
         self.parts[part as usize].get(pixel).is_some_and(|sum| sum.samples == 0)
     }
 
     fn lacks_any(&self, pixel: usize) -> bool {
-        Part::ALL.into_iter().any(|part| self.lacks_part(part, pixel))
+        LightPart::ALL.into_iter().any(|part| self.lacks_part(part, pixel))
     }
 
     /// The mean of a part over a pixel's samples; `None` without one, and beyond the picture.
-    pub(super) fn value(&self, part: Part, x: u32, y: u32) -> Option<Vec3> {
+    pub(super) fn value(&self, part: LightPart, x: u32, y: u32) -> Option<Vec3> {
         if x >= self.size[0] || y >= self.size[1] {
             return None;
         }
@@ -192,11 +192,11 @@ impl Picture {
     }
 
     /// What a pixel shows of a part: the mean over its samples, or what stands in for it.
-    pub(super) fn shown(&self, part: Part, x: u32, y: u32) -> Vec3 {
+    pub(super) fn shown(&self, part: LightPart, x: u32, y: u32) -> Vec3 {
         self.shown_at(part, self.index(x, y))
     }
 
-    fn shown_at(&self, part: Part, pixel: usize) -> Vec3 {
+    fn shown_at(&self, part: LightPart, pixel: usize) -> Vec3 {
         match self.parts[part as usize].get(pixel) {
             None => Vec3::ZERO,
             Some(sum) if sum.samples > 0 => sum.value / sum.samples as f32,
@@ -238,7 +238,7 @@ impl Picture {
 
     /// Whether something stands in for all pixels that lack their first sample.
     pub(super) fn is_filled(&self) -> bool {
-        !self.filled.values[Part::Environment as usize].is_empty()
+        !self.filled.values[LightPart::Environment as usize].is_empty()
     }
 
     /// Whether something stands in for a pixel's light.
@@ -248,7 +248,7 @@ impl Picture {
 
     /// All parts of what a pixel shows, and its coverage.
     fn stand_in(&self, pixel: usize) -> (Vec3, f32) {
-        let shown = Part::ALL.into_iter().map(|part| self.shown_at(part, pixel)).sum::<Vec3>();
+        let shown = LightPart::ALL.into_iter().map(|part| self.shown_at(part, pixel)).sum::<Vec3>();
         match self.filled.through.get(pixel) {
             Some(true) => (Vec3::ZERO, (1.0 - shown.x).max(0.0)),
             _ => (shown, 1.0),
@@ -324,7 +324,7 @@ impl Picture {
 impl Sum {
     fn add(
         &mut self,
-        part: Part,
+        part: LightPart,
         (sampler, painter): (&PixelSampler, &mut Painter),
         sight: &Sight,
         (shift, seen_lights): (Vec2, SeenOfParts),
@@ -332,7 +332,7 @@ impl Sum {
         self.samples += 1;
         match &sight.seen {
             // The other modes show surfaces only: an environment is no count.
-            FirstHit::Background if part == Part::Environment && sampler.view.mode == ViewMode::Shaded => {
+            FirstHit::Background if part == LightPart::Environment && sampler.view.mode == ViewMode::Shaded => {
                 self.value += sampler.behind(sight.direction)
             }
             FirstHit::Background | FirstHit::Back => {}
@@ -368,7 +368,7 @@ impl FirstSample {
             seen.add(sampler, sight.position, &sight.seen, patches);
             seen
         });
-        let sums = Part::ALL.map(|part| {
+        let sums = LightPart::ALL.map(|part| {
             lacks[part as usize].then(|| {
                 let mut sum = Sum::default();
                 sum.add(part, (sampler, &mut *painter), sight, (pixel_shift(x, y, 0), seen_lights));
@@ -383,7 +383,7 @@ impl FirstSample {
 pub(super) fn lights_seen(
     painter: &Painter,
     sights: &[Sight],
-    lacks: impl Fn(usize) -> [bool; Part::COUNT],
+    lacks: impl Fn(usize) -> [bool; LightPart::COUNT],
 ) -> [SeenOfParts; 8] {
     painter.lights_seen(&std::array::from_fn(|i| sights.get(i).and_then(Sight::surface)), lacks)
 }

@@ -12,7 +12,7 @@ use crate::{
         layout::{LocalLight, ShadowView, constants},
         storage,
     },
-    stale::Part,
+    stale::LightPart,
     summed::SummedLights,
 };
 use glam::Vec3;
@@ -23,7 +23,7 @@ const LARGEST: u32 = 4096;
 
 /// The local lights that shine, and their shadow maps.
 pub struct DirectLights {
-    /// The first of them are summed by themselves, in [`Part::Direct`]; those behind them in [`Part::Added`].
+    /// The first of them are summed by themselves, in [`LightPart::Direct`]; those behind them in [`LightPart::Added`].
     lights: Vec<Light>,
     first: usize,
     radius: f32,
@@ -87,8 +87,8 @@ impl DirectLights {
     }
 
     /// Whether there are lights in a part.
-    pub fn has(&self, part: Part) -> bool {
-        if part == Part::Direct { self.first > 0 } else { self.lights.len() > self.first }
+    pub fn has(&self, part: LightPart) -> bool {
+        if part == LightPart::Direct { self.first > 0 } else { self.lights.len() > self.first }
     }
 
     /// Which light has which shadow maps.
@@ -131,8 +131,10 @@ impl DirectLights {
         }
         gpu.queue.submit([encoder.finish()]);
         let (direct, added) = packed.split_at(self.first);
-        let parts = [(Part::Direct, direct), (Part::Added, added)].into_iter().filter(|(_, lights)| !lights.is_empty());
-        let pass = |(part, lights): (Part, &[LocalLight])| {
+        let parts = [(LightPart::Direct, direct), (LightPart::Added, added)]
+            .into_iter()
+            .filter(|(_, lights)| !lights.is_empty());
+        let pass = |(part, lights): (LightPart, &[LocalLight])| {
             let local_lights = &storage(gpu, "local lights", bytemuck::cast_slice(lights));
             let light = LocalLights { shadow_views, local_lights, shadow_maps: &maps.array }.bind(gpu);
             PartPass { part, pass: passes.direct.clone(), light }

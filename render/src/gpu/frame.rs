@@ -16,7 +16,7 @@ use glam::{Vec2, Vec3};
 
 /// The light of a picture.
 #[derive(Clone, Copy)]
-pub struct Lit<'a> {
+pub struct ShownLight<'a> {
     /// The environment if it is shown.
     pub shown: Option<&'a GpuLight>,
     /// The environment, shown or not.
@@ -28,7 +28,14 @@ pub struct Lit<'a> {
 }
 
 /// Uniforms of one jittered sample, which is at `offset` in its pixel, for every `stride`th pixel of every `stride`th row.
-pub fn frame(view: &View, sample: u32, offset: Vec2, scene: &GpuScene, lit: Lit, stride: u32) -> layout::FrameUniforms {
+pub fn frame(
+    view: &View,
+    sample: u32,
+    offset: Vec2,
+    scene: &GpuScene,
+    lit: ShownLight,
+    stride: u32,
+) -> layout::FrameUniforms {
     let projection = view.projection();
     let (sin, cos) = lit.behind.map_or(0.0, |l| l.rotation).sin_cos();
     let [background, caught] = [behind(view, lit.shown.is_some()), caught(view)];

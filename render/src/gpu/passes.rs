@@ -11,7 +11,7 @@ use super::{
 use crate::{
     device::{GpuDevice, Shaders},
     error::BackendError,
-    stale::Part,
+    stale::LightPart,
 };
 use std::collections::HashMap;
 
@@ -111,7 +111,7 @@ impl Passes {
 
 /// A pass of a picture that adds samples to the sums of a part of the light.
 pub struct PartPass {
-    pub part: Part,
+    pub part: LightPart,
     pub pass: Pass,
     /// What it reads beside the frame, the scene, and the points to shade.
     pub light: wgpu::BindGroup,

@@ -19,14 +19,14 @@ use std::sync::Arc;
 
 /// What the levels below a texture hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Detail {
+pub enum MipContent {
     /// Its texels in this encoding.
     Values(ColorSpace),
     /// Slopes.
     Slopes(SlopeSource),
 }
 
-impl Detail {
+impl MipContent {
     fn of(map: &str, slot: &TextureSlot, texture: &Texture) -> Self {
         match (map, &texture.texels) {
             (NORMAL, _) => Self::Slopes(SlopeSource::Normals),
@@ -61,7 +61,7 @@ pub struct Place {
 #[derive(Clone)]
 struct Used {
     index: u32,
-    detail: Detail,
+    detail: MipContent,
     texture: Arc<Texture>,
 }
 
@@ -97,7 +97,8 @@ impl TexturePool {
 
     /// Where the texture of a slot lies, with the levels that this map needs.
     pub fn place(&self, map: &str, slot: &TextureSlot) -> Option<Place> {
-        let is_wanted = |used: &Used| used.index == slot.texture && used.detail == Detail::of(map, slot, &used.texture);
+        let is_wanted =
+            |used: &Used| used.index == slot.texture && used.detail == MipContent::of(map, slot, &used.texture);
         self.packed.iter().position(is_wanted).map(|i| self.places[i])
     }
 
@@ -115,7 +116,7 @@ fn in_use(appearance: &Appearance) -> Vec<Used> {
     let slots = appearance.materials.iter().flat_map(|m| m.maps.iter().filter(move |(map, _)| is_read(m, map)));
     for (map, slot) in slots.filter(|(_, slot)| slot.image().is_some()) {
         let texture = appearance.textures[slot.texture as usize].clone();
-        let used = Used { index: slot.texture, detail: Detail::of(map, slot, &texture), texture };
+        let used = Used { index: slot.texture, detail: MipContent::of(map, slot, &texture), texture };
         if !all.iter().any(|other| other.is_same(&used)) {
             all.push(used);
         }
@@ -124,10 +125,10 @@ fn in_use(appearance: &Appearance) -> Vec<Used> {
 }
 
 /// Words of a texture with its levels.
-fn words_of(texture: &Texture, detail: Detail) -> u64 {
+fn words_of(texture: &Texture, detail: MipContent) -> u64 {
     let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     let own = if matches!(texture.texels, Texels::F32(_)) { 4 } else { 1 };
-    let below = if matches!(detail, Detail::Slopes(_)) { 3 } else { own };
+    let below = if matches!(detail, MipContent::Slopes(_)) { 3 } else { own };
     own * texels(texture.size) + below * level_sizes(texture.size).map(texels).sum::<u64>()
 }
 
@@ -180,13 +181,13 @@ fn halved(texture: &Texture) -> Texture {
 }
 
 /// Appends a texture and its levels, the largest first.
-fn append(words: &mut Vec<u32>, texture: &Texture, detail: Detail) {
+fn append(words: &mut Vec<u32>, texture: &Texture, detail: MipContent) {
     append_texels(words, &texture.texels);
     match detail {
-        Detail::Values(color_space) => {
+        MipContent::Values(color_space) => {
             texture.levels(color_space).iter().for_each(|level| append_texels(words, &level.texels));
         }
-        Detail::Slopes(source) => {
+        MipContent::Slopes(source) => {
             let texels = texture.slope_levels(source).iter().flat_map(|level| &level.texels);
             words.extend(texels.flat_map(|texel| texel.words()));
         }
@@ -229,7 +230,7 @@ mod tests {
 
     #[test]
     fn textures_that_fit_stay_and_the_largest_is_halved_first() {
-        let detail = Detail::Values(ColorSpace::Linear);
+        let detail = MipContent::Values(ColorSpace::Linear);
         let used = |size, value| Used { index: 0, detail, texture: gray(size, value) };
         let textures = [used([64, 64], 7), used([8, 8], 9)];
         let needed = words_of(&textures[0].texture, detail) + words_of(&textures[1].texture, detail);
@@ -255,9 +256,9 @@ mod tests {
 
     #[test]
     fn what_is_packed_has_the_length_that_is_told() {
-        let slopes = [SlopeSource::Normals, SlopeSource::Heights(Default::default())].map(Detail::Slopes);
+        let slopes = [SlopeSource::Normals, SlopeSource::Heights(Default::default())].map(MipContent::Slopes);
         let floats = Texture::new("floats", [5, 9], Texels::F32(vec![[0.5; 4]; 45]));
-        for detail in [Detail::Values(ColorSpace::Srgb), slopes[0], slopes[1]] {
+        for detail in [MipContent::Values(ColorSpace::Srgb), slopes[0], slopes[1]] {
             for texture in [&*gray([16, 3], 100), &floats] {
                 let mut words = Vec::new();
                 append(&mut words, texture, detail);

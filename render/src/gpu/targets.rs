@@ -1,7 +1,7 @@
 //! The textures of one picture size: what the passes hand to each other.
 
 use super::scene::extent;
-use crate::{device::GpuDevice, stale::Part};
+use crate::{device::GpuDevice, stale::LightPart};
 use wgpu::TextureFormat as Format;
 
 /// Formats of the passes' outputs; each pass writes at most 32 bytes per pixel, WebGPU's default limit.
@@ -34,10 +34,10 @@ pub struct Targets {
     pub color_roughness: Target,
     /// What the pixels show; read from one, written to the other, in turns.
     pub marks: [Target; 2],
-    /// By [`Part`], as far as the light has them; read from one, written to the other, in turns.
-    pub parts: [Option<[Sums; 2]>; Part::COUNT],
-    /// Lattices of a first sample, by [`Part`]: for strides of 2 and 8, and of 4.
-    pub lattices: [Option<[Sums; 2]>; Part::COUNT],
+    /// By [`LightPart`], as far as the light has them; read from one, written to the other, in turns.
+    pub parts: [Option<[Sums; 2]>; LightPart::COUNT],
+    /// Lattices of a first sample, by [`LightPart`]: for strides of 2 and 8, and of 4.
+    pub lattices: [Option<[Sums; 2]>; LightPart::COUNT],
     /// A texel of zeros, in place of parts that the light does not have.
     pub nothing: Sums,
     pub shown: Target,
@@ -79,7 +79,7 @@ impl Targets {
     }
 
     /// Makes room for the parts of a light, and frees the others.
-    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; Part::COUNT]) {
+    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; LightPart::COUNT]) {
         let size = self.size;
         for (sums, shown) in self.parts.iter_mut().zip(parts) {
             *sums = if shown { sums.take().or_else(|| Some([0, 1].map(|_| Sums::new(gpu, size)))) } else { None };

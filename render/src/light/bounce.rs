@@ -12,7 +12,7 @@ mod source_parts;
 use crate::{
     baked::Baked,
     light::{
-        situation::{Changes, Lit, Situation},
+        situation::{Changes, Relight, Situation},
         tree_light::TreeLight,
     },
 };
@@ -90,7 +90,7 @@ impl SourceRig {
     }
 }
 
-impl Lit for SourceRig {
+impl Relight for SourceRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
         self.lit.update(&situation.appearance, &situation.bouncing(), changes);
         if changes.environment {

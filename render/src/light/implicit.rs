@@ -18,11 +18,11 @@ use crate::{
     device::{Compute, SeenLight},
     light::{
         bounce::LitPoints,
-        situation::{Changes, Lit, Situation},
+        situation::{Changes, Relight, Situation},
     },
 };
 use covered::{Covered, Open};
-use detail::Detail;
+use detail::ImplicitDetail;
 use glam::Vec3;
 use lapidary_core::{
     implicit::{Lighting, disc_forest::DiscForest, forest::SurfelForest},
@@ -76,7 +76,7 @@ pub struct PosedLight {
 
 /// Lights a scene under one pose after another.
 pub struct PoseRig {
-    detail: Detail,
+    detail: ImplicitDetail,
     as_baked: Seen,
     /// Light of the vertices as baked with some bounces: a drag does not change it.
     lit_as_baked: Option<(u32, [Sides; 2])>,
@@ -117,7 +117,7 @@ impl Seen {
 impl PoseRig {
     /// For a scene as it was baked, whose leaves look by the cores or an adapter; takes some tenths of a second or, for
     /// the finest, some seconds.
-    pub fn new(baked: &Baked, compute: &Compute, detail: Detail) -> Self {
+    pub fn new(baked: &Baked, compute: &Compute, detail: ImplicitDetail) -> Self {
         let dataset = &baked.dataset;
         let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, detail.surfels());
         let vertices = VertexLeaves::new(forest.discs(), dataset);
@@ -168,7 +168,7 @@ impl PoseRig {
     }
 
     /// How finely it looks.
-    pub fn detail(&self) -> Detail {
+    pub fn detail(&self) -> ImplicitDetail {
         self.detail
     }
 
@@ -202,7 +202,7 @@ impl PoseRig {
     }
 }
 
-impl Lit for PoseRig {
+impl Relight for PoseRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
         if changes.poses {
             self.pose(&situation.scene, &situation.poses);

@@ -107,7 +107,7 @@ impl BitOr for Changes {
 }
 
 /// What is lit: it takes a situation and what of it has changed since the last one.
-pub trait Lit {
+pub trait Relight {
     /// Redoes what the changes make stale.
     fn update(&mut self, situation: &Situation, changes: Changes);
 }
@@ -118,7 +118,7 @@ pub struct Pending<L> {
     changes: Changes,
 }
 
-impl<L: Lit> Pending<L> {
+impl<L: Relight> Pending<L> {
     /// One that has not been lit.
     pub fn new(lit: L) -> Self {
         Self { lit, changes: Changes::ALL }
@@ -151,7 +151,7 @@ mod tests {
 
     struct Log(Vec<Changes>);
 
-    impl Lit for Log {
+    impl Relight for Log {
         fn update(&mut self, _: &Situation, changes: Changes) {
             self.0.push(changes);
         }

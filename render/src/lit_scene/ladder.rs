@@ -2,16 +2,16 @@
 //! finest detail of posed objects. Solvers know no clock; whoever shows pictures between the steps does.
 
 use super::LitScene;
-use crate::{Backend, BackendError, Look, Redo, light::implicit::detail::Detail};
+use crate::{Backend, BackendError, Look, Redo, light::implicit::detail::ImplicitDetail};
 
 impl<B: Backend + ?Sized> LitScene<B> {
     /// Sets the detail of posed objects from the next look on; the finest if nothing is set.
-    pub fn set_detail(&mut self, detail: Detail) {
+    pub fn set_detail(&mut self, detail: ImplicitDetail) {
         self.detail = detail;
     }
 
     /// The detail of posed objects; `None` where nothing is posed.
-    pub fn detail(&self) -> Option<Detail> {
+    pub fn detail(&self) -> Option<ImplicitDetail> {
         self.pose_rigs.detail().filter(|_| !self.situation.poses.is_empty())
     }
 
@@ -36,7 +36,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Whether the light can be made finer.
     pub fn is_coarse(&self) -> bool {
-        self.is_unsolved || self.detail().is_some_and(|detail| detail != Detail::FINEST)
+        self.is_unsolved || self.detail().is_some_and(|detail| detail != ImplicitDetail::FINEST)
     }
 
     /// Takes the next step of the ladder for the look that is lit, if what it needs is prepared. Returns whether it did; pixels are
@@ -49,9 +49,9 @@ impl<B: Backend + ?Sized> LitScene<B> {
             self.advance()?;
             return Ok(true);
         }
-        let is_prepared = self.is_coarse() && self.prepare(Detail::FINEST);
+        let is_prepared = self.is_coarse() && self.prepare(ImplicitDetail::FINEST);
         if is_prepared {
-            self.detail = Detail::FINEST;
+            self.detail = ImplicitDetail::FINEST;
             self.light_first(look)?;
         }
         Ok(is_prepared)
@@ -76,7 +76,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.pose_rigs.is_made(self.drag_detail)
     }
 
-    fn prepare(&mut self, detail: Detail) -> bool {
+    fn prepare(&mut self, detail: ImplicitDetail) -> bool {
         if self.check_objects().is_ok() {
             self.pose_rigs.prepare(detail, &self.baked, || self.backend.compute());
         }

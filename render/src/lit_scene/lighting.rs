@@ -1,7 +1,7 @@
 //! From a look to its light on the renderer: the situation is brought up to date, the rigs take what changed of it, and the renderer
 //! gets what is new.
 
-use super::{Lit, LitScene};
+use super::{LitLook, LitScene};
 use crate::{
     Backend, BackendError, LocalLighting, Look, Marks, Pixels, Redo, Stale,
     light::situation::{Changes, Gathering},
@@ -30,7 +30,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             _ => self.light_locally(look, redo)?,
         };
         self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
-        self.lit = Some(Lit { look: look.clone(), local });
+        self.lit = Some(LitLook { look: look.clone(), local });
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use crate::{
     baked::Baked,
     device::Compute,
     light::{
-        implicit::{PoseRig, detail::Detail},
+        implicit::{PoseRig, detail::ImplicitDetail},
         situation::{Changes, Pending},
     },
 };
@@ -15,7 +15,7 @@ use std::thread::JoinHandle;
 pub struct PoseRigs {
     used: Option<Pending<PoseRig>>,
     beside: Option<Pending<PoseRig>>,
-    in_the_making: Option<(Detail, JoinHandle<PoseRig>)>,
+    in_the_making: Option<(ImplicitDetail, JoinHandle<PoseRig>)>,
 }
 
 impl PoseRigs {
@@ -25,7 +25,7 @@ impl PoseRigs {
     }
 
     /// Begins to make one on a thread. One is made at a time: it does nothing while that is another.
-    pub fn prepare(&mut self, detail: Detail, baked: &Baked, compute: impl FnOnce() -> Compute) {
+    pub fn prepare(&mut self, detail: ImplicitDetail, baked: &Baked, compute: impl FnOnce() -> Compute) {
         if !self.is_made(detail) && self.in_the_making.is_none() {
             let (baked, compute) = (baked.clone(), compute());
             let made = std::thread::spawn(move || PoseRig::new(&baked, &compute, detail));
@@ -34,7 +34,7 @@ impl PoseRigs {
     }
 
     /// Whether one can be used at once.
-    pub fn is_made(&mut self, detail: Detail) -> bool {
+    pub fn is_made(&mut self, detail: ImplicitDetail) -> bool {
         if let Some((_, made)) = self.in_the_making.take_if(|(_, making)| making.is_finished()) {
             self.beside = Some(Pending::new(joined(made)));
         }
@@ -42,7 +42,12 @@ impl PoseRigs {
     }
 
     /// The rig of a detail to use, which is made or awaited if it is not there.
-    pub fn at(&mut self, detail: Detail, baked: &Baked, compute: impl FnOnce() -> Compute) -> &mut Pending<PoseRig> {
+    pub fn at(
+        &mut self,
+        detail: ImplicitDetail,
+        baked: &Baked,
+        compute: impl FnOnce() -> Compute,
+    ) -> &mut Pending<PoseRig> {
         if !self.is_made(detail) {
             let making = self.in_the_making.take_if(|(of, _)| *of == detail);
             let made = making.map_or_else(|| PoseRig::new(baked, &compute(), detail), |(_, made)| joined(made));
@@ -55,7 +60,7 @@ impl PoseRigs {
     }
 
     /// The detail of the one used last.
-    pub fn detail(&self) -> Option<Detail> {
+    pub fn detail(&self) -> Option<ImplicitDetail> {
         self.used.as_ref().map(|rig| rig.before().detail())
     }
 
@@ -90,20 +95,20 @@ mod tests {
     #[test]
     fn the_one_in_use_and_the_newest_are_kept() {
         let baked = Baked::from(blocked(white(), 4));
-        let [a, b, c, ..] = Detail::LADDER;
+        let [a, b, c, ..] = ImplicitDetail::LADDER;
         let mut rigs = PoseRigs::default();
         assert!(rigs.detail().is_none() && rigs.at(a, &baked, cores).before().detail() == a);
         rigs.at(b, &baked, cores);
         assert!([a, b].into_iter().all(|detail| rigs.at(detail, &baked, no_more).before().detail() == detail));
         rigs.at(c, &baked, cores);
-        let made = Detail::LADDER.map(|detail| rigs.is_made(detail));
+        let made = ImplicitDetail::LADDER.map(|detail| rigs.is_made(detail));
         assert_eq!(made, [false, true, true, false, false], "the one that was not used last is gone");
     }
 
     #[test]
     fn one_is_made_on_a_thread_and_is_that_of_its_detail() {
         let baked = Baked::from(blocked(white(), 4));
-        let (mut rigs, detail) = (PoseRigs::default(), Detail::LADDER[0]);
+        let (mut rigs, detail) = (PoseRigs::default(), ImplicitDetail::LADDER[0]);
         rigs.prepare(detail, &baked, cores);
         rigs.prepare(detail, &baked, no_more);
         assert!(rigs.detail().is_none(), "it is not used before it is asked for");
@@ -113,6 +118,6 @@ mod tests {
         let ahead = moved(rigs.at(detail, &baked, no_more));
         let made = &mut Pending::new(PoseRig::new(&baked, &cores(), detail));
         assert!(ahead == moved(made) && ahead.contains(&true));
-        assert!(!rigs.is_made(Detail::FINEST), "negative control");
+        assert!(!rigs.is_made(ImplicitDetail::FINEST), "negative control");
     }
 }

@@ -14,7 +14,7 @@ use crate::{
         node_field::SourceField,
         surface::SurfacePoint,
     },
-    stale::Part,
+    stale::LightPart,
     view::View,
     view_mode::{BasisView, ViewMode, visibility_cuts},
 };
@@ -46,17 +46,17 @@ pub(crate) struct PictureLight<'a> {
 
 impl PictureLight<'_> {
     /// The parts that a picture in a mode has. The first is never missing: it also has what needs no light.
-    pub fn parts(&self, mode: ViewMode) -> [bool; Part::COUNT] {
+    pub fn parts(&self, mode: ViewMode) -> [bool; LightPart::COUNT] {
         let shaded = mode == ViewMode::Shaded;
-        Part::ALL.map(|part| match part {
-            Part::Environment => true,
-            Part::Bounce => match self.bounce {
+        LightPart::ALL.map(|part| match part {
+            LightPart::Environment => true,
+            LightPart::Bounce => match self.bounce {
                 Some(BounceLight::Functions(_)) => shaded || mode.is_of_basis(),
                 Some(_) => shaded,
                 None => shaded && self.posed_bounce.is_some(),
             },
-            Part::Direct => shaded && self.local.is_some(),
-            Part::Added => shaded && self.added.is_some(),
+            LightPart::Direct => shaded && self.local.is_some(),
+            LightPart::Added => shaded && self.added.is_some(),
         })
     }
 }
@@ -144,13 +144,13 @@ impl<'a> Painter<'a> {
     /// One part of a point's light as scene-linear radiance. The first part also has what the other modes show: an
     /// albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
     /// [`crate::shade::direct::pixel_shift`]; `seen` is what is known of [`Self::lights_seen`].
-    pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2, seen: SeenOfParts) -> Vec3 {
+    pub fn part(&mut self, part: LightPart, point: &SurfacePoint, shift: Vec2, seen: SeenOfParts) -> Vec3 {
         match part {
-            Part::Environment => self.mode_value(point),
-            Part::Bounce if self.mode.is_of_basis() => self.basis_value(point),
-            Part::Bounce => self.bounced(point),
-            Part::Direct => direct(&self.local, point, shift, seen.local, &mut self.blockers[0]),
-            Part::Added => direct(&self.added, point, shift, seen.added, &mut self.blockers[1]),
+            LightPart::Environment => self.mode_value(point),
+            LightPart::Bounce if self.mode.is_of_basis() => self.basis_value(point),
+            LightPart::Bounce => self.bounced(point),
+            LightPart::Direct => direct(&self.local, point, shift, seen.local, &mut self.blockers[0]),
+            LightPart::Added => direct(&self.added, point, shift, seen.added, &mut self.blockers[1]),
         }
     }
 
@@ -162,12 +162,16 @@ impl<'a> Painter<'a> {
     }
 
     /// What up to eight points are known to see of the lights of each part that they lack; the nearer the points, the faster it is.
-    pub fn lights_seen(&self, points: &EightPoints, lacks: impl Fn(usize) -> [bool; Part::COUNT]) -> [SeenOfParts; 8] {
-        let seen = |lights: &Option<DirectShader>, part: Part| {
+    pub fn lights_seen(
+        &self,
+        points: &EightPoints,
+        lacks: impl Fn(usize) -> [bool; LightPart::COUNT],
+    ) -> [SeenOfParts; 8] {
+        let seen = |lights: &Option<DirectShader>, part: LightPart| {
             let lacking = |i: usize| points[i].filter(|_| lacks(i)[part as usize]);
             lights.as_ref().map(|lights| lights.lights_seen(&from_fn(lacking))).unwrap_or_default()
         };
-        let (local, added) = (seen(&self.local, Part::Direct), seen(&self.added, Part::Added));
+        let (local, added) = (seen(&self.local, LightPart::Direct), seen(&self.added, LightPart::Added));
         from_fn(|i| SeenOfParts { local: local[i], added: added[i] })
     }
 

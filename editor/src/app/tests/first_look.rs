@@ -4,7 +4,7 @@ use super::{Place, few_lights};
 use crate::{
     actions::{Action, BakeAction},
     jobs::{Imported, kept_bakes::draft_of},
-    workspace::Seen,
+    workspace::BakeStage,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -31,7 +31,7 @@ fn a_scene_without_a_bake_is_seen_without_shadows() {
     window.wait("a picture", |s| s.picture.shown().is_some());
     assert!(window.shows("No shadows yet") && window.shows("is not baked yet"));
     let state = window.0.state();
-    assert_eq!(state.work.scene.seen(), Seen::Unshadowed);
+    assert_eq!(state.work.scene.seen(), BakeStage::Unshadowed);
     let baked = state.work.scene.rendered().unwrap();
     assert_eq!(
         baked.dataset.scene.mesh.positions.len(),
@@ -62,19 +62,19 @@ fn what_is_baked_by_itself_is_kept_and_not_beside_the_scene() {
     let window = baked_by_itself(&place);
     assert!(!place.path("scene.cuts").exists());
     let state = window.0.state();
-    assert_eq!((state.work.scene.seen(), &state.work.document.dataset), (Seen::Whole, &None));
+    assert_eq!((state.work.scene.seen(), &state.work.document.dataset), (BakeStage::Whole, &None));
     let kept = state.work.scene.kept_output.clone().unwrap();
     assert!(kept.is_file() && kept.starts_with(place.path("home/cache/bakes")));
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
     assert_eq!(
         (again.0.state().work.scene.seen(), again.0.state().work.document.bake.lights),
-        (Seen::Whole, few_lights().lights)
+        (BakeStage::Whole, few_lights().lights)
     );
     // Another version of the scene has another bake.
     std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
     again.open(&place.path("scene.obj"));
-    assert_eq!(again.0.state().work.scene.seen(), Seen::Unshadowed);
+    assert_eq!(again.0.state().work.scene.seen(), BakeStage::Unshadowed);
 }
 
 #[test]
@@ -102,16 +102,16 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     let long = BakeSettings { lights: 32_768, max_vertices: Some(100_000), ..few_lights() };
     window.0.state_mut().work.document.bake = long;
     window.bake_by_itself(true);
-    window.wait("the draft", |s| s.work.scene.seen() == Seen::Draft);
+    window.wait("the draft", |s| s.work.scene.seen() == BakeStage::Draft);
     assert!(window.shows("Draft; full bake running"));
     let kept = draft_of(window.0.state().work.scene.kept_output.as_ref().unwrap());
     window.wait("the file of the draft", |_| Dataset::read(&kept, image::decode).is_ok());
     window.perform(Action::Bake(BakeAction::Cancel));
     window.wait("the end", |s| s.baking.progress().is_none());
-    assert_eq!(window.0.state().work.scene.seen(), Seen::Draft, "it stays in use");
+    assert_eq!(window.0.state().work.scene.seen(), BakeStage::Draft, "it stays in use");
     let mut later = place.window();
     later.open(&place.path("scene.obj"));
-    assert_eq!(later.0.state().work.scene.seen(), Seen::Draft);
+    assert_eq!(later.0.state().work.scene.seen(), BakeStage::Draft);
     later.wait("its badge", |s| s.picture.shown().is_some());
     assert!(later.shows("Draft"));
 }
@@ -133,7 +133,7 @@ fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
     again.open(&place.path("scene.obj"));
     assert_eq!(
         (again.0.state().work.scene.seen(), color(&again)),
-        (Seen::Whole, Vec3::Z),
+        (BakeStage::Whole, Vec3::Z),
         "colours make no bake stale"
     );
 }
@@ -151,7 +151,7 @@ fn a_posed_bake_that_is_kept_is_seen_as_it_was_baked() {
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
     let state = again.0.state();
-    assert_eq!((state.work.scene.seen(), state.work.document.poses.of(1)), (Seen::Whole, moved));
+    assert_eq!((state.work.scene.seen(), state.work.document.poses.of(1)), (BakeStage::Whole, moved));
     assert!(state.pose.poses_since(&state.work, state.work.scene.shown().unwrap()).is_empty());
 }
 
@@ -169,7 +169,7 @@ fn a_scene_that_changes_during_its_bake_is_seen_as_it_is() {
     window.0.state_mut().work.scene_changed(&place.path("scene.obj"), changed);
     window.wait("the bake", |s| s.baking.progress().is_none());
     let state = window.0.state();
-    assert!(state.work.scene.is_stale() && state.work.scene.seen() == Seen::Unshadowed);
+    assert!(state.work.scene.is_stale() && state.work.scene.seen() == BakeStage::Unshadowed);
     assert_eq!(state.work.scene.rendered().unwrap().dataset.scene_hash, hash);
     assert!(state.work.scene.kept_output.as_ref().unwrap().to_string_lossy().contains(&hash[..16]));
 }

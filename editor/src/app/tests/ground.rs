@@ -4,7 +4,7 @@ use super::{Place, Window, few_lights};
 use crate::{
     actions::{Action, BakeAction, FileAction},
     document::Edit,
-    workspace::Seen,
+    workspace::BakeStage,
 };
 use glam::Vec3;
 use lapidary_core::{dataset::BakeSettings, ground::Ground};
@@ -22,7 +22,7 @@ fn opened(place: &Place, by_itself: bool) -> Window {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
     window.0.state_mut().work.preferences.bakes_scenes = by_itself;
-    assert_eq!((window.0.state().work.scene.seen(), has_ground(&window)), (Seen::Whole, false));
+    assert_eq!((window.0.state().work.scene.seen(), has_ground(&window)), (BakeStage::Whole, false));
     window
 }
 
@@ -39,20 +39,20 @@ fn a_ground_that_is_chosen_is_seen_at_once_and_baked() {
     let place = Place::new();
     let mut window = opened(&place, true);
     choose(&mut window, Ground::Shadow);
-    assert!(window.0.state().work.scene.seen() == Seen::Unshadowed && has_ground(&window) && is_baking(&window));
+    assert!(window.0.state().work.scene.seen() == BakeStage::Unshadowed && has_ground(&window) && is_baking(&window));
     // The bake at work has it.
     choose(&mut window, Ground::Off);
     choose(&mut window, Ground::Shadow);
     assert!(!window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
     window.wait("the bake", |s| s.baking.progress().is_none());
-    assert!(window.0.state().work.scene.seen() == Seen::Whole && has_ground(&window));
+    assert!(window.0.state().work.scene.seen() == BakeStage::Whole && has_ground(&window));
     let ground = window.0.state().work.document.materials.last().unwrap().name.clone();
     assert_eq!(ground, "Ground");
     // It is hidden and shown without another bake.
     for other in [Ground::On, Ground::Off, Ground::Shadow] {
         choose(&mut window, other);
         assert!(
-            window.0.state().work.scene.seen() == Seen::Whole && has_ground(&window) && !is_baking(&window),
+            window.0.state().work.scene.seen() == BakeStage::Whole && has_ground(&window) && !is_baking(&window),
             "{other:?}"
         );
         let look = window.0.state().look([8, 8]).unwrap();
@@ -66,10 +66,10 @@ fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
     let mut window = opened(&place, false);
     let materials = window.0.state().work.document.materials.len();
     choose(&mut window, Ground::On);
-    assert!(window.0.state().work.scene.seen() == Seen::Unshadowed && has_ground(&window) && !is_baking(&window));
+    assert!(window.0.state().work.scene.seen() == BakeStage::Unshadowed && has_ground(&window) && !is_baking(&window));
     window.0.state_mut().work.document.materials[materials].parameters.set("base_color", Vec3::X);
     choose(&mut window, Ground::Off);
-    assert!(window.0.state().work.scene.seen() == Seen::Whole && !has_ground(&window));
+    assert!(window.0.state().work.scene.seen() == BakeStage::Whole && !has_ground(&window));
     assert_eq!(window.0.state().work.document.materials.len(), materials);
     let session = place.path("look.lapidary");
     window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
@@ -82,7 +82,7 @@ fn without_automatic_bakes_a_ground_is_seen_without_shadows_until_it_goes() {
     choose(&mut again, Ground::On);
     assert_eq!(color(&again), Vec3::X, "in sessions too");
     window.perform(Action::Undo);
-    assert_eq!(window.0.state().work.scene.seen(), Seen::Whole);
+    assert_eq!(window.0.state().work.scene.seen(), BakeStage::Whole);
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn a_bake_that_the_user_began_ends_before_that_of_a_ground_begins() {
     choose(&mut window, Ground::Shadow);
     let run = window.0.state().baking.run.as_ref().unwrap();
     assert!(run.output == output && !run.job.is_cancelling());
-    window.wait("both", |s| s.baking.progress().is_none() && s.work.scene.seen() == Seen::Whole);
+    window.wait("both", |s| s.baking.progress().is_none() && s.work.scene.seen() == BakeStage::Whole);
     assert!(has_ground(&window));
     let written = lapidary_core::dataset::Dataset::read(&output, image::decode).unwrap();
     assert_eq!((written.tree.len(), written.scene.mesh.ground), (512, None));
@@ -117,7 +117,7 @@ fn a_bake_that_ended_for_a_ground_begins_anew_whatever_is_chosen_by_then() {
         state.baking.follow_ground(&mut state.work);
     }
     assert!(window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
-    window.wait("another bake", |s| s.work.scene.seen() == Seen::Whole && s.baking.progress().is_none());
+    window.wait("another bake", |s| s.work.scene.seen() == BakeStage::Whole && s.baking.progress().is_none());
     assert_eq!(window.0.state().work.scene.shown().unwrap().dataset.tree.len(), 256);
     // What the user cancels stays cancelled.
     window.0.state_mut().work.document.bake.lights = 8192;

@@ -418,17 +418,17 @@ fn dragged(still: &RenderRequest, x: f32) -> RenderRequest {
 fn a_pose_is_lit_coarsely_while_it_is_dragged_and_as_finely_as_can_be_at_rest() {
     let (mut thread, still) = (on_cores(), unhurried());
     thread.request(dragged(&still, 0.1));
-    assert_eq!(complete(&mut thread).detail, Some(Detail::OF_A_DRAG));
+    assert_eq!(complete(&mut thread).detail, Some(ImplicitDetail::OF_A_DRAG));
     thread.request(RenderRequest { moving: false, ..dragged(&still, 0.1) });
-    let fine = wait_for("the finest", || thread.frames().filter(|f| f.detail == Some(Detail::FINEST)));
+    let fine = wait_for("the finest", || thread.frames().filter(|f| f.detail == Some(ImplicitDetail::FINEST)));
     assert!(fine.full_size && fine.samples == fine.of_samples);
     let mut orbited = dragged(&still, 0.1);
     orbited.look.view.camera.eye.x += 0.1;
     thread.request(orbited);
-    assert_eq!(complete(&mut thread).detail, Some(Detail::FINEST), "another view has the same light");
+    assert_eq!(complete(&mut thread).detail, Some(ImplicitDetail::FINEST), "another view has the same light");
     thread.request(dragged(&still, 0.2));
     let coarse = complete(&mut thread).detail;
-    assert!(coarse.is_some_and(|detail| detail < Detail::FINEST), "negative control: {coarse:?}");
+    assert!(coarse.is_some_and(|detail| detail < ImplicitDetail::FINEST), "negative control: {coarse:?}");
     thread.request(still);
     assert_eq!(complete(&mut thread).detail, None, "nothing is posed");
 }
@@ -437,7 +437,7 @@ fn a_pose_is_lit_coarsely_while_it_is_dragged_and_as_finely_as_can_be_at_rest() 
 fn a_pose_is_lit_more_coarsely_where_the_frame_time_does_not_suffice() {
     let (mut thread, still) = (on_cores(), unhurried());
     let mut x = 0.0;
-    let mut drag_until = |detail: Detail, frame_budget_ms: f32| {
+    let mut drag_until = |detail: ImplicitDetail, frame_budget_ms: f32| {
         wait_for("another detail", || {
             x += 0.01;
             thread.request(RenderRequest { frame_budget_ms, ..dragged(&still, x) });
@@ -445,6 +445,6 @@ fn a_pose_is_lit_more_coarsely_where_the_frame_time_does_not_suffice() {
             (step.detail == Some(detail)).then_some(())
         });
     };
-    drag_until(Detail::LADDER[0], 0.01);
-    drag_until(Detail::FINEST, 1e4);
+    drag_until(ImplicitDetail::LADDER[0], 0.01);
+    drag_until(ImplicitDetail::FINEST, 1e4);
 }

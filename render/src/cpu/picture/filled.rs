@@ -1,13 +1,13 @@
 //! Stand-ins for pixels of a sketch.
 
-use crate::stale::Part;
+use crate::stale::LightPart;
 use glam::Vec3;
 
 /// Stand-ins for pixels that lack their first sample.
 #[derive(Default)]
 pub struct Filled {
-    /// Radiance, or the quantity of the view's mode, by [`Part`]; empty where the light has no such part.
-    pub values: [Vec<Vec3>; Part::COUNT],
+    /// Radiance, or the quantity of the view's mode, by [`LightPart`]; empty where the light has no such part.
+    pub values: [Vec<Vec3>; LightPart::COUNT],
     /// Coverage by the lines of a wireframe; empty without one.
     pub(super) wire: Vec<f32>,
     /// Whether the value is the share of the light behind it that a ground lets through; empty without such a ground.
@@ -17,8 +17,8 @@ pub struct Filled {
 /// The stand-ins of a row.
 pub struct FilledRow<'f> {
     pub y: u32,
-    /// By [`Part`].
-    pub values: [&'f mut [Vec3]; Part::COUNT],
+    /// By [`LightPart`].
+    pub values: [&'f mut [Vec3]; LightPart::COUNT],
     /// Empty without a wireframe.
     pub wire: &'f mut [f32],
     /// Empty without a ground that lets light through.
@@ -29,7 +29,7 @@ impl Filled {
     /// The rows of a picture of some width.
     pub fn rows(&mut self, width: u32) -> Vec<FilledRow<'_>> {
         let width = width.max(1) as usize;
-        let count = self.values[Part::Environment as usize].len().div_ceil(width) as u32;
+        let count = self.values[LightPart::Environment as usize].len().div_ceil(width) as u32;
         let mut values = self.values.each_mut().map(|values| values.chunks_mut(width));
         let mut wire = self.wire.chunks_mut(width);
         let mut through = self.through.chunks_mut(width);

@@ -8,7 +8,7 @@ use crate::{
         pixel_sampler::{PixelSampler, Sight},
         surface::FirstHit,
     },
-    stale::Part,
+    stale::LightPart,
 };
 use lapidary_core::ray::Hit;
 
@@ -16,7 +16,7 @@ use lapidary_core::ray::Hit;
 pub struct Row<'p> {
     pub(super) y: u32,
     pub(super) seen: &'p mut [Seen],
-    pub(super) parts: [&'p mut [Sum]; Part::COUNT],
+    pub(super) parts: [&'p mut [Sum]; LightPart::COUNT],
 }
 
 impl Row<'_> {
@@ -27,8 +27,8 @@ impl Row<'_> {
         painter: &mut Painter,
         patches: Option<&[u8]>,
         sample: u32,
-    ) -> [u64; Part::COUNT] {
-        let mut shaded = [0; Part::COUNT];
+    ) -> [u64; LightPart::COUNT] {
+        let mut shaded = [0; LightPart::COUNT];
         let y = self.y;
         let lacking: Vec<[u32; 2]> =
             (0..self.seen.len()).filter(|&x| self.lacks_any(x, sample)).map(|x| [x as u32, y]).collect();
@@ -50,8 +50,8 @@ impl Row<'_> {
     }
 
     /// Which parts of a pixel lack a sample.
-    fn lacks(&self, x: usize, sample: u32) -> [bool; Part::COUNT] {
-        Part::ALL.map(|part| self.parts[part as usize].get(x).is_some_and(|sum| sum.samples == sample))
+    fn lacks(&self, x: usize, sample: u32) -> [bool; LightPart::COUNT] {
+        LightPart::ALL.map(|part| self.parts[part as usize].get(x).is_some_and(|sum| sum.samples == sample))
     }
 
     /// Whether a pixel lacks a sample of any part, or of what it shows.
@@ -63,7 +63,7 @@ impl Row<'_> {
     fn add_to_pixel(
         &mut self,
         [x, y]: [u32; 2],
-        lacks: [bool; Part::COUNT],
+        lacks: [bool; LightPart::COUNT],
         (sampler, painter): (&PixelSampler, &mut Painter),
         patches: Option<&[u8]>,
         (sample, sight, seen_lights): (u32, &Sight, SeenOfParts),
@@ -72,7 +72,7 @@ impl Row<'_> {
         if seen.samples == sample {
             seen.add(sampler, sight.position, &sight.seen, patches);
         }
-        for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
+        for part in LightPart::ALL.into_iter().filter(|&part| lacks[part as usize]) {
             let sum = &mut self.parts[part as usize][x as usize];
             sum.add(part, (sampler, painter), sight, (pixel_shift(x, y, sample), seen_lights));
         }

@@ -5,7 +5,7 @@ use crate::{
     cpu::picture::{Filled, FilledRow, Picture},
     shade::pixel_sampler::PixelSampler,
     sketch::{Guide, Mean, OTHER, around},
-    stale::Part,
+    stale::LightPart,
     view_mode::ViewMode,
 };
 use glam::{IVec2, Vec3};
@@ -62,7 +62,7 @@ impl<'a> Filter<'a> {
                 *through = self.sampler.is_of_ground(guide.material);
             }
             let (near, mut hole) = (self.taps([x, y], 1, |other, reach| guide.fit(other, reach)), None);
-            for part in Part::ALL.into_iter().filter(|&part| lacks[part as usize]) {
+            for part in LightPart::ALL.into_iter().filter(|&part| lacks[part as usize]) {
                 let fitting = self.fitting(part, [x, y], guide, &near);
                 let value = fitting.or_else(|| {
                     let guess = self.guess(part, [x, y], guide);
@@ -95,10 +95,10 @@ impl<'a> Filter<'a> {
         }
     }
 
-    fn beside(&self, [x, y]: [u32; 2]) -> [Option<Vec3>; Part::COUNT] {
+    fn beside(&self, [x, y]: [u32; 2]) -> [Option<Vec3>; LightPart::COUNT] {
         let (lacks, guide) = (self.picture.lacks(x, y), self.sketch.guide(x, y));
         let reach = self.reach(guide, BESIDE as u32);
-        Part::ALL.map(|part| {
+        LightPart::ALL.map(|part| {
             let mut mean = Mean::default();
             for (other, weight) in around([x, y], 1, BESIDE).filter(|_| lacks[part as usize]) {
                 self.add(part, &mut mean, other, weight, |other| guide.fit(other, reach));
@@ -109,14 +109,14 @@ impl<'a> Filter<'a> {
 
     /// The mean of the lattice points around a pixel, or of those around these, as far as they fit; or what the last
     /// picture tells alone.
-    fn fitting(&self, part: Part, pixel: [u32; 2], guide: &Guide, near: &Taps) -> Option<Vec3> {
+    fn fitting(&self, part: LightPart, pixel: [u32; 2], guide: &Guide, near: &Taps) -> Option<Vec3> {
         self.interpolated(part, pixel, near)
             .or_else(|| self.interpolated(part, pixel, &self.taps(pixel, 2, |other, reach| guide.fit(other, reach))))
             .or_else(|| self.predicted(part, pixel))
     }
 
     /// The mean over the nearest surfaces, with those of the same material far ahead.
-    fn guess(&self, part: Part, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
+    fn guess(&self, part: LightPart, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
         let fit = |other: &Guide| if other.material == guide.material { 1.0 } else { OTHER };
         let mut mean = Mean::default();
         for (other, weight) in around(pixel, self.stride(pixel), 2) {
@@ -126,7 +126,7 @@ impl<'a> Filter<'a> {
     }
 
     /// Adds a lattice point's radiance over albedo, if the picture has it.
-    fn add(&self, part: Part, mean: &mut Mean, IVec2 { x, y }: IVec2, weight: f32, fit: impl Fn(&Guide) -> f32) {
+    fn add(&self, part: LightPart, mean: &mut Mean, IVec2 { x, y }: IVec2, weight: f32, fit: impl Fn(&Guide) -> f32) {
         // Negative places are beyond any size.
         let Some(value) = self.picture.value(part, x as u32, y as u32) else { return };
         let other = self.sketch.guide(x as u32, y as u32);
@@ -158,7 +158,7 @@ impl<'a> Filter<'a> {
     }
 
     /// The mean of taps, with the detail of the last picture, if enough of their weight fits.
-    fn interpolated(&self, part: Part, pixel: [u32; 2], taps: &Taps) -> Option<Vec3> {
+    fn interpolated(&self, part: LightPart, pixel: [u32; 2], taps: &Taps) -> Option<Vec3> {
         let (mut mean, mut detail) = (Mean::default(), self.predicted(part, pixel).map(Detail::of));
         for &([x, y], weight) in &taps.points[..taps.count] {
             let Some(value) = self.picture.value(part, x, y) else { continue };
@@ -173,7 +173,7 @@ impl<'a> Filter<'a> {
     }
 
     /// What the last picture tells of a pixel.
-    fn predicted(&self, part: Part, [x, y]: [u32; 2]) -> Option<Vec3> {
+    fn predicted(&self, part: LightPart, [x, y]: [u32; 2]) -> Option<Vec3> {
         self.sketch.history.as_ref()?.predicted(part, x, y)
     }
 

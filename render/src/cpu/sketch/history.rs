@@ -10,7 +10,7 @@
 use crate::{
     cpu::picture::Picture,
     sketch::{Guide, Mean},
-    stale::Part,
+    stale::LightPart,
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{camera::Projection, color::luminance};
@@ -32,10 +32,10 @@ pub(super) struct History {
     projection: Option<Projection>,
     size: [u32; 2],
     points: Vec<Past>,
-    /// Radiance over albedo, by [`Part`]; empty where the light had no such part.
-    values: [Vec<Vec3>; Part::COUNT],
-    /// What it tells of the pixels of the new picture, by [`Part`]; empty before [`Self::predict`].
-    predicted: [Vec<Option<Vec3>>; Part::COUNT],
+    /// Radiance over albedo, by [`LightPart`]; empty where the light had no such part.
+    values: [Vec<Vec3>; LightPart::COUNT],
+    /// What it tells of the pixels of the new picture, by [`LightPart`]; empty before [`Self::predict`].
+    predicted: [Vec<Option<Vec3>>; LightPart::COUNT],
     /// Pixels in a row of the new picture.
     width: u32,
 }
@@ -54,7 +54,7 @@ impl History {
             let &Guide { material, position, normal, .. } = guide(x, y);
             Past { material: if picture.sees_one_surface(x, y) { material } else { Guide::BACK }, position, normal }
         });
-        for part in Part::ALL {
+        for part in LightPart::ALL {
             let of_part = if picture.has_part(part) { size } else { [0, 0] };
             by_rows(&mut values[part as usize], of_part, |x, y| picture.shown(part, x, y) / guide(x, y).albedo);
         }
@@ -77,7 +77,7 @@ impl History {
     }
 
     /// What it tells of a pixel of the new picture: radiance over albedo.
-    pub fn predicted(&self, part: Part, x: u32, y: u32) -> Option<Vec3> {
+    pub fn predicted(&self, part: LightPart, x: u32, y: u32) -> Option<Vec3> {
         *self.predicted[part as usize].get((y * self.width + x) as usize)?
     }
 }

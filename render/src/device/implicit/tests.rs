@@ -9,7 +9,7 @@ use crate::{
     device::{Compute, Room, SharedDevice, is_emulated, layout::Disc, readback::read_range, test_adapter::on_adapter},
     light::implicit::{
         PoseRig, PosedLight,
-        detail::Detail,
+        detail::ImplicitDetail,
         seen::sight,
         tests::{blocked, posed, sky},
     },
@@ -283,7 +283,7 @@ fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
 
 /// What a rig shows of some poses, one after another: its cuts, and the light.
 fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
-    let mut rig = Edited::new(baked, PoseRig::new(baked, compute, Detail::OF_A_DRAG));
+    let mut rig = Edited::new(baked, PoseRig::new(baked, compute, ImplicitDetail::OF_A_DRAG));
     rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     let show = |poses| {
         rig.set_poses(baked, poses);

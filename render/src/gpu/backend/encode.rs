@@ -12,7 +12,7 @@ use crate::{
         pipeline::Pass,
         targets::{Sums, Target},
     },
-    stale::{Marks, Part, Pixels},
+    stale::{LightPart, Marks, Pixels},
 };
 use lapidary_core::image::Region;
 
@@ -71,7 +71,7 @@ impl Progress {
     }
 
     /// Where the passes write a part of the light.
-    fn written(&self, part: Part, stride: u32) -> Option<&Sums> {
+    fn written(&self, part: LightPart, stride: u32) -> Option<&Sums> {
         let (targets, back) = (self.targets(), 1 - self.state().front);
         match lattice(stride) {
             None => Some(&targets.parts[part as usize].as_ref()?[back]),
@@ -82,12 +82,12 @@ impl Progress {
     /// Fills between the pixels of the lattice with a stride, in some areas.
     pub fn encode_sketch(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
         let (groups, front) = (&self.picture().groups, self.state().front);
-        for part in Part::ALL {
+        for part in LightPart::ALL {
             let bound = groups.sums[part as usize].as_ref().zip(groups.lattices[part as usize].as_ref());
             let Some(((sums, lattices), to)) = bound.zip(self.written(part, 1)) else { continue };
             let Some(lattice) = lattice(stride) else { continue };
             let bound = [&groups.frame, &groups.scene, &lattices[lattice], &sums[front]];
-            encode_areas(encoder, &passes.sketch[usize::from(part != Part::Environment)], &bound, to, areas);
+            encode_areas(encoder, &passes.sketch[usize::from(part != LightPart::Environment)], &bound, to, areas);
         }
     }
 
@@ -109,12 +109,12 @@ impl Progress {
         &mut self,
         pipelines: &Pipelines,
         encoder: &mut wgpu::CommandEncoder,
-        pixels: impl Fn(Part) -> Pixels,
+        pixels: impl Fn(LightPart) -> Pixels,
         merges_added: bool,
     ) {
         let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let (targets, &SumState { front, marks_front, .. }) = (self.targets(), self.state());
-        for part in Part::ALL {
+        for part in LightPart::ALL {
             let Some(sums) = &targets.parts[part as usize] else { continue };
             let stale = match pixels(part) {
                 Pixels::Nothing => Marks::default(),
@@ -124,7 +124,8 @@ impl Progress {
                     continue;
                 }
             };
-            let added = targets.parts[Part::Added as usize].as_ref().filter(|_| merges_added && part == Part::Direct);
+            let added =
+                targets.parts[LightPart::Added as usize].as_ref().filter(|_| merges_added && part == LightPart::Direct);
             let group = Kept {
                 stale: &uniform(gpu, "stale marks", bytemuck::bytes_of(&stale_marks(stale))),
                 marks: &targets.marks[marks_front].view,

@@ -7,7 +7,7 @@ use crate::{
         groups::{Display, Frame, Lattice, Marks, Patches, Scene, Seen, Shading, Surfaces},
         targets::{Sums, Targets},
     },
-    stale::Part,
+    stale::LightPart,
 };
 use wgpu::BindGroup;
 
@@ -23,8 +23,8 @@ pub struct Groups {
     /// Indexed by which of the sums is read.
     pub display: [BindGroup; 2],
     /// Points to shade, with the sums of each part that the light has, indexed by which of them is read; and their lattices.
-    pub sums: [Option<[BindGroup; 2]>; Part::COUNT],
-    pub lattices: [Option<[BindGroup; 2]>; Part::COUNT],
+    pub sums: [Option<[BindGroup; 2]>; LightPart::COUNT],
+    pub lattices: [Option<[BindGroup; 2]>; LightPart::COUNT],
 }
 
 impl Groups {
@@ -44,7 +44,7 @@ impl Groups {
             marks: [0, 1].map(marks),
             display: [0, 1].map(|front| display(gpu, uniforms, targets, front)),
             sums: parts.each_ref().map(|sums| sums.as_ref().map(|sums| sums.each_ref().map(shading))),
-            lattices: Part::ALL.map(|part| {
+            lattices: LightPart::ALL.map(|part| {
                 let predicted = progress.history.as_ref().and_then(|history| history.predicted(part));
                 let predicted = &predicted.unwrap_or(&targets.nothing.value).view;
                 let lattice = |sums: &Sums| {

@@ -9,17 +9,17 @@ use crate::{
         groups::{Added, Past},
         targets::{Sums, Target, format, target},
     },
-    stale::Part,
+    stale::LightPart,
 };
 
 /// The last picture.
 pub struct History {
     size: [u32; 2],
     past: PastUniforms,
-    /// By [`Part`], as far as the light had them: values, and places on surfaces.
-    parts: [Option<Sums>; Part::COUNT],
-    /// What it tells of the pixels of the new picture, by [`Part`], and their size.
-    predicted: [Option<Target>; Part::COUNT],
+    /// By [`LightPart`], as far as the light had them: values, and places on surfaces.
+    parts: [Option<Sums>; LightPart::COUNT],
+    /// What it tells of the pixels of the new picture, by [`LightPart`], and their size.
+    predicted: [Option<Target>; LightPart::COUNT],
     predicted_size: [u32; 2],
     is_predicted: bool,
 }
@@ -36,7 +36,7 @@ impl History {
     }
 
     /// What it tells of a part of the light.
-    pub fn predicted(&self, part: Part) -> Option<&Target> {
+    pub fn predicted(&self, part: LightPart) -> Option<&Target> {
         self.predicted[part as usize].as_ref()
     }
 }
@@ -64,8 +64,8 @@ impl Progress {
     fn make_history(&mut self, gpu: &GpuDevice) {
         let before = self.history.take();
         let (targets, size) = (self.targets(), self.targets().size);
-        let has = |part: Part| part != Part::Added && targets.parts[part as usize].is_some();
-        let wanted = Part::ALL.map(has);
+        let has = |part: LightPart| part != LightPart::Added && targets.parts[part as usize].is_some();
+        let wanted = LightPart::ALL.map(has);
         let predicted_size = before.as_ref().map_or([0, 0], |before| before.predicted_size);
         let (fits, before) =
             (before.as_ref().is_some_and(|before| before.size == size), before.map(|b| (b.parts, b.predicted)));
@@ -82,11 +82,11 @@ impl Progress {
         let Some(history) = &self.history else { return };
         let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let (groups, targets, shown) = (&self.picture().groups, self.targets(), self.shown());
-        for part in Part::ALL {
+        for part in LightPart::ALL {
             let bound = history.parts[part as usize].as_ref().zip(groups.sums[part as usize].as_ref());
             let Some((to, sums)) = bound else { continue };
             // A new picture has all of its local lights in one part.
-            let added = targets.parts[Part::Added as usize].as_ref().filter(|_| part == Part::Direct);
+            let added = targets.parts[LightPart::Added as usize].as_ref().filter(|_| part == LightPart::Direct);
             let added = added.map_or(&targets.nothing, |sums| &sums[shown]);
             let marks = &targets.marks[self.state().marks_front].view;
             let added = Added { added_value: &added.value.view, added_work: &added.work.view, marks }.bind(gpu);
@@ -106,7 +106,7 @@ impl Progress {
         let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let uniforms = &uniform(gpu, "past", bytemuck::bytes_of(&history.past));
         let (groups, front) = (&self.picture().groups, self.state().front);
-        for part in Part::ALL {
+        for part in LightPart::ALL {
             let kept = history.parts[part as usize].as_ref().zip(history.predicted(part));
             let Some(((from, to), sums)) = kept.zip(groups.sums[part as usize].as_ref()) else { continue };
             let past = Past { past: uniforms, past_value: &from.value.view, past_place: &from.work.view }.bind(gpu);

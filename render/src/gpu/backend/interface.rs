@@ -22,7 +22,7 @@ use crate::{
     post::Post,
     sampling::BrdfSampling,
     sketch::Tiles,
-    stale::{Part, Stale},
+    stale::{LightPart, Stale},
     summed::DirectStep,
     view::View,
 };
@@ -236,7 +236,7 @@ impl Backend for GpuBackend {
             for ((pixel, value), work) in sum.iter_mut().zip(texels::<[f32; 4]>(gpu, &sums.value)?).zip(&work) {
                 *pixel += Vec4::from(value) / samples(work);
             }
-            if part == Part::Environment {
+            if part == LightPart::Environment {
                 coverage = work.iter().map(|work| (work[3] & 0xffff) as f32 / samples(work)).collect();
             }
         }
@@ -248,14 +248,14 @@ impl Backend for GpuBackend {
     }
 
     fn stats(&mut self) -> Result<PictureStats, BackendError> {
-        let (mut points, mut nodes, mut evaluations, mut shaded) = (0, 0, 0, [0; Part::COUNT]);
+        let (mut points, mut nodes, mut evaluations, mut shaded) = (0, 0, 0, [0; LightPart::COUNT]);
         for (part, sums) in self.progress.sums() {
             let work: Vec<[u32; 4]> = texels(self.pipelines.gpu(), &sums.work)?;
             let sum = |of: fn(&[u32; 4]) -> u32| work.iter().map(|work| u64::from(of(work))).sum::<u64>();
             nodes += sum(|work| work[0]);
             evaluations += sum(|work| work[1]);
             shaded[part as usize] = sum(|work| work[3] >> 16);
-            if part == Part::Environment {
+            if part == LightPart::Environment {
                 points = sum(|work| work[2] >> 16);
             }
         }

@@ -7,7 +7,7 @@ use crate::{
         shadows::Plan,
         targets::{Sums, Targets},
     },
-    stale::Part,
+    stale::LightPart,
     summed::Summed,
 };
 
@@ -71,7 +71,7 @@ impl Progress {
     }
 
     /// Makes room for the parts of a light, and for what the last picture tells of them.
-    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; Part::COUNT]) {
+    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; LightPart::COUNT]) {
         let Some(targets) = &mut self.targets else { return };
         targets.set_parts(gpu, parts);
         if let Some(history) = &mut self.history {
@@ -108,9 +108,9 @@ impl Progress {
     }
 
     /// The sums of each part that the light has.
-    pub fn sums(&self) -> impl Iterator<Item = (Part, &Sums)> {
+    pub fn sums(&self) -> impl Iterator<Item = (LightPart, &Sums)> {
         let front = self.shown();
-        let parts = Part::ALL.into_iter().zip(&self.targets().parts);
+        let parts = LightPart::ALL.into_iter().zip(&self.targets().parts);
         parts.filter_map(move |(part, sums)| Some((part, &sums.as_ref()?[front])))
     }
 }

@@ -13,7 +13,7 @@ use crate::{
     error::BackendError,
     gpu::{
         direct::DirectLights,
-        frame::{Lit, frame},
+        frame::{ShownLight, frame},
         groups::Light,
         light::{GpuLight, GpuMap, GpuTreeLight},
         materials::GpuMaterials,
@@ -24,7 +24,7 @@ use crate::{
     light::local::LocalLighting,
     sampling::BrdfSampling,
     shade::{background::caught_per_radiance, mirror::Mirror},
-    stale::Part,
+    stale::LightPart,
     summed::{DirectStep, SummedLights},
     view::{Background, View},
     view_mode::ViewMode,
@@ -142,16 +142,16 @@ impl Shown {
     }
 
     /// The parts of the light. Counts of merged nodes have one for each tree.
-    pub fn parts(&self, mode: ViewMode) -> [bool; Part::COUNT] {
+    pub fn parts(&self, mode: ViewMode) -> [bool; LightPart::COUNT] {
         let (shaded, bounce) = (mode == ViewMode::Shaded, &self.bounce);
         let lights = |part| shaded && self.local_lights.has(part);
-        Part::ALL.map(|part| match part {
-            Part::Environment => true,
-            Part::Bounce => {
+        LightPart::ALL.map(|part| match part {
+            LightPart::Environment => true,
+            LightPart::Bounce => {
                 let shows_basis = (shaded || mode.is_of_basis()) && bounce.light.functions.is_some();
                 bounce.sources.is_some() || shows_basis || shaded && bounce.light.is_of_vertices
             }
-            Part::Direct | Part::Added => lights(part),
+            LightPart::Direct | LightPart::Added => lights(part),
         })
     }
 
@@ -169,21 +169,22 @@ impl Shown {
             all = self.local_lights.prepare(gpu, passes, scene, [&groups.frame, &groups.scene]);
         }
         let bounced = self.bounce.evaluated(gpu, view)?;
-        all.extend(bounced.map(|light| PartPass { part: Part::Bounce, pass: passes.meshless.clone(), light }));
+        all.extend(bounced.map(|light| PartPass { part: LightPart::Bounce, pass: passes.meshless.clone(), light }));
         for (part, field, light) in self.merged(gpu) {
-            let pass = passes.merge(gpu, self.merge_variant(field, part == Part::Environment, sampling));
+            let pass = passes.merge(gpu, self.merge_variant(field, part == LightPart::Environment, sampling));
             all.push(PartPass { part, pass, light });
         }
         Ok(all)
     }
 
     /// The trees of lights that are merged, by the part of the light.
-    fn merged(&self, gpu: &GpuDevice) -> Vec<(Part, u32, wgpu::BindGroup)> {
+    fn merged(&self, gpu: &GpuDevice) -> Vec<(LightPart, u32, wgpu::BindGroup)> {
         let scene = &self.loaded().scene;
         let first = if self.shown_environment().is_some() { FIELD_ENVIRONMENT } else { FIELD_NONE };
-        let environment = (Part::Environment, first, bound(gpu, &self.merged_environment().0.tree, &scene.cuts));
+        let environment = (LightPart::Environment, first, bound(gpu, &self.merged_environment().0.tree, &scene.cuts));
         let sources = self.bounce.sources.as_ref().zip(scene.sources.as_ref());
-        let sources = sources.map(|(light, baked)| (Part::Bounce, FIELD_SOURCES, bound(gpu, &light.tree, &baked.cuts)));
+        let sources =
+            sources.map(|(light, baked)| (LightPart::Bounce, FIELD_SOURCES, bound(gpu, &light.tree, &baked.cuts)));
         [environment].into_iter().chain(sources).collect()
     }
 
@@ -201,7 +202,7 @@ impl Shown {
 
     /// Uniforms of a sample of a picture, for every `stride`th pixel of every `stride`th row.
     pub fn frame(&self, picture: &Picture, sample: u32, stride: u32) -> FrameUniforms {
-        let lit = Lit {
+        let lit = ShownLight {
             shown: self.shown_environment().map(|(light, _)| light),
             behind: self.environment.light.as_ref().map(|(light, _)| light),
             emission: self.local.components.direct,

@@ -11,7 +11,7 @@ use crate::{
         differentials::Differentials,
         painter::{Painter, PictureLight, SeenOfParts},
     },
-    stale::Part,
+    stale::LightPart,
     test_scenes::{dataset, mesh},
 };
 use glam::{Vec2, Vec3};
@@ -137,7 +137,7 @@ pub(super) fn on_the_cpu(
         let pixel = Vec2::new(x as f32, y as f32) + 0.5;
         let wo = -view.camera.direction_through(pixel, view.size);
         let point = surfaces.point(&hit, wo);
-        let shown = Part::ALL.into_iter().zip(light.parts(view.mode)).filter(|(_, shown)| *shown);
+        let shown = LightPart::ALL.into_iter().zip(light.parts(view.mode)).filter(|(_, shown)| *shown);
         shown.map(|(part, _)| painter.part(part, &point, Vec2::ZERO, SeenOfParts::default())).sum()
     })
 }

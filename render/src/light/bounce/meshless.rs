@@ -10,7 +10,7 @@ use crate::{
     baked::Baked,
     light::{
         environment::SceneLighting,
-        situation::{Changes, Lit, Situation},
+        situation::{Changes, Relight, Situation},
     },
 };
 use functions::MeshlessLight;
@@ -103,7 +103,7 @@ fn bake(dataset: &Dataset) -> &MeshlessBake {
     dataset.meshless.as_deref().expect("a rig is made with a basis")
 }
 
-impl Lit for MeshlessRig {
+impl Relight for MeshlessRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
         self.lit.update(&situation.appearance, &situation.bouncing(), changes);
         if changes.environment {

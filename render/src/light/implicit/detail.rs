@@ -5,7 +5,7 @@ use lapidary_core::implicit::BinLayout;
 /// Surfels, bins and bounces of implicit visibility, from what a slow machine finds while an object is dragged to what a picture at
 /// rest has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Detail {
+pub struct ImplicitDetail {
     /// Leaves of the surfel forest.
     surfels: u32,
     /// Bins along an edge of the square of a leaf.
@@ -14,7 +14,7 @@ pub struct Detail {
     bounces: u16,
 }
 
-impl Detail {
+impl ImplicitDetail {
     /// From the coarsest to the finest. Each is less exact than the next and takes less time, measured in the color box
     /// (`docs/results.md`).
     pub const LADDER: [Self; 5] = [
@@ -60,26 +60,30 @@ mod tests {
 
     #[test]
     fn each_step_of_the_ladder_is_finer_than_the_last() {
-        let bins = |detail: Detail| detail.surfels() as usize * detail.layout().cells.len();
-        assert!(Detail::LADDER.is_sorted_by(|a, b| a < b && bins(*a) < bins(*b) && a.bounces() <= b.bounces()));
-        assert!(Detail::LADDER.contains(&Detail::OF_A_DRAG) && Detail::LADDER.last() == Some(&Detail::FINEST));
+        let bins = |detail: ImplicitDetail| detail.surfels() as usize * detail.layout().cells.len();
+        assert!(ImplicitDetail::LADDER.is_sorted_by(|a, b| a < b && bins(*a) < bins(*b) && a.bounces() <= b.bounces()));
+        assert!(
+            ImplicitDetail::LADDER.contains(&ImplicitDetail::OF_A_DRAG)
+                && ImplicitDetail::LADDER.last() == Some(&ImplicitDetail::FINEST)
+        );
     }
 
     #[test]
     fn what_takes_too_long_is_coarser_and_what_takes_little_finer() {
-        let [coarsest, second, third, ..] = Detail::LADDER;
+        let [coarsest, second, third, ..] = ImplicitDetail::LADDER;
         assert_eq!(second.within(60.0, 60.0), second);
         assert_eq!(second.within(61.0, 60.0), coarsest);
         assert_eq!(second.within(30.0, 60.0), third);
-        assert_eq!(second.within(1.0, 60.0), Detail::FINEST);
-        assert_eq!(Detail::FINEST.within(1e9, 60.0), coarsest, "negative control: nothing fits");
+        assert_eq!(second.within(1.0, 60.0), ImplicitDetail::FINEST);
+        assert_eq!(ImplicitDetail::FINEST.within(1e9, 60.0), coarsest, "negative control: nothing fits");
     }
 
     #[test]
     fn the_choice_does_not_go_to_and_fro() {
-        let millis = |detail: Detail| 20.0 + 8e-6 * f64::from(detail.surfels()) * detail.layout().cells.len() as f64;
+        let millis =
+            |detail: ImplicitDetail| 20.0 + 8e-6 * f64::from(detail.surfels()) * detail.layout().cells.len() as f64;
         for budget in [10.0, 40.0, 60.0, 100.0, 1000.0] {
-            let mut detail = Detail::OF_A_DRAG;
+            let mut detail = ImplicitDetail::OF_A_DRAG;
             let mut step = || {
                 detail = detail.within(millis(detail), budget);
                 detail

@@ -39,7 +39,7 @@ pub(crate) fn posed(pose: Pose) -> Poses {
 
 /// A rig for a drag, as baked.
 fn under_the_sky(baked: &Baked) -> Edited<PoseRig> {
-    let mut rig = Edited::new(baked, PoseRig::new(baked, &Compute::Cores, Detail::OF_A_DRAG));
+    let mut rig = Edited::new(baked, PoseRig::new(baked, &Compute::Cores, ImplicitDetail::OF_A_DRAG));
     rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     rig
 }
@@ -59,7 +59,7 @@ fn picture(dataset: &Dataset, look: impl FnOnce(&mut Look)) -> Image {
     let mut seen = Look::under_environment(&dataset.scene, from_above(48), sky());
     look(&mut seen);
     let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), dataset.clone().into()).unwrap();
-    scene.set_detail(Detail::OF_A_DRAG);
+    scene.set_detail(ImplicitDetail::OF_A_DRAG);
     scene.show_whole(&seen).unwrap().image
 }
 
@@ -80,7 +80,7 @@ fn a_preview_is_close_to_a_bake_of_the_posed_scene_and_the_bake_as_it_was_is_not
 #[test]
 fn a_pose_that_is_lit_more_finely_has_the_bits_of_that_detail() {
     let as_baked = blocked(white(), 8);
-    let [coarse, fine, ..] = Detail::LADDER;
+    let [coarse, fine, ..] = ImplicitDetail::LADDER;
     let mut look = Look::under_environment(&as_baked.scene, from_above(24), sky());
     look.poses = posed(Pose { translate: Vec3::new(0.7, -0.2, 0.4), ..Pose::AS_BAKED });
     let begin = || LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.clone().into()).unwrap();

@@ -12,7 +12,7 @@ use crate::{
         pixel_sampler::PixelSampler,
         surface::SurfacePoint,
     },
-    stale::Part,
+    stale::LightPart,
     test_scenes::{dataset, illumination, mesh, rel_rmse},
     view::Quiet,
 };
@@ -172,12 +172,12 @@ fn picture(renderer: &Renderer, light: &Illumination, view: &View, filter: Filte
     Image::from_fn(view.size, |x, y| {
         sampler.pixel(x, y, |point| match filter {
             Filter::Means => painter.part(
-                Part::Environment,
+                LightPart::Environment,
                 &SurfacePoint { slopes: [0.0; 3], ..point.clone() },
                 Vec2::ZERO,
                 SeenOfParts::default(),
             ),
-            _ => painter.part(Part::Environment, point, Vec2::ZERO, SeenOfParts::default()),
+            _ => painter.part(LightPart::Environment, point, Vec2::ZERO, SeenOfParts::default()),
         })
     })
 }

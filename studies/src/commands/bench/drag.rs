@@ -8,7 +8,7 @@ use lapidary_core::scene::{
     Scene,
     pose::{Objects, Pose, Poses},
 };
-use lapidary_render::{BackendError, Detail, LitScene, Look, STRIDES, Tiles};
+use lapidary_render::{BackendError, ImplicitDetail, LitScene, Look, STRIDES, Tiles};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -57,7 +57,7 @@ pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOptio
     let look = viewed.look()?;
     picture(&mut on, &look)?;
     let looks = dragged(scene, index as u32, &look, steps);
-    let details = Detail::LADDER.into_iter().map(|detail| Detailed::measure(&mut on, detail, &looks));
+    let details = ImplicitDetail::LADDER.into_iter().map(|detail| Detailed::measure(&mut on, detail, &looks));
     let drag = Drag {
         details: details.collect::<Result<_, _>>()?,
         adapter: on.backend().name(),
@@ -85,7 +85,7 @@ fn dragged(scene: &Scene, object: u32, look: &Look, steps: u32) -> Vec<Look> {
 
 impl Detailed {
     /// Shows one look after another, at least two.
-    fn measure(on: &mut LitScene, detail: Detail, looks: &[Look]) -> Result<Self, BackendError> {
+    fn measure(on: &mut LitScene, detail: ImplicitDetail, looks: &[Look]) -> Result<Self, BackendError> {
         on.set_detail(detail);
         let mut times = looks.iter().map(|look| picture(on, look));
         let (pick_up, _) = times.next().expect("at least one step")?;
@@ -149,7 +149,7 @@ mod tests {
         let mut on = LitScene::new(Box::new(CpuBackend::new()) as Box<dyn Backend>, baked.clone()).unwrap();
         picture(&mut on, &look).unwrap();
         let Detailed { pick_up_milliseconds, light_milliseconds, sketch_milliseconds, pictures_per_second, .. } =
-            Detailed::measure(&mut on, Detail::LADDER[0], &looks).unwrap();
+            Detailed::measure(&mut on, ImplicitDetail::LADDER[0], &looks).unwrap();
         assert!(pick_up_milliseconds > 0.0 && light_milliseconds > 0.0 && sketch_milliseconds > 0.0);
         assert!(pictures_per_second > 0.0 && pictures_per_second.is_finite());
     }
