@@ -1,5 +1,5 @@
-//! Compiled shaders, and what is bound to them. A bind group is declared once, by the names and kinds of its bindings: its layout, and
-//! the structure of what is bound, follow. A test compares it with the shaders.
+//! Compiled shaders, and what is bound to them. A bind group is declared once, by the names and kinds of its bindings: its layout and
+//! the structure of what is bound follow. A test compares it with the shaders.
 
 use super::{
     adapter::GpuDevice,

@@ -1,4 +1,5 @@
-//! [`Backend`](crate::Backend) on the GPU: what draws, what it shows, and how far a picture of that is. Pictures are made of passes.
+//! [`Backend`](crate::Backend) on the GPU: what draws, what it shows, and how far a picture of that is. Pictures are made of
+//! passes.
 
 mod bounce;
 mod encode;

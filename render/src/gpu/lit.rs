@@ -1,5 +1,5 @@
 //! Lit cuts on the GPU: two kernels coarsen the stored cuts whenever the light changes. Twin of
-//! [`LitCuts`](lapidary_core::cut::lit::LitCuts).
+//! [`LitCuts`].
 //!
 //! The first one counts nodes, so that the buffer is no larger than they need; the second one writes them.
 

@@ -211,8 +211,8 @@ impl Shown {
         frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, lit, stride)
     }
 
-    /// Replaces the local lights in the sums by those that shine now. `before` are the shadow maps in the sums, and whether these are
-    /// complete.
+    /// Replaces the local lights in the sums by those that shine now. `before` are the shadow maps in the sums, and whether
+    /// these are complete.
     pub fn step_lights(&mut self, lights: &mut SummedLights, before: Option<(&Plan, bool)>) -> DirectStep {
         let shown = self.local.shown_lights();
         let step = lights.update(&shown, before.is_some_and(|(_, complete)| complete));
