@@ -3,13 +3,14 @@
 //! From below: a rough diffuse base ([`OrenNayar`]) under a dielectric, mixed with a metal (F82 tint, Kutz et al. 2021) by
 //! `base_metalness`; a coat; fuzz. The specification leaves the form of the layers open. Here:
 //!
-//! * every layer passes on what it does not reflect, by the product of its directional albedos for both directions, so that
-//!   the whole is reciprocal; below several layers a diffuse base is normalized for all of them at once;
-//! * lobes are GGX ([`GgxLobe`]), with what metals lose between facets; fuzz is Estevez and Kulla's, not Zeltner's table;
+//! * every layer transmits the light it does not reflect, by the product over both directions, which keeps the whole
+//!   reciprocal; a diffuse base is normalized for all layers above at once;
+//! * lobes are GGX ([`GgxLobe`]), with the loss of metals between facets restored; fuzz is Estevez and Kulla's, not
+//!   Zeltner's table;
 //! * a coat tints by its color whatever the angle, roughens the base, lowers its contrast of indices and darkens it by
-//!   what is reflected inside, as the specification says (sections on coat roughening and darkening).
+//!   reflections inside, as specified (sections on coat roughening and darkening).
 //!
-//! Transmission, subsurface scattering and thin films are stored and not rendered.
+//! Transmission, subsurface scattering and thin films are stored but not rendered.
 
 use super::prelude::*;
 use super::{
@@ -76,12 +77,12 @@ parameters! {
     }
 }
 
-/// Largest of what the specification does not bound.
+/// Upper bound of quantities unbounded in the specification.
 const UNBOUNDED: f32 = 1e6;
 
-/// What OpenPBR says of light inside a surface and of films on it, which materials keep for other programs.
+/// OpenPBR's parameters of light inside a surface and of films on it, kept for other programs.
 ///
-/// Maps multiply all of it, the index of the film too: so plain pictures of other programs stay what they are.
+/// Maps multiply all of them, also the index of the film, so plain pictures of other programs stay unchanged.
 const STORED: &[Parameter] = &[
     Parameter::number("Transmission weight", [0.0, 1.0], 0.0, "How much of the base is clear, as glass or water.")
         .named("transmission_weight"),
@@ -173,13 +174,13 @@ pub struct OpenPbr {
     /// Tint of the diffuse base, with its normalization below all layers.
     diffuse_scale: Vec3,
     lobe: GgxLobe,
-    /// Index of refraction relative to what is above, and the color of the dielectric's reflection.
+    /// Index of refraction relative to the layer above, and the color of the dielectric's reflection.
     ior: f32,
     dielectric: Vec3,
     metal: F82,
-    /// Mean of what all layers leave to the diffuse base.
+    /// Mean share of light that all layers leave to the diffuse base.
     left_mean: f32,
-    /// Tint of the lobe and of what it loses, by the coat.
+    /// Tint of the lobe and of its restored loss, by the coat.
     tint: Vec3,
     whole: Albedo,
     multiple: Vec3,
@@ -227,14 +228,14 @@ impl F82 {
         value * L::splat(self.weight)
     }
 
-    /// Mean over all directions of even light, unweighted.
+    /// Mean under uniform light, unweighted.
     fn mean(&self) -> Vec3 {
         // 2 ∫ (1 - c)⁵ c dc = 1/21, 2 ∫ c² (1 - c)⁶ dc = 1/126.
         self.f0 + self.grazing / 21.0 - self.dip / 126.0
     }
 }
 
-/// Widths as the specification has them.
+/// Widths as in the specification.
 fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
     let short = 1.0 - anisotropy;
     let long = roughness * roughness * (2.0 / (1.0 + short * short)).sqrt();
@@ -242,7 +243,7 @@ fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
 }
 
 impl OpenPbr {
-    /// `p` must be within the ranges.
+    /// Parameters must be within their ranges.
     #[inline]
     pub fn new(p: &OpenPbrParameters) -> Self {
         // A rough coat blurs the base below it.
@@ -250,8 +251,7 @@ impl OpenPbr {
         let roughness = p.specular_roughness + (blurred - p.specular_roughness) * p.coat_weight;
         let lobe = GgxLobe::new(widths(roughness, p.specular_roughness_anisotropy));
         let coat = GgxLobe::new(widths(p.coat_roughness, p.coat_roughness_anisotropy));
-        // Below the coat light comes out of it, not out of air. Without a contrast the ratio is inverted, so that nothing is
-        // reflected totally.
+        // The base lies below the coat, not below air. Without a contrast the ratio is inverted, to avoid total reflection.
         let ratio = p.specular_ior / (1.0 + (p.coat_ior - 1.0) * p.coat_weight);
         let ior = ratio.max(1.0 / ratio);
         let color = p.base_color * p.base_weight;
@@ -290,7 +290,7 @@ impl OpenPbr {
         }
     }
 
-    /// Albedos of what is sampled for an outgoing direction: coat, lobe, and what is diffuse.
+    /// Albedos of the sampled parts for an outgoing direction: coat, lobe, diffuse rest.
     fn shares(&self, wo: Vec3) -> [f32; 3] {
         let cosine = wo.z.clamp(0.0, 1.0);
         let coat = self.coat_albedo.at_one(cosine);
@@ -302,7 +302,7 @@ impl OpenPbr {
         let diffuse = below * luminance(self.diffuse.albedo_at(cosine) * self.diffuse_scale)
             + luminance(self.fuzz) * self.fuzz_albedo.at_one(cosine).max(0.1);
         let sum = (coat + glossy + diffuse).max(1e-6);
-        // A little of each that is there: albedos are for even light.
+        // A minimum for each part present: albedos hold for uniform light.
         let least = |share: f32, is_there: bool| if is_there { share / sum + 0.1 } else { 0.0 };
         let shares = [least(coat, self.coat_weight > 0.0), least(glossy, true), least(diffuse, diffuse > 0.0)];
         let total: f32 = shares.iter().sum();
@@ -310,7 +310,7 @@ impl OpenPbr {
     }
 }
 
-/// What is left of the base's albedo by reflections inside the coat (OpenPBR, "Coat darkening").
+/// Share of the base's albedo left by reflections inside the coat (OpenPBR, "Coat darkening").
 fn darkening(p: &OpenPbrParameters, color: Vec3, roughness: f32) -> Vec3 {
     let specular = Albedo::of_smooth_dielectric(p.coat_ior);
     let inside_diffuse = 1.0 - (1.0 - specular.mean()) / (p.coat_ior * p.coat_ior);

@@ -1,4 +1,4 @@
-//! The interpreter against the same functions in Rust, and texts that are no BRDFs.
+//! The interpreter against the same functions in Rust, and invalid texts.
 
 use super::*;
 use crate::{
@@ -11,7 +11,7 @@ fn with(function: &str) -> String {
     format!("// @parameter x | X | number | 0.5 | 0..1 | m | What it is.\n{function}\n")
 }
 
-/// With this body of the function.
+/// A text with this body of the function.
 fn body(body: &str) -> String {
     with(&format!("fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {{ {body} }}"))
 }
@@ -51,7 +51,7 @@ fn gloss_has_the_values_that_rust_computes() {
     assert!(differ > 50, "negative control: {differ} of 200");
 }
 
-/// Each body gives its number in all three components.
+/// Each body gives the expected number in all three components.
 #[test]
 fn statements_and_functions_do_what_wgsl_says() {
     let wi = Vec3::new(0.48, 0.0, 0.877_268_5);

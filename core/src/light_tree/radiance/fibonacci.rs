@@ -32,7 +32,7 @@ impl Longitude {
 pub struct Zone<'a> {
     lattice: &'a FibonacciLattice,
     height: f64,
-    /// Steps of the two Fibonacci numbers that make the best basis there, in (longitude, height).
+    /// Steps of the two Fibonacci numbers with the best local basis, in (longitude, height).
     basis: [DVec2; 2],
 }
 
