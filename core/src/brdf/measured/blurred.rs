@@ -57,7 +57,7 @@ fn middle(bin: usize, bins: usize) -> f32 {
     FRAC_PI_2 * ((bin as f32 + 0.5) / bins as f32).powi(2)
 }
 
-/// The weights of the measured angles in the mean around one. What leaves the hemisphere does not count.
+/// Weights of the measured angles in the mean around one. Angles beyond the hemisphere do not count.
 fn weights(theta: f32, spread: f32) -> [f32; MEASURED_SIZE[0]] {
     let [radii, turns] = SAMPLES;
     let mut weights = [0.0; MEASURED_SIZE[0]];

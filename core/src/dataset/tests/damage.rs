@@ -1,4 +1,4 @@
-//! What only a reader that checks the parts of a dataset one by one finds.
+//! Damage that only the part-by-part check finds.
 
 use super::*;
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
     test_files::{FileParts, FileTensor},
 };
 
-/// Why a dataset is not written.
+/// The reason why a dataset is not written.
 pub fn refusal(dataset: &Dataset) -> String {
     dataset.validate().unwrap_err().to_string()
 }
