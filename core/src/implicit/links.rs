@@ -77,7 +77,7 @@ fn segments(mesh: &Mesh) -> Vec<Vec<u32>> {
     segments
 }
 
-/// Vertices that are near and face alike side by side.
+/// Sorts vertices so that near ones with similar normals are adjacent.
 fn in_order(segment: &[u32], discs: &[Disc]) -> Vec<u32> {
     let row = |&vertex: &u32| {
         let Disc { position, normal, .. } = discs[vertex as usize];

@@ -92,7 +92,7 @@ impl UvFootprint {
         if !(long > TEXELS_PER_WIDTH && long < 1e18) {
             return Taps::at(self.uv);
         }
-        // At least one texel.
+        // No finer than texels.
         let width = short.max(TEXELS_PER_WIDTH);
         let count = (long / width + 0.5).floor().clamp(1.0, MOST_TAPS as f32);
         let step = axis / count;
