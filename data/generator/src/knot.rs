@@ -19,7 +19,7 @@ pub fn trefoil(major: f32, minor: f32, tube: f32, stations: usize) -> Mesh {
 fn station(t: f32, major: f32, minor: f32, tube: f32) -> Station {
     let (around, over) = (2.0 * TAU * t, 3.0 * TAU * t);
     let radial = vec3(around.sin(), around.cos(), 0.0);
-    // The torus' own normal is a frame that closes on itself, where parallel transport would need a twist.
+    // The torus' own normal gives a closed frame, where parallel transport would need a twist.
     let outward = radial * over.cos() + Vec3::Z * over.sin();
     Station { centre: radial * major + outward * minor, outward, radii: Vec2::splat(tube) }
 }

@@ -79,7 +79,7 @@ fn write_bundle(out: &Path, cloth_resolution: usize) -> Result<()> {
     write_scene(&color_box::color_box(), &folder(out, "color-box")?)
 }
 
-/// The `data` folder that this crate lies in.
+/// The `data` folder of this crate.
 fn data_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
@@ -129,7 +129,7 @@ fn write_scene(scene: &Scene, folder: &Path) -> Result<()> {
     gltf_writer::write(scene, folder)
 }
 
-/// Roughness in the green channel as glTF wants it; blue 1 leaves metallic to its factor.
+/// Roughness in the green channel, as in glTF; blue 1 leaves metallic to its factor.
 fn roughness(size: u32, pattern: impl Fn(glam::Vec2) -> f32) -> image::RgbImage {
     paint_data(size, |uv| vec3(1.0, pattern(uv), 1.0))
 }
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
 
-    /// Bytes of everything below `folder`, by path; the generator's own sources are no data.
+    /// Bytes of everything below `folder`, by path; the generator's own sources do not count.
     fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         let mut found = BTreeMap::new();
         for entry in fs::read_dir(folder).unwrap() {

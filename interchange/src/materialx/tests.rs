@@ -1,4 +1,4 @@
-//! Documents that are written and read again, and documents of other programs.
+//! Round trips of documents, and documents of other programs.
 
 use super::*;
 use crate::material_file::{MaterialFile, SlotFile};
@@ -23,7 +23,7 @@ fn slot(file: &str) -> SlotFile {
     }
 }
 
-/// A material of the model with values that no default has, each of its own.
+/// A material of the model with unique values that differ from all defaults.
 fn coated() -> MaterialFile {
     let parameters = Parameters::default()
         .with("base_weight", 0.9)
@@ -47,7 +47,7 @@ fn coated() -> MaterialFile {
     MaterialFile { name: "Red lacquer".into(), model: BrdfModel::OpenPbr, parameters, ..Default::default() }
 }
 
-/// What is read of what is written.
+/// Writes and reads a material.
 fn again(material: &MaterialFile, surface: Surface) -> MaterialFile {
     let written = write(std::slice::from_ref(material), surface).unwrap();
     let read = read(&written.text, None).unwrap_or_else(|e| panic!("{e}: {}", written.text));
@@ -55,7 +55,7 @@ fn again(material: &MaterialFile, surface: Surface) -> MaterialFile {
     read.material
 }
 
-/// The largest difference of a parameter, and which it is.
+/// The largest difference of a parameter, and its name.
 fn difference(a: &MaterialFile, b: &MaterialFile) -> (f32, &'static str) {
     let of = |p: &'static lapidary_core::brdf::Parameter| {
         let [x, y] = [a, b].map(|material| material.parameters.value(p).color());
@@ -283,7 +283,7 @@ fn a_document_of_version_1_37_is_read() {
     let ReadMaterial { material, remarks } = read(text, None).unwrap();
     let map = material.maps.get("coat_color").unwrap();
     assert_eq!((map.file.as_str(), map.color_space), ("Images/brass.jpg", Some(ColorSpace::Srgb)));
-    // The weight of a metal's highlight is another thing there.
+    // The weight of a metal's highlight has another meaning there.
     assert_eq!((material.name.as_str(), material.parameters.number("specular_weight")), ("Brass", 1.0));
     assert!(remarks.len() == 1 && remarks[0].contains("line 11") && remarks[0].contains("coat_glow"), "{remarks:?}");
 }
@@ -401,7 +401,7 @@ fn open_pbr(inputs: &str) -> String {
     document(&format!("<open_pbr_surface name=\"s\" type=\"surfaceshader\">\n{inputs}\n</open_pbr_surface>"))
 }
 
-/// A value within the range that is no default, as a number and in text.
+/// A value in range that is not a default, as a number and in text.
 fn other_value(p: &Parameter) -> (Value, &'static str, &'static str) {
     match p.default {
         Value::Color(_) => (Value::Color(Vec3::new(0.125, 0.25, 0.75)), "color3", "0.125, 0.25, 0.75"),

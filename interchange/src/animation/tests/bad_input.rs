@@ -1,8 +1,8 @@
-//! Files that are wrong: they show at rest with a warning, and what cannot be played says why.
+//! Invalid files: they show at rest with a warning, and unplayable clips give the reason.
 
 use super::*;
 
-/// What an import warns of, and the same file's animation.
+/// Warnings of an import, and the same file's animation.
 fn read(file: &mut TestFile) -> (Vec<String>, Result<Animation, AnimationFileError>) {
     let path = file.write();
     let imported = import(&path).unwrap();

@@ -1,10 +1,10 @@
-//! Materials whose BRDF is in a file.
+//! Materials with a BRDF file.
 
 use super::{load_material, materials_in_file};
 use lapidary_core::brdf::{BrdfModel, Content, example_file};
 use std::path::Path;
 
-/// A folder with a material file that names `example.binary`, with these bytes if any.
+/// A folder with a material file that names `example.binary`, and that file if `table` is given.
 fn folder(table: Option<&[u8]>) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let material = r#"{"model": "merl", "file": "example.binary", "parameters": {"tint": [1, 0.5, 0.5]}}"#;
