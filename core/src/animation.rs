@@ -100,7 +100,7 @@ pub enum AnimationError {
         expected: String,
     },
     /// The object has another shape in the scene.
-    #[error("\"{object}\" of the scene is up to {distance} m away from that of the file; give the file that the scene was baked of, or bake it again ({})", path.display())]
+    #[error("\"{object}\" of the scene is up to {distance} m away from its shape in the file; give the file that the scene was baked of, or bake it again ({})", path.display())]
     OtherShape {
         /// Path of the file.
         path: PathBuf,

@@ -38,7 +38,7 @@ pub enum ImageError {
         space: String,
     },
     /// The extension is not a writable format.
-    #[error("the extension of the output names no picture format; end the name in .exr, .hdr or .png ({})", path.display())]
+    #[error("the extension of the output is not a picture format; end the name in .exr, .hdr or .png ({})", path.display())]
     UnknownExtension {
         /// Path of the file.
         path: PathBuf,

@@ -39,7 +39,7 @@ pub enum TreeKind {
 
 /// A number of light samples that cannot form a tree.
 #[derive(Debug, Error, PartialEq, Eq)]
-#[error("{0} light samples make no complete binary tree; use a power of two from 2 to 32768")]
+#[error("{0} light samples do not form a complete binary tree; use a power of two from 2 to 32768")]
 pub struct LightCountError(pub usize);
 
 /// A complete binary tree over distant light samples.

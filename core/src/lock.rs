@@ -98,7 +98,7 @@ fn open(path: &Path) -> io::Result<File> {
 /// A link's target would be emptied, and a pipe would wait.
 fn check_no_link(path: &Path) -> io::Result<()> {
     if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
-        let what = format!("{} is no regular file; remove it", path.display());
+        let what = format!("{} is not a regular file; remove it", path.display());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
     }
     Ok(())

@@ -27,25 +27,25 @@ const MOST_FINDINGS: usize = 20;
 #[derive(Parser, Clone, Debug)]
 #[command(name = "lapidary-fuzz", max_term_width = 110)]
 pub struct Options {
-    /// Inputs in all; targets whose inputs take longer get fewer
+    /// Total number of inputs; slower targets get fewer
     #[arg(long, default_value_t = 100_000)]
     inputs: u64,
-    /// Most seconds in all, shared by the targets alike
+    /// Time limit in seconds, shared equally by the targets
     #[arg(long)]
     secs: Option<f64>,
-    /// The only target; may be given several times
+    /// Only this target; may be repeated
     #[arg(long, value_name = "NAME")]
     target: Vec<String>,
-    /// Decides which inputs are tried
+    /// Seed of the inputs
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Processes [default: one for each core]
     #[arg(long)]
     workers: Option<usize>,
-    /// Folder in which inputs that fail are kept
+    /// Folder for failing inputs
     #[arg(long, value_name = "DIR", default_value = "fuzz-findings")]
     findings: PathBuf,
-    /// Try this input alone, in this process
+    /// Try only this input, in this process
     #[arg(long, value_name = "NUMBER", requires = "target")]
     input: Option<u64>,
     /// First input of a worker, its step, and its folder; for the driver's own use

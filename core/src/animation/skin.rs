@@ -63,7 +63,7 @@ impl Influences {
         }
         let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
         if !(sum > 0.0 && sum.is_finite() && all.iter().all(|(_, weight)| *weight > 0.0)) {
-            return Err(format!("the weights of vertex {vertex} are zero, below zero or no numbers"));
+            return Err(format!("the weights of vertex {vertex} are zero, negative or not finite"));
         }
         self.joints.extend(all.iter().map(|(joint, _)| joint));
         self.weights.extend(all.iter().map(|(_, weight)| weight / sum));

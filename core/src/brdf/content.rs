@@ -67,7 +67,7 @@ pub enum BrdfFileError {
         path: PathBuf,
     },
     /// A table that cannot be used.
-    #[error("no MERL BRDF: {source} ({})", path.display())]
+    #[error("not a MERL BRDF: {source} ({})", path.display())]
     Measured {
         /// Path of the file.
         path: PathBuf,
@@ -75,7 +75,7 @@ pub enum BrdfFileError {
         source: MeasuredError,
     },
     /// A function that cannot be used.
-    #[error("no BRDF in WGSL: {source} ({})", path.display())]
+    #[error("not a BRDF in WGSL: {source} ({})", path.display())]
     Written {
         /// Path of the file.
         path: PathBuf,
@@ -135,7 +135,7 @@ impl Content {
             }
             ContentKind::Written => {
                 let failed = |source| BrdfFileError::Written { path: path.into(), source };
-                let not_text = |_| failed(WrittenError { place: None, reason: "it is no text".into() });
+                let not_text = |_| failed(WrittenError { place: None, reason: "it is not text".into() });
                 let written = Written::new(std::str::from_utf8(bytes).map_err(not_text)?).map_err(failed)?;
                 let name = file_name(path);
                 let remarks = written.remarks().iter().map(|remark| format!("{name}: {remark}")).collect();

@@ -106,7 +106,7 @@ impl Measured {
         let filled = self.filled > 0;
         let filled = filled.then(|| {
             let count = self.filled;
-            format!("{count} of {ENTRIES} entries of {name} were not measured and are filled in from what is near")
+            format!("{count} of {ENTRIES} entries of {name} were not measured and are filled in from their neighbors")
         });
         let most = self.lobe.most_albedo();
         let gains = (most > MOST_ALBEDO).then(|| {

@@ -13,7 +13,7 @@ parameters! {
         tint: Vec3 = Parameter::color(
             "Tint",
             [1.0; 3],
-            "Multiplies what was measured. The hex is sRGB; the value is kept linear, 0 to 1.",
+            "Multiplies the measured reflectance. The hex is sRGB; the value is kept linear, 0 to 1.",
         ),
     }
 }

@@ -53,7 +53,7 @@ parameters! {
         coat_weight: f32 = Parameter::number(
             "Coat weight", [0.0, 1.0], 0.0, "How much of the surface has a clear coat: 1 for lacquer and car paint.",
         ).in_section("Coat"),
-        coat_color: Vec3 = Parameter::color("Coat color", [1.0; 3], "Tint of what is seen through the coat.").in_section("Coat"),
+        coat_color: Vec3 = Parameter::color("Coat color", [1.0; 3], "Tint of the layers below the coat.").in_section("Coat"),
         coat_roughness: f32 = Parameter::number(
             "Coat roughness", [0.0, 1.0], 0.0, "Width of the coat's highlight, 0 (mirror) to 1 (dull). It blurs the base too.",
         ).in_section("Coat"),
@@ -96,7 +96,7 @@ const STORED: &[Parameter] = &[
         "Transmission depth",
         [0.0, UNBOUNDED],
         0.0,
-        "Way inside after which light has the transmission color.",
+        "Distance inside after which light has the transmission color.",
     )
     .with_slider([0.0, 1.0])
     .named("transmission_depth"),
@@ -110,16 +110,11 @@ const STORED: &[Parameter] = &[
         "Transmission scatter anisotropy",
         [-1.0, 1.0],
         0.0,
-        "Whether light inside is scattered backward or forward.",
+        "Scattering inside: below 0 backward, above 0 forward.",
     )
     .named("transmission_scatter_anisotropy"),
-    Parameter::number(
-        "Transmission dispersion scale",
-        [0.0, 1.0],
-        0.0,
-        "How much of the dispersion of the Abbe number there is.",
-    )
-    .named("transmission_dispersion_scale"),
+    Parameter::number("Transmission dispersion scale", [0.0, 1.0], 0.0, "Share of the Abbe number's dispersion.")
+        .named("transmission_dispersion_scale"),
     Parameter::number(
         "Transmission Abbe number",
         [0.0, UNBOUNDED],
@@ -135,18 +130,22 @@ const STORED: &[Parameter] = &[
         "How much of the opaque base is lit from below, as skin, wax or marble.",
     )
     .named("subsurface_weight"),
-    Parameter::color("Subsurface color", [0.8; 3], "Color of light that comes out again beside where it went in.")
+    Parameter::color("Subsurface color", [0.8; 3], "Color of light that leaves near its point of entry.")
         .named("subsurface_color"),
-    Parameter::number("Subsurface radius", [0.0, UNBOUNDED], 1.0, "How far light goes below the surface.")
+    Parameter::number("Subsurface radius", [0.0, UNBOUNDED], 1.0, "Distance that light travels below the surface.")
         .with_slider([0.0, 1.0])
         .named("subsurface_radius"),
-    Parameter::color("Subsurface radius scale", [1.0, 0.5, 0.25], "How far each color goes, in subsurface radii.")
-        .named("subsurface_radius_scale"),
+    Parameter::color(
+        "Subsurface radius scale",
+        [1.0, 0.5, 0.25],
+        "Distance that each color travels, in subsurface radii.",
+    )
+    .named("subsurface_radius_scale"),
     Parameter::number(
         "Subsurface scatter anisotropy",
         [-1.0, 1.0],
         0.0,
-        "Whether light below is scattered backward or forward.",
+        "Scattering below: under 0 backward, above 0 forward.",
     )
     .named("subsurface_scatter_anisotropy"),
     Parameter::number(

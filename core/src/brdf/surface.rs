@@ -8,9 +8,9 @@ parameters! {
     pub struct SurfaceParameters {
         emission_luminance: f32 = Parameter::number(
             "Emission luminance", [0.0, 1e6], 0.0,
-            "How bright the surface shines by itself, in the unit of the environment. With bounces it lights others.",
+            "Brightness of the emitted light, in the unit of the environment. With bounces it lights other surfaces.",
         ).with_slider([0.0, 20.0]).in_section("Emission"),
-        emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the light that the surface sends by itself.")
+        emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the emitted light.")
             .in_section("Emission"),
         geometry_opacity: f32 = Parameter::number(
             "Opacity", [0.0, 1.0], 1.0,

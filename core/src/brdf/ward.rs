@@ -45,8 +45,7 @@ pub struct Bounded;
 
 impl Normalization for Measured {
     const LABEL: &'static str = "Ward";
-    const SUMMARY: &'static str =
-        "Ward's lobe of 1992 over a diffuse base, without Fresnel. Dark toward grazing angles; Ward-Duer mends that.";
+    const SUMMARY: &'static str = "Ward's lobe of 1992 over a diffuse base, without Fresnel. Dark toward grazing angles; Ward-Duer corrects that.";
 
     #[inline(always)]
     fn lobe<L: Lanes>(filtered: &FilteredX8<L>, _: &HalfVectors<L>, lights: &LightsX8<L>, wo: Vec3) -> L {

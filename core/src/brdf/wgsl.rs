@@ -57,7 +57,7 @@ fn above(wi: Vec3) -> Vec3 {
 impl Model for Wgsl {
     const LABEL: &'static str = "Written in WGSL";
     const SUMMARY: &'static str =
-        "A function of your own in a .wgsl file, which declares its parameters. It is read again when it changes.";
+        "Your own function in a .wgsl file, which declares its parameters. A changed file is reloaded.";
     /// The file declares the parameters.
     const PARAMETERS: &'static [Parameter] = &[];
 

@@ -30,7 +30,7 @@ pub enum DatasetError {
         source: std::io::Error,
     },
     /// Not a safetensors file, or a truncated one.
-    #[error("the file is no dataset, or was cut short ({reason}); bake the scene again with `lapidary bake` ({})", path.display())]
+    #[error("the file is not a dataset, or was cut short ({reason}); bake the scene again with `lapidary bake` ({})", path.display())]
     Foreign {
         /// Path of the file.
         path: PathBuf,
@@ -119,7 +119,7 @@ pub enum Damage {
     #[error("parts that let light through do not fit its objects and materials")]
     PartOpacities,
     /// Placed objects are missing or have no valid pose.
-    #[error("objects that are not where their file has them do not fit its objects")]
+    #[error("its moved or deformed objects do not match its objects")]
     Placed,
     /// Variants refer to missing objects or materials.
     #[error("its variants do not fit its objects and materials")]
@@ -151,7 +151,7 @@ pub enum Damage {
     #[error("tensor `{0}` has no checksum")]
     NoChecksum(String),
     /// A setting of the bake is out of range.
-    #[error("the setting {0} of its bake is no finite number in its range")]
+    #[error("the setting {0} of its bake is not a finite number in its range")]
     Setting(&'static str),
     /// The tree order is not a permutation of a power of two.
     #[error("the order of the light tree is no permutation of 2^H samples")]
@@ -194,7 +194,7 @@ pub enum Damage {
     },
     /// A camera is invalid.
     #[error(
-        "camera {index} (`{name}`) has a place or a direction that is no finite number within {MOST_COORDINATE} m, or a field of \
+        "camera {index} (`{name}`) has a position or a direction that is not a finite number within {MOST_COORDINATE} m, or a field of \
          view that is not {}",
         field_of_view_range()
     )]
@@ -246,7 +246,7 @@ impl Damage {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SurfelDamage {
     /// Its position is invalid.
-    #[error("has a position that is no finite number within {MOST_COORDINATE} m of the origin")]
+    #[error("has a position that is not a finite number within {MOST_COORDINATE} m of the origin")]
     Position,
     /// Its normal is invalid.
     #[error("has a normal that is not of length 1")]
@@ -260,6 +260,6 @@ pub enum SurfelDamage {
         count: usize,
     },
     /// Its barycentric weights are invalid.
-    #[error("has a place on its triangle that is no finite number from 0 to 1")]
+    #[error("has a place on its triangle that is not a finite number from 0 to 1")]
     Place,
 }

@@ -42,7 +42,7 @@ impl Dataset {
 /// Checks the version first: a newer header may not parse.
 fn check_version(json: &str, path: &Path) -> Result<(), DatasetError> {
     let value: serde_json::Value = serde_json::from_str(json)
-        .map_err(|e| DatasetError::Foreign { path: path.into(), reason: format!("its metadata is no JSON: {e}") })?;
+        .map_err(|e| DatasetError::Foreign { path: path.into(), reason: format!("its metadata is not JSON: {e}") })?;
     let found = value["format_version"].as_u64().unwrap_or(0) as u32;
     if found > FORMAT_VERSION {
         return Err(DatasetError::Newer { path: path.into(), found, supported: FORMAT_VERSION });

@@ -212,7 +212,7 @@ fn check(dataset: &Dataset, bake: &IndirectBake) -> Result<(), Damage> {
 #[derive(Debug, Error, PartialEq)]
 pub(super) enum SourceDamage {
     /// Their number is not a power of two.
-    #[error("{0} surface sources make no complete binary tree")]
+    #[error("{0} surface sources do not form a complete binary tree")]
     Count(usize),
     /// The place of a source is invalid.
     #[error("surface source {index} {source}")]

@@ -13,7 +13,7 @@ pub const MOST_MATERIAL_NUMBER: f32 = 1e6;
 
 /// A number of a material that is not finite or too large.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("its {what} {value} is no number from -{MOST_MATERIAL_NUMBER} to {MOST_MATERIAL_NUMBER}; correct it")]
+#[error("its {what} {value} is not a number from -{MOST_MATERIAL_NUMBER} to {MOST_MATERIAL_NUMBER}; correct it")]
 pub struct MaterialProblem {
     /// Name of the number.
     pub what: String,

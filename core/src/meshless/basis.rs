@@ -32,7 +32,7 @@ pub enum BasisError {
         levels: usize,
     },
     /// A position that is not finite or too far, or a normal that is not of length 1.
-    #[error("point {point} of the basis has a position or normal that is no finite number in its range; bake it again")]
+    #[error("point {point} of the basis has a position or normal that is not finite or out of range; bake it again")]
     Point {
         /// Index of the point.
         point: usize,

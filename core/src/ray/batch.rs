@@ -1,10 +1,9 @@
 //! Occlusion of a whole direction set from one origin.
 //!
-//! A packet walks the box hierarchy once for its 64 rays. A box is dropped if a bounding plane excludes it, of the
-//! packet or, for each group of eight, of the group, or if no ray of the group enters it. Where triangles are small
-//! compared to the distance between rays, most boxes lie between rays. Leaves are tested eight triangles and eight rays
-//! at a time. The box tests drop only boxes that no ray enters, so the result equals tracing each ray alone. The walk
-//! is a [`Kernel`], for the widest instructions of the machine.
+//! A packet walks the box hierarchy once for its 64 rays. A box is dropped if a bounding plane of the packet or of a group of
+//! eight excludes it, or if no ray of the group enters it. Where triangles are small compared to the distance between rays, most
+//! boxes lie between rays. Leaves are tested eight triangles and eight rays at a time. The box tests drop only boxes that no ray
+//! enters, so the result equals tracing each ray alone. The walk is a [`Kernel`], for the widest instructions of the machine.
 
 use super::{
     DirectionSet, Intersector, OPEN,

@@ -55,7 +55,7 @@ struct Options {
     /// Folder to write to; by default this repository's data folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// In place of the bundle, write a beach of about this many vertices for measurements of scale; it asks for --out.
+    /// Write a beach of about this many vertices for scaling measurements instead of the bundle; requires --out.
     #[arg(long, value_name = "VERTICES", requires = "out", value_parser = clap::value_parser!(u32).range(100_000..=20_000_000))]
     beach: Option<u32>,
 }

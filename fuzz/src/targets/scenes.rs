@@ -55,7 +55,7 @@ pub fn bake_file(path: &Path) -> Result<(), String> {
         return Ok(());
     }
     let dataset = Dataset::read(&output, image::decode)
-        .map_err(|error| format!("the bake ended well, its output not: {error}"))?;
+        .map_err(|error| format!("the bake succeeded, but its output is invalid: {error}"))?;
     show(dataset)
 }
 
@@ -66,9 +66,9 @@ pub fn read_dataset(path: &Path) -> Result<(), String> {
         Err(error) => return named(&error, path),
     };
     let copy = path.with_extension("copy.cuts");
-    dataset.write(&copy).map_err(|error| format!("it is read and cannot be written: {error}"))?;
+    dataset.write(&copy).map_err(|error| format!("it can be read, but not written: {error}"))?;
     Dataset::read(&copy, image::decode)
-        .map_err(|error| format!("it is read, written, and cannot be read again: {error}"))?;
+        .map_err(|error| format!("it can be read and written, but not read again: {error}"))?;
     verify(&dataset, 4);
     show(dataset)
 }

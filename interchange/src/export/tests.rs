@@ -410,7 +410,9 @@ fn what_is_stored_and_not_rendered_is_told_by_every_format_without_a_place_for_i
     }
     glass.parameters.set("transmission_weight", 1.0);
     assert!(told(&glass, "b.mtl").contains("MTL has no place for its transmission weight"));
-    assert!(told(&glass, "b.glb").contains("what it stores and does not render is left out: transmission weight"));
+    assert!(
+        told(&glass, "b.glb").contains("parameters that are stored but not rendered are left out: transmission weight")
+    );
     assert_eq!(told(&glass, "b.mtlx"), "");
     let text = fs::read_to_string(folder.path().join("b.mtlx")).unwrap();
     assert!(text.contains("name=\"transmission_weight\" type=\"float\" value=\"1\""), "{text}");

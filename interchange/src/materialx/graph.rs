@@ -179,7 +179,7 @@ impl<'a> Graph<'a> {
         let wrong = || {
             let name = input.attribute("name").unwrap_or_default();
             Unread::Wrong(format!(
-                "line {}: the value \"{text}\" of \"{name}\" is no number, nor 2 to 4 of them",
+                "line {}: the value \"{text}\" of \"{name}\" is neither a number nor 2 to 4 of them",
                 self.line(told)
             ))
         };

@@ -37,7 +37,7 @@ pub(crate) fn nearest<S: Clone>(
         }
         let stored: Vec<String> = nearest.stored().map(|p| p.label.to_lowercase()).collect();
         if !stored.is_empty() {
-            remarks.push(format!("what it stores and does not render is left out: {}", stored.join(", ")));
+            remarks.push(format!("parameters that are stored but not rendered are left out: {}", stored.join(", ")));
         }
     }
     nearest

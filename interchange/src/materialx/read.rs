@@ -146,7 +146,7 @@ impl<'a> Reader<'_, 'a> {
 
     fn material(&mut self, of: &Candidate<'a>) -> Result<MaterialFile, MaterialXError> {
         let Some((shader, surface)) = of.surface() else {
-            let found = of.shader.map_or("nothing that is there", category);
+            let found = of.shader.map_or("missing", category);
             let known = Surface::ALL.map(Surface::node).join(", ");
             let reason = format!("the surface of \"{}\" is {found}, and only {known} are read", of.name);
             return Err(MaterialXError::Contents { line: of.line, reason });
@@ -161,7 +161,7 @@ impl<'a> Reader<'_, 'a> {
         self.tell_of_lost(shader, surface);
         let stored: Vec<String> = material.stored().map(|p| p.label.to_lowercase()).collect();
         if !stored.is_empty() {
-            self.remarks.push(format!("what is stored and not rendered: {}", stored.join(", ")));
+            self.remarks.push(format!("stored but not rendered: {}", stored.join(", ")));
         }
         Ok(material)
     }
@@ -383,7 +383,7 @@ impl<'a> Reader<'_, 'a> {
             .map(|(_, what)| *what)
             .collect();
         if !lost.is_empty() {
-            self.remarks.push(format!("what is left out: {}", lost.join(", ")));
+            self.remarks.push(format!("left out: {}", lost.join(", ")));
         }
         for input in shader.children().filter(|node| ["input", "bindinput"].contains(&node.tag_name().name())) {
             let name = input.attribute("name").unwrap_or_default();

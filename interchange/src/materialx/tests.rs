@@ -244,7 +244,7 @@ fn a_document_of_another_program_is_read() {
     assert_eq!((map("specular_roughness").channel, map("base_metalness").channel), (Channel::G, Channel::B));
     assert_eq!((map("specular_roughness").scale, map("specular_roughness").offset.y), (Vec2::splat(4.0), -3.0));
     assert!(material.maps.get(NORMAL).is_some() && material.parameters.number("specular_roughness") == 1.0);
-    assert_eq!(remarks, ["what is left out: iridescence"]);
+    assert_eq!(remarks, ["left out: iridescence"]);
 }
 
 #[test]
@@ -259,7 +259,7 @@ fn all_that_is_not_rendered_is_told() {
                 );
                 read(&text, None).unwrap().remarks
             };
-            assert_eq!(told(0.5), [format!("what is left out: {what}")], "{input}");
+            assert_eq!(told(0.5), [format!("left out: {what}")], "{input}");
             assert_eq!(told(0.0), Vec::<String>::new(), "negative control: there is no {what}");
         }
     }
@@ -417,7 +417,7 @@ fn what_openpbr_stores_is_read_told_and_written_again() {
         let input = format!("<input name=\"{}\" type=\"{kind}\" value=\"{text}\"/>", p.name);
         let ReadMaterial { material, remarks } = read(&open_pbr(&input), None).unwrap();
         assert_eq!(material.parameters.get(p.name), Some(value), "{}", p.name);
-        assert_eq!(remarks, [format!("what is stored and not rendered: {}", p.label.to_lowercase())]);
+        assert_eq!(remarks, [format!("stored but not rendered: {}", p.label.to_lowercase())]);
         let written = write(std::slice::from_ref(&material), Surface::OpenPbr).unwrap();
         assert_eq!((written.text.matches(&input).count(), written.remarks.len()), (1, 0), "{}", written.text);
         let again = read(&written.text, None).unwrap().material;
@@ -445,7 +445,7 @@ fn maps_of_what_openpbr_stores_are_read_as_they_are_written() {
         let read = read(&written.text, None).unwrap();
         assert_eq!(read.material.maps, material.maps, "{}", written.text);
         assert_eq!(read.material.parameters.get(p.name), Some(other_value(p).0), "{}", p.name);
-        assert_eq!(read.remarks, [format!("what is stored and not rendered: {}", p.label.to_lowercase())]);
+        assert_eq!(read.remarks, [format!("stored but not rendered: {}", p.label.to_lowercase())]);
         material.maps.set(p.name, Some(SlotFile { file: "outside.png".into(), ..map }));
         assert_ne!(read.material.maps, material.maps, "negative control");
     }
@@ -472,7 +472,8 @@ fn other_surfaces_tell_that_they_leave_out_what_is_stored() {
     glass.maps.set("thin_film_thickness", Some(slot("film.png")));
     for surface in [Surface::StandardSurface, Surface::GltfPbr] {
         let Written { text, remarks } = write(std::slice::from_ref(&glass), surface).unwrap();
-        let expected = "what it stores and does not render is left out: transmission weight, thin film thickness";
+        let expected =
+            "parameters that are stored but not rendered are left out: transmission weight, thin film thickness";
         assert!(remarks.len() == 1 && remarks[0].ends_with(expected), "{remarks:?}");
         assert!(!text.contains("film"), "{text}");
         let ggx = MaterialFile { model: BrdfModel::Ggx, ..glass.clone() };

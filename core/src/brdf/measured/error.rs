@@ -27,7 +27,7 @@ pub enum MeasuredError {
         expected: u64,
     },
     /// An entry is not a reflectance.
-    #[error("its entry {index} is {value}, which is no reflectance; get the file again")]
+    #[error("its entry {index} is {value}, which is not a reflectance; get the file again")]
     Value {
         /// Index of the entry.
         index: usize,

@@ -104,7 +104,7 @@ impl<'a> Line<'a> {
         };
         let number = |text: &str| match text.trim().parse::<f32>() {
             Ok(x) if x.is_finite() => Ok(x),
-            _ => Err(format!("\"{text}\" is no number")),
+            _ => Err(format!("\"{text}\" is not a number")),
         };
         let (low, high) =
             range.split_once("..").ok_or(format!("the range \"{range}\" is not two numbers with .. between"))?;
@@ -132,7 +132,7 @@ fn check_name(line: &Line, before: &[Line]) -> Result<(), String> {
     let name = line.name;
     let is_lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_lower) || name.contains("__") {
-        return Err(format!("\"{name}\" is no name; use lower-case letters, digits and _"));
+        return Err(format!("\"{name}\" is not a name; use lower-case letters, digits and _"));
     }
     if before.iter().any(|p| p.name == name) {
         return Err(format!("the parameter {name} is declared twice"));

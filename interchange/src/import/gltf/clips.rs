@@ -128,7 +128,7 @@ impl<'a> ChannelReader<'a> {
             let target = &stored.channels[index].target;
             let node = target.node.value();
             if node >= gltf.nodes().count() || !matches!(target.path, Checked::Valid(_)) {
-                return Err(format!("channel {index} moves what is not there"));
+                return Err(format!("channel {index} has a missing node or an unknown property"));
             }
             channels.extend(self.channel(&channel, node).map_err(|reason| format!("channel {index}: {reason}"))?);
         }

@@ -44,7 +44,7 @@ fn read_skin(skin: &gltf::Skin, buffers: &Buffers) -> Result<Skin, String> {
     }
     let joints_from_mesh = buffers.matrices(&accessor, joints.len())?;
     match joints_from_mesh.iter().position(|matrix| !matrix.is_finite()) {
-        Some(joint) => Err(format!("the inverse bind matrix of joint {joint} holds no numbers")),
+        Some(joint) => Err(format!("the inverse bind matrix of joint {joint} is not finite")),
         None => Ok(Skin { joints, joints_from_mesh }),
     }
 }

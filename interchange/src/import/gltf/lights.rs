@@ -89,7 +89,7 @@ fn read_light(
     name: &str,
     world_from_node: Mat4,
 ) -> Result<(Light, Option<f32>), String> {
-    let index = index.as_u64().and_then(|i| usize::try_from(i).ok()).ok_or("its index is no number")?;
+    let index = index.as_u64().and_then(|i| usize::try_from(i).ok()).ok_or("its index is not a number")?;
     let entry = document["extensions"][EXTENSION]["lights"].get(index);
     let entry = entry.ok_or_else(|| format!("it refers to light {index}, which the file has not"))?;
     let punctual: Punctual = serde_json::from_value(entry.clone()).map_err(|e| e.to_string())?;

@@ -35,7 +35,7 @@ impl Notes {
         }
         for (names, text) in [
             (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
-            (&self.turned, "have a rotation that is no unit quaternion, which was normalized; export them again"),
+            (&self.turned, "have a rotation that is not a unit quaternion, which was normalized; export them again"),
             (&self.colored, "have vertex colors, which were left out; bake them to a texture"),
         ] {
             if !names.is_empty() {

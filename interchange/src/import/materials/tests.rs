@@ -48,7 +48,10 @@ fn a_table_that_is_not_there_or_broken_is_named() {
     let missing = load(folder(None).path()).unwrap_err().to_string();
     assert!(missing.contains("its BRDF example.binary: there is no such file beside it"), "{missing}");
     let broken = load(folder(Some(&[0; 40])).path()).unwrap_err().to_string();
-    assert!(broken.contains("no MERL BRDF: its table is 0 x 0 x 0") && broken.contains("example.binary"), "{broken}");
+    assert!(
+        broken.contains("not a MERL BRDF: its table is 0 x 0 x 0") && broken.contains("example.binary"),
+        "{broken}"
+    );
 }
 
 #[test]
