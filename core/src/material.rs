@@ -208,8 +208,7 @@ impl Material {
         Self { file: self.file.as_ref().map(BrdfFile::without_content), ..self.clone() }
     }
 
-    /// With parameters and placements of maps in their ranges; see [`Parameters::sanitized`] and
-    /// [`TextureSlot::sanitized`].
+    /// Clamps parameters and placements of maps to their ranges; see [`Parameters::sanitized`] and [`TextureSlot::sanitized`].
     pub fn sanitized(mut self) -> Self {
         let declared = self.declared();
         self.parameters = self.parameters.sanitized().sanitized_by(declared);

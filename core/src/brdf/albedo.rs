@@ -150,7 +150,7 @@ impl Albedo {
         self.mean
     }
 
-    /// Factor of the product of `1 - E` for two directions. Product over π is the BRDF of a base that reflects all
+    /// Factor of the product of `1 - E` for two directions: the result over π is the BRDF of a base that reflects all
     /// remaining light.
     #[inline]
     pub fn normalization(&self) -> f32 {

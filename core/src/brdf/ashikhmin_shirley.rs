@@ -1,8 +1,8 @@
 //! Ashikhmin and Shirley's anisotropic Phong model (2000), with its own diffuse base.
 //!
-//! `f = sqrt((nu + 1) (nv + 1)) / (8π) cosⁿ θh F / ((wi·h) max(n·wi, n·wo))` and, below it, `28 / (23π) diffuse (1 -
-//! f0) (1 - (1 - n·wi / 2)⁵) (1 - (1 - n·wo / 2)⁵)` (Eq. 4 and 5). The exponents are `2 / alpha² - 2`, so lobes are as
-//! wide as microfacets of the same roughness.
+//! `f = sqrt((nu + 1) (nv + 1)) / (8π) cosⁿ θh F / ((wi·h) max(n·wi, n·wo))` and, below it,
+//! `28 / (23π) diffuse (1 - f0) (1 - (1 - n·wi / 2)⁵) (1 - (1 - n·wo / 2)⁵)` (Eq. 4 and 5). The exponents are
+//! `2 / alpha² - 2`, so lobes are as wide as microfacets of the same roughness.
 
 use super::prelude::*;
 use super::shared::GlossyParameters;

@@ -1,5 +1,5 @@
-//! BRDFs that users write: a file in WGSL with a function `brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) ->
-//! vec3<f32>`, the BRDF without its cosine in the local frame, with comments that declare its parameters (`head.rs`).
+//! BRDFs that users write: a file in WGSL with a function `brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32>`, the
+//! BRDF without its cosine in the local frame, with comments that declare its parameters (`head.rs`).
 //!
 //! Shaders get the text of the module that naga parsed, with renamed items and counted loops. The CPU interprets the
 //! same module. Lobe and sampling are estimated from values: see [`SampledLobe`].

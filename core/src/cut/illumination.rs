@@ -7,7 +7,7 @@
 use super::packed::pack_node;
 use std::{cmp::Reverse, collections::BinaryHeap};
 
-/// How fine an illumination cut is.
+/// Accuracy of an illumination cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IlluminationCriterion {
     /// Largest number of nodes; the paper uses 128 to 512.

@@ -224,7 +224,7 @@ impl PackedCuts {
         Arc::make_mut(&mut self.offsets).push(offset);
     }
 
-    /// The same stored cuts with `others` in place of some.
+    /// The same stored cuts with replacements for some vertices.
     #[must_use]
     pub fn with(&self, others: impl IntoIterator<Item = (u32, Vec<u16>)>) -> Self {
         let (mut nodes, mut offsets) = ((*self.others).clone(), (*self.offsets).clone());

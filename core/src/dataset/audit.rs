@@ -10,8 +10,8 @@ pub struct BakeAudit {
     pub vertices: usize,
     /// Share of their leaves, lights or sources, whose baked visibility is wrong, 0 to 1.
     pub leaves_wrong: f64,
-    /// Root mean square of stored minus traced visibility over vertices and lights. For sources, root mean square of `||stored -
-    /// traced||` of solid angles, as a share of a vertex's `||traced||`, or of its mean where that is larger.
+    /// Root mean square of stored minus traced visibility over vertices and lights. For sources, root mean square of
+    /// `||stored - traced||` of solid angles, as a share of a vertex's `||traced||`, or of its mean where that is larger.
     pub rms_error: f64,
     /// The same error of cuts selected from the traced values, as in an exhaustive bake.
     pub rms_exhaustive: f64,

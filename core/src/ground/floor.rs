@@ -35,7 +35,7 @@ impl Default for Column {
 }
 
 impl Column {
-    /// Whether the column has a floor up to either height: with a surface below it, or without.
+    /// Whether the lowest surface facing up is a floor: below `slab`, or below `land` with no surface under it.
     fn has_floor(&self, [slab, land]: [f32; 2]) -> bool {
         self.facing_up <= slab || self.facing_up <= land && self.facing_up <= self.facing_down
     }

@@ -84,7 +84,7 @@ impl DiscForest {
         self.shape.trees().get(object as usize).map_or(0..0, |tree| tree.leaves.clone())
     }
 
-    /// Values of all nodes from those of the leaves: means by area ("pull" of implicit visibility, 4.3), by node number.
+    /// Values of all nodes by node number: area-weighted means of leaf values ("pull" of implicit visibility, 4.3).
     pub fn pull<T>(&self, leaves: &[T]) -> Vec<T>
     where
         T: Copy + Default + std::ops::Add<Output = T> + std::ops::Mul<f32, Output = T>,

@@ -1,5 +1,4 @@
-//! Timings of implicit visibility, printed: `cargo test --release -p lapidary-core --lib implicit::measure -- --ignored
-//! --nocapture`.
+//! Times of implicit visibility, printed: `cargo test --release -p lapidary-core --lib implicit::measure -- --ignored --nocapture`.
 
 use super::{
     tests::{Furnished, crowded, furnished},

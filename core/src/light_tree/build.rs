@@ -2,7 +2,7 @@
 //!
 //! Each node splits its samples at the median of `d(s, c1) - d(s, c2)`, the difference of the distances to two cluster
 //! centers. The centers are then recomputed a few times. All metrics are Euclidean in feature space, so this difference
-//! is linear in the features: one dot product per sample, and a selection in place of a sort.
+//! is linear in the features: one dot product per sample, and a selection instead of a sort.
 
 use super::Features;
 use rayon::join;

@@ -18,7 +18,7 @@ impl Opacities {
 }
 
 impl Scene {
-    /// Its materials, followed by those of parts with an opacity of their own. If there are such parts, also the
+    /// Its materials, followed by materials for parts with their own opacity. If there are such parts, also the
     /// material of each triangle.
     pub fn materials_with_parts(&self) -> (Vec<Material>, Option<Arc<[u32]>>) {
         let own = self.materials.len();

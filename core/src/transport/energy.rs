@@ -39,7 +39,7 @@ impl BounceEnergy {
         if last <= 0.0 || missing_share >= 1.0 {
             return Self { bounces, ..self };
         }
-        // Of the light so far: what is missing is last * kept / (1 - kept).
+        // Relative to the light so far: the missing light is last * kept / (1 - kept).
         let missing = missing_share / (1.0 - missing_share);
         let next = last * missing / (last + missing);
         Self { bounces, last_share: next / (1.0 + next), missing_share: (missing - next) / (1.0 + missing) }

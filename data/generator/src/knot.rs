@@ -7,8 +7,8 @@ use glam::{Vec2, Vec3, vec3};
 use crate::mesh::Mesh;
 use crate::tube::{Station, sweep_closed};
 
-/// A knot whose center line runs on a torus of radius `major` and `minor` meters, as a tube of radius `tube`.
-/// `stations` along the knot; a multiple of three keeps the three lobes alike. It stands upright on `y = 0`, seen along its axis from +Z.
+/// A knot whose center line runs on a torus of radius `major` and `minor` meters, as a tube of radius `tube`. `stations` along the
+/// knot; a multiple of three keeps the lobes alike. It stands upright on `y = 0`, seen along its axis from +Z.
 pub fn trefoil(major: f32, minor: f32, tube: f32, stations: usize) -> Mesh {
     let path: Vec<Station> = (0..stations).map(|k| station(k as f32 / stations as f32, major, minor, tube)).collect();
     let mesh = sweep_closed(&path, stations / 12);

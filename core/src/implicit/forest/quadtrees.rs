@@ -4,8 +4,8 @@
 //! object have equal depth except for one binary step. The root of an object has two children if its number of leaves
 //! requires an odd number of halvings: then the lowest blocks hold two to four leaves, and three on average.
 //!
-//! The children of a node make up a block of four slots, of which some may be empty. Node `4 b + s` is slot `s` of block `b`.
-//! The roots come first, four to a block; the blocks of each object follow, parents before children.
+//! The children of a node make up a block of four slots, some of which may be empty. Node `4 b + s` is slot `s` of
+//! block `b`. The roots come first, four to a block; the blocks of each object follow, parents before children.
 
 use std::ops::Range;
 
