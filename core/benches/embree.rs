@@ -1,7 +1,7 @@
-//! Rays of an exhaustive bake against those of Embree: `cargo bench -p lapidary-core --bench embree -- FILE.cuts`.
+//! Exhaustive bake rays against Embree: `cargo bench -p lapidary-core --bench embree -- FILE.cuts`.
 //!
-//! From some vertices of a dataset all lights above the horizon are traced, by batches and by Embree's packets of 16, on one core.
-//! Embree 3 is loaded where it is installed (Debian: `libembree3-3`).
+//! All lights above the horizon of some vertices are traced, by batches and by Embree's packets of 16, on one core.
+//! Embree 3 is loaded from its installation (Debian: `libembree3-3`).
 
 use glam::Vec3;
 use lapidary_core::{
@@ -67,7 +67,7 @@ fn main() {
     println!("{} vertices, {rays} rays, {differ} differ", origins.len());
 }
 
-/// Some vertices, a little off the surface, and what lies above their horizon.
+/// Some vertices, slightly off the surface, and the half-spaces above their horizons.
 fn origins(mesh: &Mesh, valid: &[bool]) -> Vec<(Vec3, HalfSpace)> {
     let lift = 1e-4 * mesh.bounds().diagonal();
     let step = (mesh.positions.len() / VERTICES).max(1);
@@ -98,7 +98,7 @@ struct Rays {
     flags: [u32; 16],
 }
 
-/// `RTCIntersectContext`, with some room behind.
+/// `RTCIntersectContext`, with padding.
 #[repr(C)]
 struct Context {
     flags: u32,
@@ -113,10 +113,10 @@ const COHERENT: u32 = 1;
 const INVALID: u32 = u32::MAX;
 
 impl Embree {
-    /// `None` if the library is not there.
+    /// `None` if the library is missing.
     fn load(mesh: &Mesh) -> Option<Self> {
-        // SAFETY: types and constants are those of Embree 3's headers. Buffers are leaked, so that they outlive the scene; the last
-        // position has room behind it, as Embree asks.
+        // SAFETY: types and constants are from Embree 3's headers. Buffers are leaked, so they outlive the scene; the
+        // last position has the padding that Embree requires.
         unsafe {
             let library = Library::new("libembree3.so.3").ok()?;
             let new_device: Symbol<unsafe extern "C" fn(*const c_char) -> *mut c_void> =
@@ -152,7 +152,7 @@ impl Embree {
         }
     }
 
-    /// Sets `visible` to 1 for directions of the half-space along which nothing lies.
+    /// Sets `visible` to 1 for unblocked directions of the half-space.
     fn trace(&self, origin: Vec3, directions: &[Vec3], half: &HalfSpace, visible: &mut [u8]) {
         type Occluded = unsafe extern "C" fn(*const i32, *mut c_void, *mut Context, *mut Rays);
         // SAFETY: the function has this type in Embree 3.

@@ -1,12 +1,12 @@
 //! Animations of glTF files: clips that move nodes, skins that follow them, and morph targets.
 //!
-//! An [`Animation`] is what a file says of motion; the mesh stays with the scene, or with the dataset that was baked of it.
+//! An [`Animation`] is the motion stored in a file; the mesh stays with the scene, or with the dataset baked from it.
 //! [`BoundAnimation`] binds the two, and gives poses at a time.
 //!
 //! From a time to a mesh:
-//! * `keyframes`: values of a channel; `clip`: what a clip does to the nodes
-//! * `nodes`: the hierarchy; `skin`: joints; `surface`: vertices on their way into the world; `shape`: all of these together
-//! * `nearest` and `binding`: from the vertices of the file to those of the bake; `sheets`: where that cannot be told
+//! * `keyframes`: values of a channel; `clip`: effect of a clip on the nodes
+//! * `nodes`: the hierarchy; `skin`: joints; `surface`: transformation of vertices into the world; `shape`: all of these combined
+//! * `nearest` and `binding`: from the vertices of the file to those of the bake; `sheets`: where the binding is ambiguous
 
 mod binding;
 mod bound;
@@ -29,70 +29,70 @@ use skin::Skin;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// What a file says of motion.
+/// The motion in a file.
 #[derive(Debug)]
 pub struct Animation {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
     /// Its nodes.
     pub nodes: Nodes,
     /// Its skins.
     pub skins: Vec<Skin>,
-    /// The clips that can be played, in the order of the file.
+    /// The playable clips, in the order of the file.
     pub clips: Vec<Clip>,
-    /// Clips that cannot be played: their names, and why.
+    /// Unplayable clips: their names and the reasons.
     pub broken: Vec<(String, String)>,
-    /// What some clip moves, in the order of the objects.
+    /// Primitives that some clip moves, in the order of the objects.
     pub shapes: Vec<Shape>,
     /// Names of all objects of the file.
     pub objects: Vec<String>,
-    /// What of the file cannot be used, and what to do.
+    /// Unusable parts of the file, with remedies.
     pub warnings: Vec<String>,
 }
 
-/// Why a scene cannot be posed by a file's animation.
+/// Why a file's animation cannot pose a scene.
 #[derive(Debug, Error)]
 pub enum AnimationError {
-    /// It has no clip at all.
+    /// The file has no clip.
     #[error("the file has no animation; export it with one ({})", path.display())]
     NoClips {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// It has no clip of that name.
+    /// The file has no clip of this name.
     #[error("the file has no clip \"{name}\"; it has {} ({})", known.join(", "), path.display())]
     NoSuchClip {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// Those that there are.
+        /// Names of the clips.
         known: Vec<String>,
     },
-    /// The clip is there, and damaged.
+    /// The clip is damaged.
     #[error("the clip \"{clip}\" cannot be played: {reason}; export it again ({})", path.display())]
     Broken {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which clip.
+        /// Name of the clip.
         clip: String,
-        /// What is wrong, and where.
+        /// The problem and its place.
         reason: String,
     },
-    /// The scene has more objects, or fewer.
+    /// The scene has another number of objects.
     #[error("the file has {found} objects, the scene {expected}; give the file that the scene was baked of, or bake it again ({})", path.display())]
     OtherCount {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Objects of the file.
         found: usize,
         /// Objects of the scene.
         expected: usize,
     },
-    /// The scene has another object in its place.
+    /// The scene has another object at this index.
     #[error("the file has an object \"{found}\" where the scene has \"{expected}\"; give the file that the scene was baked of, or bake it again ({})", path.display())]
     OtherObject {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Object of the file.
         found: String,
@@ -100,34 +100,34 @@ pub enum AnimationError {
         expected: String,
     },
     /// The object has another shape in the scene.
-    #[error("\"{object}\" of the scene is up to {distance} m away from that of the file; give the file that the scene was baked of, or bake it again ({})", path.display())]
+    #[error("\"{object}\" of the scene is up to {distance} m away from its shape in the file; give the file that the scene was baked of, or bake it again ({})", path.display())]
     OtherShape {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which object.
+        /// Name of the object.
         object: String,
-        /// In meters.
+        /// The distance in meters.
         distance: f32,
     },
-    /// A pose that is no pose.
+    /// A pose is not finite or out of reach.
     #[error("at {seconds} s the clip \"{clip}\" takes \"{object}\" out of reach, or to no place at all; repair its keyframes ({})", path.display())]
     OutOfReach {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which clip.
+        /// Name of the clip.
         clip: String,
-        /// Which object.
+        /// Name of the object.
         object: String,
-        /// When.
+        /// Time in seconds.
         seconds: f32,
     },
 }
 
 impl Animation {
-    /// The index of a clip by its name; without one, of the first.
+    /// The index of a clip by name, or of the first clip without a name.
     ///
     /// # Errors
-    /// A clip that is not there, or damaged.
+    /// A clip that is missing or damaged.
     pub fn clip(&self, name: Option<&str>) -> Result<usize, AnimationError> {
         let is_meant = |known: &str| name.is_none_or(|name| name == known);
         let path = || self.path.clone();
@@ -140,7 +140,7 @@ impl Animation {
         Err(name.map_or_else(|| AnimationError::NoClips { path: path() }, |name| self.no_clip(name)))
     }
 
-    /// Names of objects with surfaces that are in one place at rest and move apart.
+    /// Names of objects with surfaces that coincide at rest and move apart.
     pub fn parting_objects(&self) -> Vec<String> {
         let at_rest = self.posture(self.nodes.at_rest());
         let part = |&object: &u32| sheets::meet_and_part(self.shapes_of(object), &at_rest);

@@ -1,12 +1,11 @@
-//! Axis-aligned boxes, and how far coordinates reach.
+//! Axis-aligned boxes, and the range of coordinates.
 
 use glam::Vec3;
 
-/// The farthest from the origin, in meters along an axis, that anything of a scene may be. The fourth power of a distance
-/// has to stay far below the largest `f32`.
+/// The largest coordinate in a scene, in meters. The fourth power of a distance must stay far below the largest `f32`.
 pub const MOST_COORDINATE: f32 = 1e9;
 
-/// Whether a place is finite and no farther than [`MOST_COORDINATE`] along any axis.
+/// Whether a place is finite and within [`MOST_COORDINATE`] along every axis.
 pub fn is_within_reach(place: Vec3) -> bool {
     place.abs().cmple(Vec3::splat(MOST_COORDINATE)).all()
 }
@@ -32,12 +31,12 @@ impl Bounds {
         (self.max - self.min).max(Vec3::ZERO).length()
     }
 
-    /// The box with this much more on each side, in meters.
+    /// The box extended on each side, in meters.
     pub fn grown(&self, by: f32) -> Self {
         Self { min: self.min - by, max: self.max + by }
     }
 
-    /// Whether a point lies in the box or on it.
+    /// Whether a point lies in the box or on its surface.
     pub fn contains(&self, point: Vec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }

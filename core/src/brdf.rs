@@ -1,7 +1,7 @@
 //! Reflectance models, evaluated eight light directions at a time.
 //!
-//! Directions are in the local frame: +Z the shading normal, +X the tangent. One implementation serves the merged cut, the
-//! references and the tests. All models are listed in `models.rs`; each declares its parameters.
+//! Directions are in the local frame: +Z the shading normal, +X the tangent. One implementation serves the merged cut,
+//! the references and the tests. `models.rs` lists all models; each declares its parameters.
 
 mod albedo;
 mod ashikhmin_shirley;
@@ -66,10 +66,10 @@ use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
 use wide::f32x8;
 
-/// Widths of a model's lobes around the direction of the mirror, as microfacet `alpha` along the tangent and the bitangent.
+/// Widths of a model's lobes around the mirror direction, as microfacet `alpha` along the tangent and the bitangent.
 pub type Lobes = [[f32; 2]; 3];
 
-/// The widths of a lobe that a model lacks.
+/// Widths of an absent lobe.
 pub const NO_LOBE: [f32; 2] = [0.0; 2];
 
 /// The narrower width of each lobe; 0 for none.
@@ -81,10 +81,10 @@ pub fn narrow_widths(lobes: Lobes) -> [f32; 3] {
 pub trait Brdf {
     /// `f_r(wi, wo) cos θi` per color for eight lights.
     ///
-    /// The spread of a light widens the lobe: the value is then close to the mean over the light's directions. Its cosine
-    /// is that of the diffuse part.
+    /// The spread of a light widens the lobe: the value is then close to the mean over the light's directions. The
+    /// cosine belongs to the diffuse part.
     ///
-    /// In the lanes of any instruction set, for a [`Kernel`](crate::simd::Kernel): so it is inlined always.
+    /// Generic over the lanes of an instruction set, for a [`Kernel`](crate::simd::Kernel), and therefore always inlined.
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L>
     where
         Self: Sized;
@@ -93,7 +93,7 @@ pub trait Brdf {
     /// gives the BRDF itself.
     fn brdf_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8) -> Vec3x8;
 
-    /// Its lobes: how finely light directions must be resolved around the mirror's.
+    /// Its lobes, which set how finely light directions around the mirror direction must be resolved.
     fn lobes(&self) -> Lobes;
 
     /// Width of the narrowest lobe, if there is one.
@@ -101,7 +101,7 @@ pub trait Brdf {
         narrow_widths(self.lobes()).into_iter().filter(|&width| width > 0.0).reduce(f32::min)
     }
 
-    /// Albedo for light from the normal: the share of light that a bounce reflects.
+    /// Albedo for light from the normal: the share that a bounce reflects.
     fn albedo(&self) -> Vec3;
 
     /// A light direction for importance sampling, from three numbers in [0, 1). It may lie below the horizon.

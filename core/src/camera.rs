@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Smallest and largest vertical field of view in radians.
 pub const FIELD_OF_VIEW: [f32; 2] = [1e-4, 3.1];
 
-/// What [`FIELD_OF_VIEW`] allows, in words.
+/// The range of [`FIELD_OF_VIEW`], in words.
 pub fn field_of_view_range() -> String {
     let [narrowest, widest] = FIELD_OF_VIEW.map(f32::to_degrees);
     format!("{narrowest:.3} to {widest:.1} degrees")
@@ -42,7 +42,7 @@ impl Camera {
         Self::look_at(center + distance * Vec3::new(0.45, 0.35, 0.82).normalize(), center, fov_y)
     }
 
-    /// Whether its places are within reach, its upward direction is finite, and its field of view is in [`FIELD_OF_VIEW`].
+    /// Whether its points are within reach, its upward direction is finite, and its field of view is in [`FIELD_OF_VIEW`].
     pub fn is_valid(&self) -> bool {
         let [narrowest, widest] = FIELD_OF_VIEW;
         let lens = (narrowest..=widest).contains(&self.fov_y);
@@ -62,22 +62,22 @@ impl Camera {
         (0.5 * self.fov_y).tan()
     }
 
-    /// With a picture of `size` pixels.
+    /// Its projection onto a picture of `size` pixels.
     pub fn projection(&self, size: [u32; 2]) -> Projection {
         Projection::new(self, Vec2::new(size[0] as f32, size[1] as f32))
     }
 
-    /// The unit direction through the middle of the lens and `pixel` of a picture of `size`, see [`Projection::ray`].
+    /// The unit direction through the center of the lens and `pixel` of a picture of `size`, see [`Projection::ray`].
     pub fn direction_through(&self, pixel: Vec2, size: [u32; 2]) -> Vec3 {
         self.projection(size).ray(pixel, PINHOLE).1
     }
 }
 
-/// The middle of a lens, as a sample of it: all that a pinhole has.
+/// The center of the lens as a lens sample, the only one of a pinhole.
 pub const PINHOLE: Vec2 = Vec2::ZERO;
 
-/// A camera with its picture: from pixels to rays, and from points to pixels. Positions in the picture are in pixels from its top
-/// left corner; the center of the first pixel is (0.5, 0.5). Twin of `shaders/camera.wgsl`.
+/// A camera with its picture: maps pixels to rays, and points to pixels. Positions in the picture are in pixels from
+/// its top left corner; the center of the first pixel is (0.5, 0.5). Twin of `shaders/camera.wgsl`.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
     /// Position of the eye in meters.
@@ -95,7 +95,7 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// With a picture of `size`, in pixels or any other unit.
+    /// The projection onto a picture of `size`, in pixels or any other unit.
     pub fn new(camera: &Camera, size: Vec2) -> Self {
         let (world_from_view, tan_half_fov, center) = (camera.world_from_view(), camera.tan_half_fov(), 0.5 * size);
         Self {
@@ -109,8 +109,8 @@ impl Projection {
         }
     }
 
-    /// Origin and unit direction of the ray through `pixel` from a sample of the lens, -1 to 1. A lens with an aperture would
-    /// have its place here; that of a pinhole is [`PINHOLE`].
+    /// Origin and unit direction of the ray through `pixel` from a sample of the lens, -1 to 1. A lens with an aperture
+    /// would use it here; a pinhole uses [`PINHOLE`].
     #[inline]
     pub fn ray(&self, pixel: Vec2, _lens: Vec2) -> (Vec3, Vec3) {
         let ndc = (2.0 * pixel - self.size) / self.size.y;
@@ -134,7 +134,7 @@ impl Projection {
         self.view_from_world * (point - self.eye)
     }
 
-    /// Position in the picture times depth, and depth in meters: homogeneous, so that points behind the eye do no harm.
+    /// Position in the picture times depth, and depth in meters: homogeneous, so points behind the eye are harmless.
     #[inline]
     pub fn project(&self, point: Vec3) -> Vec3 {
         let p = self.view(point);
@@ -142,25 +142,25 @@ impl Projection {
         Vec3::new(self.center.x * depth + self.focal * p.x, self.center.y * depth - self.focal * p.y, depth)
     }
 
-    /// Position in the picture and depth of a point before the eye.
+    /// Position in the picture and depth of a point in front of the eye.
     #[inline]
     pub fn pixel_of(&self, point: Vec3) -> Option<(Vec2, f32)> {
         let projected = self.project(point);
         (projected.z > 0.0).then(|| (projected.truncate() / projected.z, projected.z))
     }
 
-    /// Position in the picture of a point in the space of the camera, before the eye.
+    /// Position in the picture of a point in camera space, in front of the eye.
     pub fn pixel_of_view(&self, view: Vec3) -> Vec2 {
         self.center + self.focal / -view.z * Vec2::new(view.x, -view.y)
     }
 
-    /// Meters that a pixel spans at a depth.
+    /// Size of a pixel in meters at a depth.
     pub fn pixel_span(&self, depth: f32) -> f32 {
         depth * 2.0 * self.tan_half_fov / self.size.y
     }
 
-    /// What a rasterizer that samples at the centers of pixels needs to sample at `in_pixel` of each. Depth is near / distance:
-    /// 1 at the near plane, 0 at infinity.
+    /// Matrix for a rasterizer that samples at pixel centers, to sample at `in_pixel` of each instead. Depth is near /
+    /// distance: 1 at the near plane, 0 at infinity.
     pub fn clip_from_world(&self, in_pixel: Vec2, near: f32) -> Mat4 {
         let (size, tan) = (self.size, self.tan_half_fov);
         let shift = (Vec2::splat(1.0) - 2.0 * in_pixel) / size * Vec2::new(1.0, -1.0);

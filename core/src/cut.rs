@@ -18,7 +18,7 @@ pub use visibility::{CutCriterion, CutSelector, prune, squared_error};
 
 use thiserror::Error;
 
-/// Why a sequence of nodes is no cut.
+/// Why a sequence of nodes is not a cut.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum CutError {
     /// A node is deeper than the tree.
@@ -46,8 +46,8 @@ pub enum CutError {
     Incomplete(u32),
 }
 
-/// Checks that nodes of these depths partition the leaves of a tree of `height`. Returns their number and stops at the
-/// node that ends at the last leaf.
+/// Checks that nodes of these depths partition the leaves of a tree of `height`. Stops at the node that ends at the
+/// last leaf and returns the number of nodes.
 ///
 /// # Errors
 /// The first node that breaks the partition.

@@ -26,8 +26,8 @@
 //! | `texture.0`, ... | u8 | bytes | image files as they were imported |
 //! | `brdf.0`, ... | u8 | bytes | files of BRDFs, packed: see [`Content::packed`](crate::brdf::Content::packed) |
 //!
-//! S surface sources are there if the bake was asked for them (`--mode indirect`, `cuts` or `all`), the tensors `meshless_*` of
-//! `dataset/meshless.rs` with `--mode meshless` or `all`.
+//! Surface sources are present for `--mode indirect`, `cuts` and `all`; the tensors `meshless_*` of
+//! `dataset/meshless.rs` for `--mode meshless` and `all`.
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
 //! and the scene's lists. A file is written under a temporary name and renamed. [`Dataset::validate`] checks all contents
@@ -77,20 +77,20 @@ use crate::{
 use glam::Vec2;
 use std::{path::Path, sync::Arc};
 
-/// Version of the layout that this program writes and the newest that it reads; older ones are read as well.
+/// Version of the layout that this program writes, and the newest that it reads; it also reads older ones.
 /// Version 2 added the maps of anisotropy and index of refraction; materials of version 1 have none.
 /// Version 3 added lights, modes, surface sources and the meshless basis.
-/// Version 4 added the spacing of each source; sources of version 3 are all as far apart as was reported.
-/// Version 5 added bakes that follow boundaries; those of version 4 are exhaustive.
+/// Version 4 added the spacing of each source; sources of version 3 all have the reported spacing.
+/// Version 5 added bakes that follow boundaries; bakes of version 4 are exhaustive.
 /// Version 6 added boundaries between surface sources; bakes of version 5 trace every source.
 /// Version 7 added the ground; scenes of version 6 have none.
-/// Version 8 added files of BRDFs, and `ward` became Ward's model of 1992; that of version 7 is now `ward-duer`.
+/// Version 8 added BRDF files, and `ward` became Ward's model of 1992; the former `ward` is now `ward-duer`.
 pub const FORMAT_VERSION: u32 = 8;
 
 /// First version whose `ward` is the model of 1992.
 const WARD_OF_1992: u32 = 8;
 
-/// Decodes the bytes of a picture's file. Its name tells the format, where the bytes alone do not.
+/// Decodes the bytes of a picture file. The file name gives the format where the bytes alone do not.
 pub type DecodePicture = fn(&[u8], &Path) -> Result<Texture, ImageError>;
 
 /// A baked scene.
@@ -108,18 +108,18 @@ pub struct Dataset {
     pub cuts: PackedCuts,
     /// Surface sources and their cuts, if they were baked.
     pub indirect: Option<IndirectBake>,
-    /// The meshless basis and its light transport, if they were baked; shared, since they are large and stay when objects are posed.
+    /// The meshless basis and its light transport, if baked; shared, because they are large and unaffected by poses.
     pub meshless: Option<Arc<MeshlessBake>>,
-    /// Settings of its bake.
+    /// Settings of the bake.
     pub settings: BakeSettings,
-    /// Hash of the scene as imported, hexadecimal.
+    /// Hash of the scene as imported, in hexadecimal.
     pub scene_hash: String,
-    /// How the bake went.
+    /// Report of the bake.
     pub report: BakeReport,
 }
 
 impl Dataset {
-    /// The same with another mesh of as many vertices and triangles.
+    /// The same dataset with another mesh of as many vertices and triangles.
     #[must_use]
     pub fn with_mesh(&self, mesh: Mesh) -> Self {
         Self {
@@ -136,19 +136,19 @@ impl Dataset {
         }
     }
 
-    /// The parts that it has for light that bounces.
+    /// The baked parts of bounced light.
     pub fn bounces(&self) -> BakeParts {
         let stored = BakePart::ALL.iter().filter(|part| part.bounces() && stored::stored(**part).is_in(self));
         stored.fold(BakeParts::NONE, |all, part| all.with(BakeParts::only(*part)))
     }
 
-    /// Whether it has anything of bounced light.
+    /// Whether any part of bounced light was baked.
     pub fn has_bounces(&self) -> bool {
         self.bounces() != BakeParts::NONE
     }
 
-    /// Interpolation weights of three vertices. `barycentric` are those of the second and third; the shares of buried
-    /// vertices go to the others.
+    /// Interpolation weights of three vertices. `barycentric` holds the weights of the second and third; the other
+    /// vertices take the shares of buried ones.
     pub fn interpolation_weights(&self, vertices: [u32; 3], barycentric: Vec2) -> [f32; 3] {
         let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
         let is_valid = vertices.map(|v| self.vertex_valid[v as usize]);
@@ -157,7 +157,7 @@ impl Dataset {
         if sum > 1e-6 { kept.map(|w| w / sum) } else { weights }
     }
 
-    /// The cameras of the shots that it was baked for, all with names: "Shot 1" and so on where they have none.
+    /// The cameras of the shots it was baked for. Unnamed shots are called "Shot 1" and so on.
     pub fn shot_views(&self) -> Vec<Camera> {
         let named = |(index, shot): (usize, &Shot)| match shot.camera.name.is_empty() {
             true => Camera { name: format!("Shot {}", index + 1), ..shot.camera.clone() },
@@ -167,10 +167,9 @@ impl Dataset {
     }
 }
 
-/// Hash of a scene's geometry and of the sides of its materials, as hexadecimal: all that visibility depends on beside what
-/// surfaces let through, which is edited without the file.
-/// Objects, cameras and local lights are left out, so that moving a light makes no bake stale. They are hints for the
-/// viewpoint of surface sources and meshless basis, and a checkpoint has its own record of the resulting points.
+/// Hash of a scene's geometry and of the sides of its materials, in hexadecimal. Visibility also depends on opacity, which is
+/// edited without the file. Objects, cameras and local lights are left out, so moving a light makes no bake stale. They are hints
+/// for the viewpoint of surface sources and meshless basis; a checkpoint records the resulting points itself.
 pub fn scene_hash(scene: &Scene) -> String {
     let mesh = &scene.mesh;
     let mut hasher = blake3::Hasher::new();
@@ -190,9 +189,8 @@ pub fn scene_hash(scene: &Scene) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Hash of a scene as its file has it, with what its surfaces let through and where its objects are placed, by themselves and at a
-/// time of an animation: all that a bake depends on beside its settings and the keyframes, see [`placed::deformed_hash`]. `scene` needs
-/// no mesh.
+/// Hash of all that a bake depends on except its settings and the keyframes (see [`placed::deformed_hash`]): the scene
+/// of the file, opacities, poses and animation time. `scene` needs no mesh.
 pub fn bake_hash(scene_hash: &str, scene: &Scene, poses: &Poses, time: Option<&ClipTime>) -> String {
     let parts =
         [Some(scene_hash.into()), scene.opacity_hash(), placed::hash(poses, time).map(|hash| format!("posed-{hash}"))];

@@ -1,4 +1,4 @@
-//! Distant light: a latitude-longitude map of radiance, of a file or made by a formula.
+//! Distant light: a latitude-longitude map of radiance, from a file or a formula.
 //!
 //! The center of the map is +Z, its left quarter +X, its top +Y: `u = 1/2 - atan2(x, z) / 2π`, `v = acos(y) / π`.
 
@@ -19,7 +19,7 @@ pub use procedural::{constant, orientation, studio, sun_and_sky};
 pub use pyramid::Pyramid;
 pub use sun::{MOST_SUNS, Sun, SunSettings, Suns};
 
-/// Largest radiance of an environment: ten thousand times that of the sun, and sums of its light stay numbers of 32 bits.
+/// Largest radiance of an environment: ten thousand times the sun's, and sums of it still fit `f32`.
 pub const MOST_RADIANCE: f32 = 1e12;
 /// Largest factor on an environment's radiance.
 pub const MOST_INTENSITY: f32 = 1e6;
@@ -27,7 +27,7 @@ pub const MOST_INTENSITY: f32 = 1e6;
 /// Light from all directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    /// The file's name, or the specification it was made from.
+    /// Name of the file, or the specification of the formula.
     pub name: String,
     /// Latitude-longitude radiance, of any size; 0 to [`MOST_RADIANCE`].
     pub map: Image,
@@ -35,17 +35,17 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// A map under a name.
+    /// An environment with a name.
     pub fn new(name: String, map: Image) -> Self {
         Self { name, map, known: sun::MapCache::default() }
     }
 
-    /// The suns of the map and what is left of it. They are found at the first call, and for other settings again.
+    /// The suns of the map and the rest of it. They are searched on the first call, and again for other settings.
     pub fn suns(&self, settings: SunSettings) -> Arc<Suns> {
         self.known.suns(self, settings)
     }
 
-    /// Irradiance in W/m² per channel on a surface that faces up, with nothing in the way. It is the same for every turn of the map.
+    /// Unoccluded irradiance in W/m² per channel on a surface that faces up. Independent of the map's rotation.
     pub fn irradiance_from_above(&self) -> Vec3 {
         *self.known.from_above.get_or_init(|| self.sum_from_above())
     }
@@ -62,7 +62,7 @@ impl Environment {
         rows.map(|(row, texels)| texels.iter().sum::<Vec3>() * weight(row as u32)).sum()
     }
 
-    /// A map of a file under a name. Also returns what was repaired, in sentences.
+    /// An environment from a file's map. Also returns the repairs, in sentences.
     pub fn repaired(name: String, mut map: Image) -> (Self, Vec<String>) {
         let mut warnings = Vec::new();
         repair(&mut map, &mut warnings);
@@ -74,7 +74,7 @@ impl Environment {
         bilinear(&self.map, uv_from_direction(direction))
     }
 
-    /// The map at ever coarser resolutions. It is made at the first call.
+    /// The map at decreasing resolutions. Built on the first call.
     pub fn pyramid(&self) -> Arc<Pyramid> {
         self.known.pyramid.get_or_init(|| Pyramid::new(&self.map).into()).clone()
     }
@@ -92,7 +92,7 @@ fn bilinear(map: &Image, uv: Vec2) -> Vec3 {
     top.lerp(bottom, f.y)
 }
 
-/// Replaces what cannot be radiance, and says so.
+/// Replaces invalid radiance, and reports it.
 fn repair(map: &mut Image, warnings: &mut Vec<String>) {
     let (mut invalid, mut negative, mut too_bright) = (0, 0, 0);
     for texel in &mut map.pixels {
@@ -137,13 +137,13 @@ fn repair(map: &mut Image, warnings: &mut Vec<String>) {
     }
 }
 
-/// Where a unit direction lies in a map: (0, 0) is the top left corner.
+/// Position of a unit direction in a map: (0, 0) is the top left corner.
 pub fn uv_from_direction(direction: Vec3) -> Vec2 {
     let u = 0.5 - direction.x.atan2(direction.z) / TAU;
     Vec2::new(u, direction.y.clamp(-1.0, 1.0).acos() / PI)
 }
 
-/// The unit direction at a place in a map.
+/// The unit direction at a position in a map.
 pub fn direction_from_uv(uv: Vec2) -> Vec3 {
     let (sin_phi, cos_phi) = ((0.5 - uv.x) * TAU).sin_cos();
     let (sin_theta, cos_theta) = (uv.y * PI).sin_cos();
@@ -179,7 +179,7 @@ mod tests {
             Environment::new("half".into(), map).irradiance_from_above().x
         };
         assert!((half(|y| y < 16) - PI).abs() < 1e-4 && half(|y| y >= 16).abs() < 1e-6);
-        // Within an angle of the zenith it is the sine squared of that.
+        // Within an angle of the zenith, the integral is the squared sine of that angle.
         assert!((half(|y| y < 11) - PI * (PI * 11.0 / 32.0).sin().powi(2)).abs() < 1e-4);
     }
 

@@ -1,7 +1,7 @@
-//! The ground that a lone object stands on: a plane fitted under the scene, endless to the eye.
+//! The ground under a lone object: a plane fitted under the scene, practically endless.
 //!
-//! It is a part of the mesh, so that it is baked and rendered as all else is. It is as fine as its distance from the scene
-//! asks, and [`Mesh::bounds`] leaves it out, since it says nothing about the size of what stands on it.
+//! It is part of the mesh, so it is baked and rendered like everything else. Its tessellation follows the distance from
+//! the scene. [`Mesh::bounds`] leaves it out, because it says nothing about the size of the objects on it.
 
 mod floor;
 
@@ -18,21 +18,21 @@ use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::{f32::consts::TAU, fmt};
 
-/// What the ground of a scene is.
+/// Kind of ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ground {
-    /// There is none.
+    /// No ground.
     #[default]
     Off,
-    /// A surface with a material of its own.
+    /// A surface with its own material.
     On,
-    /// Only its shadows and the light that it catches are seen, over the background.
+    /// Only its shadows and caught light show, over the background.
     Shadow,
 }
 
 impl Ground {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 3] = [Self::Off, Self::On, Self::Shadow];
 
     /// The name in files and options.
@@ -44,7 +44,7 @@ impl Ground {
         }
     }
 
-    /// What suits a scene: a lone object gets a ground that catches its shadow, and a scene with a floor gets none.
+    /// The default for a scene: a lone object gets a ground that catches its shadow, a scene with a floor gets none.
     pub fn suiting(mesh: &Mesh) -> Self {
         if has_floor(mesh) { Self::Off } else { Self::Shadow }
     }
@@ -59,21 +59,21 @@ impl fmt::Display for Ground {
 /// Name of the ground's object and material.
 pub const NAME: &str = "Ground";
 
-/// Radii of the rings of its mesh as shares of the scene's radius, half of the diagonal. A bake splits them further.
+/// Radii of the rings of its mesh as shares of the scene's radius, half of the diagonal. A bake subdivides them.
 const RINGS: [f32; 9] = [0.5, 1.0, 2.0, 4.0, REACH, 32.0, 128.0, 512.0, 2048.0];
 /// Corners of a ring.
 const SEGMENTS: u32 = 12;
-/// How far the ground reflects light to other surfaces, in radii of the scene. What lies beyond has an elevation of 7 degrees
-/// and less.
+/// Distance up to which the ground reflects light to other surfaces, in radii of the scene. Ground beyond it has an
+/// elevation of at most 7 degrees.
 const REACH: f32 = 8.0;
-/// How far it lies below the lowest point, as a share of the diagonal, so that flat bottoms do not lie in it.
+/// Distance below the lowest point, as a share of the diagonal, so that flat bottoms do not coincide with it.
 const GAP: f32 = 1e-4;
-/// Vertices of the mesh that is split further.
+/// Vertices of the mesh before subdivision.
 pub const LEAST_VERTICES: usize = 1 + RINGS.len() * SEGMENTS as usize;
-/// Reflectance of a ground that has no other material yet.
+/// Reflectance of a ground without another material.
 const REFLECTANCE: f32 = 0.5;
 
-/// Adds a ground under a scene, with an object and a material of its own. A scene that has one stays as it is.
+/// Adds a ground under a scene, with its own object and material. A scene with a ground stays unchanged.
 pub fn add_ground(scene: &mut Scene) {
     if scene.mesh.ground.is_some() {
         return;
@@ -91,7 +91,7 @@ pub fn add_ground(scene: &mut Scene) {
     scene.mesh.append_ground(ground);
 }
 
-/// The plane under a scene of some bounds: rings around its center.
+/// The plane under a scene with these bounds: rings around its center.
 fn plane(bounds: Bounds, object: u32, material: u32) -> Mesh {
     let (center, diagonal) = (bounds.center(), bounds.diagonal());
     let corner = |radius: f32, turn: f32| Vec2::from_angle(TAU * turn) * radius * 0.5 * diagonal;
@@ -128,7 +128,7 @@ fn triangles_of_rings() -> Vec<[u32; 3]> {
 }
 
 impl Mesh {
-    /// 0 for a triangle of the scene; for one of the ground 1 and more, the larger the farther out it is, by factors of four.
+    /// 0 for a triangle of the scene; 1 or more for a triangle of the ground, increasing with distance by factors of four.
     pub(crate) fn shell_of_ground(&self, triangle: u32, bounds: Bounds) -> u32 {
         if !self.is_ground(triangle) {
             return 0;
@@ -136,18 +136,18 @@ impl Mesh {
         1 + (self.radii_of_ground(triangle, bounds).clamp(1.0, 1e9).log2() / 2.0) as u32
     }
 
-    /// Distance of the middle of a triangle of the ground from the center of bounds, along the ground, in their radii.
+    /// Distance of the center of a ground triangle from the center of bounds, along the ground, in their radii.
     pub(crate) fn radii_of_ground(&self, triangle: u32, bounds: Bounds) -> f32 {
         self.distance_of(triangle, bounds) / (0.5 * bounds.diagonal())
     }
 
-    /// Distance in meters of the middle of a triangle from the center of bounds, along the ground.
+    /// Distance in meters of the center of a triangle from the center of bounds, along the ground.
     fn distance_of(&self, triangle: u32, bounds: Bounds) -> f32 {
         let middle = self.corners(triangle as usize).iter().sum::<Vec3>() / 3.0;
         middle.with_y(0.0).distance(bounds.center().with_y(0.0))
     }
 
-    /// Whether a triangle lies so far out on the ground that its light reaches no other surface. `bounds` are those of the mesh.
+    /// Whether a triangle lies so far out on the ground that its light reaches no other surface. `bounds` are the mesh's.
     pub fn is_far_ground(&self, triangle: u32, bounds: Bounds) -> bool {
         self.is_ground(triangle) && self.distance_of(triangle, bounds) > REACH * 0.5 * bounds.diagonal()
     }

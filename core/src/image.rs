@@ -8,15 +8,15 @@ mod region;
 
 pub use region::{Region, RegionError};
 
-/// Why a picture could not be read or written.
+/// Why a picture cannot be read or written.
 #[derive(Debug, Error)]
 pub enum ImageError {
-    /// The file system refused.
+    /// The file system reports an error.
     #[error("cannot {action} the picture: {source}; check the path, the permissions and the free space ({})", path.display())]
     Io {
         /// `read` or `write`.
         action: &'static str,
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
@@ -24,49 +24,49 @@ pub enum ImageError {
     /// The contents are damaged or of a foreign format.
     #[error("the file is not a picture that can be read ({reason}); it may be truncated: export it again as png, jpg, tga, hdr or exr ({})", path.display())]
     Decode {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the decoder.
         reason: String,
     },
-    /// Its components are not those of Rec. 709.
+    /// Its color components are not Rec. 709.
     #[error("the components of the picture are {space}, but pictures are compared in linear Rec. 709; convert it, or export it again with that color space ({})", path.display())]
     Primaries {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What they are.
+        /// Their color space.
         space: String,
     },
-    /// The extension names no format that can be written.
-    #[error("the extension of the output names no picture format; end the name in .exr, .hdr or .png ({})", path.display())]
+    /// The extension is not a writable format.
+    #[error("the extension of the output is not a picture format; end the name in .exr, .hdr or .png ({})", path.display())]
     UnknownExtension {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A layer was asked for by a name that it does not have.
+    /// The file has no layer of this name.
     #[error("there is no layer \"{name}\"; {has} ({})", path.display())]
     NoLayer {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is, in words.
+        /// The existing layers, in words.
         has: String,
     },
-    /// There is not enough memory for the picture.
+    /// There is too little memory for the picture.
     #[error("the picture takes {needed} MB of memory, but {available} MB are free; reduce its size or close other programs ({})", path.display())]
     Memory {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What decoding takes, in megabytes.
+        /// Memory for decoding, in megabytes.
         needed: u64,
-        /// What is free, in megabytes.
+        /// Free memory, in megabytes.
         available: u64,
     },
-    /// The picture has more pixels than any that is read.
+    /// The picture has more pixels than the limit.
     #[error("a picture of {width} x {height} is larger than the limit of {limit} pixels; reduce its size ({})", path.display())]
     TooLarge {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Width in pixels.
         width: u64,
@@ -92,7 +92,7 @@ impl Image {
         Self { size, pixels: vec![value; size[0] as usize * size[1] as usize] }
     }
 
-    /// A picture computed per pixel from its column and row.
+    /// A picture with pixels computed from column and row.
     pub fn from_fn(size: [u32; 2], mut f: impl FnMut(u32, u32) -> Vec3) -> Self {
         let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| f(x, y)).collect();
         Self { size, pixels }
@@ -124,7 +124,7 @@ impl Image {
         Self { size: self.size, pixels: self.pixels.iter().map(|&p| p * factor).collect() }
     }
 
-    /// A part of it.
+    /// A region of the picture.
     ///
     /// # Panics
     /// If the region reaches beyond the picture.

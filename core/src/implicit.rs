@@ -1,16 +1,15 @@
 //! Global illumination of moving scenes by implicit visibility.
 //!
-//! The method is that of Dong, Kautz, Theobalt and Seidel, *Interactive Global Illumination Using Implicit Visibility* (Pacific
-//! Graphics 2007), cited here as "implicit visibility". Surface elements in quadtrees see each other in bins of directions. Each bin
-//! keeps the nearest: no ray is cast. All is found anew in each frame, so that anything may move or deform.
+//! The method is from Dong, Kautz, Theobalt and Seidel, *Interactive Global Illumination Using Implicit Visibility* (Pacific
+//! Graphics 2007), cited here as "implicit visibility". Surface elements in quadtrees see each other in bins of directions. Each
+//! bin keeps the nearest, so no ray is cast. Everything is computed anew in each frame, so objects may move and deform.
 //!
-//! * [`Bins`]: what leaves see, by a walk of each leaf; layers of objects are merged by taking the nearer
+//! * [`Bins`]: the nodes seen by leaves, by a walk per leaf; layers of objects are merged by taking the nearer node
 //! * [`Views`]: the nodes in the bins, with holes closed
 //! * [`Drag`]: bins while one object moves
-//! * [`LeafLight`]: light of the sky and of what emits, bounce by bounce
+//! * [`LeafLight`]: light of the sky and of emitters, bounce by bounce
 //! * [`VertexWeights`]: values of leaves at the vertices of a mesh
-//! * [`bins`], [`links`] and [`refine`]: the link structure as the paper has it, the oracle of the walk; [`all_pairs`]: what they are
-//!   held against
+//! * [`bins`], [`links`] and [`refine`]: the link structure of the paper, the oracle of the walk; [`all_pairs`]: their reference
 //!
 //! The trees are [`crate::implicit::disc_forest::DiscForest`], over surfels by [`crate::implicit::forest::SurfelForest`].
 

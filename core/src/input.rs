@@ -1,4 +1,4 @@
-//! Reading files that a user gave. Only regular files are read, through links as well: a device such as `/dev/zero` has no
+//! Reads files named by a user. Only regular files are read, also through links: a device such as `/dev/zero` has no
 //! end, and a pipe may wait forever.
 
 use crate::memory;
@@ -11,7 +11,7 @@ use std::{
 /// The contents of a regular file.
 ///
 /// # Errors
-/// What [`open`] says, a file that takes more memory than there is or that grows meanwhile, and errors of the file system.
+/// See [`open`]; also a file that exceeds the free memory or grows while it is read, and errors of the file system.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let (file, length) = open_to_hold(path)?;
     let mut bytes = Vec::new();
@@ -29,27 +29,27 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
 /// The contents of a regular file as text.
 ///
 /// # Errors
-/// Those of [`read`], and contents that are not UTF-8.
+/// See [`read`]; also contents that are not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     String::from_utf8(read(path)?).map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
-/// Opens a regular file to read. Anything else is refused before it is opened.
+/// Opens a regular file for reading. Anything else is refused before it is opened.
 ///
 /// # Errors
 /// A folder, a device, a pipe or a socket, and errors of the file system.
 pub fn open(path: &Path) -> io::Result<File> {
     check_regular(&metadata(path)?)?;
     let file = File::open(path)?;
-    // Another program may have put something else in its place.
+    // Another program may have replaced the file.
     check_regular(&file.metadata()?)?;
     Ok(file)
 }
 
-/// Opens a regular file whose contents are to be held in memory, and tells its length in bytes.
+/// Opens a regular file whose contents will be held in memory, and returns its length in bytes.
 ///
 /// # Errors
-/// What [`open`] says, and a file that takes more memory than there is.
+/// See [`open`]; also a file that exceeds the free memory.
 pub fn open_to_hold(path: &Path) -> io::Result<(File, u64)> {
     let file = open(path)?;
     let length = file.metadata()?.len();
@@ -57,7 +57,7 @@ pub fn open_to_hold(path: &Path) -> io::Result<(File, u64)> {
     Ok((file, length))
 }
 
-/// Whether a file is in a folder or below it, after all links.
+/// Whether a file is in a folder or below it, after resolving links.
 pub fn is_inside(folder: &Path, file: &Path) -> bool {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     matches!((folder.canonicalize(), file.canonicalize()), (Ok(folder), Ok(file)) if file.starts_with(&folder))
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_file_that_holds_more_than_its_length_is_refused() {
-        // The system makes its contents as they are read, and tells a length of 0.
+        // The system generates its contents on reading, and reports a length of 0.
         assert!(refusal(Path::new("/proc/self/status")).contains("more than its length of 0 bytes"));
     }
 

@@ -1,9 +1,9 @@
 //! The mathematics and the data of Lapidary: scenes, BRDFs, light trees, cuts and the `.cuts` dataset.
 //!
-//! The method is that of Cheslack-Postava, Wang, Akerlund and Pellacini, *Fast, Realistic Lighting and Material
-//! Design using Nonlinear Cut Approximation* (SIGGRAPH Asia 2008), cited as "the paper" throughout. This crate knows neither GPU
-//! nor window, and no format of other programs; those are in `interchange`. `precompute` and `render` both stand on it and do not
-//! know each other.
+//! The method is from Cheslack-Postava, Wang, Akerlund and Pellacini, *Fast, Realistic Lighting and Material Design
+//! using Nonlinear Cut Approximation* (SIGGRAPH Asia 2008), cited as "the paper" throughout. This crate is independent
+//! of GPU, window and formats of other programs, which are in `interchange`. `precompute` and `render` both build on it
+//! and are independent of each other.
 //!
 //! # Conventions
 //!
@@ -16,30 +16,30 @@
 //! * A BRDF value never holds the cosine unless its name says so (`brdf_cos`).
 //! * Everything random is seeded from (scene, vertex or pixel), never from time or thread.
 //!
-//! # Rooms
+//! # Modules
 //!
 //! The scene:
-//! * [`mesh`]: triangles; [`scene`]: a mesh, and what is in the scene with it; [`bounds`]: axis-aligned boxes
-//! * [`camera`]: where it is seen from; [`shot`]: the pictures that a bake is for
-//! * [`material`]: parameters and maps; [`texture`]: the images that maps read
+//! * [`mesh`]: triangles; [`scene`]: a mesh with materials, cameras and lights; [`bounds`]: axis-aligned boxes
+//! * [`camera`]: view and projection; [`shot`]: the pictures that a bake is for
+//! * [`material`]: parameters and maps; [`texture`]: images of the maps
 //! * [`lights`]: local lights and their file; [`environment`]: distant light, maps and skies
-//! * [`animation`]: clips, skins and morph targets of files, which pose a baked scene
+//! * [`animation`]: clips, skins and morph targets from files, which pose a baked scene
 //! * [`image`]: linear RGB pictures
 //!
 //! The papers:
 //! * [`brdf`]: eight directions at a time, and the lobe filtered by the spread of a node
 //! * [`light_tree`]: the tree over the samples of distant light (Eq. 10 to 12), and the radiance of its nodes
 //! * [`cut`]: merging (3.2), selection for visibility and for solid angles (Eq. 5), illumination cuts, 16-bit packing
-//! * [`sources`]: surface samples as lights (4.1), their tree, its radiance, and what is near a receiver
+//! * [`sources`]: surface samples as lights (4.1), their tree, its radiance, and sources near a receiver
 //! * [`transport`]: one bounce of light, and the series over bounces
 //! * [`meshless`]: the meshless hierarchical basis and its light transport
 //! * [`implicit`]: light of moving scenes by implicit visibility
-//! * [`surfel`]: points of surfaces, whatever these are made of; [`ray`]: visibility
+//! * [`surfel`]: points of any kind of surface; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
-//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`sparse`] (matrices of weights), [`color`] (luminance, sRGB), [`input`] (reading of files that a
-//! user gave), [`output`] (what may be written, and files that are replaced whole), [`lock`] (one writer at a time), [`memory`]
-//! (what is free).
+//! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`sparse`] (matrices of weights), [`color`]
+//! (luminance, sRGB), [`input`] (safe reading of files), [`output`] (checked and atomic writing), [`lock`] (one writer
+//! at a time), [`memory`] (free memory).
 
 pub mod animation;
 pub mod bounds;

@@ -37,9 +37,9 @@ pub enum TreeKind {
     Mixed,
 }
 
-/// Why a number of light samples is refused.
+/// A number of light samples that cannot form a tree.
 #[derive(Debug, Error, PartialEq, Eq)]
-#[error("{0} light samples make no complete binary tree; use a power of two from 2 to 32768")]
+#[error("{0} light samples do not form a complete binary tree; use a power of two from 2 to 32768")]
 pub struct LightCountError(pub usize);
 
 /// A complete binary tree over distant light samples.
@@ -49,7 +49,7 @@ pub struct LightTree {
     order: Vec<u32>,
     /// Unit direction of each leaf, in tree order.
     leaf_directions: Vec<Vec3>,
-    /// Mean of the leaf directions below each node, by heap index; the closer the directions, the longer it is.
+    /// Mean of the leaf directions below each node, by heap index. Its length grows as the directions cluster.
     mean_directions: Vec<Vec3>,
     /// Half-angle in radians of the cone that contains most of a node's directions, by heap index.
     radii: Vec<f32>,
@@ -68,7 +68,7 @@ pub fn height_of(lights: usize) -> Result<u32, LightCountError> {
     }
 }
 
-/// Whether `order` has every index of its own once.
+/// Whether `order` contains each of its indices once.
 pub fn is_permutation(order: &[u32]) -> bool {
     let mut seen = vec![false; order.len()];
     order.iter().all(|&s| seen.get_mut(s as usize).is_some_and(|x| !std::mem::replace(x, true)))
@@ -84,7 +84,7 @@ impl LightTree {
         Self::from_order(cluster_order(features))
     }
 
-    /// A tree over Fibonacci samples by direction alone.
+    /// A tree over Fibonacci samples, clustered by direction alone.
     ///
     /// # Errors
     /// A number of samples that is not `2^H`, `1 <= H <= 15`.
@@ -148,7 +148,7 @@ impl LightTree {
     }
 }
 
-/// Half-angle of the cap whose directions have a mean of length `resultant`; no less than that of one leaf.
+/// Half-angle of the cap whose directions have a mean of length `resultant`; at least the half-angle of one leaf.
 fn radius(resultant: f32, lights: usize) -> f32 {
     // A cap between cos θ and 1 has its centroid at (1 + cos θ) / 2.
     let cap = |r: f32| (2.0 * r - 1.0).clamp(-1.0, 1.0).acos();
@@ -189,7 +189,7 @@ mod tests {
         let mut sorted = tree.order().to_vec();
         sorted.sort_unstable();
         assert!(sorted.iter().enumerate().all(|(i, &s)| i == s as usize));
-        // 16 of 1024 samples cover 0.196 sr, a cap of 14.3 degrees: the mean is that of a cap at best.
+        // 16 of 1024 samples cover 0.196 sr, a cap of 14.3 degrees. No mean is longer than the cap's.
         let tightness = |t: &LightTree| (64..128).map(|i| t.mean_directions()[i].length()).sum::<f32>() / 64.0;
         assert!(tightness(&tree) > 0.975);
         let shuffled = LightTree::from_order((0..1024).map(|i| i * 389 % 1024).collect()).unwrap();

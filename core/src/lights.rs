@@ -3,9 +3,9 @@
 //! A lights file is JSON: `{"lights": [{"kind": "spot", "position": [x, y, z], "target": [x, y, z], "intensity": [r, g, b],
 //! "cone_degrees": 30, "penumbra_degrees": 5}, ...]}`.
 //!
-//! A directional light may have an extent, as the sun has.
+//! A directional light may have an extent, like the sun.
 //!
-//! Lights are not geometry: neither the camera nor a ray that gathers light sees them. Only their illumination shows.
+//! Lights are not geometry: cameras and gathering rays do not see them. Only their illumination shows.
 
 mod check;
 mod disc;
@@ -22,34 +22,33 @@ pub use sample::{LightHit, LightSample, LightSampler};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// How a light emits.
+/// Emission of a light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Emission {
-    /// Into all directions; intensity in W/sr.
+    /// In all directions; intensity in W/sr.
     #[default]
     Point,
-    /// Into a cone around the direction to the target; intensity in W/sr on the axis.
+    /// In a cone around the direction to the target; intensity in W/sr on the axis.
     Spot {
-        /// Angle between the axis and the edge, beyond which there is no light, in degrees.
+        /// Angle between the axis and the edge of the cone, in degrees.
         cone_degrees: f32,
         /// Width in degrees, inside the edge, of the smooth falloff.
         #[serde(default)]
         penumbra_degrees: f32,
     },
-    /// Light from infinitely far along the direction from position to target; intensity is irradiance in W/m² on a surface
+    /// From infinitely far along the direction from position to target. Intensity is irradiance in W/m² on a surface
     /// that faces it.
     Directional {
-        /// The angle that it is seen under, from rim to rim, in degrees: 0 for parallel light, 0.53 for the sun.
+        /// Angular diameter in degrees: 0 for parallel light, 0.53 for the sun.
         #[serde(default)]
         angle_degrees: f32,
     },
-    /// A rectangle around the position that faces the target and emits on that side; intensity is its radiance in
-    /// W/(m² sr).
+    /// From a rectangle around the position that faces the target and emits on that side; intensity is its radiance in W/(m² sr).
     Rectangle {
-        /// Meters along its horizontal edge.
+        /// Length of its horizontal edge in meters.
         width: f32,
-        /// Meters along the other.
+        /// Length of its other edge in meters.
         height: f32,
     },
 }
@@ -70,18 +69,18 @@ pub struct Light {
     /// Its name.
     #[serde(default)]
     pub name: String,
-    /// Whether it shines.
+    /// Whether it is switched on.
     #[serde(default = "on")]
     pub enabled: bool,
-    /// How it emits.
+    /// Its emission.
     #[serde(flatten)]
     pub emission: Emission,
-    /// Where it is, in meters.
+    /// Position in meters.
     pub position: Vec3,
-    /// Its target; points have no direction and may leave it out.
+    /// Its target; point lights may omit it.
     #[serde(default)]
     pub target: Vec3,
-    /// Per color channel; the unit is that of [`Emission`].
+    /// Intensity per color channel, in the unit of [`Emission`].
     pub intensity: Vec3,
 }
 
@@ -90,7 +89,7 @@ fn on() -> bool {
 }
 
 impl Default for Light {
-    /// A point of unit intensity at the origin, switched on.
+    /// A point light of unit intensity at the origin, switched on.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -104,17 +103,17 @@ impl Default for Light {
 }
 
 impl Light {
-    /// Unit direction from position to target; `None` if they are one point.
+    /// Unit direction from position to target; `None` if they coincide.
     pub fn forward(&self) -> Option<Vec3> {
         (self.target - self.position).try_normalize()
     }
 
-    /// Whether it shines up from infinitely far below, so that a ground is before all of its light.
+    /// Whether it shines up from infinitely far below, so that a ground blocks all of its light.
     pub fn comes_from_below(&self) -> bool {
         matches!(self.emission, Emission::Directional { .. }) && self.forward().is_some_and(|forward| forward.y > 0.0)
     }
 
-    /// Whether it can give any light at all.
+    /// Whether it emits any light.
     pub fn shines(&self) -> bool {
         self.enabled && self.intensity.max_element() > 0.0
     }
@@ -128,7 +127,7 @@ impl Light {
         }
     }
 
-    /// Number of samples for a picture without visible noise: one is exact, lights with an extent take more.
+    /// Number of samples for a picture without visible noise: one if that is exact, more for lights with an extent.
     pub fn samples_wanted(&self) -> u32 {
         if self.is_delta() { 1 } else { 16 }
     }

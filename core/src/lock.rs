@@ -1,7 +1,7 @@
-//! One writer at a time: a lock beside an output.
+//! One writer at a time, by a lock file beside an output.
 //!
-//! `OUTPUT.lock` is locked through the system, which frees the lock of a process that ends, however it ends. So a file
-//! that a killed process left behind is stale, and is taken over. Its text tells who holds it.
+//! `OUTPUT.lock` is locked through the system, which frees the lock when its process ends in any way. A file left by a
+//! killed process is stale, and is taken over. Its text names the holder.
 
 use same_file::Handle;
 use std::{
@@ -12,21 +12,21 @@ use std::{
 };
 use thiserror::Error;
 
-/// Tries to lock a file that others make and remove at the same time.
+/// Attempts to lock a file that others create and remove at the same time.
 const MOST_TRIES: u32 = 100;
 
 /// Why an output cannot be locked.
 #[derive(Debug, Error)]
 pub enum LockError {
-    /// Another process writes it.
+    /// Another process is writing it.
     #[error("{holder} is writing the output; wait until it ends, stop it, or choose another output ({})", path.display())]
     Held {
         /// The output.
         path: PathBuf,
-        /// Process, machine and time as the lock tells them.
+        /// Process, machine and time as in the lock.
         holder: String,
     },
-    /// The file system refused.
+    /// The file system reports an error.
     #[error("cannot lock the output: {source}; check the path, the permissions and the free space ({})", path.display())]
     Io {
         /// The output.
@@ -36,23 +36,23 @@ pub enum LockError {
     },
 }
 
-/// The right to write an output, until it is dropped.
+/// The right to write an output, held until dropped.
 #[derive(Debug)]
 pub struct OutputLock {
-    /// Locked for as long as it is open.
+    /// Locked while open.
     _file: File,
     path: PathBuf,
 }
 
 impl OutputLock {
-    /// The lock of an output.
+    /// Path of an output's lock.
     pub fn path_of(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
         name.push(".lock");
         name.into()
     }
 
-    /// Takes the lock of an output, which need not exist.
+    /// Locks an output, which need not exist.
     ///
     /// # Errors
     /// [`LockError::Held`] if another process, or another part of this one, holds it.
@@ -66,11 +66,11 @@ impl OutputLock {
                 Err(TryLockError::WouldBlock) => {
                     return Err(LockError::Held { path: output.into(), holder: holder(&path) });
                 }
-                // Some network file systems have no locks, and say so in many ways; there it only tells who writes.
+                // Some network file systems have no locks, and report that in many ways; there the file only names the writer.
                 Err(TryLockError::Error(_)) => {}
             }
-            // The holder before may have removed the file between its opening and its locking here, or someone else may
-            // have put a link in its place.
+            // The previous holder may have removed the file between opening and locking it here, or another program may
+            // have replaced it by a link.
             check_no_link(&path).map_err(failed)?;
             if !is_at(&file, &path) {
                 continue;
@@ -84,21 +84,21 @@ impl OutputLock {
 
 impl Drop for OutputLock {
     fn drop(&mut self) {
-        // Removed before it is unlocked, so that nobody else's file is removed.
+        // Removed before it is unlocked, so that no other process's file is removed.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// Opens the lock, or makes it.
+/// Opens or creates the lock.
 fn open(path: &Path) -> io::Result<File> {
     check_no_link(path)?;
     OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)
 }
 
-/// Whatever a link leads to would be emptied, and a pipe would wait.
+/// A link's target would be emptied, and a pipe would wait.
 fn check_no_link(path: &Path) -> io::Result<()> {
     if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
-        let what = format!("{} is no regular file; remove it", path.display());
+        let what = format!("{} is not a regular file; remove it", path.display());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
     }
     Ok(())
@@ -116,7 +116,7 @@ fn this_process() -> String {
 }
 
 fn holder(path: &Path) -> String {
-    /// More is no text of ours.
+    /// Largest length of our own text.
     const LONGEST: usize = 400;
     let text = fs::read_to_string(path).unwrap_or_default();
     let is_ours = text.starts_with("process ") && text.len() < LONGEST && !text.contains(char::is_control);

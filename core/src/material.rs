@@ -1,6 +1,6 @@
 //! Materials: a BRDF model, the values of its parameters, and the textures that modulate them.
 //!
-//! Nothing about the BRDF is precomputed (paper, 4.2): each pixel has parameters of its own, all modulated by textures.
+//! Nothing about the BRDF is precomputed (paper, 4.2): each pixel has its own parameters, all modulated by textures.
 
 mod check;
 mod maps;
@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 /// A material of a scene.
 pub type Material = MaterialOf<TextureSlot>;
 
-/// A material whose maps are told by slots `S`: of a scene, of a file of its own, of a session.
+/// A material whose maps are identified by slots `S`: of a scene, a material file or a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "MaterialFields<S>", bound(deserialize = "S: Deserialize<'de>"))]
 pub struct MaterialOf<S> {
@@ -33,14 +33,14 @@ pub struct MaterialOf<S> {
     pub name: String,
     /// Reflectance model.
     pub model: BrdfModel,
-    /// The file of a model that has one. It stays when the model changes.
+    /// The BRDF file, for a model read from one. It stays when the model changes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<BrdfFile>,
     /// Values that the maps modulate.
     pub parameters: Parameters,
     /// Textures.
     pub maps: Maps<S>,
-    /// Both sides reflect: the surface is lit and seen from behind as well.
+    /// Both sides reflect: light reaches the back, and cameras see it.
     pub double_sided: bool,
 }
 
@@ -57,7 +57,7 @@ impl<S> Default for MaterialOf<S> {
     }
 }
 
-/// A material as files have it, its names not yet checked.
+/// A material as stored in files, before its names are checked.
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields, bound = "S: Deserialize<'de>")]
 struct MaterialFields<S> {
@@ -87,7 +87,7 @@ impl<S> TryFrom<MaterialFields<S>> for MaterialOf<S> {
 }
 
 impl<S> MaterialOf<S> {
-    /// The same with other maps.
+    /// The same material with other maps.
     pub fn with_maps<T>(&self, maps: Maps<T>) -> MaterialOf<T> {
         let Self { name, model, file, parameters, double_sided, .. } = self;
         MaterialOf {
@@ -102,7 +102,7 @@ impl<S> MaterialOf<S> {
 }
 
 impl<S> MaterialOf<S> {
-    /// For a material of a file from before the name `ward` changed its meaning: there it was the model of Ward and Dür.
+    /// Converts a material from a file older than the change of the name `ward`, which then meant the Ward-Dür model.
     pub fn with_ward_of_before(&mut self) {
         if self.model == BrdfModel::Ward {
             self.model = BrdfModel::WardDuer;
@@ -111,7 +111,7 @@ impl<S> MaterialOf<S> {
 }
 
 impl<S> MaterialOf<S> {
-    /// The parameters that it has: those of its model, or those that its file declares.
+    /// Its parameters: the model's, or those its file declares.
     pub fn declared(&self) -> &'static [Parameter] {
         let content = self.file.as_ref().and_then(|file| file.content.as_ref());
         match content.and_then(Content::written).filter(|_| self.model == BrdfModel::Wgsl) {
@@ -120,25 +120,25 @@ impl<S> MaterialOf<S> {
         }
     }
 
-    /// What it keeps for other programs and nothing renders: in none of the other lists.
+    /// Parameters kept for other programs and never rendered; in none of the other lists.
     pub fn stored_parameters(&self) -> &'static [Parameter] {
         self.model.stored_parameters()
     }
 
-    /// Those of [`Self::stored_parameters`] that it says something of, by a value that is no default or by a map.
+    /// [`Self::stored_parameters`] that have a map or a value other than the default.
     pub fn stored(&self) -> impl Iterator<Item = &'static Parameter> {
         let is_said =
             |p: &Parameter| self.maps.get(p.name).is_some() || p.sanitized(self.parameters.value(p)) != p.default;
         self.stored_parameters().iter().filter(move |p| is_said(p))
     }
 
-    /// Those of its reflectance, which come first.
+    /// Parameters of the reflectance, which come first.
     pub fn own_parameters(&self) -> &'static [Parameter] {
         let declared = self.declared();
         &declared[..declared.len() - SurfaceParameters::LIST.len()]
     }
 
-    /// Its parameter of a name.
+    /// The parameter called `name`.
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
         self.declared().iter().find(|p| p.name == name)
     }
@@ -148,12 +148,12 @@ impl<S> MaterialOf<S> {
         self.declared().iter().find(|p| p.quantity == quantity)
     }
 
-    /// The reflectance of its constants, as if it had no maps.
+    /// The reflectance of its parameters without maps.
     pub fn plain_brdf(&self) -> SurfaceBrdf {
         self.brdf(&self.plain_values())
     }
 
-    /// The reflectance with values in the order of the model's parameters and in their ranges.
+    /// The reflectance of values in the order of the model's parameters, clamped to their ranges.
     #[inline]
     pub fn brdf(&self, values: &Values) -> SurfaceBrdf {
         let content = self.file.as_ref().and_then(|file| file.content.as_ref());
@@ -163,14 +163,14 @@ impl<S> MaterialOf<S> {
         SurfaceBrdf::new(self.model, values, Some(FilePart { content, plain: &self.plain_values() }))
     }
 
-    /// The values of its parameters without maps, in their ranges.
+    /// Values of its parameters without maps, clamped to their ranges.
     pub fn plain_values(&self) -> Values {
         Values::of(self.declared(), &self.parameters)
     }
 }
 
 impl<S: Clone> MaterialOf<S> {
-    /// The same with nothing that it holds of models that it had before.
+    /// The same material without leftovers of its earlier models.
     #[must_use]
     pub fn own(&self) -> Self {
         let mut own = Self { parameters: Parameters::default(), ..self.clone() };
@@ -184,14 +184,14 @@ impl<S: Clone> MaterialOf<S> {
         own
     }
 
-    /// With another model, which takes over the values and maps of the quantities that both have.
+    /// Changes the model and carries over the values and maps of the quantities that both models have.
     pub fn change_model(&mut self, model: BrdfModel) {
         for to in model.parameters() {
             let Some(from) = self.parameter_for(to.quantity).filter(|from| from.name != to.name) else {
                 continue;
             };
             let value = self.parameters.value(from);
-            // What says the same already may say more: a stretch across the tangent that the other model lacks.
+            // An equal value may hold more: a stretch across the tangent, which the other model lacks.
             let says_the_same = self.parameters.get(to.name).is_some_and(|old| from.sanitized(old) == value);
             if !says_the_same {
                 self.parameters.set(to.name, to.sanitized(value));
@@ -203,13 +203,12 @@ impl<S: Clone> MaterialOf<S> {
 }
 
 impl Material {
-    /// With the path of its file alone.
+    /// The same material with only the path of its file.
     pub fn without_content(&self) -> Self {
         Self { file: self.file.as_ref().map(BrdfFile::without_content), ..self.clone() }
     }
 
-    /// With parameters and placements of maps in their ranges; see [`Parameters::sanitized`] and
-    /// [`TextureSlot::sanitized`].
+    /// Clamps parameters and placements of maps to their ranges; see [`Parameters::sanitized`] and [`TextureSlot::sanitized`].
     pub fn sanitized(mut self) -> Self {
         let declared = self.declared();
         self.parameters = self.parameters.sanitized().sanitized_by(declared);
@@ -219,7 +218,7 @@ impl Material {
         self
     }
 
-    /// Sends this radiance, in W/(m² sr), as a color up to one and the rest as its luminance.
+    /// Sets the emitted radiance in W/(m² sr): a color up to one, and a luminance for the rest.
     pub fn set_emission(&mut self, radiance: Vec3) {
         let largest = radiance.max_element();
         if largest > 0.0 {
@@ -229,7 +228,7 @@ impl Material {
         }
     }
 
-    /// Whether its constants send light.
+    /// Whether the material emits light without its maps.
     pub fn shines(&self) -> bool {
         SurfaceParameters::from(&self.parameters).emission() != Vec3::ZERO
     }
@@ -278,7 +277,7 @@ mod tests {
         }
     }
 
-    /// A material of OpenPBR that says something of all that is stored, with a map of each.
+    /// An OpenPBR material with a value and a map for every stored parameter.
     fn storing() -> Material {
         let mut material = Material { model: BrdfModel::OpenPbr, ..Default::default() };
         for p in material.stored_parameters() {
@@ -291,7 +290,8 @@ mod tests {
 
     #[test]
     fn stored_parameters_are_those_of_openpbr_1_1() {
-        // Name, default and range. What the specification does not bound has a large bound here, and the index that of others.
+        // Name, default and range. A quantity unbounded in the specification has a large bound here; the index has the
+        // bound of the others.
         let expected = [
             ("transmission_weight", Value::Number(0.0), [0.0, 1.0]),
             ("transmission_color", Value::Color(Vec3::ONE), [0.0, 1.0]),
@@ -409,7 +409,7 @@ mod tests {
         assert_eq!((p.roughness, p.anisotropy), (0.75, -0.5), "what was edited counts, what was not stays");
     }
 
-    /// The Lambertian albedo, or the GGX parameters, that a material has after its maps.
+    /// The Lambertian albedo, or the GGX parameters, of a material after its maps.
     fn read(material: &Material, texel: Vec4) -> GgxParameters {
         GgxParameters::new(&ResolvedMaterial::from(material).values(|_| texel))
     }

@@ -1,35 +1,34 @@
 //! Memory of the machine and of this process.
 
-/// Bytes that this process could allocate now, where the system tells: what is free on the machine, in the group of
-/// processes that it is confined to, and below its own limit (`ulimit -v`).
+/// Bytes that this process could allocate now, if the system reports them: the least of the machine's free memory, the
+/// remainder of the process's control group, and of its own limit (`ulimit -v`).
 pub fn available() -> Option<u64> {
     [kilobytes("/proc/meminfo", "MemAvailable:"), left_in_group(), left_of_address_space()].into_iter().flatten().min()
 }
 
-/// Resident memory of this process, 0 where the system does not tell.
+/// Resident memory of this process, 0 if the system does not report it.
 pub fn resident() -> u64 {
     kilobytes("/proc/self/status", "VmRSS:").unwrap_or(0)
 }
 
-/// Greatest resident memory of this process so far, 0 where the system does not tell.
+/// Peak resident memory of this process so far, 0 if the system does not report it.
 pub fn peak() -> u64 {
     kilobytes("/proc/self/status", "VmHWM:").unwrap_or(0)
 }
 
-/// What is needed, rounded up, and what is free, rounded down, in megabytes: a refusal never shows the same number twice.
+/// Needed memory, rounded up, and free memory, rounded down, in megabytes: a refusal never shows the same number twice.
 pub fn in_megabytes(needed: u64, available: u64) -> [u64; 2] {
     [needed.div_ceil(1_000_000), available / 1_000_000]
 }
 
-/// What the control group of a container leaves.
+/// Free memory in the control group of a container.
 fn left_in_group() -> Option<u64> {
     let text = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok();
     let number = |name: &str| text(name)?.trim().parse::<u64>().ok();
     Some(left_of(number("memory.max")?, number("memory.current")?, &text("memory.stat").unwrap_or_default()))
 }
 
-/// What is left of a group's limit. What it uses counts the files that the system caches for it; these give way when memory
-/// is needed.
+/// Free memory below a group's limit. Its used memory includes files that the system caches; the system frees these on demand.
 fn left_of(limit: u64, used: u64, statistics: &str) -> u64 {
     const CACHED: [&str; 3] = ["inactive_file", "active_file", "slab_reclaimable"];
     let entries = statistics.lines().filter_map(|line| line.split_once(' '));

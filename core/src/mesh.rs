@@ -1,4 +1,4 @@
-//! An indexed triangle mesh with a material and an object per triangle, and what makes one unusable.
+//! An indexed triangle mesh with a material and an object per triangle, and its checks.
 
 use crate::{
     bounds::{Bounds, MOST_COORDINATE},
@@ -8,13 +8,13 @@ use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// The least diagonal of a scene in meters. The fourth power of a distance has to stay above the smallest `f32`.
+/// The smallest diagonal of a scene in meters. The fourth power of a distance must stay above the smallest `f32`.
 pub const LEAST_DIAGONAL: f32 = 1e-6;
 
-/// How much the length of a stored direction may differ from 1.
+/// Tolerance of the length of a stored unit direction.
 const UNIT_TOLERANCE: f32 = 0.1;
 
-/// Whether a direction is about of length 1.
+/// Whether a direction has about unit length.
 pub fn is_unit(direction: Vec3) -> bool {
     (direction.length() - 1.0).abs() <= UNIT_TOLERANCE
 }
@@ -36,11 +36,11 @@ pub struct Mesh {
     pub triangle_material: Vec<u32>,
     /// Index into [`Scene::objects`](crate::scene::Scene::objects), one per triangle.
     pub triangle_object: Vec<u32>,
-    /// Where the ground under the scene begins, if there is one; see [`crate::ground`].
+    /// Start of the ground under the scene, if there is one; see [`crate::ground`].
     pub ground: Option<GroundStart>,
 }
 
-/// Where the ground of a mesh begins: its vertices and triangles are the last ones, and nothing else uses them.
+/// Start of the ground in a mesh: its vertices and triangles are the last ones, and nothing else uses them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GroundStart {
     /// Its first vertex.
@@ -49,34 +49,34 @@ pub struct GroundStart {
     pub triangle: u32,
 }
 
-/// Errors that make a mesh unusable. Importers repair or report before this; a dataset is checked when loaded.
+/// Errors that make a mesh unusable. Importers repair or report earlier; a dataset is checked when loaded.
 #[derive(Debug, Error, PartialEq)]
 pub enum MeshError {
-    /// Nothing to show.
+    /// There is nothing to show.
     #[error("the mesh has no triangles; check that the file holds faces and not only points or lines")]
     Empty,
-    /// Arrays that belong together differ in length.
+    /// Corresponding arrays differ in length.
     #[error("the mesh has {found} {array} for {expected} {owner}; the file is damaged, export or bake it again")]
     Length {
         /// Name of the array.
         array: &'static str,
-        /// What it is counted per.
+        /// The elements it belongs to.
         owner: &'static str,
         /// Its length.
         found: usize,
-        /// The length that it needs.
+        /// The expected length.
         expected: usize,
     },
     /// An index points past its array.
     #[error("triangle {triangle} refers to {array} {index}, but there are {count}; export the mesh again")]
     Index {
-        /// Which triangle.
+        /// Index of the triangle.
         triangle: usize,
-        /// What the index is into.
+        /// Name of the array that the index refers to.
         array: &'static str,
         /// The index.
         index: u32,
-        /// Number of elements there.
+        /// Number of its elements.
         count: usize,
     },
     /// A coordinate is NaN or infinite.
@@ -84,7 +84,7 @@ pub enum MeshError {
     NotFinite {
         /// Name of the array.
         array: &'static str,
-        /// Which element.
+        /// Index of the element.
         index: usize,
     },
     /// A coordinate is beyond [`MOST_COORDINATE`].
@@ -92,49 +92,49 @@ pub enum MeshError {
     TooFar {
         /// Name of the array.
         array: &'static str,
-        /// Which element.
+        /// Index of the element.
         index: usize,
         /// The largest of its numbers.
         value: f32,
     },
-    /// A normal or tangent that is no direction.
+    /// A normal or tangent is not of unit length.
     #[error("{array} {index} is not of length 1; recalculate it in the program that wrote the mesh")]
     NotUnit {
         /// Name of the array.
         array: &'static str,
-        /// Which element.
+        /// Index of the element.
         index: usize,
     },
-    /// Everything is in one place, or nearly.
+    /// All vertices are at or near one place.
     #[error("the scene is {diagonal:e} m across, below the limit of {LEAST_DIAGONAL:e} m; scale the scene up")]
     TooSmall {
         /// Diagonal of its bounds in meters.
         diagonal: f32,
     },
-    /// Vertices that an animation made for another mesh.
+    /// Deformed vertices belong to another mesh.
     #[error("object {object} is deformed with {found} vertices and has {expected}; pose the scene as it is now")]
     Deformed {
-        /// Which object.
+        /// Index of the object.
         object: u32,
         /// Vertices of the pose.
         found: usize,
         /// Vertices of the object.
         expected: usize,
     },
-    /// More objects than can be moved one by one.
+    /// More objects than can be posed one by one.
     #[error("the scene has {found} objects, and at most {most} can be posed; join some of them")]
     TooManyObjects {
-        /// How many there are.
+        /// Number of objects.
         found: usize,
-        /// How many there may be.
+        /// The largest number.
         most: usize,
     },
-    /// The ground shares vertices with the scene, or begins nowhere.
+    /// The ground shares vertices with the scene, or has no valid start.
     #[error("the ground of the mesh is not apart from the rest; the file is damaged, bake the scene again")]
     Ground,
 }
 
-/// Checks that places are finite and within reach, and that they are not all in one.
+/// Checks that places are finite, within reach and not all at one place.
 ///
 /// # Errors
 /// [`MeshError::NotFinite`], [`MeshError::TooFar`] or [`MeshError::TooSmall`].
@@ -144,7 +144,7 @@ pub fn check_extent(positions: impl Iterator<Item = Vec3> + Clone) -> Result<(),
     if diagonal >= LEAST_DIAGONAL { Ok(()) } else { Err(MeshError::TooSmall { diagonal }) }
 }
 
-/// The largest of some numbers without their signs; NaN if one of them is.
+/// The largest magnitude of some numbers; NaN if one of them is NaN.
 fn size(numbers: &[f32]) -> f32 {
     numbers.iter().map(|x| x.abs()).fold(0.0, |a, b| if a.is_nan() || b <= a { a } else { b })
 }
@@ -160,7 +160,7 @@ fn check_numbers(array: &'static str, sizes: impl Iterator<Item = f32>) -> Resul
 }
 
 impl Mesh {
-    /// By vertex, the object that it goes with: the first of those of its triangles, or `u32::MAX` without triangles.
+    /// For each vertex the first object among its triangles, or `u32::MAX` without triangles.
     pub fn owners(&self) -> Vec<u32> {
         let mut owners = vec![u32::MAX; self.positions.len()];
         for (corners, &object) in self.triangles.iter().zip(&self.triangle_object) {
@@ -171,7 +171,7 @@ impl Mesh {
         owners
     }
 
-    /// Bounds of all vertices but those of the ground.
+    /// Bounds of all vertices except the ground's.
     pub fn bounds(&self) -> Bounds {
         Bounds::around(self.positions[..self.vertices_of_scene()].iter().copied())
     }
@@ -182,7 +182,7 @@ impl Mesh {
         self.triangles[triangle].map(|v| self.positions[v as usize])
     }
 
-    /// Cross product of two edges: normal direction, twice the area long.
+    /// Cross product of two edges: the normal direction, with the length of twice the area.
     #[inline]
     pub fn area_vector(&self, triangle: usize) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
@@ -200,8 +200,7 @@ impl Mesh {
         }
     }
 
-    /// The unit normal by which a surface point receives light: that of the vertices, interpolated, on the point's
-    /// side.
+    /// The unit shading normal of a surface point, interpolated from the vertices, on the point's side.
     pub fn shading_normal(&self, at: &Surfel) -> Vec3 {
         let MeshPlace { triangle, barycentric: b } = at.place;
         let weights = [1.0 - b.x - b.y, b.x, b.y];
@@ -211,7 +210,7 @@ impl Mesh {
         (smooth * side).try_normalize().unwrap_or(at.normal)
     }
 
-    /// Checks lengths, indices, finiteness, extent, and that directions are of length 1, against `materials` and `objects`
+    /// Checks lengths, indices, finiteness, extent and unit directions. `materials` and `objects` are the numbers of
     /// entries to refer to.
     ///
     /// # Errors
@@ -256,7 +255,7 @@ impl Mesh {
         self.validate_ground()
     }
 
-    /// The ground has its own triangles and vertices, and is not all there is.
+    /// The ground has its own triangles and vertices, and is not the whole mesh.
     fn validate_ground(&self) -> Result<(), MeshError> {
         let Some(GroundStart { vertex, triangle }) = self.ground else { return Ok(()) };
         let (of_scene, of_ground) = self.triangles.split_at_checked(triangle as usize).ok_or(MeshError::Ground)?;
@@ -277,7 +276,7 @@ impl Mesh {
         check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))
     }
 
-    /// Tangents may be zero where there is no direction of u.
+    /// Tangents may be zero where u has no direction.
     fn validate_directions(&self) -> Result<(), MeshError> {
         fn check(array: &'static str, mut unit: impl Iterator<Item = bool>) -> Result<(), MeshError> {
             unit.position(|u| !u).map_or(Ok(()), |index| Err(MeshError::NotUnit { array, index }))
@@ -288,12 +287,12 @@ impl Mesh {
         check("tangent", self.tangents.iter().map(is_tangent))
     }
 
-    /// Number of vertices but those of the ground.
+    /// Number of vertices except the ground's.
     pub fn vertices_of_scene(&self) -> usize {
         self.ground.map_or(self.positions.len(), |start| start.vertex as usize)
     }
 
-    /// Number of triangles but those of the ground.
+    /// Number of triangles except the ground's.
     pub(crate) fn triangles_of_scene(&self) -> usize {
         self.ground.map_or(self.triangles.len(), |start| start.triangle as usize)
     }
@@ -314,7 +313,7 @@ impl Mesh {
         self.triangle_object.get(self.ground?.triangle as usize).copied()
     }
 
-    /// Appends a ground, which is a mesh of its own with the objects and materials of this one.
+    /// Appends a ground: a separate mesh that uses the objects and materials of this one.
     pub fn append_ground(&mut self, ground: Self) {
         let start = GroundStart { vertex: self.positions.len() as u32, triangle: self.triangles.len() as u32 };
         self.positions.extend(ground.positions);
@@ -327,7 +326,7 @@ impl Mesh {
         self.ground = Some(start);
     }
 
-    /// Takes the ground away, as a mesh of its own.
+    /// Removes the ground and returns it as a separate mesh.
     pub fn split_off_ground(&mut self) -> Option<Self> {
         let GroundStart { vertex, triangle } = self.ground.take()?;
         let (from_vertex, from_triangle) = (vertex as usize, triangle as usize);
@@ -344,7 +343,7 @@ impl Mesh {
         })
     }
 
-    /// Takes a vertex elsewhere by a similarity with this rotation.
+    /// Transforms a vertex by a similarity with this rotation.
     pub(crate) fn turn_vertex(&mut self, vertex: usize, similarity: Affine3A, rotation: Quat) {
         self.positions[vertex] = similarity.transform_point3(self.positions[vertex]);
         self.normals[vertex] = rotation * self.normals[vertex];

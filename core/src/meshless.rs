@@ -1,12 +1,12 @@
 //! The meshless hierarchical basis: light on surfaces as a sum of smooth functions around scattered points, coarse to
 //! fine.
 //!
-//! The method is that of Lehtinen et al., *A Meshless Hierarchical Representation for Light Transport* (SIGGRAPH 2008),
-//! cited here as "the meshless paper". It knows only points with normals, and nothing of the kind of surface.
+//! The method is from Lehtinen et al., *A Meshless Hierarchical Representation for Light Transport* (SIGGRAPH 2008),
+//! cited here as "the meshless paper". Its input is only points with normals, of any kind of surface.
 //!
 //! * [`Basis`]: the functions, range queries, normalized values (meshless paper, 2.1 and 2.2)
-//! * [`FunctionGrid`]: which functions reach a point, in arrays that a graphics adapter can read
-//! * [`Projection`]: coefficients of a function that was sampled at the points (2.1)
+//! * [`FunctionGrid`]: the functions that reach a point, in arrays that shaders can read
+//! * [`Projection`]: coefficients of a function sampled at the points (2.1)
 //! * [`SenderSamples`]: direct light on the senders, from the points of the next level
 //! * [`Transport`]: the single-bounce operator (3.1) as `precompute` refined it
 //! * [`Solver`]: direct light to indirect light at run time, bounce by bounce (3.3)
@@ -31,7 +31,7 @@ pub use transport::{PackedLink, Transport, TransportError, irradiance};
 /// A baked basis and its operator. Neither depends on reflectance.
 #[derive(Clone, Debug)]
 pub struct MeshlessBake {
-    /// The functions; those of the first levels are also senders.
+    /// The functions; functions of the first levels are also senders.
     pub basis: Basis,
     /// One bounce from senders to receivers.
     pub transport: Transport,

@@ -1,11 +1,11 @@
-//! How far off surfaces rays start, and how far before a light they end.
+//! Distance of ray origins from surfaces, and of ray ends from lights.
 //!
-//! Positions are rounded in proportion to the size of a scene, so distances are shares of the diagonal of its bounds. Rays
-//! of a baked or shaded point start as far off as its triangles are coarse, since the rounding of a position on a triangle
-//! grows with its edges. Points that only send or receive bounced light need no such care.
+//! Positions are rounded in proportion to the size of a scene, so distances are shares of the diagonal of its bounds.
+//! For baked or shaded points they also scale with the edges of their triangles, because the rounding of a position on
+//! a triangle does. Points that only send or receive bounced light need no such care.
 //!
-//! Shaded and baked points share one rule, [`of_shading`] and [`of_baking`]. The others are numbers of their own, since
-//! pictures and bakes would change with them; this is the only place that states them.
+//! Shaded and baked points share one rule, [`of_shading`] and [`of_baking`]. The others are separate constants, because
+//! pictures and bakes would change with them. This is the only place that defines them.
 
 /// Distance of ray origins from a baked or shaded point, as a share of the mean edge of its triangles.
 pub const OF_EDGE: f32 = 0.02;
@@ -19,9 +19,9 @@ pub const BOUNCE: f32 = 1e-4;
 /// diagonal: sources see into narrow gaps.
 pub const TRANSPORT: f32 = 1e-5;
 
-/// Share of the way to a light that shadow rays of a shaded point go: lights often lie in the surface of their lamp.
+/// Share of the way to a light that shadow rays of a shaded point cover: lights often lie in the surface of their lamp.
 pub const REACH_OF_SHADING: f32 = 1.0 - 1e-4;
-/// The same for points that bounce light.
+/// [`REACH_OF_SHADING`] for points that bounce light.
 pub const REACH_OF_BOUNCE: f32 = 1.0 - 1e-3;
 
 /// Distance in meters of ray origins from the triangle of a shaded point. `edge` is its mean edge in meters, `largest`
@@ -31,8 +31,8 @@ pub fn of_shading(edge: f32, largest: f32) -> f32 {
     (OF_EDGE * edge).clamp(OF_EDGE * largest, largest)
 }
 
-/// The same for a baked vertex: `edge` is the mean edge around it, and `height` the largest offset that the triangles
-/// around it allow, in meters.
+/// [`of_shading`] for a baked vertex: `edge` is the mean edge around it, and `height` the largest offset that the
+/// surrounding triangles allow, in meters.
 pub fn of_baking(edge: f32, height: f32, diagonal: f32) -> f32 {
     (OF_EDGE * edge).min(height).clamp(SMALLEST_BAKED * diagonal, LARGEST * diagonal)
 }

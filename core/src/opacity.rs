@@ -1,7 +1,7 @@
-//! How much of the light that meets a surface is stopped by it, point by point.
+//! Share of incident light that a surface stops, point by point.
 //!
-//! A surface that stops less is thin: light passes straight on, neither refracted nor colored. It is looked up at points, never
-//! within footprints, so that rays, cameras and bakes meet the same holes.
+//! A surface that stops less than all is thin: light passes straight through, neither refracted nor colored. Opacity is
+//! looked up at points, never within footprints, so rays, cameras and bakes meet the same holes.
 
 use crate::{
     material::Material,
@@ -21,20 +21,20 @@ const CUTOFF: &str = "opacity_cutoff";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opacity {
     stopped: Mapped,
-    /// Above zero: points stop all light from this opacity on, and none below it.
+    /// Above zero: points of at least this opacity stop all light, all other points none.
     cutoff: Mapped,
 }
 
-/// A number from 0 to 1 that a map may scale.
+/// A number from 0 to 1, optionally scaled by a map.
 #[derive(Clone, Debug)]
 struct Mapped {
     number: f32,
-    /// Without a texture: of a pattern, or where it is missing.
+    /// The slot of the map; its texture is `None` for a pattern or if missing.
     map: Option<(TextureSlot, Option<Arc<Texture>>)>,
 }
 
 impl PartialEq for Mapped {
-    /// Whether both are the same everywhere: by equal numbers and slots, and by the same texture, or one of an equal file.
+    /// Whether both are the same everywhere: by equal numbers and slots, and by the same texture or an equal file.
     fn eq(&self, other: &Self) -> bool {
         let is_same =
             |a: &Texture, b: &Texture| std::ptr::eq(a, b) || (!a.encoded.is_empty() && a.encoded == b.encoded);
@@ -53,7 +53,7 @@ impl PartialEq for Mapped {
     }
 }
 
-/// A slot without the index of its texture, which says nothing of that.
+/// A slot without the index of its texture, which does not identify the texture.
 fn without_index(slot: &TextureSlot) -> TextureSlot {
     TextureSlot { texture: 0, ..slot.clone() }
 }
@@ -65,7 +65,7 @@ impl Mapped {
         Self { number: material.parameters.number(name), map }
     }
 
-    /// The least that it is anywhere. Looks at each texel of its map, if it has one.
+    /// The minimum over all texels of its map, if it has one.
     fn least(&self) -> f32 {
         let factor = match &self.map {
             Some((TextureSlot { procedural: Some(_), .. }, _)) => 0.0,
@@ -95,11 +95,11 @@ impl Mapped {
 }
 
 impl Opacity {
-    /// All light is stopped.
+    /// Opaque.
     pub(crate) const FULL: Self =
         Self { stopped: Mapped { number: 1.0, map: None }, cutoff: Mapped { number: 0.0, map: None } };
 
-    /// Of a material whose maps are among `textures`.
+    /// The opacity of a material whose maps are among `textures`.
     pub fn of(material: &Material, textures: &[Arc<Texture>]) -> Self {
         Self { stopped: Mapped::of(material, OPACITY, textures), cutoff: Mapped::of(material, CUTOFF, textures) }
     }
@@ -130,12 +130,12 @@ impl Opacity {
 #[derive(Clone, Debug, Default)]
 pub struct Opacities {
     materials: Vec<Opacity>,
-    /// The material of each triangle, where that is not the mesh's.
+    /// The material of each triangle, where it differs from the mesh's.
     assigned: Option<Arc<[u32]>>,
 }
 
 impl PartialEq for Opacities {
-    /// Whether both let through the same light. Materials that one lacks, as that of a ground, let none through.
+    /// Whether both let through the same light. Missing materials, such as a ground's, are opaque.
     fn eq(&self, other: &Self) -> bool {
         let at = |of: &Self, i: usize| of.materials.get(i).cloned().unwrap_or(Opacity::FULL);
         let is_any_thin = self.materials.iter().any(|opacity| *opacity != Opacity::FULL);
@@ -145,13 +145,13 @@ impl PartialEq for Opacities {
 }
 
 impl Opacities {
-    /// Of materials whose maps are among `textures`.
+    /// The opacities of materials whose maps are among `textures`.
     pub fn of(materials: &[Material], textures: &[Arc<Texture>]) -> Self {
         let materials = materials.iter().map(|material| Opacity::of(material, textures)).collect();
         Self { materials, assigned: None }
     }
 
-    /// The same where triangles have other materials than those of the mesh.
+    /// The same opacities with other materials for triangles than the mesh's.
     pub fn assigned(self, assigned: Option<Arc<[u32]>>) -> Self {
         Self { assigned, ..self }
     }
@@ -167,14 +167,14 @@ impl Opacities {
         materials[triangle as usize]
     }
 
-    /// Whether all triangles of a mesh let through the same light by both, whatever their materials' numbers are.
+    /// Whether both give all triangles of a mesh the same opacity, whatever the indices of their materials.
     pub fn agree(&self, other: &Self, mesh: &Mesh) -> bool {
         if self == other {
             return true;
         }
         let numbers = |triangle| (self.material(mesh, triangle), other.material(mesh, triangle));
         let mut pairs: Vec<_> = (0..mesh.triangles.len() as u32).map(numbers).collect();
-        // Triangles of a part mostly follow each other.
+        // Triangles of a part are mostly consecutive.
         pairs.dedup();
         pairs.sort_unstable();
         pairs.dedup();
@@ -182,14 +182,14 @@ impl Opacities {
         pairs.into_iter().all(|(own, others)| of(self, own) == of(other, others))
     }
 
-    /// Per material its opacity, if it lets light through anywhere.
+    /// The opacity of each material that lets light through anywhere.
     pub fn thin(&self) -> Vec<Option<Opacity>> {
         self.materials.iter().map(|opacity| (!opacity.is_full()).then(|| opacity.clone())).collect()
     }
 }
 
 impl Material {
-    /// Lets through what another material does; `placed` tells where a map of it is found.
+    /// Takes the opacity of another material; `placed` finds the slot for each of its maps.
     pub fn take_opacity(&mut self, from: &Self, mut placed: impl FnMut(&TextureSlot) -> Option<TextureSlot>) {
         for name in [OPACITY, CUTOFF] {
             let number = from.parameters.number(name);
@@ -201,24 +201,24 @@ impl Material {
     }
 }
 
-/// Parts of one material that let through other light than that says.
+/// Parts of one material with another opacity than the material's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartOpacity {
-    /// Which parts.
+    /// The parts.
     pub parts: Vec<Part>,
-    /// A material of which the opacity alone counts.
+    /// A material of which only the opacity counts.
     pub material: Material,
 }
 
 impl PartOpacity {
-    /// Whether it fits a scene of so many objects and materials.
+    /// Whether it is valid in a scene with these numbers of objects and materials.
     pub fn fits(&self, objects: usize, materials: usize) -> bool {
         let is_there = |part: &Part| (part.object as usize) < objects && (part.material as usize) < materials;
         let is_of_one = self.parts.windows(2).all(|pair| pair[0].material == pair[1].material);
         !self.parts.is_empty() && is_of_one && self.parts.iter().all(is_there)
     }
 
-    /// The material of the parts: that of the mesh, among `own`, but for what it lets through.
+    /// The material of the parts: the mesh's, from `own`, with this opacity.
     pub fn shown(&self, own: &[Material]) -> Material {
         let mut shown = own[self.parts[0].material as usize].clone();
         shown.take_opacity(&self.material, |slot| Some(slot.clone()));
@@ -226,7 +226,7 @@ impl PartOpacity {
     }
 }
 
-/// A number in [0, 1) that looks random, from words that seed it. Twin of `chance` in `shaders/opacity.wgsl`.
+/// A pseudo-random number in [0, 1), seeded by words. Twin of `chance` in `shaders/opacity.wgsl`.
 pub fn chance(words: &[u32]) -> f32 {
     let mixed = words.iter().fold(0, |hash, &word| mix(hash ^ word));
     (mixed >> 8) as f32 / (1 << 24) as f32
@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(scene.textures.len(), 2, "it has them already");
     }
 
-    /// Three objects of one triangle each, of which the last has another material.
+    /// Three objects of one triangle each; the last has another material.
     fn three_objects() -> Scene {
         let mesh = Mesh {
             triangles: vec![[0, 1, 2]; 3],

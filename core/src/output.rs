@@ -1,5 +1,5 @@
-//! Writing files: what may be written over is checked before the work, and a file is replaced only when its successor is complete
-//! and on disk. Nothing is written in any other way.
+//! Writes files: overwriting is checked before the work, and a file is replaced only when its successor is complete and
+//! on disk. All output goes through this module.
 
 #[cfg(feature = "test-faults")]
 mod faults;
@@ -13,47 +13,47 @@ use std::{
 };
 use thiserror::Error;
 
-/// Why nothing is written to a path.
+/// Why a path cannot be written.
 #[derive(Debug, Error)]
 pub enum OutputError {
-    /// It would destroy an input.
+    /// The output would overwrite an input.
     #[error("the output would be written over an input; choose another name ({})", path.display())]
     Input {
         /// The output.
         path: PathBuf,
     },
-    /// It is the name of a folder.
+    /// The path is a folder.
     #[error("the output's name is that of a folder; add the name of a file ({})", path.display())]
     NoName {
         /// The output.
         path: PathBuf,
     },
-    /// There is something that is not replaced.
+    /// The path is something that is never replaced.
     #[error("{source} ({})", path.display())]
     NotAFile {
         /// The output.
         path: PathBuf,
-        /// What is there.
+        /// Its kind.
         source: io::Error,
     },
-    /// The file there is protected.
+    /// The existing file is protected.
     #[error("the output is there and read-only; make it writable, or choose another name ({})", path.display())]
     ReadOnly {
         /// The output.
         path: PathBuf,
     },
-    /// Its folder is not there.
+    /// The folder is missing.
     #[error("there is no folder to write to; create it first ({})", folder.display())]
     NoFolder {
         /// The folder.
         folder: PathBuf,
     },
-    /// Its folder takes no files.
+    /// The folder is not writable.
     #[error("cannot write to the folder; check its permissions and the free space ({})", folder.display())]
     Folder {
         /// The folder.
         folder: PathBuf,
-        /// What the file system says.
+        /// The error of the file system.
         source: io::Error,
     },
 }
@@ -61,15 +61,15 @@ pub enum OutputError {
 /// Writes `bytes` under a temporary name in the folder of `path` and renames it once it is on disk.
 ///
 /// # Errors
-/// Errors of the file system, and anything but a file at `path`; what was there is kept then.
+/// Errors of the file system, or anything but a file at `path`, which is then kept.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_parts_atomically(path, [bytes])
 }
 
-/// [`write_atomically`] of a file in parts, which need not be in memory side by side.
+/// [`write_atomically`] for a file in parts, which need not be contiguous in memory.
 ///
 /// # Errors
-/// Those of [`write_atomically`].
+/// See [`write_atomically`].
 pub fn write_parts_atomically<'a>(path: &Path, parts: impl IntoIterator<Item = &'a [u8]>) -> io::Result<()> {
     file_to_replace(path)?;
     let mut file = temporary_in(folder_of(path))?;
@@ -89,11 +89,11 @@ pub fn write_parts_atomically<'a>(path: &Path, parts: impl IntoIterator<Item = &
     Ok(())
 }
 
-/// Checks that `path` can be written and that nothing is lost by it, before work whose result is to be written there.
+/// Checks that `path` can be written without loss, before the work for it starts.
 ///
 /// # Errors
-/// An output that is one of the `inputs`, by whatever name; a folder, a link, a device; a file that is read-only; a folder that is
-/// missing or takes no files.
+/// An output that is one of the `inputs`, by any name; a folder, a link, a device; a read-only file; a folder that is
+/// missing or not writable.
 pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), OutputError> {
     let ends_as_folder = |bytes: &[u8]| bytes.last().is_some_and(|&b| std::path::is_separator(b.into()));
     if path.file_name().is_none() || ends_as_folder(path.as_os_str().as_encoded_bytes()) {
@@ -107,7 +107,7 @@ pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), OutputError> {
     check_writable(folder_of(path))
 }
 
-/// Checks that nothing but a file is at `path`, if anything is.
+/// Checks that `path` is a file or free.
 ///
 /// # Errors
 /// A folder, a link or a device.
@@ -115,10 +115,10 @@ pub fn check_kind(path: &Path) -> Result<(), OutputError> {
     file_to_replace(path).map(drop).map_err(|source| OutputError::NotAFile { path: path.into(), source })
 }
 
-/// Checks that the file at `path`, if one is there, may be written over.
+/// Checks that an existing file at `path` may be overwritten.
 ///
 /// # Errors
-/// A file that is read-only.
+/// A read-only file.
 pub fn check_protection(path: &Path) -> Result<(), OutputError> {
     let is_protected = |there: Metadata| there.permissions().readonly() || !takes_bytes(path);
     if fs::metadata(path).is_ok_and(is_protected) {
@@ -127,10 +127,10 @@ pub fn check_protection(path: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Checks that a folder is there and takes files, before work whose result is to be written there.
+/// Checks that a folder exists and is writable, before the work for it starts.
 ///
 /// # Errors
-/// A folder that is not, or does not.
+/// A folder that is missing or not writable.
 pub fn check_writable(folder: &Path) -> Result<(), OutputError> {
     if !folder.is_dir() {
         return Err(OutputError::NoFolder { folder: folder.into() });
@@ -138,9 +138,9 @@ pub fn check_writable(folder: &Path) -> Result<(), OutputError> {
     temporary_in(folder).map(drop).map_err(|source| OutputError::Folder { folder: folder.into(), source })
 }
 
-/// Whether writing to `path` is writing to `other`: the same file by whatever name, or the same place where none is yet.
+/// Whether writing to `path` is writing to `other`: the same file by any name, or the same free place.
 pub fn is_same_output(path: &Path, other: &Path) -> bool {
-    // Other things than files are not opened: a pipe would wait for its other end.
+    // Only files are opened: a pipe would wait for its other end.
     if path.is_file() && other.is_file() {
         return is_same_file(path, other).unwrap_or(false);
     }
@@ -148,15 +148,15 @@ pub fn is_same_output(path: &Path, other: &Path) -> bool {
     place(path).is_some_and(|place_of_path| place(other) == Some(place_of_path))
 }
 
-/// The folder that a file lies in.
+/// The folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The file at `path`, if anything is there.
+/// The file at `path`, if it exists.
 ///
 /// # Errors
-/// Something else: it would be lost, and a file in its place would not be what others expect there.
+/// Something else at `path`: it would be lost, and a file in its place would not be expected there.
 fn file_to_replace(path: &Path) -> io::Result<Option<Metadata>> {
     let there = match fs::symlink_metadata(path) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -170,18 +170,18 @@ fn file_to_replace(path: &Path) -> io::Result<Option<Metadata>> {
     Err(io::Error::new(kind, format!("the output is {what}, and only files are written over; choose another name")))
 }
 
-/// Whether an existing file lets itself be written to; nothing is.
+/// Whether an existing file can be opened for writing; writes nothing.
 fn takes_bytes(path: &Path) -> bool {
     OpenOptions::new().write(true).open(path).is_ok()
 }
 
-/// A file that is removed unless it is renamed; its name is random and nothing was there.
+/// A file that is removed unless it is renamed; its name is random and unused.
 fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".lapidary-").suffix(".tmp");
     #[cfg(unix)]
     {
-        // Temporary files are private by default; the finished one is as readable as any other output.
+        // Temporary files are private by default; the finished file is as readable as any other output.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }

@@ -1,19 +1,19 @@
-//! Parts of a scene, which can have materials of their own without a bake, and the variants that a file offers for them.
+//! Parts of a scene, which can have their own materials without a bake, and a file's variants for them.
 
 use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
-/// The triangles of one object that have one material: a primitive of glTF, what a group of OBJ uses of a material.
+/// The triangles of one object with one material: a primitive of glTF, or one material's part of an OBJ group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Part {
     /// Index of the object.
     pub object: u32,
-    /// Index of the material that the mesh says.
+    /// Index of the mesh's material.
     pub material: u32,
 }
 
 impl Part {
-    /// That of a triangle; `None` if there is no such triangle.
+    /// The part of a triangle; `None` if there is no such triangle.
     pub fn of_triangle(mesh: &Mesh, triangle: usize) -> Option<Self> {
         let (object, material) = (mesh.triangle_object.get(triangle)?, mesh.triangle_material.get(triangle)?);
         Some(Self { object: *object, material: *material })
@@ -23,46 +23,46 @@ impl Part {
 /// All parts of a mesh, in the order of their objects and materials.
 pub fn parts_of(mesh: &Mesh) -> Vec<Part> {
     let mut parts: Vec<Part> = (0..mesh.triangles.len()).filter_map(|t| Part::of_triangle(mesh, t)).collect();
-    // Triangles of a part mostly follow each other.
+    // Triangles of a part are mostly consecutive.
     parts.dedup();
     parts.sort_unstable();
     parts.dedup();
     parts
 }
 
-/// Variants of materials (`KHR_materials_variants`). Any that is chosen says what all of their parts have.
+/// Variants of materials (`KHR_materials_variants`). Each variant determines the materials of all parts listed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Variants {
     /// Their names.
     pub names: Vec<String>,
-    /// Parts that look different in some of them.
+    /// Parts that differ between variants.
     pub parts: Vec<PartVariants>,
 }
 
 /// The materials of a part, by index.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PartVariants {
-    /// Which part.
+    /// The part.
     pub part: Part,
-    /// What the file shows first.
+    /// Material without a variant.
     pub plain: u32,
-    /// One for each variant.
+    /// Material in each variant.
     pub in_variants: Vec<u32>,
 }
 
 impl Variants {
-    /// Whether there are none.
+    /// Whether there are no variants.
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
     }
 
-    /// The parts, each with its material in a variant, or with what the file shows first.
+    /// The parts, each with its material in a variant, or its material without one.
     pub fn shown(&self, variant: Option<usize>) -> impl Iterator<Item = (Part, u32)> {
         let material = move |part: &PartVariants| variant.map_or(part.plain, |variant| part.in_variants[variant]);
         self.parts.iter().map(move |part| (part.part, material(part)))
     }
 
-    /// Whether they fit a scene of so many objects and materials.
+    /// Whether they are valid in a scene with these numbers of objects and materials.
     pub fn fit(&self, objects: usize, materials: usize) -> bool {
         let is_material = |&index: &u32| (index as usize) < materials;
         self.parts.iter().all(|PartVariants { part, plain, in_variants }| {

@@ -1,8 +1,8 @@
-//! Ray casting against a triangle mesh: closest hits one by one or, from one origin, eight at a time (`ray::closest`), and
-//! occlusion of whole direction sets from one origin, the inner loop of every bake: all of them (`ray::batch`), or those along
-//! the boundaries of what is seen (`ray::boundaries`).
+//! Ray casting against a triangle mesh: closest hits one by one or, from one origin, eight at a time (`ray::closest`),
+//! and occlusion of whole direction sets from one origin. Occlusion is the inner loop of every bake, for all directions
+//! (`ray::batch`) or along visibility boundaries (`ray::boundaries`).
 //!
-//! All use one predicate (`ray::triangle`), so that a batch gives bit for bit the results of its single rays.
+//! All use one predicate (`ray::triangle`), so a batch equals its single rays bit for bit.
 
 mod batch;
 mod boundaries;
@@ -48,10 +48,10 @@ use veils::{Veils, any_threshold};
 /// Threads that build a hierarchy.
 const BUILDERS: usize = 8;
 
-/// What is seen without anything between, in units of which visibility is told: 0 where all light is stopped.
+/// Full visibility in units of stored visibility; 0 means blocked.
 pub const OPEN: u8 = u8::MAX;
 
-/// Where a ray first meets the mesh.
+/// The first hit of a ray with the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Index of the triangle in the mesh.
@@ -64,48 +64,48 @@ pub struct Hit {
     pub back_face: bool,
 }
 
-/// A mesh prepared for ray casting. Keeps its own copy of the corners, so that the mesh may change.
+/// A mesh prepared for ray casting. Keeps its own copy of the corners, so the mesh may change.
 ///
-/// Surfaces that let light through stand apart. What tells of occlusion passes them by; `transmittance` tells what they leave of
-/// the light; first hits are on them as often as they stop light, by chance, or where a threshold says so.
+/// Surfaces that let light through are kept apart. Occlusion tests ignore them; `transmittance` gives the light they
+/// pass. First hits stop at them by chance in proportion to their opacity, or by a threshold.
 pub struct Intersector {
     bvh: Bvh2,
     /// Corners in the order of the leaves of `bvh`.
     leaf_triangles: Vec<[Vec3; 3]>,
-    /// Index in the mesh of each leaf triangle; with spatial splits one may stand in several leaves.
+    /// Mesh index of each leaf triangle; with spatial splits one triangle may be in several leaves.
     leaf_ids: Vec<u32>,
-    /// The same triangles, eight at a time.
+    /// The leaf triangles, eight at a time.
     blocks: LeafBlocks,
     veils: Option<Box<Veils>>,
 }
 
-/// How the triangles of a mesh are arranged.
+/// Builds a hierarchy over triangles.
 type Build = fn(&[Triangle]) -> Bvh2;
 
 impl Intersector {
-    /// Builds a hierarchy that is good for many rays; some seconds for a million triangles. All of them stop all light.
+    /// Builds a hierarchy optimized for many rays; some seconds for a million triangles. All triangles are opaque.
     pub fn new(mesh: &Mesh) -> Self {
         Self::with_hierarchy(mesh, &Opacities::default(), hierarchy::build)
     }
 
-    /// The same under the materials of a scene.
+    /// [`Self::new`] with the materials of a scene.
     pub fn of_scene(scene: &Scene) -> Self {
         Self::with_opacities(&scene.mesh, &Opacities::of_scene(scene))
     }
 
-    /// The same with other opacities, one for each material of the mesh.
+    /// [`Self::new`] with an opacity for each material of the mesh.
     pub fn with_opacities(mesh: &Mesh, opacities: &Opacities) -> Self {
         Self::with_hierarchy(mesh, opacities, hierarchy::build)
     }
 
-    /// Builds a hierarchy in a fraction of the time, with which rays take up to twice as long. They meet the same
-    /// but along edges, where rounding decides: 2 of 4 million rays onto the armadillo.
+    /// Builds a hierarchy in a fraction of the time; its rays take up to twice as long. Hits differ only along edges,
+    /// by rounding: 2 of 4 million rays onto the armadillo.
     pub fn quick(mesh: &Mesh, opacities: &Opacities) -> Self {
         Self::with_hierarchy(mesh, opacities, hierarchy::build_quickly)
     }
 
-    /// By threads of its own, always as many: who waits for a hierarchy may be the thread that others wait for, and how equal
-    /// costs are sorted may depend on the number of threads.
+    /// Builds in its own threads, always as many. The calling thread may be one that others wait for, and the sorting
+    /// of equal costs may depend on the number of threads.
     fn with_hierarchy(mesh: &Mesh, opacities: &Opacities, build: Build) -> Self {
         let apart = || on_threads(BUILDERS, || Self::parted(mesh, opacities, build));
         std::thread::scope(|scope| scope.spawn(apart).join()).unwrap_or_else(|panic| resume_unwind(panic))
@@ -124,7 +124,7 @@ impl Intersector {
         Self { veils: Some(Box::new(veils)), ..Self::made(mesh, build, solid) }
     }
 
-    /// Of some triangles, in ascending order.
+    /// Builds from some triangles, in ascending order.
     fn made(mesh: &Mesh, build: Build, triangles: Vec<u32>) -> Self {
         let mut distinct = distinct_triangles(mesh, triangles);
         let bounds = mesh.bounds();
@@ -148,7 +148,7 @@ impl Intersector {
         Self { bvh, leaf_triangles, leaf_ids, blocks, veils: None }
     }
 
-    /// The first triangle along a ray, if any. The origin must lie off the surface that it starts from.
+    /// The first triangle along a ray, if any. The origin must lie off the surface that the ray starts from.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         self.closest_above(origin, direction, any_threshold(origin, direction))
     }
@@ -159,7 +159,7 @@ impl Intersector {
         Some(Hit { triangle: of.leaf_ids[leaf], ..hit })
     }
 
-    /// The first leaf triangle along a ray before `distance` that is above its threshold, and what it is a leaf of.
+    /// The first leaf triangle along a ray before `distance` that is above its threshold, with its intersector.
     fn first(
         &self,
         origin: Vec3,
@@ -185,8 +185,8 @@ impl Intersector {
         Some((&veils.surfaces, leaf, hit))
     }
 
-    /// The first hit of a ray, or the one behind the ground of `mesh` if that is hit from below, or not to be hit from above either.
-    /// Nothing lies below a ground.
+    /// The first hit of a ray, skipping the ground of `mesh` if hit from below, or if it should not be hit from above
+    /// either. Nothing lies below a ground.
     pub fn past_ground(
         &self,
         mesh: &Mesh,
@@ -195,7 +195,7 @@ impl Intersector {
         from_above: bool,
         threshold: impl Fn(u32) -> f32,
     ) -> Option<Hit> {
-        /// Steps behind the plane as shares of the distance, until rounding leaves it behind.
+        /// Steps behind the plane as shares of the distance, until rounding clears it.
         const STEPS: [f32; 5] = [2e-7, 1e-6, 5e-6, 2.5e-5, 1.25e-4];
         let Some(ground) = hit.filter(|hit| mesh.is_ground(hit.triangle)) else { return hit };
         if !ground.back_face {
@@ -210,12 +210,12 @@ impl Intersector {
         beyond.flatten()
     }
 
-    /// The first surface along a ray before `distance` meters, with its normal on the side of the origin.
+    /// The first surface along a ray before `distance` meters, with its normal toward the origin.
     pub fn surfel_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Surfel> {
         self.surfel_above(origin, direction, distance, any_threshold(origin, direction))
     }
 
-    /// The same of surfaces whose opacity is above a threshold.
+    /// [`Self::surfel_before`] for surfaces whose opacity is above a threshold.
     pub fn surfel_above(
         &self,
         origin: Vec3,
@@ -227,7 +227,7 @@ impl Intersector {
         Some(of.surfel(leaf, hit, origin, direction))
     }
 
-    /// Where a ray meets a leaf triangle, with the normal on the side of the origin.
+    /// The surface point where a ray meets a leaf triangle, with the normal toward the origin.
     fn surfel(&self, leaf: usize, hit: Hit, origin: Vec3, direction: Vec3) -> Surfel {
         let [a, b, c] = self.leaf_triangles[leaf];
         let front = (b - a).cross(c - a).normalize_or_zero();
@@ -238,7 +238,7 @@ impl Intersector {
         }
     }
 
-    /// The first leaf triangle along a ray before `distance` that it stops at.
+    /// The first leaf triangle along a ray before `distance` that stops the ray.
     fn closest_leaf(
         &self,
         origin: Vec3,
@@ -263,7 +263,7 @@ impl Intersector {
         closest
     }
 
-    /// Whether anything that stops all light lies along a ray.
+    /// Whether an opaque triangle lies along a ray.
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
         let ray = Ray::new_inf(origin.into(), direction.into());
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
@@ -272,7 +272,7 @@ impl Intersector {
         })
     }
 
-    /// Whether anything that stops all light lies along a ray before `distance` meters.
+    /// Whether an opaque triangle lies along a ray before `distance` meters.
     pub fn occluded_before(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         !self.bvh.ray_traverse_miss(ray, |_, leaf| {
@@ -282,7 +282,7 @@ impl Intersector {
         })
     }
 
-    /// Whether anything that stops all light lies strictly between two points. Both lie off any surface.
+    /// Whether an opaque triangle lies strictly between two points. Both lie off any surface.
     pub fn occluded_between(&self, from: Vec3, to: Vec3) -> bool {
         let segment = to - from;
         let ray = Ray::new(from.into(), segment.into(), 0.0, 1.0);
@@ -299,8 +299,8 @@ impl Intersector {
     }
 }
 
-/// The triangles but for later copies of others, which no ray would tell apart: of triangles at the same distance the first
-/// counts. Building takes a time that grows with the square of copies in one place.
+/// The triangles without later copies: at equal distance the first triangle counts, so no ray distinguishes them. The
+/// time of a build grows with the square of the copies in one place.
 fn distinct_triangles(mesh: &Mesh, part: Vec<u32>) -> Vec<u32> {
     let corners = |t: u32| mesh.corners(t as usize).map(|corner| corner.to_array().map(f32::to_bits));
     let mix = |hash: u64, bits: u32| (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
@@ -308,7 +308,7 @@ fn distinct_triangles(mesh: &Mesh, part: Vec<u32>) -> Vec<u32> {
     let mut hashed: Vec<(u64, u32)> = part.par_iter().map(|&t| hash(t)).collect();
     hashed.par_sort_unstable();
     let mut copies = HashSet::new();
-    // Equal triangles have equal hashes and stand side by side, the first before its copies.
+    // Equal triangles have equal hashes and are adjacent, the first before its copies.
     for alike in hashed.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
         let mut known = HashSet::new();
         copies.extend(alike.iter().map(|&(_, t)| t).filter(|&t| !known.insert(corners(t))));
@@ -316,8 +316,8 @@ fn distinct_triangles(mesh: &Mesh, part: Vec<u32>) -> Vec<u32> {
     part.into_iter().filter(|t| !copies.contains(t)).collect()
 }
 
-/// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a box that a ray grazes. Rays begin in
-/// the bounds of the scene, or as far out on its ground as what they meet.
+/// Widens all boxes by more than the rounding of a slab test, which could otherwise miss a grazed box. Rays begin in
+/// the bounds of the scene, or as far out on its ground as their hits.
 fn widen_boxes(bvh: &mut Bvh2, bounds: Bounds) {
     const SLACK: f32 = 4e-6;
     let scene = bounds.min.abs().max(bounds.max.abs()).max_element();

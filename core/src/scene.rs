@@ -15,21 +15,21 @@ use pose::ClipTime;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A named part of the scene that can be selected as one.
+/// A named part of the scene that can be selected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Object {
-    /// Name from the source file, or one made up from its position there.
+    /// Name from the source file, or one derived from its position there.
     pub name: String,
 }
 
-/// Everything that an import yields.
+/// The result of an import.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// All triangles of all objects, in world space.
     pub mesh: Mesh,
     /// Materials; at least one if there are triangles.
     pub materials: Vec<Material>,
-    /// Textures that the materials refer to by index; shared, since they are large and never change.
+    /// Textures that the materials refer to by index; shared, because they are large and immutable.
     pub textures: Vec<Arc<Texture>>,
     /// Objects that the triangles refer to by index.
     pub objects: Vec<Object>,
@@ -39,16 +39,16 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Variants of the materials.
     pub variants: Variants,
-    /// Parts that let through other light than their materials, as a bake of them takes it; a file has none.
+    /// Parts whose opacity a bake takes from another material; a file has none.
     pub part_opacities: Vec<PartOpacity>,
-    /// Objects that a bake has elsewhere than its file, or deformed; a file has none.
+    /// Objects that a bake moved or deformed; a file has none.
     pub placed: Vec<Placed>,
-    /// The time of an animation that a bake has it at; `None` at rest, as a file is.
+    /// The animation time of a bake; `None` at rest, as in a file.
     pub clip_time: Option<ClipTime>,
 }
 
 impl Scene {
-    /// The same with another mesh, of the same objects and materials.
+    /// The same scene with another mesh of the same objects and materials.
     #[must_use]
     pub fn with_mesh(&self, mesh: Mesh) -> Self {
         Self {
@@ -65,15 +65,15 @@ impl Scene {
         }
     }
 
-    /// The camera of a name.
+    /// The camera called `name`.
     ///
     /// # Errors
-    /// [`NoSuchCamera`], which lists those that there are.
+    /// [`NoSuchCamera`], which lists the scene's cameras.
     pub fn camera(&self, name: &str) -> Result<&Camera, NoSuchCamera> {
         camera_named(self.cameras.iter(), name)
     }
 
-    /// The first camera, or a view of all of the scene if it has none.
+    /// The first camera, or a view of the whole scene if there is none.
     pub fn first_view(&self) -> Camera {
         let bounds = self.mesh.bounds();
         let whole = || Camera::framing(bounds.center(), 0.5 * bounds.diagonal());
@@ -81,10 +81,10 @@ impl Scene {
     }
 }
 
-/// The first camera of a name.
+/// The first camera called `name`.
 ///
 /// # Errors
-/// [`NoSuchCamera`], which lists those that there are.
+/// [`NoSuchCamera`], which lists the available cameras.
 pub fn camera_named<'a>(
     mut cameras: impl Iterator<Item = &'a Camera> + Clone,
     name: &str,
@@ -99,8 +99,8 @@ pub fn camera_named<'a>(
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("the scene has no camera \"{name}\"; it has {}", if known.is_empty() { "none".into() } else { known.join(", ") })]
 pub struct NoSuchCamera {
-    /// What was asked for.
+    /// The requested name.
     pub name: String,
-    /// Those of the scene.
+    /// Names of the scene's cameras.
     pub known: Vec<String>,
 }

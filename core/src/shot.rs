@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use glam::{Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Surfaces seen at a more grazing angle count as seen at this cosine, so that they are never left without vertices.
+/// Surfaces at more grazing angles count with this cosine, so that they are never left without vertices.
 const LEAST_COSINE: f32 = 0.05;
 /// The picture is enlarged by this factor, so that a camera may move a little.
 const MARGIN: f32 = 1.1;
@@ -15,25 +15,25 @@ pub const WIDEST: f32 = 32_768.0;
 /// Width over height of a picture whose aspect is unknown.
 pub const DEFAULT_ASPECT: f32 = 16.0 / 9.0;
 
-/// One picture.
+/// A picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shot {
-    /// Where it is taken from.
+    /// Its camera.
     pub camera: Camera,
     /// Width over height.
     pub aspect: f32,
 }
 
 impl Shot {
-    /// Whether the camera is usable: valid, with an eye apart from its target, and a frame at most [`WIDEST`] times as wide
-    /// as high or as high as wide.
+    /// Whether the camera is usable: valid, with eye and target apart, and a frame at most [`WIDEST`] times as wide as
+    /// high or as high as wide.
     pub fn is_valid(&self) -> bool {
         let Camera { eye, target, up, .. } = &self.camera;
         let has_frame = (1.0 / WIDEST..=WIDEST).contains(&self.aspect);
         self.camera.is_valid() && eye != target && *up != Vec3::ZERO && has_frame
     }
 
-    /// The part of space in its picture.
+    /// The visible part of space.
     pub fn frustum(&self) -> Frustum {
         Frustum {
             eye: self.camera.eye,
@@ -44,7 +44,7 @@ impl Shot {
     }
 }
 
-/// The view frustum of a shot, which measures how large surfaces appear in its picture.
+/// The view frustum of a shot, which measures the size of surfaces in its picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Frustum {
     /// Position of the eye, in meters.
@@ -56,8 +56,8 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// Area in the picture of a surface at `position` that nothing hides, in squares of the picture's height per m². 0
-    /// outside the picture. Both sides of the surface count.
+    /// Area in the picture of an unoccluded surface at `position`, in squares of the picture's height per m². 0 outside
+    /// the picture. Both sides of the surface count.
     pub fn magnification(&self, position: Vec3, normal: Vec3) -> f32 {
         let Self { half_height, .. } = *self;
         let view = self.view_from_world * (position - self.eye);

@@ -1,7 +1,7 @@
-//! Eight numbers and eight vectors at once, in the instructions that the machine has.
+//! Eight numbers and eight vectors at once, in the instructions of the machine.
 //!
-//! A plain build may use 128 bits on x86-64. What is worth 256 is a [`Kernel`], written for any [`Lanes`]; an
-//! [`InstructionSet`] runs it. All sets give the same bits: they round each operation as IEEE 754 says, and none fuses a
+//! A plain build may use only 128 bits on x86-64. Code worth 256 bits is a [`Kernel`], generic over [`Lanes`], which an
+//! [`InstructionSet`] runs. All sets give the same bits: they round each operation by IEEE 754, and none fuses a
 //! product with a sum.
 
 #[cfg(target_arch = "x86_64")]
@@ -34,7 +34,7 @@ pub trait Lanes:
     fn splat(v: f32) -> Self;
     /// Eight numbers.
     fn new(v: [f32; 8]) -> Self;
-    /// The eight.
+    /// The eight numbers.
     fn to_array(self) -> [f32; 8];
     /// Columns of eight rows.
     fn transposed(rows: [&[f32; 8]; 8]) -> [Self; 8];
@@ -60,12 +60,12 @@ pub trait Lanes:
     fn simd_le(self, other: Self) -> Self;
     /// A mask of `self != other`.
     fn simd_ne(self, other: Self) -> Self;
-    /// Of a mask: `if_true` where it is set, else `if_false`.
+    /// For a mask: `if_true` where it is set, else `if_false`.
     fn select(self, if_true: Self, if_false: Self) -> Self;
-    /// Of a mask: one bit a lane.
+    /// For a mask: one bit per lane.
     fn to_bitmask(self) -> u32;
 
-    /// The larger of each and `least`, which is not NaN; it also stands for NaN.
+    /// The larger of each number and `least`, which is not NaN; NaN becomes `least`.
     #[inline(always)]
     fn at_least(self, least: f32) -> Self {
         self.fast_max(Self::splat(least))
@@ -83,7 +83,7 @@ mod sealed {
     impl Sealed for wide::f32x8 {}
 }
 
-/// For every machine: vectors of 128 bits, or what the build allows.
+/// For every machine: 128-bit vectors, or more if the build allows.
 impl Lanes for f32x8 {
     #[inline(always)]
     fn splat(v: f32) -> Self {
@@ -170,7 +170,7 @@ impl Lanes for f32x8 {
         f32x8::to_bitmask(self)
     }
 
-    /// Where the build has NEON, its own minimum and maximum keep NaN.
+    /// With NEON, the minimum and maximum of the library keep NaN.
     #[inline(always)]
     fn at_least(self, least: f32) -> Self {
         f32x8::max(self, f32x8::splat(least))
@@ -217,7 +217,7 @@ impl<L: Lanes> Vec3x8<L> {
         Vec3x8 { x: self.x.portable(), y: self.y.portable(), z: self.z.portable() }
     }
 
-    /// One of the eight.
+    /// Vector `i`.
     #[inline(always)]
     pub fn lane(&self, i: usize) -> Vec3 {
         Vec3::new(self.x.to_array()[i], self.y.to_array()[i], self.z.to_array()[i])
@@ -245,7 +245,7 @@ impl<L: Lanes> Vec3x8<L> {
         Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
     }
 
-    /// The sum of the eight, in the same order for all instruction sets.
+    /// The sum of the eight vectors, in the same order for all instruction sets.
     #[inline(always)]
     pub fn reduce_add(self) -> Vec3 {
         Vec3::new(self.x.portable().reduce_add(), self.y.portable().reduce_add(), self.z.portable().reduce_add())

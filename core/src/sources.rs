@@ -1,7 +1,7 @@
 //! The second source mode of a dataset: surface samples as lights (paper, 4.1), and each vertex's cut over them.
 //!
 //! A source is a small disc of surface. Its light is its radiosity, so one merge at a pixel gathers one bounce. The
-//! value of a vertex's cut at a node is the mean solid angle of the node's sources, as seen from the vertex, zero for
+//! value of a vertex's cut at a node is the mean solid angle of the node's sources seen from the vertex, zero for
 //! hidden sources (`<V G>` of the paper, 3).
 
 mod light;
@@ -17,25 +17,25 @@ use crate::{
 };
 use glam::Vec3;
 
-/// A surface sample that sends light.
+/// A surface sample that emits light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// Where it is.
+    /// Position and normal.
     pub surfel: Surfel,
     /// Area in m² that it represents.
     pub area: f32,
-    /// Distance between sources here, in meters: the radius of its Poisson disk.
+    /// Distance between sources at this place, in meters: the radius of its Poisson disk.
     pub spacing: f32,
 }
 
 impl Source {
-    /// Whether light of the source reaches `from`, if nothing is between.
+    /// Whether light of the source reaches `from` in free space.
     #[inline(always)]
     pub fn faces(&self, from: Vec3) -> bool {
         (from - self.surfel.position).dot(self.surfel.normal) > 0.0 && self.area > 0.0
     }
 
-    /// Solid angle in steradians of the source as seen from `from`, if nothing is between; 0 from behind.
+    /// Solid angle in steradians of the source seen from `from` in free space; 0 from behind.
     ///
     /// `A cos θ / (d² + A / 2π)` is exact at large distances, and at most a hemisphere at small ones.
     #[inline(always)]

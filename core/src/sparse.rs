@@ -7,14 +7,14 @@ use std::ops::Range;
 /// A sparse matrix by rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseRows {
-    /// Where each row begins in `entries`, and the end of the last.
+    /// Start of each row in `entries`, and the end of the last.
     offsets: Vec<u32>,
     /// Column and value.
     entries: Vec<(u32, f32)>,
 }
 
 impl SparseRows {
-    /// Computes `rows` rows in parallel: `fill` appends the entries of one of them.
+    /// Computes `rows` rows in parallel: `fill` appends the entries of a row.
     pub fn build(rows: usize, fill: impl Fn(usize, &mut Vec<(u32, f32)>) + Sync) -> Self {
         const ROWS: usize = 1024;
         let part = |range: Range<usize>| {
@@ -58,7 +58,7 @@ impl SparseRows {
         self.row(row).iter().fold(T::ZERO, |sum, &(column, value)| sum + vector[column as usize] * value)
     }
 
-    /// The matrix with rows and columns exchanged; it has `columns` rows, each in ascending order.
+    /// The transposed matrix; it has `columns` rows, each in ascending order.
     pub fn transposed(&self, columns: usize) -> Self {
         let mut offsets = vec![0_u32; columns + 1];
         self.entries.iter().for_each(|&(column, _)| offsets[column as usize + 1] += 1);

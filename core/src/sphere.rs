@@ -6,9 +6,9 @@ pub mod octahedron;
 use glam::{Mat3, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// `(√5 − 1) / 2`: steps by this share of a turn fill the turn evenly, however many there are.
+/// `(√5 − 1) / 2`: steps by this share of a turn fill the turn evenly, for any number of steps.
 pub const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
-/// The same for turns of single precision.
+/// [`GOLDEN_SECTION`] in single precision.
 pub const GOLDEN_TURN: f32 = 0.618_034;
 
 /// Solid angle of the whole sphere in steradians.

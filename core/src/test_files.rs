@@ -1,11 +1,11 @@
-//! Dataset files taken apart and put together again with other contents and right checksums, for tests of what reads them.
+//! Takes dataset files apart and reassembles them with other contents and right checksums, to test their readers.
 
 use crate::dataset::METADATA_KEY;
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde_json::{Number, Value};
 use std::collections::HashMap;
 
-/// Numbers at and past the ends of what programs expect.
+/// Numbers at and beyond the limits that programs expect.
 const EXTREMES: [f64; 16] = [
     0.0,
     -0.0,
@@ -48,10 +48,10 @@ pub struct FileTensor {
 }
 
 impl FileParts {
-    /// Takes a file apart.
+    /// Parses a file.
     ///
     /// # Panics
-    /// If it is no dataset.
+    /// If it is not a dataset.
     pub fn of(file: &[u8]) -> Self {
         let (_, metadata) = SafeTensors::read_metadata(file).expect("a safetensors file");
         let json = metadata.metadata().as_ref().and_then(|m| m.get(METADATA_KEY)).expect("Lapidary's metadata");
@@ -67,23 +67,23 @@ impl FileParts {
         Self { header: serde_json::from_str(json).expect("JSON"), tensors }
     }
 
-    /// Gives every tensor the checksum of its contents, and no other.
+    /// Recomputes the checksums of all tensors.
     pub fn sum(&mut self) {
         let sum = |t: &FileTensor| (t.name.clone(), blake3::hash(&t.bytes).to_hex().as_str().into());
         self.header["checksums"] = Value::Object(self.tensors.iter().map(sum).collect());
     }
 
-    /// The file, with the checksums that there are.
+    /// The file with the current checksums.
     ///
     /// # Panics
-    /// If a tensor has more or fewer bytes than its shape says.
+    /// If a tensor's bytes do not match its shape.
     pub fn to_bytes(&self) -> Vec<u8> {
         let metadata = HashMap::from([(METADATA_KEY.to_owned(), self.header.to_string())]);
         let views: Vec<_> = self.tensors.iter().map(|t| (t.name.clone(), t.view())).collect();
         safetensors::serialize(views, Some(metadata)).expect("tensors with names of their own")
     }
 
-    /// Changes one number, or a few of one tensor, to an extreme. `random` decides which; `sum` makes the checksums fit.
+    /// Changes one number, or some of one tensor, to an extreme. `random` chooses them; `sum` then fixes the checksums.
     pub fn disturb(&mut self, random: &mut fastrand::Rng) {
         if random.u8(..4) == 0 {
             let mut places = Vec::new();
@@ -110,7 +110,7 @@ impl FileTensor {
         let count = self.bytes.len() / size;
         let (first, step) = (random.usize(..count), random.usize(1..=count));
         let value = extreme(self.dtype, random);
-        // One number, or every so many.
+        // One number, or a regular subset.
         let last = if random.bool() { first + 1 } else { count };
         for i in (first..last).step_by(step) {
             self.bytes[i * size..(i + 1) * size].copy_from_slice(&value[..size]);
@@ -137,13 +137,13 @@ fn extreme(dtype: Dtype, random: &mut fastrand::Rng) -> [u8; 8] {
 fn extreme_json(random: &mut fastrand::Rng) -> Value {
     match random.u8(..4) {
         0 => [Value::Null, u64::MAX.into(), (-1).into(), 0.into()][random.usize(..4)].clone(),
-        // Not finite as 32 bits.
+        // Infinite in 32 bits.
         1 => 1e300.into(),
         _ => Number::from_f64(EXTREMES[random.usize(..EXTREMES.len())]).map_or(Value::Null, Value::Number),
     }
 }
 
-/// JSON pointers to all numbers, except to the version of the format.
+/// JSON pointers to all numbers, except the format version.
 fn collect_numbers(value: &Value, place: String, places: &mut Vec<String>) {
     match value {
         Value::Number(_) if place != "/format_version" => places.push(place),

@@ -1,4 +1,4 @@
-//! Small scenes and datasets that the tests of all crates share.
+//! Small scenes and datasets shared by the tests of all crates.
 
 use crate::{
     camera::Camera,
@@ -36,7 +36,7 @@ pub fn soup(seed: u64, count: usize) -> Mesh {
     mesh
 }
 
-/// A baked triangle that sees all of the environment, with materials and textures of these names.
+/// A baked triangle that sees the whole environment, with materials and textures of these names.
 pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
     let mesh = Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z],
@@ -91,7 +91,7 @@ pub fn camera(name: &str) -> Camera {
     Camera { name: name.into(), ..Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 35.0) }
 }
 
-/// A spot above the origin that shines down.
+/// A spot light above the origin that shines down.
 pub fn light() -> Light {
     Light {
         name: "spot".into(),
@@ -162,16 +162,16 @@ pub fn room(center: Vec3, half: Vec3) -> Vec<[Vec3; 3]> {
     cuboid(center, half).into_iter().map(|[a, b, c]| [a, c, b]).collect()
 }
 
-/// Points that lie evenly on a sphere, with normals outward, or inward for a negative radius.
+/// Evenly spread points on a sphere, with normals outward, or inward for a negative radius.
 pub fn sphere_points(n: usize, radius: f32) -> Vec<Surfel> {
     let point = |d: Vec3| Surfel { position: d * radius.abs(), normal: d * radius.signum(), ..Default::default() };
     fibonacci_directions(n).into_iter().map(point).collect()
 }
 
-/// A basis on a sphere: levels of four times as many points each.
+/// A basis on a sphere: levels with four times as many points each.
 ///
 /// # Panics
-/// If there are more levels of senders than levels.
+/// If there are more sender levels than levels.
 pub fn sphere_basis(coarsest: usize, levels: usize, senders: usize, radius: f32) -> Basis {
     let sets: Vec<_> = (0..levels).map(|l| sphere_points(coarsest << (2 * l), radius)).collect();
     // A maximal Poisson-disk set of radius R has about 0.7 / R² points per area.
@@ -179,7 +179,7 @@ pub fn sphere_basis(coarsest: usize, levels: usize, senders: usize, radius: f32)
     Basis::new(&sets, spacing, senders).expect("enough levels")
 }
 
-/// Uniform directions, the same ones at each call.
+/// Uniform directions, the same at each call.
 pub fn random_directions(n: usize) -> Vec<Vec3> {
     let mut random = fastrand::Rng::with_seed(2);
     (0..n).map(|_| uniform_direction(random.f32(), random.f32())).collect()

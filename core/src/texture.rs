@@ -18,18 +18,18 @@ use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// How texels become parameter values.
+/// Conversion of texels to parameter values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorSpace {
-    /// 8-bit texels are sRGB encoded. Float texels are linear whatever the slot says.
+    /// 8-bit texels are sRGB encoded. Float texels are always linear.
     Srgb,
-    /// Texels are the values: roughness, normals, heights.
+    /// Texels are linear values: roughness, normals, heights.
     #[default]
     Linear,
 }
 
-/// Which component a scalar parameter reads.
+/// The component that a scalar parameter reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Channel {
@@ -61,11 +61,11 @@ pub struct TextureSlot {
     /// Counter-clockwise rotation of the coordinates in radians, before the offset (KHR_texture_transform); at most
     /// [`TextureSlot::MOST`].
     pub rotation: f32,
-    /// Scales normals and heights; at most [`TextureSlot::MOST`]. 1 leaves other maps alone.
+    /// Scales normals and heights; at most [`TextureSlot::MOST`]. 1 leaves other maps unchanged.
     pub strength: f32,
     /// Normals have their green channel down (DirectX) instead of up (OpenGL).
     pub flip_y: bool,
-    /// A pattern in place of a texture, whose index then tells nothing.
+    /// A pattern instead of a texture; the index is then ignored.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub procedural: Option<Procedural>,
 }
@@ -87,15 +87,15 @@ impl Default for TextureSlot {
 }
 
 impl TextureSlot {
-    /// The index of its texture; `None` for a pattern.
+    /// Index of its texture; `None` for a pattern.
     pub fn image(&self) -> Option<usize> {
         self.procedural.is_none().then_some(self.texture as usize)
     }
 
-    /// Bound of the size of its numbers: larger ones place no texel where it was meant, and overflow in time.
+    /// Largest magnitude of its numbers: larger ones have no precision left for texels, and overflow eventually.
     pub const MOST: f32 = 1e6;
 
-    /// With the default in place of each number that is out of range.
+    /// The slot with defaults for numbers that are out of range.
     pub fn sanitized(self) -> Self {
         let default = Self::default();
         let number = |x: f32, default: f32| if x.abs() <= Self::MOST { x } else { default };
@@ -113,7 +113,7 @@ impl TextureSlot {
     /// Texture coordinates after this slot's transform.
     #[inline]
     pub fn transform(&self, uv: Vec2) -> Vec2 {
-        // Hardly any texture is turned, and the functions of the angle cost more than the lookup.
+        // Few textures are rotated, and the functions of the angle cost more than the lookup.
         let (sin, cos) = if self.rotation == 0.0 { (0.0, 1.0) } else { self.rotation.sin_cos() };
         let s = uv * self.scale;
         Vec2::new(cos * s.x + sin * s.y, -sin * s.x + cos * s.y) + self.offset
@@ -131,12 +131,12 @@ impl TextureSlot {
 pub enum Texels {
     /// 8 bits per component, as in png, jpg and tga.
     U8(Vec<[u8; 4]>),
-    /// Floating point, as in hdr, exr and 16-bit gray png. Those of a scene are at most [`Texels::MOST`].
+    /// Floating point, as in hdr, exr and 16-bit gray png. Texels of a scene are at most [`Texels::MOST`].
     F32(Vec<[f32; 4]>),
 }
 
 impl Texels {
-    /// The texel of an index, in linear values.
+    /// The texel at an index, in linear values.
     #[inline]
     pub(crate) fn at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
         match (self, color_space) {
@@ -149,7 +149,7 @@ impl Texels {
         }
     }
 
-    /// Bilinear lookup with repeat in texels of a picture of this size.
+    /// Bilinear lookup with repeat in the texels of a picture of this size.
     fn bilinear(&self, size: [u32; 2], uv: Vec2, color_space: ColorSpace) -> Vec4 {
         let Quad { indices: [a, b, c, d], blend } = Quad::around(size, uv);
         let texel = |index| self.at(index, color_space);
@@ -159,7 +159,7 @@ impl Texels {
     /// The largest number of a 16-bit float.
     pub const MOST: f32 = 65_504.0;
 
-    /// Replaces what is not a number by 0 and limits the others to [`Self::MOST`]. Returns how many texels changed.
+    /// Replaces NaN by 0 and clamps the others to [`Self::MOST`]. Returns the number of changed texels.
     pub fn sanitize(&mut self) -> usize {
         let Self::F32(texels) = self else { return 0 };
         let is_wrong = |texel: &&mut [f32; 4]| !texel.iter().all(|x| x.abs() <= Self::MOST);
@@ -170,9 +170,9 @@ impl Texels {
 
 /// The four texels around a point.
 struct Quad {
-    /// Above on the left and on the right, and below.
+    /// Top left, top right, bottom left, bottom right.
     indices: [usize; 4],
-    /// Weights of those on the right, and of those below.
+    /// Weights of the right and of the bottom texels.
     blend: Vec2,
 }
 
@@ -180,7 +180,7 @@ impl Quad {
     fn around(size: [u32; 2], uv: Vec2) -> Self {
         let p = (uv - uv.floor()) * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
         let (base, blend) = (p.floor(), p - p.floor());
-        // Texels beyond an edge are those of the other one.
+        // Texels beyond an edge are repeated from the other edge.
         let neighbours = |first: f32, size: u32| {
             let first = if first < 0.0 { size as usize - 1 } else { first as usize % size as usize };
             (first, if first + 1 == size as usize { 0 } else { first + 1 })
@@ -192,7 +192,7 @@ impl Quad {
         Self { indices, blend }
     }
 
-    /// Their weights.
+    /// Weights of the four texels.
     fn weights(&self) -> [f32; 4] {
         let (right, below) = (self.blend.x, self.blend.y);
         [(1.0 - right) * (1.0 - below), right * (1.0 - below), (1.0 - right) * below, right * below]
@@ -208,14 +208,14 @@ pub struct Texture {
     pub size: [u32; 2],
     /// The decoded texels, `size[0] * size[1]` of them.
     pub texels: Texels,
-    /// The bytes of the file, kept so that a dataset can store it whole. Empty for a generated texture.
+    /// The bytes of the file, stored whole in datasets. Empty for a generated texture.
     pub encoded: Arc<[u8]>,
-    /// Its levels of detail, made when they are asked for.
+    /// Its levels of detail, built on first use.
     pub levels: Levels,
 }
 
 impl Texture {
-    /// A visible default for a texture that could not be read: a magenta and gray chequerboard.
+    /// A visible default for an unreadable texture: a magenta and gray checkerboard.
     pub fn missing(name: &str) -> Self {
         let texels = (0..64).map(|i| if (i / 8 + i) % 2 == 0 { [255, 0, 255, 255] } else { [90, 90, 90, 255] });
         Self::new(name, [8, 8], Texels::U8(texels.collect()))
@@ -239,7 +239,7 @@ impl Texture {
         (sum / count as f64).as_vec4()
     }
 
-    /// The least value of a channel.
+    /// The smallest value of a channel.
     pub fn least(&self, channel: usize, color_space: ColorSpace) -> f32 {
         let count = self.size[0] as usize * self.size[1] as usize;
         (0..count).map(|index| self.texels.at(index, color_space)[channel]).fold(f32::INFINITY, f32::min)

@@ -1,4 +1,4 @@
-//! Work on its own pool of threads, so that some of the machine is left to others.
+//! Runs work in its own thread pool, to leave some cores to other programs.
 
 use std::time::Duration;
 
@@ -10,16 +10,16 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T
     }
 }
 
-/// Measures the work of the thread that began it. Where the system tells, what others do on its core does not count.
+/// Measures the CPU time of the calling thread where the system reports it, excluding other load on its core.
 pub struct CoreClock(Duration);
 
 impl CoreClock {
-    /// Begins now.
+    /// Starts measuring.
     pub fn begin() -> Self {
         Self(time_of_thread())
     }
 
-    /// Seconds since then.
+    /// Seconds since the start.
     pub fn secs(&self) -> f64 {
         time_of_thread().saturating_sub(self.0).as_secs_f64()
     }

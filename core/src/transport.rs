@@ -1,8 +1,7 @@
-//! One bounce of light from senders to receivers, and the Neumann series over bounces, `Σ (T R)ᵏ`, for all that transports light.
+//! One bounce of light from senders to receivers, and the Neumann series over bounces, `Σ (T R)ᵏ`, for any kind of transport.
 //!
-//! The operator `T` ([`LightTransport`]) holds no reflectance. What surfaces make of arriving light, `R`, is asked for between two
-//! bounces ([`Surfaces`]). So an edited material changes no operator. [`Series`] adds one bounce after another, and any of its
-//! sums may be shown before the last.
+//! The operator `T` ([`LightTransport`]) contains no reflectance. Between two bounces, `R` ([`Surfaces`]) reflects the arriving
+//! light. So an edited material changes no operator. [`Series`] adds one bounce after another, and each partial sum can be shown.
 
 mod energy;
 
@@ -36,54 +35,53 @@ impl Coefficient for Mat3A {
 
 /// One bounce of light, free of reflectance. Its first receivers are its senders, in the same order.
 pub trait LightTransport {
-    /// What a sender gives: outgoing radiance.
+    /// Outgoing radiance of a sender.
     type Sent: Coefficient;
-    /// What a receiver gets.
+    /// Light at a receiver.
     type Received: Coefficient;
 
     /// Number of senders.
     fn senders(&self) -> usize;
 
-    /// What some receivers get, one value each, if the senders send this, one value each.
+    /// Light at some receivers, one value each, for the light `sent` by the senders, one value each.
     ///
     /// # Panics
     /// If `receivers` exceeds their number.
     fn bounce(&self, sent: &[Self::Sent], receivers: Range<usize>) -> Vec<Self::Received>;
 }
 
-/// The surfaces of the senders: what they make of the light that arrives, under the materials of the moment.
+/// The surfaces of the senders: their reflection of arriving light, under the current materials.
 pub trait Surfaces<T: LightTransport> {
     /// The light that arrives at all senders, for instance irradiance at their points.
     type Arriving;
 
-    /// The arriving light, from what the senders received.
+    /// The arriving light, from the light received by the senders.
     fn arriving(&self, received: Vec<T::Received>) -> Self::Arriving;
 
-    /// What the senders send of it.
+    /// The reflected light of the senders.
     fn reflected(&self, arriving: &Self::Arriving) -> Vec<T::Sent>;
 
-    /// Mean irradiance over the surface in W/m² per channel, so that it is proportional to the energy that arrives.
+    /// Mean irradiance over the surface in W/m² per channel, proportional to the arriving energy.
     fn mean_irradiance(&self, arriving: &Self::Arriving) -> Vec3;
 }
 
-/// The Neumann series of a transport, up to the bounces that were added.
+/// The Neumann series of a transport, up to the bounces added so far.
 pub struct Series<'a, T: LightTransport, S: Surfaces<T>> {
     transport: &'a T,
     surfaces: &'a S,
     arriving: S::Arriving,
-    /// Light that the senders send by themselves; it leaves with the first bounce.
+    /// Light emitted by the senders; it leaves with the first bounce.
     emitted: Option<Vec<T::Sent>>,
-    /// What the senders have received of all bounces, one value each.
+    /// Light received by the senders in all bounces, one value each.
     pub received: Vec<T::Received>,
-    /// What they have sent in all bounces, one value each. One application of the operator to it gives all bounces at other
-    /// receivers.
+    /// Light sent in all bounces, one value each. Applying the operator to it once gives all bounces at other receivers.
     pub sent: Vec<T::Sent>,
     /// [`Surfaces::mean_irradiance`] of direct light, then of each bounce.
     pub mean_irradiance: Vec<Vec3>,
 }
 
 impl<'a, T: LightTransport, S: Surfaces<T>> Series<'a, T, S> {
-    /// No bounce yet, of direct light and of what the senders emit, one value each.
+    /// The series without bounces, for direct light and the light that senders emit, one value each.
     pub fn new(transport: &'a T, surfaces: &'a S, direct: S::Arriving, emitted: Option<Vec<T::Sent>>) -> Self {
         let senders = transport.senders();
         Self {
@@ -97,7 +95,7 @@ impl<'a, T: LightTransport, S: Surfaces<T>> Series<'a, T, S> {
         }
     }
 
-    /// With so many bounces added.
+    /// Adds `bounces` bounces.
     pub fn with_bounces(mut self, bounces: u32) -> Self {
         (0..bounces).for_each(|_| self.add_bounce());
         self
@@ -116,7 +114,7 @@ impl<'a, T: LightTransport, S: Surfaces<T>> Series<'a, T, S> {
         self.mean_irradiance.push(self.surfaces.mean_irradiance(&self.arriving));
     }
 
-    /// How the bounces so far decrease.
+    /// Energy of the bounces so far.
     pub fn energy(&self) -> BounceEnergy {
         BounceEnergy::of(&self.mean_irradiance)
     }
@@ -130,7 +128,7 @@ fn add<C: Coefficient>(sums: &mut [C], values: &[C]) {
 mod tests {
     use super::*;
 
-    /// Two senders that light each other, and a third receiver that the first lights.
+    /// Two senders that light each other, and a third receiver, lit by the first.
     struct Pair;
 
     impl LightTransport for Pair {

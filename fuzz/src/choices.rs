@@ -1,12 +1,12 @@
-//! Choices of a mutation, read from bytes: the bytes of a random generator, or those that a fuzzer evolves.
+//! Choices of a mutation, read from bytes of a random generator or a fuzzer.
 
-/// Bytes that decide what a mutation does. When they are used up, every further choice is the first one.
+/// Bytes that determine a mutation. Once they are used up, every further choice is the first option.
 pub struct Choices<'a> {
     bytes: &'a [u8],
 }
 
 impl<'a> Choices<'a> {
-    /// Choices by `bytes`.
+    /// Creates choices from `bytes`.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes }
     }
@@ -16,14 +16,14 @@ impl<'a> Choices<'a> {
         self.bytes.is_empty()
     }
 
-    /// A byte.
+    /// The next byte.
     pub fn byte(&mut self) -> u8 {
         let (first, rest) = self.bytes.split_first().unwrap_or((&0, &[]));
         self.bytes = rest;
         *first
     }
 
-    /// A number below `count`, and 0 of none. It uses as few bytes as `count` needs.
+    /// A number below `count`, or 0 if `count` is 0. Uses as few bytes as `count` needs.
     pub fn below(&mut self, count: usize) -> usize {
         let bytes = match count {
             0..=1 => return 0,
@@ -39,12 +39,12 @@ impl<'a> Choices<'a> {
         self.below(count) == count - 1
     }
 
-    /// One of `all`, which must not be empty.
+    /// An element of `all`, which must not be empty.
     pub fn of<'b, T>(&mut self, all: &'b [T]) -> &'b T {
         &all[self.below(all.len())]
     }
 
-    /// A range of a sequence of `length`, most often a short one.
+    /// A range within a sequence of `length`, usually short.
     pub fn range(&mut self, length: usize) -> std::ops::Range<usize> {
         let start = self.below(length);
         let longest = if self.one_in(8) { length } else { 16 };

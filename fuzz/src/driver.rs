@@ -1,7 +1,7 @@
-//! The driver: it starts a worker on each core, one target after the other, and keeps the inputs that they fail on.
+//! The driver: starts a worker on each core, for one target after the other, and keeps failing inputs.
 //!
-//! Workers are processes, so that one that aborts, hangs or takes too much memory ends alone. An input is decided by its
-//! target, a seed and its number; the same seed gives the same inputs on every machine.
+//! Workers are processes, so that a worker that aborts, hangs or exhausts its memory ends alone. Target, seed and
+//! number determine an input; equal seeds give equal inputs on all machines.
 
 use crate::{
     choices::Choices,
@@ -20,35 +20,35 @@ use std::{
     time::Instant,
 };
 
-/// Findings of a target after which its workers are not started again.
+/// Number of findings of a target after which its workers are not restarted.
 const MOST_FINDINGS: usize = 20;
 
 /// Tries broken inputs on all readers.
 #[derive(Parser, Clone, Debug)]
 #[command(name = "lapidary-fuzz", max_term_width = 110)]
 pub struct Options {
-    /// Inputs in all; targets whose inputs take longer get fewer
+    /// Total number of inputs; slower targets get fewer
     #[arg(long, default_value_t = 100_000)]
     inputs: u64,
-    /// Most seconds in all, shared by the targets alike
+    /// Time limit in seconds, shared equally by the targets
     #[arg(long)]
     secs: Option<f64>,
-    /// The only target; may be given several times
+    /// Only this target; may be repeated
     #[arg(long, value_name = "NAME")]
     target: Vec<String>,
-    /// Decides which inputs are tried
+    /// Seed of the inputs
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Processes [default: one for each core]
     #[arg(long)]
     workers: Option<usize>,
-    /// Folder in which inputs that fail are kept
+    /// Folder for failing inputs
     #[arg(long, value_name = "DIR", default_value = "fuzz-findings")]
     findings: PathBuf,
-    /// Try this input alone, in this process
+    /// Try only this input, in this process
     #[arg(long, value_name = "NUMBER", requires = "target")]
     input: Option<u64>,
-    /// First input of a worker, its step, and its folder: how the driver starts itself
+    /// First input of a worker, its step, and its folder; for the driver's own use
     #[arg(long, hide = true, num_args = 3, value_names = ["FIRST", "STEP", "FOLDER"])]
     worker: Option<Vec<String>>,
 }
@@ -56,7 +56,7 @@ pub struct Options {
 /// Runs the driver.
 ///
 /// # Errors
-/// A target that does not exist, folders that cannot be written, or findings.
+/// An unknown target, folders that are not writable, or findings.
 pub fn run(options: &Options) -> Result<()> {
     let chosen = chosen(&options.target)?;
     match (&options.worker, options.input) {
@@ -121,11 +121,11 @@ fn run_all(targets: &[Box<dyn Target>], options: &Options) -> Result<()> {
 /// The run of one target.
 struct Run<'a> {
     target: &'a dyn Target,
-    /// With the inputs and seconds of this target.
+    /// Options with the inputs and seconds of this target.
     options: Options,
     began: Instant,
     folder: tempfile::TempDir,
-    /// Without numbers in them, so that the same fault counts once.
+    /// Findings without their numbers, so that equal faults count once.
     findings: Mutex<BTreeSet<String>>,
 }
 
@@ -135,7 +135,7 @@ impl<'a> Run<'a> {
         Ok(Self { target, options, began: Instant::now(), folder, findings: Mutex::default() })
     }
 
-    /// Runs workers until all inputs are tried. Returns how many were.
+    /// Runs workers until all inputs are tried. Returns the number of inputs tried.
     fn run(&self) -> Result<u64> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let workers = self.options.workers.unwrap_or(cores).max(1) as u64;
@@ -145,7 +145,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Starts a worker for every `step`th input, and again behind each input that ends it.
+    /// Starts a worker for every `step`th input, and again after each input that ends it.
     fn tend(&self, start: u64, step: u64) -> Result<u64> {
         let folder = self.folder.path().join(start.to_string());
         fs::create_dir(&folder)?;
@@ -165,7 +165,7 @@ impl<'a> Run<'a> {
         Ok(tried)
     }
 
-    /// Runs one worker. Returns how many inputs it tried and, unless it ended well, how it ended.
+    /// Runs one worker. Returns the number of inputs it tried and, unless it finished, how it ended.
     fn start_worker(&self, first: u64, step: u64, folder: &Path) -> Result<(u64, Option<String>)> {
         let _ = fs::remove_file(folder.join(CURRENT));
         let mut command = Command::new(std::env::current_exe()?);
@@ -195,7 +195,7 @@ impl<'a> Run<'a> {
         Ok((tried, (!status.success()).then(|| format!("{status}: {}", errors.lines().next().unwrap_or_default()))))
     }
 
-    /// Keeps an input, made again from its number, unless there is one that fails alike.
+    /// Keeps an input, remade from its number, unless an equal finding exists.
     fn keep(&self, number: u64, finding: &str) -> Result<()> {
         let alike: String = finding.chars().filter(|c| !c.is_ascii_digit()).take(160).collect();
         if !self.findings.lock().expect("no thread panics with it").insert(alike) {

@@ -1,4 +1,4 @@
-//! `lapidary-fuzz`; see the library beside it.
+//! `lapidary-fuzz`; see the library.
 
 use clap::Parser;
 use lapidary_fuzz::driver::{self, Options};

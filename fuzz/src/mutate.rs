@@ -1,7 +1,7 @@
-//! Mutations: from a sound file and [`Choices`] to a broken one that readers follow far before they notice.
+//! Mutations: from a valid file and [`Choices`] to a broken one that readers follow far before they notice.
 //!
-//! All work on bytes. [`text`] and [`json`] know numbers, lines and keys, [`containers`] repairs lengths and checksums
-//! around what was changed, so that the change is read and not the checksum.
+//! All work on bytes. [`text`] and [`json`] know numbers, lines and keys; [`containers`] updates lengths and checksums
+//! around a change, so that readers reach it.
 
 pub mod containers;
 pub mod json;
@@ -12,18 +12,18 @@ pub mod xml;
 
 use crate::choices::Choices;
 
-/// Makes another file of `bytes`. `others` are sound files of the same kind, to take pieces from.
+/// Mutates `bytes`. `others` are valid files of the same kind, as sources of pieces.
 pub type Mutation = fn(bytes: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices);
 
-/// Bytes, or nodes of a tree, that a mutation makes at most: it should break readers by what it says, not by its length.
+/// Largest number of bytes, or nodes of a tree, that a mutation makes: it should break readers by contents, not by length.
 const MOST: usize = 1 << 18;
 
-/// How often a piece of this size is repeated in a file of this size, if `times` is wanted.
+/// Number of repetitions of a piece in a file of these sizes, at most `times`.
 fn repetitions(times: usize, piece: usize, file: usize) -> usize {
     times.min(MOST.saturating_sub(file) / piece.max(1))
 }
 
-/// Applies `one` as often as is chosen: once, a few times, or while there are choices.
+/// Applies `one` repeatedly: once, a few times, or while there are choices.
 pub fn repeatedly(choices: &mut Choices, mut one: impl FnMut(&mut Choices)) {
     let most = *choices.of(&[1, 1, 1, 2, 2, 4, 8, 32]);
     for _ in 0..most {
@@ -34,7 +34,7 @@ pub fn repeatedly(choices: &mut Choices, mut one: impl FnMut(&mut Choices)) {
     }
 }
 
-/// Flips, sets, cuts, repeats and splices bytes, and writes numbers over them.
+/// Flips, sets, cuts, repeats and splices bytes, and overwrites them with numbers.
 pub fn bytes(bytes: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     repeatedly(choices, |choices| one(bytes, others, choices));
 }
@@ -63,7 +63,7 @@ fn one(bytes: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     }
 }
 
-/// Puts a piece of another file in the place of a range.
+/// Replaces a range by a piece of another file.
 fn splice(bytes: &mut Vec<u8>, others: &[Vec<u8>], range: std::ops::Range<usize>, choices: &mut Choices) {
     if others.is_empty() {
         return;

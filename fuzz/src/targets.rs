@@ -1,4 +1,4 @@
-//! What is tried: a target for each kind of file.
+//! A target for each kind of file.
 
 mod checkpoint;
 mod files;
@@ -11,30 +11,30 @@ use crate::{
 use files::{FileKind, FileTarget};
 use std::{io, panic::RefUnwindSafe, path::Path};
 
-/// A reader, and how to make inputs for it.
+/// A reader, and a generator of its inputs.
 pub trait Target: Sync + RefUnwindSafe {
     /// Its name, as in `--target` and in the folder `corpus`.
     fn name(&self) -> &str;
 
-    /// How many of a thousand inputs are for it: fewer where an input takes longer.
+    /// Inputs of a thousand for this target: fewer if an input takes longer.
     fn share(&self) -> u64;
 
-    /// Writes what does not change from input to input.
+    /// Writes the parts that are common to all inputs.
     ///
     /// # Errors
     /// Errors of the file system.
     fn prepare(&self, folder: &Path) -> io::Result<()>;
 
-    /// Writes the input that `choices` make.
+    /// Writes the input determined by `choices`.
     ///
     /// # Errors
     /// Errors of the file system.
     fn write(&self, choices: &mut Choices, folder: &Path) -> io::Result<()>;
 
-    /// Reads the input in the folder, and uses what it holds.
+    /// Reads the input in the folder, and uses its contents.
     ///
     /// # Errors
-    /// What is wrong, where it is neither read rightly nor refused clearly.
+    /// A description of the fault if the input is neither read correctly nor refused clearly.
     fn read(&self, folder: &Path) -> Result<(), String>;
 }
 
@@ -67,7 +67,7 @@ const FILES: [FileKind; 17] = [
     FileKind { name: "bake", share: 1, file: "input.gltf", mutation: json::quantities, read: scenes::bake_file },
 ];
 
-/// Whether an error names the file, as all must.
+/// Checks that an error names the file, as all must.
 fn named(error: &dyn std::fmt::Display, file: &Path) -> Result<(), String> {
     let text = error.to_string();
     let name = file.file_name().unwrap_or_default().to_string_lossy();

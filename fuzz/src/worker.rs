@@ -1,4 +1,4 @@
-//! One process that tries inputs one after the other. What it cannot survive, its parent notices.
+//! A process that tries one input after another. Its parent notices when it dies.
 
 use crate::{MOST_SECS, choices::Choices, limit_memory, targets::Target};
 use anyhow::{Context, Result};
@@ -13,25 +13,25 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// File in a worker's folder with the number of the input that it is trying.
+/// File in a worker's folder with the number of its current input.
 pub const CURRENT: &str = "current-input";
 
-/// Which inputs a worker tries.
+/// The inputs of a worker.
 #[derive(Clone, Debug)]
 pub struct Work {
-    /// Decides all inputs, beside their numbers.
+    /// Seed, which determines all inputs together with their numbers.
     pub seed: u64,
     /// Number of the first input.
     pub first: u64,
-    /// From one input to the next.
+    /// Step between inputs.
     pub step: u64,
-    /// No input has this number or a greater one.
+    /// One past the last possible input.
     pub end: u64,
-    /// No input begins later.
+    /// Seconds after which no input begins.
     pub secs: f64,
 }
 
-/// The bytes that decide input `number` of a target.
+/// The bytes that determine input `number` of a target.
 pub fn bytes_of(target: &str, seed: u64, number: u64) -> Vec<u8> {
     let name = blake3::hash(format!("{target} {seed} {number}").as_bytes());
     let mut random = fastrand::Rng::with_seed(u64::from_le_bytes(name.as_bytes()[..8].try_into().unwrap_or_default()));
@@ -42,12 +42,12 @@ pub fn bytes_of(target: &str, seed: u64, number: u64) -> Vec<u8> {
 /// Tries inputs in `folder`. Prints `finding NUMBER TEXT` for each finding, and at the end `tried COUNT`.
 ///
 /// # Errors
-/// A folder that cannot be written.
+/// A folder that is not writable.
 pub fn run(target: &dyn Target, work: &Work, folder: &Path) -> Result<()> {
     let began = Instant::now();
     target.prepare(folder).context("the folder of a worker must be writable")?;
     silence_panics();
-    // What is made once is not counted.
+    // One-time initialization does not count.
     let _ = attempt(target, &[], folder);
     limit_memory();
     let watch = Watch::start();
@@ -59,7 +59,7 @@ pub fn run(target: &dyn Target, work: &Work, folder: &Path) -> Result<()> {
         watch.begin();
         let (result, mut secs) = timed_attempt(target, &bytes, folder)?;
         if secs > MOST_SECS {
-            // Other programs may have held it up.
+            // Other programs may have delayed it.
             watch.begin();
             secs = secs.min(timed_attempt(target, &bytes, folder)?.1);
         }
@@ -74,17 +74,17 @@ pub fn run(target: &dyn Target, work: &Work, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What is wrong with the reader by one input, and the seconds that it took.
+/// The reader's fault on one input, and the seconds taken.
 fn timed_attempt(target: &dyn Target, bytes: &[u8], folder: &Path) -> Result<(Result<(), String>, f64)> {
     let began = Instant::now();
     let result = attempt(target, bytes, folder)?;
     Ok((result, began.elapsed().as_secs_f64()))
 }
 
-/// Tries one input. The inner result is what is wrong with the reader, a panic included.
+/// Tries one input. The inner result is the reader's fault, which may be a panic.
 ///
 /// # Errors
-/// A folder that cannot be written.
+/// A folder that is not writable.
 pub fn attempt(target: &dyn Target, bytes: &[u8], folder: &Path) -> Result<Result<(), String>> {
     target.write(&mut Choices::new(bytes), folder)?;
     let read = panic::catch_unwind(AssertUnwindSafe(|| target.read(folder)));
@@ -102,10 +102,10 @@ fn silence_panics() {
     }));
 }
 
-/// Ends the process if an input takes twice as long as it may.
+/// Ends the process if an input takes twice its time limit.
 struct Watch {
     began: Instant,
-    /// Milliseconds at which the input began, and 0 between inputs.
+    /// Start of the current input in milliseconds, and 0 between inputs.
     input: &'static AtomicU64,
 }
 

@@ -1,10 +1,9 @@
-//! The targets as tests. `cargo bolero test` runs the same functions under a fuzzer that watches which code an input
-//! reaches.
+//! The targets as tests. `cargo bolero test` runs the same functions under a fuzzer that observes the code coverage.
 
 use lapidary_fuzz::{choices::Choices, targets};
 use std::panic::RefUnwindSafe;
 
-/// Hands choices to the target of this name.
+/// Passes choices to the target of this name.
 fn reader(name: &str) -> impl Fn(&[u8]) + RefUnwindSafe {
     let target = targets::all().into_iter().find(|target| target.name() == name).expect("a target of this name");
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -19,7 +18,7 @@ fn reader(name: &str) -> impl Fn(&[u8]) + RefUnwindSafe {
 
 macro_rules! targets {
     ($($name:ident $iterations:literal),*) => {
-        // A fuzzer finds a target by the function in which `check!` stands.
+        // A fuzzer finds a target by the function that contains `check!`.
         $(#[test]
         fn $name() {
             let check = bolero::check!().with_iterations($iterations).with_max_len(160);
@@ -39,7 +38,7 @@ targets!(
     materialx 100, wgsl 50, session 50, cuts 20, bake 5, checkpoint 5
 );
 
-/// A target that reads nothing right is found out.
+/// Detects a target that reads nothing correctly.
 #[test]
 fn sound_inputs_are_read() {
     for target in targets::all() {
@@ -50,7 +49,7 @@ fn sound_inputs_are_read() {
     }
 }
 
-/// Targets whose inputs pass several gates try little if most are refused at the first.
+/// Targets behind several gates test little if most inputs are refused at the first.
 #[test]
 fn enough_inputs_get_to_the_end() {
     for (name, output, least) in [("bake", "input.cuts", 20), ("cuts", "input.copy.cuts", 6)] {

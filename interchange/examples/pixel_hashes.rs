@@ -1,5 +1,5 @@
-//! Hashes of the pixels of `.exr` files, a line for each channel: equal lines are pictures that are equal to the bit. What
-//! files say about how long a picture took is not hashed. `tests/pixel_hashes.sh` compares two builds by it.
+//! Hashes of the pixels of `.exr` files, a line per channel: equal lines mean pictures equal to the bit. Render times
+//! in the metadata are not hashed. `tests/pixel_hashes.sh` compares two builds with it.
 
 use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
 use std::{env, error::Error, path::Path};
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The first 16 digits of a hash of floats of 32 bits, which is what Lapidary writes.
+/// The first 16 digits of a hash of 32-bit floats, the format that Lapidary writes.
 fn hash(samples: &FlatSamples) -> Result<String, &'static str> {
     let FlatSamples::F32(values) = samples else { return Err("a channel is not of 32-bit floats") };
     Ok(blake3::hash(bytemuck::cast_slice(values)).to_hex()[..16].to_owned())

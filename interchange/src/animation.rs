@@ -1,4 +1,4 @@
-//! Animations of files of scenes.
+//! Animations of scene files.
 
 use crate::{
     file_format::{self, FileFormat},
@@ -9,33 +9,33 @@ use lapidary_core::animation::{Animation, AnimationError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why no animation can be read.
+/// Why an animation cannot be read.
 #[derive(Debug, Error)]
 pub enum AnimationFileError {
     /// The file cannot be read.
     #[error(transparent)]
     Import(#[from] ImportError),
-    /// A format without animations.
+    /// The format has no animations.
     #[error("only {} files hold animations; give the file that the scene was baked of ({})", file_format::listed(&endings(), " and "), path.display())]
     NoGltf {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// No clip can be played.
+    /// No clip is playable.
     #[error(transparent)]
     Unplayable(#[from] AnimationError),
 }
 
-/// Endings of the files that may hold animations.
+/// Extensions of the files that may hold animations.
 pub fn endings() -> Vec<&'static str> {
     SceneFormat::all_endings(|format| format.holds(Content::Animations))
 }
 
-/// Reads the animation of a file. Pictures are not read. Skins, morph targets and clips that cannot be used are left out, see
+/// Reads the animation of a file, without pictures. Unusable skins, morph targets and clips are left out, see
 /// [`Animation::warnings`].
 ///
 /// # Errors
-/// A file that cannot be read, or has no clip that can be played.
+/// A file that is unreadable, or has no playable clip.
 pub fn read(path: &Path, options: &ImportOptions) -> Result<Animation, AnimationFileError> {
     let animation = import::animation(path, options);
     let mut animation = animation.ok_or_else(|| AnimationFileError::NoGltf { path: path.into() })??;

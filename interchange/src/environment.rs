@@ -1,4 +1,4 @@
-//! Environments by name: the file of a map, or a formula.
+//! Environments by name: a map file or a formula.
 
 use crate::image::{self, PictureFormat};
 use glam::Vec3;
@@ -9,29 +9,29 @@ use lapidary_core::{
 use std::path::Path;
 use thiserror::Error;
 
-/// Why there is no environment.
+/// Why an environment cannot be made.
 #[derive(Debug, Error)]
 pub enum EnvironmentError {
-    /// The picture cannot be read.
+    /// The picture is unreadable.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// The text names neither a file nor a formula.
+    /// The text is neither a file nor a formula.
     #[error(
         "{reason}; give the path of an .hdr or .exr file, or constant:R,G,B, sun-sky:ELEVATION (degrees, 0 to 90), \
          studio or orientation ({spec})"
     )]
     Spec {
-        /// What was given.
+        /// The given text.
         spec: String,
-        /// What is wrong with it.
+        /// The problem.
         reason: String,
     },
 }
 
-/// Reads an hdr or exr file, or, with a warning, a png, jpg or tga. Also returns what was repaired, in sentences.
+/// Reads an hdr or exr file, or, with a warning, a png, jpg or tga. Also returns the repairs, in sentences.
 ///
 /// # Errors
-/// A file that cannot be read or is no picture.
+/// A file that is unreadable or not a picture.
 pub fn read(path: &Path) -> Result<(Environment, Vec<String>), EnvironmentError> {
     let map = image::read(path)?;
     let mut warnings = Vec::new();
@@ -46,11 +46,11 @@ pub fn read(path: &Path) -> Result<(Environment, Vec<String>), EnvironmentError>
     Ok((environment, warnings))
 }
 
-/// Makes an environment from `constant[:R,G,B]`, `sun-sky[:elevation in degrees]`, `studio` or `orientation`, or
-/// reads the file of that path. Also returns what was repaired, in sentences.
+/// Makes an environment from `constant[:R,G,B]`, `sun-sky[:elevation in degrees]`, `studio` or `orientation`, or reads
+/// the file at that path. Also returns the repairs, in sentences.
 ///
 /// # Errors
-/// A formula with wrong arguments, or a path that cannot be read.
+/// A formula with invalid arguments, or an unreadable path.
 pub fn from_spec(spec: &str) -> Result<(Environment, Vec<String>), EnvironmentError> {
     let (formula, arguments) = match spec.split_once(':') {
         Some((formula, arguments)) => (formula, Some(arguments)),

@@ -1,12 +1,12 @@
-//! The materials of a scene, back in the formats of other programs: MaterialX, MTL, and glTF.
+//! Exports the materials of a scene to other programs' formats: MaterialX, MTL, and glTF.
 //!
-//! | format | what is written |
+//! | format | contents |
 //! |---|---|
 //! | `.mtlx` | all materials as one MaterialX document, and their pictures in a folder beside it |
 //! | `.mtl` | a library of materials with the PBR keys that Blender and others have, and the pictures beside it |
-//! | `.gltf`, `.glb` | the file that the scene came from with its materials written anew, or meshes and materials alone |
+//! | `.gltf`, `.glb` | the file that the scene came from with its materials rewritten, or meshes and materials alone |
 //!
-//! Each writer says what its format does not hold. What it holds is read again as it was, within 1e-6.
+//! Each writer reports the features that its format lacks. Everything written reads back unchanged, within 1e-6.
 
 mod error;
 mod gltf;
@@ -30,22 +30,22 @@ pub use material_format::MaterialFormat;
 use pictures::PictureFolder;
 use std::path::Path;
 
-/// Endings of the files that can be written.
+/// Extensions of the writable files.
 pub fn endings() -> Vec<&'static str> {
     MaterialFormat::all_endings(MaterialFormat::exports)
 }
 
-/// How materials are written.
+/// Options of an export.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ExportOptions<'a> {
     /// The surface of a MaterialX document.
     pub surface: Surface,
-    /// The glTF file that the scene was imported from: its materials are written anew, all else stays. Without it, a glTF file has
-    /// the meshes and materials of the scene.
+    /// The glTF file that the scene was imported from: its materials are rewritten, all else stays. Without it, a glTF
+    /// file has the meshes and materials of the scene.
     pub original: Option<&'a Path>,
 }
 
-/// Writes the materials of a scene, but that of its ground, in the format that the ending of `path` names.
+/// Writes the materials of a scene, except its ground's, in the format given by the extension of `path`.
 ///
 /// # Errors
 /// See [`ExportError`].
@@ -74,7 +74,7 @@ fn finished(exported: Exported, path: &Path, text: &str, remarks: Vec<String>) -
     Ok(Exported { files, remarks: [exported.remarks, remarks].concat(), ..exported })
 }
 
-/// The materials with maps that name pictures, which are written beside `path`.
+/// The materials with maps that name pictures. Writes the pictures beside `path`.
 fn with_pictures(scene: &Scene, path: &Path) -> Result<(Vec<MaterialFile>, Exported), ExportError> {
     let ground = scene.mesh.ground_material();
     let materials = (0..).zip(&scene.materials).filter(|(index, _)| Some(*index) != ground);

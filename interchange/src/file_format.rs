@@ -1,28 +1,28 @@
-//! What all lists of formats have in common: file names tell the format by their ending.
+//! Common interface of the lists of formats: the file extension determines the format.
 
 use std::path::Path;
 
-/// A format that file names tell by their ending.
+/// A format identified by its file extension.
 pub trait FileFormat: Sized + 'static {
-    /// All of them, in the order of lists.
+    /// All formats, in the order of lists.
     const ALL: &'static [Self];
 
-    /// Endings of file names, in small letters, the usual one first.
+    /// File extensions in lower case, the usual one first.
     fn endings(&self) -> &'static [&'static str];
 
-    /// The format of a file, by the ending of its name in letters of any case.
+    /// The format of a file, by its extension in any case.
     fn of(path: &Path) -> Option<&'static Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         Self::ALL.iter().find(|format| format.endings().contains(&ending.as_str()))
     }
 
-    /// The endings of those formats that are wanted.
+    /// The extensions of the formats for which `wanted` holds.
     fn all_endings(wanted: impl Fn(&Self) -> bool) -> Vec<&'static str> {
         Self::ALL.iter().filter(|format| wanted(format)).flat_map(Self::endings).copied().collect()
     }
 }
 
-/// Endings for people, as `.obj, .gltf or .ply`, with what stands before the last.
+/// Extensions for display, such as `.obj, .gltf or .ply`, with the given separator before the last.
 pub fn listed(endings: &[&str], before_last: &str) -> String {
     let mut names = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>();
     let last = names.pop().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The lists of formats of scenes, materials and pictures.
+//! The lists of scene, material and picture formats.
 
 pub use crate::{
     export::MaterialFormat,

@@ -1,4 +1,4 @@
-//! Files of pictures: OpenEXR and its layers, Radiance HDR, PNG, JPEG and TGA.
+//! Picture files: OpenEXR and its layers, Radiance HDR, PNG, JPEG and TGA.
 
 mod layers;
 mod picture_format;

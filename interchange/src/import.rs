@@ -1,9 +1,8 @@
-//! Import of files of scenes into a [`Scene`], with a report of what was repaired.
+//! Import of scene files into a [`Scene`], with a report of repairs.
 //!
-//! Each format has one reader that returns a `RawMesh` with the contents of the file. `repair` then makes one clean
-//! mesh of it, the same way for all formats. `ranges` keeps all else in range. Contents of a file never cause a panic:
-//! they are repaired with a warning, or refused with an error. `budget` bounds the memory that they take, and `files` what
-//! they may read.
+//! Each format has a reader that returns a `RawMesh` with the contents of the file. `repair` then makes a clean mesh of it, the
+//! same way for all formats. `ranges` clamps everything else. Contents of a file never cause a panic: they are repaired with a
+//! warning, or refused with an error. `budget` bounds the memory of an import, and `files` restricts the files it reads.
 
 use crate::file_format::FileFormat;
 use files::{Files, read_file};
@@ -42,18 +41,18 @@ pub struct Imported {
     pub report: ImportReport,
 }
 
-/// Imports the scene in a file of one of the [`SceneFormat`]s. It may take all free memory, and read files of its folder.
+/// Imports a scene from a file of one of the [`SceneFormat`]s. It may use all free memory, and read files of its folder.
 ///
 /// # Errors
-/// Those of [`import_with`].
+/// See [`import_with`].
 pub fn import(path: &Path) -> Result<Imported, ImportError> {
     import_with(path, &ImportOptions::default())
 }
 
-/// Imports the scene in a file of one of the [`SceneFormat`]s.
+/// Imports a scene from a file of one of the [`SceneFormat`]s.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, is too large, holds no triangles, or needs files that it may not read.
+/// A file that is unreadable, damaged, or too large, has no triangles, or needs files that it may not read.
 pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, ImportError> {
     let Some(format) = SceneFormat::of(path) else {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
@@ -68,14 +67,14 @@ pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     finish((format.read)(&bytes, path, files, variant)?, path)
 }
 
-/// What moves in a file; none of a format without animations.
+/// The animation of a file; `None` for a format without animations.
 pub(crate) fn animation(path: &Path, options: &ImportOptions) -> Option<Result<Animation, ImportError>> {
     let read = SceneFormat::of(path)?.animation?;
     let mut files = Files::beside(path, options);
     Some(read_file(path, &mut files).and_then(|bytes| read(&bytes, path, files)))
 }
 
-/// Repairs the mesh, and checks that it is valid.
+/// Repairs and validates the mesh.
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
     let Source { variants, warnings, unread, outside, files, .. } = source;
@@ -100,8 +99,8 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     Ok(Imported { scene, report })
 }
 
-/// Moves the targets of cameras and lights along their axes to the depth of the scene's center, so that orbiting turns
-/// about it and handles lie in the scene.
+/// Moves the targets of cameras and lights along their axes to the depth of the scene's center. Orbiting then turns
+/// about it, and handles lie in the scene.
 fn aim_at_the_center(scene: &mut Scene) {
     let bounds = scene.mesh.bounds();
     let aimed = |from: Vec3, target: Vec3| {

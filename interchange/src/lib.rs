@@ -1,12 +1,12 @@
-//! Formats of other programs, in and out.
+//! Reads and writes formats of other programs.
 //!
-//! What a file holds becomes the data of `lapidary-core`, which knows none of these formats.
+//! File contents become the data of `lapidary-core`, which is independent of these formats.
 //!
 //! * [`formats`]: the lists of all formats
-//! * [`import`]: scenes and materials; [`export`]: materials of a scene, back to their formats
+//! * [`import`]: scenes and materials; [`export`]: materials of a scene
 //! * [`materialx`]: materials in and out of MaterialX documents
 //! * [`animation`]: clips, skins and morph targets of glTF files
-//! * [`image`]: files of pictures; [`environment`]: environments by the name of a file or of a formula
+//! * [`image`]: picture files; [`environment`]: environments by file name or formula
 
 pub mod animation;
 pub mod environment;

@@ -1,5 +1,5 @@
-//! A material as a JSON file of its own: like a [`Material`](lapidary_core::material::Material), but its maps name picture files
-//! beside it.
+//! A material in a separate JSON file: like a [`Material`](lapidary_core::material::Material), but its maps name
+//! picture files beside it.
 
 use glam::Vec2;
 use lapidary_core::{
@@ -21,7 +21,7 @@ pub struct SlotFile {
     /// The picture, relative to the material file; empty for a pattern.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub file: String,
-    /// A pattern in place of a picture.
+    /// A pattern instead of a picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub procedural: Option<Procedural>,
     /// Color space of 8-bit texels; by default sRGB for the base color and linear for all else.
@@ -56,7 +56,7 @@ fn full_strength() -> f32 {
 }
 
 impl SlotFile {
-    /// Of a slot whose picture is in `file`; empty for a pattern.
+    /// The slot of a picture in `file`, which is empty for a pattern.
     pub fn of(slot: &TextureSlot, file: String) -> Self {
         Self {
             file,

@@ -1,11 +1,11 @@
 //! MaterialX documents (Academy Software Foundation, version 1.39 and back to 1.38): the surfaces `open_pbr_surface`,
 //! `standard_surface` and `gltf_pbr`, with values and pictures, to and from materials of the model `openpbr`.
 //!
-//! `open_pbr_surface` is read and written name by name. The others follow the translations that MaterialX publishes
-//! (`libraries/bxdf/translation`) but for four things. A coat stays on a metal, and its color tints once. The width of a
-//! stretched lobe is kept, not the number that stretches it; see [`stretch`]. The coat's darkening is what the coat does to colors.
+//! `open_pbr_surface` is read and written name by name. The others follow the translations published with MaterialX
+//! (`libraries/bxdf/translation`) with four exceptions. A coat stays on a metal, and its color tints once. The width of a
+//! stretched lobe is kept, not its anisotropy; see [`stretch`]. The coat's darkening is the effect of the coat on colors.
 //!
-//! Coordinates of MaterialX begin at the bottom of a picture, here at the top; `placement` converts them.
+//! Texture coordinates begin at the bottom of a picture in MaterialX, and at the top here; `placement` converts them.
 
 mod candidates;
 mod estimate;

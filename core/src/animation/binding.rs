@@ -1,8 +1,9 @@
-//! The vertices of an object, bound to the surface of the file that it was baked of.
+//! Binds the vertices of an object to the surface of its file.
 //!
-//! Each vertex is bound to the nearest point of the object at rest, and shifted as that point is. Its normal and its tangent turn with
-//! a frame there: the normal between the corners, and the longest edge of the triangle in the plane across it. Between the corners the
-//! frame turns smoothly; the differential of each triangle alone would jump at its edges. Where a corner has no frame, nothing turns.
+//! Each vertex is bound to the nearest point of the object at rest, and moves with it. Its normal and its tangent turn
+//! with a frame at that point: the interpolated corner normal, and the longest edge of the triangle projected across
+//! it. The frame turns smoothly between the corners; the differential of each triangle alone would jump at its edges.
+//! Where a corner has no frame, nothing turns.
 
 use super::{
     nearest::{NearestPoint, NearestPoints, blend},
@@ -13,32 +14,32 @@ use crate::{bounds::is_within_reach, mesh::Mesh, scene::pose::PosedVertices};
 use glam::{Mat3, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// An object that can move.
+/// A movable object.
 #[derive(Debug)]
 pub struct BoundObject {
     /// Its index in the scene.
     pub object: u32,
-    /// In the world at rest; the shapes one after another.
+    /// The object in the world at rest; its shapes in sequence.
     at_rest: Surface,
     vertices: Vec<BoundVertex>,
 }
 
-/// A vertex as baked, and where it is bound.
+/// A vertex as baked, and its binding.
 #[derive(Clone, Copy, Debug)]
 struct BoundVertex {
     position: Vec3,
     normal: Vec3,
     tangent: Vec4,
-    /// Of its triangle, the longest edge first.
+    /// Corners of its triangle, the longest edge first.
     corners: [u32; 3],
     weights: [f32; 3],
-    /// Normal and tangent in the frame at rest; none where there is no frame.
+    /// Normal and tangent in the frame at rest; `None` without a frame.
     in_frame: Option<[Vec3; 2]>,
 }
 
 impl BoundObject {
-    /// Binds the `vertices` of an object of the mesh to its shapes. Also returns how far the farthest vertex is from them in meters:
-    /// infinitely far if they have no triangles, or if it is nowhere.
+    /// Binds the `vertices` of an object of the mesh to its shapes. Also returns the distance of the farthest vertex in
+    /// meters: infinite if the shapes have no triangles, or if a vertex is not finite.
     pub fn new(object: u32, shapes: &[Shape], at_rest: &Posture, mesh: &Mesh, vertices: &[u32]) -> (Self, f32) {
         let at_rest = posed(shapes, at_rest);
         let triangles = triangles_within_reach(shapes, &at_rest);
@@ -63,7 +64,7 @@ impl BoundObject {
         (Self { object, at_rest, vertices }, farthest)
     }
 
-    /// The vertices where the shapes are in a posture; `None` if all are as they were baked, to the bit.
+    /// The vertices for a posture of the shapes; `None` if all are as baked, to the bit.
     pub fn posed(&self, shapes: &[Shape], posture: &Posture) -> Option<PosedVertices> {
         let now = posed(shapes, posture);
         if now == self.at_rest {
@@ -83,7 +84,7 @@ impl BoundObject {
 }
 
 impl BoundVertex {
-    /// Where it is on a surface that was `at_rest`, and is `now` shifted.
+    /// The vertex on the surface `now`, which is `at_rest` moved by `shifts`.
     fn posed(&self, at_rest: &Surface, now: &Surface, shifts: &[Vec3]) -> (Vec3, Vec3, Vec4) {
         if self.is_same_on(at_rest, now) {
             return (self.position, self.normal, self.tangent);
@@ -94,7 +95,7 @@ impl BoundVertex {
         (position, normal, tangent.extend(self.tangent.w))
     }
 
-    /// Whether two surfaces agree, to the bit, in all that it depends on: its edge, and the corners that have a part in it.
+    /// Whether two surfaces agree, to the bit, in everything the vertex depends on: its edge, and the corners with a weight.
     fn is_same_on(&self, a: &Surface, b: &Surface) -> bool {
         let all = self.corners.iter().map(|&corner| corner as usize).zip(self.weights).enumerate();
         let mut parts = all.filter(|(k, (_, weight))| *k < 2 || *weight != 0.0);
@@ -103,7 +104,7 @@ impl BoundVertex {
         })
     }
 
-    /// The edge across the normal, the direction across both, and the normal of a surface where the vertex is bound.
+    /// Columns are the edge across the normal, the direction across both, and the normal of a surface at the binding.
     fn frame(&self, surface: &Surface) -> Option<Mat3> {
         let normal = blend(&surface.normals, self.corners, self.weights).try_normalize()?;
         let [from, to] = [self.corners[0], self.corners[1]].map(|corner| surface.positions[corner as usize]);
@@ -113,7 +114,7 @@ impl BoundVertex {
 }
 
 impl Surface {
-    /// From each vertex to where it is on another surface.
+    /// Displacement of each vertex to another surface.
     pub fn shifts_to(&self, other: &Self) -> Vec<Vec3> {
         self.positions.iter().zip(&other.positions).map(|(before, now)| *now - *before).collect()
     }
@@ -129,7 +130,8 @@ pub fn posed(shapes: &[Shape], posture: &Posture) -> Surface {
     all
 }
 
-/// The triangles of shapes, as [`posed`] orders their vertices. Those out of reach are in no scene, and in no hierarchy of boxes.
+/// The triangles of shapes, in [`posed`]'s order of vertices. Triangles out of reach are left out: no scene or box
+/// hierarchy contains them.
 pub fn triangles_within_reach(shapes: &[Shape], surface: &Surface) -> Vec<[u32; 3]> {
     let mut all = Vec::new();
     let mut base = 0;
@@ -141,7 +143,7 @@ pub fn triangles_within_reach(shapes: &[Shape], surface: &Surface) -> Vec<[u32; 
     all
 }
 
-/// The corners of a triangle and their weights, turned until its longest edge is between the first two.
+/// The corners of a triangle and their weights, rotated so that the longest edge is between the first two.
 fn longest_edge_first(surface: &Surface, corners: [u32; 3], at: &NearestPoint) -> ([u32; 3], [f32; 3]) {
     let place = |k: usize| surface.positions[corners[k % 3] as usize];
     let length_sq = |k: &usize| place(*k).distance_squared(place(k + 1));

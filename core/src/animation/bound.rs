@@ -15,29 +15,30 @@ use std::sync::{
     atomic::{AtomicU32, Ordering},
 };
 
-/// How far a vertex may be from the surface of the file, relative to the diagonal of the scene, before that is another shape.
+/// Largest distance of a vertex from the file's surface, relative to the diagonal of the scene; beyond it the shape is another.
 const MOST_DISTANCE: f32 = 1e-3;
 
-/// Stands for the index of a clip where the file is at rest.
+/// Replaces the index of a clip where the file is at rest.
 const AT_REST: u32 = u32::MAX;
 
-/// Tells bound animations apart, so that poses of one are never taken for those of another.
+/// Identifies bound animations, so that their poses are never confused.
 static NEXT: AtomicU32 = AtomicU32::new(0);
 
 /// Poses the objects of one scene.
 #[derive(Debug)]
 pub struct BoundAnimation {
     animation: Arc<Animation>,
-    /// Of the bake.
+    /// Posture of the bake.
     as_baked: Posture,
-    /// What the bake has elsewhere than the file.
+    /// Objects that the bake moved relative to the file.
     placed: Vec<Placed>,
     objects: Vec<BoundObject>,
     number: u32,
 }
 
 impl BoundAnimation {
-    /// Binds an animation to a scene that was baked of its file, at rest or at some time, or imported from it. Takes about a microsecond a vertex that can move.
+    /// Binds an animation to a scene imported from its file, or baked from it at rest or at a time. Takes about a
+    /// microsecond per movable vertex.
     ///
     /// # Errors
     /// A scene with other objects, or with objects of another shape.
@@ -69,7 +70,7 @@ impl BoundAnimation {
         &self.animation.clips
     }
 
-    /// The animation that is bound.
+    /// The bound animation.
     pub fn animation(&self) -> &Animation {
         &self.animation
     }
@@ -79,11 +80,11 @@ impl BoundAnimation {
         self.objects.iter().map(|object| object.object)
     }
 
-    /// `poses` with objects deformed as they are at a time of a clip, in seconds; before its beginning and after its end it stays. The
-    /// clip has an index as [`Self::clips`] lists them. Poses of the objects by themselves stay; those of other clips and times go.
+    /// `poses` with objects deformed at a time of a clip, in seconds, clamped to the clip. The clip is an index into
+    /// [`Self::clips`]. The objects' own poses stay; deformations of other clips and times are replaced.
     ///
     /// # Errors
-    /// A clip that is not there, and vertices out of reach.
+    /// A missing clip, or vertices out of reach.
     pub fn poses_at(&self, clip: usize, seconds: f32, poses: &Poses) -> Result<Poses, AnimationError> {
         let (number, index) = (self.number, clip);
         let clip = self.clips().get(clip).ok_or_else(|| self.animation.no_clip(&format!("number {index}")))?;
@@ -102,14 +103,13 @@ impl BoundAnimation {
         }
     }
 
-    /// `poses` with objects as their file has them at rest, where they were baked at a time of a clip. Poses of the objects by
-    /// themselves stay.
+    /// `poses` with all objects at rest as in their file, for a scene baked at a time of a clip. The objects' own poses stay.
     pub fn poses_at_rest(&self, poses: &Poses) -> Poses {
         let posture = self.animation.posture(self.animation.nodes.at_rest());
         self.poses_in(&posture, [self.number, AT_REST, 0], poses)
     }
 
-    /// `poses` with objects deformed as in a posture, of which there is one for each revision.
+    /// `poses` with objects deformed by a posture. Each revision identifies one posture.
     fn poses_in(&self, posture: &Posture, revision: [u32; 3], poses: &Poses) -> Poses {
         let mut posed = poses.without_deformed();
         let deformed: Vec<_> = self.objects.par_iter().map(|object| self.deformed(object, posture)).collect();
@@ -130,7 +130,7 @@ impl BoundAnimation {
     }
 }
 
-/// Checks that a scene has the objects of a file, by their names and in their order. A ground stands after them.
+/// Checks that a scene has the objects of a file, by name and in order. A ground follows them.
 fn check_objects(animation: &Animation, scene: &Scene) -> Result<(), AnimationError> {
     let of_scene = (0..).zip(&scene.objects).filter(|(object, _)| scene.mesh.ground_object() != Some(*object));
     let names: Vec<&str> = of_scene.map(|(_, Object { name })| name.as_str()).collect();

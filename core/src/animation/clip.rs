@@ -7,17 +7,17 @@ use super::{
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The least size of a node along an axis, relative to its mesh: a scale of zero would leave no normals.
+/// The smallest size of a node along an axis, relative to its mesh: a scale of zero would leave no normals.
 pub const LEAST_SCALE: f32 = 1e-4;
 
-/// What a channel changes of its node.
+/// The property of its node that a channel changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Property {
-    /// Where it is in its parent.
+    /// Position within its parent.
     Translation,
-    /// How it is turned.
+    /// Rotation.
     Rotation,
-    /// Its size along its own axes.
+    /// Scale along its own axes.
     Scale,
     /// Weights of the morph targets of its mesh.
     Weights,
@@ -28,17 +28,17 @@ pub enum Property {
 pub struct Channel {
     /// The node, by index.
     pub node: usize,
-    /// What changes.
+    /// The changed property.
     pub property: Property,
-    /// Its values; channels may share them.
+    /// Its keyframes; channels may share them.
     pub keys: Arc<Keyframes>,
 }
 
 impl Channel {
-    /// Checks that values suit the nodes.
+    /// Checks that values are valid for the nodes.
     ///
     /// # Errors
-    /// What is wrong, in words: a scale that turns a mesh inside out.
+    /// A description of the problem: a scale that turns a mesh inside out.
     pub fn check(&self, nodes: &Nodes) -> Result<(), String> {
         let sides = side(nodes.get(self.node).at_rest.scale);
         let turns_over = |value: &[f32]| (Vec3::from_slice(value) * sides).min_element() < 0.0;
@@ -68,41 +68,41 @@ fn side(scale: Vec3) -> Vec3 {
     scale.map(|s| if s < 0.0 { -1.0 } else { 1.0 })
 }
 
-/// A time that is played beyond the end of a clip.
+/// Playback beyond the end of a clip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Playback {
     /// The last pose stays.
     #[default]
     Once,
-    /// The clip begins again.
+    /// The clip restarts.
     Loop,
 }
 
 /// A named animation.
 #[derive(Clone, Debug)]
 pub struct Clip {
-    /// From the file, or made up from its place there. No other clip of the file has it: equal names are numbered.
+    /// Name from the file, or derived from its position there. It is unique in the file: equal names are numbered.
     pub name: String,
     channels: Vec<Channel>,
 }
 
 impl Clip {
-    /// With channels that were checked.
+    /// Creates a clip from checked channels.
     pub fn new(name: String, channels: Vec<Channel>) -> Self {
         Self { name, channels }
     }
 
-    /// How long it takes, in seconds: from 0 to its last keyframe. A clip of no length is one pose.
+    /// Duration in seconds: from 0 to its last keyframe. A clip of duration 0 is one pose.
     pub fn seconds(&self) -> f32 {
         self.channels.iter().map(|channel| channel.keys.end()).fold(0.0, f32::max)
     }
 
-    /// What it moves.
+    /// Its channels.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
-    /// The time of the clip at a time of playing, in seconds. What is no time is the beginning.
+    /// Time within the clip at a playing time, in seconds. NaN is the beginning.
     pub fn time_at(&self, seconds: f32, playback: Playback) -> f32 {
         let length = self.seconds();
         match playback {
@@ -112,7 +112,7 @@ impl Clip {
         }
     }
 
-    /// The nodes at a time of the clip, in seconds.
+    /// State of the nodes at a time of the clip, in seconds.
     pub fn state_at(&self, seconds: f32, nodes: &Nodes) -> NodeState {
         let mut state = nodes.at_rest();
         self.channels.iter().for_each(|channel| channel.apply(seconds, nodes, &mut state));

@@ -1,20 +1,20 @@
-//! Values at times, and between them (glTF 2.0, section 3.11 and appendix C).
+//! Keyframes and their interpolation (glTF 2.0, section 3.11 and appendix C).
 
 use super::nodes::unit_rotation;
 
-/// How values change between keyframes.
+/// Interpolation between keyframes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// A value stays until the next keyframe.
+    /// The value is constant until the next keyframe.
     Step,
-    /// In proportion to the time; rotations along the shortest arc.
+    /// Linear in time; rotations along the shortest arc.
     Linear,
-    /// Along a cubic spline with a tangent into and out of each keyframe.
+    /// A cubic spline with a tangent into and out of each keyframe.
     CubicSpline,
 }
 
 impl Interpolation {
-    /// Values that a keyframe stores: with a spline the tangent into it, itself, and the tangent out of it.
+    /// Number of values stored per keyframe: for a spline the in-tangent, the value and the out-tangent.
     pub fn values_per_key(self) -> usize {
         if self == Self::CubicSpline { 3 } else { 1 }
     }
@@ -29,20 +29,20 @@ pub struct Keyframes {
     interpolation: Interpolation,
 }
 
-/// A place between two keyframes.
+/// A position between two keyframes.
 struct Between {
     key: usize,
-    /// 0 at the keyframe, towards 1 at the next.
+    /// 0 at the keyframe, up to 1 at the next.
     share: f32,
-    /// From this keyframe to the next.
+    /// Duration to the next keyframe.
     seconds: f32,
 }
 
 impl Keyframes {
-    /// `times` are in seconds; each has as many values of `width` numbers as the interpolation says.
+    /// `times` are in seconds; each has values of `width` numbers, as many as the interpolation stores.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A description of the problem.
     pub fn new(times: Vec<f32>, values: Vec<f32>, width: usize, interpolation: Interpolation) -> Result<Self, String> {
         let keys = times.len();
         let expected = keys * width * interpolation.values_per_key();
@@ -68,7 +68,7 @@ impl Keyframes {
         Ok(Self { times, values, width, interpolation })
     }
 
-    /// When the last keyframe is, in seconds.
+    /// Time of the last keyframe, in seconds.
     pub fn end(&self) -> f32 {
         self.times.last().copied().unwrap_or(0.0)
     }
@@ -78,7 +78,7 @@ impl Keyframes {
         (0..self.times.len()).map(|key| self.value(key))
     }
 
-    /// The value at a time in seconds: before the first keyframe and after the last it stays.
+    /// The value at a time in seconds, clamped to the first and last keyframe.
     pub fn sample(&self, seconds: f32) -> Vec<f32> {
         let Between { key, share, seconds } = self.between(seconds);
         match self.interpolation {
@@ -92,7 +92,7 @@ impl Keyframes {
         }
     }
 
-    /// [`Self::sample`] of rotations, of length 1.
+    /// [`Self::sample`] of rotations, normalized.
     pub fn sample_rotation(&self, seconds: f32) -> glam::Quat {
         let Between { key, share, .. } = self.between(seconds);
         let rotation = |value: &[f32]| unit_rotation([value[0], value[1], value[2], value[3]]);
@@ -117,13 +117,13 @@ impl Keyframes {
         self.stored(key, usize::from(self.interpolation == Interpolation::CubicSpline))
     }
 
-    /// One of what a keyframe stores.
+    /// A stored value of a keyframe.
     fn stored(&self, key: usize, which: usize) -> &[f32] {
         let first = (key * self.interpolation.values_per_key() + which) * self.width;
         &self.values[first..first + self.width]
     }
 
-    /// Hermite's spline; the values' part is written as a difference, so that equal values stay as they are.
+    /// Hermite's spline. The values' part is written as a difference, so that equal values stay unchanged.
     fn spline(&self, key: usize, t: f32, seconds: f32) -> Vec<f32> {
         let (out_of, into) = (self.stored(key, 2), self.stored(key + 1, 0));
         let (from, to) = (self.value(key), self.value(key + 1));

@@ -10,26 +10,27 @@ use obvhs::{
 };
 use std::time::Duration;
 
-/// Triangles this much farther than the nearest one count as near, relative to the diagonal of the surface: they meet there.
+/// Triangles at most this much farther than the nearest one also count as near, relative to the diagonal of the
+/// surface: they meet at the point.
 const TIE: f32 = 1e-6;
 
-/// How much less a normal may agree with the one that was asked for than the best does, as a cosine, and still face the same way.
+/// Largest difference of a normal's cosine to the requested normal from the best, for facing the same way.
 const SAME_WAY: f32 = 1e-3;
 
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestPoint {
-    /// Which triangle.
+    /// Index of the triangle.
     pub triangle: usize,
     /// Weights of its corners.
     pub weights: [f32; 3],
-    /// How far it is, in meters.
+    /// Distance in meters.
     pub distance: f32,
-    /// Cosine between its normal and the one that was asked for.
+    /// Cosine between its normal and the requested one.
     agreement: f32,
 }
 
-/// A surface whose points are searched.
+/// Search structure for the points of a surface.
 pub struct NearestPoints<'a> {
     surface: &'a Surface,
     triangles: &'a [[u32; 3]],
@@ -38,7 +39,7 @@ pub struct NearestPoints<'a> {
 }
 
 impl<'a> NearestPoints<'a> {
-    /// Of the triangles of a surface that has normals.
+    /// Indexes the triangles of a surface with normals.
     pub fn new(surface: &'a Surface, triangles: &'a [[u32; 3]]) -> Self {
         let corners: Vec<Triangle> = triangles.iter().map(|&t| triangle(surface.corners(t))).collect();
         let hierarchy = build_bvh2_from_tris(&corners, BvhBuildParams::fast_build(), &mut Duration::default());
@@ -46,8 +47,8 @@ impl<'a> NearestPoints<'a> {
         Self { surface, triangles, hierarchy, tie: TIE * diagonal }
     }
 
-    /// The point nearest to a place; where triangles meet, that of the one whose normal is nearest to `normal`. `None` if there are no
-    /// triangles.
+    /// The point nearest to a place. Where triangles meet, the one whose normal is closest to `normal`. `None` if there
+    /// are no triangles.
     pub fn find(&self, place: Vec3, normal: Vec3) -> Option<NearestPoint> {
         let mut found: Option<NearestPoint> = None;
         self.visit(place, |triangle| {
@@ -64,7 +65,7 @@ impl<'a> NearestPoints<'a> {
         found
     }
 
-    /// All points that are as near as that of [`Self::find`] and face the same way.
+    /// All points as near as the result of [`Self::find`] that face the same way.
     pub fn meeting(&self, place: Vec3, normal: Vec3) -> Vec<NearestPoint> {
         let Some(nearest) = self.find(place, normal) else { return Vec::new() };
         let (reach, mut meeting) = (nearest.distance + self.tie, Vec::new());
@@ -78,7 +79,7 @@ impl<'a> NearestPoints<'a> {
         meeting
     }
 
-    /// Calls `each` with triangles, the nearest boxes first. It returns how far away the others may be.
+    /// Calls `each` with triangles, the nearest boxes first. It returns the distance up to which others count.
     fn visit(&self, place: Vec3, mut each: impl FnMut(usize) -> f32) {
         let nodes = &self.hierarchy.nodes;
         let mut reach = f32::INFINITY;
@@ -100,7 +101,7 @@ impl<'a> NearestPoints<'a> {
         }
     }
 
-    /// The point of a triangle that is nearest to a place.
+    /// The point of a triangle nearest to a place.
     fn point(&self, triangle: usize, place: Vec3, normal: Vec3) -> NearestPoint {
         let corners = self.triangles[triangle];
         let weights = nearest_weights(self.surface.corners(corners), place);
@@ -114,7 +115,7 @@ fn triangle([v0, v1, v2]: [Vec3; 3]) -> Triangle {
     Triangle { v0: v0.into(), v1: v1.into(), v2: v2.into() }
 }
 
-/// How far a point is from a box; 0 inside.
+/// Distance of a point from a box; 0 inside.
 fn distance_to(aabb: &Aabb, point: Vec3) -> f32 {
     let (least, most): (Vec3, Vec3) = (aabb.min.into(), aabb.max.into());
     (least - point).max(point - most).max(Vec3::ZERO).length()

@@ -2,25 +2,25 @@
 
 use glam::{DVec4, Mat4, Quat, Vec3, Vec4};
 
-/// Where a node is within its parent: scaled, then turned, then moved.
+/// Transform of a node within its parent: scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     /// In units of the parent; meters at the root.
     pub translation: Vec3,
-    /// Of length 1.
+    /// Unit quaternion.
     pub rotation: Quat,
     /// Along the node's own axes.
     pub scale: Vec3,
 }
 
 impl Transform {
-    /// From the node into its parent.
+    /// Matrix from the node to its parent.
     pub fn parent_from_node(&self) -> Mat4 {
         Mat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 }
 
-/// A rotation as files store it, x, y, z, w, brought to length 1. Without a direction it turns nothing.
+/// Normalizes a rotation as stored in files: x, y, z, w. A null rotation becomes the identity.
 pub fn unit_rotation(stored: [f32; 4]) -> Quat {
     let unit = DVec4::from_array(stored.map(f64::from)).try_normalize().unwrap_or(DVec4::W);
     Quat::from_vec4(Vec4::from_array(unit.as_vec4().to_array()))
@@ -29,11 +29,11 @@ pub fn unit_rotation(stored: [f32; 4]) -> Quat {
 /// A node.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// The node that it belongs to, by index.
+    /// Index of the parent node.
     pub parent: Option<usize>,
-    /// Where it is without an animation.
+    /// Its transform without an animation.
     pub at_rest: Transform,
-    /// The same as the file has it, which may shear.
+    /// Its matrix in the file, which may shear.
     pub parent_from_node: Mat4,
     /// Weights of the morph targets of its mesh without an animation.
     pub weights: Vec<f32>,
@@ -46,17 +46,17 @@ pub struct Nodes {
     order: Vec<usize>,
 }
 
-/// What an animation changes: for each node its place in its parent, and the weights of its morph targets.
+/// Animated state: for each node its transform within its parent, and the weights of its morph targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeState {
-    /// By node.
+    /// Transforms by node.
     pub transforms: Vec<Transform>,
-    /// By node and morph target.
+    /// Weights by node and morph target.
     pub weights: Vec<Vec<f32>>,
 }
 
 impl Nodes {
-    /// `order` holds every index once, parents first.
+    /// `order` has every index once, parents first.
     pub fn new(nodes: Vec<Node>, order: Vec<usize>) -> Self {
         Self { nodes, order }
     }
@@ -66,7 +66,7 @@ impl Nodes {
         &self.nodes[node]
     }
 
-    /// The nodes without an animation.
+    /// The state without an animation.
     pub fn at_rest(&self) -> NodeState {
         NodeState {
             transforms: self.nodes.iter().map(|node| node.at_rest).collect(),
@@ -74,7 +74,7 @@ impl Nodes {
         }
     }
 
-    /// From each node into the world. Nodes that are where they rest keep the matrix of the file.
+    /// Matrices from each node to the world. Nodes at rest keep the matrix of the file.
     pub fn world_from_nodes(&self, state: &NodeState) -> Vec<Mat4> {
         let mut world_from_nodes = vec![Mat4::IDENTITY; self.nodes.len()];
         for &index in &self.order {
@@ -87,7 +87,7 @@ impl Nodes {
         world_from_nodes
     }
 
-    /// The nodes that move where those of `moving` do: they and all below them.
+    /// The nodes that `moving` nodes move: themselves and all below them.
     pub fn carried(&self, moving: &[bool]) -> Vec<bool> {
         let mut carried = moving.to_vec();
         for &index in &self.order {

@@ -1,4 +1,4 @@
-//! What an animation moves: the primitives of a file, each with what deforms it.
+//! Primitives that an animation moves, each with its deformation.
 
 use super::{
     nodes::{NodeState, Nodes},
@@ -8,51 +8,52 @@ use super::{
 use crate::sphere::fibonacci_directions;
 use glam::{Mat4, Vec3};
 
-/// Its multiples have fractions that are far from one another.
+/// The fractions of its multiples are far apart.
 const GOLDEN_RATIO: f32 = 1.618_034;
 
-/// What changes the vertices of a primitive beside its node.
+/// Changes to the vertices of a primitive in addition to its node's transform.
 #[derive(Clone, Debug, Default)]
 pub struct Deformation {
     /// Morph targets.
     pub targets: Vec<MorphTarget>,
-    /// A skin by its index, and how it moves each vertex.
+    /// Index of the skin, and the influences of its joints on each vertex.
     pub skin: Option<(usize, Influences)>,
 }
 
 /// A primitive of a node.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// The object that it belongs to, by index in the scene.
+    /// Index of its object in the scene.
     pub object: u32,
-    /// The node, by index.
+    /// Index of the node.
     pub node: usize,
     /// Its vertices in its own space.
     pub surface: Surface,
     /// Its triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// What deforms it.
+    /// Its deformation.
     pub deformation: Deformation,
 }
 
-/// The nodes of a file at a time, and the joints of its skins.
+/// The transforms of a file's nodes at a time, and of its skins' joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posture {
     world_from_nodes: Vec<Mat4>,
-    /// By skin and joint.
+    /// Matrices by skin and joint.
     joints: Vec<Vec<Mat4>>,
     weights: Vec<Vec<f32>>,
 }
 
 impl Posture {
-    /// Of nodes in some state.
+    /// The posture for a state of the nodes.
     pub fn new(nodes: &Nodes, skins: &[Skin], state: NodeState) -> Self {
         let world_from_nodes = nodes.world_from_nodes(&state);
         let joints = skins.iter().map(|skin| skin.world_from_mesh(&world_from_nodes)).collect();
         Self { world_from_nodes, joints, weights: state.weights }
     }
 
-    /// With each joint moved by a distance in meters in a direction of its own, and each morph target changed by a weight of its own.
+    /// The posture with each joint moved by a distance in meters in its own direction, and each morph target changed by
+    /// its own weight.
     pub fn trial(&self, distance: f32) -> Self {
         let mut trial = self.clone();
         for joints in &mut trial.joints {
@@ -67,14 +68,14 @@ impl Posture {
         trial
     }
 
-    /// From a node into the world.
+    /// Matrix from a node to the world.
     pub fn world_from_node(&self, node: usize) -> Mat4 {
         self.world_from_nodes[node]
     }
 }
 
 impl Deformation {
-    /// Takes the vertices of a primitive of `node` from its own space into the world. Returns whether that mirrors them.
+    /// Transforms the vertices of a primitive of `node` into the world. Returns whether that mirrors them.
     pub fn place(&self, surface: &mut Surface, node: usize, posture: &Posture) -> bool {
         surface.morph(&self.targets, &posture.weights[node]);
         match &self.skin {
@@ -85,7 +86,7 @@ impl Deformation {
 }
 
 impl Shape {
-    /// Whether two postures place it alike, to the bit.
+    /// Whether two postures transform it equally, to the bit.
     pub fn is_same(&self, a: &Posture, b: &Posture) -> bool {
         let is_placed_alike = match &self.deformation.skin {
             Some((skin, _)) => a.joints[*skin] == b.joints[*skin],

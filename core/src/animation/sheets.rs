@@ -1,8 +1,7 @@
-//! Sheets of one object that are in one place at rest and move apart. A vertex of the bake could be bound to either there: nothing
-//! tells which one it is from.
+//! Sheets of one object that coincide at rest and move apart. A vertex of the bake could be bound to either, and
+//! nothing determines which.
 //!
-//! They are found by a trial. Joints and morph targets change each in a way of its own, and points of triangles that meet must move
-//! as one then.
+//! A trial finds them: each joint and morph target changes in its own way, and triangles that meet must then move together.
 
 use super::{
     binding::{posed, triangles_within_reach},
@@ -14,13 +13,13 @@ use crate::bounds::{Bounds, is_within_reach};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// How far the trial moves joints, relative to the diagonal of an object.
+/// Distance by which the trial moves joints, relative to the diagonal of an object.
 const TRIAL: f32 = 1e-2;
 
-/// How far points that meet may move apart then, relative to the diagonal: a tenth of what two joints do.
+/// Largest distance between points that meet after the trial, relative to the diagonal: a tenth of the distance of two joints.
 const MOST_APART: f32 = 1e-3;
 
-/// Whether triangles of an object meet at rest, face one way there, and move apart.
+/// Whether triangles of an object meet at rest with the same orientation, and move apart.
 pub fn meet_and_part(shapes: &[Shape], at_rest: &Posture) -> bool {
     let is_deformed = |shape: &Shape| shape.deformation.skin.is_some() || !shape.deformation.targets.is_empty();
     if !shapes.iter().any(is_deformed) {

@@ -5,26 +5,26 @@ use glam::Mat4;
 /// The joints that a mesh follows.
 #[derive(Clone, Debug, Default)]
 pub struct Skin {
-    /// Nodes, by index.
+    /// Indices of the nodes.
     pub joints: Vec<usize>,
-    /// From the mesh into each joint, as they were when the mesh was bound.
+    /// Matrices from the mesh to each joint in the bind pose.
     pub joints_from_mesh: Vec<Mat4>,
 }
 
 impl Skin {
-    /// For each joint, where it takes the mesh. The transform of the mesh's own node has no part in it.
+    /// For each joint, the matrix from the mesh to the world. The transform of the mesh's own node does not apply.
     pub fn world_from_mesh(&self, world_from_nodes: &[Mat4]) -> Vec<Mat4> {
         let joints = self.joints.iter().zip(&self.joints_from_mesh);
         joints.map(|(&joint, joint_from_mesh)| world_from_nodes[joint] * *joint_from_mesh).collect()
     }
 }
 
-/// Four joints for each vertex, and their weights, as a file has them.
+/// Four joints for each vertex, and their weights, as in a file.
 #[derive(Clone, Debug)]
 pub struct InfluenceSet {
     /// Indices into the joints of the skin.
     pub joints: Vec<[u16; 4]>,
-    /// Of the joints; 0 where there are fewer than four.
+    /// Weights of the joints; 0 where there are fewer than four.
     pub weights: Vec<[f32; 4]>,
 }
 
@@ -34,20 +34,20 @@ impl InfluenceSet {
     }
 }
 
-/// How much each joint of a skin moves each vertex; the weights of a vertex sum to 1.
+/// Weights of a skin's joints for each vertex; the weights of a vertex sum to 1.
 #[derive(Clone, Debug, Default)]
 pub struct Influences {
-    /// Where those of each vertex begin, and the end.
+    /// Start of each vertex's entries, and the end.
     starts: Vec<u32>,
     joints: Vec<u16>,
     weights: Vec<f32>,
 }
 
 impl Influences {
-    /// From all sets of a mesh with so many vertices, for a skin of so many joints.
+    /// Combines all sets of a mesh with `vertices` vertices, for a skin of `joints` joints.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A description of the problem.
     pub fn new(sets: &[InfluenceSet], vertices: usize, joints: usize) -> Result<Self, String> {
         let mut influences = Self { starts: vec![0], ..Self::default() };
         for vertex in 0..vertices {
@@ -63,7 +63,7 @@ impl Influences {
         }
         let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
         if !(sum > 0.0 && sum.is_finite() && all.iter().all(|(_, weight)| *weight > 0.0)) {
-            return Err(format!("the weights of vertex {vertex} are zero, below zero or no numbers"));
+            return Err(format!("the weights of vertex {vertex} are zero, negative or not finite"));
         }
         self.joints.extend(all.iter().map(|(joint, _)| joint));
         self.weights.extend(all.iter().map(|(_, weight)| weight / sum));

@@ -1,37 +1,37 @@
-//! The vertices of a mesh on their way into the world: changed by morph targets, then placed by a node or by a skin (glTF 2.0,
+//! Vertices of a mesh, transformed into the world: changed by morph targets, then placed by a node or a skin (glTF 2.0,
 //! sections 3.7.2.2 and 3.7.3).
 
 use super::skin::Influences;
 use glam::{Mat3, Mat4, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Fewest vertices that are worth a thread.
+/// Smallest number of vertices worth a thread.
 pub const BATCH: usize = 1024;
 
-/// Vertices. Arrays have one length, except that tangents may be left out as a whole.
+/// Vertices. All arrays have equal length, except that tangents may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// In meters.
+    /// Positions in meters.
     pub positions: Vec<Vec3>,
-    /// Of length 1; zero where the file has none.
+    /// Unit normals; zero where the file has none.
     pub normals: Vec<Vec3>,
     /// Directions of +u with the handedness of their frames; zero where the file has none.
     pub tangents: Vec<Vec4>,
 }
 
-/// What a morph target adds to vertices. Arrays that the file leaves out are empty.
+/// Offsets that a morph target adds to vertices. Arrays missing in the file are empty.
 #[derive(Clone, Debug, Default)]
 pub struct MorphTarget {
-    /// To positions.
+    /// Offsets of positions.
     pub positions: Vec<Vec3>,
-    /// To normals.
+    /// Offsets of normals.
     pub normals: Vec<Vec3>,
-    /// To tangents.
+    /// Offsets of tangents.
     pub tangents: Vec<Vec3>,
 }
 
 impl Surface {
-    /// Adds morph targets by their weights. Those of weight 0 change no bit.
+    /// Adds morph targets by their weights. Targets of weight 0 change no bit.
     pub fn morph(&mut self, targets: &[MorphTarget], weights: &[f32]) {
         for (target, &weight) in targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
             self.positions.iter_mut().zip(&target.positions).for_each(|(p, d)| *p += weight * d);
@@ -40,20 +40,21 @@ impl Surface {
         }
     }
 
-    /// Places it by a node. Returns whether that mirrors it, so that its triangles have to turn around.
+    /// Transforms the surface by a node's matrix. Returns whether that mirrors it, so that its triangles must be reversed.
     pub fn place(&mut self, world_from_node: Mat4) -> bool {
         let placing = Placing::new(world_from_node);
         self.place_each(|_| placing);
         placing.is_mirrored()
     }
 
-    /// Places it by the joints of a skin, each vertex by the mean of their matrices. Returns whether that mirrors most vertices.
+    /// Transforms the surface by the joints of a skin, each vertex by the mean of their matrices. Returns whether that
+    /// mirrors most vertices.
     pub fn skin(&mut self, influences: &Influences, world_from_mesh: &[Mat4]) -> bool {
         let mirrored = self.place_each(|vertex| Placing::new(influences.mean(vertex, world_from_mesh)));
         2 * mirrored > self.positions.len()
     }
 
-    /// Places each vertex. Returns how many are mirrored.
+    /// Transforms each vertex. Returns the number of mirrored ones.
     fn place_each(&mut self, placing: impl Fn(usize) -> Placing + Sync) -> usize {
         let Self { positions, normals, tangents } = self;
         tangents.iter_mut().enumerate().for_each(|(vertex, tangent)| *tangent = placing(vertex).tangent(*tangent));
@@ -67,7 +68,7 @@ impl Surface {
         vertices.map(place).sum()
     }
 
-    /// Gives vertices without a normal the mean of their triangles' normals by area.
+    /// Sets missing normals to the area-weighted mean of the adjacent triangles' normals.
     pub fn complete_normals(&mut self, triangles: &[[u32; 3]]) {
         let is_missing: Vec<bool> = self.normals.iter().map(|normal| *normal == Vec3::ZERO).collect();
         for corners in triangles.iter().filter(|corners| corners.iter().any(|&c| is_missing[c as usize])) {
@@ -81,7 +82,7 @@ impl Surface {
     }
 }
 
-/// A matrix, and what it does to normals.
+/// A matrix, and its effect on normals.
 #[derive(Clone, Copy)]
 struct Placing {
     matrix: Mat4,

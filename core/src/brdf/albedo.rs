@@ -1,10 +1,10 @@
 //! Directional albedo of lobes: the share of light from a direction that a lobe reflects.
 //!
-//! It tells what a lobe leaves to the layers below it, and what is lost between microfacets. Energy is conserved with it:
+//! It gives the energy that a lobe leaves to the layers below it, and the energy lost between microfacets:
 //!
 //! * a diffuse base below a lobe of albedo E reflects `(1 - E(wi)) (1 - E(wo)) / (1 - mean E)` of its own BRDF (Kelemen and
 //!   Szirmay-Kalos 2001), reciprocal and with the directional albedo `1 - E`;
-//! * light that is reflected several times among microfacets comes out as the same product over π (Kulla and Conty 2017).
+//! * multiple scattering among microfacets is the same product over π (Kulla and Conty 2017).
 //!
 //! The albedo of GGX with height-correlated shadowing is integrated here, once, for widths and for indices of refraction.
 //! At one pixel both are constants, and the albedo is a polynomial of degree 4 in `1 / (1 + 6 cos θ)`: within 0.009 of the
@@ -19,19 +19,19 @@ use crate::simd::Lanes;
 use glam::Vec3;
 use std::{array::from_fn, sync::LazyLock};
 
-/// Coefficients of an albedo.
+/// Number of coefficients.
 const TERMS: usize = 5;
-/// Widths, and reflectances, of the table.
+/// Widths and reflectances in the table.
 const STEPS: usize = 16;
-/// Rows: one for each reflectance, and one for each of the other lobes.
+/// Rows: one per reflectance, and one per other lobe.
 const ROWS: usize = STEPS + 3;
-/// Rows of lobes of other kinds.
+/// First row of the other lobes.
 const FUZZ: usize = STEPS;
 const BECKMANN: usize = STEPS + 1;
 const WARD: usize = STEPS + 2;
-/// Angles at which an albedo is integrated.
+/// Cosines at which an albedo is integrated.
 const ANGLES: usize = 32;
-/// Samples of each side of the unit square.
+/// Samples along each side of the unit square.
 const SAMPLES: usize = 24;
 
 /// Directional albedo as a polynomial, and its mean over the hemisphere.
@@ -55,16 +55,16 @@ pub fn albedo_table() -> &'static [[f32; 8]; ROWS * STEPS] {
 static TABLE: LazyLock<[[Albedo; STEPS]; ROWS]> = LazyLock::new(table);
 
 impl Albedo {
-    /// Of nothing.
+    /// Albedo of nothing.
     pub const BLACK: Self = Self { terms: [0.0; TERMS], mean: 0.0 };
 
-    /// Of a GGX lobe of these widths that reflects all: the mean of the isotropic ones.
+    /// Albedo of a GGX lobe of these widths without Fresnel factor: the mean over the isotropic ones.
     #[inline]
     pub fn of_ggx(alpha: [f32; 2]) -> Self {
         Self::of_widths(alpha, |alpha| Self::between(STEPS - 1, STEPS - 1, 0.0, alpha))
     }
 
-    /// Of the same lobe with the Fresnel factor of a dielectric with an index of refraction of at least 1.
+    /// Albedo of the same lobe with the Fresnel factor of a dielectric. The index of refraction is at least 1.
     #[inline]
     pub fn of_dielectric(alpha: [f32; 2], ior: f32) -> Self {
         let row = (ior - 1.0) / (ior + 1.0) * (STEPS - 1) as f32;
@@ -72,7 +72,7 @@ impl Albedo {
         Self::of_widths(alpha, |alpha| Self::between(low, low + 1, row - low as f32, alpha))
     }
 
-    /// Of a smooth dielectric.
+    /// Albedo of a smooth dielectric.
     #[inline]
     pub fn of_smooth_dielectric(ior: f32) -> Self {
         Self::of_dielectric([0.0; 2], ior)
@@ -83,19 +83,19 @@ impl Albedo {
         if x == y { of(x) } else { of(x).lerp(&of(y), 0.5) }
     }
 
-    /// Of a fuzz of this roughness.
+    /// Albedo of fuzz.
     #[inline]
     pub fn of_fuzz(roughness: f32) -> Self {
         Self::between(FUZZ, FUZZ, 0.0, roughness)
     }
 
-    /// Of Beckmann's lobe that reflects all.
+    /// Albedo of a Beckmann lobe without Fresnel factor.
     #[inline]
     pub fn of_beckmann(alpha: [f32; 2]) -> Self {
         Self::of_widths(alpha, |alpha| Self::between(BECKMANN, BECKMANN, 0.0, alpha))
     }
 
-    /// Of Ward's lobe of 1992 with a reflectance of 1.
+    /// Albedo of Ward's lobe of 1992 with a reflectance of 1.
     #[inline]
     pub fn of_ward(alpha: [f32; 2]) -> Self {
         Self::of_widths(alpha, |alpha| Self::between(WARD, WARD, 0.0, alpha))
@@ -116,14 +116,14 @@ impl Albedo {
         Self { terms: from_fn(|i| mix(self.terms[i], other.terms[i])), mean: mix(self.mean, other.mean) }
     }
 
-    /// Scaled.
+    /// This albedo times a factor.
     #[inline]
     #[must_use]
     pub fn scaled(self, by: f32) -> Self {
         Self { terms: self.terms.map(|term| by * term), mean: by * self.mean }
     }
 
-    /// For light from a direction with this cosine.
+    /// Albedo for light from a direction with this cosine.
     #[inline(always)]
     pub fn at<L: Lanes>(&self, cosine: L) -> L {
         let x = L::splat(1.0) / (L::splat(1.0) + L::splat(6.0) * cosine.at_least(0.0));
@@ -133,7 +133,7 @@ impl Albedo {
         value.at_least(0.0).fast_min(L::splat(1.0))
     }
 
-    /// What it leaves of light that passes it from one direction to another.
+    /// Share of light left between two directions: the product of `1 - E` for both.
     #[inline(always)]
     pub fn left<L: Lanes>(&self, cos_i: L, cos_o: L) -> L {
         (L::splat(1.0) - self.at(cos_i)) * (L::splat(1.0) - self.at(cos_o))
@@ -145,20 +145,20 @@ impl Albedo {
         self.at(wide::f32x8::splat(cosine)).to_array()[0]
     }
 
-    /// The mean over all directions of even light.
+    /// Mean under uniform light.
     pub fn mean(&self) -> f32 {
         self.mean
     }
 
-    /// What is not reflected, normalized so that its product for two directions over π is the BRDF of a base that
-    /// reflects it all: factor of the product.
+    /// Factor of the product of `1 - E` for two directions: the result over π is the BRDF of a base that reflects all
+    /// remaining light.
     #[inline]
     pub fn normalization(&self) -> f32 {
         1.0 / (1.0 - self.mean).max(1e-4)
     }
 }
 
-/// Reflectance of light that is reflected among microfacets at least twice, for a mean Fresnel factor (Kulla and Conty 2017).
+/// Reflectance of light that bounces among microfacets at least twice, for a mean Fresnel factor (Kulla and Conty 2017).
 #[inline]
 pub fn multiple_reflectance(mean_fresnel: Vec3, lobe: &Albedo) -> Vec3 {
     let lost = 1.0 - lobe.mean;
@@ -175,7 +175,7 @@ fn table() -> [[Albedo; STEPS]; ROWS] {
     let fit = Fit::new();
     let reflectance = |row: usize| {
         let root = row as f32 / (STEPS - 1) as f32;
-        // The last row reflects all.
+        // The last row has no Fresnel factor.
         (row < STEPS - 1).then(|| (1.0 + root) / (1.0 - root))
     };
     let mut rows = [[Albedo::BLACK; STEPS]; ROWS];
@@ -209,7 +209,7 @@ fn table() -> [[Albedo; STEPS]; ROWS] {
     rows
 }
 
-/// The mean of a lobe times the cosine over the density of its half vectors.
+/// Mean of a lobe times the cosine over the density of its half vectors.
 fn albedo_of(wo: Vec3, half_vector: impl Fn(f32, f32) -> Vec3, weight: impl Fn(Vec3, Vec3) -> f32) -> f64 {
     let sample = |(u, v)| {
         let h = half_vector(u, v);
@@ -298,7 +298,7 @@ fn invert(m: &mut [[f64; 2 * TERMS]; TERMS]) {
 mod tests {
     use super::*;
 
-    /// By other samples than those of the table.
+    /// The integral with other samples than the table's.
     fn integral(alpha: f32, cosine: f32, ior: Option<f32>) -> f32 {
         let lobe = GgxLobe::new([alpha; 2]);
         let wo = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
@@ -330,7 +330,7 @@ mod tests {
         assert!(other.abs() > 0.05, "negative control: {other}");
     }
 
-    /// What lobes that are nearly smooth seem to lose would lay a haze of the sun over chrome.
+    /// A spurious loss of nearly smooth lobes would add a haze to the sun's reflection in chrome.
     #[test]
     fn smooth_lobes_lose_next_to_nothing() {
         for alpha in [0.001, 0.004, 0.01] {

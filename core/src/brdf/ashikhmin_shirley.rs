@@ -1,8 +1,8 @@
 //! Ashikhmin and Shirley's anisotropic Phong model (2000), with its own diffuse base.
 //!
-//! `f = sqrt((nu + 1) (nv + 1)) / (8π) cosⁿ θh F / ((wi·h) max(n·wi, n·wo))` and, below it, `28 / (23π) diffuse (1 - f0)
-//! (1 - (1 - n·wi / 2)⁵) (1 - (1 - n·wo / 2)⁵)` (Eq. 4 and 5). The exponents are `2 / alpha² - 2`, so that lobes are as wide
-//! as microfacets of the same roughness.
+//! `f = sqrt((nu + 1) (nv + 1)) / (8π) cosⁿ θh F / ((wi·h) max(n·wi, n·wo))` and, below it,
+//! `28 / (23π) diffuse (1 - f0) (1 - (1 - n·wi / 2)⁵) (1 - (1 - n·wo / 2)⁵)` (Eq. 4 and 5). The exponents are
+//! `2 / alpha² - 2`, so lobes are as wide as microfacets of the same roughness.
 
 use super::prelude::*;
 use super::shared::GlossyParameters;
@@ -15,7 +15,7 @@ pub struct AshikhminShirley {
 }
 
 impl AshikhminShirley {
-    /// `p` must be within the ranges.
+    /// Parameters must be within their ranges.
     #[inline]
     pub fn new(p: &GlossyParameters) -> Self {
         Self {
@@ -29,7 +29,7 @@ impl AshikhminShirley {
         glossy_share(luminance(fresnel), luminance(self.schlick.diffuse))
     }
 
-    /// What the base reflects of light from the normal of white facets.
+    /// Albedo of the base below white facets, for light from the normal.
     fn base(&self) -> Vec3 {
         self.schlick.diffuse * (Vec3::ONE - self.schlick.f0) * (28.0 / 23.0)
     }
@@ -77,7 +77,7 @@ impl Brdf for AshikhminShirley {
     }
 
     fn albedo(&self) -> Vec3 {
-        // The mean of cos 2θh over the half vectors of up to 45°; others reflect light from the normal below the horizon.
+        // Mean of cos 2θh over half vectors of up to 45°; larger angles reflect light from the normal below the horizon.
         let n = self.lobe.mean_exponent();
         let up_to = |power: f32| 1.0 - 0.5_f32.powf(0.5 * power);
         let kept = 2.0 * (n + 1.0) / (n + 3.0) * up_to(n + 3.0) - up_to(n + 1.0);

@@ -1,7 +1,7 @@
 //! Cook-Torrance with Beckmann's distribution over a diffuse base (Cook and Torrance 1982; Walter et al. 2007).
 //!
-//! `f = F D G / (4 |n·wi| |n·wo|)` with normally distributed slopes, the exact Fresnel factor at the half vector, and the
-//! rational fit of Smith's shadowing for each direction by itself (Walter et al., Eq. 27).
+//! `f = F D G / (4 |n·wi| |n·wo|)` with normally distributed slopes, the exact Fresnel factor at the half vector, and
+//! the rational fit of Smith's shadowing, uncorrelated (Walter et al., Eq. 27).
 
 use super::GgxParameters;
 use super::prelude::*;
@@ -15,7 +15,7 @@ pub struct Beckmann {
 }
 
 impl Beckmann {
-    /// `p` must be within the ranges.
+    /// Parameters must be within their ranges.
     #[inline]
     pub fn new(p: &GgxParameters) -> Self {
         let above = Albedo::of_smooth_dielectric(p.ior).scaled(p.specular);

@@ -1,7 +1,7 @@
 //! Blinn and Phong's model, normalized (Blinn 1977; Akenine-Möller et al. 2018, 9.8), over a diffuse base.
 //!
-//! `f = F (n + 2) (n + 4) / (8π (2^(-n/2) + n)) cosⁿ θh`: the factor makes the albedo that of F for light from the normal. The
-//! exponent is `2 / alpha² - 2`, so that lobes are as wide as microfacets of the same roughness.
+//! `f = F (n + 2) (n + 4) / (8π (2^(-n/2) + n)) cosⁿ θh`: the factor makes the albedo equal F for light from the
+//! normal. The exponent is `2 / alpha² - 2`, so lobes are as wide as microfacets of the same roughness.
 
 use super::prelude::*;
 use std::f32::consts::LN_2;
@@ -26,7 +26,7 @@ pub struct BlinnPhong {
 }
 
 impl BlinnPhong {
-    /// `p` must be within the ranges.
+    /// Parameters must be within their ranges.
     #[inline]
     pub fn new(p: &BlinnPhongParameters) -> Self {
         let schlick = Schlick::new(p.base_color, p.metalness, p.ior, p.specular);

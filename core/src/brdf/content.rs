@@ -1,7 +1,7 @@
-//! BRDFs that come from a file: its path, and what was read from it.
+//! BRDFs read from files: the path and the contents.
 //!
-//! The contents are shared: a material holds them, and so does each point that is shaded with it. A lifetime on every BRDF would
-//! spread through all of shading, and what is kept for ever would grow with each file that is tried.
+//! Contents are shared between a material and every shaded point. A lifetime on every BRDF would spread through all
+//! shading code; leaked contents would grow with each file tried.
 
 use super::{Measured, MeasuredError, SampledLobe, Values, Written, WrittenError};
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use std::{
 };
 use thiserror::Error;
 
-/// What a file of a BRDF holds.
+/// Contents of a BRDF file.
 #[derive(Clone, Debug)]
 pub enum Content {
     /// A table of the MERL database.
@@ -20,16 +20,16 @@ pub enum Content {
     Written(Arc<Written>),
 }
 
-/// What a file adds to a material's values.
+/// A file's contribution to a material's values.
 #[derive(Clone, Copy, Debug)]
 pub struct FilePart<'a> {
-    /// What the file holds.
+    /// Contents of the file.
     pub content: &'a Content,
     /// The values of the material without its maps.
     pub plain: &'a Values,
 }
 
-/// Which kind of content a file has.
+/// Kind of a BRDF file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContentKind {
@@ -39,20 +39,20 @@ pub enum ContentKind {
     Written,
 }
 
-/// The file of a material's BRDF. Files of materials have its path alone.
+/// The file of a material's BRDF. Material files store only its path.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "PathBuf", into = "PathBuf")]
 pub struct BrdfFile {
-    /// Where it is, or was.
+    /// Path of the file, present or not.
     pub path: PathBuf,
-    /// What was read; none if it is not there.
+    /// Its contents; `None` if it is missing.
     pub content: Option<Content>,
 }
 
-/// A file that holds no BRDF, or none that can be used.
+/// A file without a usable BRDF.
 #[derive(Debug, Error)]
 pub enum BrdfFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot read the BRDF; check that it is there and may be read: {source} ({})", path.display())]
     Io {
         /// Path of the file.
@@ -60,32 +60,32 @@ pub enum BrdfFileError {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// No kind that is known.
+    /// The file's kind is unknown.
     #[error("a BRDF is a MERL table (.binary) or a function in WGSL (.wgsl); choose such a file ({})", path.display())]
     Kind {
         /// Path of the file.
         path: PathBuf,
     },
     /// A table that cannot be used.
-    #[error("no MERL BRDF: {source} ({})", path.display())]
+    #[error("not a MERL BRDF: {source} ({})", path.display())]
     Measured {
         /// Path of the file.
         path: PathBuf,
-        /// What is wrong.
+        /// The reason.
         source: MeasuredError,
     },
     /// A function that cannot be used.
-    #[error("no BRDF in WGSL: {source} ({})", path.display())]
+    #[error("not a BRDF in WGSL: {source} ({})", path.display())]
     Written {
         /// Path of the file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The reason and its line.
         source: WrittenError,
     },
 }
 
 impl Content {
-    /// Its table, if it is one.
+    /// The table, if the contents are one.
     pub fn measured(&self) -> Option<&Arc<Measured>> {
         match self {
             Self::Measured(table) => Some(table),
@@ -93,7 +93,7 @@ impl Content {
         }
     }
 
-    /// Its function, if it is one.
+    /// The function, if the contents are one.
     pub fn written(&self) -> Option<&Arc<Written>> {
         match self {
             Self::Measured(_) => None,
@@ -101,7 +101,7 @@ impl Content {
         }
     }
 
-    /// The lobe that was estimated of it with these values of its parameters.
+    /// The lobe estimated for these parameter values.
     pub fn estimate(&self, values: &Values) -> SampledLobe {
         match self {
             Self::Measured(table) => table.lobe().clone(),
@@ -109,10 +109,10 @@ impl Content {
         }
     }
 
-    /// Reads a file. Also returns what is to be told of it, in sentences.
+    /// Reads a file. Also returns remarks, in sentences.
     ///
     /// # Errors
-    /// A file that cannot be read or used.
+    /// The file cannot be read or used.
     pub fn read(path: &Path) -> Result<(Self, Vec<String>), BrdfFileError> {
         let kind = ContentKind::of(path).ok_or_else(|| BrdfFileError::Kind { path: path.into() })?;
         let io_error = |source| BrdfFileError::Io { path: path.into(), source };
@@ -121,10 +121,10 @@ impl Content {
         Self::from_bytes(kind, &crate::input::read(path).map_err(io_error)?, path)
     }
 
-    /// From the bytes of a file, whose path is for messages.
+    /// Reads the bytes of a file; the path is for messages.
     ///
     /// # Errors
-    /// A file that cannot be used.
+    /// The file cannot be used.
     pub fn from_bytes(kind: ContentKind, bytes: &[u8], path: &Path) -> Result<(Self, Vec<String>), BrdfFileError> {
         match kind {
             ContentKind::Measured => {
@@ -135,7 +135,7 @@ impl Content {
             }
             ContentKind::Written => {
                 let failed = |source| BrdfFileError::Written { path: path.into(), source };
-                let not_text = |_| failed(WrittenError { place: None, reason: "it is no text".into() });
+                let not_text = |_| failed(WrittenError { place: None, reason: "it is not text".into() });
                 let written = Written::new(std::str::from_utf8(bytes).map_err(not_text)?).map_err(failed)?;
                 let name = file_name(path);
                 let remarks = written.remarks().iter().map(|remark| format!("{name}: {remark}")).collect();
@@ -144,7 +144,7 @@ impl Content {
         }
     }
 
-    /// Which kind it is.
+    /// Kind of the contents.
     pub fn kind(&self) -> ContentKind {
         match self {
             Self::Measured(_) => ContentKind::Measured,
@@ -152,7 +152,7 @@ impl Content {
         }
     }
 
-    /// As a dataset has it.
+    /// Bytes as a dataset stores them.
     pub fn packed(&self) -> Vec<u8> {
         match self {
             Self::Measured(table) => table.packed(),
@@ -160,10 +160,10 @@ impl Content {
         }
     }
 
-    /// From what [`Self::packed`] gave.
+    /// Reads the bytes of [`Self::packed`].
     ///
     /// # Errors
-    /// Bytes that it did not give.
+    /// Any other bytes.
     pub fn from_packed(kind: ContentKind, bytes: &[u8], path: &Path) -> Result<Self, BrdfFileError> {
         match kind {
             ContentKind::Measured => {
@@ -174,7 +174,7 @@ impl Content {
         }
     }
 
-    /// Tells contents apart.
+    /// Hash of the contents.
     pub fn hash(&self) -> [u8; 32] {
         match self {
             Self::Measured(table) => table.hash(),
@@ -184,10 +184,10 @@ impl Content {
 }
 
 impl ContentKind {
-    /// Ends of the names of files.
+    /// File extensions.
     pub const EXTENSIONS: &[&str] = &["binary", "wgsl"];
 
-    /// By the end of a file's name.
+    /// The kind by file extension.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -197,7 +197,7 @@ impl ContentKind {
         }
     }
 
-    /// So that a file of gigabytes is not read first.
+    /// Rejects a file of gigabytes before it is read.
     fn check_length(self, found: u64, path: &Path) -> Result<(), BrdfFileError> {
         let too_long = |expected| match self {
             Self::Measured => {
@@ -217,18 +217,18 @@ impl ContentKind {
 }
 
 impl BrdfFile {
-    /// Without contents.
+    /// A file whose contents have not been read.
     pub fn unread(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into(), content: None }
     }
 
-    /// Its path alone.
+    /// The same file without its contents.
     #[must_use]
     pub fn without_content(&self) -> Self {
         Self::unread(self.path.clone())
     }
 
-    /// Its name without folders.
+    /// File name without folders.
     pub fn name(&self) -> String {
         file_name(&self.path)
     }
@@ -238,7 +238,7 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// Equal paths and contents.
+/// Compares paths and contents.
 impl PartialEq for BrdfFile {
     fn eq(&self, other: &Self) -> bool {
         let hash = |file: &Self| file.content.as_ref().map(Content::hash);
@@ -258,7 +258,7 @@ impl From<BrdfFile> for PathBuf {
     }
 }
 
-/// A file for tests of a model that needs one.
+/// An example file for tests of a model that needs one.
 #[cfg(any(test, feature = "test-scenes"))]
 pub fn example_file(model: super::BrdfModel) -> Option<BrdfFile> {
     use super::{Brdf, BrdfModel, Ggx, GgxParameters};

@@ -1,4 +1,4 @@
-//! Fresnel factors of dielectrics and metals, exact for unpolarised light.
+//! Exact Fresnel factors of dielectrics and metals for unpolarized light.
 
 use crate::simd::{Lanes, Vec3x8};
 use glam::Vec3;
@@ -8,10 +8,10 @@ use wide::f32x8;
 pub const MEAN_NODES: [f32; 3] = [0.212_340_54, 0.590_533_14, 0.911_412_04];
 pub const MEAN_WEIGHTS: [f32; 3] = [0.139_653_96, 0.458_482_2, 0.401_863_84];
 
-/// Most reflectance of a metal at normal incidence whose index of refraction can be told in `f32`.
+/// Largest reflectance of a metal at normal incidence whose index of refraction is representable in `f32`.
 const MOST_REFLECTANCE: f32 = 0.9999;
 
-/// Of a dielectric with an index of refraction of at least 1, at this cosine to the half vector.
+/// Factor of a dielectric with an index of refraction of at least 1, for a cosine to the half vector.
 #[inline(always)]
 pub fn dielectric_x8<L: Lanes>(cosine: L, ior: f32) -> L {
     let c = cosine;
@@ -32,16 +32,16 @@ pub fn dielectric(cosine: f32, ior: f32) -> f32 {
 /// Indices of refraction and extinction of a metal, per color.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Metal {
-    /// Squares of both.
+    /// Squared index of refraction, per color.
     n_sq: Vec3,
     k_sq: Vec3,
-    /// Mean over all directions of even light.
+    /// Mean under uniform light.
     mean: Vec3,
 }
 
 impl Metal {
-    /// From its reflectance at normal incidence and its tint toward grazing angles (Gulbrandsen 2014, *Artist Friendly
-    /// Metallic Fresnel*, Eq. 1 to 4).
+    /// Creates a metal from its reflectance at normal incidence and its tint toward grazing angles (Gulbrandsen 2014,
+    /// *Artist Friendly Metallic Fresnel*, Eq. 1 to 4).
     #[inline]
     pub fn new(reflectance: Vec3, edge: Vec3) -> Self {
         let r = reflectance.clamp(Vec3::ZERO, Vec3::splat(MOST_REFLECTANCE));
@@ -56,8 +56,8 @@ impl Metal {
         Self { mean: at(0) + at(1) + at(2), ..metal }
     }
 
-    /// Reflectance at normal incidence and tint toward grazing angles of a metal with these indices of refraction and
-    /// extinction (Gulbrandsen 2014, Eq. 5 and 6): what [`Self::new`] takes.
+    /// Reflectance at normal incidence and tint toward grazing angles, as [`Self::new`] takes them, of a metal with
+    /// indices of refraction and extinction (Gulbrandsen 2014, Eq. 5 and 6).
     pub fn artistic(n: Vec3, k: Vec3) -> (Vec3, Vec3) {
         let (above, below) = (n + Vec3::ONE, n - Vec3::ONE);
         let r = (below * below + k * k) / (above * above + k * k);
@@ -67,7 +67,7 @@ impl Metal {
         (r, ((most - n) / (most - least)).clamp(Vec3::ZERO, Vec3::ONE))
     }
 
-    /// Mean over all directions of even light.
+    /// Mean under uniform light.
     pub fn mean(&self) -> Vec3 {
         self.mean
     }
@@ -77,7 +77,7 @@ impl Metal {
         [self.n_sq, self.k_sq].map(|sq| sq.map(f32::sqrt))
     }
 
-    /// At this cosine to the half vector.
+    /// Factor at this cosine to the half vector.
     #[inline(always)]
     pub fn fresnel<L: Lanes>(&self, cosine: L) -> Vec3x8<L> {
         Vec3x8 {
@@ -88,7 +88,7 @@ impl Metal {
     }
 }
 
-/// Of a conductor (PBRT 4th edition, 9.3.6, without complex numbers).
+/// Factor of a conductor (PBRT 4th edition, 9.3.6, without complex numbers).
 #[inline(always)]
 fn conductor<L: Lanes>(cosine: L, n_sq: f32, k_sq: f32) -> L {
     let one = L::splat(1.0);

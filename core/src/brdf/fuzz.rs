@@ -1,5 +1,5 @@
-//! Fuzz: fibers that stand on a surface and scatter at grazing angles (Estevez and Kulla 2017, *Production Friendly Microfacet
-//! Sheen BRDF*), with the smooth visibility of Neubelt and Pettineo 2013.
+//! Fuzz: upright fibers that scatter at grazing angles (Estevez and Kulla 2017, *Production Friendly Microfacet Sheen
+//! BRDF*), with the smooth visibility of Neubelt and Pettineo 2013.
 
 use super::LightsX8;
 use crate::simd::Lanes;
@@ -8,10 +8,10 @@ use std::f32::consts::TAU;
 
 use super::microfacet::HalfVectors;
 
-/// Least roughness: narrower lobes reflect more than they receive.
+/// Smallest roughness: narrower lobes reflect more than they receive.
 pub const LEAST_ROUGHNESS: f32 = 0.2;
 
-/// `D V` times the cosine, for a fuzz of albedo near one at the horizon.
+/// `D V` times the cosine, for fuzz of albedo near one at the horizon.
 #[inline(always)]
 pub fn reflect<L: Lanes>(roughness: f32, lights: &LightsX8<L>, half: &HalfVectors<L>, wo: Vec3) -> L {
     let inverse = 1.0 / roughness.max(LEAST_ROUGHNESS);

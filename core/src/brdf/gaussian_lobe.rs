@@ -1,4 +1,4 @@
-//! A lobe whose half vectors have normally distributed slopes: the distribution of Beckmann and of Ward.
+//! A lobe with normally distributed slopes of half vectors, as Beckmann and Ward use it.
 
 use super::{
     LightsX8,
@@ -26,7 +26,7 @@ pub struct FilteredX8<L> {
 }
 
 impl GaussianLobe {
-    /// Of these widths.
+    /// A lobe of these widths.
     pub fn new(alpha: [f32; 2]) -> Self {
         Self { alpha }
     }
@@ -36,7 +36,7 @@ impl GaussianLobe {
         self.alpha
     }
 
-    /// Widened by the spread of the lights: in the space of half vectors variances add up.
+    /// Widens the lobe by the spread of the lights: in the space of half vectors variances add up.
     #[inline(always)]
     pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>, wo: Vec3) -> FilteredX8<L> {
         let spread = half.spread(lights.wi, wo, &lights.spread);
@@ -57,10 +57,10 @@ impl GaussianLobe {
         Vec3::new(self.alpha[0] * slope * cos, self.alpha[1] * slope * sin, 1.0).normalize()
     }
 
-    /// Density of the light direction for a half vector that was sampled.
+    /// Density of the light direction for a sampled half vector.
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
         let h = (wi + wo).normalize_or(Vec3::Z);
-        // A half vector that `wo` sees from behind reflects to where the sum of the two points downward.
+        // Flip a half vector that faces away from `wo`: the sum of both directions points downward.
         let h = if h.z < 0.0 { -h } else { h };
         if !(h.z > 1e-4) {
             return 0.0;
@@ -97,7 +97,7 @@ pub fn ward_weight(wi: Vec3, wo: Vec3, h: Vec3) -> f32 {
 /// Shadowing of one direction, for Beckmann's lobe.
 #[inline(always)]
 pub fn shadowing<L: Lanes>(alpha_sq: &Sym2x8<L>, x: L, y: L, cosine: L) -> L {
-    // The cosine over the width times the sine, of which larger ones than 1.6 are not shadowed.
+    // Cosine over width times sine; ratios above 1.6 are not shadowed.
     let ratio = cosine / alpha_sq.quadratic(x, y).at_least(1e-12).sqrt();
     let above = ratio * (L::splat(3.535) + L::splat(2.181) * ratio);
     let below = L::splat(1.0) + ratio * (L::splat(2.276) + L::splat(2.577) * ratio);

@@ -1,8 +1,8 @@
 //! GGX microfacets over a diffuse base, in the metallic-roughness parametrization of glTF.
 //!
-//! `f = F D G / (4 |n·wi| |n·wo|)` with the exact Fresnel factor at the half vector and Smith's height-correlated shadowing,
-//! see [`GgxLobe`](super::ggx_lobe::GgxLobe). What a metal loses between its facets comes back (Kulla and Conty 2017), and
-//! the base reflects what a dielectric leaves: in even light of 1 a white material shows 1.
+//! `f = F D G / (4 |n·wi| |n·wo|)` with the exact Fresnel factor at the half vector and Smith's height-correlated
+//! shadowing, see [`GgxLobe`](super::ggx_lobe::GgxLobe). A metal's loss between facets is restored (Kulla and Conty
+//! 2017), and the base reflects the light that a dielectric leaves: under uniform light of 1 a white material shows 1.
 
 use super::prelude::*;
 
@@ -27,12 +27,12 @@ pub struct Ggx {
     base: DiffuseBase,
     /// Directional albedo of the lobe alone.
     whole: Albedo,
-    /// What comes back of the light that the lobe loses, over `1 - mean E`.
+    /// Restored part of the lobe's energy loss, over `1 - mean E`.
     multiple: Vec3,
 }
 
 impl Ggx {
-    /// `p` must be within the ranges.
+    /// Parameters must be within their ranges.
     #[inline]
     pub fn new(p: &GgxParameters) -> Self {
         let lobe = GgxLobe::new(widths(p.roughness, p.anisotropy));

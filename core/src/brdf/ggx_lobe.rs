@@ -21,7 +21,7 @@ pub struct GgxLobe {
 }
 
 impl GgxLobe {
-    /// Of widths up to 1.
+    /// A lobe of widths up to 1.
     #[inline]
     pub fn new(alpha: [f32; 2]) -> Self {
         Self { alpha, slope: slopes(alpha) }
@@ -64,12 +64,11 @@ impl GgxLobe {
         self.visible_normal(wo, u.sqrt() * Vec2::new(cos, sin))
     }
 
-    /// The visible normal of a point of the unit disc: they are distributed as the lobe where the points are distributed
-    /// evenly.
+    /// The visible normal for a point of the unit disc. Uniform points give normals distributed as the lobe.
     pub fn visible_normal(&self, wo: Vec3, disc: Vec2) -> Vec3 {
         let [ax, ay] = self.alpha;
         let stretched = Vec3::new(ax * wo.x, ay * wo.y, wo.z).normalize();
-        // The pair must have t1 level, so that the half disc is the lower one.
+        // The pair needs a level t1, so that the half disc is the lower one.
         let (t1, t2) = if stretched.z < 0.9999 {
             let level = Vec3::Z.cross(stretched).normalize();
             (level, stretched.cross(level))
@@ -107,7 +106,7 @@ impl GgxLobe {
         (ratio * ratio * L::splat(scale)) & sum.z.simd_gt(L::splat(0.0))
     }
 
-    /// The lobe times the cosine over the density of a sampled direction: its albedo is the mean.
+    /// The lobe times the cosine over the density of a sampled direction. Its mean is the albedo.
     pub fn weight(&self, wi: Vec3, wo: Vec3) -> f32 {
         if !(wi.z > 0.0) {
             return 0.0;

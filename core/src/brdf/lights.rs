@@ -1,29 +1,29 @@
-//! Eight lights of some extent, as a surface receives them.
+//! Eight lights of some extent, as received by a surface.
 //!
-//! A light is a von Mises-Fisher lobe of directions. The cosine to a normal is then a random number, whose mean and
-//! variance are known in closed form. Its distribution is taken to be uniform with these: it is so for the whole sphere,
-//! and nearly so for a small cap. Then what a horizon cuts off is known as well.
+//! A light is a von Mises-Fisher lobe of directions. Its cosine to a normal is a random number with mean and variance
+//! in closed form. It is taken as uniformly distributed: exact for the whole sphere, close for a small cap. This gives
+//! the share that the horizon cuts off.
 
 use crate::simd::{Lanes, Vec3x8};
 
-/// What widens the lobes of a surface for eight lights.
+/// Spread that widens a surface's lobes for eight lights.
 #[derive(Clone, Copy, Debug)]
 pub struct SpreadX8<L> {
     /// Inverse concentrations of the directions of the lights.
     pub inv_kappa: L,
-    /// Twice the covariance of the surface's slopes within the footprint of a sample: xx, xy, yy along the local axes. The
-    /// square of a microfacet width is twice a variance as well.
+    /// Twice the covariance of the surface's slopes within the footprint of a sample: xx, xy, yy along the local axes.
+    /// Squared microfacet widths are twice a variance, too.
     pub slopes: [L; 3],
 }
 
 impl<L: Lanes> SpreadX8<L> {
-    /// Of lights alone: the surface has one normal.
+    /// The spread of lights alone: the surface has one normal.
     #[inline(always)]
     pub fn of_lights(inv_kappa: L) -> Self {
         Self { inv_kappa, slopes: [L::splat(0.0); 3] }
     }
 
-    /// With these [slopes](Self::slopes).
+    /// The spread of lights and of a surface with these [slopes](Self::slopes).
     #[inline(always)]
     pub fn with_slopes(inv_kappa: L, [xx, xy, yy]: [f32; 3]) -> Self {
         Self { inv_kappa, slopes: [L::splat(xx), L::splat(xy), L::splat(yy)] }
@@ -33,24 +33,24 @@ impl<L: Lanes> SpreadX8<L> {
 /// Eight lights in the local frame of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct LightsX8<L> {
-    /// Unit directions to them.
+    /// Unit directions to the lights.
     pub wi: Vec3x8<L>,
-    /// How they and the surface widen its lobes.
+    /// The spread that widens the surface's lobes.
     pub spread: SpreadX8<L>,
-    /// Mean cosines to the normal of the light that is above the horizon.
+    /// Mean cosines to the normal of the light above the horizon.
     pub cosine: L,
     /// 1 where `wi` is above the horizon, else 0.
     pub above: L,
 }
 
 impl<L: Lanes> LightsX8<L> {
-    /// Lights whose cosine is that of `wi`, and zero below the horizon.
+    /// Lights with the cosines of `wi`, zero below the horizon.
     #[inline(always)]
     pub fn at(wi: Vec3x8<L>, inv_kappa: L) -> Self {
         Self::spread(wi, SpreadX8::of_lights(inv_kappa))
     }
 
-    /// The same on a surface with slopes.
+    /// The same lights on a surface with slopes.
     #[inline(always)]
     pub fn spread(wi: Vec3x8<L>, spread: SpreadX8<L>) -> Self {
         let above = wi.z.simd_gt(L::splat(0.0)) & L::splat(1.0);
@@ -68,13 +68,13 @@ pub struct LobeMomentsX8<L> {
 }
 
 impl<L: Lanes> LobeMomentsX8<L> {
-    /// Of lobes of inverse concentration `inv_kappa`.
+    /// Moments of lobes of inverse concentration `inv_kappa`.
     #[inline(always)]
     pub fn new(inv_kappa: L) -> Self {
         let (one, three) = (L::splat(1.0), L::splat(3.0));
         let s = inv_kappa;
-        // The root R of `s R (3 - R²) = 1 - R²` (Banerjee et al. 2005, Eq. 4.4), by a step of Newton from a guess that is
-        // right for points and for the whole sphere.
+        // The root R of `s R (3 - R²) = 1 - R²` (Banerjee et al. 2005, Eq. 4.4), by one Newton step from a guess that
+        // is exact for points and for the whole sphere.
         let guess = (one + s) / (one + s + s + three * s * s);
         let guess_sq = guess * guess;
         let residual = s * guess * (three - guess_sq) - one + guess_sq;
@@ -82,7 +82,7 @@ impl<L: Lanes> LobeMomentsX8<L> {
         Self::known(s, resultant)
     }
 
-    /// Of lobes of inverse concentration `inv_kappa` whose [resultants](Self::resultant) are known.
+    /// Moments of lobes of inverse concentration `inv_kappa` with known [resultants](Self::resultant).
     #[inline(always)]
     pub fn known(inv_kappa: L, resultant: L) -> Self {
         Self { resultant, across_sq: resultant * inv_kappa }
@@ -94,7 +94,7 @@ impl<L: Lanes> LobeMomentsX8<L> {
         self.resultant
     }
 
-    /// The cosines to a normal that has `cosine` to the lobes' axes.
+    /// Cosines to a normal, whose cosine to the lobes' axes is `cosine`.
     #[inline(always)]
     pub fn cosines(&self, cosine: L) -> CosinesX8<L> {
         let along_sq = L::splat(1.0) - self.across_sq - self.across_sq;
@@ -102,12 +102,12 @@ impl<L: Lanes> LobeMomentsX8<L> {
         let mean = self.resultant * cosine;
         let mean_sq = cosine_sq * along_sq + (L::splat(1.0) - cosine_sq) * self.across_sq;
         let variance = (mean_sq - mean * mean).at_least(0.0);
-        // A uniform distribution of half width h has the variance h² / 3.
+        // A uniform distribution of half-width h has the variance h² / 3.
         CosinesX8 { mean, half_width: (L::splat(3.0) * variance).sqrt() }
     }
 }
 
-/// Cosines of eight lights to a normal, evenly distributed around their mean.
+/// Cosines of eight lights to a normal, uniformly distributed around their mean.
 #[derive(Clone, Copy, Debug)]
 pub struct CosinesX8<L> {
     mean: L,
@@ -117,7 +117,7 @@ pub struct CosinesX8<L> {
 impl<L: Lanes> CosinesX8<L> {
     /// The mean cosine of the light above the horizon.
     ///
-    /// Light below it is not counted as dark: a visibility that is baked knows the horizon already.
+    /// Light below it does not count as dark: baked visibility already includes the horizon.
     #[inline(always)]
     pub fn above_horizon(&self) -> L {
         let Self { mean, half_width } = *self;
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn clamped_cosines_are_near_those_of_brute_force() {
-        // Between a cap and the sphere, a lobe has a tail below the horizon that an even distribution lacks.
+        // Between a cap and the sphere, a lobe has a tail below the horizon that a uniform distribution lacks.
         for (inv_kappa, bound) in [(0.003, 0.02), (0.03, 0.02), (0.1, 0.02), (0.3, 0.026), (1.0, 0.02), (10.0, 0.02)] {
             for cosine in [-0.3, -0.05, 0.0, 0.1, 0.3, 0.6, 0.9, 1.0] {
                 let (expected, share) = brute_force(inv_kappa, cosine);

@@ -1,7 +1,7 @@
 //! Measured isotropic reflectance (Matusik et al. 2003, *A Data-Driven Reflectance Model*): a table over the angles of the
 //! half vector and of the difference vector (Rusinkiewicz 1998), interpolated linearly.
 //!
-//! For lights of some extent the table is also there blurred over half vectors, for a few widths: as for
+//! Blurred tables over half vectors, for a few widths, serve lights of some extent. As for
 //! [`GgxLobe`](super::ggx_lobe::GgxLobe), the spread of a light adds to the width of the lobe.
 
 mod blurred;
@@ -17,24 +17,24 @@ use glam::Vec3;
 use half::f16;
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 
-/// Entries of a table along the angles of the half vector and of the difference vector, and along the azimuth of the latter.
+/// Entries along the half vector's angle, the difference vector's angle, and the difference vector's azimuth.
 pub const MEASURED_SIZE: [usize; 3] = [90, 90, 180];
-/// Entries of a table.
+/// Number of entries.
 const ENTRIES: usize = MEASURED_SIZE[0] * MEASURED_SIZE[1] * MEASURED_SIZE[2];
-/// Largest albedo that is not worth a remark: more is more than rounding and sampling add.
+/// Largest albedo without a remark, above the error of rounding and sampling.
 const MOST_ALBEDO: f32 = 1.02;
-/// Width that a table without a lobe is blurred as if it had.
+/// Width of blur for a table without a lobe.
 const WITHOUT_LOBE: f32 = 0.5;
 
 /// A measured BRDF.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// As measured, and blurred.
+    /// The measured table, then the blurred ones.
     levels: Vec<Level>,
     lobe: SampledLobe,
     /// Squared width of the lobe.
     width_sq: f32,
-    /// Entries that were not measured, and are filled in.
+    /// Number of unmeasured entries, which are filled in.
     filled: usize,
     hash: [u8; 32],
 }
@@ -42,19 +42,19 @@ pub struct Measured {
 /// A table for lights of one extent.
 #[derive(Clone, Debug)]
 pub struct Level {
-    /// How many there are along each axis.
+    /// Number of entries along each axis.
     pub size: [usize; 3],
-    /// By how much the squared width of the lobe is larger than measured.
+    /// Increase of the squared width of the lobe over the measured one.
     pub spread: f32,
     /// Per color, each a 16-bit float; the azimuth of the difference vector is innermost.
     pub entries: Vec<[f32; 3]>,
 }
 
 impl Measured {
-    /// Bytes of a file.
+    /// Size of a file, in bytes.
     pub const FILE_BYTES: u64 = file::FILE_BYTES as u64;
 
-    /// From its entries, whose numbers are finite and not negative.
+    /// Creates a table from entries that are finite and not negative.
     fn new(entries: Vec<[f32; 3]>, filled: usize) -> Self {
         let first = Level { size: MEASURED_SIZE, spread: 0.0, entries };
         let lobe = SampledLobe::of(&|wi, wo| first.plain(wi, wo));
@@ -64,8 +64,7 @@ impl Measured {
         Self { levels: [first].into_iter().chain(blurred).collect(), lobe, width_sq, filled, hash }
     }
 
-    /// BRDF values for light from around `wi`, of an inverse concentration, on a surface of these
-    /// [slopes](super::SpreadX8::slopes).
+    /// BRDF values for light around `wi` with an inverse concentration, on a surface of these [slopes](super::SpreadX8::slopes).
     #[inline]
     pub fn value(&self, wi: Vec3, wo: Vec3, inv_kappa: f32, slopes: [f32; 3]) -> Vec3 {
         let angles = Angles::new(wi, wo, self.width_sq, inv_kappa, slopes);
@@ -74,7 +73,8 @@ impl Measured {
         if part > 0.0 { value.lerp(self.levels[lower + 1].at(&angles), part) } else { value }
     }
 
-    /// The level below a spread, and how far it is toward the next: the height of a lobe goes with one over its squared width.
+    /// The level below a spread, and the fraction toward the next. The height of a lobe is proportional to one over its
+    /// squared width.
     fn level_of(&self, spread: f32) -> (usize, f32) {
         let last = self.levels.len() - 1;
         let lower = self.levels.iter().rposition(|level| level.spread <= spread).unwrap_or(0);
@@ -86,7 +86,7 @@ impl Measured {
         (lower, ((height(spread) - low) / (high - low)).clamp(0.0, 1.0))
     }
 
-    /// Where its lobe is and how it is sampled.
+    /// The estimated lobe and its sampling.
     pub fn lobe(&self) -> &SampledLobe {
         &self.lobe
     }
@@ -96,17 +96,17 @@ impl Measured {
         self.width_sq
     }
 
-    /// As measured, and blurred for lights of more and more extent.
+    /// All levels, by increasing blur.
     pub fn levels(&self) -> &[Level] {
         &self.levels
     }
 
-    /// What is to be told of a table of this name, in sentences.
+    /// Remarks on a table of this name, in sentences.
     pub fn remarks(&self, name: &str) -> Vec<String> {
         let filled = self.filled > 0;
         let filled = filled.then(|| {
             let count = self.filled;
-            format!("{count} of {ENTRIES} entries of {name} were not measured and are filled in from what is near")
+            format!("{count} of {ENTRIES} entries of {name} were not measured and are filled in from their neighbors")
         });
         let most = self.lobe.most_albedo();
         let gains = (most > MOST_ALBEDO).then(|| {
@@ -115,24 +115,24 @@ impl Measured {
         filled.into_iter().chain(gains).collect()
     }
 
-    /// How many entries were not measured, and are filled in.
+    /// Number of unmeasured entries, which are filled in.
     pub fn filled(&self) -> usize {
         self.filled
     }
 
-    /// Tells tables with other values apart.
+    /// Hash of the values.
     pub fn hash(&self) -> [u8; 32] {
         self.hash
     }
 }
 
 impl Level {
-    /// Without regard to the extent of lights.
+    /// The BRDF for lights without extent.
     fn plain(&self, wi: Vec3, wo: Vec3) -> Vec3 {
         self.at(&Angles::new(wi, wo, 1.0, 0.0, [0.0; 3]))
     }
 
-    /// Linear interpolation. Entries are means over their bins, so they stand in the middle of them.
+    /// Linear interpolation. Entries are means over their bins, so they sit at bin centers.
     #[inline]
     fn at(&self, angles: &Angles) -> Vec3 {
         let [n_h, n_d, n_p] = self.size;
@@ -143,7 +143,7 @@ impl Level {
         };
         let (h, part_h) = inner(angles.half, n_h);
         let (d, part_d) = inner(angles.difference, n_d);
-        // Azimuths repeat: light and eye change places after half a turn.
+        // Azimuths repeat: light and eye swap places after half a turn.
         let p = angles.azimuth * n_p as f32 + (n_p as f32 - 0.5);
         let (low, part_p) = (p as usize % n_p, p.fract());
         let high = (low + 1) % n_p;
@@ -157,7 +157,7 @@ impl Level {
     }
 }
 
-/// Where a pair of directions is in a table; each from 0 to 1.
+/// Position of a pair of directions in a table; each coordinate from 0 to 1.
 #[derive(Clone, Copy, Debug)]
 struct Angles {
     /// Square root of the half vector's angle over a right angle.
@@ -166,13 +166,13 @@ struct Angles {
     difference: f32,
     /// Its azimuth over half a turn.
     azimuth: f32,
-    /// By how much the light widens the squared width of the lobe.
+    /// Increase of the squared width of the lobe by the light.
     spread: f32,
 }
 
 impl Angles {
-    /// The spread of the light makes an ellipse of a round lobe. In its place stands a circle of the same area, and the half
-    /// vector is as far in it as in the ellipse. Twin of `measured_angles` in `shaders/brdf/merl.wgsl`.
+    /// The spread of the light turns a round lobe into an ellipse. A circle of the same area replaces it, with the half
+    /// vector at the same relative distance. Twin of `measured_angles` in `shaders/brdf/merl.wgsl`.
     #[inline]
     fn new(wi: Vec3, wo: Vec3, width_sq: f32, inv_kappa: f32, slopes: [f32; 3]) -> Self {
         let sum = wi + wo;
@@ -203,8 +203,8 @@ fn azimuth(wi: Vec3, h: Vec3) -> f32 {
     FRAC_1_PI * if y < 0.0 { angle(-y, -x) } else { angle(y, x) }
 }
 
-/// Angle of a vector in the upper half plane to the x axis: a polynomial within 2e-5 that shaders have as well, since the functions of
-/// graphics drivers are coarser.
+/// Angle of a vector in the upper half plane to the x axis, by a polynomial within 2e-5. Shaders use the same, because
+/// the functions of graphics drivers are coarser.
 #[inline]
 fn angle(y: f32, x: f32) -> f32 {
     let (low, high) = if y < x.abs() { (y, x.abs()) } else { (x.abs(), y) };
@@ -217,8 +217,8 @@ fn angle(y: f32, x: f32) -> f32 {
     if x < 0.0 { std::f32::consts::PI - acute } else { acute }
 }
 
-/// The nearest 16-bit float, as shaders have it: none below the normal ones, and the largest for what
-/// is more, as some are that were measured near the horizon.
+/// The nearest 16-bit float as in shaders: no subnormals, and the largest float for greater values, which occur in
+/// measurements near the horizon.
 fn halved(entry: [f32; 3]) -> [f32; 3] {
     let [least, most] = [f16::MIN_POSITIVE, f16::MAX].map(f16::to_f32);
     entry.map(|x| if x < least { 0.0 } else { f16::from_f32(x.min(most)).to_f32() })

@@ -4,7 +4,7 @@ use super::prelude::*;
 use super::{FilePart, Measured};
 use std::sync::Arc;
 
-/// Albedo of a material whose file is not there.
+/// Albedo of a material whose file is missing.
 pub const MISSING: Vec3 = Vec3::new(0.8, 0.0, 0.8);
 
 parameters! {
@@ -13,12 +13,12 @@ parameters! {
         tint: Vec3 = Parameter::color(
             "Tint",
             [1.0; 3],
-            "Multiplies what was measured. The hex is sRGB; the value is kept linear, 0 to 1.",
+            "Multiplies the measured reflectance. The hex is sRGB; the value is kept linear, 0 to 1.",
         ),
     }
 }
 
-/// A measured BRDF; diffuse magenta if its file is not there.
+/// A measured BRDF; diffuse magenta if its file is missing.
 #[derive(Clone, Debug)]
 pub struct Merl {
     table: Option<Arc<Measured>>,
@@ -64,7 +64,7 @@ impl Brdf for Merl {
         let mut values = [Vec3::ZERO; 8];
         for i in 0..8 {
             if cosine[i] > 0.0 && wo.z > 0.0 {
-                // Of a light whose middle is below the horizon, a part may be above it.
+                // A light centered below the horizon may be partly above it.
                 let wi = Vec3::new(x[i], y[i], z[i].max(0.0)).normalize_or(Vec3::Z);
                 values[i] = table.value(wi, wo, inv_kappa[i], [xx[i], xy[i], yy[i]]) * self.tint * cosine[i];
             }

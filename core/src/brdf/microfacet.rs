@@ -1,4 +1,4 @@
-//! What models of glossy surfaces share: widths, half vectors, and how a lobe and a diffuse base share light.
+//! Common parts of glossy models: widths, half vectors, and the split of light between a lobe and a diffuse base.
 
 use super::{
     SpreadX8,
@@ -11,7 +11,7 @@ use crate::{
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
-/// Narrowest lobe that is evaluated: for narrower ones, `f32` half vectors are too coarse for the peak.
+/// Narrowest lobe: below it, `f32` half vectors are too coarse for the peak.
 pub const MIN_ALPHA: f32 = 1e-3;
 
 /// Microfacet widths along the tangent and the bitangent: `alpha = roughness²`, stretched by the anisotropy as in Burley
@@ -50,13 +50,13 @@ impl<L: Lanes> Sym2x8<L> {
     }
 }
 
-/// Half vectors and what comes with them, by one division and one root.
+/// Half vectors and derived quantities, by one division and one root.
 pub struct HalfVectors<L> {
     /// `wi + wo`, of any length.
     sum: Vec3x8<L>,
     /// One over the squared length of the sum.
     inv_length_sq: L,
-    /// `wi · h = wo · h`, half of that length.
+    /// `wi · h = wo · h`, half the length of the sum.
     pub wi_dot_h: L,
 }
 
@@ -74,7 +74,7 @@ impl<L: Lanes> HalfVectors<L> {
         self.sum.z * self.sum.z * self.inv_length_sq
     }
 
-    /// Squared sines of the same.
+    /// Squared sines of the half vectors to the normal.
     #[inline(always)]
     pub fn sin_sq(&self) -> L {
         (self.sum.x * self.sum.x + self.sum.y * self.sum.y) * self.inv_length_sq
@@ -86,8 +86,8 @@ impl<L: Lanes> HalfVectors<L> {
         m.adjugate_quadratic(self.sum.x, self.sum.y) * self.inv_length_sq
     }
 
-    /// `(2 / κ) J Jᵀ`, where `J` is the Jacobian from light direction to the x and y of the half vector, and twice the
-    /// covariance of the surface's slopes: both move the half vector against the normals of the lobe.
+    /// `(2 / κ) J Jᵀ`, where `J` is the Jacobian from light direction to the x and y of the half vector, plus twice the
+    /// covariance of the surface's slopes: both move the half vector relative to the normals of the lobe.
     ///
     /// With `a = wi · h` and `q = wi - a h`, which is half of `wi - wo`, `J Jᵀ` is the upper left block of
     /// `(I - h hᵀ - q qᵀ) / (4 a²)`: the tangent plane of the half vector, foreshortened along the plane of incidence.
@@ -107,14 +107,14 @@ impl<L: Lanes> HalfVectors<L> {
     }
 }
 
-/// Schlick's Fresnel factor, and the diffuse albedo, of a metallic-roughness material.
+/// Schlick's Fresnel factor and the diffuse albedo of a metallic-roughness material.
 #[derive(Clone, Copy, Debug)]
 pub struct Schlick {
     /// Reflectance at normal incidence.
     pub f0: Vec3,
     /// Reflectance at grazing incidence.
     pub f90: f32,
-    /// Albedo below.
+    /// Albedo of the base below.
     pub diffuse: Vec3,
 }
 
@@ -128,7 +128,7 @@ impl Schlick {
         }
     }
 
-    /// For eight angles.
+    /// Factors for eight angles.
     #[inline(always)]
     pub fn fresnel<L: Lanes>(&self, wi_dot_h: L) -> Vec3x8<L> {
         let c = (L::splat(1.0) - wi_dot_h).at_least(0.0);
@@ -139,7 +139,7 @@ impl Schlick {
     }
 }
 
-/// The exact Fresnel factor of a dielectric, a metal, or something between for transitions in maps.
+/// Exact Fresnel factor of a dielectric, a metal, or a mixture of both for transitions in maps.
 #[derive(Clone, Copy, Debug)]
 pub struct Interface {
     ior: f32,
@@ -149,14 +149,14 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// `specular` scales what a dielectric reflects.
+    /// `specular` scales the dielectric's reflection.
     #[inline]
     pub fn new(base_color: Vec3, edge_color: Vec3, metalness: f32, ior: f32, specular: f32) -> Self {
         let metal = if metalness > 0.0 { Metal::new(base_color, edge_color) } else { Metal::default() };
         Self { ior, weights: [specular * (1.0 - metalness), metalness], metal }
     }
 
-    /// For eight angles to the half vector.
+    /// Factors for eight angles to the half vector.
     #[inline(always)]
     pub fn fresnel<L: Lanes>(&self, wi_dot_h: L) -> Vec3x8<L> {
         let [dielectric, metal] = self.weights;
@@ -171,12 +171,12 @@ impl Interface {
         all
     }
 
-    /// The mean factor of the metal over all directions, and its weight.
+    /// Mean factor of the metal over all directions, and its weight.
     pub fn mean_of_metal(&self) -> (Vec3, f32) {
         (self.metal.mean(), self.weights[1])
     }
 
-    /// For light from the normal.
+    /// Factor for light from the normal.
     pub fn at_normal(&self) -> Vec3 {
         self.fresnel(wide::f32x8::splat(1.0)).lane(0)
     }
@@ -193,14 +193,14 @@ pub fn slopes(alpha: [f32; 2]) -> [f32; 2] {
     alpha.map(slope)
 }
 
-/// A lobe of which half vectors can be drawn.
+/// A lobe with samplable half vectors.
 pub trait HalfVectorLobe {
     /// A half vector for an outgoing direction, from two numbers in [0, 1).
     fn half_vector(&self, wo: Vec3, u: f32, v: f32) -> Vec3;
-    /// Density of the light direction that it mirrors to, per solid angle.
+    /// Density of the light direction mirrored at the half vector, per solid angle.
     fn density(&self, wi: Vec3, wo: Vec3) -> f32;
 
-    /// A light direction by the lobe, as often as `share` says, or else by the base below it.
+    /// Samples a light direction by the lobe with probability `share`, else by the base below it.
     fn sample_over_base(&self, share: f32, wo: Vec3, u: Vec3) -> Vec3 {
         if u.z < share {
             let h = self.half_vector(wo, u.x, u.y);
@@ -216,7 +216,7 @@ pub trait HalfVectorLobe {
     }
 }
 
-/// How often a glossy lobe is sampled beside a diffuse base, for what both reflect.
+/// Probability of sampling a glossy lobe beside a diffuse base, from the albedos of both.
 pub fn glossy_share(glossy: f32, diffuse: f32) -> f32 {
     if glossy + diffuse > 0.0 { (glossy / (glossy + diffuse)).max(0.1) } else { 1.0 }
 }

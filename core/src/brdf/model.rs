@@ -1,22 +1,22 @@
-//! What a reflectance model declares.
+//! Declaration of a reflectance model.
 
 use super::{Brdf, FilePart, Parameter, Values};
 
 /// A reflectance model that materials can have.
 pub trait Model: Brdf + Sized {
-    /// Name for people.
+    /// Display name.
     const LABEL: &'static str;
-    /// What it is good for, in one or two sentences.
+    /// Description and use, in one or two sentences.
     const SUMMARY: &'static str;
     /// Its parameters.
     const PARAMETERS: &'static [Parameter];
-    /// What its materials keep for other programs. Nothing is rendered of it, so that it is in no other list.
+    /// Parameters that materials keep for other programs. They are never rendered and are in no other list.
     const STORED: &'static [Parameter] = &[];
 
-    /// With values in the order of [`Self::PARAMETERS`] and in their ranges. Others may follow them.
+    /// Creates the model from values in the order of [`Self::PARAMETERS`] and in their ranges. More values may follow.
     fn from_values(values: &Values) -> Self;
 
-    /// The same, of a model that a file has a part in; without the file what shows that it is not there.
+    /// [`Self::from_values`] for a model that uses a file; without the file, a placeholder.
     fn of_file(values: &Values, _file: Option<FilePart>) -> Self {
         Self::from_values(values)
     }

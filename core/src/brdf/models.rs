@@ -1,5 +1,4 @@
-//! The list of all models. A new model is a file beside this one, a file with the name of its key in `shaders/brdf/`, and
-//! its line here.
+//! The list of all models. A new model is a file beside this one, a file named by its key in `shaders/brdf/`, and a line here.
 
 use super::{
     AshikhminShirley, Beckmann, BlinnPhong, Brdf, ContentKind, FilePart, Ggx, Lambert, LightsX8, Merl, Model, OpenPbr,
@@ -12,14 +11,14 @@ use wide::f32x8;
 
 macro_rules! models {
     ($($(#[$attribute:meta])* $variant:ident($ty:ty) = $key:literal,)*) => {
-        /// Which reflectance model a material uses.
+        /// Reflectance model of a material.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
         pub enum BrdfModel {
             $(#[doc = concat!("See [`", stringify!($variant), "`].")] $(#[$attribute])* #[serde(rename = $key)] $variant,)*
         }
 
         impl BrdfModel {
-            /// All of them, in the order of lists.
+            /// All models, in the order of lists.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
 
             /// Its name in files and on the command line.
@@ -27,12 +26,12 @@ macro_rules! models {
                 match self { $(Self::$variant => $key,)* }
             }
 
-            /// Its name for people.
+            /// Its display name.
             pub const fn label(self) -> &'static str {
                 match self { $(Self::$variant => <$ty as Model>::LABEL,)* }
             }
 
-            /// What it is good for.
+            /// Its description.
             pub const fn summary(self) -> &'static str {
                 match self { $(Self::$variant => <$ty as Model>::SUMMARY,)* }
             }
@@ -42,12 +41,12 @@ macro_rules! models {
                 match self { $(Self::$variant => <$ty as Model>::PARAMETERS,)* }
             }
 
-            /// What its materials keep for other programs and nothing renders.
+            /// Parameters that its materials keep for other programs and that are never rendered.
             pub const fn stored_parameters(self) -> &'static [Parameter] {
                 match self { $(Self::$variant => <$ty as Model>::STORED,)* }
             }
 
-            /// The parameters of its materials: its own, and then those of [`SurfaceParameters`].
+            /// The parameters of its materials: its own, then [`SurfaceParameters`].
             pub const fn parameters(self) -> &'static [Parameter] {
                 match self {
                     $(Self::$variant => {
@@ -60,7 +59,7 @@ macro_rules! models {
                 }
             }
 
-            /// Its text in the language of shaders: what `shaders/brdf.wgsl` says that a model has.
+            /// Its WGSL source; `shaders/brdf.wgsl` lists the required declarations.
             pub const fn wgsl(self) -> &'static str {
                 match self { $(Self::$variant => include_str!(concat!("../../../shaders/brdf/", $key, ".wgsl")),)* }
             }
@@ -71,14 +70,14 @@ macro_rules! models {
             }
         }
 
-        /// Any of the models, by value.
+        /// A model of any kind, by value.
         #[derive(Clone, Debug)]
         pub enum SurfaceBrdf {
             $(#[doc = concat!("See [`", stringify!($variant), "`].")] $variant($ty),)*
         }
 
         impl SurfaceBrdf {
-            /// The model with values of its parameters, in the order of its list and in their ranges, and with its file.
+            /// Creates a model from its file and values in the order of its parameters, within their ranges.
             #[inline]
             pub fn new(model: BrdfModel, values: &Values, file: Option<FilePart>) -> Self {
                 match model { $(BrdfModel::$variant => Self::$variant(<$ty as Model>::of_file(values, file)),)* }
@@ -90,7 +89,7 @@ macro_rules! models {
                 match self { $(Self::$variant(brdf) => brdf,)* }
             }
 
-            /// Visits the model as what it is, so that the visitor is compiled for each.
+            /// Calls the visitor with the concrete model, so it is compiled for each.
             #[inline(always)]
             pub fn visit<V: BrdfVisitor>(&self, visitor: V) {
                 match self { $(Self::$variant(brdf) => visitor.visit(brdf),)* }
@@ -115,7 +114,7 @@ models! {
 }
 
 impl SurfaceBrdf {
-    /// [`Brdf::brdf_cos_x8`] on a surface whose slopes widen its lobes, see [`SpreadX8::slopes`].
+    /// [`Brdf::brdf_cos_x8`] on a surface with slopes that widen its lobes, see [`SpreadX8::slopes`].
     pub fn spread_cos_x8(&self, wi: Vec3x8, wo: Vec3, inv_kappa: f32x8, slopes: [f32; 3]) -> Vec3x8 {
         let mut value = Vec3x8::splat(Vec3::ZERO);
         self.visit(Reflect {
@@ -127,7 +126,7 @@ impl SurfaceBrdf {
     }
 }
 
-/// Eight lights that any model reflects.
+/// Visitor that reflects eight lights.
 struct Reflect<'a> {
     lights: LightsX8<f32x8>,
     wo: Vec3,
@@ -140,31 +139,30 @@ impl BrdfVisitor for Reflect<'_> {
     }
 }
 
-/// What is done with a model of a type that is known.
+/// A generic operation on a concrete model.
 pub trait BrdfVisitor {
-    /// Does it.
+    /// Runs the operation.
     fn visit(self, brdf: &impl Brdf);
 }
 
 impl BrdfModel {
-    /// What models, or else files of BRDFs that were read, declare under a name, if any does, rendered or stored.
+    /// Declaration of a parameter by a model or by a BRDF file read so far, rendered or stored.
     pub fn declared(name: &str) -> Option<&'static Parameter> {
         Self::declared_by_models(name).or_else(|| written::all_declared().into_iter().find(|p| p.name == name))
     }
 
-    /// What models declare under a name, whatever files were read, rendered or stored.
+    /// Declaration of a parameter by a model, rendered or stored; files do not count.
     pub fn declared_by_models(name: &str) -> Option<&'static Parameter> {
         let of = |model: &Self| model.parameter(name).or_else(|| model.stored_parameter(name));
         Self::ALL.iter().find_map(of)
     }
 
-    /// Whether its materials have a file.
+    /// Whether its materials use a file.
     pub fn has_file(self) -> bool {
         matches!(self, Self::Merl | Self::Wgsl)
     }
 
-    /// All parameters that models and files of BRDFs that were read declare and that are rendered; a name may come more than
-    /// once.
+    /// All rendered parameters that models and BRDF files read so far declare; names may repeat.
     pub fn all_declared() -> impl Iterator<Item = &'static Parameter> {
         Self::ALL
             .iter()
@@ -172,12 +170,12 @@ impl BrdfModel {
             .chain(std::iter::once_with(written::all_declared).flatten())
     }
 
-    /// Its parameter of a name.
+    /// Its parameter called `name`.
     pub fn parameter(self, name: &str) -> Option<&'static Parameter> {
         self.parameters().iter().find(|p| p.name == name)
     }
 
-    /// What it stores under a name and does not render.
+    /// Its stored parameter called `name`, which is never rendered.
     pub fn stored_parameter(self, name: &str) -> Option<&'static Parameter> {
         self.stored_parameters().iter().find(|p| p.name == name)
     }
@@ -189,7 +187,7 @@ impl BrdfModel {
 }
 
 impl ContentKind {
-    /// The model that has such a file.
+    /// The model that uses such a file.
     pub fn model(self) -> BrdfModel {
         match self {
             Self::Measured => BrdfModel::Merl,

@@ -3,13 +3,14 @@
 //! From below: a rough diffuse base ([`OrenNayar`]) under a dielectric, mixed with a metal (F82 tint, Kutz et al. 2021) by
 //! `base_metalness`; a coat; fuzz. The specification leaves the form of the layers open. Here:
 //!
-//! * every layer passes on what it does not reflect, by the product of its directional albedos for both directions, so that
-//!   the whole is reciprocal; below several layers a diffuse base is normalized for all of them at once;
-//! * lobes are GGX ([`GgxLobe`]), with what metals lose between facets; fuzz is Estevez and Kulla's, not Zeltner's table;
+//! * every layer transmits the light it does not reflect, by the product over both directions, which keeps the whole
+//!   reciprocal; a diffuse base is normalized for all layers above at once;
+//! * lobes are GGX ([`GgxLobe`]), with the loss of metals between facets restored; fuzz is Estevez and Kulla's, not
+//!   Zeltner's table;
 //! * a coat tints by its color whatever the angle, roughens the base, lowers its contrast of indices and darkens it by
-//!   what is reflected inside, as the specification says (sections on coat roughening and darkening).
+//!   reflections inside, as specified (sections on coat roughening and darkening).
 //!
-//! Transmission, subsurface scattering and thin films are stored and not rendered.
+//! Transmission, subsurface scattering and thin films are stored but not rendered.
 
 use super::prelude::*;
 use super::{
@@ -52,7 +53,7 @@ parameters! {
         coat_weight: f32 = Parameter::number(
             "Coat weight", [0.0, 1.0], 0.0, "How much of the surface has a clear coat: 1 for lacquer and car paint.",
         ).in_section("Coat"),
-        coat_color: Vec3 = Parameter::color("Coat color", [1.0; 3], "Tint of what is seen through the coat.").in_section("Coat"),
+        coat_color: Vec3 = Parameter::color("Coat color", [1.0; 3], "Tint of the layers below the coat.").in_section("Coat"),
         coat_roughness: f32 = Parameter::number(
             "Coat roughness", [0.0, 1.0], 0.0, "Width of the coat's highlight, 0 (mirror) to 1 (dull). It blurs the base too.",
         ).in_section("Coat"),
@@ -76,12 +77,12 @@ parameters! {
     }
 }
 
-/// Largest of what the specification does not bound.
+/// Upper bound of quantities unbounded in the specification.
 const UNBOUNDED: f32 = 1e6;
 
-/// What OpenPBR says of light inside a surface and of films on it, which materials keep for other programs.
+/// OpenPBR's parameters of light inside a surface and of films on it, kept for other programs.
 ///
-/// Maps multiply all of it, the index of the film too: so plain pictures of other programs stay what they are.
+/// Maps multiply all of them, also the index of the film, so plain pictures of other programs stay unchanged.
 const STORED: &[Parameter] = &[
     Parameter::number("Transmission weight", [0.0, 1.0], 0.0, "How much of the base is clear, as glass or water.")
         .named("transmission_weight"),
@@ -95,7 +96,7 @@ const STORED: &[Parameter] = &[
         "Transmission depth",
         [0.0, UNBOUNDED],
         0.0,
-        "Way inside after which light has the transmission color.",
+        "Distance inside after which light has the transmission color.",
     )
     .with_slider([0.0, 1.0])
     .named("transmission_depth"),
@@ -109,16 +110,11 @@ const STORED: &[Parameter] = &[
         "Transmission scatter anisotropy",
         [-1.0, 1.0],
         0.0,
-        "Whether light inside is scattered backward or forward.",
+        "Scattering inside: below 0 backward, above 0 forward.",
     )
     .named("transmission_scatter_anisotropy"),
-    Parameter::number(
-        "Transmission dispersion scale",
-        [0.0, 1.0],
-        0.0,
-        "How much of the dispersion of the Abbe number there is.",
-    )
-    .named("transmission_dispersion_scale"),
+    Parameter::number("Transmission dispersion scale", [0.0, 1.0], 0.0, "Share of the Abbe number's dispersion.")
+        .named("transmission_dispersion_scale"),
     Parameter::number(
         "Transmission Abbe number",
         [0.0, UNBOUNDED],
@@ -134,18 +130,22 @@ const STORED: &[Parameter] = &[
         "How much of the opaque base is lit from below, as skin, wax or marble.",
     )
     .named("subsurface_weight"),
-    Parameter::color("Subsurface color", [0.8; 3], "Color of light that comes out again beside where it went in.")
+    Parameter::color("Subsurface color", [0.8; 3], "Color of light that leaves near its point of entry.")
         .named("subsurface_color"),
-    Parameter::number("Subsurface radius", [0.0, UNBOUNDED], 1.0, "How far light goes below the surface.")
+    Parameter::number("Subsurface radius", [0.0, UNBOUNDED], 1.0, "Distance that light travels below the surface.")
         .with_slider([0.0, 1.0])
         .named("subsurface_radius"),
-    Parameter::color("Subsurface radius scale", [1.0, 0.5, 0.25], "How far each color goes, in subsurface radii.")
-        .named("subsurface_radius_scale"),
+    Parameter::color(
+        "Subsurface radius scale",
+        [1.0, 0.5, 0.25],
+        "Distance that each color travels, in subsurface radii.",
+    )
+    .named("subsurface_radius_scale"),
     Parameter::number(
         "Subsurface scatter anisotropy",
         [-1.0, 1.0],
         0.0,
-        "Whether light below is scattered backward or forward.",
+        "Scattering below: under 0 backward, above 0 forward.",
     )
     .named("subsurface_scatter_anisotropy"),
     Parameter::number(
@@ -173,13 +173,13 @@ pub struct OpenPbr {
     /// Tint of the diffuse base, with its normalization below all layers.
     diffuse_scale: Vec3,
     lobe: GgxLobe,
-    /// Index of refraction relative to what is above, and the color of the dielectric's reflection.
+    /// Index of refraction relative to the layer above, and the color of the dielectric's reflection.
     ior: f32,
     dielectric: Vec3,
     metal: F82,
-    /// Mean of what all layers leave to the diffuse base.
+    /// Mean share of light that all layers leave to the diffuse base.
     left_mean: f32,
-    /// Tint of the lobe and of what it loses, by the coat.
+    /// Tint of the lobe and of its restored loss, by the coat.
     tint: Vec3,
     whole: Albedo,
     multiple: Vec3,
@@ -227,14 +227,14 @@ impl F82 {
         value * L::splat(self.weight)
     }
 
-    /// Mean over all directions of even light, unweighted.
+    /// Mean under uniform light, unweighted.
     fn mean(&self) -> Vec3 {
         // 2 ∫ (1 - c)⁵ c dc = 1/21, 2 ∫ c² (1 - c)⁶ dc = 1/126.
         self.f0 + self.grazing / 21.0 - self.dip / 126.0
     }
 }
 
-/// Widths as the specification has them.
+/// Widths as in the specification.
 fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
     let short = 1.0 - anisotropy;
     let long = roughness * roughness * (2.0 / (1.0 + short * short)).sqrt();
@@ -242,7 +242,7 @@ fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
 }
 
 impl OpenPbr {
-    /// `p` must be within the ranges.
+    /// Parameters must be within their ranges.
     #[inline]
     pub fn new(p: &OpenPbrParameters) -> Self {
         // A rough coat blurs the base below it.
@@ -250,8 +250,7 @@ impl OpenPbr {
         let roughness = p.specular_roughness + (blurred - p.specular_roughness) * p.coat_weight;
         let lobe = GgxLobe::new(widths(roughness, p.specular_roughness_anisotropy));
         let coat = GgxLobe::new(widths(p.coat_roughness, p.coat_roughness_anisotropy));
-        // Below the coat light comes out of it, not out of air. Without a contrast the ratio is inverted, so that nothing is
-        // reflected totally.
+        // The base lies below the coat, not below air. Without a contrast the ratio is inverted, to avoid total reflection.
         let ratio = p.specular_ior / (1.0 + (p.coat_ior - 1.0) * p.coat_weight);
         let ior = ratio.max(1.0 / ratio);
         let color = p.base_color * p.base_weight;
@@ -290,7 +289,7 @@ impl OpenPbr {
         }
     }
 
-    /// Albedos of what is sampled for an outgoing direction: coat, lobe, and what is diffuse.
+    /// Albedos of the sampled parts for an outgoing direction: coat, lobe, diffuse rest.
     fn shares(&self, wo: Vec3) -> [f32; 3] {
         let cosine = wo.z.clamp(0.0, 1.0);
         let coat = self.coat_albedo.at_one(cosine);
@@ -302,7 +301,7 @@ impl OpenPbr {
         let diffuse = below * luminance(self.diffuse.albedo_at(cosine) * self.diffuse_scale)
             + luminance(self.fuzz) * self.fuzz_albedo.at_one(cosine).max(0.1);
         let sum = (coat + glossy + diffuse).max(1e-6);
-        // A little of each that is there: albedos are for even light.
+        // A minimum for each part present: albedos hold for uniform light.
         let least = |share: f32, is_there: bool| if is_there { share / sum + 0.1 } else { 0.0 };
         let shares = [least(coat, self.coat_weight > 0.0), least(glossy, true), least(diffuse, diffuse > 0.0)];
         let total: f32 = shares.iter().sum();
@@ -310,7 +309,7 @@ impl OpenPbr {
     }
 }
 
-/// What is left of the base's albedo by reflections inside the coat (OpenPBR, "Coat darkening").
+/// Share of the base's albedo left by reflections inside the coat (OpenPBR, "Coat darkening").
 fn darkening(p: &OpenPbrParameters, color: Vec3, roughness: f32) -> Vec3 {
     let specular = Albedo::of_smooth_dielectric(p.coat_ior);
     let inside_diffuse = 1.0 - (1.0 - specular.mean()) / (p.coat_ior * p.coat_ior);

@@ -1,5 +1,5 @@
-//! Rough diffuse reflection that preserves energy (Portsmouth, Kutz and Hill 2024, *EON: A Practical Energy-Preserving Rough
-//! Diffuse BRDF*): Fujii's improved Oren-Nayar and what is reflected among its facets several times.
+//! Rough diffuse reflection that preserves energy (Portsmouth, Kutz and Hill 2024, *EON: A Practical Energy-Preserving
+//! Rough Diffuse BRDF*): Fujii's improved Oren-Nayar plus multiple scattering among its facets.
 
 use super::prelude::*;
 use std::f32::consts::PI;
@@ -26,12 +26,12 @@ pub struct OrenNayar {
     roughness: f32,
     /// `1 / (1 + A r)`.
     scale: f32,
-    /// Albedo of light that is reflected several times, over `1 - mean E`.
+    /// Albedo of multiple scattering, over `1 - mean E`.
     multiple: Vec3,
 }
 
 impl OrenNayar {
-    /// Of an albedo, linear from 0 to 1, and a roughness from 0 (Lambertian) to 1.
+    /// A surface of linear `albedo`, 0 to 1, and `roughness` from 0 (Lambertian) to 1.
     #[inline]
     pub fn new(albedo: Vec3, roughness: f32) -> Self {
         let scale = 1.0 / (1.0 + A * roughness);
@@ -41,7 +41,7 @@ impl OrenNayar {
         Self { albedo, roughness, scale, multiple }
     }
 
-    /// Directional albedo of single reflection by white facets.
+    /// Directional albedo of single scattering by white facets.
     #[inline(always)]
     fn single_albedo<L: Lanes>(&self, cosine: L) -> L {
         let m = L::splat(1.0) - cosine.at_least(0.0).fast_min(L::splat(1.0));
@@ -61,7 +61,7 @@ impl OrenNayar {
         Vec3x8::splat(self.albedo) * single + Vec3x8::splat(self.multiple * FRAC_1_PI) * lost.at_least(0.0)
     }
 
-    /// Its albedo for light from a direction with this cosine.
+    /// Albedo for light from a direction with this cosine.
     pub fn albedo_at(&self, cosine: f32) -> Vec3 {
         let single = self.single_albedo(f32x8::splat(cosine)).to_array()[0];
         let mean = self.scale * (1.0 + B * self.roughness);

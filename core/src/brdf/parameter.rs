@@ -1,7 +1,7 @@
-//! What a model declares of its parameters: names, ranges, defaults, units, and what they do.
+//! Declarations of model parameters: names, ranges, defaults, units and effects.
 //!
-//! Panels, material files, the shaders' structures and the tests follow from these declarations. A name means the same in
-//! all models that have it, so that a material keeps its look when its model is changed.
+//! Panels, material files, the shaders' structures and the tests follow from these declarations. A name means the same
+//! in all models, so a material keeps its look when its model changes.
 
 use super::Parameters;
 use glam::Vec3;
@@ -47,7 +47,7 @@ impl From<Vec3> for Value {
     }
 }
 
-/// What the texels of a map do with a parameter.
+/// Effect of a map's texels on a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapUse {
     /// They multiply it, as in glTF.
@@ -61,11 +61,11 @@ pub enum MapUse {
 pub struct Parameter {
     /// Name in files and shaders, in snake case.
     pub name: &'static str,
-    /// Name for people.
+    /// Display name.
     pub label: &'static str,
-    /// The part of the model that it belongs to, under which panels show it; empty in models of one part.
+    /// Section of the model, under which panels show it; empty in models of one section.
     pub section: &'static str,
-    /// What it does, in one line.
+    /// Effect, in one line.
     pub help: &'static str,
     /// Unit, empty for a pure number.
     pub unit: &'static str,
@@ -73,16 +73,16 @@ pub struct Parameter {
     pub range: [f32; 2],
     /// The part of the range that a slider covers.
     pub slider: [f32; 2],
-    /// Value of a material that says nothing.
+    /// Value of a material without one.
     pub default: Value,
-    /// What a map does.
+    /// Effect of a map.
     pub map: MapUse,
-    /// The name that other models have for the same quantity; its own by default.
+    /// Name shared by the models that have the quantity; the parameter's own name by default.
     pub quantity: &'static str,
 }
 
 impl Parameter {
-    /// A number in a range. Its name is that of the field that declares it.
+    /// A number in a range. The declaring field gives its name.
     pub const fn number(label: &'static str, range: [f32; 2], default: f32, help: &'static str) -> Self {
         Self {
             name: "",
@@ -103,33 +103,33 @@ impl Parameter {
         Self { default: Value::Color(Vec3::from_array(default)), ..Self::number(label, [0.0, 1.0], 0.0, help) }
     }
 
-    /// With a slider that covers less than the range.
+    /// The parameter with a slider that covers less than the range.
     pub const fn with_slider(self, slider: [f32; 2]) -> Self {
         Self { slider, ..self }
     }
 
-    /// In a part of the model.
+    /// The parameter in a section of the model.
     pub const fn in_section(self, section: &'static str) -> Self {
         Self { section, ..self }
     }
 
-    /// With a map that scales the part above 1.
+    /// The parameter with a map that scales the part above 1.
     pub const fn above_one(self) -> Self {
         Self { map: MapUse::ScalesAboveOne, ..self }
     }
 
-    /// With the name that other models have for the same quantity.
+    /// The parameter with a quantity shared by other models.
     pub const fn known_as(self, quantity: &'static str) -> Self {
         Self { quantity, ..self }
     }
 
-    /// With the name of a field.
+    /// The parameter with the name of its field.
     pub const fn named(self, name: &'static str) -> Self {
         let quantity = if self.quantity.is_empty() { name } else { self.quantity };
         Self { name, quantity, ..self }
     }
 
-    /// Its name for people under the title of its section.
+    /// Display name under the title of its section.
     pub fn short_label(&self) -> String {
         let rest = self.label.strip_prefix(self.section).unwrap_or(self.label).trim_start();
         let mut letters = rest.chars();
@@ -141,12 +141,12 @@ impl Parameter {
         matches!(self.default, Value::Color(_))
     }
 
-    /// How many numbers a value has.
+    /// Count of numbers in a value.
     pub const fn numbers(&self) -> usize {
         if self.is_color() { 3 } else { 1 }
     }
 
-    /// `value` of the parameter's own kind and within its range; the default in place of what is not a number.
+    /// `value` converted to the parameter's kind and clamped to its range; the default for NaN.
     #[inline]
     pub fn sanitized(&self, value: Value) -> Value {
         let [low, high] = self.range;
@@ -175,7 +175,7 @@ impl Parameter {
     }
 }
 
-/// Most numbers that the parameters of a model have.
+/// Largest count of numbers in the parameters of a model.
 pub const MOST_NUMBERS: usize = 56;
 
 /// The values of a model's parameters at one point, in the order of its list.
@@ -207,7 +207,7 @@ impl Values {
         }
     }
 
-    /// The last of the numbers, as values of their own.
+    /// The last `count` numbers, as separate values.
     #[inline]
     pub(super) fn last(&self, count: usize) -> Self {
         let mut last = Self { len: count, ..Self::default() };
@@ -215,14 +215,14 @@ impl Values {
         last
     }
 
-    /// Those of a list that are told, within their ranges; the defaults of the others.
+    /// Values of a list from a material, clamped to their ranges; the defaults where the material has none.
     pub fn of(list: &[Parameter], told: &Parameters) -> Self {
         let mut values = Self::default();
         list.iter().for_each(|p| values.push(p.sanitized(told.value(p))));
         values
     }
 
-    /// Puts another value in place of that of a parameter whose numbers begin at `first`.
+    /// Replaces the value of the parameter whose numbers begin at `first`.
     #[inline]
     pub(crate) fn replace(&mut self, first: usize, value: Value) {
         match value {
@@ -246,14 +246,14 @@ impl Values {
     }
 }
 
-/// Takes the values of one parameter after another.
+/// Takes the values of successive parameters.
 pub struct Taken<'a> {
     values: &'a Values,
     next: usize,
 }
 
 impl<'a> Taken<'a> {
-    /// From the first on.
+    /// Starts at the first value.
     pub fn new(values: &'a Values) -> Self {
         Self { values, next: 0 }
     }
@@ -263,7 +263,7 @@ impl<'a> Taken<'a> {
 pub trait OfParameter: Copy + Into<Value> {
     /// Takes the next value.
     fn take(from: &mut Taken) -> Self;
-    /// From a value.
+    /// Converts a value.
     fn of(value: Value) -> Self;
 }
 
@@ -304,7 +304,7 @@ macro_rules! parameters {
             /// The declarations, in the order of panels, files and shaders.
             pub const LIST: &'static [$crate::brdf::Parameter] = &[$($declared.named(stringify!($field)),)*];
 
-            /// From values in the order of the list.
+            /// Takes the values in the order of the list.
             #[inline]
             pub fn new(values: &$crate::brdf::Values) -> Self {
                 let mut taken = $crate::brdf::parameter::Taken::new(values);

@@ -1,4 +1,4 @@
-//! The values that a material has for parameters, by name.
+//! A material's parameter values, by name.
 
 use super::{BrdfModel, Parameter, Value};
 use glam::Vec3;
@@ -8,22 +8,22 @@ use serde::{
 };
 use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
 
-/// Values by the names of parameters. Those that a material says nothing of have the defaults of its model.
+/// Values by the names of parameters. A missing value is the default of the material's model.
 ///
-/// It may hold values of parameters that the material's model lacks: they count again when the model does.
+/// It may hold values of parameters that the material's model lacks; they apply again when the model has them.
 ///
-/// Copies share their values until one of them is changed, so that a look is copied and compared at little cost.
+/// Copies share their values until one of them changes, so looks are cheap to copy and compare.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters(Arc<BTreeMap<Cow<'static, str>, Value>>);
 
 impl Parameters {
-    /// The value of a parameter, if it is told.
+    /// The value of a parameter, if set.
     #[inline]
     pub fn get(&self, name: &str) -> Option<Value> {
         self.0.get(name).copied()
     }
 
-    /// The value of a declared parameter, told or not.
+    /// The value of a declared parameter, or its default.
     #[inline]
     pub fn value(&self, parameter: &Parameter) -> Value {
         self.get(parameter.name).unwrap_or(parameter.default)
@@ -44,25 +44,25 @@ impl Parameters {
         self.get(name).unwrap_or_else(declared)
     }
 
-    /// Tells a value.
+    /// Sets a value.
     pub fn set(&mut self, name: impl Into<Cow<'static, str>>, value: impl Into<Value>) {
         Arc::make_mut(&mut self.0).insert(name.into(), value.into());
     }
 
-    /// With a value told.
+    /// The same with one value set.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: impl Into<Value>) -> Self {
         self.set(name, value);
         self
     }
 
-    /// All that are told, by name.
+    /// All values set, by name.
     pub fn iter(&self) -> impl Iterator<Item = (&str, Value)> {
         self.0.iter().map(|(name, value)| (name.as_ref(), *value))
     }
 
-    /// With all values that a model declares in their ranges, and of their kinds; see [`Parameter::sanitized`]. What files
-    /// declare may differ from file to file: see [`Self::sanitized_by`].
+    /// Clamps all values that a model declares to their ranges and converts their kinds; see [`Parameter::sanitized`].
+    /// Declarations of files differ, see [`Self::sanitized_by`].
     #[must_use]
     pub fn sanitized(mut self) -> Self {
         for (name, value) in Arc::make_mut(&mut self.0) {
@@ -73,7 +73,7 @@ impl Parameters {
         self
     }
 
-    /// With all values of these parameters in their ranges, and of their kinds.
+    /// Clamps all values of these parameters to their ranges and converts their kinds.
     #[must_use]
     pub fn sanitized_by(mut self, declared: &[Parameter]) -> Self {
         for parameter in declared {
@@ -93,7 +93,7 @@ impl Serialize for Parameters {
 
 impl<'de> Deserialize<'de> for Parameters {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        /// Anything else is kept until its name is known.
+        /// Unknown values are kept until their names are known.
         #[derive(Deserialize)]
         #[serde(untagged)]
         enum Read {
@@ -112,7 +112,7 @@ impl<'de> Deserialize<'de> for Parameters {
     }
 }
 
-/// Equal if all values are, told or not. What only files declare has no default here: it is told, or not.
+/// Compares all values, defaults included. Parameters declared only by files have no default here: they are set or not.
 impl PartialEq for Parameters {
     fn eq(&self, other: &Self) -> bool {
         if Arc::ptr_eq(&self.0, &other.0) {

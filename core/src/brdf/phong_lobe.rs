@@ -12,7 +12,7 @@ use wide::f32x8;
 /// Widths along the tangent and the bitangent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongLobe {
-    /// `2 / n` for the exponents: its width in projected slope space, as that of GGX.
+    /// `2 / n` for the exponents: the width in projected slope space, as for GGX.
     slope: [f32; 2],
     alpha: [f32; 2],
 }
@@ -49,7 +49,7 @@ fn log_of_rest<L: Lanes>(s: L) -> L {
 }
 
 impl PhongLobe {
-    /// With exponents `2 / alpha² - 2`, whose lobes are as wide as microfacets of these widths.
+    /// A lobe with exponents `2 / alpha² - 2`, as wide as microfacets of these widths.
     pub fn new(alpha: [f32; 2]) -> Self {
         Self { slope: slopes(alpha), alpha }
     }
@@ -69,7 +69,7 @@ impl PhongLobe {
         (nu * nv).sqrt()
     }
 
-    /// Widened by the spread of the lights: in projected slope space variances add up.
+    /// Widens the lobe by the spread of the lights: in projected slope space variances add up.
     #[inline(always)]
     pub fn filtered<L: Lanes>(&self, half: &HalfVectors<L>, lights: &LightsX8<L>, wo: Vec3) -> FilteredX8<L> {
         let spread = half.spread(lights.wi, wo, &lights.spread);
@@ -101,10 +101,10 @@ impl PhongLobe {
         Vec3::new(sin_h * cos, sin_h * sin, cos_h)
     }
 
-    /// Density of the light direction for a half vector that was sampled.
+    /// Density of the light direction for a sampled half vector.
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
         let h = (wi + wo).normalize_or(Vec3::Z);
-        // A half vector that `wo` sees from behind reflects to where the sum of the two points downward.
+        // Flip a half vector that faces away from `wo`: the sum of both directions points downward.
         let h = if h.z < 0.0 { -h } else { h };
         let [nu, nv] = self.exponents();
         let sin_sq = (h.x * h.x + h.y * h.y).max(1e-12);

@@ -1,4 +1,4 @@
-//! What the models are written in.
+//! Common imports of the models.
 
 pub(super) use super::{
     Brdf, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,

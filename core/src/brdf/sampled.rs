@@ -1,9 +1,9 @@
-//! What the traversal of cuts and the path reference need to know of a BRDF that is only known by its values: how wide its lobe
-//! is, its albedo, and a distribution to sample it by.
+//! Lobe width, albedo and sampling distribution of a BRDF known only by its values, for the traversal of cuts and the
+//! path reference.
 //!
-//! The lobe is looked for around the mirror's direction, in the plane of incidence along the tangent and across it. Its width
-//! is that of the GGX lobe which falls to half of its height at the same angle. Lobes elsewhere are not found: they are
-//! sampled by the cosine, and nodes there are not refined.
+//! The lobe is searched around the mirror direction, in the plane of incidence along the tangent and across it. Its
+//! width is the width of the GGX lobe with the same half-height angle. Lobes elsewhere are not found: they are sampled
+//! by the cosine, and nodes there are not refined.
 
 use super::{Lobes, MIN_ALPHA, NO_LOBE};
 use crate::{color::luminance, sphere::cosine_direction};
@@ -14,32 +14,32 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 const STEPS: usize = 128;
 /// Angles between light and half vector at which profiles are taken, in degrees.
 const DIFFERENCES: [f32; 2] = [10.0, 40.0];
-/// A peak is less than this share of the rest: no lobe.
+/// A peak below this share of the rest is no lobe.
 const NEGLIGIBLE: f32 = 0.05;
-/// Tangent of the angle at which a GGX lobe of width 1 has half of its height.
+/// Tangent of the half-height angle of a GGX lobe of width 1.
 const HALF_TANGENT: f32 = 0.643_594_3;
-/// Cosines of the table of albedos.
+/// Cosines in the table of albedos.
 const ANGLES: usize = 16;
-/// Directions for each.
+/// Directions per cosine.
 const SAMPLES: usize = 512;
-/// Least and largest share of the lobe in what is sampled.
+/// Smallest and largest probability of sampling the lobe.
 const SHARES: [f32; 2] = [0.1, 0.9];
 
-/// A lobe around the mirror's direction over something wide, found by evaluation.
+/// A lobe around the mirror direction over a wide rest, found by evaluation.
 #[derive(Clone, Debug)]
 pub struct SampledLobe {
-    /// 0 for none.
+    /// Width; 0 for none.
     width: f32,
-    /// How often the lobe is sampled instead of the cosine.
+    /// Probability of sampling the lobe instead of the cosine.
     share: f32,
-    /// For each bin of the half vector's angle the probability of it and of those before.
+    /// Cumulative probabilities of the bins of the half vector's angle.
     cumulated: [f32; STEPS],
-    /// For cosines 1 / ANGLES to 1.
+    /// Albedos for cosines 1 / ANGLES to 1.
     albedo: [Vec3; ANGLES],
 }
 
 impl SampledLobe {
-    /// Of BRDF values for two directions, without cosine.
+    /// Estimates the lobe of BRDF values for two directions, without cosine.
     pub fn of(value: &dyn Fn(Vec3, Vec3) -> Vec3) -> Self {
         let profiles = DIFFERENCES.map(|degrees| [Vec3::Y, Vec3::X].map(|axis| profile(value, axis, degrees)));
         let found = profiles.as_flattened();
@@ -66,14 +66,14 @@ impl SampledLobe {
         [lobe, NO_LOBE, NO_LOBE]
     }
 
-    /// The share of light from a direction with this cosine that is reflected.
+    /// Albedo for light from a direction with this cosine.
     pub fn albedo_at(&self, cosine: f32) -> Vec3 {
         let place = (cosine * ANGLES as f32 - 1.0).clamp(0.0, (ANGLES - 1) as f32);
         let low = (place as usize).min(ANGLES - 2);
         self.albedo[low].lerp(self.albedo[low + 1], place - low as f32)
     }
 
-    /// The largest component of all albedos. More than 1 is more light than is received.
+    /// The largest component of all albedos; above 1 the BRDF gains energy.
     pub fn most_albedo(&self) -> f32 {
         self.albedo.iter().map(|albedo| albedo.max_element()).fold(0.0, f32::max)
     }
@@ -86,7 +86,7 @@ impl SampledLobe {
     /// Density of [`Self::sample`] per solid angle.
     pub fn pdf(&self, wi: Vec3, wo: Vec3) -> f32 {
         let h = (wi + wo).normalize_or(Vec3::Z);
-        // The half vector that was drawn may be the opposite one.
+        // The sampled half vector may be the opposite one.
         let bin = bin_of(h.z.abs());
         let probability = self.cumulated[bin] - if bin > 0 { self.cumulated[bin - 1] } else { 0.0 };
         let density = probability / (TAU * (cos_of(bin) - cos_of(bin + 1)));
@@ -122,7 +122,7 @@ fn cosine(index: usize) -> f32 {
     (index + 1) as f32 / ANGLES as f32
 }
 
-/// Points of the unit cube that fill it evenly (Roberts 2018).
+/// Uniform sequence of points in the unit cube (Roberts 2018).
 fn sequence(i: usize) -> Vec3 {
     let steps = Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5);
     (0.5 + (i + 1) as f32 * steps).fract()
@@ -146,11 +146,11 @@ fn bin_of(cos: f32) -> usize {
 /// Luminance of a BRDF against the angle of the half vector, in a plane of incidence.
 struct Profile {
     values: [f32; STEPS],
-    /// The least: what is not of the lobe.
+    /// The minimum, which is not part of the lobe.
     rest: f32,
 }
 
-/// In the plane across an axis, with light and eye some angle from the half vector. Zero below the horizon.
+/// The profile in the plane across an axis, with light and eye `degrees` from the half vector. Zero below the horizon.
 fn profile(value: &dyn Fn(Vec3, Vec3) -> Vec3, axis: Vec3, degrees: f32) -> Profile {
     let at = |bin: usize| {
         let h = 0.5 * (angle_of(bin) + angle_of(bin + 1));
@@ -163,7 +163,7 @@ fn profile(value: &dyn Fn(Vec3, Vec3) -> Vec3, axis: Vec3, degrees: f32) -> Prof
 }
 
 impl Profile {
-    /// Width of the lobe; none if there is no peak at the mirror's direction.
+    /// Width of the lobe; none without a peak at the mirror direction.
     fn width(&self) -> Option<f32> {
         let peak = self.values[0] - self.rest;
         if !(peak > NEGLIGIBLE * self.rest) || peak <= 0.0 {
@@ -175,7 +175,7 @@ impl Profile {
     }
 }
 
-/// The distribution of half vectors that goes with the peaks of profiles.
+/// The distribution of half vectors that follows the peaks of profiles.
 fn cumulated(profiles: &[Profile]) -> [f32; STEPS] {
     let mut sum = 0.0;
     let mut cumulated = std::array::from_fn(|bin| {

@@ -1,4 +1,4 @@
-//! Declarations of the parameters that several models have.
+//! Declarations of parameters shared by several models.
 
 use super::{Parameter, parameter::parameters};
 use glam::Vec3;
@@ -19,7 +19,7 @@ pub const ROUGHNESS: Parameter = Parameter::number(
     "Width of the highlight, 0 (mirror) to 1 (dull). Perceptual: the microfacet width alpha is its square.",
 );
 
-/// Metal or dielectric.
+/// Metalness.
 pub const METALNESS: Parameter = Parameter::number(
     "Metalness",
     [0.0, 1.0],

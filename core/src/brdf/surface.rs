@@ -1,16 +1,16 @@
-//! What all materials have, whatever their model: light of their own, and what they let through.
+//! Emission and opacity, common to materials of all models.
 
 use super::{Parameter, Values, parameter::parameters};
 use glam::Vec3;
 
 parameters! {
-    /// Parameters of a surface beside its reflectance, with the names of OpenPBR.
+    /// Parameters of a surface beside its reflectance, named as in OpenPBR.
     pub struct SurfaceParameters {
         emission_luminance: f32 = Parameter::number(
             "Emission luminance", [0.0, 1e6], 0.0,
-            "How bright the surface shines by itself, in the unit of the environment. With bounces it lights others.",
+            "Brightness of the emitted light, in the unit of the environment. With bounces it lights other surfaces.",
         ).with_slider([0.0, 20.0]).in_section("Emission"),
-        emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the light that the surface sends by itself.")
+        emission_color: Vec3 = Parameter::color("Emission color", [1.0; 3], "Color of the emitted light.")
             .in_section("Emission"),
         geometry_opacity: f32 = Parameter::number(
             "Opacity", [0.0, 1.0], 1.0,
@@ -24,7 +24,7 @@ parameters! {
 }
 
 impl SurfaceParameters {
-    /// How many numbers they are.
+    /// Count of their numbers.
     pub(super) const NUMBERS: usize = {
         let (mut sum, mut i) = (0, 0);
         while i < Self::LIST.len() {
@@ -34,20 +34,20 @@ impl SurfaceParameters {
         sum
     };
 
-    /// From the values of a material, of which they are the last.
+    /// Takes the last values of a material.
     #[inline]
     pub fn of(values: &Values) -> Self {
         Self::new(&values.last(Self::NUMBERS))
     }
 
-    /// Radiance that the surface sends in all directions, in W/(m² sr).
+    /// Radiance emitted in all directions, in W/(m² sr).
     #[inline]
     pub fn emission(&self) -> Vec3 {
         self.emission_color * self.emission_luminance
     }
 }
 
-/// The parameters of a model followed by those of surfaces, `N` in all.
+/// A model's own parameters followed by the surface parameters, `N` in all.
 pub(super) const fn with_surface<const N: usize>(own: &[Parameter]) -> [Parameter; N] {
     let mut all = [SurfaceParameters::LIST[0]; N];
     let mut i = 0;

@@ -6,8 +6,7 @@ use crate::{
     sphere::{cosine_direction, fibonacci_directions, frame_around, uniform_direction},
 };
 
-/// Each model with settings from its list: all that is between the bounds of its parameters is set at random, and some are
-/// at a bound.
+/// Each model with settings from its list: parameters set at random between their bounds, some at a bound.
 fn models() -> Vec<(String, SurfaceBrdf)> {
     let mut all = Vec::new();
     for &model in BrdfModel::ALL {
@@ -45,7 +44,7 @@ fn brdf_of(model: BrdfModel, parameters: &Parameters) -> SurfaceBrdf {
     material(model, parameters.clone()).plain_brdf()
 }
 
-/// The share of even light that is reflected to `wo`, by reciprocity that of light from there.
+/// The share of uniform light reflected to `wo`, by reciprocity the albedo for light from `wo`.
 fn furnace(brdf: &SurfaceBrdf, wo: Vec3) -> Vec3 {
     let n = 256;
     let value = |(u, v)| {
@@ -93,14 +92,14 @@ fn no_model_reflects_more_than_it_receives() {
     for (name, brdf) in models() {
         for wo in outgoing() {
             let albedo = furnace(&brdf, wo);
-            // What lobes of two widths lose is a mean of what those of each lose.
+            // The loss of a lobe of two widths is a mean of the losses of both.
             assert!(albedo.max_element() <= 1.015, "{name}, wo {wo}: {albedo}");
             assert!((1.5 * albedo).max_element() > 0.01, "{name}");
         }
     }
 }
 
-/// What promises to keep all energy does: white surfaces are invisible in even light.
+/// White surfaces of energy-preserving models are invisible in uniform light.
 #[test]
 fn white_surfaces_reflect_all_light() {
     let white = |p: Parameters| p.with("base_color", Vec3::ONE);
@@ -144,7 +143,7 @@ fn albedo_is_the_integral_at_normal_incidence() {
     }
 }
 
-/// Drawn directions follow their density, by the chi-square test over cells of the sphere.
+/// Sampled directions follow their density, by the chi-square test over cells of the sphere.
 #[test]
 fn sampling_follows_its_density() {
     for (name, brdf) in models() {
@@ -152,8 +151,8 @@ fn sampling_follows_its_density() {
             let b = brdf.as_brdf();
             let statistic = |sample: &dyn Fn(Vec3) -> Vec3| chi_square(b, wo, sample);
             let (found, degrees) = statistic(&|u| b.sample(wo, u));
-            // Mean and deviation of the distribution: five deviations are passed once in a million. The expected counts
-            // are integrated on a grid, which adds a little.
+            // Mean and deviation of the distribution: chance exceeds five deviations once in a million. The expected
+            // counts are integrated on a grid, which adds a little.
             let bound = 1.15 * (degrees + 6.0 * (2.0 * degrees).sqrt());
             assert!(found < bound, "{name}, wo {wo}: {found} with {degrees} degrees of freedom");
             let (wrong, _) = statistic(&|u| uniform_direction(u.x, u.y));
@@ -162,7 +161,7 @@ fn sampling_follows_its_density() {
     }
 }
 
-/// Statistic and degrees of freedom of the counts of drawn directions against the integrals of the density.
+/// Statistic and degrees of freedom of the counts of sampled directions against the integrals of the density.
 fn chi_square(brdf: &dyn Brdf, wo: Vec3, sample: &dyn Fn(Vec3) -> Vec3) -> (f32, f32) {
     const HEIGHTS: usize = 12;
     const AZIMUTHS: usize = 12;
@@ -182,7 +181,7 @@ fn chi_square(brdf: &dyn Brdf, wo: Vec3, sample: &dyn Fn(Vec3) -> Vec3) -> (f32,
         let wi = uniform_direction(u, v);
         expected[cell(wi)] += brdf.pdf(wi, wo) * 4.0 * std::f32::consts::PI * SAMPLES as f32 / (n * n) as f32;
     }
-    // Cells with few are taken together.
+    // Merge cells with low counts.
     let (mut statistic, mut cells, mut rest) = (0.0, 0.0, [0.0; 2]);
     for (drawn, expected) in drawn.into_iter().zip(expected) {
         if expected < 10.0 {

@@ -1,6 +1,6 @@
-//! A BRDF that a user wrote in WGSL. See [`Written`].
+//! A user's BRDF in WGSL. See [`Written`].
 //!
-//! A function has no filtered lobe: for lights that are wide against its lobe it is a mean over four directions.
+//! A function has no filtered lobe. Lights wide relative to its lobe take a mean over four directions.
 
 use super::{
     Brdf, FilePart, LightsX8, Lobes, Model, NO_LOBE, Parameter, Values,
@@ -14,10 +14,10 @@ use glam::Vec3;
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 use wide::f32x8;
 
-/// Spread of a light, in squared widths of the lobe, from which on it is averaged over.
+/// Spread of a light, in squared widths of the lobe, above which directions are averaged.
 pub const WIDE_LIGHT: f32 = 0.1;
 
-/// A user's BRDF with its parameters; diffuse magenta if its file is not there.
+/// A user's BRDF with its parameters; diffuse magenta if its file is missing.
 #[derive(Clone, Debug)]
 pub struct Wgsl {
     written: Option<Loaded>,
@@ -31,14 +31,15 @@ struct Loaded {
 }
 
 impl Loaded {
-    /// For light from around `wi`; magenta where it is no reflectance. Twin of the function that `render/src/device/written.rs` writes.
+    /// BRDF for light around `wi`; magenta where the value is not a reflectance. Twin of the function that
+    /// `render/src/device/written.rs` writes.
     fn mean(&self, wi: Vec3, wo: Vec3, inv_kappa: f32) -> Vec3 {
         let width = self.estimate.width();
         let at = |wi: Vec3| self.written.value(&self.arguments, wi, wo).unwrap_or(MISSING * FRAC_1_PI);
         if !(width > 0.0 && inv_kappa > WIDE_LIGHT * width * width) {
             return at(wi);
         }
-        // Four directions have the variance of the light.
+        // Four directions match the variance of the light.
         let radius = (2.0 * inv_kappa).sqrt().min(1.0);
         let side = if wi.z.abs() > 0.9 { Vec3::X } else { Vec3::Z };
         let tangent = wi.cross(side).normalize();
@@ -56,8 +57,8 @@ fn above(wi: Vec3) -> Vec3 {
 impl Model for Wgsl {
     const LABEL: &'static str = "Written in WGSL";
     const SUMMARY: &'static str =
-        "A function of your own in a .wgsl file, which declares its parameters. It is read again when it changes.";
-    /// Those of its file count.
+        "Your own function in a .wgsl file, which declares its parameters. A changed file is reloaded.";
+    /// The file declares the parameters.
     const PARAMETERS: &'static [Parameter] = &[];
 
     fn from_values(_: &Values) -> Self {
@@ -83,7 +84,8 @@ impl Brdf for Wgsl {
     fn reflect<L: Lanes>(&self, lights: &LightsX8<L>, wo: Vec3) -> Vec3x8<L> {
         let Some(loaded) = &self.written else { return Lambert::new(MISSING).reflect(lights, wo) };
         let [x, y, z] = [lights.wi.x, lights.wi.y, lights.wi.z].map(L::to_array);
-        // Slopes turn the mirror's direction by twice their angle: four times their variance, which they have twice.
+        // Slopes turn the mirror direction by twice their angle, four times their variance; `slopes` already holds
+        // twice the variance.
         let [xx, _, yy] = lights.spread.slopes;
         let (spread, cosine) = ((lights.spread.inv_kappa + xx + yy).to_array(), lights.cosine.to_array());
         let mut values = [Vec3::ZERO; 8];

@@ -1,9 +1,8 @@
-//! BRDFs that users write: a file in WGSL with a function
-//! `brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32>`, the BRDF without its cosine in the local frame, and comments
-//! that declare its parameters (`head.rs`).
+//! BRDFs that users write: a file in WGSL with a function `brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32>`, the
+//! BRDF without its cosine in the local frame, with comments that declare its parameters (`head.rs`).
 //!
-//! Shaders get the text of the module that naga read, with other names and with counted loops. The CPU interprets the same
-//! module. Where its lobe is and how it is sampled is estimated from its values: see [`SampledLobe`].
+//! Shaders get the text of the module that naga parsed, with renamed items and counted loops. The CPU interprets the
+//! same module. Lobe and sampling are estimated from values: see [`SampledLobe`].
 
 mod check;
 mod head;
@@ -29,36 +28,36 @@ use std::sync::{Arc, PoisonError, RwLock};
 use thiserror::Error;
 use values::{Flat, Val};
 
-/// Most statements of an evaluation on the CPU.
+/// Largest number of statements in an evaluation on the CPU.
 const MOST_STATEMENTS: u32 = 100_000;
-/// Estimates that are kept: materials with other parameters, and steps of a slider.
+/// Number of cached estimates: one per set of parameters, such as materials or steps of a slider.
 const KEPT_ESTIMATES: usize = 16;
-/// Largest value that counts as one.
+/// Largest valid BRDF value.
 const MOST_VALUE: f32 = 1e6;
 
 /// A BRDF that a user wrote.
 #[derive(Debug)]
 pub struct Written {
     text: String,
-    /// Those that the file declares, and then those of all materials.
+    /// Parameters declared by the file, followed by those of all materials.
     parameters: &'static [Parameter],
     module: Module,
     root: Handle<Function>,
     counter: Handle<GlobalVariable>,
     remarks: Vec<String>,
     hash: [u8; 32],
-    /// By the numbers of the parameters that they are for.
+    /// Estimates, keyed by the numbers of their parameters.
     estimates: RwLock<Vec<(Vec<u32>, Arc<SampledLobe>)>>,
 }
 
-/// Why a text is no BRDF.
+/// Why a text is not a valid BRDF.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("{}{reason}{}", place.as_ref().map_or(String::new(), |(line, _)| format!("line {line}: ")),
     place.as_ref().map_or(String::new(), |(_, source)| format!(": `{source}`")))]
 pub struct WrittenError {
-    /// The line, from 1, and what stands there.
+    /// The line, from 1, and its text.
     pub place: Option<(usize, String)>,
-    /// What is wrong, and what to do.
+    /// The problem and its remedy.
     pub reason: String,
 }
 
@@ -82,19 +81,19 @@ impl WrittenError {
     }
 }
 
-/// Of the parameters of materials those that a file declares.
+/// Parameters that a file declares, without those of all materials.
 fn own(parameters: &'static [Parameter]) -> &'static [Parameter] {
     &parameters[..parameters.len() - SurfaceParameters::LIST.len()]
 }
 
 impl Written {
-    /// Longest text.
+    /// Longest text, in bytes.
     pub const MOST_BYTES: u64 = 256 << 10;
 
-    /// Reads the text of a file, checks it, and tries it on some directions.
+    /// Parses and checks the text of a file, and evaluates it for some directions.
     ///
     /// # Errors
-    /// What is wrong, with its line where it has one.
+    /// The problem, with its line if there is one.
     pub fn new(text: &str) -> Result<Self, WrittenError> {
         if text.len() as u64 > Self::MOST_BYTES {
             return Err(WrittenError::whole(format!(
@@ -134,30 +133,30 @@ impl Written {
         &self.text
     }
 
-    /// What it declares.
+    /// Parameters that the file declares.
     pub fn parameters(&self) -> &'static [Parameter] {
         own(self.parameters)
     }
 
-    /// The parameters of its materials: what it declares, and then those of [`SurfaceParameters`].
+    /// Parameters of its materials: the file's, then [`SurfaceParameters`].
     pub fn material_parameters(&self) -> &'static [Parameter] {
         self.parameters
     }
 
-    /// What is to be told of it, in sentences without its name.
+    /// Remarks, in sentences without the file's name.
     pub fn remarks(&self) -> &[String] {
         &self.remarks
     }
 
-    /// Tells texts apart.
+    /// Hash of the text.
     pub fn hash(&self) -> [u8; 32] {
         self.hash
     }
 
-    /// The module for shaders, all of whose names begin with `prefix`: the structure `Parameters` and the function `brdf` do.
+    /// The module for shaders. All names begin with `prefix`, also the structure `Parameters` and the function `brdf`.
     ///
     /// # Errors
-    /// A module that cannot be written, in a sentence.
+    /// A module that cannot be written, as a sentence.
     pub fn wgsl(&self, prefix: &str) -> Result<String, String> {
         let module = instrument::renamed(&self.module, prefix);
         let info = validated(&module).map_err(|(_, reason)| reason)?;
@@ -165,13 +164,13 @@ impl Written {
             .map_err(|error| format!("it cannot be written for shaders: {error}"))
     }
 
-    /// The BRDF for two directions; none if it is no number from 0 to a million.
+    /// The BRDF for two directions; `None` unless it is from 0 to a million.
     pub fn value(&self, parameters: &Arguments, wi: Vec3, wo: Vec3) -> Option<Vec3> {
         let value = self.evaluated(parameters, wi, wo).ok()?.0;
         is_value(value).then_some(value)
     }
 
-    /// The BRDF as it comes, and whether it was cut short.
+    /// The unchecked BRDF, and whether it hit the step limit.
     fn evaluated(&self, parameters: &Arguments, wi: Vec3, wo: Vec3) -> Result<(Vec3, bool), machine::Endless> {
         let mut machine = Machine::new(&self.module, MOST_STATEMENTS);
         let direction = |d: Vec3| Val::Flat(Flat::floats(&d.to_array()));
@@ -181,7 +180,7 @@ impl Written {
         Ok((Vec3::new(value.f(0), value.f(1), value.f(2)), steps > instrument::MOST_STEPS))
     }
 
-    /// The parameters as the function takes them.
+    /// The arguments for the function's parameters.
     pub fn arguments(&self, values: &Values) -> Arguments {
         let mut first = 0;
         let member = |p: &Parameter| {
@@ -193,7 +192,7 @@ impl Written {
         Arguments(Val::Many(self.parameters().iter().map(member).collect()))
     }
 
-    /// Its lobe with some parameters. What was estimated is kept for a while.
+    /// The lobe for some parameters. Estimates are cached for a while.
     pub fn estimate(&self, values: &Values) -> Arc<SampledLobe> {
         let own: usize = self.parameters().iter().map(Parameter::numbers).sum();
         let key: Vec<u32> = values.numbers()[..own].iter().map(|x| x.to_bits()).collect();
@@ -217,7 +216,7 @@ impl Written {
     }
 }
 
-/// Parameters as the function of a [`Written`] takes them.
+/// Parameters converted for the function of a [`Written`].
 #[derive(Clone, Debug)]
 pub struct Arguments(Val);
 

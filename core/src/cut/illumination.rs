@@ -1,13 +1,13 @@
 //! Illumination cuts: the nodes of the light tree to which the light must be resolved (paper, 3.2).
 //!
-//! Phase one splits clusters whose error exceeds a bound. Phase two splits the node of highest intensity until the
-//! budget is spent, because "accounting for important, bright lights" matters more than a low error elsewhere. The cut
+//! Phase one splits clusters whose error exceeds a bound. Phase two splits the node of highest intensity until it has
+//! spent the budget, because "accounting for important, bright lights" matters more than a low error elsewhere. The cut
 //! stores no values: the merge reads radiance from the tree, at the node where it arrives.
 
 use super::packed::pack_node;
 use std::{cmp::Reverse, collections::BinaryHeap};
 
-/// How fine an illumination cut is.
+/// Accuracy of an illumination cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IlluminationCriterion {
     /// Largest number of nodes; the paper uses 128 to 512.
@@ -89,7 +89,7 @@ mod tests {
         light_tree::means_up_the_tree,
     };
 
-    /// The cut of 256 leaves, of which the leaf 77 is bright.
+    /// The cut of 256 leaves with one bright leaf, 77.
     fn cut_with(budget: u32) -> Vec<u16> {
         let mut leaves = vec![0.1_f32; 256];
         leaves[77] = 500.0;

@@ -1,11 +1,11 @@
-//! Lit cuts: vertices' cuts coarsened under the light of the moment.
+//! Lit cuts: vertices' cuts, coarsened under the current light.
 //!
-//! A stored cut resolves visibility everywhere, because it was made before any light was known. Most of its nodes tell
-//! of directions from which little comes. So two siblings become one node while the light that this moves between its
-//! parts stays below a share `tau` of the vertex's whole light: `Σ |el v - el v'| <= tau Σ el v`, where `el` is the
+//! A stored cut resolves visibility everywhere, because it was selected before any light was known. Most of its nodes
+//! cover directions that send little light. Two siblings become one node while the light that this moves between its
+//! parts stays below a share `tau` of the vertex's whole light: `Σ |el v - el v'| <= tau Σ el v`. Here `el` is the
 //! luminance of a stored node times its leaves, `v` its value and `v'` the mean of the values weighted by `el`. A node
-//! sends the light that its parts sent, so a BRDF that is constant over it sees no difference. Where the BRDF is not,
-//! the merge goes on in the stored nodes, which each node knows.
+//! sends the light of its parts, so a BRDF constant over it sees no difference. Where the BRDF varies, the merge
+//! continues in the stored nodes, whose position each node keeps.
 
 use super::{
     packed::{PackedCuts, PackedNode, VALUE_MAX, depth, quantize, value},
@@ -14,10 +14,10 @@ use super::{
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
-/// Largest share of a vertex's light that a node of its lit cut may move, unless another is asked for.
+/// Default largest share of a vertex's light that a node of its lit cut may move.
 pub const DEFAULT_TAU: f32 = 0.003;
 
-/// What the 12-bit codes of a cut stand for.
+/// Meaning of the 12-bit codes of a cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CutValues {
     /// Visibility, as a fraction of [`VALUE_MAX`].
@@ -44,8 +44,8 @@ impl CutValues {
     }
 }
 
-/// A node of a lit cut: in the low half a packed node, in the high half the position in the stored cut of the first node
-/// below it.
+/// A node of a lit cut: the packed node in the low half, in the high half the position in the stored cut of the first
+/// node below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LitNode(u32);
 
@@ -64,7 +64,7 @@ impl LitNode {
     }
 }
 
-/// A node in the making.
+/// A node under construction.
 #[derive(Clone, Copy)]
 struct Part {
     depth: u32,
@@ -74,12 +74,12 @@ struct Part {
     value: f32,
     /// Luminance times leaves.
     light: f32,
-    /// Light that its value moves between the stored nodes below it, at most.
+    /// Upper bound of the light that its value moves between the stored nodes below it.
     moved: f32,
 }
 
 impl Part {
-    /// Two siblings as one node.
+    /// Joins two siblings into one node.
     fn joined(values: CutValues, left: &Self, right: &Self) -> Self {
         let light = left.light + right.light;
         let share = if light > 0.0 { right.light / light } else { 0.5 };
@@ -90,20 +90,20 @@ impl Part {
     }
 }
 
-/// Lit cuts of all vertices under one light. Each is made when it is first asked for, so that the light may change many
-/// times before a vertex is seen.
+/// Lit cuts of all vertices under one light. Each is built on first use, so the light may change many times before a
+/// vertex is seen.
 #[derive(Clone, Debug)]
 pub struct LitCuts {
     values: CutValues,
     /// Luminance times leaves of each node, by heap index.
     light: Vec<f32>,
     tau: f32,
-    /// One a vertex, once their number is known.
+    /// One per vertex, once their number is known.
     cuts: OnceLock<Vec<OnceLock<Arc<[LitNode]>>>>,
 }
 
 impl LitCuts {
-    /// For cuts of `values` over a tree whose nodes have mean `luminance` by heap index.
+    /// Lit cuts of `values` over a tree whose nodes have mean `luminance` by heap index.
     pub fn new(values: CutValues, luminance: impl ExactSizeIterator<Item = f32>, tau: f32) -> Self {
         let leaves = luminance.len() / 2;
         let size = |node: usize| (leaves >> node.max(1).ilog2()) as f32;
@@ -121,7 +121,7 @@ impl LitCuts {
         if tau == self.tau { self } else { Self { tau, cuts: OnceLock::new(), ..self } }
     }
 
-    /// The same light for other stored cuts of the vertices that `is_replaced` tells. Lit cuts of the rest are kept.
+    /// The same light with other stored cuts for the vertices marked in `is_replaced`. Lit cuts of the rest are kept.
     #[must_use]
     pub fn with_replaced(&self, is_replaced: &[bool]) -> Self {
         let cuts = OnceLock::new();
@@ -133,14 +133,14 @@ impl LitCuts {
         Self { cuts, light: self.light.clone(), ..*self }
     }
 
-    /// The lit cut, left to right, of one of the vertices of `stored`, which must always be the same cuts.
+    /// The lit cut, left to right, of one vertex of `stored`. Every call must pass the same cuts.
     #[inline(always)]
     pub fn of(&self, stored: &PackedCuts, vertex: u32) -> &[LitNode] {
         let cuts = self.cuts.get_or_init(|| std::iter::repeat_with(OnceLock::new).take(stored.len()).collect());
         cuts[vertex as usize].get_or_init(|| self.cut(stored.nodes_from(vertex)).into())
     }
 
-    /// Makes the lit cuts of all vertices.
+    /// Builds the lit cuts of all vertices.
     pub fn make_all(&self, stored: &PackedCuts) {
         (0..stored.len() as u32).into_par_iter().for_each(|vertex| {
             self.of(stored, vertex);
@@ -151,7 +151,7 @@ impl LitCuts {
         (self.light.len() / 2).ilog2()
     }
 
-    /// The lit cut of the stored cut that begins `nodes`.
+    /// The lit cut of the stored cut at the front of `nodes`.
     pub fn cut(&self, nodes: &[u16]) -> Box<[LitNode]> {
         let whole: f32 = self.parts(nodes).map(|part| part.light * part.value).sum();
         let mut parts: Vec<Part> = Vec::with_capacity(64);
@@ -169,7 +169,7 @@ impl LitCuts {
         parts.iter().map(pack).collect()
     }
 
-    /// The nodes of the stored cut that begins `nodes`.
+    /// The nodes of the stored cut at the front of `nodes`.
     fn parts<'a>(&'a self, nodes: &'a [u16]) -> impl Iterator<Item = Part> + 'a {
         let (leaves, height) = (self.light.len() as u32 / 2, self.height());
         let mut first = 0;
@@ -184,7 +184,7 @@ impl LitCuts {
         })
     }
 
-    /// The last two of `parts`, which end at leaf `end`, as one node, if they are siblings and that moves little.
+    /// Joins the last two of `parts`, which end at leaf `end`, if they are siblings and joining them moves little light.
     fn joins(&self, parts: &[Part], end: u32, whole: f32) -> Option<Part> {
         let [.., left, right] = parts else { return None };
         let size = 1_u32 << (self.height() - right.depth);

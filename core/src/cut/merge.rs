@@ -35,7 +35,7 @@ pub trait Cursor {
     fn end(&self) -> u32;
     /// Steps to the next node. Called at most once per node, and not after the last leaf.
     fn advance(&mut self);
-    /// Steps if the current node ends at `end`. Which of several cursors do is hard to predict, so that it is best without a branch.
+    /// Steps if the current node ends at `end`. The outcome is hard to predict, so a branch-free version is fastest.
     #[inline(always)]
     fn advance_from(&mut self, end: u32) {
         if self.end() == end {
@@ -47,14 +47,14 @@ pub trait Cursor {
 /// Visits every node of the merged cut of `cursors`, left to right. At each visit all cursors are at the nodes that
 /// contain it.
 ///
-/// The visitor computes what it needs there: a product, a sum, an interpolation, or any mixture of them.
+/// The visitor computes a product, a sum, an interpolation, or any mixture of them.
 #[inline(always)]
 pub fn merge<C: Cursor>(leaves: u32, cursors: &mut [C], visit: impl FnMut(Interval, &[C])) {
     merge_within(Interval { first: 0, end: leaves }, cursors, visit);
 }
 
-/// [`merge`] of the leaves of one node alone. The cursors are at the nodes that contain its first leaf, and stay at those
-/// that contain its last.
+/// [`merge`] restricted to the leaves of one node. The cursors start at the nodes that contain its first leaf, and end
+/// at the nodes that contain its last.
 #[inline(always)]
 pub fn merge_within<C: Cursor>(within: Interval, cursors: &mut [C], mut visit: impl FnMut(Interval, &[C])) {
     let mut first = within.first;

@@ -50,7 +50,7 @@ pub fn cut_len(height: u32, nodes: &[u16]) -> Result<usize, CutError> {
     validate_depths(height, nodes.iter().map(|&n| depth(n)))
 }
 
-/// A node that holds a packed one, and maybe more.
+/// A node that contains a packed node.
 pub trait PackedNode: Copy {
     /// Depth and value.
     fn packed(self) -> u16;
@@ -63,7 +63,7 @@ impl PackedNode for u16 {
     }
 }
 
-/// Where a [`PackedCursor`] stands in its cut.
+/// Position of a [`PackedCursor`] in its cut.
 #[derive(Clone, Copy, Debug)]
 pub struct CutPlace {
     position: u32,
@@ -85,13 +85,13 @@ pub struct PackedCursor<'a, N = u16> {
 }
 
 impl<'a, N: PackedNode> PackedCursor<'a, N> {
-    /// At the first of `nodes`, which begin with a valid cut of a tree of `height`.
+    /// A cursor at the first of `nodes`, which begin with a valid cut of a tree of `height`.
     #[inline(always)]
     pub fn new(height: u32, nodes: &'a [N]) -> Self {
         Self { nodes, height, position: 0, end: 1 << (height - depth(nodes[0].packed())) }
     }
 
-    /// Where it stands now.
+    /// The current position.
     #[inline(always)]
     pub fn place(&self) -> CutPlace {
         CutPlace { position: self.position as u32, end: self.end }
@@ -104,8 +104,8 @@ impl<'a, N: PackedNode> PackedCursor<'a, N> {
         Self { position: place.position as usize, end: place.end, ..*self }
     }
 
-    /// Goes on to the node that contains `leaf`. The node at `position` begins at leaf `first`, at or before it; no step
-    /// leads back.
+    /// Moves forward to the node that contains `leaf`. The node at `position` begins at leaf `first`, at or before
+    /// `leaf`. The cursor never steps back.
     #[inline(always)]
     pub fn seek(&mut self, position: usize, first: u32, leaf: u32) {
         if position > self.position {
@@ -171,9 +171,9 @@ impl<N: PackedNode> Cursor for PackedCursor<'_, N> {
 /// The visibility cuts of all vertices, packed. Copying them is cheap.
 #[derive(Clone, Debug, Default)]
 pub struct PackedCuts {
-    /// Nodes of all cuts as stored; a multiple of eight. Read as `[u32; 4]` these are the texels.
+    /// Nodes of all cuts as stored; a multiple of eight. As `[u32; 4]` they are the texels.
     stored: Arc<Vec<u16>>,
-    /// Nodes of cuts that replace some of them, after those; see [`Self::with`].
+    /// Nodes of the replacement cuts, which follow the stored ones; see [`Self::with`].
     others: Arc<Vec<u16>>,
     /// First texel of each vertex's cut. Vertices may share a cut.
     offsets: Arc<Vec<u32>>,
@@ -186,7 +186,7 @@ impl PartialEq for PackedCuts {
 }
 
 impl PackedCuts {
-    /// From stored arrays.
+    /// Creates cuts from stored arrays.
     ///
     /// # Errors
     /// The vertex whose cut is invalid for a tree of `height`, or starts outside the texels.
@@ -196,7 +196,7 @@ impl PackedCuts {
         Ok(cuts)
     }
 
-    /// From stored arrays that [`Self::validate`] has yet to check.
+    /// Creates cuts from stored arrays that [`Self::validate`] has yet to check.
     pub(crate) fn unchecked(nodes: Vec<u16>, offsets: Vec<u32>) -> Self {
         Self { stored: nodes.into(), others: Arc::default(), offsets: offsets.into() }
     }
@@ -212,7 +212,8 @@ impl PackedCuts {
         self.offsets.par_iter().enumerate().find_map_first(check).map_or(Ok(()), Err)
     }
 
-    /// Appends a cut and returns its first texel. Cuts that were replaced lie behind the stored ones, so that none may follow.
+    /// Appends a cut and returns its first texel. Not allowed once cuts were replaced, because replacements follow the
+    /// stored cuts.
     pub fn push_cut(&mut self, cut: &[u16]) -> u32 {
         assert!(self.others.is_empty(), "no cut was replaced before the last one is stored");
         append(Arc::make_mut(&mut self.stored), cut)
@@ -223,7 +224,7 @@ impl PackedCuts {
         Arc::make_mut(&mut self.offsets).push(offset);
     }
 
-    /// The same stored cuts with others for some vertices.
+    /// The same stored cuts with replacements for some vertices.
     #[must_use]
     pub fn with(&self, others: impl IntoIterator<Item = (u32, Vec<u16>)>) -> Self {
         let (mut nodes, mut offsets) = ((*self.others).clone(), (*self.offsets).clone());
@@ -244,7 +245,7 @@ impl PackedCuts {
         self.offsets.is_empty()
     }
 
-    /// All nodes from the first of a vertex's cut on; the cut ends at the last leaf.
+    /// All nodes from the first node of a vertex's cut; the cut ends at the last leaf.
     #[inline(always)]
     pub fn nodes_from(&self, vertex: u32) -> &[u16] {
         self.nodes_at(self.offsets[vertex as usize]).expect("cuts begin within the texels")
@@ -270,7 +271,7 @@ impl PackedCuts {
         &nodes[..count.map_or(nodes.len(), |c| c + 1)]
     }
 
-    /// All nodes, padding included; put together where cuts were replaced.
+    /// All nodes with padding; copied only if cuts were replaced.
     pub fn nodes(&self) -> Cow<'_, [u16]> {
         match self.parts() {
             [stored, []] => stored.into(),
@@ -278,12 +279,12 @@ impl PackedCuts {
         }
     }
 
-    /// All nodes, padding included: those that are stored, and after them those of cuts that replace some.
+    /// All nodes with padding: the stored ones, then the replacements.
     pub fn parts(&self) -> [&[u16]; 2] {
         [&self.stored, &self.others]
     }
 
-    /// Whether both have the same stored cuts, not only equal ones.
+    /// Whether both share the same stored cuts, not only equal ones.
     pub fn has_same_stored(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.stored, &other.stored)
     }

@@ -1,10 +1,10 @@
 //! Selection of cuts of solid angles over the tree of surface sources (paper, 3.2 and 3.3).
 //!
 //! Eq. 5 holds for real values as for binary ones. Solid angles are measured in units of 2π/N, the solid angle of each
-//! of N sources that together fill the hemisphere, so that `sigma` means the same for any N. A second bound is the
-//! paper's "maximum solid angle constraint": a node is shaded as one direction, so it must not be large, however
-//! uniform it is. A third bound is relative: close to surfaces even a smooth gradient spans many units, and would be
-//! split down to the leaves. So a node stays whole if its values differ little in proportion to their mean.
+//! of N sources that together fill the hemisphere, so `sigma` means the same for any N. The second bound is the paper's
+//! "maximum solid angle constraint": a node is shaded as one direction, so it must be small, however uniform it is. The
+//! third bound is relative. Close to surfaces even a smooth gradient spans many units and would be split down to the
+//! leaves, so a node stays whole if its values differ little in proportion to their mean.
 
 mod code;
 mod prune;
@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 pub struct SourceCriterion {
     /// Split while `|C| var > sigma²` of solid angles in units of 2π/N (Eq. 5).
     pub sigma: f32,
-    /// Split nodes that fill more than this, in steradians.
+    /// Split nodes of larger solid angle, in steradians.
     pub max_solid_angle: f32,
     /// A node of smaller solid angle stays whole while its standard deviation is at most this multiple of its mean. At
     /// 0.25 up to 6 % of it may be hidden.
@@ -34,7 +34,7 @@ pub struct SourceCriterion {
 }
 
 impl Default for SourceCriterion {
-    /// Chosen by comparing pictures with path-traced ones, see `docs/decisions/0006-three-bounds-of-source-cuts.md`.
+    /// Chosen by comparison with path-traced pictures, see `docs/decisions/0006-three-bounds-of-source-cuts.md`.
     fn default() -> Self {
         Self { sigma: 2.0, max_solid_angle: 0.1, contrast: 0.25 }
     }
@@ -47,8 +47,8 @@ impl SourceCriterion {
         Self { sigma: factor * self.sigma.max(0.25), contrast: factor * self.contrast, ..self }
     }
 
-    /// Whether a node of `size` leaves must be split. `sum` and squared `error` of the mean are in units of 2π/N, of
-    /// `unit` steradians each.
+    /// Whether a node of `size` leaves must be split. `sum` and the squared `error` of the mean are in units of 2π/N;
+    /// one unit is `unit` steradians.
     pub(super) fn splits(&self, size: f32, sum: f32, error: f32, unit: f32) -> bool {
         let Self { sigma, max_solid_angle, contrast } = *self;
         let is_uneven = error > sigma * sigma && error * size > (contrast * sum) * (contrast * sum);
@@ -60,12 +60,12 @@ impl SourceCriterion {
 pub struct SourceCutSelector {
     height: u32,
     criterion: SourceCriterion,
-    /// Sum of the values below each node and of their squares, by heap index, in units of 2π/N.
+    /// Sums of the values and of their squares below each node, by heap index, in units of 2π/N.
     sums: Vec<[f32; 2]>,
 }
 
 impl SourceCutSelector {
-    /// For trees of `height`.
+    /// A selector for trees of `height`.
     pub fn new(height: u32, criterion: SourceCriterion) -> Self {
         Self { height, criterion, sums: vec![[0.0; 2]; 2 << height] }
     }

@@ -5,7 +5,7 @@ use crate::ray::OPEN;
 use serde::{Deserialize, Serialize};
 use std::collections::BinaryHeap;
 
-/// The value of a leaf that sees all.
+/// The value of a fully visible leaf.
 const UNIT: f64 = OPEN as f64;
 
 /// When a node of a visibility cut is fine enough.
@@ -15,7 +15,7 @@ pub struct CutCriterion {
     pub sigma: f32,
     /// Largest number of nodes; the nodes of largest error are split first.
     pub max_nodes: u32,
-    /// Stop when the sum of the squared errors of all nodes is at most the square of this: the total-error mode.
+    /// Total-error mode: stop when the sum of the nodes' squared errors is at most the square of this.
     pub total_error: Option<f32>,
 }
 
@@ -26,7 +26,7 @@ impl Default for CutCriterion {
 }
 
 impl CutCriterion {
-    /// For leaves that each stand for `leaves` equal ones: it selects the same cuts.
+    /// The criterion for leaves that each stand for `leaves` equal ones; it selects the same cuts.
     #[must_use]
     pub fn of_means(self, leaves: usize) -> Self {
         let scale = (leaves as f32).sqrt().recip();
@@ -34,21 +34,21 @@ impl CutCriterion {
     }
 }
 
-/// Selects cuts of functions on `2^height` leaves, which are nearly all 0 or 1; keeps its buffers between vertices.
+/// Selects cuts of functions on `2^height` leaves that are nearly all 0 or 1. Keeps its buffers between vertices.
 pub struct CutSelector {
     height: u32,
     criterion: CutCriterion,
     /// Sum of the leaves below each node, by heap index, in units of 1 / [`OPEN`].
     sums: Vec<u32>,
-    /// Sum of `x - x²` of the leaves below each node, in units of 1 / `OPEN`²: zero unless leaves lie between 0 and 1. Empty if
-    /// none does.
+    /// Sum of `x - x²` of the leaves below each node, in units of 1 / `OPEN`²; nonzero only for leaves between 0 and 1.
+    /// Empty if there are none.
     between: Vec<u32>,
     /// Whether a node is split, by heap index.
     split: Vec<bool>,
 }
 
 impl CutSelector {
-    /// For trees of `height`.
+    /// A selector for trees of `height`.
     pub fn new(height: u32, criterion: CutCriterion) -> Self {
         let nodes = 2 << height;
         Self { height, criterion, sums: vec![0; nodes], between: Vec::new(), split: vec![false; nodes] }
@@ -76,7 +76,7 @@ impl CutSelector {
         }
     }
 
-    /// Sum of the leaves below a node, and of their squares, in units of 1 / `OPEN` and of its square.
+    /// Sums of the leaves below a node and of their squares, in units of 1 / `OPEN` and 1 / `OPEN`².
     fn moments(&self, node: usize) -> (u64, u64) {
         let (sum, between) = (u64::from(self.sums[node]), self.between.get(node).copied().unwrap_or(0));
         (sum, sum * u64::from(OPEN) - u64::from(between))
@@ -147,7 +147,7 @@ fn sum_up(heap: &mut [u32], leaves: impl ExactSizeIterator<Item = u32>) {
     (1..n).rev().for_each(|i| heap[i] = heap[2 * i] + heap[2 * i + 1]);
 }
 
-/// Appends nodes left to right and replaces equal siblings by their parent, which is lossless.
+/// Appends nodes left to right and replaces equal siblings by their parent, without loss.
 pub(super) struct CutWriter<'a> {
     height: u32,
     cut: &'a mut Vec<u16>,
@@ -164,7 +164,7 @@ impl<'a> CutWriter<'a> {
         self.push_where(node, |_| true);
     }
 
-    /// [`Self::push`] that only merges into parents that `may_merge` holds for.
+    /// [`Self::push`] that merges only into parents for which `may_merge` holds.
     pub(super) fn push_where(&mut self, node: u16, may_merge: impl Fn(u16) -> bool) {
         self.cut.push(node);
         self.end += 1 << (self.height - depth(node));
@@ -200,8 +200,8 @@ pub fn squared_error(height: u32, cut: &[u16], leaves: &[u8]) -> f64 {
 
 /// Coarsens a packed cut: keeps only splits whose node has `|C| var > sigma²` by the stored means.
 ///
-/// The errors of children never exceed that of their parent. So one `sigma` for all vertices gives the same cuts as a
-/// greedy priority queue over all of them.
+/// A child's error never exceeds its parent's. So one `sigma` for all vertices gives the same cuts as a greedy priority
+/// queue over all of them.
 pub fn prune(height: u32, sigma: f32, cut: &[u16]) -> Vec<u16> {
     let mut pruned: Vec<u16> = Vec::with_capacity(cut.len());
     let mut end = 0_u32;
@@ -273,7 +273,7 @@ mod tests {
                 leaves[first..first + size].iter().map(|&x| share(x)).sum::<f64>() / size as f64
             };
             let variance = |first, size: usize| size as f64 * (mean(first, size) - mean(first, size).powi(2));
-            // A node keeps the bound, or it stands for two equal siblings that do.
+            // A node keeps the bound, or stands for two equal siblings that do.
             fn bounded(
                 first: usize,
                 size: usize,
@@ -303,7 +303,7 @@ mod tests {
     fn light_that_passes_in_part_is_kept_and_errors_are_those_of_its_share() {
         let (height, sigma) = (10, 1.5);
         let binary = leaves(height, 11);
-        // A pane before the second half: what was seen is seen by 77 of 255.
+        // A pane covers the second half: visible leaves become 77 of 255.
         let dimmed = |(i, &leaf): (usize, &u8)| if i >= 512 { leaf / 255 * 77 } else { leaf };
         let leaves: Vec<u8> = binary.iter().enumerate().map(dimmed).collect();
         for criterion in [

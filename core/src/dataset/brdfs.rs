@@ -1,4 +1,4 @@
-//! The files of materials' BRDFs in a dataset, each once.
+//! BRDF files of materials in a dataset, each stored once.
 
 use super::{
     Damage,
@@ -13,7 +13,7 @@ use crate::{
 use safetensors::Dtype;
 use std::borrow::Cow;
 
-/// Contents that the materials have, each once, and for each material which one.
+/// Distinct contents, and each material's index among them.
 struct Shared<'a> {
     contents: Vec<&'a Content>,
     of_materials: Vec<Option<u32>>,
@@ -35,13 +35,13 @@ impl<'a> Shared<'a> {
     }
 }
 
-/// Their kinds, and for each material which of them it has.
+/// Kinds of the contents, and each material's index among them.
 pub(super) fn kinds(materials: &[Material]) -> (Vec<ContentKind>, Vec<Option<u32>>) {
     let Shared { contents, of_materials } = Shared::of(materials);
     (contents.into_iter().map(Content::kind).collect(), of_materials)
 }
 
-/// Their bytes.
+/// Tensors of the contents.
 pub(super) fn tensors(materials: &[Material]) -> Vec<Tensor<'_>> {
     let contents = Shared::of(materials).contents;
     let of = |(i, content): (usize, &Content)| {
@@ -54,7 +54,7 @@ pub(super) fn tensors(materials: &[Material]) -> Vec<Tensor<'_>> {
 }
 
 impl Reader<'_> {
-    /// The materials of a header, with the contents of their files.
+    /// The materials of a header, with their BRDF contents.
     pub(super) fn materials(&self, header: &Header) -> Result<Vec<Material>, Damage> {
         let content = |(index, &kind): (usize, &ContentKind)| {
             let bytes: Vec<u8> = self.array(&format!("brdf.{index}"), Dtype::U8, &[], None)?;

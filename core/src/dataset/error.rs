@@ -1,4 +1,4 @@
-//! Why a dataset cannot be written or read.
+//! Errors of writing and reading a dataset.
 
 use crate::{
     bounds::MOST_COORDINATE,
@@ -19,64 +19,64 @@ use thiserror::Error;
 /// Why a dataset cannot be written or read. Paths come last.
 #[derive(Debug, Error)]
 pub enum DatasetError {
-    /// The file system refused.
+    /// The file system reports an error.
     #[error("cannot {action} the dataset: {source}; check the path, the permissions and the free space ({})", path.display())]
     Io {
         /// `read` or `write`.
         action: &'static str,
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
     },
     /// Not a safetensors file, or a truncated one.
-    #[error("the file is no dataset, or was cut short ({reason}); bake the scene again with `lapidary bake` ({})", path.display())]
+    #[error("the file is not a dataset, or was cut short ({reason}); bake the scene again with `lapidary bake` ({})", path.display())]
     Foreign {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         reason: String,
     },
     /// Written by a later version of Lapidary.
     #[error("the dataset has format version {found}, this program reads up to {supported}; update Lapidary or bake again ({})", path.display())]
     Newer {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its version.
+        /// Version of the file.
         found: u32,
-        /// The newest known.
+        /// The newest supported version.
         supported: u32,
     },
-    /// The contents cannot be written, since nothing could read or use them.
+    /// The contents are invalid, so no program could read or use them.
     #[error("the dataset cannot be written: {reason}; correct the scene or the settings, and bake again ({})", path.display())]
     Unwritable {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         reason: Damage,
     },
-    /// There is not enough memory for a picture in it.
+    /// There is too little memory for a picture in the file.
     #[error("a picture in the dataset takes {needed} MB of memory, but {available} MB are free; close other programs ({})", path.display())]
     Memory {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the picture takes, in megabytes.
+        /// Memory for the picture, in megabytes.
         needed: u64,
-        /// What is free, in megabytes.
+        /// Free memory, in megabytes.
         available: u64,
     },
     /// The contents contradict themselves.
     #[error("the dataset is damaged: {reason}; copy it again from its source or bake again ({})", path.display())]
     Damaged {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         reason: Damage,
     },
 }
 
 impl DatasetError {
-    /// The error of a file at `path` whose contents cannot be read.
+    /// The error for a file at `path` with unreadable contents.
     pub(super) fn of_contents(path: &Path, reason: Damage) -> Self {
         match reason {
             Damage::Picture { source: ImageError::Memory { needed, available, .. }, .. } => {
@@ -91,23 +91,23 @@ impl DatasetError {
 /// Errors inside a dataset.
 #[derive(Debug, Error)]
 pub enum Damage {
-    /// A tensor is not there.
+    /// A tensor is missing.
     #[error("tensor `{0}` is missing")]
     Missing(String),
-    /// A tensor has another type or shape than its owner needs.
+    /// A tensor has the wrong type or shape.
     #[error("tensor `{name}` is {found}, not {expected}")]
     Shape {
         /// Name of the tensor.
         name: String,
-        /// Type and shape found.
+        /// Its type and shape.
         found: String,
-        /// Type and shape needed.
+        /// The expected type and shape.
         expected: String,
     },
-    /// The bytes differ from those that were written.
+    /// The bytes differ from the written ones.
     #[error("tensor `{0}` does not match its checksum")]
     Checksum(String),
-    /// The file system refused to read a tensor, or the file became shorter meanwhile.
+    /// The file system cannot read a tensor, or the file was shortened meanwhile.
     #[error("tensor `{name}` cannot be read: {source}")]
     Unreadable {
         /// Name of the tensor.
@@ -115,13 +115,13 @@ pub enum Damage {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// Opacities of parts name objects or materials that are not there.
+    /// Opacities of parts refer to missing objects or materials.
     #[error("parts that let light through do not fit its objects and materials")]
     PartOpacities,
-    /// Placed objects are not there, or have no place.
-    #[error("objects that are not where their file has them do not fit its objects")]
+    /// Placed objects are missing or have no valid pose.
+    #[error("its moved or deformed objects do not match its objects")]
     Placed,
-    /// Variants name objects or materials that are not there.
+    /// Variants refer to missing objects or materials.
     #[error("its variants do not fit its objects and materials")]
     Variants,
     /// The mesh is invalid.
@@ -132,34 +132,34 @@ pub enum Damage {
     Cut {
         /// Name of the tensor.
         cuts: &'static str,
-        /// Which vertex or surface source.
+        /// Index of the vertex or surface source.
         index: usize,
-        /// Why.
+        /// The cause.
         source: CutError,
     },
-    /// A part has another number of elements than its owner needs.
+    /// A list has the wrong length.
     #[error("there are {found} {what}, not {expected}")]
     Count {
-        /// What is counted.
+        /// The counted things.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         found: usize,
-        /// How many there must be.
+        /// The expected number.
         expected: usize,
     },
-    /// A tensor whose bytes cannot be checked.
+    /// A tensor has no checksum.
     #[error("tensor `{0}` has no checksum")]
     NoChecksum(String),
-    /// A setting of the bake that nothing can be computed with.
-    #[error("the setting {0} of its bake is no finite number in its range")]
+    /// A setting of the bake is out of range.
+    #[error("the setting {0} of its bake is not a finite number in its range")]
     Setting(&'static str),
-    /// The tree order is no permutation of a power of two.
+    /// The tree order is not a permutation of a power of two.
     #[error("the order of the light tree is no permutation of 2^H samples")]
     Tree,
-    /// What a part of a bake has stored is invalid.
+    /// The stored data of a bake part is invalid.
     #[error(transparent)]
     Part(Box<dyn Error + Send + Sync>),
-    /// A material refers to a texture that is not there.
+    /// A material refers to a missing texture.
     #[error("material `{material}` refers to texture {texture}, but there are {count}")]
     Texture {
         /// Name of the material.
@@ -169,58 +169,58 @@ pub enum Damage {
         /// Number of textures.
         count: usize,
     },
-    /// Numbers of a material.
+    /// A material has an invalid number.
     #[error("material {index} (`{name}`) is invalid: {source}")]
     Material {
-        /// Which of the scene's materials, from 0.
+        /// Index of the material, from 0.
         index: usize,
         /// Its name.
         name: String,
-        /// What is wrong.
+        /// The problem.
         source: MaterialProblem,
     },
-    /// More local lights than a scene may have.
+    /// More local lights than allowed.
     #[error("there are {0} lights, more than the limit of {MAX_LIGHTS}")]
     Lights(usize),
-    /// A local light that cannot shine.
+    /// A local light is invalid.
     #[error("light {index} (`{name}`) is invalid: {source}")]
     Light {
-        /// Which of the scene's lights, from 0.
+        /// Index of the light, from 0.
         index: usize,
         /// Its name.
         name: String,
-        /// Why.
+        /// The cause.
         source: LightProblem,
     },
-    /// A camera that looks nowhere.
+    /// A camera is invalid.
     #[error(
-        "camera {index} (`{name}`) has a place or a direction that is no finite number within {MOST_COORDINATE} m, or a field of \
+        "camera {index} (`{name}`) has a position or a direction that is not a finite number within {MOST_COORDINATE} m, or a field of \
          view that is not {}",
         field_of_view_range()
     )]
     Camera {
-        /// Which of the scene's cameras, from 0.
+        /// Index of the camera, from 0.
         index: usize,
         /// Its name.
         name: String,
     },
-    /// A picture cannot be read.
+    /// A picture is unreadable.
     #[error("texture {index} cannot be read: {source}")]
     Picture {
-        /// Which texture, from 0.
+        /// Index of the texture, from 0.
         index: usize,
-        /// Why.
+        /// The cause.
         source: ImageError,
     },
-    /// A file of a BRDF cannot be used.
+    /// A BRDF file is unusable.
     #[error("BRDF {index} cannot be read: {source}")]
     Brdf {
-        /// Which file, from 0.
+        /// Index of the file, from 0.
         index: usize,
-        /// Why.
+        /// The cause.
         source: BrdfFileError,
     },
-    /// A material refers to a BRDF that is not there.
+    /// A material refers to a missing BRDF.
     #[error("material `{material}` refers to BRDF {index}, but there are {count}")]
     NoBrdf {
         /// Name of the material.
@@ -230,13 +230,13 @@ pub enum Damage {
         /// Number of files.
         count: usize,
     },
-    /// The metadata cannot be read.
+    /// The metadata is unreadable.
     #[error("the metadata cannot be read ({0})")]
     Metadata(String),
 }
 
 impl Damage {
-    /// Of what a part of a bake has stored.
+    /// Wraps an error of a bake part.
     pub(super) fn of_part(error: impl Error + Send + Sync + 'static) -> Self {
         Self::Part(Box::new(error))
     }
@@ -245,13 +245,13 @@ impl Damage {
 /// Errors of a surface point.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SurfelDamage {
-    /// Its position.
-    #[error("has a position that is no finite number within {MOST_COORDINATE} m of the origin")]
+    /// Its position is invalid.
+    #[error("has a position that is not a finite number within {MOST_COORDINATE} m of the origin")]
     Position,
-    /// Its normal.
+    /// Its normal is invalid.
     #[error("has a normal that is not of length 1")]
     Normal,
-    /// A triangle that is not there.
+    /// Its triangle is missing.
     #[error("lies on triangle {triangle}, but there are {count}")]
     Triangle {
         /// Its triangle.
@@ -259,7 +259,7 @@ pub enum SurfelDamage {
         /// Number of triangles.
         count: usize,
     },
-    /// Where on the triangle it is.
-    #[error("has a place on its triangle that is no finite number from 0 to 1")]
+    /// Its barycentric weights are invalid.
+    #[error("has a place on its triangle that is not a finite number from 0 to 1")]
     Place,
 }

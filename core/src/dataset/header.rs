@@ -1,4 +1,4 @@
-//! The JSON part of a dataset, in the metadata of its file.
+//! The JSON metadata of a dataset file.
 
 use super::{BakeReport, BakeSettings};
 use crate::{
@@ -34,14 +34,14 @@ pub(super) struct Header {
     pub placed: Vec<Placed>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip_time: Option<ClipTime>,
-    /// Where the ground begins in the mesh.
+    /// First vertex and triangle of the ground in the mesh.
     #[serde(default)]
     pub ground: Option<GroundStart>,
     pub textures: Vec<String>,
-    /// Kinds of the files of BRDFs.
+    /// Kinds of the BRDF files.
     #[serde(default)]
     pub brdfs: Vec<ContentKind>,
-    /// Which of these each material has.
+    /// Each material's index among the BRDF files.
     #[serde(default)]
     pub material_brdfs: Vec<Option<u32>>,
     /// BLAKE3 of each tensor's bytes, hexadecimal.

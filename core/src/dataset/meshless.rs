@@ -1,4 +1,4 @@
-//! The meshless basis and its operator on disk, and how they were made.
+//! The meshless basis and its operator on disk, with settings and report.
 //!
 //! Tensors (N functions, L levels, K links):
 //!
@@ -30,10 +30,10 @@ use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Largest vector irradiance of one step of a stored link: a sender of unit radiance that fills the sphere would give 4π
-/// over 32,767 steps, and children may undo what their parents carry.
+/// Largest vector irradiance of one step of a stored link. A sender of unit radiance that fills the sphere gives 4π
+/// over 32,767 steps, and children may cancel their parents.
 const MOST_LINK_SCALE: f32 = 64.0 / 32_767.0;
-/// Most rays of a gather.
+/// Largest number of rays in a gather.
 const MOST_RAYS: usize = 65_536;
 
 /// Settings of a meshless bake.
@@ -42,15 +42,14 @@ const MOST_RAYS: usize = 65_536;
 pub struct MeshlessSettings {
     /// Levels of functions, 1 to 8; each has about four times as many as the one before.
     pub levels: usize,
-    /// How many of the first levels send, at most `levels`.
+    /// Number of leading levels that send, at most `levels`.
     pub sender_levels: usize,
-    /// Distance of the coarsest level's points in meters; `None` for one that gives about
-    /// [`Self::COARSEST_FUNCTIONS`] of them.
+    /// Distance of the coarsest level's points in meters; `None` for a distance that gives about [`Self::COARSEST_FUNCTIONS`].
     pub coarse_radius: Option<f32>,
-    /// Rays of each gather, 16 or more: what limits noise.
+    /// Rays of each gather, 16 or more; they limit noise.
     pub rays: usize,
-    /// Threshold of links, 0 to 1: a link is kept above this share of the irradiance of its sender, for a reflectance
-    /// of 0.38. Smaller is finer.
+    /// Threshold of links, 0 to 1. A link is kept above this share of its sender's irradiance, for a reflectance of
+    /// 0.38. Smaller is finer.
     pub epsilon: f32,
 }
 
@@ -58,39 +57,39 @@ impl MeshlessSettings {
     /// The paper's scenes have 176 to 339.
     pub const COARSEST_FUNCTIONS: usize = 300;
 
-    /// About how many functions there will be: each level has four times as many as the one before.
+    /// Estimated number of functions: each level has four times as many as the one before.
     pub fn expected_functions(&self) -> u64 {
         Self::COARSEST_FUNCTIONS as u64 * ((1 << (2 * self.levels)) - 1) / 3
     }
 }
 
 impl Default for MeshlessSettings {
-    /// Those of the paper. Its table says 3 sender levels, but its links and their share imply some 16,000 senders,
-    /// which is four levels of its sizes.
+    /// The paper's settings. Its table says 3 sender levels, but its links and their share imply some 16,000 senders,
+    /// four levels of its sizes.
     fn default() -> Self {
         Self { levels: 6, sender_levels: 4, coarse_radius: None, rays: 512, epsilon: 0.025 }
     }
 }
 
-/// How a meshless bake went.
+/// Report of a meshless bake.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MeshlessReport {
-    /// The viewpoint that was used.
+    /// The viewpoint of the bake.
     pub viewpoint: [f32; 3],
     /// Distance of the coarsest level's points in meters.
     pub coarse_radius: f32,
     /// Functions of each level.
     pub functions: Vec<usize>,
-    /// Functions of all levels that send.
+    /// Number of functions in the sending levels.
     pub senders: usize,
-    /// Receivers of each level that gathered light; the others have no parent that needs detail.
+    /// Receivers of each level that gathered light; the others have no parent in need of detail.
     pub gathered: Vec<usize>,
-    /// Links kept of each level's receivers.
+    /// Kept links of each level's receivers.
     pub links_of_level: Vec<usize>,
-    /// Links kept of all.
+    /// Kept links in total.
     pub links: usize,
-    /// Their share of the product of senders and receivers.
+    /// Kept links as a share of the product of senders and receivers.
     pub share: f64,
     /// Rays traced.
     pub rays_traced: u64,
@@ -201,24 +200,24 @@ fn check(bake: &MeshlessBake, triangles: usize) -> Result<(), MeshlessDamage> {
     }
 }
 
-/// Errors of the meshless basis.
+/// Errors of a stored meshless basis.
 #[derive(Debug, Error, PartialEq)]
 enum MeshlessDamage {
-    /// Its points or levels.
+    /// Its points or levels are invalid.
     #[error(transparent)]
     Basis(BasisError),
-    /// Its links.
+    /// Its links are invalid.
     #[error(transparent)]
     Transport(TransportError),
-    /// Where a function is.
+    /// The place of a function is invalid.
     #[error("function {function} of the meshless basis {source}")]
     Function {
-        /// Which function.
+        /// Index of the function.
         function: usize,
-        /// What is wrong with it.
+        /// The problem.
         source: SurfelDamage,
     },
-    /// Links that carry more light than there is.
+    /// Links carry more light than possible.
     #[error("the links of the meshless basis have a scale of {0}, which is not between 0 and {MOST_LINK_SCALE}")]
     Scale(f32),
 }

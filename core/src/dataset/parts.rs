@@ -1,4 +1,4 @@
-//! Which parts of light transport a bake prepares.
+//! Parts of light transport that a bake prepares.
 
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
@@ -6,14 +6,14 @@ use thiserror::Error;
 
 macro_rules! bake_parts {
     ($($(#[doc = $doc:literal])* $part:ident($has:ident) = $key:literal, $noun:literal;)*) => {
-        /// A part of a bake, which can be baked without the others.
+        /// A part of a bake; each can be baked without the others.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum BakePart {
             $($(#[doc = $doc])* $part,)*
         }
 
         impl BakePart {
-            /// All of them, in the order in which they are baked.
+            /// All parts, in the order of baking.
             pub const ALL: &'static [Self] = &[$(Self::$part,)*];
 
             /// Its name in files and options.
@@ -21,7 +21,7 @@ macro_rules! bake_parts {
                 match self { $(Self::$part => $key,)* }
             }
 
-            /// What a dataset has of it, in a sentence.
+            /// Its noun for messages.
             pub const fn noun(self) -> &'static str {
                 match self { $(Self::$part => $noun,)* }
             }
@@ -38,27 +38,28 @@ macro_rules! bake_parts {
     };
 }
 
-// A new part is its line here, and one in the tables of what holds it: [`super::stored`] for the file, `precompute` for the bake,
-// `studies` for its options, `editor` for its controls.
+// A new part needs a line here, and one in each table of its users: [`super::stored`] for the file, `precompute` for
+// the bake, `studies` for its options, `editor` for its controls.
 bake_parts! {
     /// Visibility of distant light.
     Environment(environment) = "environment", "visibility of the environment";
-    /// Surface sources, and what the vertices see of them.
+    /// Surface sources and the vertices' cuts over them.
     Sources(sources) = "indirect", "surface sources";
     /// The meshless basis and its transport operator.
     Meshless(meshless) = "meshless", "meshless basis";
 }
 
 impl BakePart {
-    /// Whether it is about light that bounces.
+    /// Whether it belongs to bounced light.
     pub fn bounces(self) -> bool {
         self != Self::Environment
     }
 }
 
-/// The parts of a bake, at least one but for [`Self::NONE`]. Parts that are not baked are dark: their cuts are one node without visibility.
+/// A set of bake parts, empty only for [`Self::NONE`]. Parts that are not baked are dark: their cuts are one node
+/// without visibility.
 ///
-/// In files and options a set has a name, or the names of its parts with commas between.
+/// In files and options a set has a name, or the comma-separated names of its parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct BakeParts {
@@ -67,25 +68,25 @@ pub struct BakeParts {
 }
 
 impl BakeParts {
-    /// No part: what a dataset lacks, or has of bounced light.
+    /// No part: parts missing from a dataset, or its bounced light.
     pub const NONE: Self = Self { bits: 0 };
     /// Visibility of distant light.
     pub const ENVIRONMENT: Self = Self::only(BakePart::Environment);
-    /// Surface sources, and what the vertices see of them.
+    /// Surface sources and the vertices' cuts over them.
     pub const INDIRECT: Self = Self::only(BakePart::Sources);
-    /// Both, and the sources' cuts over the environment: all light that cuts gather.
+    /// Both, with the sources' cuts over the environment: all light that cuts gather.
     pub const CUTS: Self = Self::ENVIRONMENT.with(Self::INDIRECT);
     /// The meshless basis and its transport operator.
     pub const MESHLESS: Self = Self::only(BakePart::Meshless);
     /// Visibility of distant light and the meshless basis, without surface sources.
     pub const ENVIRONMENT_MESHLESS: Self = Self::ENVIRONMENT.with(Self::MESHLESS);
-    /// All of these.
+    /// All parts.
     pub const ALL: Self = Self { bits: (1 << BakePart::ALL.len()) - 1 };
 
-    /// The sets with a name of their own beside those of one part. Others are written as the names of their parts.
+    /// Named sets of more than one part. Others are written as the names of their parts.
     const NAMED: [(&str, Self); 2] = [("cuts", Self::CUTS), ("all", Self::ALL)];
 
-    /// One part alone.
+    /// One part.
     pub const fn only(part: BakePart) -> Self {
         Self { bits: 1 << part as u8 }
     }
@@ -105,22 +106,22 @@ impl BakeParts {
         Self { bits: self.bits | other.bits }
     }
 
-    /// The parts of this set that the other has not.
+    /// The parts of this set that are not in the other.
     pub const fn without(self, other: Self) -> Self {
         Self { bits: self.bits & !other.bits }
     }
 
-    /// Its parts, in the order in which they are baked.
+    /// Its parts, in the order of baking.
     pub fn parts(self) -> impl Iterator<Item = BakePart> {
         BakePart::ALL.iter().copied().filter(move |part| self.has(*part))
     }
 
-    /// Whether a part of light that bounces is baked.
+    /// Whether a part of bounced light is baked.
     pub fn bounces(self) -> bool {
         self.parts().any(BakePart::bounces)
     }
 
-    /// The set of a name.
+    /// The set called `name`.
     fn named(name: &str) -> Option<Self> {
         let of_part = BakePart::ALL.iter().find(|part| part.key() == name).map(|part| Self::only(*part));
         of_part.or(Self::NAMED.into_iter().find(|(known, _)| *known == name).map(|(_, parts)| parts))
@@ -133,12 +134,12 @@ impl Default for BakeParts {
     }
 }
 
-/// A text that names no parts of a bake.
+/// A text that does not name parts of a bake.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("\"{0}\" is not a part of a bake; use {names}, or some of these with commas between", names = names())]
 pub struct PartsError(String);
 
-/// All names, as in a sentence.
+/// All names, listed as in a sentence.
 fn names() -> String {
     let of_parts = BakePart::ALL.iter().map(|part| part.key());
     of_parts.chain(BakeParts::NAMED.map(|(name, _)| name)).collect::<Vec<_>>().join(", ")

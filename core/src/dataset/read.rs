@@ -1,5 +1,4 @@
-//! Reading a dataset. The parts are put together here, as far as their sizes allow; `validate.rs` checks all of it before
-//! anything is used.
+//! Reading a dataset. This module assembles the parts as far as their sizes allow; `validate.rs` checks everything before use.
 
 use super::{
     Dataset, DatasetError, DecodePicture, FORMAT_VERSION, WARD_OF_1992,
@@ -19,10 +18,10 @@ use safetensors::Dtype;
 use std::path::Path;
 
 impl Dataset {
-    /// Reads and checks a dataset. `decode` decodes the pictures in it.
+    /// Reads and checks a dataset. `decode` decodes its pictures.
     ///
     /// # Errors
-    /// A file that cannot be read, is no dataset, is of a newer format, or contradicts itself.
+    /// A file that is unreadable, not a dataset, of a newer format, or inconsistent.
     pub fn read(path: &Path, decode: DecodePicture) -> Result<Self, DatasetError> {
         let file = TensorFile::open(path)?;
         let foreign = |reason: &str| DatasetError::Foreign { path: path.into(), reason: reason.into() };
@@ -40,10 +39,10 @@ impl Dataset {
     }
 }
 
-/// The version stands before all else: a newer header may not parse.
+/// Checks the version first: a newer header may not parse.
 fn check_version(json: &str, path: &Path) -> Result<(), DatasetError> {
     let value: serde_json::Value = serde_json::from_str(json)
-        .map_err(|e| DatasetError::Foreign { path: path.into(), reason: format!("its metadata is no JSON: {e}") })?;
+        .map_err(|e| DatasetError::Foreign { path: path.into(), reason: format!("its metadata is not JSON: {e}") })?;
     let found = value["format_version"].as_u64().unwrap_or(0) as u32;
     if found > FORMAT_VERSION {
         return Err(DatasetError::Newer { path: path.into(), found, supported: FORMAT_VERSION });
@@ -110,7 +109,7 @@ impl Reader<'_> {
         if bytes.is_empty() {
             return Ok(Texture::missing(name));
         }
-        // The name tells the decoder the format, where the contents alone do not.
+        // The name gives the decoder the format, where the contents alone do not.
         let mut decoded = decode(&bytes, Path::new(name)).map_err(|source| Damage::Picture { index, source })?;
         decoded.texels.sanitize();
         Ok(Texture { name: name.to_owned(), encoded: bytes.into(), ..decoded })

@@ -1,7 +1,6 @@
-//! Tensors of a file, each that is used read straight to where it stays, and checked. No more than one copy of them is ever in memory.
+//! Tensors of a file. Each is read straight into its final memory and checked, so memory never holds two copies.
 //!
-//! A file is not mapped: one that is cut short meanwhile, or whose drive goes away, must be an error and not the end of the
-//! program.
+//! Files are not memory-mapped: a truncated file or a removed drive must be an error and not end the program.
 
 use super::{
     DatasetError,
@@ -23,22 +22,22 @@ use std::{
     path::Path,
 };
 
-/// Most bytes of a file's head, as the library has it.
+/// Largest header, as in the safetensors library.
 const MOST_HEAD: u64 = 100_000_000;
 
-/// A file of tensors whose head was read.
+/// A file of tensors with its header parsed.
 pub(super) struct TensorFile {
     file: File,
     metadata: Metadata,
-    /// Where the tensors begin.
+    /// File offset of the tensors.
     start: u64,
 }
 
 impl TensorFile {
-    /// Opens a file whose tensors are to be held in memory.
+    /// Opens a file of tensors.
     ///
     /// # Errors
-    /// A file that cannot be read, or that is no file of tensors.
+    /// A file that is unreadable, or not a file of tensors.
     pub fn open(path: &Path) -> Result<Self, DatasetError> {
         let failed = |source| DatasetError::Io { action: "read", path: path.into(), source };
         let (mut file, length) = input::open_to_hold(path).map_err(failed)?;
@@ -55,13 +54,13 @@ impl TensorFile {
         Ok(opened)
     }
 
-    /// Lapidary's JSON, if it is there.
+    /// Lapidary's JSON, if present.
     pub fn json(&self) -> Option<&str> {
         self.metadata.metadata().as_ref()?.get(METADATA_KEY).map(String::as_str)
     }
 }
 
-/// The head of a file: its length in 8 bytes, little endian, and then so many bytes. `None` if there are fewer.
+/// The header of a file: its length in 8 bytes, little endian, then that many bytes. `None` if the file is shorter.
 fn head_of(file: &mut File) -> io::Result<Option<Vec<u8>>> {
     let mut length = Vec::new();
     file.take(size_of::<u64>() as u64).read_to_end(&mut length)?;
@@ -73,14 +72,14 @@ fn head_of(file: &mut File) -> io::Result<Option<Vec<u8>>> {
     Ok((head.len() as u64 == length).then_some(head))
 }
 
-/// The tensors of a file, read by name and checked.
+/// Reads and checks the tensors of a file by name.
 pub(super) struct Reader<'a> {
     pub file: &'a TensorFile,
     pub checksums: &'a BTreeMap<String, String>,
 }
 
 impl Reader<'_> {
-    /// Every tensor has a checksum, and every checksum its tensor.
+    /// Checks that every tensor has a checksum and every checksum a tensor.
     pub fn check_names(&self) -> Result<(), Damage> {
         let mut names = self.file.metadata.offset_keys();
         names.sort_unstable();
@@ -90,12 +89,12 @@ impl Reader<'_> {
         self.checksums.keys().try_for_each(|name| self.info(name).map(drop))
     }
 
-    /// Whether a tensor of that name is there.
+    /// Whether the tensor exists.
     pub fn has(&self, name: &str) -> bool {
         self.info(name).is_ok()
     }
 
-    /// `count` cuts, not yet checked, from the tensors of their texels and of their offsets.
+    /// `count` unchecked cuts, from the tensors of their texels and offsets.
     pub fn cuts(&self, [cuts, offsets]: [&str; 2], count: usize) -> Result<PackedCuts, Damage> {
         let texels: Vec<[u16; NODES_PER_TEXEL]> = self.array(cuts, Dtype::U32, &[4], None)?;
         let offsets = self.array(offsets, Dtype::U32, &[], Some(count))?;

@@ -1,11 +1,11 @@
-//! How a bake went.
+//! The report of a bake.
 
 use super::{BakeAudit, BakeParts, IndirectReport, MeshlessReport};
 use crate::light_tree::TreeKind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Report of a bake; the keys are those of `--report`.
+/// Report of a bake, with the keys of `--report`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BakeReport {
@@ -19,14 +19,14 @@ pub struct BakeReport {
     pub tree: TreeKind,
     /// Weight of the geometric metric.
     pub beta: f32,
-    /// Error bound of a cluster over the environment; larger than asked for if a byte budget required it.
+    /// Error bound of a cluster over the environment; larger than requested if a byte budget required it.
     pub sigma: f32,
     /// Mean number of nodes of a vertex's cut.
     pub mean_cut: f64,
     /// Largest cut.
     pub max_cut: usize,
-    /// Root mean square over all vertices and lights of stored minus traced visibility, of what boundaries tell
-    /// ([`Self::audit`] has what they miss), before cuts were coarsened to fit.
+    /// Root mean square of stored minus traced visibility over all vertices and lights, before cuts were coarsened to
+    /// fit. It covers the traced boundaries; [`Self::audit`] covers missed ones.
     pub rms_visibility: f64,
     /// Bytes of nodes, padding and offsets.
     pub bytes_cuts: u64,
@@ -34,22 +34,22 @@ pub struct BakeReport {
     pub bytes_total: u64,
     /// (vertex, light) pairs.
     pub samples_resolved: u64,
-    /// Rays traced for them; directions below the horizon of a closed surface need none, and those far from boundaries.
+    /// Rays traced for them. Directions below the horizon of a closed surface or far from boundaries need none.
     pub rays_traced: u64,
-    /// What following boundaries has missed; `None` for an exhaustive bake.
+    /// Errors of following boundaries; `None` for an exhaustive bake.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<BakeAudit>,
-    /// Whether a graphics device traced the environment, where rays along edges may fall to either side.
+    /// Whether a graphics device traced the environment; its rays along edges may fall to either side.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub on_device: bool,
-    /// Which parts were baked.
+    /// The baked parts.
     pub mode: BakeParts,
-    /// The part of the surface sources.
+    /// Report of the surface sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub indirect: Option<IndirectReport>,
-    /// How the meshless basis went, if it was baked.
+    /// Report of the meshless basis, if baked.
     pub meshless: Option<MeshlessReport>,
-    /// How long it took. A dataset does not hold it, so that equal bakes are equal files; those of earlier versions do.
+    /// Duration and memory. A dataset omits it, so equal bakes are equal files; datasets of earlier versions have it.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub run: Option<BakeRun>,
     /// Distinct bake points; vertices that agree in position and normal share one.
@@ -64,33 +64,33 @@ pub struct BakeReport {
     pub warnings: Vec<String>,
 }
 
-/// What a bake took on the machine that it ran on.
+/// Cost of a bake on the machine that ran it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BakeRun {
-    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and those of other modes.
+    /// Wall-clock seconds by phase: `import, tessellate, pilot, tree, visibility, pack, total`, and the phases of other modes.
     pub seconds: BTreeMap<String, f64>,
     /// Pairs a second of the visibility phase.
     pub samples_per_second: f64,
-    /// Greatest resident memory of the process.
+    /// Peak resident memory of the process.
     pub peak_memory_bytes: u64,
-    /// What it was estimated to be before the bake; `None` if the dataset was merged.
+    /// Estimate of it before the bake; `None` if the dataset was merged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated_memory_bytes: Option<u64>,
 }
 
 impl BakeReport {
-    /// How the environment was traced: lights for each that is probed, 1 if every light is.
+    /// Lights per probe in tracing the environment, 1 if every light is traced.
     pub fn lights_per_probe(&self) -> usize {
         self.audit.map_or(1, |audit| audit.leaves_per_probe)
     }
 
-    /// Seconds of a phase, or of all as `total`; `None` if they are not known, as in a dataset that was read.
+    /// Seconds of a phase, or of all as `total`; `None` if unknown, as in a dataset from a file.
     pub fn seconds(&self, phase: &str) -> Option<f64> {
         self.run.as_ref()?.seconds.get(phase).copied()
     }
 }
 
-/// A sigma as text: as it was asked for, or rounded, with the one asked for, where a limit of size raised it.
+/// A sigma as text: as requested, or rounded with the requested one, where a size limit raised it.
 pub fn sigma_text(held: f32, asked: f32) -> String {
     if held == asked {
         return asked.to_string();

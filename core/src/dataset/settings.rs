@@ -1,10 +1,10 @@
-//! Everything that decides the result of a bake.
+//! Settings that determine the result of a bake.
 
 use super::{BakeParts, IndirectSettings, MeshlessSettings};
 use crate::{cut::CutCriterion, ground::Ground, light_tree::TreeKind, shot::Shot};
 use serde::{Deserialize, Serialize};
 
-/// Everything that decides the result of a bake. Threads and chunks do not.
+/// Settings that determine the result of a bake. Threads and chunks do not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BakeSettings {
@@ -14,35 +14,35 @@ pub struct BakeSettings {
     pub tree: TreeKind,
     /// Weight of the geometric metric in a mixed tree, 0 to 1.
     pub beta: f32,
-    /// How fine the visibility cuts are.
+    /// Accuracy of the visibility cuts.
     pub criterion: CutCriterion,
     /// Vertex clusters of the pilot visibility, `M`.
     pub pilot_clusters: usize,
-    /// The ground under the scene. It gets a fifth of [`Self::max_vertices`] beside those of the scene.
+    /// The ground under the scene. It gets a fifth of [`Self::max_vertices`] in addition to the scene's.
     #[serde(default)]
     pub ground: Ground,
-    /// Most vertices after tessellation; `None` leaves the mesh as it is.
+    /// Largest number of vertices after tessellation; `None` leaves the mesh unchanged.
     pub max_vertices: Option<usize>,
-    /// Whether further vertices are spread evenly, without asking where visibility varies: for a first look.
+    /// Whether added vertices are spread evenly, regardless of visibility, for a first look.
     #[serde(default)]
     pub even_vertices: bool,
-    /// Pictures for which most vertices are placed; empty for a bake that serves all views alike.
+    /// Shots that get most vertices; empty for a bake that serves all views alike.
     #[serde(default)]
     pub shots: Vec<Shot>,
     /// Largest size in bytes of the vertices' cuts over the environment, which are coarsened by a common `sigma` until
     /// they fit. It does not limit surface sources and the meshless basis.
     pub max_bytes: Option<u64>,
-    /// Whether every light and surface source is traced from every vertex, where otherwise boundaries are followed
+    /// Whether every light and surface source is traced from every vertex, instead of following boundaries
     /// ([`crate::ray::BoundarySet`], [`crate::ray::SegmentSet`]).
     #[serde(default = "before_boundaries")]
     pub exhaustive: bool,
-    /// Which parts are baked.
+    /// The parts to bake.
     #[serde(default)]
     pub mode: BakeParts,
-    /// How the parts that bounce light are baked, if they are.
+    /// Settings of bounced light by surface sources, if baked.
     #[serde(default)]
     pub indirect: IndirectSettings,
-    /// How the meshless basis is baked, if it is.
+    /// Settings of the meshless basis, if baked.
     #[serde(default)]
     pub meshless: MeshlessSettings,
 }
@@ -70,14 +70,14 @@ impl Default for BakeSettings {
 }
 
 impl BakeSettings {
-    /// Those of all bakes with the same contents: how a ground is shown is not baked.
+    /// The settings common to all bakes with the same contents: the look of the ground is not baked.
     pub fn of_content(&self) -> Self {
         let ground = if self.ground == Ground::Off { Ground::Off } else { Ground::Shadow };
         Self { ground, ..self.clone() }
     }
 }
 
-/// Datasets before version 5 do not say how they were traced.
+/// Datasets before version 5 do not record how they were traced.
 fn before_boundaries() -> bool {
     true
 }

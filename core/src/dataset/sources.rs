@@ -1,4 +1,4 @@
-//! Surface sources and their cuts in a dataset: how they are made, how it went, and their tensors on disk.
+//! Surface sources and their cuts in a dataset: settings, report and tensors.
 
 use super::{
     BakeAudit, Dataset,
@@ -27,16 +27,16 @@ const MOST_SOURCE_SIZE: f32 = 64.0;
 const SOURCE_CUTS: [&str; 2] = ["source_cuts", "source_cut_offsets"];
 /// Names of the tensors of the sources' cuts over the environment.
 const SOURCE_ENVIRONMENT_CUTS: [&str; 2] = ["source_environment_cuts", "source_environment_cut_offsets"];
-/// Settings of the parts that bounce light.
+/// Settings of bounced light by surface sources.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IndirectSettings {
     /// Number of surface sources, `2^H`, at most 32,768.
     pub sources: usize,
-    /// How fine the vertices' cuts over the sources are.
+    /// Accuracy of the vertices' cuts over the sources.
     pub criterion: SourceCriterion,
-    /// A point in the open that separates reachable surfaces from enclosed ones; `None` for that of a camera or a local
-    /// light, or a search.
+    /// A point in the open that separates reachable surfaces from enclosed ones; `None` for the point of a camera or a
+    /// local light, or a search.
     pub viewpoint: Option<Vec3>,
 }
 
@@ -50,15 +50,15 @@ impl Default for IndirectSettings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct IndirectReport {
-    /// The viewpoint that was used.
+    /// The viewpoint of the bake.
     pub viewpoint: [f32; 3],
-    /// Surface sources.
+    /// Number of surface sources.
     pub sources: usize,
-    /// Least distance of any two in position and normal, in meters.
+    /// Smallest distance of any two in position and normal, in meters.
     pub radius: f32,
     /// Largest spacing of the sources; 0 for a dataset with equal spacing.
     pub widest_spacing: f32,
-    /// Total area in m² of the sources: the surface that light reaches.
+    /// Total area of the sources in m²: the surface that light reaches.
     pub area: f64,
     /// Number of sources without area, which bounce no light.
     pub without_area: usize,
@@ -66,11 +66,10 @@ pub struct IndirectReport {
     pub mean_cut: f64,
     /// Largest of these cuts.
     pub max_cut: usize,
-    /// Root mean square over the bake points, which several vertices may share, of `||stored - traced|| / ||traced||`
-    /// for solid angles, of what boundaries tell ([`Self::audit`] has what they miss). It was measured before cuts were
-    /// coarsened to fit a texture.
+    /// Root mean square of `||stored - traced|| / ||traced||` of solid angles over the bake points, which vertices may share.
+    /// Measured along boundaries ([`Self::audit`] covers missed ones), before cuts were coarsened to fit a texture.
     pub relative_error: f64,
-    /// Factor by which the bounds of these cuts were raised to fit a texture, if they were.
+    /// Factor by which these cuts' bounds were raised to fit a texture, if any.
     pub coarsened: Option<f32>,
     /// Mean number of nodes of a source's cut over the environment.
     pub mean_environment_cut: f64,
@@ -78,18 +77,18 @@ pub struct IndirectReport {
     pub bytes_cuts: u64,
     /// Rays traced between vertices and sources, and around vertices for near ones.
     pub rays_traced: u64,
-    /// What following boundaries between distant sources has missed; `None` for an exhaustive bake.
+    /// Errors of following boundaries between distant sources; `None` for an exhaustive bake.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<BakeAudit>,
 }
 
 impl IndirectReport {
-    /// How distant sources were traced: sources for each that is probed, 1 if every one is.
+    /// Sources per probe in tracing distant sources, 1 if every source is traced.
     pub fn sources_per_probe(&self) -> usize {
         self.audit.map_or(1, |audit| audit.leaves_per_probe)
     }
 
-    /// The criterion that the cuts over the sources meet, where `asked` was asked for.
+    /// The criterion that the cuts over the sources meet, for a requested one.
     pub fn criterion(&self, asked: SourceCriterion) -> SourceCriterion {
         self.coarsened.map_or(asked, |factor| asked.coarser(factor))
     }
@@ -154,7 +153,7 @@ fn tensors(bake: &IndirectBake) -> Vec<Tensor<'_>> {
 }
 
 impl Reader<'_> {
-    /// The indirect bake, if there is one. `reported` is the spacing of sources that store none.
+    /// The indirect bake, if there is one. `reported` is the spacing of sources without a stored one.
     fn indirect(&self, vertices: usize, reported: f32) -> Result<Option<IndirectBake>, Damage> {
         if !self.has("source_positions") {
             return Ok(None);
@@ -185,7 +184,7 @@ impl Reader<'_> {
     }
 }
 
-/// Spacing of sources that store none: the reported one, or else the side of a square of their mean area, which is
+/// Spacing of sources without a stored one: the reported one, or else the side of a square of their mean area, which is
 /// about as long.
 fn even_spacing(reported: f32, areas: &[f32]) -> f32 {
     let mean_area = areas.iter().sum::<f32>() / areas.len().max(1) as f32;
@@ -212,24 +211,24 @@ fn check(dataset: &Dataset, bake: &IndirectBake) -> Result<(), Damage> {
 /// Errors of surface sources.
 #[derive(Debug, Error, PartialEq)]
 pub(super) enum SourceDamage {
-    /// No power of two.
-    #[error("{0} surface sources make no complete binary tree")]
+    /// Their number is not a power of two.
+    #[error("{0} surface sources do not form a complete binary tree")]
     Count(usize),
-    /// Where it is.
+    /// The place of a source is invalid.
     #[error("surface source {index} {source}")]
     Place {
-        /// Which source.
+        /// Index of the source.
         index: usize,
-        /// What is wrong with it.
+        /// The problem.
         source: SurfelDamage,
     },
-    /// How large it is.
+    /// The size of a source is invalid.
     #[error(
         "surface source {index} has an area of {area} m² and a spacing of {spacing} m; both must be 0 or more and fit the \
          scene, which is {diagonal} m large"
     )]
     Size {
-        /// Which source.
+        /// Index of the source.
         index: usize,
         /// Its area in m².
         area: f32,

@@ -1,4 +1,4 @@
-//! What each part of a bake has in a dataset: its settings, its tensors, and their checks.
+//! Data of each bake part in a dataset: its settings, its tensors, and their checks.
 
 use super::{
     Dataset, error::Damage, meshless::StoredBasis, parts::BakePart, reader::Reader, sources::StoredSources,
@@ -6,9 +6,9 @@ use super::{
 };
 use crate::{ray::is_number_per_probe, shot::Shot};
 
-/// A part of a bake in a dataset. One without tensors of its own has only settings.
+/// A bake part in a dataset. A part without tensors has only settings.
 pub(super) trait StoredPart {
-    /// Whether it is in a dataset.
+    /// Whether a dataset has it.
     fn is_in(&self, dataset: &Dataset) -> bool;
 
     /// Its tensors; none if it was not baked.
@@ -16,16 +16,16 @@ pub(super) trait StoredPart {
         Vec::new()
     }
 
-    /// Reads it into a dataset that has its scene, light tree, settings and report.
+    /// Reads it into a dataset that already has scene, light tree, settings and report.
     fn read(&self, _reader: &Reader, _dataset: &mut Dataset) -> Result<(), Damage> {
         Ok(())
     }
 
-    /// The settings that a verification uses, and what the bake made of them: each by name, and whether it is in its range. The bake
+    /// Settings for a verification and results of the bake: each by name, and whether it is in its range. The bake
     /// itself has narrower ranges.
     fn settings(&self, dataset: &Dataset) -> Vec<(&'static str, bool)>;
 
-    /// Checks what is stored.
+    /// Checks the stored data.
     fn check(&self, _dataset: &Dataset) -> Result<(), Damage> {
         Ok(())
     }
@@ -45,7 +45,7 @@ pub(super) fn all_stored() -> impl Iterator<Item = &'static dyn StoredPart> {
     BakePart::ALL.iter().map(|part| stored(*part))
 }
 
-/// Visibility of distant light. Its cuts are in every dataset, and dark where it was not baked.
+/// Visibility of distant light. Every dataset has its cuts; they are dark if it was not baked.
 struct StoredEnvironment;
 
 impl StoredPart for StoredEnvironment {
@@ -65,7 +65,7 @@ impl StoredPart for StoredEnvironment {
     }
 }
 
-/// Whether a number may be a length, an area or a bound.
+/// Whether a number is valid as a length, an area or a bound.
 pub(super) fn is_size(number: f32) -> bool {
     number.is_finite() && number >= 0.0
 }

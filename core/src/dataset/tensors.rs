@@ -1,4 +1,4 @@
-//! Named arrays of a file, about to be written. `reader.rs` makes values of them again.
+//! Named arrays of a file for writing. `reader.rs` reads them.
 
 use crate::cut::packed::PackedCuts;
 use safetensors::{
@@ -10,7 +10,7 @@ use std::{borrow::Cow, collections::HashMap};
 /// Key of the JSON in the safetensors metadata.
 pub(crate) const METADATA_KEY: &str = "lapidary";
 
-/// A tensor about to be written.
+/// A tensor to be written.
 pub(super) struct Tensor<'a> {
     pub name: String,
     pub dtype: Dtype,
@@ -27,7 +27,7 @@ pub(super) fn tensor<'a, T: bytemuck::NoUninit, const D: usize>(
     Tensor { name: name.into(), dtype, shape: shape.to_vec(), bytes: Cow::Borrowed(bytemuck::cast_slice(values)) }
 }
 
-/// A tensor with bytes of its own.
+/// A tensor that owns its bytes.
 pub(super) fn owned(tensor: Tensor<'_>) -> Tensor<'static> {
     Tensor { bytes: Cow::Owned(tensor.bytes.into_owned()), name: tensor.name, dtype: tensor.dtype, shape: tensor.shape }
 }
@@ -43,13 +43,12 @@ pub(super) fn cut_tensors<'a>([texels, offsets]: [&str; 2], cuts: &'a PackedCuts
     [nodes, tensor(offsets, Dtype::U32, [cuts.offsets().len()], cuts.offsets())]
 }
 
-/// Checksum of a tensor's bytes, hexadecimal.
+/// Checksum of a tensor's bytes, in hexadecimal.
 pub(super) fn checksum(bytes: &[u8]) -> String {
     blake3::Hasher::new().update_rayon(bytes).finalize().to_hex().to_string()
 }
 
-/// Metadata of a file with these tensors, and the tensors in the order of the file: those with large values first, so that all
-/// are aligned.
+/// Metadata of a file with these tensors, and the tensors in file order: large values first, so that all are aligned.
 ///
 /// # Errors
 /// A shape that does not fit its bytes.

@@ -1,4 +1,4 @@
-//! A dataset survives the disk, and nothing else does.
+//! A dataset survives the disk; damaged files are rejected.
 
 use super::*;
 use crate::{
@@ -48,7 +48,7 @@ fn read(path: &Path) -> Result<Dataset, DatasetError> {
     Dataset::read(path, |_, path| Err(ImageError::Decode { path: path.into(), reason: "no decoder".into() }))
 }
 
-/// What reading says after the file's bytes were changed.
+/// The error of reading a file whose bytes were changed.
 fn error_after(change: impl FnOnce(&mut Vec<u8>)) -> DatasetError {
     let (_folder, path, mut bytes) = written();
     change(&mut bytes);
@@ -123,7 +123,7 @@ fn what_is_stored_and_not_rendered_survives_the_disk() {
     assert_ne!(read, dataset.scene.materials, "negative control");
 }
 
-/// Writes over the first `from` of the header, with spaces behind so that its length stays.
+/// Overwrites the first `from` in the header, padded with spaces to keep its length.
 fn replace(bytes: &mut [u8], from: &str, to: &str) {
     let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
     bytes[at..at + from.len()].copy_from_slice(format!("{to:len$}", len = from.len()).as_bytes());

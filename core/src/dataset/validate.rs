@@ -1,5 +1,5 @@
-//! The check of a dataset's contents, for files that were read and for datasets about to be written: indices and counts fit,
-//! numbers are finite and in their ranges. What it passes can be verified and rendered, and gives finite pictures.
+//! Check of a dataset's contents, after reading and before writing: indices and counts fit, numbers are finite and in
+//! range. A valid dataset can be verified and rendered, and gives finite pictures.
 
 use super::{
     Dataset,
@@ -14,7 +14,7 @@ use crate::{
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// How far weights of a triangle's corners may be outside 0 to 1 by rounding.
+/// How far rounding may move barycentric weights outside 0 to 1.
 const BARYCENTRIC_SLACK: f32 = 0.01;
 
 impl Dataset {
@@ -55,7 +55,7 @@ impl Dataset {
         }
     }
 
-    /// The JSON part reads back as what it was. Numbers that are not finite become `null` in JSON and do not.
+    /// Checks that the JSON metadata reads back unchanged. Numbers that are not finite become `null` in JSON and fail.
     fn check_header(&self) -> Result<(), Damage> {
         let header = self.header(&self.settings, BTreeMap::new());
         let unreadable = |e: serde_json::Error| Damage::Metadata(e.to_string());

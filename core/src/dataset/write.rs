@@ -11,20 +11,19 @@ use safetensors::Dtype;
 use std::{borrow::Cow, collections::BTreeMap, io, path::Path};
 
 impl Dataset {
-    /// Writes the dataset to a temporary name beside `path` and renames it when it is complete, so that a failure leaves
-    /// whatever was there before. The contents are checked before a byte is written: what is written can be read.
+    /// Writes the dataset to a temporary name beside `path` and renames it when complete, so a failure leaves the old
+    /// file. The contents are checked before the first byte is written: every written file is readable.
     ///
     /// # Errors
-    /// Contents that contradict themselves or hold numbers that nothing can be computed with; a file that cannot be
-    /// written, such as on a full disk.
+    /// Invalid contents, or a file that cannot be written, such as on a full disk.
     pub fn write(&self, path: &Path) -> Result<(), DatasetError> {
         self.write_as(path, &self.settings)
     }
 
-    /// The same as of settings that have the same contents.
+    /// Writes the dataset with other settings of the same contents.
     ///
     /// # Errors
-    /// As [`Self::write`].
+    /// See [`Self::write`].
     pub fn write_as(&self, path: &Path, settings: &BakeSettings) -> Result<(), DatasetError> {
         self.validate().map_err(|reason| DatasetError::Unwritable { path: path.into(), reason })?;
         let tensors = self.tensors();
@@ -50,7 +49,7 @@ impl Dataset {
         write_parts_atomically(path, parts)
     }
 
-    /// The JSON part, with these checksums of the tensors.
+    /// The JSON metadata with these checksums of the tensors.
     pub(super) fn header(&self, settings: &BakeSettings, checksums: BTreeMap<String, String>) -> Header {
         let (brdfs, material_brdfs) = brdfs::kinds(&self.scene.materials);
         Header {

@@ -1,15 +1,15 @@
-//! A blurred environment, as a camera out of focus sees it behind a scene.
+//! A blurred environment, as a defocused background.
 
 use super::{Environment, texel_direction, texel_solid_angle};
 use crate::image::Image;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Size of the result: what is blurred needs no more.
+/// Size of the result: a blurred map needs no more.
 const SIZE: [u32; 2] = [256, 128];
-/// Largest number of texels of the map that is summed; the map is reduced to it first.
+/// Largest size of the summed map; larger maps are reduced first.
 const SOURCE: [u32; 2] = [128, 64];
-/// Least blur in radians: the size of one source texel.
+/// Smallest blur in radians: the size of one source texel.
 const LEAST: f32 = 0.05;
 
 impl Environment {
@@ -40,7 +40,7 @@ fn texels([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
     (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }
 
-/// The map in the size of `SOURCE`: means of the texels that each new one covers.
+/// The map reduced to `SOURCE`: means of the texels that each new one covers.
 fn reduced(map: &Image) -> Image {
     let range = |i: u32, to: u32, from: usize| {
         let at = |i: u32| (i as usize * from) / to as usize;

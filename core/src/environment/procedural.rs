@@ -1,14 +1,14 @@
-//! Environments by formula: a constant, sun and sky, a studio, and a card to check orientations by.
+//! Procedural environments: a constant, sun and sky, a studio, and a card for checking orientations.
 
 use super::{texel_direction, texel_solid_angle, uv_from_direction};
 use crate::image::Image;
 use glam::{Mat3, Vec3};
 use std::f32::consts::{FRAC_PI_4, PI, TAU};
 
-/// Size of the maps: a texel is a third of a degree, little more than the sun's radius.
+/// Size of the maps: a texel is a third of a degree, slightly more than the sun's radius.
 const SIZE: [u32; 2] = [1024, 512];
 
-/// The same radiance from everywhere.
+/// The same radiance from all directions.
 pub fn constant(radiance: Vec3) -> Image {
     Image::filled([16, 8], radiance)
 }
@@ -16,7 +16,7 @@ pub fn constant(radiance: Vec3) -> Image {
 /// Haziness of the sky: a clear day with a little vapor (Preetham, figure 2).
 const TURBIDITY: f32 = 3.0;
 
-/// Radiance per luminance in kcd/m², chosen so that a white wall in the noon sun is at about 3.
+/// Radiance per luminance in kcd/m². It gives a white wall in the noon sun a radiance of about 3.
 const RADIANCE_PER_KCD: f32 = 0.1;
 
 /// Angular radius of the sun in radians.
@@ -30,11 +30,11 @@ const GROUND_ALBEDO: f32 = 0.2;
 
 /// A clear sky and the sun at `elevation` in radians, halfway between +X and +Z, over gray ground.
 ///
-/// The sky is that of Preetham, Shirley and Smits, *A Practical Analytic Model for Daylight* (SIGGRAPH 1999). The sun's
+/// The sky follows Preetham, Shirley and Smits, *A Practical Analytic Model for Daylight* (SIGGRAPH 1999). The sun's
 /// color is the attenuation by air and aerosols of their appendix. The sun is smaller than two texels: its energy is
-/// spread over the texels that it covers, so that irradiance is right at any resolution of the map.
+/// spread over the texels that it covers, so irradiance is right at any resolution.
 pub fn sun_and_sky(elevation: f32) -> Image {
-    // At the horizon itself the model divides by zero.
+    // At the horizon the model divides by zero.
     let elevation = elevation.clamp(0.5f32.to_radians(), 0.5 * PI);
     let azimuth = FRAC_PI_4;
     let sun = Vec3::new(elevation.cos() * azimuth.sin(), elevation.sin(), elevation.cos() * azimuth.cos());
@@ -50,7 +50,7 @@ pub fn sun_and_sky(elevation: f32) -> Image {
     map
 }
 
-/// The five Perez coefficients of each of x, y and Y, and the values at the zenith over those of the formula there.
+/// The five Perez coefficients for each of x, y and Y, and the zenith values over the formula's values there.
 struct Preetham {
     sun: Vec3,
     coefficients: [[f32; 5]; 3],
@@ -113,7 +113,7 @@ fn zenith_chromaticity(table: &[[f32; 4]; 3], theta: f32) -> f32 {
     (row(table[0]) * TURBIDITY + row(table[1])) * TURBIDITY + row(table[2])
 }
 
-/// In kcd/m².
+/// Luminance in kcd/m².
 fn zenith_luminance(theta: f32) -> f32 {
     let chi = (4.0 / 9.0 - TURBIDITY / 120.0) * (PI - 2.0 * theta);
     ((4.0453 * TURBIDITY - 4.9710) * chi.tan() - 0.2155 * TURBIDITY + 2.4192).max(0.0)
@@ -138,8 +138,8 @@ fn sun_irradiance(elevation: f32) -> Vec3 {
     RADIANCE_PER_KCD * SUN_KLX * (-air_mass * depth).exp()
 }
 
-/// Adds a disc of light with the given irradiance on a surface that faces it. The energy is conserved: each of many
-/// equal parts of the disc adds to its texel, divided by that texel's solid angle.
+/// Adds a disc of light with the given irradiance on a surface that faces it. Energy is conserved: each of many equal
+/// parts of the disc adds to its texel, divided by the texel's solid angle.
 fn add_disc(map: &mut Image, center: Vec3, radius: f32, irradiance: Vec3) {
     const PARTS: u32 = 4096;
     const GOLDEN_ANGLE: f32 = 2.399_963;
@@ -176,14 +176,14 @@ struct SoftBox {
 }
 
 const SOFT_BOXES: [SoftBox; 4] = [
-    // Key, warm, from the upper left in front; fill, cool and wide, from the right; rim from behind; strip overhead.
+    // Warm key from the upper left in front; cool, wide fill from the right; rim from behind; strip overhead.
     SoftBox { toward: Vec3::new(0.8, 0.6, 0.7), half_size: [0.35, 0.35], radiance: Vec3::new(13.0, 12.0, 10.8) },
     SoftBox { toward: Vec3::new(-1.0, 0.25, 0.35), half_size: [0.45, 0.5], radiance: Vec3::new(1.8, 2.0, 2.3) },
     SoftBox { toward: Vec3::new(-0.5, 0.5, -1.0), half_size: [0.12, 0.5], radiance: Vec3::new(9.0, 9.0, 9.0) },
     SoftBox { toward: Vec3::new(0.0, 1.0, 0.1), half_size: [0.55, 0.15], radiance: Vec3::new(5.0, 5.0, 5.0) },
 ];
 
-/// Four soft boxes around a dark backdrop that is a little brighter above.
+/// Four soft boxes around a dark backdrop that brightens slightly toward the top.
 pub fn studio() -> Image {
     Image::from_fn(SIZE, |x, y| {
         let direction = texel_direction(x, y, SIZE);
@@ -193,7 +193,7 @@ pub fn studio() -> Image {
 }
 
 impl SoftBox {
-    /// The box as seen from the center, its last eighth fading out.
+    /// Radiance of the box from a direction, seen from the center; its last eighth fades out.
     fn radiance_from(&self, direction: Vec3) -> Vec3 {
         let axis = self.toward.normalize();
         let right = Vec3::Y.cross(axis).normalize();

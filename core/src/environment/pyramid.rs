@@ -1,4 +1,4 @@
-//! A map with ever coarser copies of itself, for means over patches of directions (mip maps).
+//! Mip maps of an environment, for means over patches of directions.
 
 use super::{bilinear, texel_solid_angle, uv_from_direction};
 use crate::image::Image;
@@ -6,7 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::{borrow::Cow, f32::consts::PI};
 
-/// Longest side of the finest level: a texel of it is as wide as the sharpest lobe, 0.003 radians.
+/// Longest side of the finest level: one of its texels is as wide as the sharpest lobe, 0.003 radians.
 const LONGEST: u32 = 2048;
 
 /// The levels of a map, each half as wide and high as the one before, until one side is a single texel.
@@ -16,9 +16,10 @@ pub struct Pyramid {
 }
 
 impl Pyramid {
-    /// Of a latitude-longitude map. The finest level is the map itself, halved until no side is longer than 2,048 texels.
+    /// The pyramid of a latitude-longitude map. The finest level is the map itself, halved until no side is longer than
+    /// 2,048 texels.
     pub fn new(map: &Image) -> Self {
-        // A large map is not copied.
+        // Large maps are not copied.
         let mut finest = Cow::Borrowed(map);
         while finest.size.into_iter().any(|side| side > LONGEST) {
             finest = Cow::Owned(halved(&finest));
@@ -30,12 +31,12 @@ impl Pyramid {
         Self { levels }
     }
 
-    /// From the finest to the coarsest.
+    /// All levels, finest first.
     pub fn levels(&self) -> &[Image] {
         &self.levels
     }
 
-    /// All levels in one map: the finest, and below it the others side by side.
+    /// All levels in one map: the finest, and the others side by side below it.
     pub fn atlas(&self) -> Image {
         let [width, height] = self.levels[0].size;
         let below = self.levels.get(1).map_or(0, |level| level.size[1]);
@@ -59,9 +60,9 @@ impl Pyramid {
     /// Mean radiance over a patch of about `solid_angle` steradians around a unit direction. Twin of `patch_radiance` in
     /// `shaders/mirror.wgsl`.
     pub fn radiance(&self, direction: Vec3, solid_angle: f32) -> Vec3 {
-        // Texels are as high everywhere. Near the poles they are narrower than they are high, so that a patch skips some.
+        // Texels have equal height everywhere. Near the poles they are narrower than high, so a patch skips some.
         let texels = solid_angle.sqrt() * self.levels[0].height() as f32 / PI;
-        // Between levels by the size of the patch, not its logarithm, which is another in shaders.
+        // Blends levels by the size of the patch, not by its logarithm, which shaders compute differently.
         let last = self.levels.len() - 1;
         let fine = (texels.max(1.0) as u32).ilog2().min(last as u32) as usize;
         let rest = (texels / (1_u32 << fine) as f32 - 1.0).clamp(0.0, 1.0);
@@ -71,10 +72,10 @@ impl Pyramid {
     }
 }
 
-/// In half the size: means of the texels that each new one covers, weighted by their solid angles.
+/// The map at half the size: means of the texels that each new one covers, weighted by their solid angles.
 fn halved(map: &Image) -> Image {
     let size = map.size.map(|side| (side / 2).max(1));
-    // Of an odd side a texel covers parts of others.
+    // For an odd side a texel covers parts of others.
     let covered = move |i: u32, axis: usize| {
         let scale = map.size[axis] as f32 / size[axis] as f32;
         let (first, end) = (i as f32 * scale, (i + 1) as f32 * scale);

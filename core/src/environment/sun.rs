@@ -1,8 +1,8 @@
-//! Suns: parts of a map that are far brighter than the rest and smaller than light samples are apart. As directional lights they
-//! have sharp shadows, which samples cannot have; the rest of the map is sampled.
+//! Suns: parts of a map that are far brighter than the rest and smaller than the spacing of light samples. As
+//! directional lights they have sharp shadows, unlike samples. The rest of the map is sampled.
 //!
-//! What is brighter than a threshold goes to the sun, and the map is cut off there, as Blender does it with the sun of a world. A
-//! sun is as large as a disc whose light is spread as wide. All that is taken out of the map is in its sun.
+//! Light above a threshold goes to the sun, and the map is clipped there, as Blender does with the sun of a world. A
+//! sun has the size of a disc with the same spread of light. All light removed from the map is in its sun.
 
 use super::{Environment, Pyramid, texel_direction, texel_solid_angle};
 use crate::{color::luminance, image::Image, sphere::SPHERE};
@@ -13,18 +13,18 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-/// Most suns of a map: each costs rays in every pixel.
+/// Largest number of suns of a map: each costs rays in every pixel.
 pub const MOST_SUNS: usize = 4;
 
-/// Least share of the light of a map that is worth a sun.
+/// Smallest share of a map's light that makes a sun.
 const LEAST_SHARE: f64 = 0.01;
 
-/// What is a sun.
+/// Definition of a sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunSettings {
-    /// Luminance above which light belongs to a sun, over the mean of the map; 1 or more.
+    /// Luminance above which light belongs to a sun, relative to the mean of the map; 1 or more.
     pub threshold: f32,
-    /// Largest angle in radians that a sun is seen under, from rim to rim; larger lights stay in the map.
+    /// Largest angular diameter of a sun in radians; larger lights stay in the map.
     pub largest_angle: f32,
 }
 
@@ -40,16 +40,16 @@ impl Default for SunSettings {
 pub struct Sun {
     /// Unit direction toward it, in the frame of the map.
     pub direction: Vec3,
-    /// The angle in radians that it is seen under, from rim to rim.
+    /// Angular diameter in radians.
     pub angle: f32,
     /// Irradiance in W/m² on a surface that faces it.
     pub irradiance: Vec3,
 }
 
-/// The suns of a map and what is left of it.
+/// The suns of a map and the rest of it.
 #[derive(Clone, Debug)]
 pub struct Suns {
-    /// From the brightest; at most [`MOST_SUNS`].
+    /// At most [`MOST_SUNS`], brightest first.
     pub suns: Vec<Sun>,
     /// The map without them; `None` if there are none.
     pub rest: Option<Arc<Environment>>,
@@ -81,19 +81,19 @@ impl Suns {
 /// A map with the solid angles of its texels.
 struct Weighted<'a> {
     map: &'a Image,
-    /// Of a texel in each row, in steradians.
+    /// Solid angle of a texel in each row, in steradians.
     solid_angles: Vec<f64>,
-    /// Luminance times solid angle, of all.
+    /// Sum of luminance times solid angle.
     flux: f64,
     /// Mean luminance over the sphere.
     mean: f64,
 }
 
-/// Texels that touch each other and are brighter than the threshold.
+/// Adjacent texels brighter than the threshold.
 struct Spot {
     texels: Vec<u32>,
     sun: Sun,
-    /// Of the light of the map.
+    /// Share of the map's light.
     share: f64,
 }
 
@@ -115,12 +115,12 @@ impl<'a> Weighted<'a> {
         self.solid_angles[(texel / self.map.size[0]) as usize]
     }
 
-    /// The share of a texel above the threshold that stays in the map.
+    /// The share of a texel's light that stays in the map.
     fn kept(&self, texel: u32, level: f64) -> f32 {
         (level / self.luminance(texel)) as f32
     }
 
-    /// All texels brighter than `level`, in groups that touch, round the map's ends as well.
+    /// All texels brighter than `level`, in connected groups, also across the map's seam.
     fn spots(&self, level: f64) -> Vec<Vec<u32>> {
         let bright: Vec<u32> =
             (0..self.map.pixels.len() as u32).filter(|&texel| self.luminance(texel) > level).collect();
@@ -140,7 +140,7 @@ impl<'a> Weighted<'a> {
         spots
     }
 
-    /// The texels that touch one, itself among them.
+    /// The neighbors of a texel, including itself.
     fn around(&self, texel: u32) -> impl Iterator<Item = u32> + use<> {
         let [width, height] = self.map.size;
         let (x, y) = (texel % width, texel / width);
@@ -155,7 +155,7 @@ impl<'a> Weighted<'a> {
         let flux_of = |texel: u32| (self.luminance(texel) - level) * self.solid_angle(texel);
         let flux: f64 = texels.iter().map(|&texel| flux_of(texel)).sum();
         let axis = texels.iter().map(|&texel| direction(texel) * flux_of(texel)).sum::<DVec3>().normalize_or(DVec3::Y);
-        // The mean square of the distance from its middle is half the square of a disc's radius. A texel is a disc, too.
+        // The mean squared distance from its center is half of a disc's squared radius. A texel is also a disc.
         let spread = |texel: u32| 2.0 - 2.0 * direction(texel).dot(axis) + self.solid_angle(texel) / TAU;
         let mean_sq = texels.iter().map(|&texel| flux_of(texel) * spread(texel)).sum::<f64>() / flux;
         let radius = (2.0 * mean_sq).sqrt().min(FRAC_PI_2);
@@ -163,17 +163,17 @@ impl<'a> Weighted<'a> {
             let radiance = self.map.pixels[texel as usize] * (1.0 - self.kept(texel, level));
             radiance.as_dvec3() * self.solid_angle(texel)
         };
-        // On a surface that faces it, light of a disc falls with the mean of the cosines at its middle and its rim.
+        // On a surface that faces it, light of a disc falls with the mean of the cosines at its center and its rim.
         let irradiance = texels.iter().map(|&texel| taken(texel)).sum::<DVec3>() * (0.5 * (1.0 + radius.cos()));
         let sun = Sun { direction: axis.as_vec3(), angle: 2.0 * radius as f32, irradiance: irradiance.as_vec3() };
         Spot { texels, sun, share: flux / self.flux }
     }
 }
 
-/// What was found out about a map.
+/// Cached results about a map.
 #[derive(Debug, Default)]
 pub(super) struct MapCache {
-    /// The suns that were found last, with the settings by which they were: the window and its jobs ask for several in turn.
+    /// The latest suns with their settings: the window and its jobs request several in turn.
     suns: Mutex<Vec<(SunSettings, Arc<Suns>)>>,
     /// See [`Environment::irradiance_from_above`].
     pub from_above: OnceLock<Vec3>,
@@ -181,17 +181,17 @@ pub(super) struct MapCache {
     pub pyramid: OnceLock<Arc<Pyramid>>,
 }
 
-/// Settings whose suns are kept.
+/// Number of cached settings.
 const KEPT: usize = 3;
 
-/// A copy finds its own.
+/// A copy starts with an empty cache.
 impl Clone for MapCache {
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
-/// They follow from the map.
+/// Caches follow from the map.
 impl PartialEq for MapCache {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -258,7 +258,7 @@ mod tests {
                 let expected = radiance * (PI * radius.sin().powi(2));
                 let off = (sun.irradiance / expected - 1.0).abs().max_element();
                 assert!(off < 0.05 || angle < 1.0, "{toward} {angle}: {} for {expected}", sun.irradiance);
-                // Nothing is lost: what the disc radiates is what the map lacks.
+                // Nothing is lost: the map lacks exactly the disc's light.
                 let of_disc = sun.irradiance.as_dvec3() * (2.0 / (1.0 + f64::from(radius.cos())));
                 let lost = (flux(&map.map) - flux(&rest.unwrap().map)) / of_disc - 1.0;
                 assert!(lost.abs().max_element() < 1e-5, "{toward} {angle}: {lost}");

@@ -1,17 +1,17 @@
-//! Whether a scene has a floor of its own, by the lowest surfaces over its footprint.
+//! Detects a scene's own floor by the lowest surfaces over its footprint.
 
 use crate::{bounds::Bounds, mesh::Mesh};
 use glam::{Vec2, Vec3};
 
 /// Cells along each side of the grid over a scene's footprint.
 const CELLS: usize = 64;
-/// Share of the footprint that a floor covers.
+/// Smallest share of the footprint that a floor covers.
 const FLOOR_COVERS: f32 = 0.5;
-/// How high above the lowest point a floor may lie, as a share of the diagonal: slabs are thin.
+/// Largest height of a floor above the lowest point, as a share of the diagonal: slabs are thin.
 const FLOOR_HEIGHT: f32 = 0.05;
 
-/// Whether a scene has a floor of its own: over most of its footprint there is something to stand on, close above the lowest point,
-/// or in the lower half of the scene with nothing below it, as land is.
+/// Whether a scene has its own floor: over most of its footprint there is a surface to stand on, close above the lowest
+/// point, or in the lower half of the scene with nothing below, such as terrain.
 pub fn has_floor(mesh: &Mesh) -> bool {
     let bounds = mesh.bounds();
     let mut cells = vec![Column::default(); CELLS * CELLS];
@@ -35,12 +35,12 @@ impl Default for Column {
 }
 
 impl Column {
-    /// For the highest floor with something below it, and the highest one without.
+    /// Whether the lowest surface facing up is a floor: below `slab`, or below `land` with no surface under it.
     fn has_floor(&self, [slab, land]: [f32; 2]) -> bool {
         self.facing_up <= slab || self.facing_up <= land && self.facing_up <= self.facing_down
     }
 
-    /// Adds the heights of a triangle over the middles of the cells that it covers.
+    /// Adds the heights of a triangle over the centers of the cells that it covers.
     fn add_triangle(cells: &mut [Self], mesh: &Mesh, triangle: usize, bounds: Bounds) {
         let extent = (bounds.max - bounds.min).max(Vec3::splat(1e-6 * bounds.diagonal()));
         let corners = mesh.corners(triangle).map(|corner| (corner - bounds.min) / extent * CELLS as f32);
@@ -77,7 +77,7 @@ pub(super) mod tests {
     use super::*;
     use glam::Vec4;
 
-    /// A box between two corners, seen from outside, or a floor of no thickness if its corners have one height.
+    /// A box between two corners, seen from outside, or a floor of zero thickness if its corners have equal height.
     fn block(min: Vec3, max: Vec3) -> Mesh {
         let corner = |i: u32| Vec3::from_array(std::array::from_fn(|k| if i >> k & 1 == 1 { max[k] } else { min[k] }));
         let quads: &[[u32; 4]] = match min.y == max.y {

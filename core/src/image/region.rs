@@ -17,7 +17,7 @@ pub struct Region {
     pub height: u32,
 }
 
-/// Why a rectangle is no region of a picture.
+/// Why a rectangle is not a region of a picture.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum RegionError {
     /// It has no pixels.
@@ -37,13 +37,12 @@ pub enum RegionError {
 }
 
 impl Region {
-    /// All of a picture.
+    /// The whole picture.
     pub fn whole([width, height]: [u32; 2]) -> Self {
         Self { x: 0, y: 0, width, height }
     }
 
-    /// The square of at most `side` pixels around a pixel of a picture, or around the last one before it, cut off at the picture's
-    /// edges.
+    /// The square of at most `side` pixels around a pixel, clamped to a picture and cut off at its edges.
     pub fn around([x, y]: [u32; 2], side: u32, size: [u32; 2]) -> Self {
         let span = |center: u32, end: u32| {
             let center = center.min(end.saturating_sub(1));
@@ -54,10 +53,10 @@ impl Region {
         Self { x, y, width, height }
     }
 
-    /// Whether it is a region of a picture of `size`.
+    /// Checks that it is a region of a picture of `size`.
     ///
     /// # Errors
-    /// No pixels, or pixels that the picture does not have.
+    /// No pixels, or pixels outside the picture.
     pub fn check(self, size: [u32; 2]) -> Result<Self, RegionError> {
         if self.width == 0 || self.height == 0 {
             return Err(RegionError::Empty);
@@ -90,15 +89,14 @@ impl Region {
         self.y..self.y + self.height
     }
 
-    /// The part of it within a picture of `size` pixels, if there is one.
+    /// The part within a picture of `size` pixels, if any.
     pub fn within(self, size: [u32; 2]) -> Option<Self> {
         let width = self.x.saturating_add(self.width).min(size[0]).saturating_sub(self.x);
         let height = self.y.saturating_add(self.height).min(size[1]).saturating_sub(self.y);
         (width > 0 && height > 0).then_some(Self { width, height, ..self })
     }
 
-    /// The same part of a picture of which only the pixels are kept whose column and row are multiples of `step`, if
-    /// there are some.
+    /// The same region of a picture that keeps only the pixels whose column and row are multiples of `step`, if it has any.
     pub fn every(self, step: u32) -> Option<Self> {
         let [columns, rows] = [self.columns(), self.rows()].map(|r| r.start.div_ceil(step)..r.end.div_ceil(step));
         let (width, height) = (columns.len() as u32, rows.len() as u32);

@@ -15,7 +15,7 @@ impl CubeBins {
         6 * self.side * self.side
     }
 
-    /// Whether there are none.
+    /// Whether there are no texels.
     pub const fn is_empty(self) -> bool {
         self.side == 0
     }
@@ -41,7 +41,7 @@ impl CubeBins {
         step * step / self.middle(texel).length().powi(3)
     }
 
-    /// On the cube of half-width 1.
+    /// Center of a texel on the cube of half-width 1.
     fn middle(self, texel: usize) -> Vec3 {
         let (face, row, column) = (texel / (self.side * self.side), texel / self.side % self.side, texel % self.side);
         let across = |i: usize| (2 * i + 1) as f32 / self.side as f32 - 1.0;

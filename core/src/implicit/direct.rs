@@ -1,14 +1,14 @@
-//! The walk: each surfel looks for what it sees, alone.
+//! The walk: each surfel finds the nodes it sees, independently.
 //!
-//! The paper links nodes with nodes, refines and pushes down (4.2). In the end only leaves receive. So here each leaf walks the
-//! forest itself and keeps, for each of its cells of the hemisphere, the nearest node. Nothing is scattered, no order matters,
-//! and nothing needs refinement. Three more departures, each because the paper's choice loses light:
+//! The paper links nodes with nodes, refines and pushes down (4.2), but in the end only leaves receive. Here each leaf
+//! walks the forest itself and keeps the nearest node for each of its cells of the hemisphere. Nothing is scattered, no
+//! order matters, and nothing needs refinement. Three more departures, each because the paper's choice loses light:
 //!
-//! * Bins are cells of equal cosine weight in the leaf's own frame ([`crate::sphere::concentric`]) and not texels of a cube map in
-//!   the world, half of which lie behind the leaf. So a bin weighs the same wherever it is, and Eq. 5's form factor of the node
-//!   is not needed: with it a wall in a room of 4,096 surfels sends 0.55 of its light.
-//! * A node enters every cell that its disc covers, not only the one of its center, and is split as long as it covers more than
-//!   1.4. Otherwise a closed room sees the sky in 17 % of its bins.
+//! * Bins are cells of equal cosine weight in the leaf's own frame ([`crate::sphere::concentric`]) and not texels of a
+//!   cube map in the world, half of which lie behind the leaf. All bins have equal weight, so Eq. 5's form factor of
+//!   the node is not needed: with it a wall in a room of 4,096 surfels sends 0.55 of its light.
+//! * A node enters every cell that its disc covers, not only the cell of its center, and is split as long as it covers
+//!   more than 1.4. Otherwise a closed room sees the sky in 17 % of its bins.
 //! * An empty bin with at least seven filled neighbors is a hole in the covering and not an opening; see [`Views`](super::Views).
 
 mod cover;
@@ -33,7 +33,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use visit::{Receiver, Visits};
 
-/// Numbers of the walk that its kernel shares.
+/// Constants that the walk shares with its kernel.
 pub const CONSTANTS: [(&str, f32); 7] = [
     ("OVERLAP", cover::OVERLAP),
     ("STEEPEST_MAP", cover::STEEPEST),
@@ -43,7 +43,7 @@ pub const CONSTANTS: [(&str, f32); 7] = [
     ("PARALLEL", visit::PARALLEL),
     ("FLAT", FLAT),
 ];
-/// The same of whole numbers.
+/// Integer constants that the walk shares with its kernel.
 pub const WHOLE_CONSTANTS: [(&str, u32); 7] = [
     ("MOST_CELLS", BinLayout::FINEST.cells.len() as u32),
     ("EMPTY", EMPTY),
@@ -55,7 +55,7 @@ pub const WHOLE_CONSTANTS: [(&str, u32); 7] = [
 ];
 
 /// The nearest nodes of some leaves, cell by cell, as keys of distance and node; [`EMPTY`] where there is none. Four
-/// bytes a cell.
+/// bytes per cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bins {
     leaves: Range<u32>,
@@ -64,12 +64,12 @@ pub struct Bins {
 }
 
 impl Bins {
-    /// What all leaves of a forest see of the objects that `objects` tells.
+    /// The nodes of the selected `objects` that all leaves of a forest see.
     pub fn walk(forest: &DiscForest, layout: BinLayout, objects: &dyn Fn(u32) -> bool) -> Self {
         Self::of_leaves(forest, layout, 0..forest.discs().len() as u32, objects)
     }
 
-    /// The same of some leaves alone.
+    /// [`Self::walk`] for some leaves alone.
     pub fn of_leaves(
         forest: &DiscForest,
         layout: BinLayout,
@@ -98,12 +98,12 @@ impl Bins {
         Self { leaves, layout, keys }
     }
 
-    /// The leaves that these are of.
+    /// The leaves of these bins.
     pub fn leaves(&self) -> Range<u32> {
         self.leaves.clone()
     }
 
-    /// The bins of each leaf.
+    /// The bin layout of each leaf.
     pub fn layout(&self) -> BinLayout {
         self.layout
     }
@@ -115,7 +115,7 @@ impl Bins {
         &self.keys[first..first + cells]
     }
 
-    /// The nearer of two in each bin: what is seen of two sets of objects together. Both are of the same leaves and bins.
+    /// The nearer of two keys in each bin: the view of both sets of objects together. Both have the same leaves and bins.
     pub fn nearer(&self, other: &Self) -> Self {
         assert_eq!((&self.leaves, self.layout), (&other.leaves, other.layout), "the same bins");
         let both = self.keys.par_iter().zip(&other.keys).with_min_len(1 << 16);
@@ -128,10 +128,10 @@ impl Bins {
     }
 }
 
-/// What is walked.
+/// The scene of a walk.
 struct Scene<'a> {
     forest: &'a DiscForest,
-    /// The first blocks, with the roots of the objects to be walked alone.
+    /// Blocks of the roots of the objects to walk.
     roots: Vec<Block>,
     directions: CellDirections,
     codes: DistanceCodes,

@@ -1,4 +1,4 @@
-//! Quadtrees over discs: what implicit visibility walks, whatever the discs were made from.
+//! Quadtrees over discs, the input of implicit visibility.
 
 use super::forest::{
     nodes::{Block, Disc, Node},
@@ -12,15 +12,15 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiscForest {
     shape: Quadtrees,
-    /// In the order of the leaves.
+    /// The discs in the order of the leaves.
     discs: Vec<Disc>,
     blocks: Vec<Block>,
-    /// In meters, as built.
+    /// Diagonal as built, in meters.
     diagonal: f32,
 }
 
 impl DiscForest {
-    /// `leaves` counts the discs of each object. `discs` come object by object, neighbors side by side.
+    /// `leaves` has the number of discs of each object. `discs` are sorted by object, with neighbors adjacent.
     pub fn new(leaves: &[u32], discs: Vec<Disc>) -> Self {
         let shape = Quadtrees::new(leaves);
         assert_eq!(shape.leaves(), discs.len(), "one disc for each leaf");
@@ -35,7 +35,8 @@ impl DiscForest {
         forest
     }
 
-    /// Moves the discs of objects that `moved` tells, and what is above them. `posed` is given the number of a leaf and its disc.
+    /// Moves the discs of the objects for which `moved` holds, and updates the nodes above. `posed` gets the number of
+    /// a leaf and its disc.
     pub fn update(&mut self, moved: &dyn Fn(u32) -> bool, posed: &(dyn Fn(u32, Disc) -> Disc + Sync)) {
         for object in (0..self.shape.trees().len() as u32).filter(|&object| moved(object)) {
             let Tree { leaves, blocks } = self.shape.trees()[object as usize].clone();
@@ -52,7 +53,7 @@ impl DiscForest {
         }
     }
 
-    /// Which nodes there are, and how they hang together.
+    /// The nodes and their links.
     pub fn shape(&self) -> &Quadtrees {
         &self.shape
     }
@@ -62,7 +63,8 @@ impl DiscForest {
         &self.discs
     }
 
-    /// Of the box around the centers of the discs as the forest was built, in meters: a scale that stays while things move.
+    /// Diagonal of the box around the centers of the discs as the forest was built, in meters: a scale that stays while
+    /// objects move.
     pub fn diagonal(&self) -> f32 {
         self.diagonal
     }
@@ -82,7 +84,7 @@ impl DiscForest {
         self.shape.trees().get(object as usize).map_or(0..0, |tree| tree.leaves.clone())
     }
 
-    /// Values of all nodes from those of the leaves: means by area ("pull" of implicit visibility, 4.3), by node number.
+    /// Values of all nodes by node number: area-weighted means of leaf values ("pull" of implicit visibility, 4.3).
     pub fn pull<T>(&self, leaves: &[T]) -> Vec<T>
     where
         T: Copy + Default + std::ops::Add<Output = T> + std::ops::Mul<f32, Output = T>,

@@ -1,10 +1,10 @@
-//! What leaves see while some objects move: what they see of the others is kept.
+//! Views while some objects move: the view of the static objects is kept.
 
 use super::{direct::Bins, layout::BinLayout, views::Views};
 use crate::implicit::disc_forest::DiscForest;
 use std::collections::BTreeSet;
 
-/// What is seen of all that does not move, and which objects do.
+/// The view of all static objects, and the set of moving ones.
 #[derive(Clone, Debug)]
 pub struct Drag {
     objects: BTreeSet<u32>,
@@ -13,7 +13,7 @@ pub struct Drag {
 }
 
 impl Drag {
-    /// Before some objects are moved.
+    /// Starts moving some objects.
     pub fn begin(forest: &DiscForest, layout: BinLayout, objects: BTreeSet<u32>) -> Self {
         let still = Bins::walk(forest, layout, &|other| !objects.contains(&other));
         Self { objects, still_views: still.clone().views(), still }
@@ -24,8 +24,8 @@ impl Drag {
         &self.objects
     }
 
-    /// What all leaves see where the objects are now: the same, bit for bit, as by a whole walk. Leaves of other objects look for
-    /// the moved ones alone, their own look for everything.
+    /// The views at the current poses, identical bit for bit to a whole walk. Leaves of static objects walk only the
+    /// moving ones; leaves of moving objects walk everything.
     pub fn frame(&self, forest: &DiscForest) -> Views {
         let layout = self.still.layout();
         let moved = Bins::walk(forest, layout, &|object| self.objects.contains(&object));

@@ -1,11 +1,11 @@
-//! The surfels that implicit visibility works on: a quadtree for each object, whose leaves ride on the mesh.
+//! The surfels of implicit visibility: a quadtree per object, whose leaves move with the mesh.
 //!
-//! The paper (implicit visibility, 4.1) takes the vertices as leaves. Here leaves are spread evenly by area, so that neither
-//! their number nor their size depends on how a model is triangulated; 5.1 names that as a limit. Shares of objects are in
-//! `shares.rs`, places in `placement.rs`, the shape of the trees in [`quadtrees`].
+//! The paper (implicit visibility, 4.1) takes the vertices as leaves. Here leaves are spread evenly by area, so their
+//! number and size are independent of the triangulation, a limit that 5.1 names. `shares.rs` distributes surfels among
+//! objects, `placement.rs` places them, and [`quadtrees`] shapes the trees.
 //!
-//! A triangle that is seen from both sides has surfels on each side, which stand for twice its area and face one way each. So a
-//! disc always has one side: the walk skips what faces away, and light of one side never shows on the other.
+//! A two-sided triangle has surfels on each side. They stand for twice its area and face one way each. So a disc is
+//! always one-sided: the walk skips discs that face away, and light of one side never shows on the other.
 
 pub mod nodes;
 mod placement;
@@ -32,19 +32,19 @@ pub struct SurfelForest {
 /// A leaf on its triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rider {
-    /// Where on the mesh it lies.
+    /// Place on the mesh.
     pub place: MeshPlace,
     /// The vertices of its triangle.
     pub corners: [u32; 3],
-    /// The area that it stands for in areas of its triangle.
+    /// Its area in areas of its triangle.
     pub share: f32,
-    /// Seen from where the corners are clockwise.
+    /// On the side from which the corners are clockwise.
     pub back: bool,
 }
 
 impl SurfelForest {
-    /// About `surfels` leaves over a mesh: 4,096 to 32,768. They are shared among objects by area, each with at least 64;
-    /// where more than half would go to that, with fewer, and at least one. `two_sided` has an entry for each triangle.
+    /// About `surfels` leaves over a mesh: 4,096 to 32,768. Objects share them by area with at least 64 each. If that
+    /// takes more than half, the minimum shrinks, down to one. `two_sided` has an entry per triangle.
     pub fn new(mesh: &Mesh, two_sided: &[bool], surfels: u32) -> Self {
         let sides = Sides::new(mesh, two_sided);
         let objects = triangles_of_objects(mesh, &sides);
@@ -57,7 +57,8 @@ impl SurfelForest {
         Self { discs: DiscForest::new(&counts, discs), riders }
     }
 
-    /// Takes all of the moved objects to vertex positions in meters; the triangles stay. The same positions give the same bits.
+    /// Moves the objects for which `moved` holds to vertex positions in meters; the triangles stay. Equal positions
+    /// give equal bits.
     pub fn update(&mut self, positions: &[Vec3], moved: &dyn Fn(u32) -> bool) {
         let Self { discs, riders } = self;
         discs.update(moved, &|leaf, _| riders[leaf as usize].disc(positions));
@@ -68,12 +69,12 @@ impl SurfelForest {
         &self.discs
     }
 
-    /// Where each leaf rides.
+    /// The place of each leaf.
     pub fn riders(&self) -> &[Rider] {
         &self.riders
     }
 
-    /// Where on the mesh each leaf lies, and its posed position and normal.
+    /// The posed place, position and normal of each leaf.
     pub fn surfels(&self) -> impl ExactSizeIterator<Item = Surfel> {
         let surfel = |(rider, disc): (&Rider, &Disc)| Surfel {
             position: disc.position,
@@ -96,7 +97,7 @@ impl Rider {
         }
     }
 
-    /// With an area that grows as its triangle does.
+    /// The disc at posed vertices; its area scales with its triangle.
     fn disc(&self, positions: &[Vec3]) -> Disc {
         let [a, b, c] = self.corners.map(|vertex| positions[vertex as usize]);
         let (ab, ac) = (b - a, c - a);
@@ -111,7 +112,7 @@ impl Rider {
     }
 }
 
-/// The triangles of each object that have an area.
+/// The triangles with an area of each object.
 fn triangles_of_objects(mesh: &Mesh, sides: &Sides) -> Vec<Vec<u32>> {
     let objects = mesh.triangle_object.iter().max().map_or(0, |&last| last as usize + 1);
     let mut triangles = vec![Vec::new(); objects];

@@ -1,4 +1,4 @@
-//! Light from what leaves see (implicit visibility, 4.3 and 4.4): bounce by bounce, gathered by leaves and pulled up.
+//! Light from the views of leaves (implicit visibility, 4.3 and 4.4): bounce by bounce, gathered by leaves and pulled up.
 
 use super::{direct::EMPTY, views::Views};
 use crate::{
@@ -12,45 +12,45 @@ use std::{f32::consts::FRAC_1_PI, ops::Range};
 /// Radiance of the sky by unit direction.
 pub type Sky<'a> = &'a (dyn Fn(Vec3) -> Vec3 + Sync);
 
-/// What lights the leaves of a forest, one entry each.
+/// Light and reflectance of the leaves of a forest, one entry each.
 #[derive(Clone, Copy)]
 pub struct Lighting<'a> {
     /// Diffuse reflectance, 0 to 1 per channel.
     pub reflectance: &'a [Vec3],
-    /// Radiance that they emit: area lights are surfaces that send (4.4).
+    /// Emitted radiance: area lights are emitting surfaces (4.4).
     pub emitted: &'a [Vec3],
-    /// Irradiance by light that bins do not see, as that of points and suns.
+    /// Irradiance by light outside the bins, such as point lights and suns.
     pub received: &'a [Vec3],
-    /// What empty bins see (4.4).
+    /// Light in empty bins (4.4).
     pub sky: Sky<'a>,
 }
 
 /// Irradiance of the leaves of a forest, one entry each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafLight {
-    /// By what emits: the sky and other leaves, without [`Lighting::received`].
+    /// Irradiance from the sky and emitting leaves, without [`Lighting::received`].
     pub direct: Vec<Vec3>,
-    /// By all bounces.
+    /// Irradiance from all bounces.
     pub bounced: Vec<Vec3>,
-    /// How the bounces decrease.
+    /// Energy per bounce.
     pub energy: BounceEnergy,
 }
 
 impl LeafLight {
-    /// The Neumann series up to so many bounces.
+    /// The Neumann series up to `bounces`.
     pub fn new(forest: &DiscForest, views: &Views, lighting: &Lighting, bounces: u32) -> Self {
         let transport = LeafTransport { forest, views };
         let emitted: Vec<Vec3A> = lighting.emitted.iter().map(|&radiance| radiance.into()).collect();
         let direct =
             add(&transport.bounce(&emitted, 0..transport.senders()), &views.irradiance_of_sky(forest, lighting.sky));
         let surfaces = LeafSurfaces { forest, reflectance: lighting.reflectance };
-        // What is emitted has arrived with the direct light.
+        // Emitted light has arrived with the direct light.
         let series = Series::new(&transport, &surfaces, add(&direct, lighting.received), None).with_bounces(bounces);
         Self { energy: series.energy(), bounced: series.received, direct }
     }
 }
 
-/// One bounce between leaves, by what they see: radiance to irradiance, `E = π/n² Σ L` over n x n bins.
+/// One bounce between leaves by their views: radiance to irradiance, `E = π/n² Σ L` over n x n bins.
 struct LeafTransport<'a> {
     forest: &'a DiscForest,
     views: &'a Views,

@@ -6,28 +6,28 @@ use crate::{
 };
 use glam::Mat3;
 
-/// Cells that a node may cover before its children are taken. At 2 outlines are coarser, and a walk of 4,096 surfels takes 31 ms in
-/// place of 36.
+/// Cells that a node may cover before its children replace it. At 2 outlines are coarser, and a walk of 4,096 surfels
+/// takes 31 ms instead of 36.
 const CELLS_OF_NODE: f32 = 1.4;
-/// One empty neighbor in so many still makes a hole. With two in eight and more, real openings close as well.
+/// One empty neighbor among this many still counts as a hole. With two in eight, real openings close as well.
 pub(super) const AROUND_A_HOLE: usize = 8;
 
-/// How the hemisphere of each leaf is divided into bins: cells of equal cosine weight in the leaf's own frame.
+/// Division of each leaf's hemisphere into bins: cells of equal cosine weight in the leaf's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BinLayout {
     /// The bins.
     pub cells: HemisphereCells,
-    /// Radians by which the tangents of leaves are turned: averages over turns hide the cells.
+    /// Rotation of the leaves' tangents in radians: averages over rotations hide the cells.
     pub turn: f32,
 }
 
 impl BinLayout {
-    /// The most cells along an edge of the square.
+    /// Largest number of cells along an edge of the square.
     pub const MOST_SIDE: usize = 20;
-    /// The most bins.
+    /// The finest layout.
     pub const FINEST: Self = Self::new(Self::MOST_SIDE);
 
-    /// With `side` x `side` bins, 1 to [`Self::MOST_SIDE`] along an edge.
+    /// A layout of `side` x `side` bins, 1 to [`Self::MOST_SIDE`] along an edge.
     pub const fn new(side: usize) -> Self {
         assert!(0 < side && side <= Self::MOST_SIDE, "one bin or more, and not more than fit");
         Self { cells: HemisphereCells { side }, turn: 0.0 }
@@ -38,12 +38,12 @@ impl BinLayout {
         Self { turn, ..self }
     }
 
-    /// Tangents and normal of a leaf, which its bins are relative to.
+    /// Tangents and normal of a leaf, the frame of its bins.
     pub fn frame_of(self, disc: &Disc) -> Mat3 {
         frame_around(disc.normal) * Mat3::from_rotation_z(self.turn)
     }
 
-    /// The largest integral of the cosine over a node that has children, in steradians.
+    /// The largest integral of the cosine over a node with children, in steradians.
     pub fn node_limit(self) -> f32 {
         CELLS_OF_NODE * self.cells.weight()
     }

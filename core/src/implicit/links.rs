@@ -1,7 +1,7 @@
-//! The link structure of the paper (implicit visibility, 4.1 and 4.2.2): the oracle of the walk, and what its Table 1 times.
+//! The link structure of the paper (implicit visibility, 4.1 and 4.2.2): the oracle of the walk, and the subject of its Table 1.
 //!
-//! The paper leaves open which solid angle of a node is meant; here it is area over squared distance, which no tilt of its discs
-//! exceeds. If both ends of a link are too large, the larger is subdivided. Centers are means by area.
+//! The paper leaves the solid angle of a node open. Here it is area over squared distance, an upper bound for any tilt
+//! of its discs. If both ends of a link are too large, the larger is subdivided. Centers are means weighted by area.
 
 use super::bins::CubeBins;
 use crate::{
@@ -28,18 +28,18 @@ pub fn vertex_discs(mesh: &Mesh) -> Vec<Disc> {
     discs
 }
 
-/// Quadtrees over vertices, one for each segment, which is a set of triangles that share vertices: the texture of a model splits
+/// Quadtrees over vertices, one per segment: a set of triangles that share vertices. The texture of a model splits
 /// vertices where its segments end.
 #[derive(Clone, Debug)]
 pub struct VertexForest {
-    /// The trees; a segment is an object of theirs.
+    /// The trees; each segment is an object.
     pub discs: DiscForest,
     /// The vertex of each leaf.
     pub vertices: Vec<u32>,
 }
 
 impl VertexForest {
-    /// Of a mesh.
+    /// The forest of a mesh.
     pub fn new(mesh: &Mesh) -> Self {
         let discs = vertex_discs(mesh);
         let segments = segments(mesh);
@@ -49,7 +49,7 @@ impl VertexForest {
         Self { discs: DiscForest::new(&leaves, in_trees), vertices }
     }
 
-    /// Takes all to the vertices of a posed mesh ("update elements", 4.2.1).
+    /// Moves all discs to the vertices of a posed mesh ("update elements", 4.2.1).
     pub fn update(&mut self, mesh: &Mesh) {
         let posed = vertex_discs(mesh);
         let vertices = &self.vertices;
@@ -77,7 +77,7 @@ fn segments(mesh: &Mesh) -> Vec<Vec<u32>> {
     segments
 }
 
-/// Vertices that are near and face alike side by side.
+/// Sorts vertices so that near ones with similar normals are adjacent.
 fn in_order(segment: &[u32], discs: &[Disc]) -> Vec<u32> {
     let row = |&vertex: &u32| {
         let Disc { position, normal, .. } = discs[vertex as usize];
@@ -90,7 +90,7 @@ fn in_order(segment: &[u32], discs: &[Disc]) -> Vec<u32> {
 /// The shortest link of a node in a bin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// In meters; infinite where there is none.
+    /// Distance in meters; infinite where there is none.
     pub distance: f32,
     /// The other end.
     pub node: u32,
@@ -129,7 +129,7 @@ impl Links {
         &self.links[first..first + self.bins.len()]
     }
 
-    /// Keeps a link if it is shorter than what its bin has.
+    /// Keeps a link if it is shorter than the link in its bin.
     fn offer(&mut self, from: u32, texel: usize, link: Link) {
         let kept = &mut self.links[from as usize * self.bins.len() + texel];
         if link.distance < kept.distance {
@@ -138,7 +138,7 @@ impl Links {
     }
 }
 
-/// Links in the making.
+/// Links under construction.
 struct Linking<'a> {
     forest: &'a DiscForest,
     nodes: Vec<Node>,
@@ -160,7 +160,7 @@ impl Linking<'_> {
         }
     }
 
-    /// All pairs of some nodes, each with itself as well.
+    /// Links all pairs of some nodes, including each with itself.
     fn pair_up(&mut self, nodes: &[u32]) {
         for (i, &a) in nodes.iter().enumerate() {
             self.waiting.extend(nodes[i..].iter().map(|&b| [a, b]));
@@ -175,7 +175,7 @@ impl Linking<'_> {
         }
     }
 
-    /// Links two nodes, or one with the children of the other if that is too large for its bin.
+    /// Links two nodes, or one with the children of the other if the other is too large for its bin.
     fn connect(&mut self, a: u32, b: u32) {
         let [near, far] = [a, b].map(|node| self.nodes[node as usize]);
         let offset = far.center - near.center;
@@ -194,7 +194,7 @@ impl Linking<'_> {
         }
     }
 
-    /// Vertices in one place, as along the edges of segments, do not see each other.
+    /// Vertices at one position, as along the edges of segments, do not see each other.
     fn link(&mut self, [a, b]: [u32; 2], texels: [usize; 2], offset: Vec3) {
         let distance = offset.length();
         if distance == 0.0 {

@@ -7,7 +7,7 @@ use super::{
 use glam::Vec3;
 use std::time::Instant;
 
-/// The least of some runs in milliseconds, which others on the machine disturb least.
+/// The least time of some runs in milliseconds, which other load on the machine affects least.
 fn least_ms(mut run: impl FnMut()) -> f64 {
     let once = |_| {
         let begin = Instant::now();
@@ -19,7 +19,7 @@ fn least_ms(mut run: impl FnMut()) -> f64 {
 
 const HEAD: &str = "update, walk, views, one bounce, together, drag frame in ms; nanoseconds together / (N log2 N)";
 
-/// Prints the times of a scene, whose last object is dragged.
+/// Prints the timings of a scene; its last object is dragged.
 fn print_times(label: u32, scene: Furnished) {
     let Furnished { mesh, mut forest } = scene;
     let update = least_ms(|| forest.update(&mesh.positions, &|_| true));

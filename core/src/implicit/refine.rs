@@ -1,4 +1,4 @@
-//! What becomes of links before and while they carry light (implicit visibility, 4.2.3 to 4.4).
+//! Refinement and push-down of links, and light through them (implicit visibility, 4.2.3 to 4.4).
 
 use super::{
     gather::Sky,
@@ -15,18 +15,18 @@ use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
 impl Links {
-    /// Takes all links down to the leaves, from the roots on: refinement (4.2.3) and push-down (4.2.4) in one pass, as the paper
-    /// proposes. Where a node and one above it have links in one bin, the shorter stays.
+    /// Takes all links down to the leaves, from the roots: refinement (4.2.3) and push-down (4.2.4) in one pass, as the
+    /// paper proposes. Where a node and its ancestor have links in one bin, the shorter stays.
     pub fn refine_and_push_down(&mut self, forest: &DiscForest) {
         self.push_down(forest, |above, below| above.distance < below.distance);
     }
 
-    /// Push-down alone, which Fig. 4 warns of: links of nodes replace those below them, whatever their lengths.
+    /// Push-down alone, against which Fig. 4 warns: links of nodes replace all links below them, whatever their lengths.
     pub fn push_down_unrefined(&mut self, forest: &DiscForest) {
         self.push_down(forest, |above, _| *above != UNLINKED);
     }
 
-    /// From the roots on, children take those links of their parent that `replaces` prefers to theirs.
+    /// From the roots down, children take the links of their parent for which `replaces` holds.
     fn push_down(&mut self, forest: &DiscForest, replaces: impl Fn(&Link, &Link) -> bool) {
         let bins = self.bins.len();
         for block in 0..forest.shape().blocks() as u32 {
@@ -107,7 +107,7 @@ mod tests {
         let sent: Vec<Vec3A> =
             discs.discs().iter().map(|d| Vec3A::splat(f32::from(u8::from(is_wall(d.position))))).collect();
         let received = links.irradiance(&discs, &discs.pull(&sent), &|_| Vec3::ZERO);
-        // From one wall of an empty cube the five others receive a fifth each of what it sends.
+        // From one wall of an empty cube the five others receive a fifth of its light each.
         let flux: f32 = received.iter().zip(discs.discs()).map(|(e, d)| e.x * d.area).sum();
         let energy = flux / (std::f32::consts::PI * 4.0);
         assert!((0.3..0.9).contains(&energy), "{energy}");

@@ -1,4 +1,4 @@
-//! The scene that the links of the paper are timed and tested on: of any number of vertices, and with known form factors.
+//! The test scene for the paper's links: any number of vertices, and known form factors.
 
 use crate::mesh::Mesh;
 use glam::Vec3;

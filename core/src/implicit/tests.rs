@@ -42,7 +42,7 @@ fn sphere(center: Vec3, radius: f32) -> Vec<[Vec3; 3]> {
     quads.filter(|[a, b, c]| (*b - *a).cross(*c - *a).length() > 1e-6).collect()
 }
 
-/// A closed room of 2 m with a sphere and a box in it, an object each.
+/// A closed room of 2 m with a sphere and a box in it, each an object.
 pub fn furnished(surfels: u32) -> Furnished {
     let objects = [
         room(Vec3::ZERO, Vec3::ONE),
@@ -52,7 +52,7 @@ pub fn furnished(surfels: u32) -> Furnished {
     with_surfels(mesh_of(&objects), surfels)
 }
 
-/// A closed room of 2 m with so many boxes in it, an object each, in a cubic lattice.
+/// A closed room of 2 m with a cubic lattice of `boxes` boxes in it, each an object.
 pub fn crowded(boxes: u32, surfels: u32) -> Furnished {
     let side = (1..).find(|side: &u32| side.pow(3) >= boxes).unwrap_or(1);
     let pitch = 1.6 / side as f32;
@@ -94,7 +94,7 @@ fn mean(values: impl ExactSizeIterator<Item = f32>) -> f32 {
     values.sum::<f32>() / count
 }
 
-/// The part of the light of one square that arrives at another, by 2,048 surfels each.
+/// Share of the light of one square that arrives at another, by 2,048 surfels each.
 fn form_factor(from: [[Vec3; 3]; 2], to: [[Vec3; 3]; 2]) -> f32 {
     form_factor_by(BinLayout::FINEST, from, to)
 }
@@ -161,7 +161,7 @@ fn fewer_bins_see_nearly_as_well() {
     assert!(exchanged(8).abs() > 0.08, "negative control: {}", exchanged(8));
 }
 
-/// Irradiance of every so many leaves from a wall of radiance 1, by rays.
+/// Irradiance of some leaves from a wall of radiance 1, by rays.
 fn by_rays(of: &Furnished, leaves: &[usize]) -> Vec<f32> {
     let intersector = Intersector::new(&of.mesh);
     let cells = HemisphereCells { side: 45 };
@@ -183,7 +183,7 @@ fn compared(found: &[f32], truth: &[f32]) -> (f32, f32) {
     (mean(squares).sqrt() / average, mean(found.iter().copied()) / average)
 }
 
-/// Light of a wall by so many surfels and by rays, of about 300 leaves elsewhere.
+/// Light of a wall by `surfels` surfels and by rays, at about 300 leaves elsewhere.
 fn light_of_a_wall(surfels: u32) -> [Vec<f32>; 2] {
     let furnished = furnished(surfels);
     let forest = furnished.forest.discs();

@@ -1,7 +1,7 @@
 //! Values of leaves at vertices, by weights computed once.
 //!
-//! A vertex takes the four nearest leaves of its object, weighted as functions of the meshless basis are (meshless paper, Eq. 8 to
-//! 11). The weights belong to the baked mesh: leaves ride on it, so they stay right when it moves.
+//! A vertex takes the four nearest leaves of its object, weighted like functions of the meshless basis (meshless paper,
+//! Eq. 8 to 11). The weights belong to the baked mesh: leaves move with it, so the weights stay valid.
 
 use crate::{
     implicit::{
@@ -15,19 +15,19 @@ use crate::{
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Leaves of a vertex.
+/// Leaves per vertex.
 const NEAREST: usize = 4;
-/// Radius of the kernel in distances of the farthest of them, which would weigh nothing at 1.
+/// Radius of the kernel in distances of the farthest leaf, which would have zero weight at 1.
 const REACH: f32 = 1.5;
-/// Least weight of a leaf that faces the vertex at all: an edge may lie at right angles to all its faces.
+/// Smallest weight of a leaf that faces the vertex at all: an edge may lie at right angles to all its faces.
 const LEAST: f32 = 1e-4;
 
-/// A point of an object that takes light from its leaves.
+/// A point of an object that receives light from its leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receiver {
-    /// Which object.
+    /// Index of the object.
     pub object: u32,
-    /// In meters, as baked.
+    /// Position as baked, in meters.
     pub position: Vec3,
     /// Unit normal.
     pub normal: Vec3,
@@ -40,7 +40,7 @@ pub struct VertexWeights {
 }
 
 impl VertexWeights {
-    /// For receivers on a forest as baked. `None`, and one whose object has no leaves, takes nothing.
+    /// Weights for receivers on a forest as baked. `None`, and a receiver whose object has no leaves, gets nothing.
     pub fn new(forest: &DiscForest, receivers: &[Option<Receiver>]) -> Self {
         let rows = SparseRows::build(receivers.len(), |row, out| {
             if let Some(receiver) = &receivers[row] {
@@ -51,7 +51,7 @@ impl VertexWeights {
         Self { rows }
     }
 
-    /// Values at all receivers from those of the leaves.
+    /// Values at all receivers from the leaves' values.
     pub fn apply<T: Coefficient>(&self, leaves: &[T]) -> Vec<T> {
         (0..self.rows.len()).into_par_iter().with_min_len(1024).map(|row| self.rows.product(row, leaves)).collect()
     }
@@ -62,7 +62,7 @@ impl VertexWeights {
     }
 }
 
-/// The weights of the leaves that were found.
+/// The weights of the leaves found.
 fn weights(forest: &DiscForest, receiver: &Receiver, nearest: &Nearest) -> Vec<(u32, f32)> {
     let radius = nearest.found.last().map_or(0.0, |last| REACH * last.0).max(f32::MIN_POSITIVE);
     let weight = |&(distance, leaf): &(f32, u32)| {
@@ -83,7 +83,7 @@ struct Nearest {
 }
 
 impl Nearest {
-    /// By descent of the tree of the receiver's object, nearer nodes first.
+    /// Finds them by descent of the tree of the receiver's object, nearer nodes first.
     fn of(forest: &DiscForest, receiver: &Receiver) -> Self {
         let mut nearest = Self { found: Vec::with_capacity(NEAREST + 1) };
         let mut waiting = vec![(0.0, receiver.object)];
@@ -111,7 +111,7 @@ impl Nearest {
         nearest
     }
 
-    /// Distance of the last of four; infinite as long as there are fewer.
+    /// Distance of the fourth leaf; infinite while there are fewer.
     fn farthest(&self) -> f32 {
         self.found.get(NEAREST - 1).map_or(f32::INFINITY, |f| f.0)
     }
@@ -123,8 +123,8 @@ impl Nearest {
     }
 }
 
-/// Distance in meters by position and normal (meshless paper, Eq. 11); what faces away is farther than all that does not, but is
-/// found where nothing else is.
+/// Distance in meters by position and normal (meshless paper, Eq. 11). A leaf that faces away is farther than all
+/// others, but is found if there are no others.
 fn distance(receiver: &Receiver, disc: &Disc) -> f32 {
     let near = squashed_distance(disc.position, disc.normal, receiver.position);
     near / alignment(receiver.normal, disc.normal).max(LEAST)

@@ -1,4 +1,4 @@
-//! What leaves see: a node in each cell, or the sky.
+//! Views of leaves: a node or the sky in each cell.
 
 use super::{
     direct::{Bins, EMPTY, node_of},
@@ -6,14 +6,14 @@ use super::{
 };
 use rayon::prelude::*;
 
-/// The node that each cell of each leaf sees. It is what [`super::Bins`] become once all layers are in them.
+/// The node that each cell of each leaf sees: [`super::Bins`] after merging all layers.
 ///
-/// Discs do not cover every ray of a surface. An empty cell of which seven of the eight neighbors are filled takes the
-/// nearest of these. Along the horizon, where cells have fewer neighbors, all of them must be.
+/// Discs do not cover every ray of a surface. An empty cell with seven of eight neighbors filled takes the nearest of
+/// them. Along the horizon, where cells have fewer neighbors, all of them must be filled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Views {
     layout: BinLayout,
-    /// The leaf that comes first.
+    /// Number of the first leaf.
     first_leaf: u32,
     /// By leaf and cell; [`EMPTY`] for the sky.
     nodes: Vec<u32>,
@@ -36,14 +36,13 @@ impl Views {
         Self::of_nodes(layout, 0, keys)
     }
 
-    /// Of nodes by leaf and cell, with holes closed already. Where they do not begin with the first leaf, they can be looked up, and
-    /// not be gathered.
+    /// Views from nodes by leaf and cell, with holes already closed. If they do not begin with the first leaf, they
+    /// allow lookups but no gathering.
     pub fn of_nodes(layout: BinLayout, first_leaf: u32, nodes: Vec<u32>) -> Self {
         Self { layout, first_leaf, nodes }
     }
 
-    /// These views of the bins of `still`, where the nearer of `moved` come before them. Leaves that see nothing new keep what they
-    /// have.
+    /// These views of the bins of `still`, with nearer nodes of `moved` in front. Leaves that see nothing new keep their views.
     pub(super) fn with_nearer(&self, still: &Bins, moved: &Bins) -> Self {
         let mut views = self.clone();
         let rows = views.nodes.par_chunks_exact_mut(self.layout.cells.len()).enumerate().with_min_len(64);
@@ -58,7 +57,7 @@ impl Views {
         views
     }
 
-    /// Takes the views of others for the leaves from `first` on.
+    /// Replaces the views of the leaves from `first` on.
     pub(super) fn replace(&mut self, first: u32, others: &Self) {
         let first = first as usize * self.layout.cells.len();
         self.nodes[first..first + others.nodes.len()].copy_from_slice(&others.nodes);
@@ -71,7 +70,7 @@ impl Views {
         &self.nodes[first..first + cells]
     }
 
-    /// The bins of each leaf.
+    /// The bin layout of each leaf.
     pub fn layout(&self) -> BinLayout {
         self.layout
     }
@@ -81,7 +80,7 @@ impl Views {
         self.nodes.len() / self.layout.cells.len()
     }
 
-    /// The part of the hemisphere, by cosine, in which a leaf sees the sky.
+    /// The share of the hemisphere, by cosine, in which a leaf sees the sky.
     pub fn share_of_sky(&self, leaf: u32) -> f32 {
         let empty = self.of_leaf(leaf).iter().filter(|&&node| node == EMPTY).count();
         empty as f32 / self.layout.cells.len() as f32
@@ -98,7 +97,7 @@ fn close(keys: &[u32], side: usize, nodes: &mut [u32]) {
     }
 }
 
-/// The nearest of the neighbors of a hole; `None` for an opening.
+/// The nearest neighbor of a hole; `None` for an opening.
 fn nearest_around(keys: &[u32], side: usize, cell: usize) -> Option<u32> {
     let side = side as isize;
     let (row, column) = (cell as isize / side, cell as isize % side);

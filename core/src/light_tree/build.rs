@@ -2,7 +2,7 @@
 //!
 //! Each node splits its samples at the median of `d(s, c1) - d(s, c2)`, the difference of the distances to two cluster
 //! centers. The centers are then recomputed a few times. All metrics are Euclidean in feature space, so this difference
-//! is linear in the features: one dot product per sample, and a selection in place of a sort.
+//! is linear in the features: one dot product per sample, and a selection instead of a sort.
 
 use super::Features;
 use rayon::join;
@@ -13,13 +13,13 @@ const ITERATIONS: usize = 6;
 /// Nodes below this many samples are split on the calling thread.
 const SEQUENTIAL: usize = 512;
 
-/// Sample indices in the order of the leaves of a balanced binary clustering; neighbors in order are close in features.
+/// Sample indices in leaf order of a balanced binary clustering; neighbors in order have similar features.
 pub fn cluster_order(features: &Features) -> Vec<u32> {
     cluster_order_of_groups(features, 1)
 }
 
-/// The same in groups of so many samples each, which are not split further; the number of samples is a multiple of it.
-/// A balanced tree over the groups halves as the clustering did.
+/// [`cluster_order`] in groups of `group` samples, which are not split further. The number of samples is a multiple of
+/// `group`. A balanced tree over the groups has the same splits.
 pub fn cluster_order_of_groups(features: &Features, group: usize) -> Vec<u32> {
     let mut order: Vec<u32> = (0..features.len() as u32).collect();
     split(&mut order, features, group);
@@ -78,11 +78,11 @@ fn mean(samples: &[u32], features: &Features) -> Vec<f32> {
     sum.iter().map(|x| x / samples.len() as f32).collect()
 }
 
-/// The direction of greatest variance, by power iteration: a start from which two-means seldom gets stuck.
+/// The direction of greatest variance, by power iteration. Two-means seldom gets stuck from this start.
 fn principal_axis(order: &[u32], features: &Features) -> Vec<f32> {
     const POWER_ITERATIONS: usize = 6;
     let center = mean(order, features);
-    // Start from the sample farthest from the mean, which has a part along the axis.
+    // Start from the sample farthest from the mean, which has a component along the axis.
     let mut axis = order
         .iter()
         .map(|&s| difference(features.row(s), &center))

@@ -1,9 +1,8 @@
 //! Clustering metrics as Euclidean distances between feature vectors (paper, Eq. 10 to 12).
 //!
-//! There are two departures. The visibility vectors are projected to [`PROJECTED`] random dimensions, which keeps
-//! distances to within some percent. And a measured constant balances the two metrics: the paper normalizes Eq. 11 by
-//! the squared solid angle of a light, which makes it some 10^6 times smaller than Eq. 10, so that a literal mixed tree
-//! is the geometric one.
+//! There are two departures. The visibility vectors are projected to [`PROJECTED`] random dimensions, which keeps distances to
+//! within some percent. A measured constant balances the two metrics: the paper normalizes Eq. 11 by the squared solid angle of a
+//! light, which makes it some 10^6 times smaller than Eq. 10, so a literal mixed tree equals the geometric one.
 
 use super::TreeKind;
 use crate::surfel::Surfel;
@@ -16,10 +15,9 @@ const PROJECTED: usize = 48;
 /// Squared visibility distance (mean over clusters) that weighs as much as a squared distance of one between
 /// directions.
 ///
-/// Measured on the armadillo scene at `beta` 0.5, 32,768 lights, `sigma` 2: mean cuts 203, 195, 178, 160, 161, 161 for
-/// scales 0.1, 0.3, 1, 3, 10, 100 (geometric: 216). Nodes of level 8 are wider than those of the geometric tree by 14 %
-/// at scale 3, 30 % at 10, and 70 % at 100. Wide nodes make long illumination cuts, so the smallest scale with the full
-/// gain is best.
+/// Measured on the armadillo scene at `beta` 0.5, 32,768 lights, `sigma` 2: mean cuts 203, 195, 178, 160, 161, 161 for scales 0.1,
+/// 0.3, 1, 3, 10, 100 (geometric: 216). Nodes of level 8 are wider than in the geometric tree by 14 % at scale 3, 30 % at 10, and
+/// 70 % at 100. Wide nodes make long illumination cuts, so the smallest scale with the full gain is best.
 const VISIBILITY_SCALE: f32 = 3.0;
 
 /// Weight of position against normal (`K` of Eq. 10; Hašan et al. 2006), for a scene of unit diagonal.
@@ -60,7 +58,7 @@ impl Features {
     }
 
     /// Features of the geometric metric (Eq. 10). A distant sample's normal points back along its direction, so both
-    /// terms of the equation are multiples of one distance.
+    /// terms of the equation are proportional to one distance.
     pub fn geometric(directions: &[Vec3]) -> Self {
         Self::new(3, directions.iter().flat_map(|d| d.to_array()).collect())
     }
@@ -108,7 +106,7 @@ impl Features {
         self.values.len() / self.dimensions
     }
 
-    /// Whether there are none.
+    /// Whether there are no samples.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -129,7 +127,7 @@ fn rows(directions: &[Vec3]) -> Vec<[f32; 3]> {
     directions.iter().map(Vec3::to_array).collect()
 }
 
-/// Rows of random signs (Achlioptas 2003), scaled so that expected squared lengths are kept.
+/// Rows of random signs (Achlioptas 2003), scaled to keep expected squared lengths.
 fn random_projection(clusters: usize) -> Vec<[f32; PROJECTED]> {
     let mut rng = fastrand::Rng::with_seed(0x6c61_7069_6461_7279);
     let unit = 1.0 / (PROJECTED as f32).sqrt();

@@ -13,7 +13,7 @@ pub struct NearestLeaf {
 }
 
 impl NearestLeaf {
-    /// For the leaves of a tree.
+    /// An index over the leaves of a tree.
     pub fn new(tree: &LightTree) -> Self {
         let mut leaf_of_sample = vec![0; tree.len()];
         for (leaf, &sample) in tree.order().iter().enumerate() {
@@ -25,7 +25,7 @@ impl NearestLeaf {
     /// The leaf nearest to a unit direction.
     pub fn leaf(&self, direction: Vec3) -> usize {
         let longitude = Longitude::new(f64::from(direction.x).atan2(direction.z.into()));
-        // At a pole itself there is no zone.
+        // A pole itself has no zone.
         let height = f64::from(direction.y).clamp(-1.0 + 1e-9, 1.0 - 1e-9);
         self.leaf_of_sample[self.lattice.zone(height).nearest(&longitude) as usize] as usize
     }

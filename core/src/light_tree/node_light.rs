@@ -1,4 +1,4 @@
-//! What changes when the light changes: radiance, places and spreads of all nodes of a tree of lights.
+//! The illumination of a tree of lights: radiance, place and spread of every node.
 
 use super::{LightTree, means_up_the_tree};
 use crate::color::luminance;
@@ -7,18 +7,18 @@ use glam::Vec3;
 /// A tree of lights under one illumination; all arrays by heap index.
 #[derive(Clone, Debug)]
 pub struct NodeLight {
-    /// Mean radiance of the leaves below each node; of surface sources weighted by area. Their cuts hold solid angles, which are
-    /// proportional to area, so the product of both means is close to the mean of the product.
+    /// Mean radiance of the leaves below each node; surface sources are weighted by area. Their cuts hold solid angles,
+    /// which are proportional to area, so the product of both means is close to the mean of the product.
     pub radiance: Vec<Vec3>,
-    /// Where the light of each node comes from: its mean unit direction, or of surface sources its mean position in meters,
-    /// weighted by luminance. In a cluster that contains a bright spot, the BRDF must be evaluated for that spot.
+    /// Where the light of each node comes from, weighted by luminance: a mean unit direction, or a mean position in
+    /// meters for surface sources. The BRDF of a cluster with a bright spot must be evaluated for that spot.
     pub place: Vec<Vec3>,
     /// How far the light spreads around its place, with the same weights: the inverse concentration `1 / kappa` as a von
     /// Mises-Fisher lobe (Banerjee et al. 2005), or a radius in meters.
     pub spread: Vec<f32>,
-    /// Mean intensity of the leaves below each node, for illumination cuts: luminance, of surface sources times area.
+    /// Mean intensity of the leaves below each node, for illumination cuts: luminance, times area for surface sources.
     pub intensity: Vec<f32>,
-    /// Mean of its square.
+    /// Mean squared intensity of the leaves below each node.
     pub intensity_sq: Vec<f32>,
 }
 
@@ -54,7 +54,7 @@ fn inv_kappa(resultant: f32) -> f32 {
     ((1.0 - r * r) / (r * (3.0 - r * r))).max(0.0)
 }
 
-/// A leaf is itself a small cap of solid angle `4π / N`: the spread that its sample stands for.
+/// A leaf is itself a small cap of solid angle `4π / N`, which gives its spread.
 fn leaf_inv_kappa(lights: usize) -> f32 {
     inv_kappa(1.0 - 1.0 / lights as f32) // the centroid of a cap of height h = 2 / N lies at 1 - h / 2
 }

@@ -7,8 +7,7 @@
 //! * A rotation shifts the rows of that grid with linear interpolation, which keeps each row's sum.
 //! * A fixed sparse matrix distributes each cell's energy over the samples nearest to it; its columns sum to one.
 //!
-//! Balancing the matrix (Sinkhorn) gives every sample exactly its `4π / N` of solid angle, so that a constant map gives
-//! constant leaves.
+//! Balancing the matrix (Sinkhorn) gives every sample exactly `4π / N` of solid angle, so a constant map gives constant leaves.
 
 pub(super) mod fibonacci;
 
@@ -39,7 +38,7 @@ pub struct EnvironmentSampler {
 pub struct GridEnergy(Vec<Vec3>);
 
 impl EnvironmentSampler {
-    /// Prepares for `lights` samples; some tenths of a second for 32,768.
+    /// Prepares the matrix for `lights` samples; takes some tenths of a second for 32,768.
     pub fn new(lights: usize) -> Self {
         let columns = ((32.0 * lights as f64).sqrt() as usize).next_power_of_two().max(32);
         let grid = [columns, columns / 2];
@@ -132,14 +131,14 @@ fn cell_entries(cell: u32, zones: &[Zone; SUBSAMPLES], longitudes: &[Longitude])
     entries.into_iter().take(count)
 }
 
-/// Bands of entries that are balanced in parallel. Their number decides the rounding, so it is fixed.
+/// Bands of entries that are balanced in parallel. Their number affects rounding, so it is fixed.
 const BANDS: usize = 8;
 
-/// Sinkhorn's balancing: every sample receives the same solid angle, and every cell gives all of its energy.
+/// Sinkhorn's balancing: every sample receives the same solid angle, and every cell distributes all of its energy.
 fn balance(entries: &mut [Entry], lights: usize, grid: [usize; 2]) {
     let fair = 4.0 * PI / lights as f64;
     let mut scale = vec![1.0; lights];
-    // The first pass only finds what the samples receive.
+    // The first pass only measures the solid angles.
     for _ in 0..=BALANCING {
         let bands: Vec<Vec<f64>> =
             cell_bands(entries).into_par_iter().map(|band| balance_band(band, &scale, grid)).collect();
@@ -202,7 +201,7 @@ fn resample(map: &Image, [columns, rows]: [usize; 2]) -> Vec<Vec3> {
         .collect()
 }
 
-/// For each of `target` intervals: the source intervals that it meets, with the length of the overlap.
+/// For each of `target` intervals: the overlapping source intervals, with the lengths of the overlaps.
 fn overlaps(source: usize, target: usize, edge: impl Fn(usize, usize) -> f64) -> Vec<Vec<(usize, f32)>> {
     let mut first = 0;
     (0..target)
@@ -249,7 +248,7 @@ mod tests {
 
     #[test]
     fn energy_is_kept_over_a_full_turn_in_one_degree_steps() {
-        // A lone texel brighter than all the rest together: what plain sampling would lose and find again.
+        // A single texel brighter than all others together, which plain sampling would lose.
         let env = environment([512, 256], |x, y| Vec3::splat(if (x, y) == (100, 90) { 3e5 } else { 0.5 }));
         let expected = energy_of(&env.map);
         let sampler = EnvironmentSampler::new(4096);
@@ -259,7 +258,7 @@ mod tests {
             let found = of(&sampler.sample_radiance(&energy, (degree as f32).to_radians()));
             assert!((found / expected - 1.0).abs() < 1e-4, "at {degree} degrees: {found} for {expected}");
         }
-        // Negative control: point samples of the same map drift by far more than the 0.1 % allowed.
+        // Negative control: point samples of the same map drift by far more than 0.1 %.
         let point = |degree: f32| -> Vec<Vec3> {
             let turn = glam::Mat3::from_rotation_y(-degree.to_radians());
             fibonacci_directions(4096).iter().map(|&d| env.radiance(turn * d)).collect()
@@ -272,7 +271,7 @@ mod tests {
 
     #[test]
     fn a_rotation_turns_counter_clockwise_seen_from_above() {
-        // Bright at +Z (center of the image); turned by 90 degrees it must stand at +X.
+        // Bright at +Z (center of the image); a turn of 90 degrees moves it to +X.
         let env = environment([128, 64], |x, y| {
             Vec3::splat(if (62..66).contains(&x) && (30..34).contains(&y) { 1.0 } else { 0.0 })
         });

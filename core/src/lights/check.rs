@@ -5,74 +5,74 @@ use crate::bounds::{MOST_COORDINATE, is_within_reach};
 use glam::Vec3;
 use thiserror::Error;
 
-/// Most lights of a scene: every one may cast a shadow ray for every pixel.
+/// Largest number of lights in a scene: every one may cast a shadow ray per pixel.
 pub const MAX_LIGHTS: usize = 4096;
 
-/// Largest intensity of a light: its light stays a number of 32 bits however close a surface is.
+/// Largest intensity of a light, so that its irradiance fits `f32` at any distance.
 pub const MOST_INTENSITY: f32 = 1e12;
 
-/// Largest angle that a directional light is seen under, in degrees.
+/// Largest angular diameter of a directional light, in degrees.
 pub const MOST_ANGLE_DEGREES: f32 = 90.0;
 
 /// Smallest area of a light in m².
 const LEAST_AREA: f32 = 1e-18;
 
-/// Why a light cannot shine.
+/// Why a light is invalid.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LightProblem {
-    /// NaN or infinite.
+    /// A value is NaN or infinite.
     #[error("its {what} is not a finite number; correct it")]
     NotFinite {
-        /// Which value.
+        /// Name of the value.
         what: &'static str,
     },
-    /// Outside of all scenes.
+    /// A point is out of reach.
     #[error("its {what} {place} is farther from the origin than the limit of {MOST_COORDINATE} m; move it closer")]
     TooFar {
-        /// Which of its places.
+        /// Name of the point.
         what: &'static str,
-        /// Where that is, in meters.
+        /// The point, in meters.
         place: Vec3,
     },
-    /// So bright that sums of its light are no numbers.
+    /// The intensity is so large that sums of its light overflow.
     #[error("its intensity {0} is above the limit of {MOST_INTENSITY}; lower it")]
     TooBright(Vec3),
-    /// Light cannot be taken away.
+    /// The intensity is negative.
     #[error("its intensity {0} is negative; give numbers of 0 or more")]
     NegativeIntensity(Vec3),
-    /// A direction is needed.
+    /// The light has no direction.
     #[error("its target is its position {0}; move one of them, so that it has a direction")]
     NoDirection(Vec3),
-    /// A cone that is none.
+    /// The cone is out of range.
     #[error("its cone of {0} degrees is not above 0 and at most 90 (from the axis to the edge)")]
     Cone(f32),
-    /// A penumbra wider than the cone.
+    /// The penumbra is wider than the cone.
     #[error("its penumbra of {penumbra} degrees is not between 0 and its cone of {cone} degrees")]
     Penumbra {
-        /// Degrees.
+        /// Penumbra in degrees.
         penumbra: f32,
-        /// Degrees.
+        /// Cone in degrees.
         cone: f32,
     },
-    /// A disc that is none.
+    /// The angular diameter is out of range.
     #[error("its angle of {0} degrees is not between 0 and {MOST_ANGLE_DEGREES} (from rim to rim)")]
     Angle(f32),
-    /// Larger than all scenes.
+    /// The rectangle is larger than the limit.
     #[error(
         "its size of {width} x {height} m is above the limit of {MOST_COORDINATE} m; give a smaller width and height"
     )]
     TooLarge {
-        /// Meters.
+        /// Width in meters.
         width: f32,
-        /// Meters.
+        /// Height in meters.
         height: f32,
     },
-    /// No area to emit.
+    /// The rectangle has no area.
     #[error("its size of {width} x {height} m has no area; give a width and a height above 0")]
     NoArea {
-        /// Meters.
+        /// Width in meters.
         width: f32,
-        /// Meters.
+        /// Height in meters.
         height: f32,
     },
 }

@@ -1,4 +1,4 @@
-//! The disc that a directional light with an extent is on the sphere of directions.
+//! Disc of directions of a directional light with an extent.
 
 use super::{Emission, Light};
 use crate::simd::{Lanes, Vec3x8};
@@ -8,18 +8,18 @@ use std::f32::consts::{FRAC_PI_4, PI, TAU};
 /// A disc of directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
-    /// Unit direction to its middle.
+    /// Unit direction to its center.
     pub axis: Vec3,
-    /// Unit vectors that are at right angles to it and to each other.
+    /// Unit vector at right angles to the axis.
     pub right: Vec3,
-    /// The other.
+    /// Unit vector at right angles to both.
     pub up: Vec3,
-    /// One minus the cosine of the angle from its middle to its rim.
+    /// One minus the cosine of the angle from its center to its rim.
     pub height: f32,
 }
 
 impl Disc {
-    /// That of a light; `None` for parallel light and other lights, and where target and position are one point.
+    /// The disc of a light; `None` for parallel light and other lights, and if target and position coincide.
     pub fn of(light: &Light) -> Option<Self> {
         let Emission::Directional { angle_degrees } = light.emission else { return None };
         let axis = -light.forward().filter(|_| angle_degrees > 0.0)?;
@@ -27,7 +27,7 @@ impl Disc {
         Some(Self { axis, right, up, height: 2.0 * (0.25 * angle_degrees).to_radians().sin().powi(2) })
     }
 
-    /// In steradians.
+    /// Solid angle in steradians.
     pub fn solid_angle(&self) -> f32 {
         TAU * self.height
     }
@@ -37,8 +37,8 @@ impl Disc {
         1.0 / (PI * self.sin_sq())
     }
 
-    /// The unit direction at `u` in the unit square, uniform per solid angle. Squares around the middle of the one become discs
-    /// around that of the other (Shirley and Chiu 1997).
+    /// The unit direction at `u` in the unit square, uniform per solid angle. Squares around the center map to discs
+    /// around the center (Shirley and Chiu 1997).
     pub fn direction(&self, u: Vec2) -> Vec3 {
         let at = concentric(2.0 * u - 1.0);
         let height = at.length_squared() * self.height;
@@ -46,7 +46,7 @@ impl Disc {
         self.axis * (1.0 - height) + (self.right * at.x + self.up * at.y) * spread
     }
 
-    /// [`Self::direction`] of eight points.
+    /// [`Self::direction`] for eight points.
     #[inline(always)]
     pub fn directions<L: Lanes>(&self, [u, v]: [L; 2]) -> Vec3x8<L> {
         let one = L::splat(1.0);
@@ -58,28 +58,28 @@ impl Disc {
             + Vec3x8::splat(self.up) * (y * spread)
     }
 
-    /// Whether a unit direction is in it.
+    /// Whether it contains a unit direction.
     pub fn contains(&self, direction: Vec3) -> bool {
         self.axis.dot(direction) > 0.0 && self.axis.cross(direction).length_squared() <= self.sin_sq()
     }
 
-    /// Whether any of it may be above a plane of this normal.
+    /// Whether any part of it may be above a plane with this normal.
     pub fn may_be_above(&self, normal: Vec3) -> bool {
         self.axis.dot(normal) > -self.sine()
     }
 
-    /// The sine of the angle from its middle to its rim.
+    /// Sine of the angle from its center to its rim.
     pub fn sine(&self) -> f32 {
         self.sin_sq().sqrt()
     }
 
-    /// Square of the sine of the angle from its middle to its rim, which is at most 90 degrees.
+    /// Squared sine of the angle from its center to its rim, which is at most 90 degrees.
     fn sin_sq(&self) -> f32 {
         self.height * (2.0 - self.height)
     }
 }
 
-/// The place in the unit disc for one in the square from -1 to 1.
+/// Point of the unit disc for a point of the square from -1 to 1.
 fn concentric(square: Vec2) -> Vec2 {
     let Vec2 { x, y } = square;
     let (radius, angle) = match () {
@@ -90,14 +90,14 @@ fn concentric(square: Vec2) -> Vec2 {
     radius * Vec2::from_angle(angle)
 }
 
-/// [`concentric`] of eight places.
+/// [`concentric`] for eight points.
 #[inline(always)]
 fn concentric_x8<L: Lanes>([x, y]: [L; 2]) -> [L; 2] {
     let is_wide = x.abs().simd_gt(y.abs());
     let (radius, other) = (is_wide.select(x, y), is_wide.select(y, x));
     let is_middle = radius.abs().simd_le(L::splat(0.0));
     let angle = L::splat(FRAC_PI_4) * (other / is_middle.select(L::splat(1.0), radius));
-    // Taylor's polynomials, for angles up to 45 degrees.
+    // Taylor polynomials, for angles up to 45 degrees.
     let sq = angle * angle;
     let [mut cos, mut sin] = [L::splat(1.0 / 40_320.0), L::splat(1.0 / 362_880.0)];
     for (even, odd) in [(1.0 / 720.0, 1.0 / 5040.0), (1.0 / 24.0, 1.0 / 120.0), (0.5, 1.0 / 6.0), (1.0, 1.0)] {

@@ -9,52 +9,52 @@ use thiserror::Error;
 /// Why a lights file cannot be used.
 #[derive(Debug, Error)]
 pub enum LightsError {
-    /// The file system refused.
+    /// The file system reports an error.
     #[error("cannot {action} the lights file: {source}; check the path and the permissions ({})", path.display())]
     Io {
         /// Read or write.
         action: &'static str,
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
     },
-    /// Not the JSON that was expected.
+    /// The file is not JSON of lights.
     #[error("the file cannot be read as lights: {reason} ({})", path.display())]
     Parse {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong, and what to do.
+        /// The problem and its remedy.
         reason: String,
     },
-    /// A light that cannot be read.
+    /// A light is unreadable.
     #[error("light {number} cannot be read: {reason} ({})", path.display())]
     Entry {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which light, from 1.
+        /// Number of the light, from 1.
         number: usize,
-        /// What is wrong, and what to do.
+        /// The problem and its remedy.
         reason: String,
     },
-    /// A light with impossible values.
+    /// A light has invalid values.
     #[error("light {number}{} cannot shine: {source} ({})", quoted(name), path.display())]
     Light {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which light, from 1.
+        /// Number of the light, from 1.
         number: usize,
         /// Its name.
         name: String,
-        /// What is wrong.
+        /// The problem.
         source: LightProblem,
     },
-    /// More lights than can be shown.
+    /// More lights than the limit.
     #[error("there are {count} lights, more than the limit of {MAX_LIGHTS}; merge or remove some ({})", path.display())]
     TooMany {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// How many.
+        /// Number of lights.
         count: usize,
     },
 }
@@ -67,7 +67,7 @@ impl LightsFile {
     /// Reads and checks a lights file.
     ///
     /// # Errors
-    /// A file that cannot be read, is no lights file, or holds lights that cannot shine or too many.
+    /// A file that is unreadable, not a lights file, or holds invalid or too many lights.
     pub fn read(path: &Path) -> Result<Self, LightsError> {
         let text =
             input::read_text(path).map_err(|source| LightsError::Io { action: "read", path: path.into(), source })?;
@@ -77,7 +77,7 @@ impl LightsFile {
     /// Reads and checks the text of a lights file; `path` is for messages.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// See [`Self::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, LightsError> {
         let parse_error = |reason: String| LightsError::Parse { path: path.into(), reason };
         let root: Value = serde_json::from_str(text).map_err(|e| parse_error(e.to_string()))?;
@@ -93,7 +93,7 @@ impl LightsFile {
         Ok(file)
     }
 
-    /// Writes the file; what was there is kept until it is complete.
+    /// Writes the file; an old file stays until the new one is complete.
     ///
     /// # Errors
     /// Errors of the file system.
@@ -125,7 +125,7 @@ fn check_count(count: usize, path: &Path) -> Result<(), LightsError> {
     if count > MAX_LIGHTS { Err(LightsError::TooMany { path: path.into(), count }) } else { Ok(()) }
 }
 
-/// One light. A misspelt key is an error: it would leave a default in place of what was meant.
+/// Parses one light. An unknown key is an error: the intended value would silently be the default.
 fn read_light(value: &Value) -> Result<Light, String> {
     let light: Light = serde_json::from_value(value.clone()).map_err(|e| explained(value, &e))?;
     let own: Value = serde_json::to_value(&light).map_err(|e| e.to_string())?;

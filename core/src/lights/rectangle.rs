@@ -6,13 +6,13 @@ use glam::{Vec2, Vec3};
 /// A rectangle in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RectangleShape {
-    /// Its middle.
+    /// Its center.
     pub center: Vec3,
-    /// From the middle to that of an edge at the end of its width, horizontal.
+    /// Horizontal vector from its center to the middle of an edge, half its width.
     pub half_width: Vec3,
-    /// From the middle to that of an edge at the end of its height.
+    /// Vector from its center to the middle of an edge, half its height.
     pub half_height: Vec3,
-    /// Unit normal of the side that emits.
+    /// Unit normal of the emitting side.
     pub normal: Vec3,
 }
 
@@ -20,7 +20,7 @@ pub struct RectangleShape {
 const VERTICAL: f32 = 1e-4;
 
 impl RectangleShape {
-    /// That of a rectangular light; `None` for others, and where target and position are one point.
+    /// The shape of a rectangular light; `None` for other lights, and if target and position coincide.
     pub fn of(light: &Light) -> Option<Self> {
         let Emission::Rectangle { width, height } = light.emission else { return None };
         let normal = light.forward()?;
@@ -34,12 +34,12 @@ impl RectangleShape {
         })
     }
 
-    /// In m².
+    /// Area in m².
     pub fn area(&self) -> f32 {
         4.0 * self.half_width.length() * self.half_height.length()
     }
 
-    /// The four corners, around it.
+    /// The four corners, in order around it.
     pub fn corners(&self) -> [Vec3; 4] {
         let (w, h) = (self.half_width, self.half_height);
         [self.center - w - h, self.center + w - h, self.center + w + h, self.center - w + h]
@@ -50,7 +50,7 @@ impl RectangleShape {
         self.center + self.half_width * (2.0 * u.x - 1.0) + self.half_height * (2.0 * u.y - 1.0)
     }
 
-    /// Distance at which a ray meets the side that emits.
+    /// Distance at which a ray meets the emitting side.
     pub fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
         let toward = -direction.dot(self.normal);
         let distance = (origin - self.center).dot(self.normal) / toward;

@@ -1,15 +1,15 @@
-//! Radiometry of lights: what a point receives of each, by samples.
+//! Radiometry of lights: unoccluded light at a point, by samples.
 
 use super::{Disc, Emission, Light, RectangleShape};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Light that arrives at a point from one direction, if nothing is between.
+/// Light that arrives at a point from one direction, unless blocked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
     /// Unit direction from the point to the light.
     pub direction: Vec3,
-    /// Meters to it; infinite for directional lights.
+    /// Distance to the light in meters; infinite for directional lights.
     pub distance: f32,
     /// Irradiance in W/m² on a surface that faces the light, divided by the density of the sample: the mean over
     /// samples is the irradiance. It includes neither visibility nor the receiver's cosine.
@@ -21,22 +21,22 @@ pub struct LightSample {
 /// Hit of a ray on a light with an extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightHit {
-    /// Meters along the ray.
+    /// Distance along the ray in meters.
     pub distance: f32,
     /// Radiance toward the ray's origin in W/(m² sr).
     pub radiance: Vec3,
-    /// Density per solid angle at which [`Light::sample`] finds the direction.
+    /// Density per solid angle of [`Light::sample`] for this direction.
     pub pdf: f32,
 }
 
 impl Light {
-    /// The light that arrives at `point`. Lights without extent ignore `u`; rectangles sample their area uniformly by
-    /// `u` in [0, 1)², directional lights their disc. `None` where no light arrives: behind, outside the cone, switched off.
+    /// The light that arrives at `point`. Lights without extent ignore `u`; rectangles sample their area and directional lights
+    /// their disc uniformly by `u` in [0, 1)². `None` if no light arrives: from behind, outside the cone, or switched off.
     pub fn sample(&self, point: Vec3, u: Vec2) -> Option<LightSample> {
         self.sampler().sample(point, u)
     }
 
-    /// What samples it more than once.
+    /// A sampler for repeated use.
     pub fn sampler(&self) -> LightSampler<'_> {
         LightSampler { light: self, disc: Disc::of(self), cone: Cone::of(self) }
     }
@@ -54,7 +54,7 @@ impl Light {
         Some(LightHit { distance, radiance: self.intensity, pdf: distance * distance / (shape.area() * cos) })
     }
 
-    /// A bound of its power in W, for the choice between lights; directional ones fill a disc of `radius` meters.
+    /// Upper bound of its power in W, for the choice between lights; directional lights fill a disc of `radius` meters.
     pub fn power_bound(&self, radius: f32) -> f32 {
         let largest = self.intensity.max_element().max(0.0);
         let power = match self.emission {
@@ -88,26 +88,26 @@ impl Light {
     }
 }
 
-/// The cone of a spot.
+/// The cone of a spot light.
 #[derive(Clone, Copy, Debug)]
 struct Cone {
     axis: Vec3,
-    /// Cosine of the angle from the axis beyond which nothing is sent.
+    /// Cosine of the angle from the axis beyond which it emits nothing.
     edge: f32,
-    /// Cosine of the angle within which all is.
+    /// Cosine of the angle within which it emits fully.
     full: f32,
 }
 
 impl Cone {
-    /// `None` for other lights, and where target and position are one point.
+    /// `None` for other lights, and if target and position coincide.
     fn of(light: &Light) -> Option<Self> {
         let Emission::Spot { cone_degrees, penumbra_degrees } = light.emission else { return None };
         let [edge, full] = [cone_degrees, (cone_degrees - penumbra_degrees).max(0.0)].map(|a| a.to_radians().cos());
         Some(Self { axis: light.forward()?, edge, full })
     }
 
-    /// Share of the intensity that goes along `away`, which need not be unit: one on the axis, zero outside the cone, smooth
-    /// in the cosine between.
+    /// Share of the intensity along `away`, which need not be unit: one on the axis, zero outside the cone, smooth in
+    /// the cosine between.
     fn factor(&self, away: Vec3) -> f32 {
         let Some(away) = away.try_normalize() else { return 0.0 };
         let (cos, edge, full) = (self.axis.dot(away), self.edge, self.full);
@@ -122,7 +122,7 @@ impl Cone {
     }
 }
 
-/// Samples a light, of which it knows the [disc](Disc) or the cone if it has one.
+/// Samples a light, with its [disc](Disc) or cone precomputed.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSampler<'a> {
     light: &'a Light,

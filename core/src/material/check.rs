@@ -7,21 +7,21 @@ use crate::{
 };
 use thiserror::Error;
 
-/// Largest parameter of a material and number of a texture's transform: their products stay numbers of 32 bits.
-/// Parameters are clamped to their ranges after their maps, see [`Parameter::sanitized`](crate::brdf::Parameter::sanitized).
+/// Largest parameter of a material and number of a texture's transform, so that products stay within 32-bit floats. Parameters are
+/// clamped to their ranges after their maps, see [`Parameter::sanitized`](crate::brdf::Parameter::sanitized).
 pub const MOST_MATERIAL_NUMBER: f32 = 1e6;
 
-/// A number of a material that nothing can be computed with.
+/// A number of a material that is not finite or too large.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("its {what} {value} is no number from -{MOST_MATERIAL_NUMBER} to {MOST_MATERIAL_NUMBER}; correct it")]
+#[error("its {what} {value} is not a number from -{MOST_MATERIAL_NUMBER} to {MOST_MATERIAL_NUMBER}; correct it")]
 pub struct MaterialProblem {
-    /// Which number.
+    /// Name of the number.
     pub what: String,
-    /// What it is.
+    /// Its value.
     pub value: f32,
 }
 
-/// A name that no model knows.
+/// A name that no model has.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("unknown {what} `{name}`, expected one of {}", expected.join(", "))]
 pub struct UnknownName {
@@ -30,17 +30,17 @@ pub struct UnknownName {
     expected: Vec<String>,
 }
 
-/// Checks that each parameter and map is one of some model: materials keep those of models that they had.
+/// Checks that every parameter and map belongs to some model: materials keep those of earlier models.
 ///
 /// # Errors
-/// The first that is not, with the names of `model`.
+/// The first unknown name, with the names of `model`.
 pub(super) fn check_names<T>(
     model: BrdfModel,
     file: Option<&BrdfFile>,
     parameters: &Parameters,
     maps: &Maps<T>,
 ) -> Result<(), UnknownName> {
-    // What a file declares is known when it is read.
+    // Declared parameters are known only once the file is read.
     if file.is_some_and(|file| ContentKind::of(&file.path) == Some(ContentKind::Written)) {
         return Ok(());
     }
@@ -58,10 +58,10 @@ pub(super) fn check_names<T>(
 }
 
 impl Material {
-    /// Checks that all numbers are finite, and none so large that products of them are not.
+    /// Checks that all numbers are finite and small enough for their products to be finite.
     ///
     /// # Errors
-    /// The first number that is not.
+    /// The first number that fails.
     pub fn validate(&self) -> Result<(), MaterialProblem> {
         let parameters = self.parameters.iter().flat_map(|(name, value)| {
             let numbers = if BrdfModel::declared(name).is_some_and(|p| p.is_color()) { 3 } else { 1 };

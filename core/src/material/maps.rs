@@ -1,4 +1,4 @@
-//! The textures of a material, by the name of what they modulate.
+//! The textures of a material, by the name of the quantity they modulate.
 
 use crate::{
     brdf::{BrdfModel, Parameter},
@@ -15,12 +15,12 @@ pub const NORMAL: &str = "normal";
 /// The map of heights; `strength` is the height in meters of a texel of value one.
 pub const BUMP: &str = "bump";
 
-/// Names of the maps that materials of a model can have: one for each parameter, rendered or stored, and two for the normal.
+/// Names of the maps a material of a model can have: one per parameter, rendered or stored, and two for the normal.
 pub fn map_names(model: BrdfModel) -> impl Iterator<Item = &'static str> {
     model.parameters().iter().chain(model.stored_parameters()).map(|p| p.name).chain([NORMAL, BUMP])
 }
 
-/// Name of a map for people.
+/// Display name of a map.
 pub fn map_label(name: &'static str) -> &'static str {
     match name {
         NORMAL => "Normal map",
@@ -29,7 +29,7 @@ pub fn map_label(name: &'static str) -> &'static str {
     }
 }
 
-/// How the 8-bit texels of a map are meant unless something says otherwise: colors are sRGB encoded.
+/// Default color space of the 8-bit texels of a map: colors are sRGB encoded.
 pub fn map_color_space(name: &str) -> ColorSpace {
     if BrdfModel::declared(name).is_some_and(Parameter::is_color) { ColorSpace::Srgb } else { ColorSpace::Linear }
 }
@@ -37,7 +37,7 @@ pub fn map_color_space(name: &str) -> ColorSpace {
 /// Textures that modulate a material.
 pub type MaterialMaps = Maps<TextureSlot>;
 
-/// The slots of a material's maps: by the names of parameters, and [`NORMAL`] and [`BUMP`].
+/// The slots of a material's maps, named by parameter, [`NORMAL`] or [`BUMP`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Maps<T>(BTreeMap<Cow<'static, str>, T>);
@@ -49,7 +49,7 @@ impl<T> Maps<T> {
         self.0.get(name)
     }
 
-    /// The slot of a map, to be changed.
+    /// The slot of a map, mutable.
     pub fn get_mut(&mut self, name: &str) -> Option<&mut T> {
         self.0.get_mut(name)
     }
@@ -73,25 +73,25 @@ impl<T> Maps<T> {
         self.0.values()
     }
 
-    /// All slots, to be changed.
+    /// All slots, mutable.
     pub fn slots_mut(&mut self) -> impl Iterator<Item = &mut T> {
         self.0.values_mut()
     }
 
-    /// Keeps the slots that fulfil a condition.
+    /// Keeps the slots for which `condition` holds.
     pub fn retain(&mut self, mut condition: impl FnMut(&str, &mut T) -> bool) {
         self.0.retain(|name, slot| condition(name, slot));
     }
 
-    /// Converts the slots by `convert`, without those that it returns none for.
+    /// Converts the slots by `convert` and drops those for which it returns `None`.
     pub fn filter_map<U>(&self, mut convert: impl FnMut(&T) -> Option<U>) -> Maps<U> {
         Maps(self.0.iter().filter_map(|(name, slot)| Some((name.clone(), convert(slot)?))).collect())
     }
 
-    /// Converts the slots by `convert`, or returns its first error.
+    /// Converts the slots by `convert`, which may fail.
     ///
     /// # Errors
-    /// Those of `convert`.
+    /// The first error of `convert`.
     pub fn try_map<U, E>(&self, mut convert: impl FnMut(&str, &T) -> Result<U, E>) -> Result<Maps<U>, E> {
         let converted = self.0.iter().map(|(name, slot)| Ok((name.clone(), convert(name, slot)?)));
         Ok(Maps(converted.collect::<Result<_, E>>()?))
@@ -116,7 +116,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Maps<T> {
     }
 }
 
-/// Reads an object whose keys are names of maps, each at most once. Files may have `null` for no map.
+/// Reads an object whose keys are names of maps, each at most once. `null` means no map.
 struct MapsVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Deserialize<'de>> Visitor<'de> for MapsVisitor<T> {

@@ -1,26 +1,26 @@
-//! Parts of materials that only some have, which shaders leave out where no material has them. The CPU passes each by with a branch
-//! that is the same for all directions of a pixel.
+//! Optional parts of materials. Shaders omit a part that no material has. The CPU skips it by a branch that is the same
+//! for all directions of a pixel.
 
 use crate::material::Material;
 
-/// A part, brought by a parameter that is above zero.
+/// A part that a material has where a parameter is above zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialPart {
     /// Fresnel factors of conductors.
     Metal,
-    /// A clear layer over all.
+    /// A clear layer on top.
     Coat,
-    /// Fibers over all.
+    /// Fibers on top.
     Fuzz,
-    /// Light of their own.
+    /// Emitted light.
     Emission,
 }
 
 impl MaterialPart {
-    /// All of them.
+    /// All parts.
     pub const ALL: [Self; 4] = [Self::Metal, Self::Coat, Self::Fuzz, Self::Emission];
 
-    /// The constant that tells shaders whether any material has it.
+    /// The shader constant that says whether any material has the part.
     pub const fn constant(self) -> &'static str {
         match self {
             Self::Metal => "HAS_METAL",
@@ -30,7 +30,7 @@ impl MaterialPart {
         }
     }
 
-    /// The quantity of the parameter that brings it.
+    /// The quantity whose parameter turns the part on.
     const fn quantity(self) -> &'static str {
         match self {
             Self::Metal => "metalness",
@@ -40,7 +40,7 @@ impl MaterialPart {
         }
     }
 
-    /// Whether a material has it somewhere: a map may take it away, and never brings it.
+    /// Whether a material has the part anywhere: a map may remove it, but never adds it.
     pub fn is_in(self, material: &Material) -> bool {
         let brings = material.parameter_for(self.quantity());
         brings.is_some_and(|parameter| material.parameters.value(parameter).number() > 0.0)

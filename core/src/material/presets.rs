@@ -1,7 +1,7 @@
-//! Materials to start from.
+//! Material presets.
 //!
-//! Metals have the measured indices of refraction and extinction at 650, 550 and 450 nm, as refractiveindex.info publishes
-//! them; they are not fits. Of the others, the indices are those of the bulk material and the albedos those of common
+//! Metals have the measured indices of refraction and extinction at 650, 550 and 450 nm, as refractiveindex.info
+//! publishes them; they are not fits. The other presets use the index of the bulk material and the albedo of common
 //! samples: starting points, not measurements. Colors are linear.
 
 use super::{BrdfModel, Material, MaterialMaps};
@@ -9,39 +9,38 @@ use crate::brdf::{GgxParameters, Metal, OpenPbrParameters, OrenNayarParameters, 
 use glam::Vec3;
 use std::sync::LazyLock;
 
-/// A material to start from.
+/// A material preset.
 #[derive(Clone, Debug)]
 pub struct Preset {
-    /// Name for people.
+    /// Display name.
     pub name: &'static str,
-    /// What it is among.
+    /// Group in the list.
     pub group: &'static str,
-    /// Where the values are from, or what it looks like.
+    /// Where the values are from, or a description.
     pub source: &'static str,
     /// Reflectance model.
     pub model: BrdfModel,
-    /// Its values.
+    /// Parameter values.
     pub parameters: Parameters,
 }
 
 impl Preset {
-    /// `material` with this preset's model and values; name and sides stay, and maps and opacity unless
-    /// maps are to be cleared.
+    /// `material` with this preset's model and values. Name and sides stay; maps and opacity stay unless maps are to be cleared.
     pub fn applied_to(&self, material: &Material, clear_maps: bool) -> Material {
         let mut changed = material.clone();
-        // Maps of quantities that have another name in this model go along.
+        // Maps follow quantities that this model names differently.
         changed.change_model(self.model);
         changed.parameters = self.parameters.clone();
         if clear_maps {
             changed.maps = MaterialMaps::default();
         } else {
-            // A leaf stays cut out, and its bake stays true.
+            // A leaf stays cut out, and its bake stays valid.
             changed.take_opacity(material, |slot| Some(slot.clone()));
         }
         changed
     }
 
-    /// As a material of its own.
+    /// The preset as a new material.
     pub fn material(&self) -> Material {
         self.applied_to(&Material { name: self.name.into(), ..Default::default() }, true)
     }
@@ -60,7 +59,7 @@ fn pbr(group: &'static str, name: &'static str, source: &'static str, parameters
     Preset { name, group, source, model: BrdfModel::OpenPbr, parameters: parameters.into() }
 }
 
-/// The defaults of OpenPBR with a color, a roughness and an index.
+/// OpenPBR defaults with a color, a roughness and an index of refraction.
 fn dielectric(color: [f32; 3], roughness: f32, ior: f32) -> OpenPbrParameters {
     OpenPbrParameters { base_color: rgb(color), specular_roughness: roughness, specular_ior: ior, ..Default::default() }
 }

@@ -1,4 +1,4 @@
-//! Materials as surface points use them: what is the same at all points is worked out once an edit.
+//! Materials resolved for shading: everything equal at all points is computed once per edit.
 
 use super::{BUMP, Material, NORMAL};
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
 };
 use glam::{Vec3, Vec4};
 
-/// A material without names: its constants in their ranges, and the parameters that maps modulate.
+/// A material without names: its constants, clamped to their ranges, and the mapped parameters.
 #[derive(Clone, Debug)]
 pub struct ResolvedMaterial {
     model: BrdfModel,
@@ -19,20 +19,20 @@ pub struct ResolvedMaterial {
     roughness: Option<Place>,
     normal: Option<TextureSlot>,
     bump: Option<TextureSlot>,
-    /// Of a material without mapped parameters.
+    /// The point of a material without mapped parameters.
     constant: Option<MaterialPoint>,
 }
 
-/// A parameter of which each point has a value of its own.
+/// A parameter whose value varies from point to point.
 #[derive(Clone, Debug)]
 struct MappedParameter {
     place: Place,
-    /// The value that the map modulates, which may be out of range.
+    /// The value that the map modulates; may be out of range.
     value: Value,
     slot: TextureSlot,
 }
 
-/// Where the numbers of a parameter begin among all values.
+/// The position of a parameter's first number among all values.
 type Place = (usize, &'static Parameter);
 
 /// A material at one point.
@@ -44,7 +44,7 @@ pub struct MaterialPoint {
     pub base_color: Vec3,
     /// Perceptual roughness; 1 in models without one.
     pub roughness: f32,
-    /// Radiance that it sends by itself, in W/(m² sr).
+    /// Emitted radiance, in W/(m² sr).
     pub emission: Vec3,
 }
 
@@ -80,7 +80,7 @@ impl From<&Material> for ResolvedMaterial {
 }
 
 impl ResolvedMaterial {
-    /// All of some materials.
+    /// Resolves all `materials`.
     pub fn all(materials: &[Material]) -> Vec<Self> {
         materials.iter().map(Self::from).collect()
     }
@@ -91,9 +91,9 @@ impl ResolvedMaterial {
         self.constant.clone().unwrap_or_else(|| self.with_values(&self.values(sample)))
     }
 
-    /// Values of all parameters after their maps, within their ranges.
+    /// Values of all parameters after their maps, clamped to their ranges.
     ///
-    /// They are clamped here and nowhere later. Twin of `material_color` and `material_number` in `shaders/materials.wgsl`.
+    /// Values are clamped only here. Twin of `material_color` and `material_number` in `shaders/materials.wgsl`.
     pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
         let mut values = self.plain;
         for MappedParameter { place: (first, parameter), value, slot } in &self.mapped {

@@ -9,12 +9,12 @@ use std::{
 };
 use thiserror::Error;
 
-/// Most levels of a basis: the finest would have points closer than numbers of 32 bits can tell.
+/// Largest number of levels: the finest would have points too close for 32-bit floats.
 pub const MOST_LEVELS: usize = 16;
-/// Smallest and largest radius of support in meters: their squares are numbers of 32 bits, and so are those of distances.
+/// Smallest and largest radius of support in meters: their squares, and squared distances, fit 32-bit floats.
 const RADII: RangeInclusive<f32> = 1e-15..=4e9;
 
-/// Why points do not make a basis.
+/// Why points do not form a basis.
 #[derive(Debug, Error, PartialEq)]
 pub enum BasisError {
     /// Offsets that do not partition the points.
@@ -26,29 +26,28 @@ pub enum BasisError {
     /// Too many or too few sender levels.
     #[error("{sender_levels} of {levels} levels of the basis cannot send; bake it with 1 to {levels} sender levels")]
     SenderLevels {
-        /// How many sender levels were asked for.
+        /// The requested number of sender levels.
         sender_levels: usize,
         /// Number of levels.
         levels: usize,
     },
     /// A position that is not finite or too far, or a normal that is not of length 1.
-    #[error("point {point} of the basis has a position or normal that is no finite number in its range; bake it again")]
+    #[error("point {point} of the basis has a position or normal that is not finite or out of range; bake it again")]
     Point {
-        /// Which point.
+        /// Index of the point.
         point: usize,
     },
-    /// A radius that is not finite, not positive, or not within what squares can be taken of.
+    /// A radius that is not finite, not positive, or whose square is out of range.
     #[error("the radius of level {level} of the basis is {radius}, not a positive number in its range; bake it again")]
     Radius {
-        /// Which level, from 0.
+        /// The level, from 0.
         level: usize,
         /// Radius of support in meters.
         radius: f32,
     },
 }
 
-/// The functions of all levels, coarsest first. A function is centerd at a point and has support within a radius around
-/// it.
+/// The functions of all levels, coarsest first. A function is centered at a point and has support within a radius around it.
 #[derive(Clone)]
 pub struct Basis {
     points: Vec<Surfel>,
@@ -178,13 +177,12 @@ impl Basis {
         (size_of::<Surfel>() * self.points.len()) as u64
     }
 
-    /// Where the functions are found.
+    /// The grid for range queries.
     pub fn grid(&self) -> &FunctionGrid {
         &self.grid
     }
 
-    /// Calls `visit` with all functions of a level whose weight at a surface point is not zero, and that weight, before
-    /// normalization.
+    /// Calls `visit` for all functions of a level with nonzero weight at a surface point, with that weight before normalization.
     #[inline]
     pub fn for_each_weight(&self, level: usize, position: Vec3, normal: Vec3, visit: impl FnMut(u32, f32)) {
         let slot = self.grid.slot_at(level, position);
@@ -198,7 +196,7 @@ impl Basis {
         is_reached
     }
 
-    /// Appends all functions of a level that are not zero at a surface point, with their values there (meshless paper,
+    /// Appends all functions of a level that are nonzero at a surface point, with their values there (meshless paper,
     /// Eq. 2). The values sum to one, unless no function reaches the point.
     #[inline]
     pub fn values(&self, level: usize, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
@@ -222,7 +220,7 @@ impl Basis {
         self.evaluate_in(self.grid.slot_at(level, position), level, (position, normal), coefficients)
     }
 
-    /// [`Self::evaluate_level`] at a position whose slot of the grid is known, with a unit normal.
+    /// [`Self::evaluate_level`] at a position with a known slot of the grid, and a unit normal.
     #[inline]
     pub fn evaluate_in<T: Coefficient>(&self, slot: usize, level: usize, point: (Vec3, Vec3), coefficients: &[T]) -> T {
         let (mut sum, mut weights) = (T::ZERO, 0.0);

@@ -14,12 +14,12 @@ pub struct Flattening {
 }
 
 impl Flattening {
-    /// For points given by position and unit normal. Only functions with links are used; the others carry no light.
+    /// Weights for points given by position and unit normal. Only functions with links count; the others carry no light.
     pub fn new(basis: &Basis, transport: &Transport, points: &[(Vec3, Vec3)]) -> Self {
         Self::of_levels(basis, transport, basis.levels(), points)
     }
 
-    /// The same from the first `levels` levels only.
+    /// [`Self::new`] from the first `levels` levels only.
     pub fn of_levels(basis: &Basis, transport: &Transport, levels: usize, points: &[(Vec3, Vec3)]) -> Self {
         let linked = transport.linked();
         let weights = SparseRows::build(points.len(), |row, out| {

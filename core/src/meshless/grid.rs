@@ -1,9 +1,8 @@
 //! Range queries: a hash grid finds the functions of a level that reach a point (meshless paper, 2.1).
 //!
 //! The paper has an R-tree for each level, and draws each function over the pixels that it may reach (4.1). Here the
-//! loop is turned round: a point looks up its cell of each level, which lists all functions whose support overlaps it.
-//! The lists are plain arrays, so that pixels of a graphics adapter read them as well. Twin of
-//! `shaders/meshless_pass.wgsl`.
+//! loop is reversed: a point looks up its cell of each level, which lists all functions whose support overlaps it. The
+//! lists are plain arrays, so shaders read them as well. Twin of `shaders/meshless_pass.wgsl`.
 
 use crate::{
     simd::{InstructionSet, Kernel, Lanes, Vec3x8},
@@ -17,8 +16,8 @@ use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 use std::{array::from_fn, ops::Range};
 
-/// Cells along the radius of a level's functions. Finer cells list fewer functions that do not reach a point, and take
-/// more memory: with 2, a point looks at 1.7 functions for each that reaches it, with 1 at 2.6.
+/// Cells along the radius of a level's functions. Finer cells list fewer functions that miss a point, but take more
+/// memory: with 2, a point tests 1.7 functions for each that reaches it, with 1 it tests 2.6.
 const CELLS_PER_RADIUS: f32 = 1.0;
 /// Factor of the squared height above a point's plane that is added to its squared distance.
 const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
@@ -27,7 +26,7 @@ const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Cell {
-    /// Its place in units of the level's cells.
+    /// Its coordinates in cells of its level.
     pub place: [i32; 3],
     /// Its level.
     pub level: u32,
@@ -35,7 +34,7 @@ pub struct Cell {
     pub first: u32,
     /// Number of its entries; 0 in a slot without a cell.
     pub count: u32,
-    /// To a multiple of 16 bytes.
+    /// Pads the size to a multiple of 16 bytes.
     pub padding: [u32; 2],
 }
 
@@ -45,11 +44,11 @@ type Eight = [Vec3x8; 2];
 /// Cells of all levels in one table.
 #[derive(Clone, Default)]
 pub struct FunctionGrid {
-    /// Slots, a power of two of them. A cell is in the first free one from its hash on.
+    /// Slots; their number is a power of two. A cell is in the first free slot from its hash on.
     slots: Vec<Cell>,
     /// Functions, cell by cell, ascending.
     entries: Vec<u32>,
-    /// The points of the entries, eight at a time, of 192 bytes; a cell starts an eight of its own.
+    /// The points of the entries, eight at a time, of 192 bytes; each cell starts a new eight.
     eights: Vec<Eight>,
     /// The first eight of the cell in each slot.
     first_eight: Vec<u32>,
@@ -58,7 +57,7 @@ pub struct FunctionGrid {
 }
 
 impl FunctionGrid {
-    /// A grid over functions, which are given by `levels` of `points` with their `radii`.
+    /// A grid over the functions at `points`, in `levels` with `radii`.
     pub(super) fn new(points: &[Surfel], levels: &[Range<usize>], radii: &[f32]) -> Self {
         let cells_per_metre: Vec<f32> = radii.iter().map(|radius| CELLS_PER_RADIUS / radius).collect();
         let of_level = |level: usize| entries_of(points, levels[level].clone(), radii[level], cells_per_metre[level]);
@@ -88,7 +87,7 @@ impl FunctionGrid {
         }
     }
 
-    /// The slot of a cell, or the free one where it would be. There is always one, for half of them are free.
+    /// The slot of a cell, or the free slot for it. Half of the slots are free, so there is always one.
     #[inline(always)]
     fn slot(&self, place: IVec3, level: u32) -> usize {
         let last = self.slots.len() - 1;
@@ -99,21 +98,21 @@ impl FunctionGrid {
         slot
     }
 
-    /// The slot of the cell of a level that a position is in.
+    /// The slot of a level's cell at a position.
     #[inline(always)]
     pub fn slot_at(&self, level: usize, position: Vec3) -> usize {
         self.slot(place(position, self.cells_per_metre[level]), level as u32)
     }
 
-    /// The functions of the cell in a slot: those of its level that may reach positions in it. All others have no weight
-    /// there.
+    /// The functions of the cell in a slot: the functions of its level that may reach positions in it. All others have
+    /// no weight there.
     #[inline(always)]
     pub fn functions_in(&self, slot: usize) -> &[u32] {
         let cell = &self.slots[slot];
         &self.entries[cell.first as usize..(cell.first + cell.count) as usize]
     }
 
-    /// Visits the functions of the cell in a slot that reach a point, of a unit normal, with their weights there.
+    /// Calls `visit` for the functions of the cell in a slot that reach a point of a unit normal, with their weights there.
     #[inline]
     pub(super) fn for_each_weight(&self, slot: usize, radius: f32, point: (Vec3, Vec3), visit: impl FnMut(u32, f32)) {
         InstructionSet::widest().run(Weights { grid: self, slot, radius, point, visit });
@@ -161,7 +160,7 @@ fn half_extents(normal: Vec3, radius: f32) -> Vec3 {
     Vec3::from(squares.to_array().map(f32::sqrt)) * radius + radius * SLACK
 }
 
-/// The cell of a position. Numbers beyond an `i32` are as its largest.
+/// The cell of a position, clamped to the range of `i32`.
 #[inline(always)]
 fn place(position: Vec3, cells_per_metre: f32) -> IVec3 {
     (position * cells_per_metre).floor().as_ivec3()
@@ -225,13 +224,13 @@ fn weight_x8<L: Lanes>(
     if is_reached.to_bitmask() == 0 {
         return L::splat(0.0);
     }
-    // As [`super::distance::same_layer`].
+    // As in [`super::distance::same_layer`].
     let step = L::splat(0.5) * offset.dot(normal + axis).abs() / L::splat(radius);
     let layer = L::splat(LEAST_WEIGHT) + L::splat(1.0 - LEAST_WEIGHT) * kernel_x8(L::splat(LAYERS) * step);
     (kernel_x8(distance_sq.sqrt() / L::splat(radius)) * layer * facing * facing) & is_reached
 }
 
-/// [`super::distance::kernel`] of eight distances.
+/// [`super::distance::kernel`] for eight distances.
 #[inline(always)]
 fn kernel_x8<L: Lanes>(t: L) -> L {
     let t = t.fast_min(L::splat(1.0));

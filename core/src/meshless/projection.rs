@@ -1,4 +1,4 @@
-//! Coefficients of a function that was sampled at the points of the basis (meshless paper, 2.1 and 2.4).
+//! Coefficients of a function sampled at the points of the basis (meshless paper, 2.1 and 2.4).
 
 use super::basis::Basis;
 use crate::{sparse::SparseRows, transport::Coefficient};
@@ -20,7 +20,7 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// For the first `levels` levels of a basis.
+    /// The projection for the first `levels` levels of a basis.
     pub fn new(basis: &Basis, levels: usize) -> Self {
         let level_of = |i: usize| (0..levels).find(|&l| basis.level(l).contains(&i)).unwrap_or(0);
         let coarser = SparseRows::build(basis.first_levels(levels).len(), |i, out| {
@@ -58,7 +58,7 @@ impl Projection {
         coefficients
     }
 
-    /// The same for samples that are first averaged from fine to coarse, so that each level carries the deviations from
+    /// [`Self::coarse_to_fine`] for samples first averaged from fine to coarse, so that each level carries the deviations from
     /// local averages ("pull-push", `P↑↓` of the meshless paper). A function without children keeps its sample.
     ///
     /// # Panics

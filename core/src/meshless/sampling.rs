@@ -1,12 +1,12 @@
 //! Direct light on the senders and their reflectance, from finer points.
 //!
-//! The irradiance at a sender's point differs from that of its surroundings, because edges of light and shadows cross
-//! them. In a furnished room under a spot, the senders' own points receive 1.00 to 1.014 of its light, depending on the
-//! basis. The points of the next finer level are about three times as many and give better means. (In the paper, 2.4,
-//! each level is averaged from the next finer one, except for the finest sender level.)
+//! The irradiance at a sender's point differs from its surroundings' irradiance, because edges of light and shadows
+//! cross them. In a furnished room under a spot, the senders' own points receive 1.00 to 1.014 of its light, depending
+//! on the basis. The points of the next finer level are about three times as many and give better means. (In the paper,
+//! 2.4, each level is averaged from the next finer one, except for the finest sender level.)
 //!
-//! Means blur an edge twice: once as means, and once more as smooth functions that overlap. That darkens surfaces close
-//! to the edge by 4 to 7 %. So senders are fitted: the residual of their sum at the points is added, by the same means.
+//! Means blur an edge twice: by averaging, and by the overlap of smooth functions. That darkens surfaces close to the
+//! edge by 4 to 7 %. So senders are fitted: the residual of their sum at the points is added, by the same means.
 
 use super::{
     basis::Basis,
@@ -26,11 +26,11 @@ use std::ops::Range;
 /// room is 0.084, 0.088 and 0.086 without fitting, and 0.071, 0.077 and 0.078 with it.
 const FITTING_STEPS: usize = 2;
 
-/// Rays per sample that measure its openness, and their length in radii of the finest senders: about the width of gaps
-/// that light does not leave.
+/// Rays per sample that measure its openness. Their length is given in radii of the finest senders, about the width of
+/// gaps that light does not leave.
 const OPENNESS_RAYS: usize = 32;
 const OPENNESS_REACH: f32 = 0.25;
-/// Smallest weight of a sample, so that senders within gaps have their own light.
+/// Smallest weight of a sample, so that senders within gaps keep their own light.
 const LEAST_OPENNESS: f32 = 0.02;
 
 /// The points at which direct light and reflectance are sampled for the senders.
@@ -39,14 +39,14 @@ pub struct SenderSamples {
     points: Vec<Surfel>,
     /// For every sender: samples and their shares, which sum to one. Empty for senders that are means of finer senders.
     shares: SparseRows,
-    /// For every sample: the values of the finest senders there, and of the others.
+    /// For every sample: the values of the finest senders there, and of the other senders.
     finest: SparseRows,
     coarser: SparseRows,
 }
 
 impl SenderSamples {
-    /// Samples at the points of the first level that does not send, and at those of senders without finer functions
-    /// under them. `solver` belongs to the bake of the basis.
+    /// Samples at the points of the first level that does not send, and at points of senders without finer functions
+    /// below. `solver` belongs to the bake of the basis.
     pub fn new(basis: &Basis, solver: &Solver) -> Self {
         let levels = basis.sender_levels();
         let (finest, finer) = (basis.level(levels - 1), levels..basis.levels().min(levels + 1));
@@ -74,7 +74,7 @@ impl SenderSamples {
         Self { points, shares, finest, coarser }
     }
 
-    /// The same, weighted by openness on any surface; see [`Self::by_openness`].
+    /// [`Self::new`] with weights by openness on any surface; see [`Self::by_openness`].
     pub fn on_surface(basis: &Basis, solver: &Solver, surface: &dyn Surface) -> Self {
         let is_free = |point: &Surfel, direction: Vec3, within: f32| {
             let origin = point.position + point.normal * surface.offset();
@@ -83,9 +83,9 @@ impl SenderSamples {
         Self::new(basis, solver).by_openness(basis, is_free)
     }
 
-    /// Weights each sample by how much of the room it sees. Points in a gap between two walls are dark; a mean with
-    /// them would make the wall in front of the gap send too little. `is_free` tells whether a ray from a surfel in a
-    /// direction hits nothing within a distance in meters.
+    /// Weights each sample by the share of the room that it sees. Points in a gap between two walls are dark; a mean
+    /// with them would make the wall in front of the gap send too little. `is_free` returns whether a ray from a surfel
+    /// in a direction is unblocked for a distance in meters.
     pub fn by_openness(mut self, basis: &Basis, is_free: impl Fn(&Surfel, Vec3, f32) -> bool + Sync) -> Self {
         let reach = OPENNESS_REACH * basis.radii()[basis.sender_levels() - 1];
         let directions = cosine_directions(OPENNESS_RAYS);
@@ -128,7 +128,7 @@ impl SenderSamples {
         (fitted, albedo)
     }
 
-    /// Values of the senders whose projection is close to `values` at the samples, starting from their means.
+    /// Values of the senders with a projection close to `values` at the samples, starting from their means.
     fn fitted(&self, projection: &Projection, values: &[Vec3], means: &[Vec3]) -> Vec<Vec3> {
         let mut fitted = means.to_vec();
         let projected = projection.pull_push(means);
@@ -249,7 +249,7 @@ mod tests {
         };
         assert!((sent(all()) - 0.5).abs() < 1e-3, "negative control: both count the same");
         assert!((sent(by_openness(0.0)) - 1.0 / (1.0 + LEAST_OPENNESS)).abs() < 2e-3);
-        // A cosine of half and less has a quarter of the hemisphere, by the cosine.
+        // Directions of a cosine of half or less make up a quarter of the hemisphere, weighted by cosine.
         assert!((sent(by_openness(0.5)) - 0.8).abs() < 0.02, "{}", sent(by_openness(0.5)));
     }
 

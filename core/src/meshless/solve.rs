@@ -1,12 +1,11 @@
-//! Direct light to indirect light, whenever a light moves or a color is edited (meshless paper, 3.3).
+//! Solves indirect light from direct light, whenever a light moves or a color changes (meshless paper, 3.3).
 //!
-//! Reflectance is applied here and nowhere before. Radiosity is sampled at the points of the senders, projected, and
-//! sent once through the operator. What arrives at the senders is sent again, bounce by bounce. Projecting radiosity
-//! rather than irradiance makes a coarse sender carry the mean radiosity under it, not the color of its point.
+//! Reflectance is applied only here. Radiosity is sampled at the points of the senders, projected, and sent once
+//! through the operator. The light that arrives at the senders is sent again, bounce by bounce. Projecting radiosity
+//! rather than irradiance makes a coarse sender carry the mean radiosity below it, not the color of its point.
 //!
-//! Intermediate bounces are gathered by the functions of the sender levels alone, because senders carry nothing finer.
-//! The sum of all that was sent reaches the finer receivers at once. The paper ends the second and later bounces at the
-//! coarsest level.
+//! Intermediate bounces are gathered by the functions of the sender levels alone, because senders carry nothing finer. The sum of
+//! all sent light then reaches the finer receivers at once. The paper ends the second and later bounces at the coarsest level.
 
 use super::{MeshlessBake, Transport, flatten::Flattening, projection::Projection, transport::irradiance};
 use crate::transport::{BounceEnergy, LightTransport, Series, Surfaces};
@@ -19,14 +18,14 @@ use std::{f32::consts::FRAC_1_PI, ops::Range};
 pub struct SolveSettings {
     /// Indirect bounces, 1 to [`Self::MOST_BOUNCES`].
     pub bounces: u32,
-    /// Senders are skipped whose coefficient is at most this share of the mean over all senders. (The largest would be
-    /// no measure: a lamp close to a surface makes one that dwarfs all others.)
+    /// Senders are skipped if their coefficient is at most this share of the mean over all senders. (The largest would
+    /// be no measure: a lamp close to a surface makes one far larger than all others.)
     pub threshold: f32,
 }
 
 impl SolveSettings {
-    /// In a closed room of reflectance one the light of bounces never decreases. This many are enough for a reflectance
-    /// of 0.9, where the 64th bounce carries a thousandth of the first.
+    /// In a closed room of reflectance one the light of bounces never decreases. This many suffice for a reflectance of
+    /// 0.9, where the 64th bounce carries a thousandth of the first.
     pub const MOST_BOUNCES: u32 = 64;
 
     /// The paper's four bounces. The paper's threshold is 0.025 of the light's unit; this one causes no visible error.
@@ -45,8 +44,8 @@ pub struct Solution {
     /// Vector irradiance in W/m², one per function, one column per color channel.
     pub coefficients: Vec<Mat3A>,
     /// Mean irradiance over the surface, in W/m² per channel: of direct light, then of each bounce. It is taken at the
-    /// points of the finest senders, each weighted by the area of its function, because points are denser at edges and
-    /// on small objects. So it is proportional to the energy that arrives.
+    /// points of the finest senders, weighted by the areas of their functions, because points are denser at edges and
+    /// on small objects. So it is proportional to the arriving energy.
     pub mean_irradiance: Vec<Vec3>,
 }
 
@@ -57,22 +56,22 @@ impl Solution {
     }
 }
 
-/// Data that solving needs beside the bake, computed once per bake.
+/// Data for solving in addition to the bake, computed once per bake.
 #[derive(Clone, Debug)]
 pub struct Solver {
     pub(super) projection: Projection,
     at_senders: Flattening,
-    /// Normals by which the points of the senders receive.
+    /// Normals at which the points of the senders receive.
     normals: Vec<Vec3>,
 }
 
 impl Solver {
-    /// For a bake whose points receive light by their own normals.
+    /// A solver for points that receive light at their own normals.
     pub fn new(bake: &MeshlessBake) -> Self {
         Self::receiving_by(bake, bake.basis.sender_points().iter().map(|p| p.normal).collect())
     }
 
-    /// For points of senders that receive light by other unit normals, such as smooth shading normals.
+    /// A solver for points of senders that receive light at other unit normals, such as smooth shading normals.
     ///
     /// # Panics
     /// If there is not one normal per sender.
@@ -92,7 +91,7 @@ impl Solver {
     /// reflectance is clamped to 0 to 1.
     ///
     /// # Panics
-    /// If there is not one of each per sender, or if the bake is not the one that the solver was made for.
+    /// If there is not one of each per sender, or if the bake is not the solver's.
     pub fn solve(
         &self,
         bake: &MeshlessBake,
@@ -103,10 +102,10 @@ impl Solver {
         self.solve_with_emission(bake, irradiance, reflectance, &vec![Vec3::ZERO; irradiance.len()], settings)
     }
 
-    /// [`Self::solve`] where the senders also send radiance by themselves, `emission` in W/(m² sr).
+    /// [`Self::solve`] with senders that also emit radiance, `emission` in W/(m² sr).
     ///
     /// # Panics
-    /// As [`Self::solve`].
+    /// See [`Self::solve`].
     pub fn solve_with_emission(
         &self,
         bake: &MeshlessBake,
@@ -148,7 +147,7 @@ impl Solver {
     }
 }
 
-/// The operator from the senders that are bright enough.
+/// The operator restricted to senders above the threshold.
 struct BrightSenders<'a> {
     transport: &'a Transport,
     /// See [`SolveSettings::threshold`].
@@ -198,7 +197,7 @@ impl Surfaces<BrightSenders<'_>> for SenderSurfaces<'_> {
     }
 }
 
-/// 0 to 1 per channel.
+/// Reflectance clamped to 0 to 1 per channel; 0 if not finite.
 pub(super) fn usable_reflectance(rho: Vec3) -> Vec3 {
     usable(rho).min(Vec3::ONE)
 }
@@ -223,7 +222,7 @@ mod tests {
     #[test]
     fn means_are_over_area_and_not_over_points() {
         let at = |x: f32, z: f32| Surfel { position: Vec3::new(x, 0.0, z), ..Default::default() };
-        // One coarse function with nine finer ones under it, and another with one.
+        // One coarse function above nine finer ones, and another above one.
         let mut fine: Vec<Surfel> =
             (0..9).map(|i| at(0.1 * (i % 3) as f32 - 0.1, 0.1 * (i / 3) as f32 - 0.1)).collect();
         fine.push(at(10.0, 0.0));

@@ -1,4 +1,4 @@
-//! The basis, its projections and the solver on surfaces where the answer is known.
+//! The basis, its projections and the solver on surfaces with known answers.
 
 use super::*;
 use crate::{

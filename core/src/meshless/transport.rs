@@ -5,8 +5,8 @@
 //! bounce gives receiver `i` the vector irradiance `Σ_j T_ij (ρ E)_j / π`, and irradiance is its dot product with the
 //! normal. The meshless paper includes the reflectance and the factor `1 / π` in its links (Eq. 16).
 //!
-//! Links are stored by band of receivers and, within a band, by sender. One thread does a band, or some of its senders,
-//! so no locks are needed. Senders without light are skipped, and the order of summation does not depend on threads.
+//! Links are stored by band of receivers and, within a band, by sender. One thread processes a band, or some of its senders, so no
+//! locks are needed. Senders without light are skipped, and the order of summation is independent of threads.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3A, Vec3, Vec3A};
@@ -30,7 +30,7 @@ pub struct PackedLink {
     pub vector: [i16; 3],
 }
 
-/// Why stored links do not make an operator.
+/// Why stored links do not form an operator.
 #[derive(Debug, Error, PartialEq)]
 #[error("the links of the light transport do not fit its {receivers} receivers and {senders} senders; bake it again")]
 pub struct TransportError {
@@ -147,7 +147,7 @@ impl Transport {
         })
     }
 
-    /// For each receiver: whether it has a link. Receivers without links never get light of their own.
+    /// For each receiver: whether it has a link. Receivers without links never get their own light.
     pub fn linked(&self) -> Vec<bool> {
         let mut linked = vec![false; self.receivers];
         self.links().for_each(|(_, receiver, _)| linked[receiver] = true);
@@ -168,8 +168,8 @@ impl Transport {
         received
     }
 
-    /// Adds what a part receives from the lit senders within a range. A range with many links is halved by sender, each
-    /// half with its own sums; where it is halved does not depend on which senders are lit.
+    /// Adds the light that a part receives from the lit senders within a range. A range with many links is halved by
+    /// sender, each half with its own sums; the split does not depend on which senders are lit.
     fn add_received(&self, senders: Range<usize>, lit: &[(usize, Vec3)], part: BandPart) {
         let offsets = &self.offsets[part.band * self.senders..];
         let [first, end] = [offsets[senders.start], offsets[senders.end]];
@@ -188,7 +188,7 @@ impl Transport {
         received.iter_mut().zip(&second).for_each(|(sum, other)| *sum += *other);
     }
 
-    /// By the offsets of the band.
+    /// Adds received light by the offsets of the band.
     fn add_received_of(&self, offsets: &[u32], lit: &[(usize, Vec3)], part: BandPart) {
         for &(sender, radiance) in lit {
             for link in &self.links[offsets[sender] as usize..offsets[sender + 1] as usize] {
@@ -208,7 +208,7 @@ impl Transport {
 /// Successive receivers of a band.
 struct BandPart<'a> {
     band: usize,
-    /// The first of them, in the band.
+    /// Index of the first one within the band.
     first: usize,
     received: &'a mut [Mat3A],
 }
@@ -225,7 +225,7 @@ fn bands_of(receivers: Range<usize>, mut received: &mut [Mat3A]) -> Vec<BandPart
     parts
 }
 
-/// The part of the ascending senders that is in a range.
+/// The part of the ascending senders within a range.
 fn within(lit: &[(usize, Vec3)], senders: Range<usize>) -> &[(usize, Vec3)] {
     let before = |sender: usize| lit.partition_point(|&(lit, _)| lit < sender);
     &lit[before(senders.start)..before(senders.end)]

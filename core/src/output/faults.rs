@@ -1,5 +1,5 @@
-//! Failures of the file system, for tests: `LAPIDARY_TEST_FAULT="3 no-space"` makes the third file fail that a process
-//! writes. Only the feature `test-faults` has them.
+//! Injected failures of the file system, for tests: `LAPIDARY_TEST_FAULT="3 no-space"` fails the third file that a
+//! process writes. Only in builds with the feature `test-faults`.
 
 use std::{
     io::{self, Write},
@@ -9,22 +9,22 @@ use std::{
     },
 };
 
-/// How the writing of a file fails.
+/// Kind of failure in writing a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// All but half of its last part is written.
+    /// The second half of its last part is missing.
     Short,
-    /// All but half of its last part is written, then the disk is full.
+    /// The second half of its last part is missing, because the disk is full.
     NoSpace,
     /// All bytes are written, and the file keeps its temporary name.
     Rename,
 }
 
-/// What happens to the file that is about to be written.
+/// The failure of the next file, if any.
 #[derive(Clone, Copy, Debug)]
 pub struct Fault(Option<Kind>);
 
-/// That of the next file of this process.
+/// The fault for the next file of this process.
 pub fn next() -> Fault {
     static WRITTEN: AtomicUsize = AtomicUsize::new(0);
     static WANTED: OnceLock<Option<(usize, Kind)>> = OnceLock::new();
@@ -45,10 +45,10 @@ fn parse(text: &str) -> Option<(usize, Kind)> {
 }
 
 impl Fault {
-    /// Fails in writing, if it is to.
+    /// Writes, unless this fault is in writing.
     ///
     /// # Errors
-    /// The failure.
+    /// The injected failure.
     pub fn write(self, file: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
         let error = match self.0 {
             Some(Kind::Short) => io::ErrorKind::WriteZero.into(),
@@ -59,10 +59,10 @@ impl Fault {
         Err(error)
     }
 
-    /// Fails in renaming, if it is to.
+    /// Fails if this fault is in renaming.
     ///
     /// # Errors
-    /// The failure.
+    /// The injected failure.
     pub fn rename(self) -> io::Result<()> {
         if self.0 == Some(Kind::Rename) { Err(io::ErrorKind::PermissionDenied.into()) } else { Ok(()) }
     }

@@ -116,11 +116,11 @@ fn links_pipes_and_sockets_stay_what_they_are() {
     assert_eq!(fs::read(path("target")).unwrap(), b"old");
     assert!(fs::symlink_metadata(path("link")).unwrap().is_symlink() && !path("nowhere").exists());
     assert!(fs::symlink_metadata(path("fifo")).unwrap().file_type().is_fifo());
-    // An input that is a pipe is not waited for.
+    // A pipe as input is not opened.
     check_output(&path("target"), &[&path("fifo")]).unwrap();
 }
 
-/// Only asked about: whoever tests as root could replace it.
+/// Only checks: a test run as root could replace it.
 #[test]
 #[cfg(target_os = "linux")]
 fn devices_are_no_outputs() {

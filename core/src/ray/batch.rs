@@ -1,11 +1,9 @@
 //! Occlusion of a whole direction set from one origin.
 //!
-//! A packet walks the box hierarchy once for its 64 rays. A box is dropped if one bounding plane of the packet, or for
-//! each group of eight one of the group's own, has it wholly outside, or if no ray of the group enters it: where triangles
-//! are small against the distance between rays, most boxes slip between. Leaves are tested eight triangles and eight rays
-//! at a time.
-//! The box tests only ever drop boxes that no ray enters, so the result is that of tracing each ray alone.
-//! The walk is a [`Kernel`], for the widest instructions that the machine has.
+//! A packet walks the box hierarchy once for its 64 rays. A box is dropped if a bounding plane of the packet or of a group of
+//! eight excludes it, or if no ray of the group enters it. Where triangles are small compared to the distance between rays, most
+//! boxes lie between rays. Leaves are tested eight triangles and eight rays at a time. The box tests drop only boxes that no ray
+//! enters, so the result equals tracing each ray alone. The walk is a [`Kernel`], for the widest instructions of the machine.
 
 use super::{
     DirectionSet, Intersector, OPEN,
@@ -16,15 +14,14 @@ use crate::simd::{InstructionSet, Kernel, Lanes, Vec3x8};
 use glam::Vec3;
 use obvhs::bvh2::node::Bvh2Node;
 
-/// Which rays of a packet are still under way: eight bits a group.
+/// Active rays of a packet: eight bits per group.
 pub(super) type Active = [u8; GROUPS];
 
 impl Intersector {
-    /// Traces all directions for which `wanted` holds from `origin`, and sets `visible[i]` of those that meet nothing
-    /// to [`OPEN`]. Other entries are left alone. Returns the number of rays traced.
+    /// Traces all directions for which `wanted` holds from `origin`, and sets `visible[i]` of unblocked ones to
+    /// [`OPEN`]. Other entries stay unchanged. Returns the number of rays traced.
     ///
-    /// `wanted` gets a direction; it must be cheap. `visible` has one entry per direction, in the order in which the
-    /// set was made.
+    /// `wanted` gets a direction; it must be cheap. `visible` has one entry per direction, in the order of the set's creation.
     pub fn trace_batch(
         &self,
         origin: Vec3,
@@ -61,8 +58,8 @@ fn wanted_rays(packet: &Packet, wanted: &impl Fn(Vec3) -> bool) -> Active {
     active
 }
 
-/// Walks the hierarchy for a packet of rays or, if `SEGMENTS`, of segments whose ends are `origin + ray`: what lies beyond
-/// these does not count. Gives the rays of `active` that meet nothing.
+/// Walks the hierarchy for a packet of rays or, if `SEGMENTS`, of segments with ends `origin + ray`, beyond which
+/// nothing counts. Returns the unblocked rays of `active`.
 pub(super) struct Walk<'a, const SEGMENTS: bool> {
     pub scene: &'a Intersector,
     pub packet: &'a Packet,
@@ -116,13 +113,13 @@ pub(super) fn nearer_child(nodes: &[Bvh2Node], first: u32, axis: Vec3) -> u32 {
     u32::from(along(&nodes[first as usize + 1]) < along(&nodes[first as usize]))
 }
 
-/// Groups with at least one ray under way, one bit each.
+/// Groups with at least one active ray, one bit each.
 #[inline(always)]
 fn live_groups(active: &Active) -> u8 {
     (0..GROUPS).fold(0, |mask, g| mask | u8::from(active[g] != 0) << g)
 }
 
-/// Which of `groups` have an active ray that may enter the node's box.
+/// The subset of `groups` with an active ray that may enter the node's box.
 #[inline(always)]
 fn reached_groups<const SEGMENTS: bool, L: Lanes>(
     packet: &Packet,
@@ -144,7 +141,7 @@ fn reached_groups<const SEGMENTS: bool, L: Lanes>(
     entered_groups::<SEGMENTS, L>(packet, min, max, groups & !outside, active)
 }
 
-/// Which of `groups` have an active ray that enters the box, ray by ray.
+/// The subset of `groups` with an active ray that enters the box, ray by ray.
 #[inline(always)]
 fn entered_groups<const SEGMENTS: bool, L: Lanes>(
     packet: &Packet,
@@ -164,7 +161,7 @@ fn entered_groups<const SEGMENTS: bool, L: Lanes>(
     entered
 }
 
-/// Where eight rays enter a box and leave it, in their lengths: the slab test. Those that leave before they enter miss it.
+/// Entry and exit of eight rays into a box, in ray lengths: the slab test. A ray whose exit comes before its entry misses.
 #[inline(always)]
 pub(super) fn entry_and_exit<L: Lanes>(inverse: Vec3x8<L>, min: Vec3x8<L>, max: Vec3x8<L>) -> (L, L) {
     let (a, b) = (min.scale(inverse), max.scale(inverse));
@@ -173,7 +170,7 @@ pub(super) fn entry_and_exit<L: Lanes>(inverse: Vec3x8<L>, min: Vec3x8<L>, max: 
     (near.fast_max(L::splat(0.0)), far)
 }
 
-/// Which of eight rays enter the box, one bit each, with a margin above the rounding of the slab test.
+/// Mask of eight rays that enter the box, with a margin above the rounding of the slab test.
 #[inline(always)]
 pub(super) fn entering<const SEGMENTS: bool, L: Lanes>((entry, exit): (L, L)) -> u8 {
     let margin = L::splat(1.0 + 1e-6);
@@ -190,7 +187,7 @@ fn beyond<L: Lanes>(planes: &Vec3x8, center: Vec3x8<L>, half: Vec3x8<L>) -> u8 {
     (planes.dot(center) - extent).simd_gt(L::splat(0.0)).to_bitmask() as u8
 }
 
-/// Ends the rays of `groups` that cross any of eight triangles.
+/// Deactivates the rays of `groups` that cross any of eight triangles.
 #[inline(always)]
 fn block<const SEGMENTS: bool, L: Lanes>(packet: &Packet, triangles: &BlockFrom<L>, groups: u8, active: &mut Active) {
     let mut near = triangles.near_cone(Vec3x8::splat(packet.axis), L::splat(packet.sin_sq));
@@ -213,7 +210,7 @@ fn block<const SEGMENTS: bool, L: Lanes>(packet: &Packet, triangles: &BlockFrom<
     }
 }
 
-/// Which of eight rays cross the triangle, one bit each; the same arithmetic as [`super::triangle::TriangleFrom::crosses`].
+/// Mask of eight rays that cross the triangle, by the arithmetic of [`super::triangle::TriangleFrom::crosses`].
 #[inline(always)]
 pub(super) fn crossings<L: Lanes>(rays: Vec3x8<L>, edges: &[Vec3x8<L>; 3]) -> u8 {
     let zero = L::splat(0.0);
@@ -221,8 +218,7 @@ pub(super) fn crossings<L: Lanes>(rays: Vec3x8<L>, edges: &[Vec3x8<L>; 3]) -> u8
     (a.simd_ge(zero) & b.simd_ge(zero) & c.simd_ge(zero)).to_bitmask() as u8
 }
 
-/// Which of eight segments end beyond a plane, one bit each; the same arithmetic as
-/// [`super::triangle::TriangleFrom::crosses_before`].
+/// Mask of eight segments that end beyond a plane, by the arithmetic of [`super::triangle::TriangleFrom::crosses_before`].
 #[inline(always)]
 pub(super) fn passing<L: Lanes>(segments: Vec3x8<L>, plane: &(Vec3x8<L>, L)) -> u8 {
     plane.0.dot(segments).simd_gt(plane.1).to_bitmask() as u8

@@ -1,4 +1,4 @@
-//! First hits of many rays from one origin, eight at a time: those of pixels side by side enter the same boxes.
+//! First hits of many rays from one origin, eight at a time: rays of adjacent pixels enter the same boxes.
 
 use super::{
     Hit, Intersector,
@@ -20,14 +20,13 @@ use glam::Vec3;
 type LeafHit = Option<(usize, Hit)>;
 
 impl Intersector {
-    /// [`Self::closest_hit`] of many rays from one origin. The nearer the unit directions of eight are to each other, the
-    /// faster it is.
+    /// [`Self::closest_hit`] of many rays from one origin. Eights of nearby unit directions are fastest.
     pub fn closest_hits(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[Option<Hit>; 8]> {
         let by_chance = |ray: usize, triangle| any_threshold(origin, directions[ray / 8][ray % 8])(triangle);
         self.closest_hits_above(origin, directions, by_chance)
     }
 
-    /// [`Self::closest_above`] of many rays from one origin; `threshold` gets the number of the ray and a triangle.
+    /// [`Self::closest_above`] of many rays from one origin; `threshold` gets the index of the ray and a triangle.
     pub fn closest_hits_above(
         &self,
         origin: Vec3,
@@ -46,7 +45,7 @@ impl Intersector {
         hits
     }
 
-    /// The same in the instructions of `set`.
+    /// [`Self::closest_hits_above`] with the instructions of `set`.
     pub(super) fn closest_hits_in(
         &self,
         set: InstructionSet,
@@ -58,7 +57,7 @@ impl Intersector {
         hits.into_iter().map(|eight| eight.map(|hit| hit.map(of_mesh))).collect()
     }
 
-    /// [`Self::surfel_before`] of many rays from one origin, no farther than `distance` meters, as [`Self::closest_hits`] takes them.
+    /// [`Self::surfel_before`] of many rays from one origin, up to `distance` meters, in eights as for [`Self::closest_hits`].
     pub fn surfels_before(&self, origin: Vec3, directions: &[[Vec3; 8]], distance: f32) -> Vec<[Option<Surfel>; 8]> {
         let hits = InstructionSet::widest().run(Eights { scene: self, origin, directions, before: distance });
         let surfel =
@@ -81,7 +80,7 @@ impl Intersector {
     }
 }
 
-/// The first hits of eights of rays, of those no farther than `before`.
+/// The first hits of eights of rays, up to the distance `before`.
 struct Eights<'a> {
     scene: &'a Intersector,
     origin: Vec3,
@@ -112,7 +111,7 @@ impl Kernel for Eights<'_> {
     }
 }
 
-/// The first leaf triangles that eight rays meet, so far.
+/// The first leaf triangles of eight rays so far.
 struct Nearest {
     leaves: [Option<u32>; 8],
     distances: [f32; 8],
@@ -133,7 +132,7 @@ impl Eights<'_> {
                 let node = &nodes[index as usize];
                 let (min, max) = (Vec3::from(node.aabb.min) - self.origin, Vec3::from(node.aabb.max) - self.origin);
                 let (entry, exit) = entry_and_exit(inverse_rays, Vec3x8::splat(min), Vec3x8::splat(max));
-                // The boxes are wider than their triangles by more than what is rounded here.
+                // Boxes are widened by more than the rounding here.
                 let enters = entry.simd_le(exit) & entry.simd_le(L::new(nearest.distances));
                 if enters.to_bitmask() == 0 {
                     continue;
@@ -150,7 +149,7 @@ impl Eights<'_> {
         nearest
     }
 
-    /// Keeps the hits of a leaf that are nearer than those known. Most triangles lie outside the cone of the rays.
+    /// Keeps hits of a leaf that are nearer than the known ones. Most triangles lie outside the cone of the rays.
     #[inline(always)]
     fn meet_leaf<L: Lanes>(&self, nearest: &mut Nearest, group: &RayGroup, first: u32, count: u32) {
         let rays = Vec3x8::load(&group.rays);
@@ -167,7 +166,7 @@ impl Eights<'_> {
         }
     }
 
-    /// Keeps the hits of a leaf triangle that are nearer than those known; the same arithmetic as [`TriangleFrom::hit`].
+    /// Keeps hits of a leaf triangle that are nearer than the known ones, by the arithmetic of [`TriangleFrom::hit`].
     #[inline(always)]
     fn meet<L: Lanes>(&self, nearest: &mut Nearest, rays: Vec3x8<L>, leaf: u32) {
         let triangle = self.scene.leaf_from(self.origin, leaf);
@@ -191,8 +190,8 @@ impl Eights<'_> {
     }
 }
 
-/// Whether a hit at some distance on a triangle comes before the known one. Of triangles at the same distance the first
-/// counts, so that the order in which boxes are entered does not matter.
+/// Whether a hit at some distance on a triangle comes before the known one. At equal distance the first triangle
+/// counts, so the order of entering boxes does not matter.
 #[inline(always)]
 pub(super) fn is_nearer((distance, triangle): (f32, u32), (known, of): (f32, Option<u32>)) -> bool {
     distance < known || (distance == known && of.is_none_or(|of| triangle < of))

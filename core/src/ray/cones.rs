@@ -1,5 +1,5 @@
-//! Eight cones of directions around one axis: from points side by side to a sun. Where nothing is in a cone, or one triangle
-//! fills it, no ray within it needs to be cast.
+//! Eight cones of directions around one axis: from adjacent points to a sun. Where a cone is empty, or one triangle
+//! fills it, no ray within it needs tracing.
 
 use super::{
     Intersector,
@@ -13,42 +13,42 @@ use glam::Vec3;
 /// Cones of at most 45 degrees from the axis to the rim.
 #[derive(Clone, Copy, Debug)]
 pub struct EightCones {
-    /// Where they begin.
+    /// Apexes of the cones.
     pub origins: [Vec3; 8],
-    /// Unit direction of their middles.
+    /// Unit direction of their axes.
     pub axis: Vec3,
-    /// Sine of the angle from the middle to the rim.
+    /// Sine of the angle from the axis to the rim.
     pub sine: f32,
-    /// Those that count, one bit each.
+    /// Active cones, one bit each.
     pub active: u8,
 }
 
 /// A cone of at most 45 degrees from its axis to its rim.
 #[derive(Clone, Copy, Debug)]
 pub struct Cone {
-    /// Where it begins.
+    /// Apex of the cone.
     pub origin: Vec3,
-    /// Unit direction of its middle.
+    /// Unit direction of its axis.
     pub axis: Vec3,
-    /// Sine of the angle from the middle to the rim.
+    /// Sine of the angle from the axis to the rim.
     pub sine: f32,
 }
 
-/// What is known of eight cones, one bit each. The rays within others may meet something or not.
+/// Known visibility of eight cones, one bit each. Rays within the other cones may be blocked or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SeenThrough {
-    /// No ray within it meets anything, also no surface that lets light through.
+    /// All rays within the cone are unblocked, also by surfaces that let light through.
     pub open: u8,
-    /// All rays within it meet a triangle that stops all light.
+    /// All rays within the cone meet an opaque triangle.
     pub closed: u8,
 }
 
-/// Leaves of triangles that stopped rays of one point, to be tried first by those of the next: in a shadow most of them stop rays
-/// again. What meets nothing does not depend on them, but they belong to one hierarchy.
+/// Leaves of triangles that stopped rays of one point. Rays of the next point try them first: in a shadow most block
+/// again. They do not affect the result, but belong to one hierarchy.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Blockers {
     leaves: Vec<u32>,
-    /// Those that stop rays of the point at hand.
+    /// Leaves that stop rays of the current point.
     next: Vec<u32>,
 }
 
@@ -59,17 +59,17 @@ impl Blockers {
     }
 }
 
-/// Cones are taken for so much wider, as a share and in radians, which is more than rays and planes are rounded.
+/// Widening of cones, as a share and in radians; it exceeds the rounding of rays and planes.
 const WIDER: (f32, f32) = (1e-4, 1e-6);
 
 impl Intersector {
-    /// Which of eight cones are open, and which are closed, as far as a walk tells that ends where it meets anything.
+    /// Open and closed cones among eight, as far as a walk that ends at the first hit determines them.
     pub fn seen_through(&self, cones: &EightCones) -> SeenThrough {
         self.seen_through_in(InstructionSet::widest(), cones)
     }
 
-    /// Which of sixteen rays within a cone, those that are `active`, meet nothing, one bit each: what [`Self::occluded`] says
-    /// of each. Those of the next point may have the same `blockers`.
+    /// The unblocked rays of sixteen within a cone, of the `active` ones, one bit each, as by [`Self::occluded`]. The
+    /// next point may reuse `blockers`.
     pub fn open_within(
         &self,
         cone: &Cone,
@@ -103,7 +103,7 @@ impl Intersector {
     }
 }
 
-/// The sine of a cone that is wider than rays and planes are rounded.
+/// Sine of a cone widened by more than the rounding of rays and planes.
 fn wider(sine: f32) -> f32 {
     debug_assert!(sine < 0.71, "cones of at most 45 degrees");
     (sine * (1.0 + WIDER.0) + WIDER.1).min(1.0)
@@ -154,7 +154,7 @@ struct Cones<L> {
     axis: Vec3x8<L>,
     inverse_axis: Vec3x8<L>,
     sine: L,
-    /// Of a unit length along the axis, the extent of the cone across it along each axis of space.
+    /// Extent of the cone across the axis along each axis of space, per unit length.
     widths: Vec3x8<L>,
     axis_lengths: Vec3x8<L>,
 }
@@ -175,7 +175,7 @@ impl<L: Lanes> Cones<L> {
         }
     }
 
-    /// Those that may enter a box, one bit each: their axes enter it where it is as much larger as they are wide at its far end.
+    /// Mask of cones that may enter a box: their axes enter the box enlarged by their width at its far end.
     #[inline(always)]
     fn enter(&self, min: Vec3, max: Vec3) -> u8 {
         let (middle, half): (Vec3x8<L>, Vec3x8<L>) =
@@ -186,8 +186,8 @@ impl<L: Lanes> Cones<L> {
         entering::<false, L>(entry_and_exit(self.inverse_axis, middle - half, middle + half))
     }
 
-    /// Those that a triangle may be in, and those that it fills, one bit each. A cone is wholly on one side of the plane
-    /// through its origin and an edge if its axis is farther from the plane than its rim is from the axis.
+    /// Masks of the cones that a triangle may be in, and of those that it fills. A cone is wholly on one side of the
+    /// plane through its origin and an edge if its axis is farther from the plane than its rim is from the axis.
     #[inline(always)]
     fn meet(&self, [p, q, r]: [Vec3; 3]) -> (u8, u8) {
         let (a, b, c) = (self.toward(p), self.toward(q), self.toward(r));
@@ -239,7 +239,7 @@ impl Kernel for Rays<'_> {
         let inverse_rays = [inverses(rays[0]), inverses(rays[1])];
         let mut stack = Vec::with_capacity(128);
         stack.extend((!nodes.is_empty()).then_some(0));
-        // What stopped the rays of the last point lies on top.
+        // Leaves that stopped the last point's rays lie on top.
         stack.extend(self.blockers.leaves.iter().filter(|&&leaf| (leaf as usize) < nodes.len()));
         while let Some(index) = stack.pop() {
             let node = &nodes[index as usize];

@@ -1,4 +1,4 @@
-//! Rays that are traced elsewhere than on the cores of this machine.
+//! Rays traced on other devices than this machine's CPU.
 
 use super::{HalfSpace, Intersector};
 use glam::Vec3;
@@ -6,7 +6,7 @@ use glam::Vec3;
 /// A node of the hierarchy of boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxNode {
-    /// Smallest corner of its box in meters, a little widened.
+    /// Smallest corner of its box in meters, slightly widened.
     pub min: Vec3,
     /// Largest corner.
     pub max: Vec3,
@@ -16,31 +16,31 @@ pub struct BoxNode {
     pub triangles: u32,
 }
 
-/// Where rays start, and in which directions.
+/// Origin of rays, and their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayOrigin {
     /// Place in meters, off any surface.
     pub origin: Vec3,
-    /// The directions that count.
+    /// The half-space of directions that count.
     pub half: HalfSpace,
 }
 
-/// A scene and a set of directions on some device.
+/// A scene and a set of directions on a device.
 pub trait RayDevice: Sync {
-    /// For each origin a row of words of 32 bits: the bit of a direction is set if it counts and meets nothing. The same as
-    /// [`Intersector::trace_batch`] but for rays along edges, where a device may round otherwise.
+    /// For each origin a row of 32-bit words: the bit of a direction is set if it counts and is unblocked. Equals
+    /// [`Intersector::trace_batch`] except for rays along edges, where a device may round differently.
     ///
     /// # Errors
-    /// What is wrong with the device, in words.
+    /// A description of the device's failure.
     fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String>;
 }
 
-/// Something that can trace rays.
+/// A provider of ray tracing devices.
 pub trait RayDevices: Sync {
-    /// Takes a scene and unit directions to the device; `None` leaves them to the cores.
+    /// Uploads a scene and unit directions to a device; `None` leaves the rays to the CPU.
     ///
     /// # Errors
-    /// What is too large or wrong, in words.
+    /// A description of the failure, such as a scene that is too large.
     fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String>;
 }
 

@@ -9,27 +9,27 @@ pub(super) const GROUP: usize = 8;
 pub(super) const GROUPS: usize = 8;
 /// Rays in one packet.
 pub(super) const PACKET: usize = GROUP * GROUPS;
-/// Planes that bound a group, seen along its axis a square.
+/// Bounding planes of a group, a square along its axis.
 pub(super) const GROUP_PLANES: usize = 4;
-/// Planes that bound a packet, seen along its axis an octagon.
+/// Bounding planes of a packet, an octagon along its axis.
 pub(super) const PACKET_PLANES: usize = 8;
 
-/// 64 directions that lie close together. Unused lanes repeat the last direction.
+/// 64 nearby directions. Unused lanes repeat the last direction.
 #[derive(Clone)]
 pub(super) struct Packet {
-    /// Mean direction; the packet visits near boxes along it first.
+    /// Mean direction; near boxes along it are visited first.
     pub axis: Vec3,
-    /// Squared sine of the half-angle of the cone around `axis` that holds all rays; 1 if it is no cone.
+    /// Squared sine of the half-angle of the cone around `axis` that contains all rays; 1 if there is no such cone.
     pub sin_sq: f32,
-    /// Outward normals of the bounding planes of the whole packet, one a lane.
+    /// Outward normals of the bounding planes of the whole packet, one per lane.
     pub planes: Vec3x8,
-    /// Outward normals of the bounding planes of the groups: `group_planes[k]` has the `k`-th of each group.
+    /// Outward normals of the bounding planes of the groups: `group_planes[k]` has the `k`-th plane of each group.
     pub group_planes: [Vec3x8; GROUP_PLANES],
     /// The directions of each group.
     pub rays: [Vec3x8; GROUPS],
     /// Inverses of the components of the directions, for slab tests; finite.
     pub inverse_rays: [Vec3x8; GROUPS],
-    /// Where each ray stands in the caller's order; lanes past `count` are unused.
+    /// Position of each ray in the caller's order; lanes past `count` are unused.
     pub targets: [u32; PACKET],
     /// Number of rays in use.
     pub count: usize,
@@ -40,21 +40,21 @@ pub(super) struct Packet {
 pub struct HalfSpace {
     /// Unit normal of the plane.
     pub normal: Vec3,
-    /// Cosine to the normal that separates the two.
+    /// Cosine to the normal that separates the two sides.
     pub height: f32,
-    /// Whether directions of a greater cosine are meant, or all others.
+    /// Whether the set has the directions of greater cosine, or the others.
     pub is_above: bool,
 }
 
 impl HalfSpace {
-    /// Whether it has a direction.
+    /// Whether it contains a direction.
     #[inline]
     pub fn has(&self, direction: Vec3) -> bool {
         (direction.dot(self.normal) > self.height) == self.is_above
     }
 }
 
-/// Directions that are traced together from one origin after another.
+/// Directions traced together from one origin after another.
 #[derive(Clone)]
 pub struct DirectionSet {
     pub(super) packets: Vec<Packet>,
@@ -62,7 +62,7 @@ pub struct DirectionSet {
 }
 
 impl DirectionSet {
-    /// Arranges unit `directions` into packets. Results come back in the order given here.
+    /// Arranges unit `directions` into packets. Results are in the order of `directions`.
     pub fn new(directions: &[Vec3]) -> Self {
         let packets = spatial_order(directions).chunks(PACKET).map(|chunk| Packet::new(chunk, directions)).collect();
         Self { packets, len: directions.len() }
@@ -73,27 +73,27 @@ impl DirectionSet {
         self.len
     }
 
-    /// Calls `each` with all directions and their numbers.
+    /// Calls `each` with all directions and their indices.
     pub(super) fn each(&self, mut each: impl FnMut(usize, Vec3)) {
         for packet in &self.packets {
             (0..packet.count).for_each(|i| each(packet.targets[i] as usize, packet.rays[i / GROUP].lane(i % GROUP)));
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no directions.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 }
 
-/// Directions eight at a time, as they come. The last one is repeated where the last eight would have fewer.
+/// Directions in eights, in order. The last direction fills up the last eight.
 pub fn in_eights(directions: impl IntoIterator<Item = Vec3>) -> Vec<[Vec3; GROUP]> {
     let directions: Vec<Vec3> = directions.into_iter().collect();
     let eight = |chunk: &[Vec3]| std::array::from_fn(|lane| chunk[lane.min(chunk.len() - 1)]);
     directions.chunks(GROUP).map(eight).collect()
 }
 
-/// The directions in an order in which each run of eight and of 64 from the start lies close together.
+/// The directions in an order where each run of eight and of 64 from the start lies close together.
 pub fn spatial_order(directions: &[Vec3]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..directions.len() as u32).collect();
     sort_spatially(&mut order, directions);
@@ -109,7 +109,7 @@ fn sort_spatially(order: &mut [u32], directions: &[Vec3]) {
         (lo.min(directions[i as usize]), hi.max(directions[i as usize]))
     });
     let axis = (max - min).max_position();
-    // Halves are whole packets (or whole groups inside one), so that no packet straddles a split.
+    // Halves are whole packets (or whole groups inside one), so no packet straddles a split.
     let unit = if order.len() > PACKET { PACKET } else { GROUP };
     let middle = (order.len() / 2).next_multiple_of(unit).min(order.len() - 1);
     order.select_nth_unstable_by(middle, |&a, &b| {
@@ -122,7 +122,7 @@ fn sort_spatially(order: &mut [u32], directions: &[Vec3]) {
 }
 
 impl Packet {
-    /// A packet of segments from one origin: bounded as their directions, but with rays as long as they are.
+    /// A packet of segments from one origin, bounded by their directions; its rays have the segments' lengths.
     pub(super) fn of_segments(members: &[u32], segments: &[Vec3], directions: &[Vec3]) -> Self {
         let mut packet = Self::new(members, directions);
         for g in 0..GROUPS {
@@ -158,7 +158,7 @@ impl Packet {
     }
 }
 
-/// Squared sine of the half-angle of the cone around `axis` that holds all directions, widened by more than rounding.
+/// Squared sine of the half-angle of the cone around `axis` that contains all directions, widened by more than rounding.
 pub(super) fn cone_sin_sq(axis: Vec3, directions: &[Vec3]) -> f32 {
     let cos = directions.iter().map(|d| d.dot(axis)).fold(1.0, f32::min);
     if cos > 0.2 { (1.0 - cos * cos + 1e-4).min(1.0) } else { 1.0 }
@@ -169,17 +169,17 @@ pub(super) fn inverse(v: Vec3) -> Vec3 {
     Vec3::from_array(v.to_array().map(|c| 1.0 / if c.abs() < 1e-18 { 1e-18_f32.copysign(c) } else { c }))
 }
 
-/// Outward normals of `K` planes through the origin that together enclose all `directions`, at most a packet. Directions too far apart
-/// for a cone give null normals, which exclude nothing.
+/// Outward normals of `K` planes through the origin that together enclose all `directions`, at most a packet.
+/// Directions too far apart for a cone give null normals, which exclude nothing.
 fn bounding_planes<const K: usize>(directions: &[Vec3]) -> [Vec3; K] {
     let axis = directions.iter().sum::<Vec3>().normalize_or_zero();
     if !(directions.iter().all(|d| d.dot(axis) > 0.2)) {
         return [Vec3::ZERO; K];
     }
-    // Widened by more than the rounding of any box test: a test must never exclude a ray that is in the box.
+    // Exceeds the rounding of any box test: a test must never exclude a ray that is in the box.
     const SLACK: f32 = 1e-5;
     let (u, v) = principal_axes(directions, axis);
-    // Where each direction meets the plane at distance one along the axis.
+    // Intersection of each direction with the plane at distance one along the axis.
     let mut meets = [Vec2::ZERO; PACKET];
     let meets = &mut meets[..directions.len()];
     for (at, d) in meets.iter_mut().zip(directions) {

@@ -1,4 +1,4 @@
-//! Eight rays with an origin and a direction each: those of neighboring points in one direction enter the same boxes.
+//! Eight rays with their own origins and directions: rays of neighboring points in one direction enter the same boxes.
 
 use super::{
     Intersector, SeenThrough,
@@ -18,7 +18,7 @@ pub struct EightRays {
 }
 
 impl EightRays {
-    /// Rays from `origins` along unit `directions`; those that count are `active`, one bit each.
+    /// Rays from `origins` along unit `directions`; `active` has a bit for each that counts.
     pub fn new(origins: [Vec3; 8], directions: [Vec3; 8], active: u8) -> Self {
         Self {
             origins: Vec3x8::from_array(origins),
@@ -28,14 +28,14 @@ impl EightRays {
         }
     }
 
-    /// Those that count, one bit each.
+    /// The active rays, one bit each.
     pub fn active(&self) -> u8 {
         self.active
     }
 }
 
 impl Intersector {
-    /// For each eight rays those that are active and meet nothing, one bit each: what [`Self::occluded`] says of each.
+    /// For each eight rays the active unblocked ones, one bit each, as by [`Self::occluded`].
     pub fn open(&self, rays: &[EightRays]) -> Vec<u8> {
         self.open_in(InstructionSet::widest(), rays)
     }
@@ -44,7 +44,7 @@ impl Intersector {
         set.run(Open { scene: self, rays })
     }
 
-    /// The same of rays that thin surfaces let most of the light pass.
+    /// [`Self::open`], but ignoring thin surfaces that pass most of the light.
     pub fn mostly_open(&self, rays: &[EightRays]) -> Vec<u8> {
         let mut open = self.open(rays);
         if self.has_veils() {
@@ -59,8 +59,8 @@ impl Intersector {
         open
     }
 
-    /// What eight rays see before some distances in meters: those that are open meet nothing, those that are closed something that
-    /// stops all light, as [`Self::occluded_before`] says of each. Of others thin surfaces stop a part.
+    /// Visibility of eight rays before some distances in meters: open rays meet nothing, closed rays meet an opaque
+    /// triangle, as by [`Self::occluded_before`]. Thin surfaces dim the others.
     pub fn seen_before(&self, rays: &EightRays, before: [f32; 8]) -> SeenThrough {
         self.seen_before_in(InstructionSet::widest(), rays, before)
     }
@@ -73,8 +73,8 @@ impl Intersector {
         SeenThrough { open: set.run(OpenBefore { scene: &veils.surfaces, rays, before }), closed }
     }
 
-    /// For each eight rays the distances in meters of their closest hits, as [`Self::closest_hit`] has them; infinite for
-    /// those that meet nothing or are not active.
+    /// For each eight rays the distances in meters of their closest hits, as by [`Self::closest_hit`]; infinite for
+    /// rays that hit nothing or are inactive.
     pub fn closest_distances(&self, rays: &[EightRays]) -> Vec<[f32; 8]> {
         self.closest_distances_in(InstructionSet::widest(), rays)
     }
@@ -84,7 +84,7 @@ impl Intersector {
     }
 }
 
-/// Rays that meet nothing.
+/// Unblocked rays.
 struct Open<'a> {
     scene: &'a Intersector,
     rays: &'a [EightRays],
@@ -119,7 +119,7 @@ impl Kernel for Open<'_> {
     }
 }
 
-/// Rays that meet nothing before some distances.
+/// Rays unblocked before some distances.
 struct OpenBefore<'a> {
     scene: &'a Intersector,
     rays: &'a EightRays,
@@ -192,7 +192,7 @@ struct Rays<L> {
     origins: Vec3x8<L>,
     directions: Vec3x8<L>,
     inverse_directions: Vec3x8<L>,
-    /// Near boxes along it are visited first.
+    /// Mean direction; near boxes along it are visited first.
     axis: Vec3,
 }
 
@@ -207,7 +207,7 @@ impl<L: Lanes> Rays<L> {
         }
     }
 
-    /// Those that enter the box of a node before `nearest`, one bit each.
+    /// Mask of rays that enter the box of a node before `nearest`.
     #[inline(always)]
     fn enter(&self, scene: &Intersector, index: u32, nearest: L) -> u8 {
         let aabb = &scene.bvh.nodes[index as usize].aabb;
@@ -216,7 +216,7 @@ impl<L: Lanes> Rays<L> {
         entering::<false, L>((entry, exit)) & entry.simd_le(nearest).to_bitmask() as u8
     }
 
-    /// The triangles of a leaf; of another node none, and its children go to the stack.
+    /// The triangles of a leaf. For an inner node, pushes the children and returns none.
     #[inline(always)]
     fn leaves_or_children(&self, scene: &Intersector, index: u32, stack: &mut Vec<u32>) -> std::ops::Range<u32> {
         let node = &scene.bvh.nodes[index as usize];
@@ -228,18 +228,18 @@ impl<L: Lanes> Rays<L> {
         first..first + node.prim_count
     }
 
-    /// Those that cross a triangle, as a mask; the same arithmetic as [`super::triangle::TriangleFrom::crosses`].
+    /// Mask of rays that cross a triangle, by the arithmetic of [`super::triangle::TriangleFrom::crosses`].
     #[inline(always)]
     fn crosses(&self, corners: [Vec3; 3]) -> L {
         self.crossing(corners).0
     }
 
-    /// Those that cross a triangle, as a mask, and the sums of their weights, which are right where they cross.
+    /// Mask of rays that cross a triangle, and the sums of their weights, valid where they cross.
     #[inline(always)]
     fn crossing(&self, [p, q, r]: [Vec3; 3]) -> (L, L) {
         let zero = L::splat(0.0);
         let (a, b, c) = (self.toward(p), self.toward(q), self.toward(r));
-        // The planes of all edges point inward, or all outward: a product with -1, which is exact, turns them.
+        // All edge planes point inward or all outward: multiplying by -1, which is exact, flips them.
         let (u, v) = (b.cross(c).dot(self.directions), c.cross(a).dot(self.directions));
         let (inward, outward) = (u.simd_ge(zero) & v.simd_ge(zero), u.simd_le(zero) & v.simd_le(zero));
         if (inward | outward).to_bitmask() == 0 {
@@ -252,7 +252,7 @@ impl<L: Lanes> Rays<L> {
         (inward | outward, (u + v + w).abs())
     }
 
-    /// `nearest`, or the distance of a hit on a triangle where it is less; as [`super::triangle::TriangleFrom::hit`] has it.
+    /// `nearest`, or the distance of a nearer hit on a triangle, as by [`super::triangle::TriangleFrom::hit`].
     #[inline(always)]
     fn nearest(&self, corners: [Vec3; 3], nearest: L) -> L {
         let zero = L::splat(0.0);

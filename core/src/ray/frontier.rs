@@ -1,7 +1,7 @@
-//! Where walks from one origin begin: a few dozen subtrees that together hold all triangles, the nearest first.
+//! Start of walks from one origin: a few dozen subtrees that together contain all triangles, the nearest first.
 //!
-//! Every walk from the root goes down to the origin again, through boxes that hold it. The nodes that look largest from the
-//! origin are opened once for all walks, and each walk tests the boxes of what is left eight at a time.
+//! Every walk from the root descends to the origin again, through boxes that contain it. Here the nodes that look
+//! largest from the origin are opened once for all walks, and each walk tests the remaining boxes eight at a time.
 
 use super::{Intersector, batch::entering};
 use crate::simd::{Lanes, Vec3x8};
@@ -9,23 +9,23 @@ use glam::Vec3;
 use obvhs::bvh2::node::Bvh2Node;
 use std::collections::BinaryHeap;
 
-/// Most subtrees; a multiple of eight.
+/// Largest number of subtrees; a multiple of eight.
 const MOST: usize = 64;
 
 /// Subtrees as seen from an origin; keeps its buffers.
 #[derive(Default)]
 pub(super) struct Frontier {
-    /// Boxes relative to the origin, eight at a time; unused lanes have any.
+    /// Boxes relative to the origin, eight at a time; unused lanes are arbitrary.
     boxes: Vec<[Vec3x8; 2]>,
     /// Roots of the subtrees, the nearest first.
     pub roots: Vec<u32>,
-    /// Nodes by how large they look, as bits of a number that is not negative.
+    /// Nodes by apparent size, as bits of a non-negative number.
     by_size: BinaryHeap<(u32, u32)>,
     by_distance: Vec<(f32, u32)>,
 }
 
 impl Frontier {
-    /// Makes it that of another origin.
+    /// Rebuilds it for another origin.
     pub fn move_to(&mut self, scene: &Intersector, origin: Vec3) {
         let nodes = &scene.bvh.nodes[..];
         self.by_size.clear();
@@ -65,8 +65,8 @@ impl Frontier {
         }
     }
 
-    /// Subtrees, one bit each, that a ray from the origin may enter whose inverse direction lies between two, or a segment if
-    /// they are `SEGMENTS`.
+    /// Subtrees, one bit each, that a ray or, if `SEGMENTS`, a segment from the origin may enter, for inverse
+    /// directions between two.
     #[inline(always)]
     pub fn reached<const SEGMENTS: bool, L: Lanes>(&self, [least, most]: [Vec3; 2]) -> u64 {
         let (least, most): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(least), Vec3x8::splat(most));
@@ -80,7 +80,7 @@ impl Frontier {
             let exit = far_x.fast_min(far_y).fast_min(far_z);
             reached |= u64::from(entering::<SEGMENTS, L>((entry, exit))) << (8 * eight);
         }
-        // Lanes past the last are no boxes.
+        // Lanes past the last are not boxes.
         reached & u64::MAX.checked_shr(64 - self.roots.len() as u32).unwrap_or(0)
     }
 }
@@ -90,7 +90,7 @@ fn distance_squared(node: &Bvh2Node, origin: Vec3) -> f32 {
     origin.distance_squared(origin.clamp(node.aabb.min.into(), node.aabb.max.into()))
 }
 
-/// The least and the greatest parameter within the slab from `min` to `max`, for any inverse from `least` to `most`.
+/// Least and greatest parameters within the slab from `min` to `max`, for any inverse from `least` to `most`.
 #[inline(always)]
 fn slab<L: Lanes>(min: L, max: L, least: L, most: L) -> (L, L) {
     let (a, b, c, d) = (min * least, min * most, max * least, max * most);

@@ -1,4 +1,4 @@
-//! Eight rays, or segments, that lie close together, from one origin: fewer than a packet, for rays that are asked for here and there.
+//! Eight nearby rays or segments from one origin: smaller than a packet, for scattered requests.
 
 use super::{
     Intersector,
@@ -17,20 +17,20 @@ pub(super) struct RayGroup {
     pub inverse_rays: Vec3x8,
     /// Mean direction; near boxes along it are visited first.
     pub axis: Vec3,
-    /// Squared sine of the half-angle of the cone around `axis` that holds all; 1 if it is no cone.
+    /// Squared sine of the half-angle of the cone around `axis` that contains all; 1 if there is no such cone.
     pub sin_sq: f32,
-    /// Least and greatest inverses of the components; anything where the directions have both signs.
+    /// Least and greatest inverses of the components; arbitrary where the directions have both signs.
     pub inverse_bounds: [Vec3; 2],
 }
 
 impl RayGroup {
-    /// Of one to eight unit directions.
+    /// A group of one to eight unit directions.
     pub fn new(directions: &[Vec3]) -> Self {
         let rays = std::array::from_fn(|lane| *directions.get(lane).unwrap_or(&directions[0]));
         Self::of(rays, rays)
     }
 
-    /// Of eight segments that are not null.
+    /// A group of eight non-null segments.
     pub fn of_segments(segments: [Vec3; GROUP]) -> Self {
         Self::of(segments, segments.map(|segment| segment.normalize_or(Vec3::Y)))
     }
@@ -47,7 +47,7 @@ impl RayGroup {
         }
     }
 
-    /// Which of the directions lie in a half of space, one bit each.
+    /// Mask of directions within a half-space.
     #[inline(always)]
     pub fn within<L: Lanes>(&self, half: &HalfSpace) -> u8 {
         let heights = Vec3x8::<L>::load(&self.rays).dot(Vec3x8::splat(half.normal));
@@ -55,8 +55,8 @@ impl RayGroup {
         if half.is_above { above } else { !above }
     }
 
-    /// Which of the rays `active`, one bit each, meet nothing; the same as [`Intersector::occluded`] says of each, or
-    /// [`Intersector::occluded_between`] if they are `SEGMENTS`. `frontier` is that of the origin.
+    /// The unblocked rays of `active`, one bit each, as by [`Intersector::occluded`], or
+    /// [`Intersector::occluded_between`] if they are `SEGMENTS`. `frontier` belongs to the origin.
     #[inline(always)]
     pub fn open<const SEGMENTS: bool, L: Lanes>(
         &self,
@@ -110,7 +110,7 @@ impl RayGroup {
         active
     }
 
-    /// Which of the rays cross any of eight triangles, one bit each.
+    /// Mask of rays that cross any of eight triangles.
     #[inline(always)]
     fn crossing<const SEGMENTS: bool, L: Lanes>(&self, triangles: &BlockFrom<L>) -> u8 {
         let mut near = triangles.near_cone(Vec3x8::splat(self.axis), L::splat(self.sin_sq));
@@ -128,7 +128,7 @@ impl RayGroup {
     }
 }
 
-/// Bounds of the inverses of directions: infinite along axes on which these have both signs.
+/// Bounds of the inverses of directions: infinite along axes with both signs.
 fn inverse_bounds(inverses: [Vec3; GROUP]) -> [Vec3; 2] {
     let least = inverses.into_iter().fold(Vec3::INFINITY, Vec3::min);
     let most = inverses.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -137,7 +137,7 @@ fn inverse_bounds(inverses: [Vec3; GROUP]) -> [Vec3; 2] {
     [Vec3::select(mixed, Vec3::splat(-1e30), least), Vec3::select(mixed, Vec3::splat(1e30), most)]
 }
 
-/// Which of eight rays enter the box of a node, one bit each.
+/// Mask of eight rays that enter the box of a node.
 #[inline(always)]
 fn enters<const SEGMENTS: bool, L: Lanes>(inverse_rays: Vec3x8<L>, node: &Bvh2Node, from: Vec3x8<L>) -> u8 {
     let (min, max): (Vec3x8<L>, Vec3x8<L>) = (Vec3x8::splat(node.aabb.min.into()), Vec3x8::splat(node.aabb.max.into()));

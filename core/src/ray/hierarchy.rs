@@ -1,4 +1,4 @@
-//! How the hierarchy of boxes is built. For all the rays of a bake its quality is worth seconds, for a first picture it is not.
+//! Building of the box hierarchy. Quality saves seconds for the rays of a bake, but not for a first picture.
 
 use obvhs::{
     BvhBuildParams,
@@ -10,15 +10,15 @@ use obvhs::{
 };
 use std::time::Duration;
 
-/// One triangle a leaf: leaves are joined when the hierarchy is as good as it gets.
+/// One triangle per leaf: leaves are merged once the hierarchy is optimized.
 const FIRST: BvhBuildParams = BvhBuildParams {
     max_prims_per_leaf: 1,
     post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
     ..BvhBuildParams::slow_build()
 };
 
-/// One triangle a leaf, neighbors merged along a curve and no more. Five million triangles take a second on two cores, a
-/// thirtieth of [`build`]; rays take up to twice as long.
+/// One triangle per leaf, neighbors merged along a curve and no more. Five million triangles take a second on two
+/// cores, a thirtieth of [`build`]; rays take up to twice as long.
 const QUICK: BvhBuildParams =
     BvhBuildParams { max_prims_per_leaf: 1, reinsertion_batch_ratio: 0.0, ..BvhBuildParams::fast_build() };
 
@@ -27,14 +27,14 @@ const QUICK: BvhBuildParams =
 const LEAF_TRIANGLES: u32 = 16;
 const TRAVERSAL_COST: f32 = 6.0;
 
-/// Reinsertion goes on while a round, in which every node is tried, lowers the cost by more than this share.
+/// Reinsertion continues while a round over all nodes lowers the cost by more than this share.
 const LEAST_GAIN: f64 = 0.03;
 
-/// Most rounds, in case the cost falls for ever.
+/// Largest number of rounds, which guarantees termination.
 const MOST_ROUNDS: usize = 16;
 
-/// A hierarchy over triangles. Boxes of flat walls tie in the first one, which merges neighbors along a curve, and are
-/// badly nested: a ray may then meet hundreds of triangles. Reinsertion (Meister and Bittner 2018) mends that.
+/// Builds an optimized hierarchy over triangles. The first one merges neighbors along a curve, where boxes of flat walls tie and
+/// nest badly: a ray may then meet hundreds of triangles. Reinsertion (Meister and Bittner 2018) repairs the nesting.
 pub(super) fn build(triangles: &[Triangle]) -> Bvh2 {
     let mut bvh = build_bvh2_from_tris(triangles, FIRST, &mut Duration::default());
     let mut optimizer = ReinsertionOptimizer::default();
@@ -52,23 +52,23 @@ pub(super) fn build(triangles: &[Triangle]) -> Bvh2 {
     bvh
 }
 
-/// A hierarchy over triangles that is there soon.
+/// Builds a hierarchy over triangles quickly.
 pub(super) fn build_quickly(triangles: &[Triangle]) -> Bvh2 {
     let mut bvh = build_bvh2_from_tris(triangles, QUICK, &mut Duration::default());
     collapse(&mut bvh, LEAF_TRIANGLES, TRAVERSAL_COST);
     bvh
 }
 
-/// Two hierarchies as one, the triangles of the second after the `triangles` of the first. What is far larger than the rest, as a ground is,
-/// would spoil the curve along which neighbors are merged.
+/// Joins two hierarchies; the triangles of the second follow the `triangles` of the first. A far larger object, such as
+/// a ground, would spoil the curve along which neighbors are merged.
 pub(super) fn joined(a: &Bvh2, triangles: u32, b: &Bvh2) -> Bvh2 {
     let (Some(root_a), Some(root_b)) = (a.nodes.first(), b.nodes.first()) else {
         return if a.nodes.is_empty() { b.clone() } else { a.clone() };
     };
-    // With spatial splits a triangle may stand in several leaves.
+    // With spatial splits a triangle may be in several leaves.
     let (nodes_a, places_a) = (a.nodes.len() as u32, a.primitive_indices.len() as u32);
     let root = Bvh2Node { aabb: root_a.aabb.union(&root_b.aabb), prim_count: 0, first_index: 1, ..*root_a };
-    // Both roots follow the common one, then come the other nodes of the first hierarchy, and those of the second.
+    // Both roots follow the common one; then come the other nodes of the first hierarchy and of the second.
     let moved = |node: &Bvh2Node, nodes: u32, places: u32| {
         let by = if node.is_leaf() { places } else { nodes };
         Bvh2Node { first_index: node.first_index + by, ..*node }
@@ -89,8 +89,8 @@ pub(super) fn joined(a: &Bvh2, triangles: u32, b: &Bvh2) -> Bvh2 {
     }
 }
 
-/// What a random ray that meets the whole costs: boxes and triangles that it is tested with, each as one (surface area
-/// heuristic, MacDonald and Booth 1990).
+/// Cost of a random ray that meets the bounds: tested boxes and triangles, each counted as one (surface area heuristic,
+/// MacDonald and Booth 1990).
 pub(super) fn cost(bvh: &Bvh2) -> f64 {
     let Some(root) = bvh.nodes.first() else { return 0.0 };
     let tests = bvh.nodes.iter().map(|node| f64::from(node.aabb.half_area()) * f64::from(node.prim_count.max(1)));
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use glam::Vec3A;
 
-    /// A flat square of `side` by `side` squares, tessellated into triangles, at a turn of the axes.
+    /// A flat square of `side` by `side` squares, tessellated into triangles, in some rotation.
     fn wall(side: u32, [u, v, at]: [Vec3A; 3]) -> Vec<Triangle> {
         let point = |x: u32, y: u32| at + u * (x as f32 / side as f32) + v * (y as f32 / side as f32);
         let square = |i: u32| {

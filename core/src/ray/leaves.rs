@@ -26,7 +26,7 @@ impl LeafBlocks {
         blocks
     }
 
-    /// Those of one hierarchy, and behind them those of another.
+    /// The blocks of one hierarchy followed by those of another.
     pub fn joined(&self, other: &Self) -> Self {
         let first = self.corners.len() as u32;
         Self {
@@ -51,7 +51,7 @@ impl LeafBlocks {
 /// [`super::TriangleFrom`] for eight triangles, by the same arithmetic.
 pub(super) struct BlockFrom<L> {
     edges: [Vec3x8<L>; 3],
-    /// Normals on the side away from the origin (not unit), and their dot product with a corner seen from there.
+    /// Normals away from the origin (not unit), and their dot product with a corner relative to it.
     plane: (Vec3x8<L>, L),
     /// Triangles that a ray from the origin can cross at all.
     crossable: u32,
@@ -98,7 +98,7 @@ impl<L: Lanes> BlockFrom<L> {
     }
 }
 
-/// Masks the edge planes that have the whole cone on their outer side.
+/// Mask of edge planes with the whole cone on their outer side.
 #[inline(always)]
 fn is_outside<L: Lanes>(edge: Vec3x8<L>, axis: Vec3x8<L>, sin_sq: L) -> L {
     let d = edge.dot(axis);

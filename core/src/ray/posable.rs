@@ -1,7 +1,6 @@
-//! A scene whose objects move: the hierarchy of the bake without them, and one for each, whose boxes follow its triangles.
+//! A scene with moving objects: the baked hierarchy without them, and one per moving object, refitted to its triangles.
 //!
-//! They are joined to one hierarchy under each pose, so that all rays, batches too, meet it as they meet any other. A scene in which
-//! nothing moves keeps the hierarchy that it has.
+//! They are joined into one hierarchy per pose, so all rays and batches work on it unchanged. A static scene keeps its hierarchy.
 
 use super::{Intersector, LeafBlocks, Veils, hierarchy, widen_boxes};
 use crate::{bounds::Bounds, mesh::Mesh, opacity::Opacities};
@@ -10,7 +9,7 @@ use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Casts rays on a scene under one pose after another.
+/// Casts rays on a scene under changing poses.
 pub struct Posable {
     solid: Layer,
     /// Surfaces that let light through.
@@ -20,16 +19,16 @@ pub struct Posable {
 
 /// The hierarchies of the solid surfaces, or of the thin ones.
 struct Layer {
-    /// As baked; the triangles of what moves are points, which no ray meets.
+    /// The baked hierarchy; triangles of moving objects are points, which no ray meets.
     still: Intersector,
-    /// Of the whole scene as baked.
+    /// Bounds of the whole scene as baked.
     bounds: Bounds,
-    /// One for each object that moves, as baked.
+    /// The hierarchy of each moving object, as baked.
     moving: Vec<Intersector>,
 }
 
 impl Posable {
-    /// For the objects of `moving`, by index, of a mesh as it was baked. `baked` is its hierarchy, with these opacities.
+    /// Splits a baked hierarchy with these opacities. `moving` has the indices of moving objects of the baked mesh.
     pub fn new(baked: &Intersector, mesh: &Mesh, opacities: &Opacities, moving: &BTreeSet<u32>) -> Self {
         let thin = opacities.thin();
         let is_thin = |t: u32| thin.get(opacities.material(mesh, t) as usize).is_some_and(Option::is_some);
@@ -41,7 +40,7 @@ impl Posable {
         }
     }
 
-    /// The scene where its mesh is `posed`: the same triangles with other corners for those that move.
+    /// The hierarchy for a `posed` mesh: the same triangles with other corners.
     pub fn posed(&self, posed: &Mesh) -> Intersector {
         let bounds = posed.bounds();
         let veils = self.thin.as_ref().map(|layer| {
@@ -53,12 +52,12 @@ impl Posable {
 }
 
 impl Layer {
-    /// Of the triangles that `is_part` tells.
+    /// A layer of the triangles for which `is_part` holds.
     fn new(baked: &Intersector, mesh: &Mesh, moving: &BTreeSet<u32>, is_part: impl Fn(u32) -> bool) -> Self {
         let object = |t: u32| mesh.triangle_object[t as usize];
         let made = |triangles| Intersector::made(mesh, hierarchy::build_quickly, triangles);
         let still = baked.without(|t| moving.contains(&object(t)));
-        // A hierarchy leaves copies of triangles out: one that stays may be the copy of one that moves.
+        // A hierarchy omits copies of triangles: a static triangle may be the copy of a moving one.
         let mut is_known = vec![false; mesh.triangles.len()];
         baked.leaf_ids.iter().for_each(|&t| is_known[t as usize] = true);
         let mut copies = Vec::new();
@@ -85,7 +84,7 @@ impl Layer {
     }
 }
 
-/// Hierarchies as one, joined two by two: each is copied as often as the tree over them is high.
+/// Joins hierarchies in pairs: each is copied once per level of the tree over them.
 fn all_joined(mut hierarchies: Vec<Intersector>) -> Option<Intersector> {
     while hierarchies.len() > 1 {
         let pairs = hierarchies.par_chunks(2);
@@ -99,7 +98,7 @@ impl Intersector {
         self.without(|_| false)
     }
 
-    /// The same for rays that begin in `now`, unless its boxes, which are as wide as rays that begin in `before` ask, will do.
+    /// The same hierarchy for rays that begin in `now`; `None` if its boxes, widened for rays that begin in `before`, suffice.
     fn widened(&self, before: Bounds, now: Bounds) -> Option<Self> {
         if before.min.cmple(now.min).all() && before.max.cmpge(now.max).all() {
             return None;
@@ -109,7 +108,7 @@ impl Intersector {
         Some(wide)
     }
 
-    /// The same where some triangles are points in place.
+    /// The same hierarchy with some triangles collapsed to points.
     fn without(&self, is_left_out: impl Fn(u32) -> bool) -> Self {
         let kept = |(&[a, b, c], &t): (&[Vec3; 3], &u32)| if is_left_out(t) { [a; 3] } else { [a, b, c] };
         let leaf_triangles: Vec<_> = self.leaf_triangles.iter().zip(&self.leaf_ids).map(kept).collect();
@@ -117,7 +116,7 @@ impl Intersector {
         Self { blocks: LeafBlocks::new(&bvh, &leaf_triangles), bvh, leaf_triangles, leaf_ids, veils: None }
     }
 
-    /// Around the same triangles with other corners.
+    /// Refits the boxes to the same triangles with other corners.
     fn refitted(&self, mesh: &Mesh, bounds: Bounds) -> Self {
         let (mut bvh, leaf_ids) = (self.bvh.clone(), self.leaf_ids.clone());
         let leaf_triangles: Vec<_> = leaf_ids.iter().map(|&t| mesh.corners(t as usize)).collect();
@@ -131,7 +130,7 @@ impl Intersector {
         Self { blocks: LeafBlocks::new(&bvh, &leaf_triangles), bvh, leaf_triangles, leaf_ids, veils: None }
     }
 
-    /// This hierarchy and another one as one.
+    /// Joins this hierarchy and another.
     fn joined(&self, other: &Self) -> Self {
         if other.leaf_ids.is_empty() {
             return self.copied();
@@ -173,7 +172,7 @@ mod tests {
         Pose { translate: Vec3::new(x, 0.2, -0.3), rotate_degrees: Vec3::new(degrees, 2.0 * degrees, 0.0), scale }
     }
 
-    /// What rays in all directions meet: triangles and distances.
+    /// Hits of rays in all directions: triangles and distances.
     fn met(rays: &Intersector) -> Vec<Option<(u32, u32)>> {
         let met = |&d: &Vec3| rays.closest_hit(ORIGIN, d).map(|hit| (hit.triangle, hit.distance.to_bits()));
         fibonacci_directions(20_000).iter().map(met).collect()

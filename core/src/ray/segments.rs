@@ -1,9 +1,8 @@
 //! Visibility of many points from one: batches of segments with a common origin.
 //!
-//! The packets of `ray::batch` are rebuilt for every origin from the segments asked for. Segments are sorted by
-//! direction first, so that near and far ends in one direction share a packet: all of them hit the same triangles, and
-//! the far ones mostly end at a near one. In the order of a tree over the ends, each packet in one direction would walk
-//! the hierarchy on its own.
+//! The packets of `ray::batch` are rebuilt for every origin from the requested segments. Segments are sorted by direction first,
+//! so near and far ends in one direction share a packet: all of them hit the same triangles, and the far ones mostly end at a near
+//! one. In the order of a tree over the ends, each packet in one direction would walk the hierarchy separately.
 
 use super::{
     Intersector,
@@ -13,26 +12,26 @@ use super::{
 use crate::simd::InstructionSet;
 use glam::Vec3;
 
-/// Cells along each side of the square that the sphere of directions is unfolded to; a power of two.
+/// Cells along each side of the square unfolded from the sphere of directions; a power of two.
 const CELLS: u32 = 64;
 
-/// Segments from one origin, and buffers that are kept from origin to origin.
+/// Segments from one origin, and reused buffers.
 #[derive(Default)]
 pub struct SegmentBatch {
     segments: Vec<Vec3>,
     directions: Vec<Vec3>,
     cells: Vec<u16>,
-    /// Where the segments of each cell begin in `order`.
+    /// Start of each cell's segments in `order`.
     starts: Vec<u32>,
     order: Vec<u32>,
     stack: Vec<(u32, u8)>,
 }
 
 impl SegmentBatch {
-    /// Calls `hidden(i)`, in any order, for each of `wanted` (indices into `ends`) that something hides from the
-    /// origin. Both ends of a segment lie off any surface. Returns the number of segments traced.
+    /// Calls `hidden(i)`, in any order, for each of `wanted` (indices into `ends`) that is hidden from the origin. Both
+    /// ends of a segment lie off any surface. Returns the number of segments traced.
     ///
-    /// The result is that of [`Intersector::occluded_between`], to the bit.
+    /// The result equals [`Intersector::occluded_between`], to the bit.
     pub fn trace(
         &mut self,
         scene: &Intersector,
@@ -63,7 +62,7 @@ impl SegmentBatch {
         wanted.len() as u64
     }
 
-    /// Fills `order` with all segments, neighbors in direction next to each other.
+    /// Fills `order` with all segments, sorted so that neighbors in direction are adjacent.
     fn sort_by_direction(&mut self) {
         self.cells.clear();
         self.cells.extend(self.directions.iter().map(|&d| cell(d)));
@@ -91,7 +90,7 @@ fn cell(d: Vec3) -> u16 {
     (spread(step(x)) | spread(step(y)) << 1) as u16
 }
 
-/// The bits of a number below 256 with a zero after each.
+/// The bits of a number below 256, each followed by a zero.
 #[inline(always)]
 fn spread(v: u32) -> u32 {
     let v = (v | v << 4) & 0x0f0f;

@@ -32,7 +32,7 @@ fn batches_single_rays_and_brute_force_agree_to_the_bit() {
     }
 }
 
-/// Each triangle twice, so that of most hits there are two at the same distance.
+/// Each triangle twice, so that most hits have two triangles at the same distance.
 fn doubled(mut mesh: Mesh) -> Mesh {
     mesh.triangles.extend(mesh.triangles.clone());
     mesh
@@ -41,7 +41,7 @@ fn doubled(mut mesh: Mesh) -> Mesh {
 #[test]
 fn eight_hits_at_a_time_are_those_of_single_rays() {
     let directions = fibonacci_directions(2000);
-    // The directions of a spiral lie far apart; those of its start lie side by side.
+    // The directions of a spiral lie far apart, but close together at its start.
     let eights: Vec<[Vec3; 8]> = directions.as_chunks().0.to_vec();
     for mesh in [soup(5, 700), doubled(soup(6, 300)), Mesh::default()] {
         let scene = Intersector::new(&mesh);
@@ -282,7 +282,7 @@ fn eight_rays_from_anywhere_agree_with_single_ones_to_the_bit() {
         let scene = Intersector::new(&mesh);
         let mut rng = fastrand::Rng::with_seed(seed);
         let mut point = || Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5);
-        // Side by side in one direction, and all over the place.
+        // Adjacent in one direction, and scattered.
         let eight = |i: usize| {
             let (at, along) = (6.0 * point(), point().normalize());
             let origins: [Vec3; 8] =
@@ -358,7 +358,7 @@ fn no_ray_of_an_open_cone_meets_anything_and_all_of_a_closed_one_do() {
             let (met, wider) = (occluded(sine), occluded(sine + 0.1));
             assert!(!has(seen.open) || met == 0, "{i}, {lane}: {met} of an open one");
             assert!(!has(seen.closed) || met == 128, "{i}, {lane}: {met} of a closed one");
-            // Of a ray alone, all is known.
+            // For a single ray, visibility is known.
             assert!(sine > 0.0 || !has(cones.active) || has(seen.open | seen.closed), "{i}, {lane}");
             known[0] += usize::from(has(seen.open));
             known[1] += usize::from(has(seen.closed));
@@ -447,7 +447,7 @@ fn from_below_rays_pass_the_ground_however_far_they_begin() {
             let expected = nearest.map(|(_, triangle)| triangle);
             for from_above in [false, true] {
                 let found = triangle(scene.past_ground(&mesh, first, ray, from_above, |_| 0.0));
-                // From a hundred diagonals away edges are rounded to either side, in the oracle above all.
+                // From a hundred diagonals away edges are rounded to either side, most of all in the oracle.
                 assert!(found == expected || distance > 100.0, "{distance}: {found:?} and {expected:?}");
                 differing += usize::from(found != expected);
             }

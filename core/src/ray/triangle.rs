@@ -31,12 +31,12 @@ impl TriangleFrom {
         Self { edges: [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign], normal, corner: a, side }
     }
 
-    /// The triangle, if a ray along `direction` may hit it. Most that miss are told by the signs of two edge planes, before
+    /// The triangle, if a ray along `direction` may hit it. The signs of two edge planes reject most misses before
     /// anything else is computed.
     #[inline(always)]
     pub fn unless_missed(origin: Vec3, corners: [Vec3; 3], direction: Vec3) -> Option<Self> {
         let [a, b, c] = corners.map(|p| p - origin);
-        // The planes point inward or all outward, which a product with -1 does not round.
+        // All planes point inward or all outward; multiplying by -1 does not round.
         let (u, v) = (dot(b.cross(c), direction), dot(c.cross(a), direction));
         if (u > 0.0 && v < 0.0) || (u < 0.0 && v > 0.0) {
             return None;
@@ -54,7 +54,7 @@ impl TriangleFrom {
         self.side != 0.0 && self.edges.iter().all(|&e| dot(e, direction) >= 0.0)
     }
 
-    /// Whether the segment from the origin by `segment` crosses the triangle: its end lies beyond the triangle's plane.
+    /// Whether the segment from the origin by `segment` crosses the triangle, with its end beyond the triangle's plane.
     #[inline(always)]
     pub fn crosses_before(&self, segment: Vec3) -> bool {
         let sign = if self.side < 0.0 { -1.0 } else { 1.0 };
@@ -85,7 +85,7 @@ impl TriangleFrom {
     }
 }
 
-/// The dot product in the order of operations that the batch uses.
+/// The dot product in the batch's order of operations.
 #[inline(always)]
 pub(super) fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z

@@ -1,4 +1,4 @@
-//! Surfaces that let light through, apart from those that stop it: rays are rare that meet any, and only they pay for it.
+//! Surfaces that let light through, kept apart from opaque ones: few rays meet them, and only those pay for them.
 
 use super::{DirectionSet, Hit, Intersector, OPEN, triangle::TriangleFrom};
 use crate::{
@@ -15,20 +15,20 @@ pub(super) struct Veils {
     pub surfaces: Intersector,
     /// The leaf of each triangle.
     leaf_of: HashMap<u32, u32>,
-    /// Of each leaf triangle.
+    /// Corners of each leaf triangle.
     corners: Vec<Corners>,
     /// Per material.
     opacities: Vec<Option<Opacity>>,
 }
 
-/// What the opacity of a triangle's points is looked up by.
+/// Attributes for the opacity lookup at points of a triangle.
 struct Corners {
     uvs: [Vec2; 3],
     material: u32,
 }
 
 impl Veils {
-    /// Of the surfaces of a mesh whose materials have an opacity in `thin`.
+    /// The surfaces of a mesh whose materials have an opacity in `thin`.
     pub fn new(mesh: &Mesh, surfaces: Intersector, material: impl Fn(u32) -> u32, thin: &[Option<Opacity>]) -> Self {
         let of_leaf = |&t: &u32| {
             let uvs = mesh.triangles[t as usize].map(|v| mesh.uvs[v as usize]);
@@ -39,7 +39,7 @@ impl Veils {
         Self { surfaces, leaf_of, corners, opacities: thin.to_vec() }
     }
 
-    /// Takes other opacities, if the same materials are thin as before. Returns whether it did.
+    /// Takes other opacities, if the same materials stay thin. Returns whether it did.
     pub fn take(&mut self, thin: Vec<Option<Opacity>>) -> bool {
         let are_same = thin.iter().map(Option::is_some).eq(self.opacities.iter().map(Option::is_some));
         if are_same {
@@ -48,7 +48,7 @@ impl Veils {
         are_same
     }
 
-    /// Whether a ray that has met a leaf triangle ends there: if its opacity is above `threshold`.
+    /// Whether a ray ends at its hit on a leaf triangle: if the opacity is above `threshold`.
     pub fn stop(&self, leaf: usize, hit: &Hit, threshold: impl Fn(u32) -> f32) -> bool {
         let opacity = self.opacity(leaf, hit.barycentric);
         // A threshold may be rounded to 1.
@@ -62,7 +62,7 @@ impl Veils {
         self.opacities[material as usize].as_ref().map_or(1.0, |opacity| opacity.at(uv))
     }
 
-    /// Share of the light that passes all of them along a ray before `distance`, in lengths of `direction`.
+    /// Share of the light that passes all thin surfaces along a ray before `distance`, in lengths of `direction`.
     fn transmittance(&self, origin: Vec3, direction: Vec3, distance: f32) -> f32 {
         let mut passed = 1.0_f32;
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
@@ -79,14 +79,14 @@ impl Veils {
     }
 }
 
-/// A threshold of opacity that is another for each ray and each triangle: rays stop at thin surfaces as often as these stop light.
+/// A random threshold of opacity for each ray and triangle: rays stop at thin surfaces as often as these stop light.
 pub(super) fn any_threshold(origin: Vec3, direction: Vec3) -> impl Fn(u32) -> f32 {
     let [[x, y, z], [u, v, w]] = [origin, direction].map(|vector| vector.to_array().map(f32::to_bits));
     move |triangle| chance(&[x, y, z, u, v, w, triangle])
 }
 
 impl Intersector {
-    /// Takes other opacities of the same materials of triangles, unless other surfaces are thin then. Returns whether it did.
+    /// Takes other opacities of the same materials, unless that changes which surfaces are thin. Returns whether it did.
     pub fn take_opacities(&mut self, opacities: &Opacities) -> bool {
         let thin = opacities.thin();
         match &mut self.veils {
@@ -124,7 +124,7 @@ impl Intersector {
         self.past_veils(from, to - from, 1.0)
     }
 
-    /// Whether light passes between two points; past thin surfaces as often as they let it.
+    /// Whether light passes between two points; by chance where thin surfaces pass a share.
     pub fn lets_through_by_chance(&self, from: Vec3, to: Vec3) -> bool {
         self.transmittance_between(from, to) > any_threshold(from, to - from)(0)
     }
@@ -141,8 +141,8 @@ impl Intersector {
         self.veils.as_ref().map_or(1.0, |veils| veils.transmittance(origin, direction, distance))
     }
 
-    /// Lessens `visible`, what [`Self::trace_batch`] or a tracer of boundaries gave for the directions for which `wanted` holds,
-    /// to the share of the light that passes the thin surfaces on the way.
+    /// Multiplies `visible`, the result of [`Self::trace_batch`] or a boundary tracer for the directions of `wanted`,
+    /// by the share of light that passes the thin surfaces.
     pub fn attenuate(
         &self,
         origin: Vec3,
@@ -172,7 +172,7 @@ mod tests {
         [Vec3::new(-side, y, side), Vec3::new(side, y, side), Vec3::new(0.0, y, -2.0 * side)]
     }
 
-    /// Triangles above each other, each with a material of some opacity; the last one has a hole where u > 0.5.
+    /// Stacked triangles, each with a material of some opacity; the last one has a hole where u > 0.5.
     fn stack(opacities: &[f32]) -> (Mesh, Opacities) {
         let triangles = (1..=opacities.len() as u32).map(|i| triangle(i as f32, 2.0));
         let positions: Vec<Vec3> = triangles.flatten().collect();

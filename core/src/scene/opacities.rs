@@ -1,4 +1,4 @@
-//! What of a scene lets light through.
+//! Opacities of a scene's materials and parts.
 
 use super::Scene;
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 use std::{collections::BTreeMap, sync::Arc};
 
 impl Opacities {
-    /// Of the materials of a scene, and of parts that let through other light.
+    /// The opacities of a scene's materials and of parts that override them.
     pub fn of_scene(scene: &Scene) -> Self {
         let (materials, assigned) = scene.materials_with_parts();
         Self::of(&materials, &scene.textures).assigned(assigned)
@@ -18,8 +18,8 @@ impl Opacities {
 }
 
 impl Scene {
-    /// Its materials, and behind them those of parts that let through other light. If there are such parts, also the material
-    /// of each triangle.
+    /// Its materials, followed by materials for parts with their own opacity. If there are such parts, also the
+    /// material of each triangle.
     pub fn materials_with_parts(&self) -> (Vec<Material>, Option<Arc<[u32]>>) {
         let own = self.materials.len();
         let mut materials = self.materials.clone();
@@ -36,13 +36,13 @@ impl Scene {
         (materials, Some(self.mesh.triangle_material.iter().enumerate().map(of_triangle).collect()))
     }
 
-    /// Gives parts that let through other light materials of the mesh, for formats that know no parts.
+    /// Assigns mesh materials to parts with an opacity of their own, for formats without parts.
     pub fn settle_parts(&mut self) {
         if let (materials, Some(assigned)) = self.materials_with_parts() {
             let own = self.materials.len();
             self.materials = materials;
             for (material, PartOpacity { parts, .. }) in self.materials[own..].iter_mut().zip(&self.part_opacities) {
-                // Formats tell materials apart by their names.
+                // Formats identify materials by name.
                 material.name += &format!(" of {}", self.objects[parts[0].object as usize].name);
             }
             self.mesh.triangle_material = assigned.to_vec();
@@ -50,15 +50,15 @@ impl Scene {
         }
     }
 
-    /// What a part of it lets through; nothing if it has no such material.
+    /// The opacity of a part; none if the scene lacks its material.
     pub fn opacity_of(&self, part: Part) -> Opacity {
         let other = self.part_opacities.iter().find(|other| other.parts.contains(&part));
         let material = other.map(|other| &other.material).or_else(|| self.materials.get(part.material as usize));
         material.map_or(Opacity::FULL, |material| Opacity::of(material, &self.textures))
     }
 
-    /// Lets through what others do: `materials`, of which the first `count` stand for its own, and of them that of each part in
-    /// `assigned`, which is not that of the mesh. Their maps are among `textures`. Parts that are not there are left out.
+    /// Takes opacities from `materials`. The first `count` replace the scene's own; each part in `assigned` takes the
+    /// opacity of its assigned material. Their maps are among `textures`. Unknown parts are skipped.
     pub fn take_opacities(
         &mut self,
         materials: &[Material],
@@ -85,7 +85,7 @@ impl Scene {
         *part_opacities = others.into_iter().map(of_parts).collect();
     }
 
-    /// A hash of what lets light through, as hexadecimal; `None` if no number and no map says that anything does.
+    /// A hash of all opacities, in hexadecimal; `None` if everything is opaque.
     pub fn opacity_hash(&self) -> Option<String> {
         let mut hasher = blake3::Hasher::new();
         let mut add = |of: &[u8], material: &Material| {
@@ -105,7 +105,7 @@ impl Scene {
     }
 }
 
-/// A slot of one of `textures` as one of `known`, to which that is added if it is not there. `None` if there is no such texture.
+/// A slot of `textures` as a slot of `known`; adds its texture if missing. `None` if there is no such texture.
 fn placed_among(known: &mut Vec<Arc<Texture>>, textures: &[Arc<Texture>], slot: &TextureSlot) -> Option<TextureSlot> {
     let Some(image) = slot.image() else { return Some(slot.clone()) };
     let texture = textures.get(image)?;

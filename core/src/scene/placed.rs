@@ -1,19 +1,19 @@
-//! Objects that a bake has elsewhere, or deformed, beside the file of its scene.
+//! Objects that a bake moved or deformed relative to its scene file.
 //!
-//! Poses of a document are relative to the file, those of a picture to the bake that it is made from.
+//! Poses of a document are relative to the file, poses of a picture to its bake.
 
 use super::pose::{ClipTime, Pose, PosedVertices, Poses};
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// An object of a bake that is not where its file has it, or is deformed.
+/// An object that a bake moved or deformed relative to its file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placed {
-    /// Its index.
+    /// Index of the object.
     pub object: u32,
-    /// Relative to the file; that of an object that is only deformed is [`Pose::AS_BAKED`].
+    /// Pose relative to the file; [`Pose::AS_BAKED`] for an object that is only deformed.
     pub pose: Pose,
-    /// The center of its box as its file has it, in meters.
+    /// Center of its box in the file, in meters.
     pub center: Vec3,
     /// The center of its box as baked, in meters.
     pub baked_center: Vec3,
@@ -24,12 +24,12 @@ impl Placed {
         pose.world_from_baked(self.center)
     }
 
-    /// From where its file has it to where it was baked.
+    /// Transform from its place in the file to its place in the bake.
     pub(crate) fn baked_from_file(&self) -> Affine3A {
         self.world_from_file(&self.pose)
     }
 
-    /// A pose relative to the bake, from one relative to the file.
+    /// Converts a pose relative to the file to one relative to the bake.
     pub(super) fn since_baked(&self, of_file: Pose) -> Pose {
         if of_file == self.pose {
             return Pose::AS_BAKED;
@@ -42,14 +42,14 @@ impl Placed {
         }
     }
 
-    /// Whether it can be of a scene with so many objects.
+    /// Whether it is valid in a scene of `objects` objects.
     pub(super) fn fits(&self, objects: usize) -> bool {
         let are_finite = self.center.is_finite() && self.baked_center.is_finite();
         (self.object as usize) < objects && are_finite && self.pose.validate("").is_ok()
     }
 }
 
-/// A hash of poses and of a time, as hexadecimal; `None` if all is as its file has it.
+/// A hash of poses and a time, in hexadecimal; `None` if everything is as in the file.
 pub fn hash(poses: &Poses, time: Option<&ClipTime>) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
     for object in poses.without_deformed().moved() {
@@ -64,8 +64,8 @@ pub fn hash(poses: &Poses, time: Option<&ClipTime>) -> Option<String> {
     (hasher.count() > 0).then(|| hasher.finalize().to_hex().to_string())
 }
 
-/// A hash of the vertices that an animation deforms, as hexadecimal; `None` if there are none. They depend on keyframes, which neither
-/// the scene nor [`hash`] has.
+/// A hash of the vertices that an animation deforms, in hexadecimal; `None` if there are none. They depend on
+/// keyframes, which neither the scene nor [`hash`] covers.
 pub fn deformed_hash(poses: &Poses) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
     for (object, deformed) in poses.moved().filter_map(|object| Some((object, poses.deformed(object)?))) {

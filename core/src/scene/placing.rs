@@ -1,4 +1,4 @@
-//! A scene whose objects are placed elsewhere than its file has them.
+//! Moves the objects of a scene away from their places in the file.
 
 use super::{
     Mesh, MeshError, Scene,
@@ -9,22 +9,22 @@ use glam::Vec3;
 use std::collections::BTreeSet;
 
 impl Objects {
-    /// Those of a scene, as it was baked. A vertex of several objects goes to the first of them.
+    /// The objects of a scene as baked. A vertex shared by several objects goes to the first.
     pub fn of(scene: &Scene) -> Self {
         Self::of_mesh(&scene.mesh, scene.objects.len())
     }
 }
 
 impl Scene {
-    /// Places the objects of a scene that is as its file has it. Where poses deform objects, its `clip_time` should say so.
+    /// Places the objects of a scene that is still as in its file. Where poses deform objects, `clip_time` should give their time.
     ///
     /// # Errors
-    /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE); the scene stays as it is then.
+    /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE); the scene is then unchanged.
     pub fn place(&mut self, poses: &Poses) -> Result<(), MeshError> {
         let before = Objects::of(self);
         self.mesh = poses.pose(&self.mesh, &before)?;
         let after = Objects::of(self);
-        // What is only deformed has another box than in its file, and turns about that of the file all the same.
+        // A deformed object has another box than in its file but still turns about the file's center.
         let moved = poses.moved().filter(|&object| (object as usize) < before.len());
         let placed = |object| Placed {
             object,
@@ -36,21 +36,21 @@ impl Scene {
         Ok(())
     }
 
-    /// Where its objects are, relative to the file.
+    /// Poses of its objects relative to the file.
     pub fn placed_poses(&self) -> Poses {
         let mut poses = Poses::default();
         self.placed.iter().for_each(|placed| poses.set(placed.object, placed.pose));
         poses
     }
 
-    /// Poses relative to where the objects are, from poses relative to the file.
+    /// Converts poses relative to the file to poses relative to the bake.
     pub fn poses_since_baked(&self, of_file: &Poses) -> Poses {
         let mut poses = of_file.clone();
         self.placed.iter().for_each(|placed| poses.set(placed.object, placed.since_baked(of_file.of(placed.object))));
         poses
     }
 
-    /// Where its objects would be if none were placed.
+    /// The mesh with all objects at their places in the file.
     pub(crate) fn unplaced(&self) -> Mesh {
         let (mut mesh, objects) = (self.mesh.clone(), Objects::of(self));
         for placed in &self.placed {
@@ -62,12 +62,12 @@ impl Scene {
         mesh
     }
 
-    /// The center of an object as its file has it, if it is elsewhere or deformed.
+    /// The center of an object in the file, if the object was moved or deformed.
     pub fn center_in_file(&self, object: u32) -> Option<Vec3> {
         self.placed.iter().find(|placed| placed.object == object).map(|placed| placed.center)
     }
 
-    /// Whether all of what it says of placed objects fits its objects.
+    /// Whether all placed objects match the scene's objects.
     pub(crate) fn placed_fits(&self) -> bool {
         let different: BTreeSet<u32> = self.placed.iter().map(|placed| placed.object).collect();
         different.len() == self.placed.len() && self.placed.iter().all(|placed| placed.fits(self.objects.len()))
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!((baked.placed_poses(), baked.center_in_file(1)), (baked_so, None));
     }
 
-    /// What an animation makes of a cube that slides and grows.
+    /// The result of an animation: a cube that slides and grows.
     fn slid(scene: &Scene, object: u32, x: f32) -> DeformedObject {
         let (mesh, objects) = (&scene.mesh, Objects::of(scene));
         let mut vertices = PosedVertices::default();

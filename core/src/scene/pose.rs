@@ -1,7 +1,7 @@
-//! Where the objects of a scene are, beside where they were baked.
+//! Poses of a scene's objects, relative to the bake.
 //!
-//! A pose scales and turns an object about the center of its box, and then moves it. An animation deforms it before that. All triangles
-//! stay the same, so that what a bake says of a vertex is found by its index under any pose.
+//! A pose scales and turns an object about the center of its box, then moves it. An animation deforms the object first.
+//! The triangles stay the same, so baked data of a vertex is found by its index under any pose.
 
 mod check;
 mod deformed;
@@ -24,18 +24,18 @@ use std::{
     ops::Range,
 };
 
-/// The largest scale, and the inverse of the least.
+/// Largest scale; its inverse is the smallest.
 pub const MOST_SCALE: f32 = 1e4;
 
-/// Where an object is, relative to where it was baked.
+/// Pose of an object relative to the bake.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pose {
-    /// In meters.
+    /// Translation in meters.
     pub translate: Vec3,
-    /// Turns about the world's axes through the center of the object as baked, in degrees: first about X, then Y, then Z.
+    /// Rotation about the world's axes through the center of the object as baked, in degrees: first about X, then Y, then Z.
     pub rotate_degrees: Vec3,
-    /// Size, 1 as baked; above 0, at most [`MOST_SCALE`].
+    /// Scale, 1 as baked; above 0, at most [`MOST_SCALE`].
     pub scale: f32,
 }
 
@@ -46,22 +46,22 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// Where it was baked.
+    /// The baked pose.
     pub const AS_BAKED: Self = Self { translate: Vec3::ZERO, rotate_degrees: Vec3::ZERO, scale: 1.0 };
 
-    /// The turn.
+    /// The rotation as a quaternion.
     pub fn rotation(&self) -> Quat {
         let Vec3 { x, y, z } = self.rotate_degrees.map(f32::to_radians);
         Quat::from_euler(EulerRot::XYZEx, x, y, z)
     }
 
-    /// The same with another turn.
+    /// The same pose with another rotation.
     pub fn with_rotation(self, rotation: Quat) -> Self {
         let (x, y, z) = rotation.to_euler(EulerRot::XYZEx);
         Self { rotate_degrees: Vec3::new(x, y, z).map(f32::to_degrees), ..self }
     }
 
-    /// From the place where an object with this center was baked to where it is, in meters.
+    /// Transform from the baked to the posed object, whose baked center is `center`, in meters.
     pub fn world_from_baked(&self, center: Vec3) -> Affine3A {
         let about_center =
             Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), self.rotation(), Vec3::ZERO);
@@ -69,17 +69,17 @@ impl Pose {
     }
 }
 
-/// A time of a clip of an animation.
+/// A time in an animation clip.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ClipTime {
     /// Name of the clip.
     pub clip: String,
-    /// In seconds from its beginning.
+    /// Seconds from its beginning.
     pub seconds: f32,
 }
 
-/// The poses of the objects that are not where they were baked, by index.
+/// Poses by object index; only objects that differ from the bake.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Poses {
     of_object: BTreeMap<u32, Pose>,
@@ -88,27 +88,27 @@ pub struct Poses {
 }
 
 impl Poses {
-    /// Whether all is as it was baked.
+    /// Whether no object differs from the bake.
     pub fn is_empty(&self) -> bool {
         self.of_object.is_empty() && self.deformed.is_empty()
     }
 
-    /// The pose of an object, by which it is moved as a whole.
+    /// The rigid pose of an object.
     pub fn of(&self, object: u32) -> Pose {
         self.of_object.get(&object).copied().unwrap_or_default()
     }
 
-    /// Whether an object is where it was baked.
+    /// Whether an object is as baked.
     pub fn is_as_baked(&self, object: u32) -> bool {
         !self.of_object.contains_key(&object) && !self.deformed.contains_key(&object)
     }
 
-    /// The vertices of an object, if it is deformed; its pose comes on top, about its center as baked.
+    /// The vertices of a deformed object. Its pose applies on top, about its baked center.
     pub fn deformed(&self, object: u32) -> Option<&DeformedObject> {
         self.deformed.get(&object)
     }
 
-    /// Deforms an object, or lets it be as it was baked.
+    /// Deforms an object, or restores its baked vertices.
     pub fn deform(&mut self, object: u32, deformed: Option<DeformedObject>) {
         match deformed {
             Some(deformed) => self.deformed.insert(object, deformed),
@@ -117,34 +117,34 @@ impl Poses {
         self.clip_time = None;
     }
 
-    /// When in an animation the deformed objects are as they are, if that is known.
+    /// The animation time of the deformed objects, if known.
     pub fn clip_time(&self) -> Option<&ClipTime> {
         self.clip_time.as_ref()
     }
 
-    /// The same, known to be deformed as at a time of an animation, if anything is deformed. Other deformed objects are of no known time.
+    /// The same poses with a known animation time, if anything is deformed. Other deformed objects have no known time.
     pub fn at(self, time: ClipTime) -> Self {
         Self { clip_time: Some(time).filter(|_| !self.deformed.is_empty()), ..self }
     }
 
-    /// The same without deformed objects.
+    /// The same poses without deformed objects.
     pub fn without_deformed(&self) -> Self {
         Self { of_object: self.of_object.clone(), ..Self::default() }
     }
 
-    /// The objects that are not in the same place by both, by index.
+    /// Indices of the objects whose poses differ.
     pub fn differing<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = u32> + 'a {
         let all: BTreeSet<u32> = self.moved().chain(other.moved()).collect();
         let pose = |poses: &'a Self, object| (poses.of(object), poses.deformed(object));
         all.into_iter().filter(move |&object| pose(self, object) != pose(other, object))
     }
 
-    /// Poses an object.
+    /// Sets the pose of an object.
     pub fn set(&mut self, object: u32, pose: Pose) {
         self.replace(object, pose);
     }
 
-    /// Poses an object, and returns the pose that it had.
+    /// Sets the pose of an object and returns the old one.
     pub fn replace(&mut self, object: u32, pose: Pose) -> Pose {
         let before = match pose == Pose::AS_BAKED {
             true => self.of_object.remove(&object),
@@ -153,23 +153,24 @@ impl Poses {
         before.unwrap_or_default()
     }
 
-    /// The same for objects that have other numbers, or are gone.
+    /// The same poses for objects with new indices, or `None` for removed ones.
     pub fn renumbered(&self, number: impl Fn(u32) -> Option<u32>) -> Self {
         let of_object = self.of_object.iter().filter_map(|(&object, &pose)| Some((number(object)?, pose))).collect();
         let deformed = self.deformed.iter().filter_map(|(&object, shape)| Some((number(object)?, shape.clone())));
         Self { of_object, deformed: deformed.collect(), clip_time: None }
     }
 
-    /// The objects that are elsewhere, by index.
+    /// Indices of the moved objects.
     pub fn moved(&self) -> impl Iterator<Item = u32> {
         let all: BTreeSet<u32> = self.of_object.keys().chain(self.deformed.keys()).copied().collect();
         all.into_iter()
     }
 
-    /// The mesh with its objects posed.
+    /// The mesh with posed objects.
     ///
     /// # Errors
-    /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE), and vertices of a deformed object that are not those of the mesh.
+    /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE), or vertices of a deformed object that do not
+    /// match the mesh.
     pub fn pose(&self, mesh: &Mesh, objects: &Objects) -> Result<Mesh, MeshError> {
         let mut posed = mesh.clone();
         for (&object, deformed) in self.deformed.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
@@ -201,7 +202,7 @@ fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {
     vertices.iter().for_each(|&vertex| mesh.turn_vertex(vertex as usize, world_from_baked, rotation));
 }
 
-/// The vertices of each object of a mesh, and the centers that they turn about.
+/// The vertices of each object of a mesh, and the centers of rotation.
 #[derive(Clone, Debug, Default)]
 pub struct Objects {
     vertices: Vec<u32>,
@@ -210,7 +211,7 @@ pub struct Objects {
 }
 
 impl Objects {
-    /// Those of a mesh, as it was baked, by their indices up to `count`.
+    /// The objects of a mesh as baked, with indices below `count`.
     pub(super) fn of_mesh(mesh: &Mesh, count: usize) -> Self {
         let (positions, owner) = (&mesh.positions, mesh.owners());
         let mut vertices: Vec<u32> = (0..positions.len() as u32).filter(|&v| owner[v as usize] != u32::MAX).collect();
@@ -226,22 +227,22 @@ impl Objects {
         Self { centers, ranges, vertices }
     }
 
-    /// How many there are.
+    /// Number of objects.
     pub fn len(&self) -> usize {
         self.ranges.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no objects.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty()
     }
 
-    /// The vertices of an object, by index.
+    /// Vertex indices of an object.
     pub fn vertices(&self, object: u32) -> &[u32] {
         &self.vertices[self.ranges[object as usize].clone()]
     }
 
-    /// The center of the box around an object as baked, in meters.
+    /// Center of the box around an object as baked, in meters.
     pub fn center(&self, object: u32) -> Vec3 {
         self.centers[object as usize]
     }

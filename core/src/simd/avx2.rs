@@ -1,7 +1,7 @@
 //! Eight numbers in one register of 256 bits.
 //!
-//! The operators carry no target feature of their own: they are inlined into a function that does, see
-//! [`super::instruction_set`], which alone makes such values, and only where the machine has AVX2.
+//! The operators have no target feature: they are inlined into a function that has it, see [`super::instruction_set`].
+//! Only that module creates such values, and only if the machine has AVX2.
 
 use super::{Lanes, sealed::Sealed};
 use std::{
@@ -93,13 +93,13 @@ impl Lanes for Avx2 {
         Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
 
-    /// That of the other machines, to have its bits.
+    /// The portable exponential, for equal bits.
     #[inline(always)]
     fn exp(self) -> Self {
         Self::new(f32x8::new(self.to_array()).exp().to_array())
     }
 
-    /// As the exponential.
+    /// See the exponential.
     #[inline(always)]
     fn ln(self) -> Self {
         Self::new(f32x8::new(self.to_array()).ln().to_array())
@@ -134,8 +134,7 @@ impl Lanes for Avx2 {
     }
 }
 
-/// Columns `FIRST` to `FIRST + 3`. Rows 0 and 4, 1 and 5 and so on share a register, so that no number crosses between
-/// its halves.
+/// Columns `FIRST` to `FIRST + 3`. Rows 0 and 4, 1 and 5 and so on share a register, so no number crosses between its halves.
 #[inline(always)]
 fn four_columns<const FIRST: usize>(rows: [&[f32; 8]; 8]) -> [Avx2; 4] {
     // SAFETY: as for the operators.
@@ -155,7 +154,7 @@ fn four_columns<const FIRST: usize>(rows: [&[f32; 8]; 8]) -> [Avx2; 4] {
     }
 }
 
-/// Four numbers of each row from `FIRST`, which is 0 or 4.
+/// Four numbers of each row from `FIRST`, 0 or 4.
 #[inline(always)]
 fn two_rows<const FIRST: usize>(low: &[f32; 8], high: &[f32; 8]) -> __m256 {
     const { assert!(FIRST + 4 <= 8) };

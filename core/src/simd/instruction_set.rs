@@ -1,4 +1,4 @@
-//! Which instructions a kernel runs in.
+//! Instruction sets for kernels.
 
 use super::Lanes;
 #[cfg(target_arch = "x86_64")]
@@ -6,24 +6,24 @@ use super::avx2::Avx2;
 use std::sync::LazyLock;
 use wide::f32x8;
 
-/// Work that is worth a path for each instruction set.
+/// Work that benefits from a version per instruction set.
 pub trait Kernel {
-    /// Its result.
+    /// Result of the work.
     type Output;
 
-    /// Does the work. This and all that it calls with [`Lanes`], closures too, must be `#[inline(always)]`: in what is not
-    /// inlined each operator is a call of a function, and the whole is slower than the plain build. For the same reason
-    /// `Lanes` go through no `map` and no `from_fn`.
+    /// Does the work. It and everything it calls with [`Lanes`], closures included, must be `#[inline(always)]`:
+    /// otherwise each operator is a function call, and the kernel is slower than the plain build. For the same reason
+    /// `Lanes` never pass through `map` or `from_fn`.
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
-/// Instructions that this machine has.
+/// Instructions available on this machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstructionSet(Known);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Known {
-    /// Those of the build.
+    /// The instructions of the build.
     Portable,
     /// Registers of 256 bits.
     #[cfg(target_arch = "x86_64")]
@@ -31,10 +31,10 @@ enum Known {
 }
 
 impl InstructionSet {
-    /// Those of the build, which every machine has.
+    /// The instructions of the build, available on every machine.
     pub const PORTABLE: Self = Self(Known::Portable);
 
-    /// All that this machine has, the widest last.
+    /// All sets of this machine, the widest last.
     pub fn available() -> impl Iterator<Item = Self> {
         #[cfg(target_arch = "x86_64")]
         let known = {
@@ -50,19 +50,19 @@ impl InstructionSet {
         known.into_iter().flatten().map(Self)
     }
 
-    /// The widest that this machine has.
+    /// The widest set of this machine.
     pub fn widest() -> Self {
         static WIDEST: LazyLock<InstructionSet> =
             LazyLock::new(|| InstructionSet::available().last().unwrap_or(InstructionSet::PORTABLE));
         *WIDEST
     }
 
-    /// Runs `kernel` in these instructions.
+    /// Runs `kernel` with these instructions.
     #[inline(always)]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
             Known::Portable => kernel.run::<f32x8>(),
-            // SAFETY: only `available` makes these values, and it asks the machine first.
+            // SAFETY: only `available` creates this value, after checking the machine.
             #[cfg(target_arch = "x86_64")]
             Known::Avx2 => unsafe { in_avx2(kernel) },
         }

@@ -1,6 +1,6 @@
 use super::*;
 
-/// All operations over all pairs of numbers that are special to one of them.
+/// All operations over all pairs of special numbers.
 struct Everything;
 
 const NUMBERS: [f32; 16] = [
@@ -65,7 +65,7 @@ impl Kernel for Everything {
     }
 }
 
-/// The bits, with one pattern for all NaN: which of two NaN an operation returns is not part of the promise.
+/// The bits, with one pattern for all NaN: the NaN that an operation returns is unspecified.
 fn bits(values: &[[f32; 8]]) -> Vec<u32> {
     values.iter().flatten().map(|v| if v.is_nan() { f32::NAN.to_bits() } else { v.to_bits() }).collect()
 }

@@ -1,4 +1,4 @@
-//! The light of a source tree's nodes: their radiance and where it comes from.
+//! The light of a source tree's nodes: radiance and position.
 
 use super::tree::{Cloud, SourceTree};
 use crate::{

@@ -1,11 +1,10 @@
-//! Solid angles of the sources around a point, by rays.
+//! Solid angles of the sources around a point, by ray tracing.
 //!
-//! A distant source is a disc, hidden or visible. At small distances the shape of the surfaces around the point
-//! matters: in the folds of a sofa discs overlap and reach into other surfaces; at the foot of a wall the floor's discs
-//! are seen edge on. So rays go out from the point in all directions, and each assigns its part of the sphere to the
-//! source that owns the surface it hits. Shading takes the light of a source to come from its center. So a ray is
-//! weighted by its own cosine over that of the center. Then irradiance is nearly right even where rays hit the foot of
-//! a wall and the center is far up.
+//! A distant source is a disc, hidden or visible. At small distances the shape of the surfaces around the point matters: in the
+//! folds of a sofa discs overlap and reach into other surfaces; at the foot of a wall the floor's discs are seen edge on. So rays
+//! sample all directions from the point, and each assigns its part of the sphere to the source that owns the surface it hits.
+//! Shading places a source's light at its center, so a ray is weighted by its own cosine over the center's. Irradiance is then
+//! nearly right even where rays hit the foot of a wall whose center is far up.
 
 use super::Source;
 use crate::{
@@ -18,22 +17,22 @@ use std::f32::consts::TAU;
 
 /// Sources within this many of their spacings are near.
 const REACH: f32 = 8.0;
-/// A point farther than this many spacings from every source belongs to none: light does not reach it.
+/// A point farther than this many spacings from every source has no owner: light does not reach it.
 pub const OWNED_WITHIN: f32 = 2.0;
 /// Rays over the sphere. In a furnished room four times as many are no better, see `docs/decisions/0008-near-field-by-rays.md`.
 const RAYS: usize = 1024;
-/// A point no higher than this many spacings above a source's plane lies in the same surface.
+/// A point up to this many spacings above a source's plane lies in the same surface.
 const LEAST_HEIGHT: f32 = 1e-3;
-/// A hit belongs to the point's own surface if it is no deeper below the origin than this multiple of the lift, and if
-/// it faces nearly as that surface does ([`Origin::same_surface_cosine`]). Smooth normals receive directions below the
-/// faces around them, which would take the light of these faces' sources.
+/// A hit belongs to the point's own surface if it is at most this multiple of the lift below the origin, and faces
+/// nearly as that surface does ([`Origin::same_surface_cosine`]). Smooth normals receive directions below the
+/// surrounding faces, which would take the light of those faces' sources.
 const SAME_SURFACE_LIFTS: f32 = 2.0;
 
-/// Smallest cosine in the weights of rays. Interpolation shades other points than those sampled, and there a center at
-/// the horizon may be high above it. With 0.05 a single pixel of the living room held 0.4 of the squared error.
+/// Smallest cosine in the weights of rays. Interpolation shades points between the samples, where a center at the
+/// horizon may be high above it. With 0.05 a single pixel of the living room held 0.4 of the squared error.
 const LEAST_COSINE: f32 = 0.3;
 
-/// The sources that have an area, and a grid that finds the one that owns a place.
+/// The sources with an area, and a grid that finds the owner of a place.
 pub fn owners(sources: &[Source]) -> (Vec<u32>, GradedGrid) {
     let members: Vec<u32> = (0..sources.len() as u32).filter(|&i| sources[i as usize].area > 0.0).collect();
     let reach = |&i: &u32| {
@@ -44,17 +43,16 @@ pub fn owners(sources: &[Source]) -> (Vec<u32>, GradedGrid) {
     (members, grid)
 }
 
-/// Where the rays of a point start.
+/// Origin of a point's rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Origin {
-    /// Off all surfaces.
+    /// Position off all surfaces.
     pub position: Vec3,
-    /// The point that all faces around the vertex share. It differs from `position` only for vertices that sample
-    /// beside themselves.
+    /// The common point of all faces around the vertex. It differs from `position` only for vertices sampled beside themselves.
     pub anchor: Vec3,
     /// Unit normal for cosines.
     pub normal: Vec3,
-    /// Unit normal of the surface that the point lies in.
+    /// Unit normal of the surface at the point.
     pub face: Vec3,
     /// Distance from that surface, in meters.
     pub lift: f32,
@@ -67,7 +65,7 @@ impl Origin {
     /// Value for a point within a face.
     pub const SAME_SURFACE_COSINE: f32 = 0.5;
 
-    /// Whether a hit belongs to the surface that the point lies in.
+    /// Whether a hit belongs to the surface at the point.
     fn lies_in_surface_of(&self, place: &Surfel) -> bool {
         let height = (self.anchor - place.position).dot(place.normal);
         height < SAME_SURFACE_LIFTS * self.lift && place.normal.dot(self.face) > self.same_surface_cosine
@@ -78,21 +76,21 @@ impl Origin {
     }
 }
 
-/// Sources by position, for the rays of points close to them.
+/// Sources by position, for the rays of nearby points.
 pub struct NearField {
-    /// The sources that have an area.
+    /// The sources with an area.
     owners: GradedGrid,
     /// Their indices.
     members: Vec<u32>,
     directions: Vec<Vec3>,
-    /// These by their number, neighbors one after the other.
+    /// Indices of the owners, sorted so that neighbors are adjacent.
     close_together: Vec<u32>,
-    /// Length of rays, in meters.
+    /// Length of the rays, in meters.
     longest: f32,
 }
 
 impl NearField {
-    /// For these sources.
+    /// Prepares the rays for these sources.
     pub fn new(sources: &[Source]) -> Self {
         let (members, owners) = owners(sources);
         let widest = sources.iter().map(|source| source.spacing).fold(0.0, f32::max);
@@ -101,7 +99,7 @@ impl NearField {
         Self { owners, members, close_together: spatial_order(&directions), directions, longest }
     }
 
-    /// Whether rays from `origin` decide the source's solid angle there, in place of its disc.
+    /// Whether rays from `origin` determine the source's solid angle, instead of its disc.
     #[inline(always)]
     pub fn holds(&self, source: &Source, origin: Vec3) -> bool {
         let reach = REACH * source.spacing;
@@ -114,9 +112,8 @@ impl NearField {
         (origin - source.surfel.position).dot(source.surfel.normal) > LEAST_HEIGHT * source.spacing
     }
 
-    /// Traces the rays of a point in the directions that it `receives`. Each hit on a source for which
-    /// [`Self::holds`] is true calls `add` with that source and the solid angle in steradians of the ray. Returns the
-    /// number of rays traced.
+    /// Traces the rays of a point in the directions that it `receives`. Each hit on a source for which [`Self::holds`]
+    /// is true calls `add` with that source and the ray's solid angle in steradians. Returns the number of rays traced.
     pub fn gather(
         &self,
         sources: &[Source],
@@ -145,7 +142,7 @@ impl NearField {
         self.gather_traced(sources, |rays| rays.iter().map(single).collect(), origin, receives, add)
     }
 
-    /// Where `trace` tells what rays meet.
+    /// [`Self::gather`], with the hits given by `trace`.
     fn gather_traced(
         &self,
         sources: &[Source],
@@ -160,14 +157,14 @@ impl NearField {
         let mut met = vec![None; self.directions.len()];
         let traced = trace(&received.iter().map(direction).collect::<Vec<_>>());
         received.iter().zip(traced).for_each(|(&i, surfel)| met[i as usize] = surfel);
-        // In the order of the directions, so that sums do not depend on how they are traced.
+        // In the order of the directions, so that sums do not depend on the tracing.
         for (&direction, met) in self.directions.iter().zip(&met) {
             let Some(met) = met else { continue };
             // A ray from high above must not go to a source at the horizon.
             let lowest = if cosine(direction) < LEAST_COSINE { 0.0 } else { LEAST_COSINE };
             let to = |source: &Source| (source.surfel.position - origin.position).normalize_or_zero();
             let owner = self.owner(sources, &origin, met, |source| cosine(to(source)) > lowest);
-            // Below a sheet that stands on a floor, the nearest source may be on the other side of the sheet.
+            // Below a sheet on a floor, the nearest source may be on the other side of the sheet.
             if let Some(owner) = owner.filter(|&owner| receives(to(&sources[owner]))) {
                 let cosines = [direction, to(&sources[owner])].map(|d| cosine(d).max(LEAST_COSINE));
                 add(owner, 2.0 * TAU / RAYS as f32 * cosines[0] / cosines[1]);
@@ -178,8 +175,8 @@ impl NearField {
 
     /// The near source that owns a hit: the nearest that `lights` a point at `origin`, else the nearest of all. The
     /// nearest may not light the point: a table's top is next to a ledge below its rim, and sources may lie at the very
-    /// foot of a wall. `None` for a hit on the surface that `origin` itself lies in, which rays below the tangent plane
-    /// of a rounded edge reach, and where the nearest source is far enough to be a disc.
+    /// foot of a wall. `None` where the nearest source is far enough to be a disc, and for a hit on the surface of
+    /// `origin` itself, which rays below the tangent plane of a rounded edge reach.
     fn owner(
         &self,
         sources: &[Source],
@@ -208,10 +205,10 @@ mod tests {
     use crate::{mesh::Mesh, surfel::Surfel};
     use std::f32::consts::PI;
 
-    /// Distance of the sources, which is that of their places on a grid.
+    /// Distance of the sources, equal to their spacing on the grid.
     const CELL: f32 = 0.1;
 
-    /// A floor y = 0 with a wall x = 0 to its left, and discs on a grid over the floor for sources.
+    /// A floor y = 0 with a wall x = 0 on its left, and discs on a grid over the floor as sources.
     fn floor_and_wall() -> (Intersector, Vec<Source>) {
         let (near, far) = (-10.0, 10.0);
         let mut mesh = Mesh::default();
@@ -248,7 +245,7 @@ mod tests {
             let cosine = |s: &Source| (s.surfel.position - foot).normalize().x.max(0.0);
             angles.iter().zip(&sources).map(|(angle, s)| angle * cosine(s)).sum::<f32>()
         };
-        // Half of what a furnace gives, but for the floor beyond the reach and for small cosines, which count as more.
+        // Half of a furnace, except for the floor beyond the reach and for small cosines, which count more.
         let found = lit(gathered(&near, &scene, &sources, foot, Vec3::X));
         assert!((found / (0.5 * PI) - 1.0).abs() < 0.1, "{found}");
         let discs = lit(sources.iter().map(|s| s.solid_angle_from(foot)).collect());
@@ -262,7 +259,7 @@ mod tests {
         let origin = Vec3::new(2.05, 0.3, 0.05);
         let seen = gathered(&near, &scene, &sources, origin, Vec3::NEG_Y);
         let below = sources.iter().position(|s| s.surfel.position.distance(origin) < 0.301).unwrap();
-        // A square seen from three of its sides above its middle.
+        // A square seen from above its middle, at three times its side.
         let exact = 4.0 * (1.0_f32 / 37.0).asin();
         assert!((seen[below] / exact - 1.0).abs() < 0.1, "{} for {exact}", seen[below]);
         for (angle, source) in seen.iter().zip(&sources) {
@@ -381,14 +378,14 @@ mod tests {
             let cosine = |s: &Source| (s.surfel.position - floor).normalize().y;
             angles.iter().zip(sources).map(|(angle, s)| angle * cosine(s)).sum::<f32>()
         };
-        // Half of what a furnace gives, but for the wall beyond the reach and for low rays: those of cosines below 0.3 hold 0.09 of
-        // it, and go to the foot.
+        // Half of a furnace, except for the wall beyond the reach and for low rays: cosines below 0.3 hold 0.09 of it,
+        // and go to the foot.
         let found = lit(&sources);
         assert!((found / (0.5 * PI) - 1.0).abs() < 0.1, "{found}");
         assert!(lit(&sources[..40]) < 0.3 * PI, "negative control: none above");
     }
 
-    /// Where sources stand half as far apart, four times as many give what the others did.
+    /// At half the spacing, four times as many sources give the same light.
     #[test]
     fn sources_of_two_spacings_give_as_much_as_of_one() {
         let (scene, even) = floor_and_wall();
@@ -403,7 +400,7 @@ mod tests {
         };
         let (fine, coarse): (Vec<_>, Vec<_>) = even.iter().partition(|s| s.surfel.position.x < 1.5);
         let graded: Vec<Source> = fine.iter().flat_map(quarters).chain(coarse).collect();
-        // Over the border of the two, by rays near by and discs beyond.
+        // Over the border of the two, by rays nearby and discs beyond.
         let origin = Vec3::new(1.5, 0.15, 0.0);
         let lit = |sources: &[Source]| {
             let near = NearField::new(sources);

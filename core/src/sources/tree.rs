@@ -1,7 +1,7 @@
 //! The tree over surface sources: position and extent of each node.
 //!
-//! Like the light tree it is complete, and its arrays are indexed by heap index. A node's sources are discs; from a
-//! large distance they are one light at their mean position.
+//! The tree is complete and its arrays are indexed by heap index, as in the light tree. A node's sources are discs;
+//! from a large distance they are one light at their mean position.
 
 use super::Source;
 use glam::Vec3;
@@ -17,7 +17,7 @@ pub struct SourceTree {
 }
 
 impl SourceTree {
-    /// The tree whose leaves are `2^H` sources.
+    /// The tree with `2^H` sources as leaves.
     pub fn new(sources: &[Source]) -> Self {
         assert!(sources.len().is_power_of_two(), "a complete tree");
         let clouds = Cloud::up_the_tree(sources.iter().map(|s| Cloud::disc(s, s.area)).collect());
@@ -39,7 +39,7 @@ impl SourceTree {
         self.sources.is_empty()
     }
 
-    /// Height: the root is that many levels above the leaves.
+    /// Height: the root is this many levels above the leaves.
     pub fn height(&self) -> u32 {
         self.len().ilog2()
     }
@@ -59,8 +59,7 @@ impl SourceTree {
         &self.centers
     }
 
-    /// Radius in meters of the disc whose points have the same mean squared distance from its center as a node's
-    /// points.
+    /// Radius in meters of the disc whose points have the same mean squared distance from its center as a node's points.
     pub fn radii(&self) -> &[f32] {
         &self.radii
     }
@@ -80,8 +79,7 @@ impl Cloud {
         Self { weight, center: source.surfel.position, variance: source.area / TAU }
     }
 
-    /// Both together, without the cancellation of sums of squares (Chan et al. 1979). If neither has weight, each
-    /// counts half.
+    /// Joins both, without the cancellation of sums of squares (Chan et al. 1979). If neither has weight, each counts half.
     fn joined(self, other: Self) -> Self {
         let weight = self.weight + other.weight;
         let share = if weight > 0.0 { other.weight / weight } else { 0.5 };
@@ -94,7 +92,7 @@ impl Cloud {
         }
     }
 
-    /// Clouds of all nodes by heap index (entry 0 repeats the root), from those of the leaves.
+    /// Clouds of all nodes by heap index (entry 0 repeats the root), from the leaves' clouds.
     pub fn up_the_tree(leaves: Vec<Self>) -> Vec<Self> {
         let n = leaves.len();
         let mut nodes = leaves.clone();

@@ -1,16 +1,16 @@
 //! The hemisphere as a square: cells of equal cosine weight (Shirley and Chiu, *A Low Distortion Map Between Disk and
 //! Square*, 1997).
 //!
-//! A direction of the hemisphere around +Z stands above a point of the unit disc. The disc is mapped to the unit square so
-//! that areas keep their ratio. A cell of an `n` x `n` grid therefore holds `π / n²` of the integral of the cosine, wherever it
-//! lies. The edge of the square is the horizon.
+//! A direction of the hemisphere around +Z projects to a point of the unit disc. The disc maps to the unit square with
+//! areas in proportion. So each cell of an `n` x `n` grid holds `π / n²` of the integral of the cosine. The edge of the
+//! square is the horizon.
 //!
-//! The inverse takes its arctangent from a polynomial, so that every machine gives the same bits.
+//! The inverse uses a polynomial arctangent, for equal bits on all machines.
 
 use glam::{UVec2, Vec2, Vec3};
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4};
 
-/// A point of the unit disc from one of the square from (0, 0) to (1, 1).
+/// The point of the unit disc for a point of the square from (0, 0) to (1, 1).
 pub fn disc_from_square(square: Vec2) -> Vec2 {
     let p = 2.0 * square - 1.0;
     if p == Vec2::ZERO {
@@ -22,7 +22,7 @@ pub fn disc_from_square(square: Vec2) -> Vec2 {
     }
 }
 
-/// A point of the square from (0, 0) to (1, 1) from one of the unit disc.
+/// The point of the square from (0, 0) to (1, 1) for a point of the unit disc.
 #[inline(always)]
 pub fn square_from_disc(disc: Vec2) -> Vec2 {
     let (x, y) = (disc.x.abs(), disc.y.abs());
@@ -63,7 +63,7 @@ impl HemisphereCells {
         self.side * self.side
     }
 
-    /// Whether there are none.
+    /// Whether there are no cells.
     pub const fn is_empty(self) -> bool {
         self.side == 0
     }
@@ -80,12 +80,12 @@ impl HemisphereCells {
         y as usize * self.side + x as usize
     }
 
-    /// The unit direction at the middle of a cell.
+    /// The unit direction at the center of a cell.
     pub fn direction_of(self, cell: usize) -> Vec3 {
         self.direction_within(cell, Vec2::splat(0.5))
     }
 
-    /// The unit direction at a place within a cell, from (0, 0) to (1, 1). Even places make cosine-distributed directions.
+    /// The unit direction at a place within a cell, from (0, 0) to (1, 1). Uniform places give cosine-distributed directions.
     pub fn direction_within(self, cell: usize, place: Vec2) -> Vec3 {
         let corner = Vec2::new((cell % self.side) as f32, (cell / self.side) as f32);
         let disc = disc_from_square((corner + place) / self.side as f32);

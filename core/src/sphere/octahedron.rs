@@ -1,16 +1,16 @@
 //! All directions as a square: an octahedron unfolded around its +Z corner.
 //!
-//! The cell of a direction takes a division and no functions, so that every machine finds the same. Edges of the middle row of cells
-//! lie on the horizon, in front and behind.
+//! Finding the cell of a direction takes one division and no functions, so all machines agree. Edges of the middle row
+//! of cells lie on the horizon, in front and behind.
 
 use glam::{Vec2, Vec3};
 
-/// Cells along an edge of the square. It is even, for the horizon.
+/// Cells along an edge of the square; even, for the horizon.
 pub const SIDE: usize = 48;
 /// Number of cells.
 pub const CELLS: usize = SIDE * SIDE;
 
-/// The cell of a direction of any length but zero, row by row.
+/// The cell of a nonzero direction, row by row.
 pub fn cell_of(direction: Vec3) -> usize {
     let p = direction.truncate() / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     let place = if direction.z >= 0.0 { p } else { folded(p) };
@@ -18,7 +18,7 @@ pub fn cell_of(direction: Vec3) -> usize {
     cell(place.y) * SIDE + cell(place.x)
 }
 
-/// The unit direction at the middle of a cell.
+/// The unit direction at the center of a cell.
 pub fn direction_of(cell: usize) -> Vec3 {
     let middle = Vec2::new((cell % SIDE) as f32, (cell / SIDE) as f32) + 0.5;
     let place = middle / SIDE as f32 * 2.0 - 1.0;
@@ -27,7 +27,7 @@ pub fn direction_of(cell: usize) -> Vec3 {
     p.extend(z).normalize()
 }
 
-/// The point of the lower half at a place of the square, and the place of a point of it.
+/// Maps a place of the square to its point in the lower half, and back.
 fn folded(p: Vec2) -> Vec2 {
     let sign = |of: f32| if of >= 0.0 { 1.0 } else { -1.0 };
     Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y))

@@ -1,10 +1,9 @@
-//! Balls by place: which of them hold a point.
+//! Balls in space: lookup of those that contain a point.
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
-/// A uniform grid. Every cell lists the balls that overlap it one after the other, so that a point needs one lookup and
-/// reads memory in order.
+/// A uniform grid. Every cell lists the overlapping balls consecutively, so a point needs one lookup and reads memory in order.
 pub struct BallGrid {
     inverse_cell: f32,
     cells: FxHashMap<[i64; 3], Vec<Ball>>,
@@ -14,17 +13,17 @@ pub struct BallGrid {
 struct Ball {
     center: Vec3,
     radius_squared: f32,
-    /// The caller's number.
+    /// The caller's index.
     number: u32,
 }
 
 impl BallGrid {
-    /// For balls of at most this radius, and not much less.
+    /// A grid for balls of at most this radius, and not much less.
     pub fn new(largest: f32) -> Self {
         Self { inverse_cell: 1.0 / largest, cells: FxHashMap::default() }
     }
 
-    /// Adds a ball with a number of the caller's.
+    /// Adds a ball with the caller's index.
     pub fn push(&mut self, number: u32, center: Vec3, radius: f32) {
         let [low, high] = [-radius, radius].map(|side| self.cell(center + side));
         let [xs, ys, zs]: [_; 3] = std::array::from_fn(|axis| low[axis]..=high[axis]);
@@ -38,9 +37,9 @@ impl BallGrid {
         }
     }
 
-    /// Whether `test` holds for the number of any ball that contains a position, and the squared distance of its center.
+    /// Whether `test` holds for the index of any ball that contains a position, and the squared distance of its center.
     pub fn any_around(&self, position: Vec3, mut test: impl FnMut(u32, f32) -> bool) -> bool {
-        // A radius whose square is too small for a number holds its center.
+        // A radius whose square underflows contains its center.
         let holds = |ball: &Ball| {
             let distance_squared = ball.center.distance_squared(position);
             distance_squared <= ball.radius_squared && test(ball.number, distance_squared)
@@ -79,7 +78,7 @@ mod tests {
             assert_eq!(found, (0..balls.len()).filter(holds).collect::<Vec<_>>());
             held += found.len();
         }
-        // Without what balls lose at the faces of the cube of 64 m³.
+        // Without the parts of balls outside the cube of 64 m³.
         let volume: f32 = balls.iter().map(|ball| 4.0 / 3.0 * std::f32::consts::PI * ball.1.powi(3)).sum();
         let expected = 1000.0 * volume / 64.0;
         let share = held as f32 / expected;

@@ -6,9 +6,9 @@ use glam::Vec3;
 /// `F_squash`: surfaces of equal distance are ellipsoids, thinner along the normal by one plus this factor.
 pub const SQUASH: f32 = 2.0;
 /// A function has little weight where the surface steps to another layer by more than the radius divided by this.
-/// Otherwise functions of one of two layers, such as a wall and the one behind it, take the light of both.
+/// Otherwise functions of one of two layers, such as a wall and the wall behind it, take the light of both.
 pub const LAYERS: f32 = 8.0;
-/// Least factor for another layer. It decides only where no function of that layer is close.
+/// Smallest factor for another layer. It matters only where no function of that layer is close.
 pub const LEAST_WEIGHT: f32 = 0.02;
 
 /// Distance in meters of `x` from a point with a unit normal (Eq. 10). Offsets from its tangent plane count more.
@@ -26,7 +26,7 @@ pub(crate) fn kernel(t: f32) -> f32 {
 }
 
 /// Factor of weights for a step between layers. `radius` is the unit, `offset` leads from one point to the other, and
-/// `normals` is the sum of their unit normals. Within a plane the offset is at right angles to that sum. So it is on a
+/// `normals` is the sum of their unit normals. The offset is at right angles to that sum within a plane, and also on a
 /// sphere or cylinder, however much it leaves the plane.
 #[inline(always)]
 pub(crate) fn same_layer(offset: Vec3, normals: Vec3, radius: f32) -> f32 {

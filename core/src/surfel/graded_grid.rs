@@ -1,10 +1,10 @@
-//! Lookup of surface points with individual reach: which of them owns a position.
+//! Lookup of the owner of a position among surface points with individual reach.
 
 use super::{Surfel, ball_grid::BallGrid};
 use crate::surfel::distance::distance;
 use std::collections::BTreeMap;
 
-/// Points that each own positions within their own reach, in a grid for every octave of reach.
+/// Points that own positions within their own reach, in a grid per octave of reach.
 #[derive(Default)]
 pub struct GradedGrid {
     layers: BTreeMap<i32, BallGrid>,
@@ -12,29 +12,29 @@ pub struct GradedGrid {
 }
 
 impl GradedGrid {
-    /// For points with their reach in meters.
+    /// A grid of points with their reach in meters.
     pub fn of(points: impl IntoIterator<Item = (Surfel, f32)>) -> Self {
         let mut grid = Self::default();
         points.into_iter().for_each(|(point, reach)| grid.push(point, reach));
         grid
     }
 
-    /// Adds a point that reaches so many meters.
+    /// Adds a point with a reach in meters.
     pub fn push(&mut self, point: Surfel, reach: f32) {
         let reach = reach.max(f32::MIN_POSITIVE);
         let key = reach.log2().floor() as i32;
-        // No point of the layer reaches farther.
+        // Upper bound of the reach in the layer.
         let layer = self.layers.entry(key).or_insert_with(|| BallGrid::new((key as f32 + 1.0).exp2()));
         layer.push(self.points.len() as u32, point.position, reach);
         self.points.push((point, reach));
     }
 
-    /// All points and their reach in the order in which they came.
+    /// All points and their reach, in order of insertion.
     pub fn points(&self) -> &[(Surfel, f32)] {
         &self.points
     }
 
-    /// The points and their reach alone.
+    /// Returns the points and their reach.
     pub fn into_points(self) -> Vec<(Surfel, f32)> {
         self.points
     }
@@ -55,12 +55,12 @@ impl GradedGrid {
         self.nearest_that(place, |_| true)
     }
 
-    /// The nearest of the points that reach a position, of those whose index passes `may`.
+    /// The nearest of the points that reach a position and whose index passes `may`.
     pub fn nearest_that(&self, place: &Surfel, may: impl Fn(usize) -> bool) -> Option<usize> {
         let mut nearest = (f32::INFINITY, None);
         for layer in self.layers.values() {
             layer.any_around(place.position, |i, distance_squared| {
-                // The distance is never less than that of the positions.
+                // The distance is never less than the positions' distance.
                 if distance_squared <= nearest.0 * nearest.0 {
                     let (point, reach) = &self.points[i as usize];
                     let d = distance(point, place);

@@ -1,24 +1,24 @@
-//! Which texels a sample of the picture covers.
+//! Texels that a picture sample covers.
 //!
-//! The ray differentials of the sample (Igehy 1999) span a parallelogram of texture coordinates. Its ellipse has the axes of
-//! `J Jᵀ`, as in EWA (Heckbert 1989). Several lookups along the long axis, each as wide as the short one, stand for it
-//! (McCormack et al. 1999). Twin of `taps_of` in `shaders/materials.wgsl`.
+//! The ray differentials of the sample (Igehy 1999) span a parallelogram of texture coordinates. Its ellipse has the
+//! axes of `J Jᵀ`, as in EWA (Heckbert 1989). Several lookups along the long axis, each as wide as the short one,
+//! approximate it (McCormack et al. 1999). Twin of `taps_of` in `shaders/materials.wgsl`.
 
 use super::TextureSlot;
 use glam::{Mat2, Vec2};
 
-/// Most lookups along the long axis. Longer ellipses are blurred across it.
+/// Largest number of lookups along the long axis. Longer ellipses are blurred across it.
 pub const MOST_TAPS: u32 = 8;
-/// Texels of a level to the width of the footprint. With bilinear lookups in box filtered levels, a texel as wide as the footprint
-/// has three times the variance of a pixel's box; one of this width has the same.
+/// Texels of a level per width of the footprint. With bilinear lookups in box-filtered levels, a texel as wide as the
+/// footprint has three times the variance of a pixel's box; a texel of this width has the same variance.
 pub const TEXELS_PER_WIDTH: f32 = 1.732_050_8;
 
-/// Texture coordinates of a point, and how they change to the neighboring samples of the picture.
+/// Texture coordinates of a point, and their changes to the neighboring picture samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct UvFootprint {
     /// The coordinates.
     pub uv: Vec2,
-    /// Their changes to the next sample on the right and to that below; zero for a point.
+    /// Changes to the next sample on the right and below; zero for a point.
     pub changes: [Vec2; 2],
 }
 
@@ -31,11 +31,11 @@ impl From<Vec2> for UvFootprint {
 /// The lookups of a footprint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taps {
-    /// How many.
+    /// Number of lookups.
     pub count: u32,
     /// Coordinates of the first one.
     pub first: Vec2,
-    /// From one to the next.
+    /// Step from one lookup to the next.
     pub step: Vec2,
     /// Level of detail: the levels below and above are blended by its fraction. 0 is the texture itself.
     pub level: f32,
@@ -46,19 +46,19 @@ impl Taps {
         Self { count: 1, first: uv, step: Vec2::ZERO, level: 0.0 }
     }
 
-    /// Coordinates of all of them.
+    /// Coordinates of all lookups.
     pub fn positions(self) -> impl Iterator<Item = Vec2> {
         (0..self.count).map(move |i| self.first + self.step * i as f32)
     }
 }
 
 impl UvFootprint {
-    /// Whether it covers something.
+    /// Whether it is a single point.
     pub fn is_point(&self) -> bool {
         self.changes == [Vec2::ZERO; 2]
     }
 
-    /// Of the coordinates after a slot's transform.
+    /// The footprint after a slot's transform.
     #[inline]
     pub fn through(&self, slot: &TextureSlot) -> Self {
         if self.is_point() {
@@ -68,7 +68,7 @@ impl UvFootprint {
         Self { uv: slot.transform(self.uv), changes: self.changes.map(|change| turn * change) }
     }
 
-    /// Lengths of the long and the short axis for texels of a picture of this size, and the long axis as a change of the
+    /// Lengths of the long and the short axis in texels of a picture of this size, and the long axis as a change of the
     /// coordinates.
     fn axes(&self, size: Vec2) -> (f32, f32, Vec2) {
         let [a, b] = self.changes.map(|change| change * size);
@@ -77,12 +77,12 @@ impl UvFootprint {
         let root = (half * half + xy * xy).sqrt();
         let long = (mean + root).sqrt();
         let short = (a.x * b.y - a.y * b.x).abs() / long;
-        // The row of `M - λ I` that is farther from zero is across the axis.
+        // The row of `M - λ I` farther from zero is across the axis.
         let axis = if half > 0.0 { Vec2::new(half + root, xy) } else { Vec2::new(xy, root - half) };
         (long, short, axis * (long / axis.length().max(1e-20)) / size)
     }
 
-    /// The lookups in a texture of this size. All values that are no numbers look up one point.
+    /// The lookups in a texture of this size. NaN gives a single lookup.
     #[inline]
     pub fn taps(&self, size: [u32; 2]) -> Taps {
         if self.is_point() {
@@ -138,7 +138,7 @@ mod tests {
         assert!((taps.step - 0.25 * long).length() < 1e-5 || (taps.step + 0.25 * long).length() < 1e-5);
         let middle = taps.positions().sum::<Vec2>() / 4.0;
         assert!((middle - Vec2::new(0.3, 0.6)).length() < 1e-5);
-        // Two changes that are nearly the same span a thin parallelogram: neither of their lengths is its width.
+        // Two nearly equal changes span a thin parallelogram: neither of their lengths is its width.
         let thin = footprint(long + 0.1 * short, long - 0.1 * short).taps([256; 2]);
         assert!(thin.count == 8, "{thin:?}");
     }

@@ -10,7 +10,7 @@ use super::{
 use crate::color::srgb_from_linear;
 use std::sync::OnceLock;
 
-/// A level: its size and its texels, encoded as those of the texture.
+/// A level: its size and its texels, encoded like the texture's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// Size in texels.
@@ -19,7 +19,7 @@ pub struct Level {
     pub texels: Texels,
 }
 
-/// The levels below a texture, made when they are first asked for. A copy makes its own, as its texels may become others.
+/// The levels below a texture, built on first use. A copy builds its own, because its texels may change.
 #[derive(Default)]
 pub struct Levels {
     srgb: OnceLock<Vec<Level>>,
@@ -64,7 +64,7 @@ impl Texture {
         level_sizes(self.size).map(level).collect()
     }
 
-    /// The slopes below it, from half its size down to one texel, of what its texels mean.
+    /// Slope levels below it, from half its size down to one texel, for `source`.
     pub fn slope_levels(&self, source: SlopeSource) -> &[SlopeLevel] {
         self.levels.slopes[source.index()].get_or_init(|| SlopeLevel::all_of(self, source))
     }
@@ -121,7 +121,7 @@ mod tests {
             let far = t.sample_footprint(&super::super::UvFootprint { uv, changes }, &slot);
             assert!((far - mean).abs().max_element() < 0.01, "{far} {mean}");
         }
-        // Negative control: without levels some lookups see one color alone.
+        // Negative control: without levels some lookups see only one color.
         let near = (0..50)
             .map(|i| t.sample(slot.transform(Vec2::new(0.013 * i as f32, 0.02 * i as f32 + 0.0013)), slot.color_space));
         let worst = near.map(|near| (near - mean).abs().max_element()).fold(0.0, f32::max);

@@ -1,13 +1,13 @@
-//! Patterns by formula, in place of a picture, filtered by the footprint of a sample.
+//! Procedural patterns instead of pictures, filtered by the footprint of a sample.
 //!
-//! All repeat with the unit square of a slot's coordinates, so that a picture of one square is the same pattern. Noise is
-//! hashed from whole numbers, without functions that machines round differently. Twin of `shaders/procedural.wgsl`.
+//! All patterns repeat with the unit square of a slot's coordinates, so a picture of one square is the same pattern. Noise is
+//! hashed from integers, without functions that round differently between machines. Twin of `shaders/procedural.wgsl`.
 
 use super::{Texels, Texture, UvFootprint};
 use glam::{UVec2, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
-/// What a pattern looks like.
+/// Kind of pattern.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pattern {
@@ -16,15 +16,15 @@ pub enum Pattern {
     Checker,
     /// Fractal value noise of [`NOISE_CELLS`] cells along a side and twice as many with each octave.
     Noise,
-    /// From the lower to the higher value along u.
+    /// Linear from the lower to the higher value along u.
     Gradient,
 }
 
 impl Pattern {
-    /// All of them, in the order of lists.
+    /// All patterns, in the order of lists.
     pub const ALL: [Self; 3] = [Self::Checker, Self::Noise, Self::Gradient];
 
-    /// Its name for people.
+    /// Display name.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Checker => "Checker",
@@ -34,13 +34,13 @@ impl Pattern {
     }
 }
 
-/// A pattern with its values.
+/// A pattern with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Procedural {
-    /// What it looks like.
+    /// Kind of pattern.
     pub pattern: Pattern,
-    /// Lower value, linear; numbers read a channel of it.
+    /// Lower value, linear; numbers read one channel.
     pub low: Vec3,
     /// Higher value.
     pub high: Vec3,
@@ -56,12 +56,12 @@ impl Default for Procedural {
 
 /// Cells of the first octave of noise along a side of the unit square.
 pub const NOISE_CELLS: u32 = 4;
-/// Width below which edges are not sharper, in units of the pattern: differences of sums would be noise.
+/// Smallest width of edges, in units of the pattern: differences of sums over less are noise.
 const SHARPEST: f32 = 0.01;
 /// Mean square slope of one octave for cells of size 1 (a test computes it).
 const SLOPE_SQ: f32 = 0.186;
 
-/// A pattern's share of the higher value within a footprint, and the mean square of its slopes that are too fine to see.
+/// A pattern's share of the higher value within a footprint, and the mean square of its unresolved slopes.
 struct Filtered {
     share: f32,
     fine_slope_sq: f32,
@@ -79,7 +79,7 @@ fn saw(x: f32, width: f32) -> f32 {
     (sum(x + 0.5 * width) - sum(x - 0.5 * width)) / width
 }
 
-/// Evenly distributed in [0, 1): the finisher of MurmurHash3 over a corner of the lattice.
+/// Uniform in [0, 1): the finisher of MurmurHash3 over a corner of the lattice.
 fn corner(cell: UVec2, octave: u32) -> f32 {
     let mut h = cell.x.wrapping_mul(0x9e37_79b1) ^ cell.y.wrapping_mul(0x85eb_ca77) ^ octave.wrapping_mul(0xc2b2_ae3d);
     h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
@@ -87,13 +87,13 @@ fn corner(cell: UVec2, octave: u32) -> f32 {
     ((h ^ (h >> 16)) >> 8) as f32 / 16_777_216.0
 }
 
-/// Noise of a lattice with so many cells, at a point of the unit square.
+/// Noise of a lattice of `cells` cells, at a point of the unit square.
 fn value_noise(uv: Vec2, cells: u32, octave: u32) -> f32 {
     let p = (uv - uv.floor()) * cells as f32;
     let low = p.floor().as_uvec2() % cells;
     let high = (low + 1) % cells;
     let f = p - p.floor();
-    // Quintic, so that slopes are smooth.
+    // Quintic, for smooth slopes.
     let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let at = |x, y| corner(UVec2::new(x, y), octave);
     let (a, b) = (at(low.x, low.y), at(high.x, low.y));
@@ -103,12 +103,12 @@ fn value_noise(uv: Vec2, cells: u32, octave: u32) -> f32 {
 }
 
 impl Procedural {
-    /// Most octaves: cells of 1/512.
+    /// Largest number of octaves: cells of 1/512.
     pub const MOST_OCTAVES: u32 = 8;
-    /// Texels along a side of a baked picture.
+    /// Texels along a side of a rasterized pattern.
     pub const BAKED: u32 = 1024;
 
-    /// With numbers in their ranges, the default in place of others.
+    /// The pattern with numbers in their ranges; the default replaces NaN.
     pub fn sanitized(self) -> Self {
         let default = Self::default();
         let value = |v: Vec3, default: Vec3| if v.abs().max_element() <= Texels::MOST { v } else { default };
@@ -150,12 +150,12 @@ impl Procedural {
         Filtered { share: 0.5 + sum / all, fine_slope_sq: fine / (all * all) }
     }
 
-    /// Its value within a footprint.
+    /// Its mean value within a footprint.
     pub fn value(&self, footprint: &UvFootprint) -> Vec4 {
         (self.low + (self.high - self.low) * self.filtered(footprint).share).extend(1.0)
     }
 
-    /// The variance along each axis of the slopes of a channel within a footprint that its value does not show.
+    /// Variance along each axis of a channel's slopes that a footprint does not resolve.
     pub fn fine_slope_sq(&self, footprint: &UvFootprint, channel: usize) -> f32 {
         let height = if channel < 3 { (self.high - self.low)[channel] } else { 0.0 };
         height * height * self.filtered(footprint).fine_slope_sq
@@ -197,7 +197,7 @@ mod tests {
                 let point = p.value(&Vec2::new(u, v).into());
                 worst[1] = worst[1].max((point - mean).abs().max_element());
             }
-            // Octaves of noise fade as a whole, so that theirs is nearly the mean.
+            // Octaves of noise fade as a whole, so they are only near the mean.
             let bound = if pattern == Pattern::Noise { 0.06 } else { 0.01 };
             assert!(worst[0] < bound && worst[1] > 1.4 * worst[0], "{pattern:?}: {worst:?}");
         }

@@ -1,7 +1,7 @@
-//! From a level of detail to the next one.
+//! Reduces a level of detail to the next.
 //!
-//! Sizes round down. A texel of a level covers all texels above it that it overlaps, each by its share, so that the mean of a
-//! level is that of the texture for every size.
+//! Sizes round down. A texel of a level covers all texels above that it overlaps, each by its share, so every level has
+//! the mean of the texture for every size.
 
 /// The size of the next level; `None` after one texel.
 fn next_size([width, height]: [u32; 2]) -> Option<[u32; 2]> {
@@ -13,7 +13,7 @@ pub fn level_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     std::iter::successors(next_size(size), |&size| next_size(size))
 }
 
-/// Which texels of a row of `from` a texel of a row of `to` covers, with their weights, which add up to one.
+/// Texels of a row of `from` that a texel of a row of `to` covers, with weights that sum to one.
 fn covered(from: u32, to: u32) -> impl Fn(u32) -> Vec<(u32, f32)> {
     move |index| {
         // In units of 1 / to texels.
@@ -25,7 +25,7 @@ fn covered(from: u32, to: u32) -> impl Fn(u32) -> Vec<(u32, f32)> {
     }
 }
 
-/// Calls `f` for each texel of a level, with the texels above that it covers and their weights.
+/// Calls `f` for each texel of a level, with the covered texels above and their weights.
 pub(super) fn for_each_covered(from: [u32; 2], to: [u32; 2], mut f: impl FnMut(&[(usize, f32)])) {
     let (column, row) = (covered(from[0], to[0]), covered(from[1], to[1]));
     let columns: Vec<Vec<(u32, f32)>> = (0..to[0]).map(column).collect();
@@ -41,7 +41,7 @@ pub(super) fn for_each_covered(from: [u32; 2], to: [u32; 2], mut f: impl FnMut(&
     }
 }
 
-/// The texels of a level, of those above.
+/// The texels of a level from the level above.
 pub(super) fn reduced(texels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 4]> {
     if from == to.map(|side| 2 * side) {
         return halved(texels, from[0] as usize);
@@ -57,7 +57,7 @@ pub(super) fn reduced(texels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<
     level
 }
 
-/// The same for even sizes, some times as fast.
+/// [`reduced`] for even sizes, several times as fast.
 fn halved(texels: &[[f32; 4]], width: usize) -> Vec<[f32; 4]> {
     let mut level = Vec::with_capacity(texels.len() / 4);
     for rows in texels.chunks_exact(2 * width) {

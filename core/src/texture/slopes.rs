@@ -1,9 +1,9 @@
-//! Slopes of normal and bump maps with their second moments, so that a footprint knows the mean normal within it and how far the
-//! normals spread around it (Olano and Baker 2010, *LEAN Mapping*).
+//! Slopes of normal and bump maps with second moments. A footprint then has a mean normal and the spread of normals
+//! around it (Olano and Baker 2010, *LEAN Mapping*).
 //!
-//! A texel of a level holds the mean slope and the covariance below it, of which second moments are made at the lookup:
-//! unlike sums of squares, covariances can be rounded, to the upper 16 bits of floats. The texture itself is the lowest level; it is taken
-//! to be smooth between its texels, so that a map seen from near roughens nothing. Twin of `shaders/bumps.wgsl`.
+//! A texel of a level holds the mean slope and the covariance below it; the lookup computes second moments. Unlike sums
+//! of squares, covariances can be rounded, to the upper 16 bits of floats. The texture itself is the lowest level. It
+//! is taken as smooth between its texels, so a map seen from near adds no roughness. Twin of `shaders/bumps.wgsl`.
 
 use super::{
     Channel, ColorSpace, Procedural, Quad, Taps, Texture, TextureSlot, UvFootprint,
@@ -11,27 +11,27 @@ use super::{
 };
 use glam::{Mat2, Vec2, Vec3, Vec4Swizzles};
 
-/// Steepest slope that a level holds, so that sums of squares stay finite.
+/// Steepest slope in a level, to keep sums of squares finite.
 const STEEPEST: f32 = 1e4;
 /// Half the distance of two lookups in a pattern for its slope, in units of the pattern.
 const PATTERN_STEP: f32 = 1e-3;
-/// Least z of a texel's normal of length one: 83 degrees.
+/// Smallest z of a texel's unit normal: 83 degrees.
 const LEAST_Z: f32 = 0.125;
 
-/// What the slopes of a texture are made of.
+/// Source of a texture's slopes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlopeSource {
-    /// Texels are normals in tangent space; the slopes are their x and y for a z of 1.
+    /// Texels are tangent-space normals; the slopes are their x and y for a z of 1.
     Normals,
     /// A channel of the texels holds heights; the slopes are its changes per texel.
     Heights(Channel),
 }
 
 impl SlopeSource {
-    /// How many there are.
+    /// Number of sources.
     pub const COUNT: usize = 5;
 
-    /// Its place among them.
+    /// Index among the sources.
     pub fn index(self) -> usize {
         match self {
             Self::Normals => 0,
@@ -40,7 +40,7 @@ impl SlopeSource {
     }
 }
 
-/// Mean and covariance of slopes, numbers of which the lower 16 bits are zero.
+/// Mean and covariance of slopes, floats whose lower 16 bits are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SlopeTexel {
     /// Mean along x and y.
@@ -68,17 +68,17 @@ pub struct SlopeMoments {
 }
 
 impl SlopeMoments {
-    /// Of one slope.
+    /// Moments of one slope.
     pub fn of(slope: Vec2) -> Self {
         Self { mean: slope, second: [slope.x * slope.x, slope.x * slope.y, slope.y * slope.y] }
     }
 
-    /// Of slopes after a linear map.
+    /// Moments of slopes after a linear map.
     pub fn mapped(&self, by: Mat2) -> Self {
         Self { mean: by * self.mean, second: covariance_mapped(self.second, by) }
     }
 
-    /// Adds another with a weight.
+    /// Adds other moments with a weight.
     fn add(&mut self, weight: f32, other: &Self) {
         self.mean += weight * other.mean;
         self.second.iter_mut().zip(other.second).for_each(|(sum, second)| *sum += weight * second);
@@ -124,7 +124,7 @@ impl SlopeTexel {
         }
     }
 
-    /// As three words of two numbers each.
+    /// Three words of two numbers each.
     pub fn words(&self) -> [u32; 3] {
         let pair = |a: f32, b: f32| a.to_bits() >> 16 | b.to_bits();
         let [xx, xy, yy] = self.covariance;
@@ -132,7 +132,7 @@ impl SlopeTexel {
     }
 }
 
-/// The slope of a normal in tangent space that is not normalized.
+/// The slope of an unnormalized tangent-space normal.
 pub fn slope_of(normal: Vec3) -> Vec2 {
     normal.truncate() / normal.z.max(LEAST_Z * normal.length()).max(1e-6)
 }
@@ -177,7 +177,7 @@ impl SlopeLevel {
 }
 
 impl Texture {
-    /// Slopes within taps: `finest` tells those of the texture at a point, and levels are brought to the same units by `units`.
+    /// Slopes within taps: `finest` gives the texture's slopes at a point, `units` converts levels to the same units.
     fn slope_moments(
         &self,
         taps: Taps,
@@ -203,8 +203,8 @@ impl Texture {
         sum
     }
 
-    /// Slopes of a normal map within a footprint: x and y of the tangent-space normal for a z of 1, with the slot's strength.
-    /// `None` where it sees one point: then [`TextureSlot::tangent_normal`] tells the normal.
+    /// Slopes of a normal map within a footprint: x and y of the tangent-space normal for a z of 1, with the slot's
+    /// strength. `None` for a footprint of one point: use [`TextureSlot::tangent_normal`].
     pub fn normal_moments(&self, footprint: &UvFootprint, slot: &TextureSlot) -> Option<SlopeMoments> {
         let taps = footprint.through(slot).taps(self.size);
         if taps.level <= 0.0 && taps.count == 1 {
@@ -216,8 +216,8 @@ impl Texture {
         Some(moments.mapped(Mat2::from_diagonal(Vec2::new(slot.strength, green))))
     }
 
-    /// Changes of a bump map's height in meters per unit of u and v within a footprint; at a point by central differences over
-    /// one texel.
+    /// Changes of a bump map's height in meters per unit of u and v within a footprint; at a point by central
+    /// differences over one texel.
     pub fn height_moments(&self, footprint: &UvFootprint, slot: &TextureSlot) -> SlopeMoments {
         let there = footprint.through(slot);
         let taps = there.taps(self.size);
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_plane_of_heights_has_the_same_slope_at_all_levels_and_no_variance() {
-        // A slope that repeats has a step; far from it the levels know nothing of it.
+        // A repeating slope has a step; far from it the levels are unaffected.
         let texel = |i: u32| [0.01 * (i % 64) as f32 + 0.03 * (i / 64) as f32; 4];
         let t = Texture::new("plane", [64; 2], Texels::F32((0..64 * 64).map(texel).collect()));
         for rotation in [0.0, 0.8] {

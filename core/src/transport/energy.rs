@@ -1,22 +1,21 @@
-//! How the light of bounces decreases, and what is missing where they end.
+//! Decrease of light over bounces, and the light missing after the last.
 
 use glam::Vec3;
 
 /// Light per bounce of a solution, and the light missing after the last bounce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BounceEnergy {
-    /// Number of indirect bounces that were computed.
+    /// Number of computed indirect bounces.
     pub bounces: u32,
     /// Light of the last bounce, as a share of all light.
     pub last_share: f32,
-    /// Light missing after the last bounce, as a share of all light with it; 1 if the light of bounces does not
-    /// decrease.
+    /// Light missing after the last bounce, as a share of all light including it; 1 if the light of bounces does not decrease.
     pub missing_share: f32,
 }
 
 impl BounceEnergy {
-    /// From the mean irradiance of direct light and then of each bounce. The missing light continues the last two
-    /// bounces as a geometric series.
+    /// The energy from the mean irradiance of direct light and then of each bounce. The missing light continues the
+    /// last two bounces as a geometric series.
     pub fn of(mean_irradiance: &[Vec3]) -> Self {
         let energy: Vec<f64> = mean_irradiance.iter().map(|e| f64::from(e.element_sum())).collect();
         let sum: f64 = energy.iter().sum();
@@ -33,14 +32,14 @@ impl BounceEnergy {
         Self { bounces, last_share: (last / sum) as f32, missing_share: missing_share as f32 }
     }
 
-    /// With one bounce more, the next of the same geometric series.
+    /// The energy with one more bounce, the next of the same geometric series.
     pub fn and_the_next(self) -> Self {
         let Self { bounces, last_share: last, missing_share } = self;
         let bounces = bounces + 1;
         if last <= 0.0 || missing_share >= 1.0 {
             return Self { bounces, ..self };
         }
-        // Of the light so far: what is missing is last * kept / (1 - kept).
+        // Relative to the light so far: the missing light is last * kept / (1 - kept).
         let missing = missing_share / (1.0 - missing_share);
         let next = last * missing / (last + missing);
         Self { bounces, last_share: next / (1.0 + next), missing_share: (missing - next) / (1.0 + missing) }

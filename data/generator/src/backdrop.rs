@@ -20,7 +20,7 @@ const COLUMNS: usize = 40;
 
 /// The sweep, `y = 0` on the floor, front faces up and towards +Z; one texture covers it once.
 ///
-/// An open sheet seen from one side only: it stays single-sided so that a bake need not light its back.
+/// An open sheet seen from one side only: it stays single-sided so a bake does not light its back.
 pub fn sweep() -> Mesh {
     let profile = profile();
     let total: f32 = profile.windows(2).map(|w| w[0].distance(w[1])).sum();
@@ -49,7 +49,7 @@ fn push_row(mesh: &mut Mesh, p: Vec2, v: f32) -> Vec<u32> {
     (0..=COLUMNS).map(column).collect()
 }
 
-/// From front to back: (z, y).
+/// Profile from front to back: (z, y).
 fn profile() -> Vec<Vec2> {
     let mut points = line(Vec2::new(FRONT, 0.0), Vec2::new(BEND, 0.0), 24);
     let mut curve = arc(Vec2::new(BEND, RADIUS), RADIUS, -std::f32::consts::FRAC_PI_2, -std::f32::consts::PI, 16);

@@ -1,6 +1,6 @@
-//! A stony beach of any number of vertices, for measurements of scale. It is not part of the bundle.
+//! A stony beach with any number of vertices, for scaling measurements. It is not part of the bundle.
 //!
-//! Half of the vertices are in the sand, half in the stones, so that visibility varies everywhere.
+//! Half of the vertices are in the sand, half in the stones, so visibility varies everywhere.
 
 use std::f32::consts::{PI, TAU};
 
@@ -14,7 +14,7 @@ use crate::scene::{Camera, Material, Scene};
 const SIDE: f32 = 20.0;
 /// Height of the dunes in meters.
 const DUNES: f32 = 0.5;
-/// Different stones, and how often each lies there.
+/// Number of different stones, and of copies of each.
 const STONES: usize = 16;
 const TIMES: usize = 15;
 const SEED: u32 = 71;
@@ -98,7 +98,7 @@ fn add_cells(mesh: &mut Mesh, columns: usize, rows: usize) {
     }
 }
 
-/// Where a stone lies, a fifth of it in the sand.
+/// Placement of a stone, a fifth of it in the sand.
 fn lying(i: usize, radius: f32) -> Affine3A {
     let uv = vec2(0.05 + 0.9 * random(i, 2), 0.05 + 0.9 * random(i, 3));
     let tilt = Quat::from_rotation_y(TAU * random(i, 4)) * Quat::from_rotation_x(0.5 * random(i, 5));

@@ -1,5 +1,5 @@
-//! The bending tower: a tower that follows five joints, on a floor between a red wall, a flag that waves and a block that slides and
-//! turns. It shows animations.
+//! The bending tower: a tower that follows five joints, on a floor between a red wall, a waving flag and a block that
+//! slides and turns. A demonstration of animations.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
@@ -23,7 +23,7 @@ const FLAG_CELLS: [usize; 2] = [12, 8];
 const FLAG_SIZE: Vec2 = vec2(0.8, 0.5);
 /// How far the flag waves to each side, in meters.
 const WAVE: f32 = 0.12;
-/// Where the block is without an animation.
+/// Position of the block without an animation.
 const BLOCK: Vec3 = vec3(1.1, 0.251, 0.8);
 
 /// Composes the scene.
@@ -72,7 +72,7 @@ fn motion(scene: &Scene, tower: usize, flag: usize, block: usize) -> Motion {
     }
 }
 
-/// Each vertex follows the joint below it and, the nearer to the next one, that.
+/// Each vertex follows the joint below it and, with increasing weight, the next one.
 fn skin(piece: usize, mesh: &Mesh) -> Skin {
     let follow = |p: &Vec3| {
         let place = (p.y / HEIGHT * JOINTS as f32).clamp(0.0, (JOINTS - 1) as f32);
@@ -84,7 +84,7 @@ fn skin(piece: usize, mesh: &Mesh) -> Skin {
     Skin { piece, joints, weights }
 }
 
-/// A wave across the flag, which grows with the distance from the pole.
+/// A wave across the flag that grows with the distance from the pole.
 fn wave(piece: usize, mesh: &Mesh) -> Morph {
     let depth = |x: f32| {
         let (along, rate) = (x / FLAG_SIZE.x, std::f32::consts::PI * 1.5);
@@ -97,7 +97,7 @@ fn wave(piece: usize, mesh: &Mesh) -> Morph {
     Morph { piece, positions, normals }
 }
 
-/// A sheet in the plane of X and Y, which hangs on the Y axis.
+/// A sheet in the plane of X and Y that hangs on the Y axis.
 fn flag() -> Mesh {
     let mut mesh = Mesh::default();
     let [columns, rows] = FLAG_CELLS;
@@ -111,7 +111,7 @@ fn flag() -> Mesh {
     mesh
 }
 
-/// Joins rows of vertices, each of one more than `columns`, by quads.
+/// Joins rows of `columns` + 1 vertices by quads.
 fn quads(mesh: &mut Mesh, columns: usize, rows: usize) {
     let vertex = |column: usize, row: usize| (row * (columns + 1) + column) as u32;
     for row in 0..rows {
@@ -122,7 +122,7 @@ fn quads(mesh: &mut Mesh, columns: usize, rows: usize) {
     }
 }
 
-/// A closed tower around the Y axis that narrows towards its top.
+/// A closed tower around the Y axis that narrows toward its top.
 fn tower() -> Mesh {
     let mut mesh = Mesh::default();
     let radius = |share: f32| RADII[0] + (RADII[1] - RADII[0]) * share;
@@ -142,7 +142,7 @@ fn tower() -> Mesh {
     mesh
 }
 
-/// A unit direction to the side. The last is the first to the bit, so that the seam is closed.
+/// A horizontal unit direction. The last equals the first to the bit, which closes the seam.
 fn around(side: usize) -> Vec3 {
     let angle = std::f32::consts::TAU * (side % SIDES) as f32 / SIDES as f32;
     vec3(angle.cos(), 0.0, -angle.sin())

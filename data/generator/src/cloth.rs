@@ -1,8 +1,7 @@
 //! A square of linen, dropped over a block and the floor until it rests: the folds are computed, not drawn.
 //!
-//! Extended position-based dynamics (Macklin et al. 2016) with one iteration per small step ("Small Steps in
-//! Physics Simulation", Macklin et al. 2019). Constraints are solved in a fixed order on one thread, so the
-//! result is the same in every run.
+//! Extended position-based dynamics (Macklin et al. 2016) with one iteration per small step ("Small Steps in Physics Simulation",
+//! Macklin et al. 2019). Constraints are solved in a fixed order on one thread, so every run gives the same result.
 
 use std::collections::HashMap;
 
@@ -20,13 +19,13 @@ pub struct Drape {
     pub side: f32,
     /// Turn of the square around Y against the block, radians.
     pub turn: f32,
-    /// Where its center starts, above the block.
+    /// Initial position of its center, above the block.
     pub centre: Vec3,
-    /// Size of the block that it falls on; the block stands on `y = 0` around the origin.
+    /// Size of the block below; it stands on `y = 0` around the origin.
     pub block: Vec3,
     /// How far the cloth is gathered before it falls: 1 is flat, 0.9 pushes a tenth of its width into folds.
     pub gather: f32,
-    /// Radius on top of the block that something heavy will press flat.
+    /// Radius on top of the block that a heavy object will press flat.
     pub weight_radius: f32,
     /// Simulated time, seconds.
     pub seconds: f32,
@@ -34,7 +33,7 @@ pub struct Drape {
 
 /// Length of a step in seconds. Shorter steps stretch less.
 const STEP: f32 = 1.0 / 600.0;
-/// Steps between two searches for particles that may touch.
+/// Steps between searches for particles that may touch.
 const SEARCH_EVERY: usize = 10;
 /// Distance that the cloth keeps from floor and block, meters.
 pub const CLEARANCE: f32 = 0.003;
@@ -62,7 +61,7 @@ struct Cloth {
     near: Vec<(usize, usize)>,
 }
 
-/// Simulates the drape and returns the resting cloth as an open sheet; its block stands around the origin.
+/// Simulates the drape and returns the resting cloth as an open sheet; the block stands around the origin.
 pub fn drape(drape: &Drape) -> Mesh {
     let mut cloth = Cloth::new(*drape);
     let steps = (drape.seconds / STEP) as usize;
@@ -70,7 +69,7 @@ pub fn drape(drape: &Drape) -> Mesh {
         if step % SEARCH_EVERY == 0 {
             cloth.find_near();
         }
-        // The last quarter is overdamped: it must rest, not sway.
+        // The last quarter is overdamped, so that the cloth rests and does not sway.
         cloth.press(step as f32 / steps as f32);
         cloth.step(if 4 * step > 3 * steps { 0.97 } else { AIR_DRAG.powf(STEP) });
     }
@@ -86,7 +85,7 @@ impl Cloth {
         let place = |i: usize| {
             let (x, z) = ((i % n) as f32 / (n - 1) as f32, (i / n) as f32 / (n - 1) as f32);
             let flat = vec3(x - 0.5, 0.0, z - 0.5) * drape.side * drape.gather;
-            // A slightly wavy start decides where folds form; a perfect plane would fall in perfect symmetry.
+            // A slightly wavy start determines the folds; a perfect plane would fall in perfect symmetry.
             let wave = 0.025 * noise::fractal(Vec2::new(x, z), (4, 4), 2, 11);
             drape.centre + turn * flat + Vec3::Y * wave
         };
@@ -95,7 +94,7 @@ impl Cloth {
         Cloth { drape, spacing, previous: position.clone(), position, links, near: Vec::new() }
     }
 
-    /// Presses the parts that the weight will rest on onto the block, over the second half of the time.
+    /// Presses the parts below the weight onto the block, over the second half of the time.
     fn press(&mut self, progress: f32) {
         let top = self.drape.block.y + CLEARANCE;
         let lid = top + 0.06 * (1.6 - 2.0 * progress).max(0.0);
@@ -123,7 +122,7 @@ impl Cloth {
         for link in &self.links {
             let apart = self.position[link.b] - self.position[link.a];
             let length = apart.length();
-            // Particles weigh one unit each, so that the compliance carries the mass.
+            // Particles have unit mass, so the compliance includes the mass.
             let move_by = (length - link.rest) / (2.0 + link.compliance / (STEP * STEP));
             let push = apart * (move_by / length.max(1e-9));
             self.position[link.a] += push;
@@ -188,7 +187,7 @@ impl Cloth {
         self.near = near;
     }
 
-    /// Pairs once, and never neighbors in the weave: links keep those apart.
+    /// Pairs once, without neighbors in the weave: links keep those apart.
     fn may_touch(&self, i: usize, j: usize, reach: f32) -> bool {
         let n = self.drape.resolution;
         let apart = (i % n).abs_diff(j % n).max((i / n).abs_diff(j / n));
@@ -233,7 +232,7 @@ impl Cloth {
 
 /// Threads, diagonals and bending links of an `n` by `n` weave.
 fn links(n: usize, spacing: f32) -> Vec<Link> {
-    // (columns, rows, compliance): linen hardly stretches along the thread, gives on the bias, bends softly.
+    // (columns, rows, compliance): linen hardly stretches along the thread, yields on the bias, bends softly.
     let kinds: [(isize, isize, f32); 8] =
         [(1, 0, 0.0), (0, 1, 0.0), (1, 1, 2e-6), (-1, 1, 2e-6), (2, 0, 8e-5), (0, 2, 8e-5), (4, 0, 1e-3), (0, 4, 1e-3)];
     let mut links = Vec::new();
@@ -259,11 +258,11 @@ fn depth_in_block(p: Vec3, block: Vec3) -> (f32, Vec3) {
     if distance > 0.0 {
         return (BLOCK_ROUND + CLEARANCE - distance, away / distance);
     }
-    // Inside the core (only a fast particle gets here): out through the top.
+    // Inside the core (only for a fast particle): out through the top.
     (core.y - local.y + BLOCK_ROUND + CLEARANCE, Vec3::Y)
 }
 
-/// Moves a point out of a solid and takes away sliding up to the friction cone.
+/// Moves a point out of a solid and removes sliding up to the friction cone.
 fn pushed_out(p: Vec3, before: Vec3, normal: Vec3, depth: f32) -> Vec3 {
     let out = p + normal * depth;
     let slid = (out - before).reject_from_normalized(normal);

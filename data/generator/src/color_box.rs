@@ -1,5 +1,5 @@
-//! The color box: a closed room of two meters with a red and a green wall and two blocks, after the box of Goral et al.
-//! (1984), *Modeling the Interaction of Light between Diffuse Surfaces*. Its front stands open; a spot shines from above.
+//! The color box: a closed room of two meters with a red and a green wall and two blocks, after the box of Goral et al. (1984),
+//! *Modeling the Interaction of Light between Diffuse Surfaces*. Its front is open; a spot light shines from above.
 
 use glam::{Affine3A, Vec3, vec3};
 

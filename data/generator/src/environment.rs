@@ -51,18 +51,18 @@ impl Environment {
         self
     }
 
-    /// Adds a disc of `angular_radius` radians around `centre` that sends `irradiance` onto a surface facing it.
+    /// Adds a disc of `angular_radius` radians around `centre` that gives `irradiance` on a surface facing it.
     pub fn add_disc(&mut self, centre: Vec3, angular_radius: f32, irradiance: Vec3) {
         let inside = |d: Vec3| d.angle_between(centre) < angular_radius;
         let coverage: Vec<f32> = (0..WIDTH * HEIGHT).map(|i| disc_coverage(i, &inside)).collect();
-        // Divided by the rastered solid angle, so that the energy is right whatever the resolution.
+        // Divided by the rasterized solid angle, so that the energy is right at any resolution.
         let covered: f32 = coverage.iter().enumerate().map(|(i, c)| c * solid_angle(i)).sum();
         for (texel, c) in self.texels.iter_mut().zip(&coverage) {
             *texel += irradiance * (c / covered);
         }
     }
 
-    /// Irradiance on a horizontal surface that looks up.
+    /// Irradiance on a horizontal surface facing up.
     pub fn irradiance_from_above(&self) -> Vec3 {
         let texels = self.texels.iter().enumerate();
         texels.map(|(i, texel)| *texel * solid_angle(i) * direction(centre_uv(i)).y.max(0.0)).sum()

@@ -1,5 +1,5 @@
-//! An openwork lantern: two families of strips wind around an onion-shaped body and cross, so that the sun casts a net
-//! of light behind it.
+//! An openwork lantern: two families of strips wind around an onion-shaped body and cross, so the sun casts a net of
+//! light behind it.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -88,7 +88,7 @@ fn strip(start: f32, sweep: f32) -> Mesh {
         Station {
             centre: around * p.x + Vec3::Y * p.y,
             outward: (around * slope.y - Vec3::Y * slope.x).normalize(),
-            // Narrower towards the cap, where the strips crowd together.
+            // Narrower toward the cap, where the strips crowd together.
             radii: SECTION * vec2(1.0, 0.45 + 0.55 * (p.x / 0.3).min(1.0)),
         }
     };
@@ -128,7 +128,7 @@ fn cap() -> Mesh {
     turn(&[vec![vec2(0.0, 0.835), vec2(0.046, 0.835), vec2(0.092, 0.835)], through(&dome, 3)], 40)
 }
 
-/// The ring on top to carry it by, upright.
+/// The upright carrying ring on top.
 fn finial() -> Mesh {
     let (radius, wire, count) = (0.038, 0.0075, 32);
     let station = |k: usize| {

@@ -59,7 +59,7 @@ pub fn cushions() -> Vec<Mesh> {
     vec![plump(vec3(-0.56, 0.645, 0.015), 0.25, -0.34), plump(vec3(0.55, 0.645, 0.02), -0.30, -0.36)]
 }
 
-/// A square pillow: thick in the middle, drawn thin towards its seam.
+/// A square pillow: thick in the middle, thin toward its seam.
 fn pillow(side: f32, thickness: f32) -> Mesh {
     let mut mesh = rounded_box(vec3(side, side, thickness), 0.4 * thickness, 0.055);
     for p in &mut mesh.positions {
@@ -77,14 +77,14 @@ fn pillow(side: f32, thickness: f32) -> Mesh {
 fn leg(height: f32, foot: f32, top: f32) -> Mesh {
     let profile = creased(&[vec2(0.0, 0.0), vec2(foot, 0.0), vec2(top, height), vec2(0.0, height)]);
     let mut mesh = turn(&profile, 12);
-    // Grain runs along U: turn it to run along the leg.
+    // Grain runs along U: rotate it to run along the leg.
     for uv in &mut mesh.uvs {
         *uv = vec2(uv.y, 0.2 * uv.x);
     }
     mesh
 }
 
-/// A leg from the floor at `foot` to `top`, leaning as it must.
+/// A leg that leans from the floor at `foot` to `top`.
 fn leaning_leg(foot: Vec3, top: Vec3, radius: f32) -> Mesh {
     let height = top.y - foot.y;
     let lean = (top - foot).with_y(0.0) / height;
@@ -137,7 +137,7 @@ const SHELF: Vec3 = vec3(0.95, 1.86, 0.28);
 const COMPARTMENT: f32 = 0.365;
 const BOARD: f32 = 0.024;
 
-/// The shelf's boards, its back to -Z.
+/// The shelf's boards, with the back toward -Z.
 pub fn shelf() -> Vec<Mesh> {
     let upright = vec3(BOARD, SHELF.y, SHELF.z);
     let x = 0.5 * (SHELF.x - BOARD);
@@ -163,7 +163,7 @@ pub fn board_top(level: usize) -> f32 {
     0.03 + COMPARTMENT * level as f32
 }
 
-/// Books in `colors` heaps, one mesh per color: standing in rows on four of the boards, some leaning.
+/// Books in `colors` groups, one mesh per color: in rows on four of the boards, some leaning.
 pub fn books(colors: usize) -> Vec<Vec<Mesh>> {
     let mut heaps = vec![Vec::new(); colors];
     let rows = [(0, -0.43, 0.40), (1, -0.43, 0.10), (2, -0.05, 0.42), (3, -0.43, 0.22), (4, 0.02, 0.40)];
@@ -202,7 +202,7 @@ pub fn book_stack() -> Vec<Mesh> {
     parts
 }
 
-/// Picture frame around a canvas of `width` by `height`, its back to -Z at `z = 0`, center at the origin.
+/// Picture frame around a canvas of `width` by `height`, with its back toward -Z at `z = 0` and its center at the origin.
 pub fn frame(width: f32, height: f32) -> Vec<Mesh> {
     let (bar, depth) = (0.035, 0.030);
     let mut parts = Vec::new();
@@ -215,7 +215,7 @@ pub fn frame(width: f32, height: f32) -> Vec<Mesh> {
     parts
 }
 
-/// The canvas that belongs into [`frame`]; its front shows one texture once.
+/// The canvas for [`frame`]; its front shows one texture once.
 pub fn canvas(width: f32, height: f32) -> Mesh {
     plain_box(vec3(width, height, 0.012), 0.15).tiled(vec2(1.0 / width, 1.0 / height)).shifted(Vec3::Z * 0.008)
 }
@@ -263,7 +263,7 @@ pub fn curtain(width: f32, height: f32, seed: f32) -> Mesh {
     mesh
 }
 
-/// Folds open slowly towards the hem.
+/// Folds that open slowly toward the hem.
 fn curtain_point(uv: Vec2, width: f32, height: f32, seed: f32) -> Vec3 {
     let phase = 34.0 * uv.x + 0.6 * (5.0 * uv.x + seed).sin() + 0.5 * (3.0 * uv.y + seed).sin();
     let depth = 0.022 + 0.022 * uv.y + 0.008 * (9.0 * uv.x + seed).sin();

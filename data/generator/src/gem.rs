@@ -19,7 +19,7 @@ const LOWER_HALF: f32 = 0.24;
 /// Half the girdle's thickness.
 const GIRDLE: f32 = 0.018;
 
-/// The gem of the given girdle diameter in meters: the table looks up, the girdle lies at `y = 0`.
+/// The gem of the given girdle diameter in meters: the table faces up, the girdle lies at `y = 0`.
 pub fn brilliant(diameter: f32) -> Mesh {
     let mut mesh = Mesh::default();
     let scale = 0.5 * diameter;
@@ -30,8 +30,7 @@ pub fn brilliant(diameter: f32) -> Mesh {
     mesh
 }
 
-/// The gem as it lies on a table: on one pavilion main facet, its lowest point at `y = 0`, the table
-/// turned towards +Z.
+/// The gem lying on a table: on one pavilion main facet, its lowest point at `y = 0`, its table facet turned toward +Z.
 pub fn resting(diameter: f32) -> Mesh {
     // The pavilion main around +Z has the normal (0, -cos a, sin a): turn it to point down.
     let lying = Quat::from_rotation_x(PAVILION_ANGLE.to_radians());

@@ -18,7 +18,7 @@ const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-/// Extension that local lights are written by.
+/// Extension for local lights.
 const LIGHTS: &str = "KHR_lights_punctual";
 
 /// Writes `NAME.gltf` and `NAME.bin` into `folder`.
@@ -106,7 +106,7 @@ impl Writer {
         }
     }
 
-    /// `target` is what vertices and indices are used as; other data have none.
+    /// `target` is the use of vertices and indices; other data have none.
     fn accessor(&mut self, data: &[u8], target: Option<u32>, component: u32, count: usize, kind: &str) -> usize {
         let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": data.len() });
         if let Some(target) = target {
@@ -153,7 +153,7 @@ impl Writer {
     }
 }
 
-/// The least and the largest of each coordinate.
+/// The smallest and the largest of each coordinate.
 fn bounds(positions: &[Vec3]) -> [[f32; 3]; 2] {
     let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -196,7 +196,7 @@ fn placed_light(index: usize, light: &PunctualLight) -> Value {
     node
 }
 
-/// Color is the intensity with its largest channel brought to 1.
+/// The color is the intensity normalized by its largest channel.
 fn light(light: &PunctualLight) -> Value {
     let largest = light.intensity.into_iter().fold(0.0, f32::max);
     let mut value = json!({

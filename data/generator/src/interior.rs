@@ -7,16 +7,16 @@ use crate::rounded_box::rounded_box;
 use crate::scene::{Camera, Material, PunctualLight, Scene, at};
 use crate::{gem, knot, lidded_box, room, vase};
 
-/// Thickness of the rug: what stands on it stands this high.
+/// Thickness of the rug, the height of objects on it.
 const RUG: f32 = 0.012;
-/// Where the low table stands, and the height of its top.
+/// Position of the low table, and the height of its top.
 const TABLE_AT: Vec3 = vec3(-0.25, RUG, -0.10);
 const TABLE_TOP: f32 = RUG + 0.418;
-/// Where the box stands: on the rug, its front to +X so that the lid opens about Z.
+/// Position of the box: on the rug, with its front toward +X so that the lid opens about Z.
 const BOX_AT: Vec3 = vec3(-1.0, RUG, 0.28);
-/// Where the lamp stands.
+/// Position of the lamp.
 const LAMP_AT: Vec3 = vec3(1.18, 0.0, -1.58);
-/// The shelf stands against the wall at +X.
+/// Position of the shelf, against the wall at +X.
 const SHELF_AT: Vec3 = vec3(2.14, 0.0, -1.05);
 
 /// Composes the scene.
@@ -36,7 +36,7 @@ pub fn interior() -> Scene {
     scene
 }
 
-/// A lamp, which shines out of its shade above and below, and a spot on the table.
+/// A lamp that shines out of its shade above and below, and a spot light on the table.
 fn lights() -> Vec<PunctualLight> {
     vec![
         PunctualLight {
@@ -113,7 +113,7 @@ fn add_walls_and_lamp(scene: &mut Scene) {
     scene.add("Lamp globe", furniture::lamp_bulb(), "White lacquer", lamp);
 }
 
-/// A box and its lid, two objects so that it can be opened.
+/// A box and its lid, two objects so that it can open.
 fn add_box(scene: &mut Scene) {
     let placed = at(BOX_AT, 90.0);
     scene.add("Box", lidded_box::open_box(), "Walnut", placed);

@@ -1,7 +1,7 @@
 //! A wooden box and its loose lid, each one closed surface.
 //!
-//! Both are a rounded box whose upper flat gives way to a step: inwards and down to a floor, or, for the lid, which is made upside
-//! down, up to a panel that fits into the box and keeps light out.
+//! Both are a rounded box whose top surface is replaced by a step: inward and down to a floor or, for the lid, which is
+//! made upside down, up to a panel that fits into the box and blocks light.
 
 use glam::{Affine3A, Mat3, Vec2, Vec3, vec2, vec3};
 
@@ -12,18 +12,18 @@ use crate::rounded_box::{even_lines, rounded_box, steps_across};
 /// Outer width, height and depth of the box without its lid, and the thickness of its walls and its floor.
 const OUTSIDE: Vec3 = vec3(0.56, 0.26, 0.36);
 const WALL: f32 = 0.018;
-/// How far the lid reaches over the box on each side, its thickness, and how deep its panel reaches into the box.
+/// Overhang of the lid on each side, its thickness, and the depth of its panel in the box.
 const OVERHANG: f32 = 0.010;
 const LID: f32 = 0.026;
 const PANEL: f32 = 0.014;
-/// Air between the lid and the rim, and between its panel and the walls: the surfaces never touch, and no light finds a way.
+/// Gap between the lid and the rim, and between its panel and the walls: the surfaces never touch, and no light enters.
 const GAP: f32 = 0.0005;
 const PLAY: f32 = 0.0015;
-/// Radius of edges, and the largest cells of flats.
+/// Radius of edges, and the largest cell size of flats.
 const EDGE: f32 = 0.003;
 const CELL: f32 = 0.08;
 
-/// Where the lid's origin lies in the box's frame: on the line that it opens about.
+/// The lid's origin in the box's frame: on its hinge line.
 pub const HINGE: Vec3 = vec3(0.0, OUTSIDE.y + GAP, -0.5 * OUTSIDE.z - OVERHANG);
 
 /// The box without its lid: floor and four walls. It stands on `y = 0` around the origin, its front to +Z.
@@ -61,9 +61,9 @@ pub fn lid() -> Mesh {
 /// A point of the step's section, the same on all four sides.
 #[derive(Clone, Copy)]
 struct Section {
-    /// Meters inwards from the side, and height over the center.
+    /// Meters inward from the side, and height above the center.
     at: Vec2,
-    /// Unit normal: outwards and up.
+    /// Unit normal: outward and up.
     normal: Vec2,
 }
 
@@ -73,8 +73,8 @@ impl Section {
     }
 }
 
-/// A rounded box around the origin whose upper flat gives way to a step along `runs`, mitred in its corners and closed by a flat at
-/// their end. Runs are smooth and meet in creases.
+/// A rounded box around the origin whose top surface is replaced by a step along `runs`, mitered in its corners and
+/// closed by a flat at their end. Runs are smooth and meet in creases.
 fn stepped(size: Vec3, runs: &[Vec<Section>]) -> Mesh {
     let mut mesh = rounded_box(size, EDGE, CELL).without_flat(Vec3::Y);
     let half = 0.5 * size;
@@ -90,7 +90,7 @@ fn stepped(size: Vec3, runs: &[Vec<Section>]) -> Mesh {
     mesh
 }
 
-/// The step of one side, from outside inwards.
+/// The step of one side, from outside inward.
 fn push_side(mesh: &mut Mesh, half: Vec3, steps: [usize; 2], side: usize, run: &[Section]) {
     let out = [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::NEG_X][side];
     let right = Vec3::Y.cross(out);
@@ -136,13 +136,13 @@ mod tests {
 
     use crate::mesh::checks::{assert_closed, assert_sound, volume};
 
-    /// Least and largest coordinates of the vertices that `keep` keeps.
+    /// Smallest and largest coordinates of the vertices for which `keep` holds.
     fn bounds(mesh: &Mesh, keep: impl Fn(Vec3) -> bool) -> [Vec3; 2] {
         let kept = || mesh.positions.iter().copied().filter(|p| keep(*p));
         [kept().fold(Vec3::INFINITY, Vec3::min), kept().fold(Vec3::NEG_INFINITY, Vec3::max)]
     }
 
-    /// Whether `mesh` has a cavity: it takes less than half the room of its outline.
+    /// Whether `mesh` has a cavity: it takes less than half the volume of its outline.
     fn is_hollow(mesh: &Mesh) -> bool {
         let [low, high] = bounds(mesh, |_| true);
         volume(mesh) < 0.5 * (high - low).element_product()

@@ -55,7 +55,7 @@ struct Options {
     /// Folder to write to; by default this repository's data folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// In place of the bundle, write a beach of about this many vertices for measurements of scale; it asks for --out.
+    /// Write a beach of about this many vertices for scaling measurements instead of the bundle; requires --out.
     #[arg(long, value_name = "VERTICES", requires = "out", value_parser = clap::value_parser!(u32).range(100_000..=20_000_000))]
     beach: Option<u32>,
 }
@@ -79,7 +79,7 @@ fn write_bundle(out: &Path, cloth_resolution: usize) -> Result<()> {
     write_scene(&color_box::color_box(), &folder(out, "color-box")?)
 }
 
-/// The `data` folder that this crate lies in.
+/// The `data` folder of this crate.
 fn data_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
@@ -129,7 +129,7 @@ fn write_scene(scene: &Scene, folder: &Path) -> Result<()> {
     gltf_writer::write(scene, folder)
 }
 
-/// Roughness in the green channel as glTF wants it; blue 1 leaves metallic to its factor.
+/// Roughness in the green channel, as in glTF; blue 1 leaves metallic to its factor.
 fn roughness(size: u32, pattern: impl Fn(glam::Vec2) -> f32) -> image::RgbImage {
     paint_data(size, |uv| vec3(1.0, pattern(uv), 1.0))
 }
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
 
-    /// Bytes of everything below `folder`, by path; the generator's own sources are no data.
+    /// Bytes of everything below `folder`, by path; the generator's own sources do not count.
     fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         let mut found = BTreeMap::new();
         for entry in fs::read_dir(folder).unwrap() {

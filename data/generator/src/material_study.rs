@@ -1,4 +1,4 @@
-//! The material study: a shader ball alone on the sweep. Its shell has the material that is studied.
+//! The material study: a shader ball alone on the sweep. Its shell has the studied material.
 
 use glam::{Affine3A, vec3};
 

@@ -1,4 +1,4 @@
-//! Triangle meshes: the one type every piece is made of.
+//! Triangle meshes, the only type of pieces.
 //!
 //! Front faces wind counter-clockwise seen from outside. Positions are meters, Y up.
 
@@ -93,7 +93,7 @@ impl Mesh {
         [0, 1, 2].map(|k| self.positions[self.indices[3 * t + k] as usize])
     }
 
-    /// The mesh without the triangles whose three normals are `normal`, and without vertices that only they have.
+    /// The mesh without the triangles whose three normals are `normal`, and without the vertices that only they use.
     pub fn without_flat(&self, normal: Vec3) -> Mesh {
         let mut rest = Mesh::default();
         let mut renamed = HashMap::new();
@@ -111,8 +111,8 @@ impl Mesh {
         rest
     }
 
-    /// Replaces the normals by area-weighted means over all triangles that share a position,
-    /// so that texture seams do not show in the shading.
+    /// Replaces the normals by area-weighted means over all triangles that share a position, so that texture seams do
+    /// not show in the shading.
     pub fn smooth_normals(&mut self) {
         let mut sums: HashMap<[u32; 3], Vec3> = HashMap::new();
         for t in 0..self.triangle_count() {
@@ -157,7 +157,7 @@ pub mod checks {
     fn assert_sound_triangle(mesh: &Mesh, t: usize) {
         let [a, b, c] = mesh.corners(t);
         let area_normal = (b - a).cross(c - a);
-        // A square of 10 micrometres: far below any intended triangle, far above rounding.
+        // A square of 10 micrometers: far below any intended triangle, far above rounding.
         assert!(area_normal.length() > 1e-10, "degenerate triangle {t}: {a} {b} {c}");
         for k in 0..3 {
             let n = mesh.normals[mesh.indices[3 * t + k] as usize];

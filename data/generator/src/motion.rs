@@ -1,28 +1,28 @@
-//! What moves in a scene: joints, a skin that follows them, a morph target, and clips.
+//! Motion in a scene: joints, a skin that follows them, a morph target, and clips.
 
 use glam::{Quat, Vec3};
 
-/// Everything that moves.
+/// All motion of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     /// Joints, parents first.
     pub joints: Vec<Joint>,
-    /// What follows them.
+    /// The piece that follows them.
     pub skin: Skin,
-    /// What changes its shape.
+    /// The piece that changes its shape.
     pub morph: Morph,
     /// Animations.
     pub clips: Vec<Clip>,
 }
 
-/// A joint, which is not turned at rest.
+/// A joint without rotation at rest.
 #[derive(Clone, Debug)]
 pub struct Joint {
     /// Name shown to the artist.
     pub name: String,
-    /// The joint that it hangs on; the first hangs on none.
+    /// Its parent; none for the first joint.
     pub parent: Option<usize>,
-    /// Where it is in the world in meters.
+    /// Position in the world in meters.
     pub position: Vec3,
 }
 
@@ -33,7 +33,7 @@ pub struct Skin {
     pub piece: usize,
     /// Four joints for each vertex.
     pub joints: Vec<[u16; 4]>,
-    /// How much of each; they sum to 1.
+    /// Their weights, which sum to 1.
     pub weights: Vec<[f32; 4]>,
 }
 
@@ -42,9 +42,9 @@ pub struct Skin {
 pub struct Morph {
     /// Index of the piece.
     pub piece: usize,
-    /// What it adds to positions, in meters.
+    /// Offsets of positions, in meters.
     pub positions: Vec<Vec3>,
-    /// What it adds to normals.
+    /// Offsets of normals.
     pub normals: Vec<Vec3>,
 }
 
@@ -53,11 +53,11 @@ pub struct Morph {
 pub struct Clip {
     /// Name shown to the artist.
     pub name: &'static str,
-    /// What it moves.
+    /// Its channels.
     pub channels: Vec<Channel>,
 }
 
-/// What a channel moves.
+/// Target of a channel.
 #[derive(Clone, Copy, Debug)]
 pub enum Moved {
     /// A joint by its index.
@@ -69,22 +69,22 @@ pub enum Moved {
 /// A property over time.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// Whose.
+    /// The target.
     pub of: Moved,
-    /// As glTF calls it.
+    /// Property, as named in glTF.
     pub path: &'static str,
     /// Times of keyframes in seconds.
     pub times: Vec<f32>,
-    /// Their values one after another; with a spline each between its tangents.
+    /// Their values in sequence; for a spline, each between its tangents.
     pub values: Vec<f32>,
-    /// As glTF calls it.
+    /// Interpolation, as named in glTF.
     pub interpolation: &'static str,
 }
 
-/// Seconds of a whole swing.
+/// Period of a swing in seconds.
 pub const PERIOD: f32 = 2.0;
 
-/// Times in seconds at which a swing is in the middle or at an end.
+/// Times in seconds at which a swing is at its center or an end.
 fn quarters() -> [f32; 5] {
     [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| share * PERIOD)
 }
@@ -92,11 +92,11 @@ fn quarters() -> [f32; 5] {
 /// The sine of a swing at a time, and its slope per second.
 fn swing(time: f32) -> (f32, f32) {
     let rate = std::f32::consts::TAU / PERIOD;
-    // Whole values where the sine has them, so that the swing ends where it begins to the bit.
+    // Exact values where the sine has them, so that the swing ends where it begins, to the bit.
     ((rate * time).sin().round(), rate * (rate * time).cos().round())
 }
 
-/// A joint that swings about Z by `degrees` to each side, along a spline.
+/// A joint that swings about Z by `degrees` to each side, on a spline.
 pub fn swinging(joint: usize, degrees: f32) -> Channel {
     let mut values = Vec::new();
     for time in quarters() {
@@ -121,14 +121,14 @@ pub fn waving(node: usize) -> Channel {
     Channel { of: Moved::Node(node), path: "weights", times: quarters().into(), values, interpolation: "LINEAR" }
 }
 
-/// A node that turns once about the vertical.
+/// A node that rotates once about the vertical.
 pub fn turning(node: usize) -> Channel {
     let turn = |&time: &f32| Quat::from_rotation_y(std::f32::consts::TAU * time / PERIOD).to_array();
     let values = quarters().iter().flat_map(turn).collect();
     Channel { of: Moved::Node(node), path: "rotation", times: quarters().into(), values, interpolation: "LINEAR" }
 }
 
-/// A node that slides from a place along a way and back.
+/// A node that slides from `from` by `way` and back.
 pub fn sliding(node: usize, from: Vec3, way: Vec3) -> Channel {
     let times = vec![0.0, 0.5 * PERIOD, PERIOD];
     let values = [from, from + way, from].iter().flat_map(Vec3::to_array).collect();

@@ -1,8 +1,8 @@
-//! Seeded noise that tiles: the same on every machine and in every run.
+//! Seeded noise that tiles: equal on every machine and in every run.
 
 use glam::{Vec2, vec2};
 
-/// A well mixed 32-bit hash (the finaliser of MurmurHash3 over a simple combination).
+/// A well-mixed 32-bit hash (the finalizer of MurmurHash3 over a simple combination).
 pub fn hash(x: i32, y: i32, seed: u32) -> u32 {
     let mut h =
         (x as u32).wrapping_mul(0x9E37_79B1) ^ (y as u32).wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);

@@ -1,4 +1,4 @@
-//! Pears: the still life's living things, soft shapes among the made ones.
+//! Pears: organic shapes for the still life.
 
 use std::f32::consts::TAU;
 
@@ -9,7 +9,7 @@ use crate::mesh::Mesh;
 use crate::tube::{Station, sweep_open};
 use crate::turned::turn;
 
-/// A pear of `height` meters (without stem) standing on `y = 0`, its neck bent towards +X.
+/// A pear of `height` meters (without stem) standing on `y = 0`, its neck bent toward +X.
 pub fn pear(height: f32) -> Mesh {
     let side = [
         vec2(0.0, 0.030),
@@ -35,7 +35,7 @@ pub fn pear(height: f32) -> Mesh {
     body.grounded()
 }
 
-/// The stem that belongs to [`pear`] of the same height.
+/// The stem for a [`pear`] of the same height.
 pub fn stem(height: f32) -> Mesh {
     let station = |k: usize| {
         let t = k as f32 / 10.0;
@@ -47,7 +47,7 @@ pub fn stem(height: f32) -> Mesh {
     sweep_open(&path, 8)
 }
 
-/// Leans the neck and makes the belly a little uneven, as grown things are.
+/// Leans the neck and makes the belly slightly uneven, as in natural growth.
 fn bend(p: Vec3) -> Vec3 {
     let lean = 0.16 * (p.y - 0.35).max(0.0).powi(2);
     let around = p.x.atan2(p.z);
@@ -55,7 +55,7 @@ fn bend(p: Vec3) -> Vec3 {
     vec3(p.x * uneven + lean, p.y, p.z * uneven)
 }
 
-/// Turns a pear on its side to where its weight lies lowest: the pose in which a real one comes to rest.
+/// Turns a pear on its side to its lowest center of gravity: the resting pose of a real one.
 pub fn lying(pear: &Mesh, heading: f32) -> Affine3A {
     let tipped = |k: usize| Quat::from_rotation_z(-(0.18 + 0.14 * k as f32 / 200.0) * TAU);
     let centre = pear.positions.iter().sum::<Vec3>() / pear.positions.len() as f32;

@@ -1,4 +1,4 @@
-//! Painting pixel by pixel, and writing the images.
+//! Paints images pixel by pixel, and writes them.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub fn paint_color(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
     paint_data(size, |uv| paint(uv).map(srgb_from_linear))
 }
 
-/// Paints numbers in [0, 1] as they are.
+/// Paints numbers in [0, 1] without encoding.
 pub fn paint_data(size: u32, paint: impl Fn(Vec2) -> Vec3) -> RgbImage {
     RgbImage::from_fn(size, size, |x, y| {
         let value = paint(pixel_centre(x, y, size)).clamp(Vec3::ZERO, Vec3::ONE);
@@ -54,11 +54,11 @@ pub fn save_png16(picture: &Gray16, path: &Path) -> Result<()> {
     save(bytemuck::cast_slice(picture.as_raw()), picture.dimensions(), ExtendedColorType::L16, path)
 }
 
-/// Filters that are tried. The choice row by row (`Adaptive`) is up to a third larger than one filter for all rows of a noisy
+/// Filters to try. Choosing row by row (`Adaptive`) is up to a third larger than one filter for all rows of a noisy
 /// picture; `Paeth` and no filter were never the smallest.
 const FILTERS: [FilterType; 4] = [FilterType::Sub, FilterType::Up, FilterType::Avg, FilterType::Adaptive];
 
-/// Writes a file by the filter that compresses best in a quick trial.
+/// Writes a file with the filter that compresses best in a quick trial.
 fn save(bytes: &[u8], size: (u32, u32), color: ExtendedColorType, path: &Path) -> Result<()> {
     let encoded = compact(bytes, size, color).with_context(|| format!("cannot encode {}", path.display()))?;
     fs::write(path, encoded).with_context(|| format!("cannot write {}", path.display()))

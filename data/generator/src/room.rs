@@ -1,4 +1,4 @@
-//! The shell of the interior: slabs and walls with real thickness, closed but for one window.
+//! The shell of the interior: slabs and walls of real thickness, closed except for one window.
 
 use glam::{Vec3, vec2, vec3};
 
@@ -13,7 +13,7 @@ pub const HEIGHT: f32 = 2.6;
 pub const HALF_DEPTH: f32 = 2.0;
 /// Thickness of walls and slabs in meters.
 const WALL: f32 = 0.18;
-/// Cells of the walls: large, as tessellation follows later.
+/// Cells of the walls: large, because tessellation follows later.
 const CELL: f32 = 0.35;
 /// Window in the wall at -X: lower and upper corner as (z, y).
 pub const WINDOW: [glam::Vec2; 2] = [vec2(-1.15, 0.70), vec2(0.75, 2.20)];

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use crate::mesh::Mesh;
 
-/// Steps across half of a rounded edge: a bevel for the finest, a smooth curve for upholstery.
+/// Steps across half of a rounded edge: a bevel for the smallest radius, a smooth curve for upholstery.
 fn round_steps(radius: f32) -> usize {
     if radius < 0.01 {
         1
@@ -83,7 +83,7 @@ pub fn steps_across(half: f32, cell: f32) -> usize {
     (2.0 * half / cell).ceil().max(1.0) as usize
 }
 
-/// Lines from `-half` to `half` in even steps, mirrored to the bit and ending on `half`: what is built on them meets exactly.
+/// Lines from `-half` to `half` in even steps, mirrored to the bit and ending on `half`, so that adjacent surfaces meet exactly.
 pub fn even_lines(half: f32, steps: usize) -> Vec<f32> {
     (0..=steps).map(|k| half * (((2 * k) as f32 - steps as f32) / steps as f32)).collect()
 }

@@ -1,4 +1,4 @@
-//! A scene as the generator composes it: pieces, materials and cameras, before it becomes a file.
+//! A scene of the generator: pieces, materials and cameras, before it becomes a file.
 
 use glam::{Affine3A, Vec3};
 
@@ -95,7 +95,7 @@ pub struct PunctualLight {
     pub name: &'static str,
     /// Position in meters.
     pub position: Vec3,
-    /// Point that a spot shines at.
+    /// Target of a spot light.
     pub target: Vec3,
     /// Radiant intensity per color channel in W/sr; the file format says candela, Lapidary takes it for W/sr.
     pub intensity: [f32; 3],
@@ -114,11 +114,11 @@ pub struct Scene {
     pub pieces: Vec<Piece>,
     /// Placements of pieces.
     pub nodes: Vec<Node>,
-    /// Cameras; the first is the one to open with.
+    /// Cameras; the first is the initial view.
     pub cameras: Vec<Camera>,
     /// Local lights.
     pub lights: Vec<PunctualLight>,
-    /// What moves.
+    /// Motion.
     pub motion: Option<Motion>,
 }
 

@@ -1,6 +1,6 @@
-//! A shader ball: a thick shell with a groove and a round opening, a core inside, and a ring to stand on.
+//! A shader ball: a thick shell with a groove and a round opening, a core inside, and a supporting ring.
 //!
-//! Shell, core and ring are separate pieces so that each can wear its own material.
+//! Shell, core and ring are separate pieces so that each can have its own material.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -18,17 +18,16 @@ const INNER: f32 = 0.90;
 const CORE: f32 = 0.66;
 /// Height of the ball's center above the floor.
 const CENTRE: f32 = 1.072;
-/// How far the opening's axis leans back from +Z towards +Y.
+/// Angle by which the opening's axis leans back from +Z toward +Y.
 const LEAN: f32 = 0.55;
 
-/// The pieces of a ball of the given outer radius in meters; the ring stands on `y = 0`, the opening looks
-/// towards +Z and up.
+/// The pieces of a ball of the given outer radius in meters; the ring stands on `y = 0`, the opening faces +Z and up.
 pub struct ShaderBall {
     /// Outer shell with opening and groove.
     pub shell: Mesh,
-    /// Sphere inside, on a stem that holds it to the back of the shell.
+    /// Sphere inside, on a stem to the back of the shell.
     pub core: Mesh,
-    /// Ring that the shell sits in.
+    /// Ring that supports the shell.
     pub ring: Mesh,
 }
 

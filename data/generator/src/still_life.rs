@@ -1,4 +1,4 @@
-//! The still life: what stands where, and in which material.
+//! The still life: placement and materials of its pieces.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
@@ -11,7 +11,7 @@ const BLOCK: Vec3 = vec3(0.32, 0.24, 0.28);
 const BLOCK_AT: Vec3 = vec3(0.30, 0.0, -0.08);
 const BLOCK_TURN: f32 = 24.0;
 
-/// Rounder than the cloth takes it for: the corners must not pierce the weave.
+/// Rounder than in the cloth simulation: the corners must not pierce the weave.
 const BLOCK_ROUND: f32 = 0.020;
 
 /// Composes the scene. `cloth_resolution` is the number of vertices along a side of the cloth.
@@ -152,7 +152,7 @@ mod tests {
         GROUPS.iter().any(|g| g.contains(&a) && (g.len() == 1 || g.contains(&b)))
     }
 
-    /// Bounding circle, seen from above, of what lies below `height`.
+    /// Bounding circle, seen from above, of the part below `height`.
     fn circle(mesh: &crate::mesh::Mesh, height: f32) -> Option<(Vec2, f32)> {
         let seen: Vec<Vec2> = mesh.positions.iter().filter(|p| p.y < height).map(|p| vec2(p.x, p.z)).collect();
         let centre = seen.iter().sum::<Vec2>() / seen.len() as f32;
@@ -174,14 +174,14 @@ mod tests {
         }
     }
 
-    /// At the resolution that is shipped: the folds differ with it.
+    /// At the shipped resolution: the folds depend on it.
     #[test]
     fn nothing_stands_on_the_cloth_and_the_budget_holds() {
         let scene = still_life(crate::CLOTH_RESOLUTION);
         assert!((30_000..60_000).contains(&scene.vertex_count()), "{}", scene.vertex_count());
         let cloth = scene.nodes.iter().find(|node| node.name == "Cloth").map(|node| placed(&scene, node)).unwrap();
         for node in scene.nodes.iter().filter(|node| !grouped(&node.name, "Cloth")) {
-            // The cloth lies flat, away from the block: only what is near the floor can touch it.
+            // The cloth lies flat, away from the block: only pieces near the floor can touch it.
             if let Some((centre, radius)) = circle(&placed(&scene, node), 0.05) {
                 let gaps = cloth.positions.iter().map(|p| vec2(p.x, p.z).distance(centre) - radius);
                 let gap = gaps.fold(f32::INFINITY, f32::min);

@@ -13,9 +13,9 @@ struct SoftBox {
     half: Vec2,
     /// Rotation around its own direction, degrees.
     roll: f32,
-    /// Radiance in its middle.
+    /// Radiance at its center.
     radiance: Vec3,
-    /// Width of the soft edge, as a part of the half size.
+    /// Width of the soft edge, as a fraction of the half size.
     feather: f32,
 }
 
@@ -24,7 +24,7 @@ pub fn studio() -> Environment {
     let boxes = soft_boxes();
     let lit = |d: Vec3| boxes.iter().fold(room(d), |sum, soft_box| sum + soft_box.radiance(d));
     let mut map = Environment::paint(lit);
-    // A snooted spot beside the key: the one light here that draws a sharp shadow.
+    // A snooted spot beside the key: the only light here with a sharp shadow.
     map.add_disc(vec3(-0.80, 0.58, -0.05).normalize(), 1.6f32.to_radians(), vec3(2.2, 2.0, 1.7));
     map.scaled_to_mean(0.7)
 }
@@ -63,7 +63,7 @@ fn soft_boxes() -> Vec<SoftBox> {
     ]
 }
 
-/// The dark room: a floor with a pool of light, walls that fade upwards.
+/// The dark room: a floor with a pool of light, and walls that fade upward.
 fn room(d: Vec3) -> Vec3 {
     let cool = vec3(0.92, 0.97, 1.05);
     if d.y >= 0.0 {

@@ -10,12 +10,12 @@ use crate::noise::smoothstep;
 
 /// Haziness of the air; 2 is very clear, 10 is haze.
 const TURBIDITY: f32 = 3.0;
-/// Where the sun stands: left of the stage, 37 degrees high, so that shadows cross the picture.
+/// Direction of the sun: left of the stage, 37 degrees high, so that shadows cross the picture.
 const TOWARDS_SUN: Vec3 = vec3(-0.78, 0.60, 0.14);
-/// Radius of the disc, degrees. The real sun has 0.27: a map of this size could not hold it.
+/// Radius of the disc, degrees. The real sun has 0.27, too small for a map of this size.
 const SUN_RADIUS: f32 = 1.5;
-/// Illuminance of a surface facing the sun over that of a horizontal one from the sky alone. Clear days at this height
-/// of the sun have 80 to 90 klx over 13 to 15 klx.
+/// Illuminance of a surface facing the sun, relative to a horizontal one under the sky alone. Clear days at this height
+/// of the sun have 80 to 90 klx and 13 to 15 klx.
 const SUN_TO_SKY: f32 = 6.0;
 /// Color of the direct light at this height, luminance 1.
 const SUN_COLOR: Vec3 = vec3(1.160, 0.985, 0.715);

@@ -16,7 +16,7 @@ pub fn oak(uv: Vec2) -> Vec3 {
     grain(uv, [vec3(0.235, 0.135, 0.066), vec3(0.430, 0.275, 0.150)], 9, 57)
 }
 
-/// Wood: year rings cut lengthwise, wandering with slow noise, over fine fibers and pores.
+/// Wood: year rings cut lengthwise, varied by slow noise, over fine fibers and pores.
 fn grain(uv: Vec2, [dark, light]: [Vec3; 2], rings: i32, seed: u32) -> Vec3 {
     let wander = 0.055 * fractal(uv, (1, 2), 2, seed) + 0.006 * fractal(uv, (3, 16), 2, seed + 9);
     let phase = rings as f32 * (uv.y + wander);
@@ -45,7 +45,7 @@ fn pore(uv: Vec2, seed: u32) -> f32 {
 pub fn boards(uv: Vec2) -> Vec3 {
     let row = (uv.y * BOARDS as f32).floor() as i32;
     let within = uv.y * BOARDS as f32 - row as f32;
-    // Two lengths to a row, each row shifted by its own amount.
+    // Two boards per row, each row shifted by its own amount.
     let along = uv.x * 2.0 + unit(row, 1, 101);
     let board = row * 2 + (along.floor() as i32).rem_euclid(2);
     let shifted = vec2(uv.x + unit(board, 2, 102), (within + board as f32) / BOARDS as f32);
@@ -61,7 +61,7 @@ const BOARDS: i32 = 8;
 pub fn rug(uv: Vec2) -> Vec3 {
     let [ground, rust, ink, cream] =
         [vec3(0.30, 0.085, 0.050), vec3(0.44, 0.20, 0.095), vec3(0.035, 0.050, 0.085), vec3(0.56, 0.49, 0.37)];
-    // Knots: the pattern is decided knot by knot.
+    // Knots: each knot has one color.
     let knots = vec2(180.0, 126.0);
     let at = ((uv * knots).floor() + 0.5) / knots;
     let hem = (at.x.min(1.0 - at.x) * 1.43).min(at.y.min(1.0 - at.y));

@@ -1,4 +1,4 @@
-//! Surfaces of revolution, as a potter's wheel or a lathe makes them.
+//! Surfaces of revolution, as made on a potter's wheel or a lathe.
 
 use std::f32::consts::TAU;
 
@@ -87,7 +87,7 @@ fn middle_tangent(a: Vec2, b: Vec2, c: Vec2) -> Vec2 {
     ab / ab.length_squared() + bc / bc.length_squared()
 }
 
-/// Tangent at the end `a` of a curve that goes on through `b` and `c`: the parabola's.
+/// Tangent at the end `a` of a curve that continues through `b` and `c`: the parabola's.
 fn end_tangent(a: Vec2, b: Vec2, c: Option<Vec2>) -> Vec2 {
     let Some(c) = c else { return b - a };
     let (ab, bc) = (b - a, c - b);
@@ -100,10 +100,10 @@ fn push_ring(mesh: &mut Mesh, at: Vec2, along: Vec2, segments: usize, v: f32) ->
     let normal = Vec2::new(along.y, -along.x).normalize();
     (0..=segments)
         .map(|j| {
-            // The last column repeats the first, bit for bit, so that the seam is closed.
+            // The last column equals the first, bit for bit, which closes the seam.
             let angle = (j % segments) as f32 / segments as f32 * TAU;
             let around = Vec3::new(angle.sin(), 0.0, angle.cos());
-            // On the axis a column stands for the triangle to its right: texture half a step on.
+            // On the axis a column represents the triangle on its right: shift the texture by half a step.
             let (normal, shift) = if at.x == 0.0 {
                 (Vec3::Y * normal.y.signum(), 0.5)
             } else {
@@ -125,8 +125,7 @@ fn stitch(mesh: &mut Mesh, below: &[u32], above: &[u32], axis_below: bool, axis_
     }
 }
 
-/// A run that starts, bit for bit, where the last one ended, with points near the axis put on it:
-/// arcs miss both by rounding.
+/// A run that starts, bit for bit, where the last one ended, with points near the axis snapped to it: arcs miss both by rounding.
 fn continued(run: &[Vec2], end: Option<Vec2>) -> Vec<Vec2> {
     let on_axis = |p: &Vec2| if p.x.abs() < 1e-6 { Vec2::new(0.0, p.y) } else { *p };
     let mut run: Vec<Vec2> = run.iter().map(on_axis).collect();

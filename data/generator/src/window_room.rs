@@ -15,7 +15,7 @@ const WINDOW: [Vec2; 2] = [vec2(-1.45, -0.40), vec2(0.85, 1.05)];
 const PANES: Vec2 = vec2(3.0, 2.0);
 /// Half width of a mullion in meters.
 const MULLION: f32 = 0.028;
-/// Towards the low sun outside.
+/// Direction of the low sun outside.
 const TOWARDS_SUN: Vec3 = vec3(-0.80, 0.52, -0.30);
 /// Radiance times pi of a white sunlit surface.
 const SUN: Vec3 = vec3(21.0, 17.5, 12.5);
@@ -23,7 +23,7 @@ const SUN: Vec3 = vec3(21.0, 17.5, 12.5);
 const LAMP: Vec3 = vec3(1.55, 0.12, 1.75);
 const LAMP_RADIUS: f32 = 0.17;
 const LAMP_RADIANCE: Vec3 = vec3(15.0, 9.0, 4.2);
-/// Light that has bounced more than once, as the same radiance from everywhere.
+/// Light after more than one bounce, as uniform radiance.
 const BOUNCED: Vec3 = vec3(0.30, 0.245, 0.19);
 
 /// The window-lit map.
@@ -43,7 +43,7 @@ fn radiance(d: Vec3) -> Vec3 {
     }
 }
 
-/// Where a ray from the viewpoint leaves the room, and the inward normal there.
+/// The point where a ray from the viewpoint leaves the room, and the inward normal there.
 fn wall_hit(d: Vec3) -> (Vec3, Vec3) {
     let times = HALF / d.abs().max(Vec3::splat(1e-6));
     let nearest = times.min_element();

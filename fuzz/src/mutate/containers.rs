@@ -1,9 +1,9 @@
-//! Formats with lengths and checksums around their contents: what is changed inside is wrapped anew.
+//! Formats with lengths and checksums around their contents: these are updated after a change.
 
 use super::{json, text};
 use crate::choices::Choices;
 
-/// Mutates a png file and, three times in four, computes the checksums of its chunks anew.
+/// Mutates a png file and, three times in four, recomputes the checksums of its chunks.
 pub fn png(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     super::bytes(file, others, choices);
     if choices.one_in(4) {
@@ -20,7 +20,7 @@ pub fn png(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     }
 }
 
-/// Mutates the JSON of a glb file and writes its lengths anew; one time in three, any byte of the file.
+/// Mutates the JSON of a glb file and updates its lengths; one time in three, mutates any bytes of the file.
 pub fn glb(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     let parts = if choices.one_in(3) { None } else { glb_parts(file) };
     let Some((mut contents, rest)) = parts else { return super::bytes(file, others, choices) };
@@ -32,7 +32,7 @@ pub fn glb(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     *file = [head, contents, rest].concat();
 }
 
-/// The JSON, and the chunks behind it.
+/// The JSON, and the chunks after it.
 fn glb_parts(file: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
     let length = u32::from_le_bytes(file.get(12..16)?.try_into().ok()?) as usize;
     Some((file.get(20..20 + length)?.to_vec(), file[20 + length..].to_vec()))

@@ -4,7 +4,7 @@ use super::{numbers, repeatedly, repetitions, text};
 use crate::choices::Choices;
 use serde_json::{Value, json};
 
-/// Mutates values and keys; one time in four, and where the text is no JSON, words and bytes.
+/// Mutates values and keys; one time in four, and if the text is not JSON, words and bytes.
 pub fn json(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     match serde_json::from_slice::<Value>(file) {
         Ok(mut root) if !choices.one_in(4) => {
@@ -15,7 +15,7 @@ pub fn json(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     }
 }
 
-/// Mutates quantities alone, three times in four: most of such scenes can be imported, and so be baked.
+/// Mutates only quantities, three times in four: most of these scenes import, and so can be baked.
 pub fn quantities(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     match serde_json::from_slice::<Value>(file) {
         Ok(mut root) if !choices.one_in(4) => {
@@ -33,7 +33,7 @@ pub fn quantities(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices)
     }
 }
 
-/// Numbers that neither count nor refer to anything: those of vectors, fractions, and the packed ones of buffers.
+/// Numbers that are neither counts nor indices: in vectors, fractions, and the packed numbers of buffers.
 fn find_quantities<'a>(value: &'a mut Value, in_vector: bool, found: &mut Vec<&'a mut Value>) {
     match value {
         Value::Array(entries) => {
@@ -47,10 +47,10 @@ fn find_quantities<'a>(value: &'a mut Value, in_vector: bool, found: &mut Vec<&'
     }
 }
 
-/// How texts begin that hold a buffer.
+/// Prefix of texts that hold a buffer.
 const PACKED: &str = "data:application/octet-stream;base64,";
 
-/// Scales a number, or changes a letter of a buffer.
+/// Scales a number, or changes a character of a buffer.
 fn vary(node: &mut Value, choices: &mut Choices) {
     if let Value::String(text) = node {
         let mut bytes = std::mem::take(text).into_bytes();
@@ -71,7 +71,7 @@ pub fn value(root: &mut Value, choices: &mut Choices) {
         let donor = node(root, choices.below(1 << 20)).cloned().unwrap_or_default();
         let count = count(root);
         let at = choices.below(count);
-        // A donor may hold the whole tree, and is put in twice at most.
+        // A donor may contain the whole tree, and is inserted at most twice.
         let donor = if repetitions(2, self::count(&donor), count) == 2 { donor } else { Value::Null };
         if let Some(node) = node(root, at) {
             mutate(node, donor, count, choices);
@@ -79,7 +79,7 @@ pub fn value(root: &mut Value, choices: &mut Choices) {
     });
 }
 
-/// Nodes of a tree.
+/// Number of nodes of a tree.
 fn count(value: &Value) -> usize {
     1 + match value {
         Value::Array(entries) => entries.iter().map(count).sum::<usize>(),
@@ -88,7 +88,7 @@ fn count(value: &Value) -> usize {
     }
 }
 
-/// Node `index` of a tree in the order in which they are written, modulo their number.
+/// Node `index` of a tree in document order, modulo the number of nodes.
 fn node(root: &mut Value, index: usize) -> Option<&mut Value> {
     let mut left = index % count(root);
     let mut here = root;
@@ -149,7 +149,7 @@ fn mutate(node: &mut Value, donor: Value, size: usize, choices: &mut Choices) {
     }
 }
 
-/// A number at which readers break; JSON has no infinite ones.
+/// A number at which readers break; JSON has no infinities.
 fn number(choices: &mut Choices) -> Value {
     let text = choices.of(&numbers::TEXTS);
     serde_json::from_str(text).unwrap_or_else(|_| json!(-1e308))

@@ -2,7 +2,7 @@
 
 use crate::choices::Choices;
 
-/// As texts and in JSON.
+/// Numbers as text and in JSON.
 pub const TEXTS: [&str; 30] = [
     "0",
     "-0",
@@ -36,7 +36,7 @@ pub const TEXTS: [&str; 30] = [
     "18446744073709551615",
 ];
 
-/// As integers of any width.
+/// Numbers as integers of any width.
 const INTEGERS: [u64; 16] = [
     0,
     1,
@@ -56,7 +56,7 @@ const INTEGERS: [u64; 16] = [
     u64::MAX,
 ];
 
-/// As single-precision numbers.
+/// Numbers in single precision.
 pub const FLOATS: [f32; 16] = [
     0.0,
     -0.0,
@@ -76,7 +76,7 @@ pub const FLOATS: [f32; 16] = [
     f32::NAN,
 ];
 
-/// Writes a number over the first bytes, or as many of them as there are.
+/// Overwrites the first bytes with a number, or as many bytes as there are.
 pub fn overwrite(bytes: &mut [u8], choices: &mut Choices) {
     let number = if choices.one_in(3) { u64::from(choices.of(&FLOATS).to_bits()) } else { *choices.of(&INTEGERS) };
     let width = *choices.of(&[1, 2, 4, 4, 8]);

@@ -1,12 +1,11 @@
-//! Mutations of datasets, whose tensors and metadata keep valid checksums: all that stands between them and the
-//! renderer is the check of their contents.
+//! Mutations of datasets whose tensors and metadata keep valid checksums: only the check of contents protects the renderer.
 
 use super::{json, numbers, repeatedly};
 use crate::choices::Choices;
 use serde_json::{Map, Value, json};
 use std::ops::Range;
 
-/// Mutates tensors or metadata of a dataset and seals it again; one time in sixteen, bytes of the file.
+/// Mutates tensors or metadata of a dataset and reseals it; one time in sixteen, mutates bytes of the file.
 pub fn dataset(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     let opened = if choices.one_in(16) { None } else { Opened::new(file) };
     let Some(mut opened) = opened else { return super::bytes(file, others, choices) };
@@ -17,18 +16,18 @@ pub fn dataset(file: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     *file = opened.sealed();
 }
 
-/// All tensors of a dataset and what they are, without the metadata.
+/// All tensors of a dataset with their descriptions, without the metadata.
 pub fn tensors_of(file: &[u8]) -> Option<Vec<u8>> {
     let mut opened = Opened::new(file)?;
     opened.header.remove("__metadata__");
     Some([Value::Object(opened.header).to_string().into_bytes(), opened.data].concat())
 }
 
-/// A dataset taken apart.
+/// A parsed dataset.
 struct Opened {
-    /// Header of the file: each tensor's type, shape and range of bytes.
+    /// Header of the file: type, shape and byte range of each tensor.
     header: Map<String, Value>,
-    /// Lapidary's own header, which is a text in that header.
+    /// Lapidary's own header, a text within that header.
     metadata: Value,
     data: Vec<u8>,
 }
@@ -76,7 +75,7 @@ impl Opened {
         });
     }
 
-    /// The file, with checksums of the tensors as they are now.
+    /// The file with updated checksums of the tensors.
     fn sealed(mut self) -> Vec<u8> {
         let sum = |range: Range<usize>| json!(blake3::hash(&self.data[range]).to_hex().to_string());
         let sums: Map<String, Value> = self.tensors().into_iter().map(|(name, range)| (name, sum(range))).collect();

@@ -1,10 +1,10 @@
-//! Mutations of text files, of words and lines.
+//! Mutations of text files, by words and lines.
 
 use super::{numbers, repeatedly, repetitions};
 use crate::choices::Choices;
 use std::ops::Range;
 
-/// Words that change what a reader does.
+/// Words that change a reader's behavior.
 const WORDS: [&str; 24] = [
     "/dev/zero",
     "/dev/stdin",
@@ -32,7 +32,7 @@ const WORDS: [&str; 24] = [
     "\u{feff}",
 ];
 
-/// Mutates words, lines and, at times, single bytes.
+/// Mutates words, lines and sometimes single bytes.
 pub fn text(text: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     repeatedly(choices, |choices| {
         if choices.one_in(4) {
@@ -61,7 +61,7 @@ fn mutate_word(text: &mut Vec<u8>, choices: &mut Choices) {
     text.splice(range, new);
 }
 
-/// Ranges of what stands between blanks, quotes, slashes and signs of punctuation.
+/// Ranges between blanks, quotes, slashes and punctuation.
 fn words(text: &[u8]) -> Vec<Range<usize>> {
     let within = |byte: &u8| byte.is_ascii_alphanumeric() || b".-+_".contains(byte);
     let mut words: Vec<Range<usize>> = Vec::new();

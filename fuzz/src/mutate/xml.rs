@@ -1,10 +1,10 @@
-//! Mutations of XML documents that stay XML: values of attributes are changed, and elements moved.
+//! Mutations of XML documents that leave them XML: attribute values change, and elements move.
 
 use super::{numbers, repeatedly, text};
 use crate::choices::Choices;
 use std::ops::Range;
 
-/// Values that change what a reader does.
+/// Values that change a reader's behavior.
 const VALUES: [&str; 12] = [
     "1, 2",
     "0, 0, 0, 0",
@@ -20,7 +20,7 @@ const VALUES: [&str; 12] = [
     "outz",
 ];
 
-/// Mutates values and elements; at times words and bytes as in any text.
+/// Mutates values and elements; sometimes words and bytes, as in any text.
 pub fn xml(bytes: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     if choices.one_in(5) {
         return text::text(bytes, others, choices);
@@ -34,7 +34,7 @@ pub fn xml(bytes: &mut Vec<u8>, others: &[Vec<u8>], choices: &mut Choices) {
     });
 }
 
-/// What is between two quotes becomes what is between two others, or a value of the lists.
+/// Replaces the text between two quotes by another quoted text, or by a value of the lists.
 fn change_value(bytes: &mut Vec<u8>, choices: &mut Choices) {
     let values = between(bytes, b'"', b'"');
     if values.is_empty() {
@@ -49,7 +49,7 @@ fn change_value(bytes: &mut Vec<u8>, choices: &mut Choices) {
     bytes.splice(at, new.into_iter().filter(|byte| !b"\"<&".contains(byte)));
 }
 
-/// An element without contents is copied to another place, or taken away.
+/// Copies an element without contents to another place, or removes it.
 fn repeat_element(bytes: &mut Vec<u8>, choices: &mut Choices) {
     let elements: Vec<Range<usize>> = between(bytes, b'<', b'>')
         .into_iter()
@@ -64,7 +64,7 @@ fn repeat_element(bytes: &mut Vec<u8>, choices: &mut Choices) {
     bytes.splice(to, piece);
 }
 
-/// Ranges from each `open` to the `close` that follows.
+/// Ranges from each `open` to the following `close`.
 fn between(bytes: &[u8], open: u8, close: u8) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut at = 0;

@@ -1,4 +1,4 @@
-//! Checkpoints: an interrupted bake is resumed from files that were changed, swapped, doubled or lost.
+//! Checkpoints: an interrupted bake is resumed from changed, swapped, duplicated or lost files.
 
 use super::{
     Target,
@@ -18,15 +18,15 @@ use std::{
     sync::{Mutex, OnceLock},
 };
 
-/// Resuming of a bake of all parts.
+/// Resumes a bake of all parts.
 #[derive(Default)]
 pub struct Checkpoint(OnceLock<Sound>);
 
-/// An interrupted bake and its right end.
+/// An interrupted bake and its correct result.
 struct Sound {
-    /// Names and contents of the checkpoint's files when all chunks are done.
+    /// Names and contents of the checkpoint's files once all chunks are done.
     files: Vec<(String, Vec<u8>)>,
-    /// Tensors of the bake that was not interrupted.
+    /// Tensors of the uninterrupted bake.
     tensors: Vec<u8>,
 }
 
@@ -86,8 +86,8 @@ impl Target for Checkpoint {
         files.iter().try_for_each(|(name, bytes)| fs::write(folder.join(name), bytes))
     }
 
-    /// A resumed bake ends with the tensors of one that was not interrupted, or with an error that names the checkpoint.
-    /// Of forged files the dataset has to be sound alone, as every dataset is that is written.
+    /// A resumed bake ends with the tensors of an uninterrupted one, or with an error that names the checkpoint. With
+    /// forged files the dataset only has to be valid, like every written dataset.
     fn read(&self, folder: &Path) -> Result<(), String> {
         let right = &self.0.get_or_init(Sound::new).tensors;
         match bake(sound(), &job(folder, true), &Silent) {
@@ -99,7 +99,7 @@ impl Target for Checkpoint {
     }
 }
 
-/// Copies the checkpoint when all chunks are done and it is not yet removed.
+/// Copies the checkpoint once all chunks are done, before its removal.
 struct CopiesInTheEnd {
     folder: PathBuf,
     files: Mutex<Vec<(String, Vec<u8>)>>,
@@ -118,13 +118,13 @@ impl Observer for CopiesInTheEnd {
     }
 }
 
-/// A file whose checksum fits contents that no bake has written. What comes of them cannot be right.
+/// Name of a file with a valid checksum over contents that no bake has written. Its result cannot be right.
 const FORGED: &str = "forged";
 
-/// Bytes of a chunk's file before its body: three hashes, of which the first is that of the rest.
+/// Bytes of a chunk's file before its body: three hashes; the first covers the rest.
 const HEAD: usize = 96;
 
-/// Mutates one file or mixes two. Whether it gave something the checksum that fits it.
+/// Mutates one file or mixes two. Returns whether any forged contents got a valid checksum.
 fn mutate(files: &mut Vec<(String, Vec<u8>)>, choices: &mut Choices) -> bool {
     if files.is_empty() {
         return false;

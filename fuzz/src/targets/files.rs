@@ -1,4 +1,4 @@
-//! Targets of one file, which is a mutated copy of a sound one.
+//! Targets of one file, a mutated copy of a valid one.
 
 use super::{Target, named, scenes::datasets};
 use crate::{choices::Choices, mutate::Mutation};
@@ -13,7 +13,7 @@ use std::{
     sync::OnceLock,
 };
 
-/// What a target of one file is.
+/// Description of a target of one file.
 #[derive(Clone, Copy)]
 pub struct FileKind {
     /// See [`Target::name`].
@@ -22,26 +22,26 @@ pub struct FileKind {
     pub share: u64,
     /// Name of the file.
     pub file: &'static str,
-    /// What makes it of sound ones.
+    /// Mutates a valid file.
     pub mutation: Mutation,
-    /// What reads it.
+    /// Reads the file.
     pub read: fn(&Path) -> Result<(), String>,
 }
 
-/// A target of one file. Beside it lie the files of `corpus/beside`, which it may name.
+/// A target of one file. The files of `corpus/beside`, which it may name, are beside it.
 pub struct FileTarget {
     kind: FileKind,
-    /// Sound files, read or made when the first input is.
+    /// Valid files, loaded or made on the first input.
     sound: OnceLock<Vec<Vec<u8>>>,
 }
 
 impl FileTarget {
-    /// Of this kind.
+    /// A target of this kind.
     pub fn new(kind: FileKind) -> Self {
         Self { kind, sound: OnceLock::new() }
     }
 
-    /// The files of the folder that is named after the target; datasets are baked, and bakes take the scenes of glTF.
+    /// The files of the folder named after the target. Datasets are baked; bakes use the glTF scenes.
     fn sound(&self) -> &[Vec<u8>] {
         let folder = match self.kind.name {
             "cuts" => return self.sound.get_or_init(datasets),
@@ -89,7 +89,7 @@ pub fn corpus(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name)
 }
 
-/// Files of a folder, in the order of their names, so that an input is the same everywhere.
+/// Files of a folder, sorted by name, so that inputs are reproducible.
 pub fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
     let mut files: Vec<PathBuf> = entries.iter().map(fs::DirEntry::path).filter(|path| path.is_file()).collect();
@@ -97,11 +97,11 @@ pub fn files_in(folder: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Reads a picture in every way: as a texture, as an environment, its size alone, and its layers.
+/// Reads a picture in every way: as a texture, as an environment, its size only, and its layers.
 pub fn read_picture(path: &Path) -> Result<(), String> {
     let bytes = fs::read(path).map_err(|e| e.to_string())?;
     match footprint(&bytes, path) {
-        // It is read where there is room for it. Texels, as a picture and as an environment, and the decoder's own.
+        // Reads it only if it fits: texels as a picture and as an environment, and the decoder's memory.
         Ok(needed) if needed.held.saturating_add(needed.decoding) > crate::MOST_BYTES as u64 / 4 => return Ok(()),
         Ok(_) => {}
         Err(error) => named(&error, path)?,
@@ -128,12 +128,12 @@ pub fn read_picture(path: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Reads the file of a BRDF.
+/// Reads a BRDF file.
 pub fn read_brdf(path: &Path) -> Result<(), String> {
     Content::read(path).map(drop).or_else(|error| named(&error, path))
 }
 
-/// Reads a session and all that it names.
+/// Reads a session and all files it names.
 pub fn read_session(path: &Path) -> Result<(), String> {
     lapidary::check(path, &Default::default()).map(drop).or_else(|error| named(&error, path))
 }

@@ -1,4 +1,4 @@
-//! Reading of scenes, datasets, lights and materials, and pictures of what they hold.
+//! Reads scenes, datasets, lights and materials, and renders them.
 
 use super::{files::corpus, named};
 use lapidary_core::{
@@ -19,7 +19,7 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-/// Half of the memory that an input may take is for what is imported.
+/// The import may take half of an input's memory.
 const OPTIONS: ImportOptions =
     ImportOptions { budget: Some(crate::MOST_BYTES as u64 / 2), allow_outside: false, variant: None };
 
@@ -38,7 +38,7 @@ pub fn import_with_materials(path: &Path) -> Result<(), String> {
     import(&scene).map(drop).or_else(|error| named(&error, path).or_else(|_| named(&error, &scene)))
 }
 
-/// Imports a scene and bakes it. A bake that ends well can be read, verified and shown.
+/// Imports a scene and bakes it. The result of a successful bake can be read, verified and rendered.
 pub fn bake_file(path: &Path) -> Result<(), String> {
     let scene = match import(path) {
         Ok(imported) => imported.scene,
@@ -55,25 +55,25 @@ pub fn bake_file(path: &Path) -> Result<(), String> {
         return Ok(());
     }
     let dataset = Dataset::read(&output, image::decode)
-        .map_err(|error| format!("the bake ended well, its output not: {error}"))?;
+        .map_err(|error| format!("the bake succeeded, but its output is invalid: {error}"))?;
     show(dataset)
 }
 
-/// Reads a dataset, verifies and shows it, and writes it again.
+/// Reads a dataset, verifies and renders it, and writes it again.
 pub fn read_dataset(path: &Path) -> Result<(), String> {
     let dataset = match Dataset::read(path, image::decode) {
         Ok(dataset) => dataset,
         Err(error) => return named(&error, path),
     };
     let copy = path.with_extension("copy.cuts");
-    dataset.write(&copy).map_err(|error| format!("it is read and cannot be written: {error}"))?;
+    dataset.write(&copy).map_err(|error| format!("it can be read, but not written: {error}"))?;
     Dataset::read(&copy, image::decode)
-        .map_err(|error| format!("it is read, written, and cannot be read again: {error}"))?;
+        .map_err(|error| format!("it can be read and written, but not read again: {error}"))?;
     verify(&dataset, 4);
     show(dataset)
 }
 
-/// Reads lights and lights a scene by them.
+/// Reads lights and lights a scene with them.
 pub fn read_lights(path: &Path) -> Result<(), String> {
     match LightsFile::read(path) {
         Ok(file) => picture(&sound_scene(), |look| look.lights = file.lights.clone().into()),
@@ -81,7 +81,7 @@ pub fn read_lights(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Reads a material and gives it to all of a scene.
+/// Reads a material and assigns it to the whole scene.
 pub fn read_material(path: &Path) -> Result<(), String> {
     let baked = sound_scene();
     let mut scene = baked.dataset.scene.clone();
@@ -95,7 +95,7 @@ pub fn read_material(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Pictures of a dataset by each of its solutions.
+/// Renders a dataset by each of its solutions.
 fn show(dataset: Dataset) -> Result<(), String> {
     let baked = Baked::from(dataset);
     picture(&baked, |_| ())?;
@@ -104,7 +104,7 @@ fn show(dataset: Dataset) -> Result<(), String> {
         .try_for_each(|solution| picture(&baked, |look| look.solution = solution))
 }
 
-/// A picture of 8 by 6 pixels that must be finite, in all its light after `change`.
+/// Renders 8 by 6 pixels, which must be finite, with all light after `change`.
 fn picture(baked: &Baked, change: impl Fn(&mut Look)) -> Result<(), String> {
     let scene = &baked.dataset.scene;
     let view = View::new(scene.first_view(), [8, 6]);
@@ -115,7 +115,7 @@ fn picture(baked: &Baked, change: impl Fn(&mut Look)) -> Result<(), String> {
     look.lights = scene.lights.clone().into();
     change(&mut look);
     let shown = LitScene::new(Box::new(CpuBackend::new()), baked.clone()).and_then(|mut lit| lit.show_whole(&look));
-    // A scene may be beyond the limits of a renderer, which says so.
+    // A scene may exceed a renderer's limits, which is an error.
     let Ok(picture) = shown else { return Ok(()) };
     match picture.image.pixels.iter().position(|pixel| !pixel.is_finite()) {
         Some(at) => Err(format!("pixel {at} of the picture by {} is {}", look.solution, picture.image.pixels[at])),
@@ -128,12 +128,12 @@ fn studio() -> Arc<Environment> {
     STUDIO.get_or_init(|| environment::from_spec("constant:1,0.9,0.8").expect("a formula").0.into()).clone()
 }
 
-/// The scene whose bakes are the sound datasets.
+/// The scene whose bakes are the valid datasets.
 pub fn sound() -> Scene {
     import(&corpus("beside").join("room.obj")).expect("a sound scene").scene
 }
 
-/// Settings of the smallest bake that has all there is of its parts.
+/// Settings of the smallest bake with all details of its parts.
 pub fn tiny_bake(mode: BakeParts) -> ResolvedBake {
     let draft = Preset::Draft.settings();
     let settings = BakeSettings {
@@ -154,7 +154,7 @@ pub fn tiny_bake(mode: BakeParts) -> ResolvedBake {
     resolve(settings).expect("settings within their ranges")
 }
 
-/// Sound datasets of all parts.
+/// Valid datasets of all parts.
 pub fn datasets() -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let modes = [BakeParts::ENVIRONMENT, BakeParts::INDIRECT, BakeParts::MESHLESS, BakeParts::CUTS, BakeParts::ALL];
@@ -166,7 +166,7 @@ pub fn datasets() -> Vec<Vec<u8>> {
     modes.map(bytes).into()
 }
 
-/// A sound dataset, to show lights and materials by.
+/// A valid dataset for lights and materials.
 fn sound_scene() -> Baked {
     static BAKED: OnceLock<Baked> = OnceLock::new();
     let baked = || {

@@ -1,4 +1,4 @@
-//! Animations of files that the tests write, against answers that are known.
+//! Animations of files that the tests write, against known answers.
 
 mod bad_input;
 mod channels;
@@ -35,7 +35,7 @@ const HEIGHTS: [f32; 5] = [0.0, 0.5, 1.0, 1.5, 2.0];
 const RIGHT_ANGLE: [f32; 4] = [0.0, 0.0, std::f32::consts::FRAC_1_SQRT_2, std::f32::consts::FRAC_1_SQRT_2];
 const NO_TURN: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
-/// An upright bar of two joints at heights 0 and 1, 2 high, whose middle ring follows both. The node of its mesh is elsewhere.
+/// An upright bar of height 2 with two joints at heights 0 and 1; the middle ring follows both. The node of its mesh is elsewhere.
 fn bar(upper: [f32; 4]) -> TestFile {
     let nodes = json!([
         { "name": "bar", "mesh": 0, "skin": 0, "translation": [7, 8, 9] },
@@ -76,7 +76,7 @@ fn bending_bar() -> TestFile {
     file
 }
 
-/// Where a point of the bar is when the upper joint is turned by an angle about Z: the mean of both joints at the middle ring.
+/// Position of a point of the bar with the upper joint turned by an angle about Z: the mean of both joints at the middle ring.
 fn bent(p: Vec3, angle: f32) -> Vec3 {
     let turned = Vec3::Y + Quat::from_rotation_z(angle) * (p - Vec3::Y);
     if p.y < 0.99 {
@@ -106,7 +106,7 @@ fn at(bound: &BoundAnimation, seconds: f32, scene: &Scene) -> Mesh {
     posed(&bound.poses_at(0, seconds, &Poses::default()).unwrap(), scene)
 }
 
-/// The largest distance between places of two lists; NaN if one of them is.
+/// The largest distance between corresponding places; NaN if one of them is.
 fn farthest(a: &[Vec3], b: impl IntoIterator<Item = Vec3>) -> f32 {
     let larger = |most: f32, distance: f32| if most > distance || most.is_nan() { most } else { distance };
     a.iter().zip(b).map(|(a, b)| a.distance(b)).fold(0.0, larger)
@@ -137,7 +137,7 @@ fn normals_and_tangents_turn_with_the_surface() {
         let is_side = scene.mesh.normals[v].x.abs() > 0.9;
         assert!(!is_side || mesh.normals[v].distance(scene.mesh.normals[v]) > 1.0, "negative control");
     }
-    // What follows the lower joint alone stays, to the bit, beside what moves.
+    // Vertices that follow only the lower joint stay, to the bit, beside moving ones.
     let still = (0..mesh.positions.len()).filter(|&v| scene.mesh.positions[v].y < 0.1);
     assert!(still.clone().count() >= 8);
     still.for_each(|v| {
@@ -231,7 +231,7 @@ fn morph_targets_are_added_by_their_weights() {
     file.clip("wave", 0, "weights", &[0.0, 1.0], &[0.5, 0.0, 1.0, 0.25], "LINEAR");
     let (bound, scene) = bound(&mut file);
     let shape = |raise: f32, lengthen: f32| move |p: &Vec3| Vec3::new(p.x * (1.0 + 2.0 * lengthen), p.y, p.x * raise);
-    // At rest the first target is half there.
+    // At rest the first target has weight one half.
     let expected = |of: &dyn Fn(&Vec3) -> Vec3| scene.mesh.positions.iter().map(of).collect::<Vec<_>>();
     assert!(scene.mesh.positions.iter().all(|p| (p.z - 0.5 * p.x).abs() < 1e-6));
     let normal = Vec3::new(-0.5, 0.0, 1.0).normalize();

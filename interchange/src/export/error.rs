@@ -1,64 +1,64 @@
-//! What an export wrote, and why it could not.
+//! Result and errors of an export.
 
 use crate::import::ImportError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What was written.
+/// Result of an export.
 #[derive(Clone, Debug, Default)]
 pub struct Exported {
-    /// The files, the one that was asked for first.
+    /// The written files, the requested one first.
     pub files: Vec<PathBuf>,
-    /// Materials in it.
+    /// Number of materials.
     pub materials: usize,
-    /// What the format does not hold, in sentences.
+    /// Features that the format lacks, in sentences.
     pub remarks: Vec<String>,
 }
 
-/// Why materials were not written.
+/// Why materials cannot be written.
 #[derive(Debug, Error)]
 pub enum ExportError {
-    /// The ending names no format.
+    /// The extension is not a known format.
     #[error("the name ends in none of {known}; choose one of them ({})", path.display())]
     Format {
         /// The output.
         path: PathBuf,
-        /// The endings that can be written.
+        /// The writable extensions.
         known: String,
     },
-    /// The file system refused.
+    /// The file system reports an error.
     #[error("cannot write: {source}; check the permissions and the free space ({})", path.display())]
     Write {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
     },
-    /// The original cannot be read.
+    /// The original is unreadable.
     #[error("the original of the scene cannot be read: {0}")]
     Original(#[from] ImportError),
-    /// The original holds other materials.
+    /// The original has other materials.
     #[error("the file has {found} materials, more than the {expected} of the scene, so the scene did not come from it; name the file that it came from ({})", path.display())]
     Foreign {
         /// The original.
         path: PathBuf,
-        /// How many it has.
+        /// Number of its materials.
         found: usize,
-        /// How many the scene has.
+        /// Number of the scene's materials.
         expected: usize,
     },
-    /// A file that has to lie beside the output is another there.
+    /// Another file is at the place of a file that must be beside the output.
     #[error("there is another file where one of the scene's has to be copied; choose another folder ({})", path.display())]
     Occupied {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// Text that is no text, or JSON that is none.
+    /// The text or JSON is invalid.
     #[error("the materials cannot be written: {reason} ({})", path.display())]
     Text {
         /// The output.
         path: PathBuf,
-        /// What went wrong.
+        /// The problem.
         reason: String,
     },
 }

@@ -20,7 +20,7 @@ pub(super) fn write(scene: &Scene, path: &Path, options: &ExportOptions) -> Resu
     }
 }
 
-/// A binary file of a JSON text and its data.
+/// A binary file from a JSON text and its data.
 #[cfg(test)]
 pub(super) fn glb_of(json: &str, data: Vec<u8>) -> Vec<u8> {
     container::binary(json, &container::binary_chunk(data)).unwrap()

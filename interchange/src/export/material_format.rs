@@ -1,4 +1,4 @@
-//! The list of all formats of materials.
+//! The list of material formats.
 
 use super::{ExportError, ExportOptions, Exported, gltf, write_library, write_materialx};
 use crate::file_format::FileFormat;
@@ -10,12 +10,12 @@ type Export = fn(&Scene, &Path, &ExportOptions) -> Result<Exported, ExportError>
 
 /// A format of materials.
 pub struct MaterialFormat {
-    /// Name for people.
+    /// Display name.
     pub label: &'static str,
     endings: &'static [&'static str],
-    /// Whether a material can be read from a file and saved to one.
+    /// Whether a single material can be loaded and saved.
     pub loads: bool,
-    /// Whether a file can be a copy of that of a scene, with its materials written anew.
+    /// Whether a file can be a copy of the scene's file with rewritten materials.
     pub copies_scene: bool,
     /// Writes all materials of a scene, if the format can.
     pub(super) export: Option<Export>,
@@ -41,12 +41,12 @@ impl FileFormat for MaterialFormat {
 }
 
 impl MaterialFormat {
-    /// Names of those that all materials of a scene can be written in.
+    /// Names of the formats that can hold all materials of a scene.
     pub fn exported() -> Vec<&'static str> {
         Self::ALL.iter().filter(|format| format.exports()).map(|format| format.label).collect()
     }
 
-    /// Whether all materials of a scene can be written in it.
+    /// Whether it can hold all materials of a scene.
     pub fn exports(&self) -> bool {
         self.export.is_some()
     }

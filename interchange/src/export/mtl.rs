@@ -1,4 +1,4 @@
-//! A library of materials in MTL, with the PBR keys that Blender and others have; what `import::mtl` reads.
+//! Writes a material library in MTL, with the PBR keys of Blender and others, which `import::mtl` reads.
 
 use crate::{
     import::mtl::{BUMP_METRES, LARGEST_DIELECTRIC_F0},
@@ -14,7 +14,7 @@ use lapidary_core::{
 };
 use std::{collections::BTreeSet, fmt::Write};
 
-/// Quantities that have a key.
+/// Quantities with a key.
 const HELD: [&str; 15] = [
     "base_weight",
     "base_color",
@@ -47,10 +47,10 @@ const MAPS: [(&str, &str); 10] = [
     ("geometry_opacity", "map_d"),
 ];
 
-/// The largest index of refraction that readers take.
+/// The largest index of refraction that readers accept.
 const MOST_IOR: f32 = 4.0;
 
-/// The text of a library; `remarks` get what it does not hold.
+/// The text of a library; `remarks` gets the features that MTL lacks.
 pub fn library(materials: &[MaterialFile], remarks: &mut Vec<String>) -> String {
     let mut text = String::from("# Materials of Lapidary\n");
     let mut names = BTreeSet::new();
@@ -143,7 +143,7 @@ impl Entry<'_> {
         self.number("coat_weight", 0.0) > 0.0 || self.number("fuzz_weight", 0.0) > 0.0
     }
 
-    /// Roughness and anisotropy. A reader makes a material with a coat or fuzz OpenPBR, whose numbers are of another scale.
+    /// Roughness and anisotropy. A reader converts a material with coat or fuzz to OpenPBR, which has another scale.
     fn lobe(&self) -> [f32; 2] {
         let own = [self.number("roughness", 1.0), self.number("anisotropy", 0.0)];
         if own[1] == 0.0 || self.material.model != BrdfModel::OpenPbr || self.has_layers() {
@@ -177,7 +177,7 @@ impl Entry<'_> {
         let mut last = "";
         for (quantity, key) in MAPS {
             let Some(slot) = self.map(quantity).cloned() else { continue };
-            // Readers take a picture for light by itself.
+            // Readers take a picture as emission on its own.
             if key == "map_Ke" && !(self.number("emission_luminance", 0.0) > 0.0) {
                 self.lost.push("a map of its emission is left out, as it sends no light".into());
                 continue;
@@ -245,7 +245,7 @@ impl Entry<'_> {
     }
 }
 
-/// `Ks`: the reflectance at normal incidence where a reader takes it for that, and the weight where it takes it for one.
+/// `Ks`: the reflectance at normal incidence, or the weight for values that readers take as one.
 fn specular_color(weight: f32, ior: f32) -> f32 {
     let reflectance = weight * ((ior - 1.0) / (ior + 1.0)).powi(2);
     if reflectance > LARGEST_DIELECTRIC_F0 { weight } else { reflectance }

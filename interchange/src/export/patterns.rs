@@ -1,4 +1,4 @@
-//! Patterns by formula as pictures, for formats that have none.
+//! Converts patterns to pictures, for formats without patterns.
 
 use crate::image::{encode_png_pixels, srgb_bytes};
 use lapidary_core::{
@@ -8,7 +8,7 @@ use lapidary_core::{
 };
 use std::borrow::Cow;
 
-/// The scene with a picture of 1024 x 1024 texels of 8 bits in place of each pattern.
+/// The scene with an 8-bit picture of 1024 x 1024 texels in place of each pattern.
 pub fn as_pictures(scene: &Scene) -> Cow<'_, Scene> {
     let has_pattern = |slot: &TextureSlot| slot.procedural.is_some();
     if !scene.materials.iter().any(|material| material.maps.slots().any(has_pattern)) {

@@ -1,4 +1,4 @@
-//! The pictures of materials, in a folder beside the file that names them: the bytes that were imported.
+//! Writes the pictures of materials, as imported, to a folder beside the file that names them.
 
 use super::error::ExportError;
 use crate::{
@@ -17,17 +17,17 @@ use std::{
 pub struct PictureFolder<'a> {
     folder: PathBuf,
     textures: &'a [Arc<Texture>],
-    /// Names of the pictures, by their texture.
+    /// Names of the written pictures by texture.
     names: HashMap<u32, Option<String>>,
     taken: BTreeSet<String>,
-    /// What was written.
+    /// The written files.
     pub files: Vec<PathBuf>,
-    /// Pictures that are missing, in sentences.
+    /// Missing pictures, in sentences.
     pub remarks: Vec<String>,
 }
 
 impl<'a> PictureFolder<'a> {
-    /// For the file at `path`.
+    /// A folder for the file at `path`.
     pub fn beside(path: &Path, textures: &'a [Arc<Texture>]) -> Self {
         Self {
             folder: pictures_beside(path),
@@ -39,7 +39,7 @@ impl<'a> PictureFolder<'a> {
         }
     }
 
-    /// The material with maps that name pictures; those without one are left out.
+    /// The material with maps that name pictures. Maps with missing pictures are left out.
     pub fn material(&mut self, material: &Material) -> Result<MaterialFile, ExportError> {
         let mut maps = material.maps.filter_map(|slot| Some((slot.clone(), None::<String>)));
         for (slot, name) in maps.slots_mut() {
@@ -48,7 +48,7 @@ impl<'a> PictureFolder<'a> {
         Ok(material.with_maps(maps.filter_map(|(slot, name)| Some(SlotFile::of(slot, name.clone()?)))))
     }
 
-    /// The name of a texture's picture, relative to the file beside the folder; written at the first time.
+    /// The name of a texture's picture, relative to the file beside the folder. Writes the picture on first use.
     fn picture(&mut self, texture: u32) -> Result<Option<String>, ExportError> {
         if let Some(known) = self.names.get(&texture) {
             return Ok(known.clone());
@@ -75,7 +75,7 @@ impl<'a> PictureFolder<'a> {
         Ok(format!("{folder}/{file}"))
     }
 
-    /// A name of its own that every program can read, with the extension of what it is.
+    /// A unique portable name, with the extension of the picture's format.
     fn name_of(&mut self, texture: &Texture) -> String {
         let last = texture.name.rsplit(['/', '\\']).next().unwrap_or_default();
         let extension = PictureFormat::ending_of(&texture.encoded);
@@ -87,7 +87,7 @@ impl<'a> PictureFolder<'a> {
         let stem = if stem.is_empty() { "picture" } else { stem };
         let mut name = format!("{stem}.{extension}");
         let mut count = 1;
-        // Some file systems tell no case.
+        // Some file systems ignore case.
         while !self.taken.insert(name.to_lowercase()) {
             count += 1;
             name = format!("{stem}-{count}.{extension}");
@@ -96,7 +96,7 @@ impl<'a> PictureFolder<'a> {
     }
 }
 
-/// The folder beside a file of materials that takes their pictures.
+/// The folder beside a material file for its pictures.
 pub fn pictures_beside(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-maps"))

@@ -1,4 +1,4 @@
-//! What is written is read again as it was.
+//! Exports read back unchanged.
 
 use super::*;
 use crate::{
@@ -38,7 +38,7 @@ fn stretched_metal() -> Material {
     material("metal", BrdfModel::Ggx, &values)
 }
 
-/// A coat as glTF and MTL have it.
+/// A coat that glTF and MTL can express.
 fn lacquer() -> Material {
     let values = [
         ("base_color", Vec3::new(0.5, 0.1, 0.05).into()),
@@ -70,7 +70,7 @@ fn scene(materials: Vec<Material>, textures: Vec<Arc<Texture>>) -> Scene {
     Scene { mesh, materials, textures, objects, ..Default::default() }
 }
 
-/// The largest difference of a parameter of `model`.
+/// The largest difference of a parameter of `model`, and its name.
 fn difference(a: &Material, b: &Material, model: BrdfModel) -> (f32, &'static str) {
     let of = |p: &'static lapidary_core::brdf::Parameter| {
         let [x, y] = [a, b].map(|material| material.parameters.value(p).color());
@@ -127,7 +127,7 @@ fn a_library_is_read_as_it_was_written() {
     fs::write(&obj, format!("mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{names}")).unwrap();
     let read = import(&obj).unwrap().scene;
     for (read, written) in read.materials.iter().zip(&written.materials) {
-        // What MTL has no place for is the model's default.
+        // Parameters that MTL lacks become the model's defaults.
         let mut held = written.clone();
         for name in ["coat_ior", "coat_darkening"].into_iter().filter(|_| written.model == BrdfModel::OpenPbr) {
             let default = BrdfModel::OpenPbr.parameter(name).map(|p| p.default).unwrap();
@@ -176,7 +176,7 @@ fn a_file_of_its_own_has_the_meshes_materials_and_pictures() {
             let slot = last.maps.get(map).unwrap();
             (read.textures[slot.texture as usize].texel(0, 1, slot.color_space)[slot.channel as usize], slot)
         };
-        // Red of the one and green of the other became green and blue of a third.
+        // Red of one and green of the other became green and blue of a third.
         assert!(
             (texel("roughness").0 - 64.0 / 255.0).abs() < 1e-6 && (texel("metalness").0 - 30.0 / 255.0).abs() < 1e-6
         );
@@ -188,7 +188,7 @@ fn a_file_of_its_own_has_the_meshes_materials_and_pictures() {
     }
 }
 
-/// A glTF file with what this program does not know.
+/// A glTF file with members unknown to this program.
 fn original(folder: &Path, binary: bool) -> PathBuf {
     let data: Vec<u8> =
         [[0f32, 0., 0.], [1., 0., 0.], [0., 1., 0.]].as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -329,7 +329,7 @@ fn new_pictures_join_those_of_an_original() {
     let options = ExportOptions { original: Some(&original), ..Default::default() };
     write_materials(&scene, &path, &options).unwrap();
     let read = import(&path).unwrap();
-    // The extension of the original that no reader knows is still there.
+    // The original's unknown extension is still there.
     assert!(read.report.warnings.iter().all(|warning| warning.contains("ACME_unknown")), "{:?}", read.report.warnings);
     assert_eq!(read.scene.textures.len(), 3);
     let texel = |map: &str| {
@@ -410,7 +410,9 @@ fn what_is_stored_and_not_rendered_is_told_by_every_format_without_a_place_for_i
     }
     glass.parameters.set("transmission_weight", 1.0);
     assert!(told(&glass, "b.mtl").contains("MTL has no place for its transmission weight"));
-    assert!(told(&glass, "b.glb").contains("what it stores and does not render is left out: transmission weight"));
+    assert!(
+        told(&glass, "b.glb").contains("parameters that are stored but not rendered are left out: transmission weight")
+    );
     assert_eq!(told(&glass, "b.mtlx"), "");
     let text = fs::read_to_string(folder.path().join("b.mtlx")).unwrap();
     assert!(text.contains("name=\"transmission_weight\" type=\"float\" value=\"1\""), "{text}");

@@ -1,5 +1,5 @@
 //! Pictures of named layers in one part of an OpenEXR file. Channels are called `LAYER.CHANNEL`, which Nuke and Blender
-//! group by layer. Those of the layer without a name are `R`, `G`, `B` and `A`, which every program shows.
+//! group by layer. The unnamed layer has `R`, `G`, `B` and `A`, which every program shows.
 
 mod metadata;
 mod read;
@@ -23,7 +23,7 @@ use std::{
 pub struct Layer {
     /// Its name; empty for the layer that programs show first.
     pub name: String,
-    /// Names without that of the layer, and values.
+    /// Channel names without the layer's name, and values.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 
@@ -43,7 +43,7 @@ impl Layer {
         Self { name: name.into(), channels: vec![(channel.into(), values)] }
     }
 
-    /// With a channel `A`, by which colors are premultiplied.
+    /// The layer with a channel `A`, by which colors are premultiplied.
     pub fn with_alpha(mut self, coverage: &[f32]) -> Self {
         self.channels.push(("A".into(), coverage.to_vec()));
         self
@@ -56,10 +56,10 @@ impl Layer {
     }
 }
 
-/// A scene-linear picture of layers, and what is said about it.
+/// A scene-linear picture of layers, with metadata.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayeredImage {
-    /// Width and height in pixels, of all layers.
+    /// Width and height of all layers in pixels.
     pub size: [u32; 2],
     /// The layers.
     pub layers: Vec<Layer>,
@@ -68,13 +68,13 @@ pub struct LayeredImage {
 }
 
 impl LayeredImage {
-    /// Writes an OpenEXR file (32-bit float, Rec. 709 primaries) under a temporary name that is renamed when complete.
+    /// Writes an OpenEXR file (32-bit float, Rec. 709 primaries) under a temporary name, and renames it when complete.
     ///
     /// # Errors
-    /// A file that cannot be written; one that was there before is kept then.
+    /// A file that cannot be written; an old file then stays.
     ///
     /// # Panics
-    /// If a channel has not one value per pixel.
+    /// If the length of a channel is not one value per pixel.
     pub fn write(self, path: &Path) -> Result<(), ImageError> {
         let failed = |source| ImageError::Io { action: "write", path: path.into(), source };
         write_atomically(path, &self.encode().map_err(failed)?).map_err(failed)
@@ -90,7 +90,7 @@ impl LayeredImage {
                 openexr::AnyChannel::new(file_name(&name, &channel), openexr::FlatSamples::F32(values))
             })
         });
-        // Halves would clip a sun above 65,504.
+        // 16-bit floats would clip a sun above 65,504.
         let encoding =
             openexr::Encoding { compression: openexr::Compression::ZIP16, ..openexr::Encoding::SMALL_LOSSLESS };
         let channels = openexr::AnyChannels::sort(channels.collect());

@@ -1,4 +1,4 @@
-//! The list of all formats of pictures. What can be read, the crates `image` and `exr` know.
+//! The list of picture formats. The crates `image` and `exr` determine the readable ones.
 
 use super::{
     read::EXR_MAGIC,
@@ -14,11 +14,11 @@ type Encode = fn(&Image, Option<&[f32]>) -> io::Result<Vec<u8>>;
 /// A format of pictures.
 pub struct PictureFormat {
     endings: &'static [&'static str],
-    /// What files begin with; TGA has nothing of its own.
+    /// First bytes of the files; TGA has no signature.
     signature: &'static [u8],
-    /// Whether its values are light without an upper bound, as of environments.
+    /// Whether its values are unbounded light, as in environments.
     pub is_light: bool,
-    /// Encodes a picture with its coverage, if the format can be written.
+    /// Encodes a picture with its coverage, if the format is writable.
     pub(super) encode: Option<Encode>,
 }
 
@@ -47,12 +47,12 @@ impl PictureFormat {
         self.encode.is_some()
     }
 
-    /// Whether a file's name ends as those of pictures of light do.
+    /// Whether a file has the extension of a format for light.
     pub fn is_of_light(path: &Path) -> bool {
         Self::of(path).is_some_and(|format| format.is_light)
     }
 
-    /// The usual ending of a picture's file, by its first bytes.
+    /// The usual extension of a picture file, by its first bytes.
     pub(crate) fn ending_of(bytes: &[u8]) -> &'static str {
         let format = Self::ALL.iter().find(|format| bytes.starts_with(format.signature));
         format.map_or("", |format| format.endings[0])

@@ -14,7 +14,7 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: openexr::Vec2(0.3127, 0.3290),
 };
 
-/// Red and green of spaces that other programs write, and their names.
+/// Red and green of color spaces that other programs write, and their names.
 const KNOWN: [([f32; 2], [f32; 2], &str); 4] = [
     ([0.7347, 0.2653], [0.0, 1.0], "ACES2065-1 (AP0)"),
     ([0.713, 0.293], [0.165, 0.830], "ACEScg (AP1)"),
@@ -25,11 +25,11 @@ const KNOWN: [([f32; 2], [f32; 2], &str); 4] = [
 /// Largest difference of equal chromaticities: they are written with three or four digits.
 const SAME: f32 = 3e-3;
 
-/// Reads a picture for a comparison: as [`read`], but refuses a picture with primaries other than those of Rec. 709. Only exr
-/// files name them.
+/// Reads a picture for a comparison: like [`read`], but refuses primaries other than Rec. 709. Only exr files name
+/// their primaries.
 ///
 /// # Errors
-/// As [`read`], and [`ImageError::Primaries`].
+/// See [`read`]; also [`ImageError::Primaries`].
 pub fn read_rec_709(path: &Path) -> Result<Image, ImageError> {
     let image = read(path)?;
     match MetaData::read_from_file(path, false).ok().and_then(|meta| foreign(&meta)) {
@@ -38,7 +38,7 @@ pub fn read_rec_709(path: &Path) -> Result<Image, ImageError> {
     }
 }
 
-/// The color space of a file, if it is not Rec. 709.
+/// The color space of a file, unless it is Rec. 709.
 fn foreign(meta: &MetaData) -> Option<String> {
     let of = |header: &exr::meta::header::Header| header.shared_attributes.chromaticities;
     let found = meta.headers.iter().find_map(of)?;

@@ -1,7 +1,6 @@
 //! Decoding of picture files. The `image` crate reads png, jpg, tga and hdr, the `exr` crate OpenEXR.
 //!
-//! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the memory that is free, channels by
-//! name.
+//! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the free memory, channels by name.
 
 use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
@@ -18,20 +17,20 @@ use std::{
     sync::Arc,
 };
 
-/// Largest picture that is read, in pixels: 16k x 16k, 4 GiB as four floats per pixel.
+/// Largest readable picture in pixels: 16k x 16k, 4 GiB as four floats per pixel.
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// Reads a texture from a png, jpg, tga, hdr or exr file. Texels out of range are replaced, see [`Texels::sanitize`].
 ///
 /// # Errors
-/// A file that cannot be read, is no picture, or is too large.
+/// A file that is unreadable, not a picture, or too large.
 pub fn read_texture(path: &Path) -> Result<Texture, ImageError> {
     let mut texture = texture_in(path)?;
     texture.texels.sanitize();
     Ok(texture)
 }
 
-/// The texture in a file, with all its texels as they are.
+/// The texture in a file, with its texels unchanged.
 fn texture_in(path: &Path) -> Result<Texture, ImageError> {
     let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
     decode(&bytes, path)
@@ -40,15 +39,15 @@ fn texture_in(path: &Path) -> Result<Texture, ImageError> {
 /// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.
 ///
 /// # Errors
-/// A file that cannot be read, is no picture, or is too large.
+/// A file that is unreadable, not a picture, or too large.
 pub fn read(path: &Path) -> Result<Image, ImageError> {
     Ok(linear_image(&texture_in(path)?))
 }
 
-/// Decodes a png, jpg, tga, hdr or exr file that was read from `path`, and keeps `bytes` with it.
+/// Decodes the bytes of a png, jpg, tga, hdr or exr file read from `path`, and keeps them with the texture.
 ///
-/// 8-bit files stay 8-bit, and so do 16-bit colors, whose encoding (sRGB or linear) is known only to the slot that
-/// uses them. 16-bit grays, which hold heights, become floats.
+/// 8-bit files stay 8-bit. So do 16-bit colors, because only the slot that uses them knows their encoding (sRGB or
+/// linear). 16-bit grays, which hold heights, become floats.
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.
@@ -60,12 +59,12 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
     Ok(Texture { encoded: Arc::from(bytes), ..Texture::new(name, size, texels) })
 }
 
-/// Bytes that a picture takes, estimated from its header alone.
+/// Memory of a picture, estimated from its header alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footprint {
-    /// Its texels as a texture holds them.
+    /// Bytes of its texels as a texture.
     pub held: u64,
-    /// What the decoder needs beside them.
+    /// Additional bytes for the decoder.
     pub decoding: u64,
 }
 
@@ -82,13 +81,13 @@ impl Footprint {
     }
 }
 
-/// The memory that [`decode`] takes for the bytes of a file that was read from `path`.
+/// The memory that [`decode`] takes for the bytes of a file read from `path`.
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
     if bytes.starts_with(&EXR_MAGIC) {
-        // One of its parts is decoded.
+        // Only one of the parts is decoded.
         let parts = exr_parts(bytes, path)?;
         let largest = parts.into_iter().max_by_key(|part| part.samples).unwrap_or_default();
         return Ok(Footprint { held: largest.pixels.saturating_mul(16), decoding: largest.samples });
@@ -105,7 +104,7 @@ pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
 /// Width and height of a png, jpg, tga or hdr file, from its header alone.
 ///
 /// # Errors
-/// A file that cannot be read, or is no such picture.
+/// A file that is unreadable, or not such a picture.
 pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
     let io_error = |source| ImageError::Io { action: "read", path: path.into(), source };
     let file = BufReader::new(input::open(path).map_err(io_error)?);
@@ -144,7 +143,7 @@ pub(super) fn check_size(width: u64, height: u64, path: &Path) -> Result<(), Ima
     }
 }
 
-/// The format that the contents show; tga has no signature and goes by its extension.
+/// The format by the contents; tga has no signature and is identified by its extension.
 fn format_of(bytes: &[u8], path: &Path) -> Result<ImageFormat, ImageError> {
     let by_name = ImageFormat::from_path(path).ok().filter(|f| *f == ImageFormat::Tga);
     let format = image::guess_format(bytes).ok().or(by_name);
@@ -172,7 +171,7 @@ fn texels_of(decoded: DynamicImage) -> Texels {
     }
 }
 
-/// Whether a picture of these components is held as floats.
+/// Whether a picture with these components is stored as floats.
 fn is_float(color: ColorType) -> bool {
     matches!(color, ColorType::Rgb32F | ColorType::Rgba32F | ColorType::L16 | ColorType::La16)
 }
@@ -211,7 +210,7 @@ fn decode_exr(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageErro
     Ok(([size.x() as u32, size.y() as u32], Texels::F32(texels)))
 }
 
-/// Interleaves the channels R, G, B and, if there is one, A, without a layer or of the layer `beauty`; or repeats Y.
+/// Interleaves the channels R, G, B and, if present, A of the unnamed layer or the layer `beauty`; or repeats Y.
 fn exr_texels(channels: &[openexr::AnyChannel<openexr::FlatSamples>], count: usize) -> Result<Vec<[f32; 4]>, String> {
     let channel = |name: &str| channels.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
     let named = |name: &str| channel(name).or_else(|| channel(&format!("beauty.{name}")));
@@ -331,7 +330,7 @@ mod tests {
         let (read, expected) = (linear_image(&texture), ramp());
         let worst = read.pixels.iter().zip(&expected.pixels).map(|(a, b)| (*a - *b).abs().max_element());
         assert!(worst.fold(0.0, f32::max) < 0.005);
-        // Negative control: the same bytes taken as linear are far off in the middle of the ramp.
+        // Negative control: the same bytes read as linear are far off in the middle of the ramp.
         assert!((texture.texel(6, 3, lapidary_core::texture::ColorSpace::Linear).x - 0.5).abs() > 0.1);
     }
 }

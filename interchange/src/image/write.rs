@@ -1,4 +1,4 @@
-//! Encoding of pictures, and replacement of a file only when its successor is complete.
+//! Encodes pictures, and replaces a file only when its successor is complete.
 
 use super::PictureFormat;
 use super::layers::{Layer, LayeredImage, Metadata};
@@ -12,28 +12,28 @@ use lapidary_core::{
 };
 use std::{io, path::Path};
 
-/// Writes a picture in the [`PictureFormat`] that the extension of `path` names, to a temporary name that is renamed when complete.
+/// Writes a picture in the [`PictureFormat`] of `path`'s extension to a temporary name, and renames it when complete.
 ///
 /// # Errors
-/// An unknown extension, or a file that cannot be written; a file that was there before is kept then.
+/// An unknown extension, or a file that cannot be written; an old file then stays.
 pub fn write(image: &Image, path: &Path) -> Result<(), ImageError> {
     write_with(image, None, path)
 }
 
-/// [`write()`] with an alpha channel, one value per pixel; the picture is premultiplied. Files of the hdr format
-/// have none, and are written without.
+/// [`write()`] with an alpha channel, one value per pixel; the picture is premultiplied. hdr files are written without
+/// alpha, which the format lacks.
 ///
 /// # Errors
-/// As [`write()`].
+/// See [`write()`].
 pub fn write_with(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Result<(), ImageError> {
     let bytes = encode(image, coverage, path)?;
     write_atomically(path, &bytes).map_err(|source| ImageError::Io { action: "write", path: path.into(), source })
 }
 
-/// The picture as a file of the format that the extension of `path` names. `coverage` becomes its alpha channel.
+/// Encodes the picture in the format of `path`'s extension. `coverage` becomes its alpha channel.
 ///
 /// # Errors
-/// An extension that names none that is written.
+/// An extension without a writable format.
 pub(super) fn encode(image: &Image, coverage: Option<&[f32]>, path: &Path) -> Result<Vec<u8>, ImageError> {
     let encode = PictureFormat::of(path).and_then(|format| format.encode);
     let encode = encode.ok_or_else(|| ImageError::UnknownExtension { path: path.into() })?;
@@ -106,7 +106,7 @@ pub(super) fn encode_png_with(image: &Image, coverage: Option<&[f32]>) -> io::Re
     Ok(coverage.map_or_else(|| encode_png(image), |coverage| encode_png_premultiplied(image, coverage)))
 }
 
-/// A premultiplied picture as png, whose colors are not.
+/// A premultiplied picture as png, with straight alpha.
 fn encode_png_premultiplied(image: &Image, coverage: &[f32]) -> Vec<u8> {
     let straight = |(&p, &a): (&Vec3, &f32)| if a > 0.0 { p / a } else { Vec3::ZERO };
     let pixels = image.pixels.iter().zip(coverage).map(straight).collect();

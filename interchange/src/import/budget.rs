@@ -1,21 +1,21 @@
-//! The memory that an import may take. All of it is estimated from headers and counts before anything is allocated: a small
-//! file can ask for a thousand times its own size.
+//! The memory budget of an import. Everything is estimated from headers and counts before allocation: a small file can
+//! need a thousand times its own size.
 
 use crate::{image::Footprint, import::report::ImportError};
 use lapidary_core::memory;
 use std::path::Path;
 
-/// Where the system does not tell what is free: 8 GiB.
+/// Budget if the system does not report free memory: 8 GiB.
 const UNKNOWN: u64 = 8 << 30;
 
-/// Peak bytes of a vertex: as read, while vertices are welded, and in the mesh. With [`TRIANGLE`] this is 0.9 GB for a mesh of
-/// a million vertices; one without normals and with a crease at every edge was seen to take 0.65 GB.
+/// Peak bytes of a vertex: as read, while vertices are welded, and in the mesh. With [`TRIANGLE`] this is 0.9 GB for a
+/// mesh of a million vertices; a measured one without normals and with a crease at every edge took 0.65 GB.
 const VERTEX: u64 = 260;
 
 /// Peak bytes of a triangle: as read, its edges while normals are rebuilt, and in the mesh.
 const TRIANGLE: u64 = 320;
 
-/// Peak bytes of a material, a texture or another thing that is little more than a name, in all places that hold it.
+/// Peak bytes of a material, a texture or another item of little more than a name, in all places that hold it.
 const NAME: u64 = 1200;
 
 /// Peak bytes of an object of a JSON file, such as a node or an accessor, as parsed: once for itself and once for its extensions.
@@ -24,7 +24,7 @@ const JSON_OBJECT: u64 = 600;
 /// Peak bytes of an entry of a list in a JSON file, such as a number.
 const JSON_ENTRY: u64 = 80;
 
-/// What an import would take is more than there is.
+/// An import exceeds its budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct OverBudget {
     needed: u64,
@@ -32,12 +32,12 @@ pub(super) struct OverBudget {
 }
 
 impl OverBudget {
-    /// Where `needed` bytes are more than the `limit`.
+    /// The excess of `needed` over `limit`, in bytes.
     pub fn new(needed: u64, limit: u64) -> Self {
         Self { needed, limit }
     }
 
-    /// What is needed, and what there is.
+    /// Needed and available memory.
     pub fn megabytes(self) -> [u64; 2] {
         memory::in_megabytes(self.needed, self.limit)
     }
@@ -56,7 +56,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Of `limit` bytes, or of what is free now.
+    /// A budget of `limit` bytes, or of the memory free now.
     pub fn new(limit: Option<u64>) -> Self {
         Self { limit: limit.or_else(memory::available).unwrap_or(UNKNOWN), used: 0 }
     }
@@ -71,24 +71,24 @@ impl Budget {
         Ok(())
     }
 
-    /// Takes what a mesh of so many vertices and triangles needs until it is clean.
+    /// Takes the memory of a mesh of `vertices` and `triangles` until it is clean.
     pub fn take_mesh(&mut self, vertices: u64, triangles: u64) -> Result<(), OverBudget> {
         self.take(vertices.saturating_mul(VERTEX).saturating_add(triangles.saturating_mul(TRIANGLE)))
     }
 
-    /// Takes what things that are little more than a name need.
+    /// Takes the memory of items of little more than a name.
     pub fn take_names(&mut self, count: u64) -> Result<(), OverBudget> {
         self.take(count.saturating_mul(NAME))
     }
 
-    /// Takes what a JSON text needs when it is parsed.
+    /// Takes the memory for parsing a JSON text.
     pub fn take_json(&mut self, json: &[u8]) -> Result<(), OverBudget> {
         let count = |byte: u8| json.iter().filter(|b| **b == byte).count() as u64;
         self.take(json.len() as u64 + JSON_OBJECT * count(b'{') + JSON_ENTRY * count(b','))
     }
 
-    /// Takes what a picture of an encoded length needs with its levels of detail. What decoding alone needs is there again
-    /// afterwards.
+    /// Takes the memory of a picture with its levels of detail, from its encoded length. The decoder's own memory is
+    /// free again afterwards.
     pub fn take_picture(&mut self, encoded: usize, footprint: Footprint) -> Result<(), OverBudget> {
         let levels = footprint.held / 3;
         let held = footprint.held.saturating_add(levels).saturating_add(encoded as u64);

@@ -1,6 +1,6 @@
-//! The files that a scene or a material file names: found as artists' files name them, and read only from the folder of the
-//! file unless the user allows others. A file from a stranger could otherwise put any picture of the reader's machine into
-//! a dataset that is then passed on.
+//! Access to the files that a scene or material file names. They are found in spite of artists' naming habits, and read
+//! only from the file's folder unless the user allows others. A foreign file could otherwise copy any picture of the
+//! machine into a dataset that is then shared.
 
 use super::budget::{Budget, OverBudget};
 use crate::{
@@ -15,13 +15,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Why something that a file names or holds is not read.
+/// Why a named or embedded file is not read.
 pub(super) enum Trouble {
-    /// What is wrong, in words.
+    /// A description of the problem.
     Reason(String),
     /// The file of this name is outside the folder.
     Outside(String),
-    /// There is no room.
+    /// The memory does not suffice.
     Memory(OverBudget),
 }
 
@@ -55,7 +55,7 @@ impl From<ImageError> for Trouble {
 }
 
 impl Trouble {
-    /// The error of a file at `path` of a format that cannot do without what is not read.
+    /// The error of a file at `path` in a format that cannot do without the unread part.
     pub fn at(self, path: &Path, format: &'static str) -> ImportError {
         match self {
             Self::Reason(reason) => ImportError::Parse { path: path.into(), format, reason },
@@ -65,7 +65,7 @@ impl Trouble {
     }
 }
 
-/// What may be read for a file, and the memory for it.
+/// Allowed files and memory for an import.
 pub(super) struct Files {
     folder: PathBuf,
     allow_outside: bool,
@@ -73,12 +73,12 @@ pub(super) struct Files {
     /// Names of files outside the folder.
     outside: BTreeSet<String>,
     listings: Listings,
-    /// The files that were read.
+    /// The files read so far.
     read: Vec<PathBuf>,
 }
 
 impl Files {
-    /// For a file at `path`: names are relative to its folder.
+    /// Access for a file at `path`: names are relative to its folder.
     pub fn beside(path: &Path, options: &ImportOptions) -> Self {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let budget = Budget::new(options.budget);
@@ -92,9 +92,8 @@ impl Files {
         }
     }
 
-    /// The file that `name` refers to, with either kind of slash and in any case. Where its path leads nowhere, or to where it
-    /// may not be read, the file's name alone counts: paths of another machine are found so, and files that were copied
-    /// into the folder.
+    /// The file that `name` refers to, with either kind of slash and in any case. If its path leads nowhere, or outside, only the
+    /// file's name counts. This finds files with another machine's paths, and files copied into the folder.
     pub fn find(&mut self, name: &str) -> Result<PathBuf, Trouble> {
         let parts = name.trim().trim_matches('"').replace('\\', "/");
         let last = parts.rsplit('/').next().unwrap_or(&parts);
@@ -112,7 +111,7 @@ impl Files {
         chosen.cloned().ok_or_else(|| Trouble::Outside(name.to_owned()))
     }
 
-    /// The contents of a file that was found.
+    /// The contents of a found file.
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Trouble> {
         let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         self.budget.take(length)?;
@@ -123,7 +122,7 @@ impl Files {
         })
     }
 
-    /// Tells which files were read, and of those outside. Those that are not read are told where they are missed, too.
+    /// Reports the files read, and the files outside. Unread ones are also reported where they are missed.
     pub fn tell(self, report: &mut ImportReport) {
         report.files.extend(self.read);
         if self.outside.is_empty() {
@@ -144,15 +143,14 @@ impl Files {
     }
 }
 
-/// Reads the file that is imported, within the memory that it may take.
+/// Reads the imported file, within its memory budget.
 pub(super) fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
     let bytes = input::read(path).map_err(|source| ImportError::Io { path: path.into(), source })?;
     files.budget.take(bytes.len() as u64).map_err(|over| over.at(path))?;
     Ok(bytes)
 }
 
-/// The entries of folders by their names in lower case, as they were when first asked for: to list a folder again for each
-/// name that it lacks would take a long time.
+/// The entries of folders by their names in lower case, cached: listing a folder for each missing name would take long.
 #[derive(Default)]
 struct Listings(HashMap<PathBuf, HashMap<String, OsString>>);
 
@@ -180,7 +178,7 @@ impl Listings {
         self.0.entry(folder.into()).or_insert_with(|| {
             let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
             let mut names: Vec<OsString> = entries.map(|entry| entry.file_name()).collect();
-            // Of names that differ in case alone, the first in order is kept.
+            // Of names that differ only in case, the first in order is kept.
             names.sort_by(|a, b| b.cmp(a));
             names.into_iter().map(|name| (name.to_string_lossy().to_lowercase(), name)).collect()
         })

@@ -37,12 +37,12 @@ mod variants;
 
 pub(crate) use buffers::percent_decoded;
 
-/// Reads a scene as it is at rest.
+/// Reads a scene at rest.
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<&str>) -> Result<Source, ImportError> {
     let failed = |trouble: Trouble| trouble.at(path, "glTF");
     let file = SceneFile::open(bytes, path, &mut files, variant)?;
     let (gltf, buffers) = (&file.gltf, &file.buffers);
-    // They are checked, and not kept.
+    // Clips are checked, and not kept.
     let clips = Clips::read(&file, &mut files.budget.clone());
     let remarks: Vec<String> = clips.remarks_of_broken().chain(clips.remarks_of_channels()).collect();
     drop(clips);
@@ -78,7 +78,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
     Ok(source)
 }
 
-/// Reads what moves in a file, without materials and pictures.
+/// Reads the animation of a file, without materials and pictures.
 pub(super) fn read_animation(bytes: &[u8], path: &Path, mut files: Files) -> Result<Animation, ImportError> {
     let file = SceneFile::open(bytes, path, &mut files, None)?;
     let clips = Clips::read(&file, &mut files.budget);

@@ -1,4 +1,4 @@
-//! Materials of files of their own, in JSON or in MaterialX documents.
+//! Materials in separate files, JSON or MaterialX documents.
 
 use super::{
     files::{Files, Trouble},
@@ -27,8 +27,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// The file of a material's path, and the name of the material in it: a MaterialX document holds several, and `FILE.mtlx#NAME` is
-/// one of them.
+/// Splits a material's path into file and material name. A MaterialX document holds several materials, and
+/// `FILE.mtlx#NAME` is one of them.
 pub fn material_in_file(path: &Path) -> (&Path, Option<&str>) {
     let split = path.to_str().filter(|_| !path.is_file()).and_then(|text| text.rsplit_once('#'));
     match split {
@@ -37,8 +37,7 @@ pub fn material_in_file(path: &Path) -> (&Path, Option<&str>) {
     }
 }
 
-/// Names of the materials to choose from in a MaterialX document, if the path names none of them; none of other files, and of those
-/// that cannot be read.
+/// Names of the materials in a MaterialX document, if the path names none of them; empty for other files, and for unreadable ones.
 pub fn materials_in_file(path: &Path) -> Vec<String> {
     let (file, wanted) = material_in_file(path);
     if wanted.is_some() || !is_materialx(file) {
@@ -53,11 +52,11 @@ pub fn is_materialx(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mtlx"))
 }
 
-/// Reads a material file, JSON or MaterialX ([`material_in_file`]), and adds its pictures to the textures of `scene` unless they are there already. Also returns what
-/// is to be told, in sentences.
+/// Reads a material file, JSON or MaterialX ([`material_in_file`]), and adds its pictures to the textures of `scene`
+/// unless they are already present. Also returns remarks, in sentences.
 ///
 /// # Errors
-/// A file or picture that cannot be read or may not, or contents that are no material. The scene is unchanged then.
+/// A file or picture that is unreadable or not allowed, or contents that are not a material. The scene is then unchanged.
 pub fn load_material(
     path: &Path,
     scene: &mut Scene,
@@ -79,11 +78,11 @@ pub fn load_material(
     }
 }
 
-/// The pictures that a material file names, so far as they are there; none of a file that cannot be read.
+/// The existing pictures that a material file names; empty for an unreadable file.
 pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
     let (path, wanted) = material_in_file(path);
     let read = input::read(path).ok().and_then(|bytes| contents(path, &bytes, wanted).ok()).map(|read| read.material);
-    // Which file a name refers to depends on whether files outside are allowed.
+    // The file that a name refers to depends on whether files outside are allowed.
     let found = [false, true].into_iter().flat_map(|allow_outside| {
         let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });
         let slots = read.iter().flat_map(|file| file.maps.slots());
@@ -94,7 +93,7 @@ pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
     found.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// What a material file holds.
+/// The contents of a material file.
 fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>) -> Result<ReadMaterial, ImportError> {
     let parse_error = |format, reason| ImportError::Parse { path: path.into(), format, reason };
     if is_materialx(path) {
@@ -107,7 +106,7 @@ fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>) -> Result<ReadMater
     let mut material: MaterialFile =
         serde_json::from_slice(bytes).map_err(|e| parse_error("a material", e.to_string()))?;
     if material.file.is_some() && !material.model.has_file() {
-        // The file is of a model that it had before, and so is what the file declares.
+        // The file belongs to an earlier model, as do its declarations.
         material = MaterialFile { file: None, ..material.own() };
     }
     Ok(ReadMaterial { material, remarks: Vec::new() })
@@ -143,7 +142,7 @@ impl MaterialLoader<'_> {
         Ok(material)
     }
 
-    /// Names all pictures that may not be read at once.
+    /// Names all disallowed pictures at once.
     fn check_outside(&mut self, file: &MaterialFile) -> Result<(), ImportError> {
         let mut names: Vec<String> = file.maps.slots().filter_map(SlotFile::picture).map(str::to_owned).collect();
         names.extend(file.file.as_ref().map(|file| file.path.to_string_lossy().into_owned()));
@@ -153,7 +152,7 @@ impl MaterialLoader<'_> {
         if names.is_empty() { Ok(()) } else { Err(ImportError::Outside { path: self.path.into(), names }) }
     }
 
-    /// The file of its BRDF, read.
+    /// Reads the file of its BRDF.
     fn brdf(&mut self, file: &BrdfFile) -> Result<BrdfFile, ImportError> {
         let name = file.path.to_string_lossy();
         let failed = |reason: String| ImportError::Parse { path: self.path.into(), format: "a material", reason };
@@ -198,7 +197,7 @@ impl MaterialLoader<'_> {
         Ok(self.scene.textures.len() as u32 - 1)
     }
 
-    /// The error of a picture that is not read.
+    /// The error of an unread picture.
     fn unread(&self, trouble: Trouble, name: &str) -> ImportError {
         match trouble {
             Trouble::Reason(reason) => {

@@ -1,6 +1,6 @@
 //! Materials of a Wavefront MTL file, with the PBR keys that Blender and others add.
 //!
-//! Read here and not by `tobj`, which panics at a color of fewer than three numbers and drops the whole library at
+//! Parsed here instead of by `tobj`, which panics at a color of fewer than three numbers and drops the whole library at
 //! one bad line.
 
 use super::{
@@ -18,22 +18,22 @@ use lapidary_core::{
 };
 use std::collections::HashMap;
 
-/// Height in meters of a white texel of a bump map with multiplier 1, for which MTL has no unit.
+/// Height in meters of a white texel of a bump map with multiplier 1; MTL has no unit for it.
 pub(crate) const BUMP_METRES: f32 = 0.01;
 
 /// A specular color up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
 pub(crate) const LARGEST_DIELECTRIC_F0: f32 = 0.2;
 
-/// The statements of one material by lower-case key; of repeated ones the last.
+/// The statements of one material by lower-case key; the last of repeated ones counts.
 #[derive(Debug, Default)]
 pub(super) struct MtlEntry {
     statements: HashMap<String, String>,
 }
 
-/// All materials of a library by name. Lines that are not understood are skipped.
+/// All materials of a library by name. Unknown lines are skipped.
 ///
 /// # Errors
-/// More materials than there is room for.
+/// More materials than the budget allows.
 pub(super) fn parse(text: &str, budget: &mut Budget) -> Result<HashMap<String, MtlEntry>, OverBudget> {
     let mut entries = HashMap::new();
     let mut current: Option<(String, MtlEntry)> = None;
@@ -50,7 +50,7 @@ pub(super) fn parse(text: &str, budget: &mut Budget) -> Result<HashMap<String, M
     Ok(entries)
 }
 
-/// A texture statement: options and the file name, which may hold spaces.
+/// A texture statement: options and the file name, which may contain spaces.
 #[derive(Debug, PartialEq)]
 struct MapStatement {
     file: String,
@@ -125,7 +125,7 @@ fn take_word<'a>(rest: &mut &'a str) -> &'a str {
     word
 }
 
-/// Up to three numbers; the last word is the file's name and is left even if it is a number.
+/// Up to three numbers; the last word is the file's name and stays even if it is a number.
 fn take_numbers(rest: &mut &str) -> Vec<f32> {
     let mut numbers = Vec::new();
     while numbers.len() < 3 {
@@ -137,14 +137,14 @@ fn take_numbers(rest: &mut &str) -> Vec<f32> {
     numbers
 }
 
-/// Features of materials that are not supported, by material.
+/// Unsupported features of materials, by material.
 #[derive(Default)]
 struct Ignored {
     invisible: Vec<String>,
     shininess_maps: Vec<String>,
 }
 
-/// Adds the materials called `names` to `source`, from the library `entries`, and reports what is missing or ignored.
+/// Adds the materials called `names` to `source`, from the library `entries`, and reports missing and ignored ones.
 ///
 /// # Errors
 /// [`Trouble::Memory`].
@@ -198,7 +198,7 @@ fn material(
     }
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
     let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
-    // Programs leave the color black when a texture stands in for it.
+    // Programs leave the color black when a texture replaces it.
     material.set_emission(entry.color("ke").filter(|ke| ke.max_element() > 0.0).unwrap_or(whole));
     let opacity = entry.number("d").unwrap_or_else(|| 1.0 - entry.number("tr").unwrap_or(0.0));
     if opacity < 1.0 {
@@ -213,7 +213,7 @@ fn material(
     Ok(material)
 }
 
-/// Coat (`Pc`, of roughness `Pcr`) and sheen (`Ps`): with one of them a material becomes OpenPBR.
+/// Coat (`Pc`, of roughness `Pcr`) and sheen (`Ps`): either makes a material OpenPBR.
 fn add_layers(material: &mut Material, entry: &MtlEntry) {
     let [coat, sheen] = ["pc", "ps"].map(|key| entry.number(key).unwrap_or(0.0));
     if coat <= 0.0 && sheen <= 0.0 {
@@ -235,7 +235,7 @@ fn add_layer_maps(material: &mut Material, entry: &MtlEntry, library: &mut Textu
     Ok(())
 }
 
-/// `aniso`, turned by `anisor` of a whole turn: along the tangent, or across it, whichever is nearer.
+/// `aniso`, rotated by `anisor` of a whole turn: snaps to the tangent or across it, whichever is nearer.
 fn anisotropy(entry: &MtlEntry) -> f32 {
     let amount = entry.number("aniso").unwrap_or(0.0);
     let from_tangent = (2.0 * entry.number("anisor").unwrap_or(0.0)).rem_euclid(1.0);
@@ -251,7 +251,7 @@ fn parameters(entry: &MtlEntry) -> GgxParameters {
     let metalness = entry.number("pm").unwrap_or(if has("map_pm") || mirror { 1.0 } else { 0.0 });
     let base_color = match (diffuse, specular) {
         (_, Some(ks)) if metalness > 0.5 && diffuse_is_black => ks,
-        // Programs leave the color black when a texture stands in for it.
+        // Programs leave the color black when a texture replaces it.
         (Some(kd), _) if !(has("map_kd") && kd.max_element() <= 0.0) => kd,
         _ if has("map_kd") => Vec3::ONE,
         _ => GgxParameters::default().base_color,
@@ -259,7 +259,7 @@ fn parameters(entry: &MtlEntry) -> GgxParameters {
     let (ior, weight) = dielectric(entry.number("ni"), specular, has("map_ks"));
     let roughness = entry.number("pr").unwrap_or_else(|| match entry.number("ns") {
         _ if has("map_pr") => 1.0,
-        // The Blinn-Phong lobe as wide as alpha = sqrt(2 / (Ns + 2)), and roughness = sqrt(alpha).
+        // The Blinn-Phong lobe is as wide as alpha = sqrt(2 / (Ns + 2)), and roughness = sqrt(alpha).
         Some(shininess) => (2.0 / (shininess.max(0.0) + 2.0)).powf(0.25),
         None => GgxParameters::default().roughness,
     });
@@ -298,7 +298,7 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
     maps.set("normal", slot(&["norm", "map_kn"], ColorSpace::Linear)?.map(with_strength));
     let bump = slot(&["bump", "map_bump"], ColorSpace::Linear)?;
     match bump {
-        // Many exporters name normal maps so.
+        // Many exporters use this key for normal maps.
         Some(bump) if looks_like_normals(&library.textures[bump.1.texture as usize]) => {
             let normal = maps.get("normal").cloned().unwrap_or_else(|| with_strength(bump));
             maps.set("normal", Some(normal));
@@ -308,7 +308,7 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
     }
     if let Some(map) = entry.map("map_d") {
         let slot = texture_slot(&map, ColorSpace::Linear, library)?;
-        // A picture with an alpha channel has it there, whatever its colors are.
+        // A picture with an alpha channel has the opacity there, whatever its colors.
         let has_alpha = library.textures[slot.texture as usize].least(Channel::A as usize, ColorSpace::Linear) < 1.0;
         let channel = map.channel.unwrap_or(if has_alpha { Channel::A } else { Channel::R });
         maps.set("geometry_opacity", Some(TextureSlot { channel, ..slot }));

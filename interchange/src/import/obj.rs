@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     if bytes.contains(&0) {
         return Err(parse_error("it holds binary data".into()));
     }
-    // The text is copied for `tobj`, and may be once more where it is not UTF-8.
+    // The text is copied for `tobj`, and possibly again if it is not UTF-8.
     files.budget.take(2 * bytes.len() as u64).map_err(|over| over.at(path))?;
     let over_budget = |over: OverBudget| over.at(path);
     let outline = outline(&String::from_utf8_lossy(bytes), &mut files.budget).map_err(over_budget)?;
@@ -60,11 +60,11 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     Ok(source)
 }
 
-/// Results of a first pass over the text, and the text in the form that `tobj` reads.
+/// Results of a first pass over the text, and the text in the form for `tobj`.
 #[derive(Default)]
 struct Outline {
     text: String,
-    /// Names, in the order of first use; `tobj` refers to them by index.
+    /// Names in the order of first use; `tobj` refers to them by index.
     materials: Names,
     libraries: Names,
     positions: u64,
@@ -74,8 +74,7 @@ struct Outline {
     triangles: u64,
 }
 
-/// Joins continued lines, drops comments behind numbers, and collects the names of materials and libraries.
-/// Line numbers stay as they are.
+/// Joins continued lines, drops comments after numbers, and collects the names of materials and libraries. Line numbers stay.
 fn outline(file: &str, budget: &mut Budget) -> Result<Outline, OverBudget> {
     let mut outline = Outline { text: String::with_capacity(file.len() + 64), ..Default::default() };
     let mut joined = 0;
@@ -93,8 +92,8 @@ fn outline(file: &str, budget: &mut Budget) -> Result<Outline, OverBudget> {
 }
 
 impl Outline {
-    /// About how many vertices there will be. One is made for each combination that a corner names; most programs write half as
-    /// many more as there are positions, at seams and hard edges.
+    /// Estimated number of vertices. Each distinct combination of a corner makes one; most programs write half as many
+    /// more as there are positions, at seams and hard edges.
     fn vertices(&self) -> u64 {
         let most = self.positions.max(self.uvs).max(self.normals);
         (most + most / 2).min(self.corners)
@@ -128,7 +127,7 @@ impl Outline {
     }
 }
 
-/// Names, each once.
+/// Unique names.
 #[derive(Default)]
 struct Names {
     in_order: Vec<String>,
@@ -146,7 +145,7 @@ impl Names {
     }
 }
 
-/// Reads lines and counts them, to say where an error is.
+/// Reads lines and counts them, to locate errors.
 struct LineCounter<'a> {
     rest: &'a [u8],
     lines: &'a Cell<usize>,
@@ -170,7 +169,7 @@ impl BufRead for LineCounter<'_> {
     }
 }
 
-/// Runs `tobj` over the text, whose materials are the names in use whether or not a library has them.
+/// Runs `tobj` over the text. Its materials are the names in use, whether or not a library defines them.
 fn parse(outline: &Outline) -> Result<Vec<tobj::Model>, String> {
     let lines = Cell::new(0);
     let library = "mtllib names\n".as_bytes();
@@ -182,7 +181,7 @@ fn parse(outline: &Outline) -> Result<Vec<tobj::Model>, String> {
         let indices = outline.materials.in_order.iter().cloned().zip(0..).collect();
         Ok((materials.collect(), indices))
     };
-    // tobj computes with indices before it checks them: a file of absurd ones overflows, which panics in debug builds.
+    // tobj computes with indices before it checks them: absurd ones overflow, which panics in debug builds.
     let parsed = catch_unwind(AssertUnwindSafe(|| tobj::load_obj_buf(&mut reader, &options, names)));
     match parsed {
         Ok(Ok((models, _))) => Ok(models),
@@ -195,8 +194,8 @@ fn triples(values: &[f32]) -> impl Iterator<Item = Vec3> {
     values.chunks_exact(3).map(Vec3::from_slice)
 }
 
-/// Appends the mesh of one object and material. Normals and texture coordinates that only some of its faces have
-/// cannot be told to the vertices they belong to and count as missing.
+/// Appends the mesh of one object and material. Normals and texture coordinates on only some of its faces cannot be
+/// assigned to vertices, and count as missing.
 fn add_model(raw: &mut RawMesh, mesh: &tobj::Mesh, object: u32, material: u32) {
     let (base, count) = (raw.positions.len(), mesh.positions.len() / 3);
     raw.positions.extend(triples(&mesh.positions));
@@ -215,7 +214,7 @@ fn add_model(raw: &mut RawMesh, mesh: &tobj::Mesh, object: u32, material: u32) {
     }
 }
 
-/// Objects whose normals or texture coordinates had to be dropped.
+/// Objects whose normals or texture coordinates were dropped.
 #[derive(Default)]
 struct Damaged {
     normals: Vec<String>,
@@ -273,7 +272,7 @@ fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLib
     Ok(())
 }
 
-/// The names of material libraries, each once. A name may hold spaces, and a statement may hold several names.
+/// The names of material libraries, each once. A name may contain spaces, and a statement may list several names.
 fn library_names<'a>(statements: &'a [String], files: &mut Files) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for statement in statements {

@@ -22,7 +22,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(|e| parse_error(e.to_string()))?;
     for element in header.elements.values() {
         check_count("elements", element.count as u64, path)?;
-        // Ascii or binary, a property takes a byte at least.
+        // A property takes at least a byte, in ascii and binary.
         let least = (element.count as u64).saturating_mul(element.properties.len() as u64);
         if element.properties.is_empty() || least > bytes.len() as u64 {
             return Err(parse_error(format!("it ends before its {} elements \"{}\"", element.count, element.name)));
@@ -51,7 +51,7 @@ fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
     let mut mesh = RawMesh {
         positions: vertices.iter().map(|v| v.position).collect(),
         normals: vertices.iter().map(|v| v.normal).collect(),
-        // PLY says nothing of its texture space; the programs that write one count v from the bottom.
+        // PLY does not define its texture space; its writers count v from the bottom.
         uvs: vertices.iter().map(|v| Vec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
         tangents: vec![Vec4::ZERO; vertices.len()],
         ..Default::default()
@@ -70,7 +70,7 @@ fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
     }
 }
 
-/// An element that a mesh has no use for.
+/// An element that a mesh does not use.
 #[derive(Clone, Debug)]
 struct Ignored;
 
@@ -92,7 +92,7 @@ struct Vertex {
 }
 
 impl PropertyAccess for Vertex {
-    /// Positions that a file does not have are not finite, which the repair reports.
+    /// Missing positions are NaN, which the repair reports.
     fn new() -> Self {
         Self { position: Vec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV }
     }

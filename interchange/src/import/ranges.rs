@@ -1,10 +1,10 @@
-//! What a scene holds beside its mesh, after the import: numbers out of range are replaced, and cameras and lights without
-//! a place are left out, each with a warning.
+//! Clamps the rest of a scene after the import: numbers out of range are replaced, and cameras and lights without a
+//! place are left out, each with a warning.
 
 use crate::names::listed;
 use lapidary_core::{bounds::MOST_COORDINATE, camera::Camera, lights::Light, material::Material, scene::Scene};
 
-/// Keeps all of a scene but its mesh in range.
+/// Clamps all of a scene except its mesh.
 pub(super) fn keep_in_range(scene: &mut Scene, warnings: &mut Vec<String>) {
     let repaired: Vec<String> =
         scene.materials.iter_mut().filter_map(|m| repair_material(m).then(|| m.name.clone())).collect();
@@ -15,7 +15,7 @@ pub(super) fn keep_in_range(scene: &mut Scene, warnings: &mut Vec<String>) {
     leave_out_lights(&mut scene.lights, warnings);
 }
 
-/// Keeps the numbers of a material in range; returns whether one was not.
+/// Clamps the numbers of a material; returns whether any changed.
 pub(super) fn repair_material(material: &mut Material) -> bool {
     let repaired = material.clone().sanitized();
     let changed = repaired != *material;
@@ -23,7 +23,7 @@ pub(super) fn repair_material(material: &mut Material) -> bool {
     changed
 }
 
-/// What is told of materials whose numbers were out of range.
+/// The warning about materials with numbers out of range.
 pub(super) fn material_warning(names: &[String]) -> String {
     format!("the materials {} have numbers out of range, which were replaced; correct them", listed(names))
 }

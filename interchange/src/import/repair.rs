@@ -1,10 +1,10 @@
-//! From the mesh as a file has it to a clean one: checked, welded, with normals, texture coordinates and tangents.
+//! Turns the mesh of a file into a clean one: checked, welded, with normals, texture coordinates and tangents.
 //!
-//! Normals that are missing are rebuilt as the mean of the face normals around a position, weighted by the angle of
-//! each face's corner there. A position keeps more than one normal only where edges sharper than
-//! [`CREASE_COSINE`] separate the faces around it into fans: one sharp edge alone, as the noise of a scan makes
-//! many, splits nothing. (On a scan of 100,250 vertices this adds 6 %, where its surface folds back on itself; joining
-//! the fans whose mean normals are similar took that to 5.9 % only, and rounded off chamfers elsewhere.)
+//! Missing normals are rebuilt as the mean of the face normals around a position, weighted by the angle of each face's
+//! corner. A position keeps more than one normal only where edges sharper than [`CREASE_COSINE`] separate the faces
+//! around it into fans: a single sharp edge, frequent in noisy scans, splits nothing. (On a scan of 100,250 vertices
+//! this adds 6 %, where its surface folds back on itself; joining the fans with similar mean normals lowered that only
+//! to 5.9 %, and rounded off chamfers elsewhere.)
 
 use super::tangents;
 use crate::import::report::ImportReport;
@@ -20,15 +20,14 @@ use std::collections::HashMap;
 /// stays smooth, and a cube does not.
 const CREASE_COSINE: f32 = 0.499;
 
-/// Largest number of faces on an edge that each face is compared with: a file with thousands on one edge would take
-/// forever.
+/// Largest number of faces on an edge that each face is compared with: thousands on one edge would take forever.
 const MOST_NEIGHBOURS: usize = 16;
 
 /// A triangle has no area if its doubled area is below this fraction of its longest edge squared: `f32` positions
 /// cannot express its normal.
 const DEGENERATE_RATIO: f64 = 1e-7;
 
-/// A mesh as a file has it. All vertex arrays have the same length; what a file lacks is marked, see the fields.
+/// A mesh as in a file. All vertex arrays have the same length; missing values are marked, see the fields.
 #[derive(Default)]
 pub(super) struct RawMesh {
     pub positions: Vec<Vec3>,
@@ -47,7 +46,7 @@ impl RawMesh {
     /// Marks a missing texture coordinate.
     pub const NO_UV: Vec2 = Vec2::NAN;
 
-    /// Adds a triangle of vertices that are counted from `base`; an index past `u32` stays out of range.
+    /// Adds a triangle of vertices relative to `base`; an index past `u32` stays out of range.
     pub fn push_triangle(&mut self, base: usize, corners: [u32; 3], material: u32, object: u32) {
         self.triangles.push(corners.map(|c| u32::try_from(base + c as usize).unwrap_or(u32::MAX)));
         self.triangle_material.push(material);
@@ -58,12 +57,12 @@ impl RawMesh {
         self.triangles[triangle].map(|v| self.positions[v as usize])
     }
 
-    /// Unit normal of a triangle, in double precision until it is one.
+    /// Unit normal of a triangle, computed in double precision.
     fn face_normal(&self, triangle: usize) -> Vec3 {
         area_vector(self.corners(triangle)).normalize_or_zero().as_vec3()
     }
 
-    /// Keeps the triangles for which `keep` says so.
+    /// Keeps the triangles with a set flag.
     fn retain_triangles(&mut self, keep: &[bool]) {
         fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
             let mut keep = keep.iter();
@@ -80,7 +79,7 @@ fn area_vector([a, b, c]: [Vec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Makes a clean mesh and counts in `report` what that took.
+/// Makes a clean mesh and counts the repairs in `report`.
 ///
 /// # Errors
 /// No triangles with an area, positions that are not finite or too far or in one place, indices out of range.
@@ -116,12 +115,12 @@ fn check(raw: &RawMesh) -> Result<(), MeshError> {
             return Err(MeshError::Index { triangle, array: "vertex", index, count });
         }
     }
-    // A vertex that no triangle uses is dropped, and may be anywhere.
+    // An unused vertex is dropped, and may be anywhere.
     let (referenced, anywhere) = (referenced(raw), raw.triangles[0][0] as usize);
     check_extent((0..count).map(|v| raw.positions[if referenced[v] { v } else { anywhere }]))
 }
 
-/// Which vertices some triangle uses.
+/// Flags of the vertices that triangles use.
 fn referenced(raw: &RawMesh) -> Vec<bool> {
     let mut referenced = vec![false; raw.positions.len()];
     raw.triangles.iter().flatten().for_each(|&v| referenced[v as usize] = true);
@@ -145,11 +144,10 @@ fn drop_degenerate(raw: &mut RawMesh, report: &mut ImportReport) {
     }
 }
 
-/// Normalizes normals and tangents. Those that cannot be normalized, and invalid texture coordinates, are marked as
-/// missing.
+/// Normalizes normals and tangents. Marks null ones, and invalid texture coordinates, as missing.
 fn mark_invalid_attributes(raw: &mut RawMesh) {
     for normal in &mut raw.normals {
-        // Almost unit normals stay as they are, so that equal ones stay equal.
+        // Nearly unit normals stay unchanged, so that equal ones stay equal.
         let is_unit = (normal.length_squared() - 1.0).abs() < 1e-6;
         if !is_unit {
             *normal = normal.as_dvec3().normalize_or_zero().as_vec3();
@@ -165,8 +163,8 @@ fn mark_invalid_attributes(raw: &mut RawMesh) {
     }
 }
 
-/// Turns triangles whose stored normals are all on their back: programs shade by the normals, so a wrong winding goes
-/// unnoticed in them. Triangles on whose side the normals disagree are slivers of a curved surface and stay.
+/// Reverses triangles whose stored normals are all on their back: programs shade by the normals, so a wrong winding
+/// goes unnoticed in them. Triangles with normals on both sides are slivers of a curved surface and stay.
 fn turn_flipped_triangles(raw: &mut RawMesh, report: &mut ImportReport) {
     for t in 0..raw.triangles.len() {
         let face = raw.face_normal(t);
@@ -185,7 +183,7 @@ fn turn_flipped_triangles(raw: &mut RawMesh, report: &mut ImportReport) {
     }
 }
 
-/// All attributes of a vertex as bits, and its object: vertices with the same key are merged.
+/// All attributes of a vertex as bits, and its object: vertices with equal keys are merged.
 type VertexKey = [u32; 13];
 
 fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
@@ -202,7 +200,7 @@ fn vertex_key(object: u32, position: Vec3, normal: Vec3, uv: Vec2, tangent: Vec4
 }
 
 /// Gives every corner its normal and texture coordinates, and merges corners with equal attributes into vertices. Also
-/// returns which vertices of the mesh had texture coordinates in the file.
+/// returns the flags of vertices with texture coordinates from the file.
 fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, Vec<bool>) {
     let rebuilt =
         (raw.triangles.iter().flatten().any(|&v| raw.normals[v as usize] == Vec3::ZERO)).then(|| smooth_normals(raw));
@@ -228,11 +226,11 @@ fn weld(raw: &RawMesh, report: &mut ImportReport) -> (Mesh, Vec<bool>) {
 struct Welder<'a> {
     raw: &'a RawMesh,
     mesh: Mesh,
-    /// The file had texture coordinates, one per vertex of `mesh`.
+    /// Whether the file had texture coordinates, per vertex of `mesh`.
     has_uv: Vec<bool>,
     normals_rebuilt: usize,
     by_key: HashMap<VertexKey, u32>,
-    /// The object and the new index of raw vertices whose normals are stored; most corners end here.
+    /// The object and the new index of raw vertices with stored normals; most corners end here.
     by_raw_vertex: Vec<Option<(u32, u32)>>,
 }
 
@@ -243,7 +241,7 @@ impl<'a> Welder<'a> {
         Self { raw, mesh: Mesh::default(), has_uv, normals_rebuilt: 0, by_key, by_raw_vertex }
     }
 
-    /// The new index of a corner at raw vertex `v`; `rebuilt` is its normal where the file has none.
+    /// The new index of a corner at raw vertex `v`; `rebuilt` is its normal if the file has none.
     fn vertex(&mut self, v: u32, object: u32, rebuilt: Option<Vec3>) -> u32 {
         match self.by_raw_vertex[v as usize] {
             Some((known_object, index)) if known_object == object && rebuilt.is_none() => index,
@@ -274,8 +272,8 @@ impl<'a> Welder<'a> {
     }
 }
 
-/// Texture coordinates of one unit per meter seen along the axis that is nearest to the normal, with their tangent.
-/// Chosen by vertex and not by face, so that no vertex is split; triangles across two axes are stretched.
+/// Texture coordinates of one unit per meter, projected along the axis nearest to the normal, with their tangent.
+/// Chosen by vertex and not by face, so no vertex is split; triangles across two axes are stretched.
 fn box_projection(p: Vec3, normal: Vec3) -> (Vec2, Vec4) {
     let size = normal.abs();
     let (uv, axis) = if size.y >= size.x && size.y >= size.z {
@@ -309,7 +307,7 @@ fn corner_angles([a, b, c]: [Vec3; 3]) -> [f32; 3] {
     [at(a, b, c), at(b, c, a), at(c, a, b)].map(|angle| if angle.is_finite() { angle } else { 0.0 })
 }
 
-/// A number for each distinct position within an object, per vertex; 0 where no triangle uses the vertex.
+/// A number for each distinct position within an object, per vertex; 0 if no triangle uses the vertex.
 fn position_ids(raw: &RawMesh) -> Vec<u32> {
     let mut ids = vec![0; raw.positions.len()];
     let mut known = HashMap::new();
@@ -323,7 +321,7 @@ fn position_ids(raw: &RawMesh) -> Vec<u32> {
     ids
 }
 
-/// Joins the corners of faces that share an edge at which they are smooth.
+/// Joins the corners of faces that share a smooth edge.
 fn fans_around_positions(raw: &RawMesh, position_ids: &[u32], faces: &[Vec3]) -> Fans {
     let mut edges = Vec::with_capacity(3 * raw.triangles.len());
     for (t, corners) in raw.triangles.iter().enumerate() {
@@ -342,7 +340,7 @@ fn fans_around_positions(raw: &RawMesh, position_ids: &[u32], faces: &[Vec3]) ->
     fans
 }
 
-/// An edge as two position numbers, and the two corners of one of its faces at them.
+/// An edge as two position numbers, and the corners of one of its faces there.
 type Edge = (u32, u32, u32, u32);
 
 fn join_across_edge(shared: &[Edge], faces: &[Vec3], fans: &mut Fans) {

@@ -1,4 +1,4 @@
-//! What an import may take and read, what it reports, and why it fails.
+//! Options, report and errors of an import.
 
 use crate::{materialx::MaterialXError, names::listed};
 use lapidary_core::{image::ImageError, mesh::MeshError};
@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a file could not be imported.
+/// Why a file cannot be imported.
 #[derive(Debug, Error)]
 pub enum ImportError {
-    /// The file system refused.
+    /// The file system reports an error.
     #[error("cannot read the file: {source}; check the path and the permissions ({})", path.display())]
     Io {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
@@ -20,112 +20,112 @@ pub enum ImportError {
     /// The contents are damaged, truncated or of a foreign format.
     #[error("the file cannot be read as {format}: {reason}; export it again ({})", path.display())]
     Parse {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// The format assumed.
         format: &'static str,
-        /// What is wrong, and where.
+        /// The problem and its place.
         reason: String,
     },
-    /// The extension names no format that can be read.
+    /// The extension is not a readable format.
     #[error("files that end in \".{extension}\" cannot be imported; export the scene as {known} ({})", path.display())]
     Unsupported {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// Its extension.
         extension: String,
-        /// The endings that can be imported.
+        /// The readable extensions.
         known: String,
     },
     /// The mesh cannot be repaired.
     #[error("{source} ({})", path.display())]
     Mesh {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with the mesh.
+        /// The problem of the mesh.
         source: MeshError,
     },
-    /// It needs extensions of its format that are not read.
+    /// It requires unsupported extensions of its format.
     #[error("the file needs the glTF extensions {}, which are not read; export it without them ({})", listed(names), path.display())]
     Extensions {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
         /// The extensions.
         names: Vec<String>,
     },
-    /// It has no variant of that name.
+    /// It has no variant of this name.
     #[error("the scene has no material variant \"{name}\"; it has {} ({})", if known.is_empty() { "none".into() } else { listed(known) }, path.display())]
     NoSuchVariant {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// Those that it has.
+        /// Names of its variants.
         known: Vec<String>,
     },
-    /// The scene would not fit in memory.
+    /// The scene exceeds a limit.
     #[error("the scene has {count} {what}, more than the limit of {limit}; reduce it or split it up ({})", path.display())]
     TooLarge {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What there is too much of.
+        /// The things that exceed the limit.
         what: &'static str,
-        /// How many.
+        /// Their number.
         count: u64,
-        /// How many are allowed.
+        /// The allowed number.
         limit: u64,
     },
-    /// The scene would not fit in the memory that is free.
+    /// The scene exceeds the free memory.
     #[error("the scene takes about {needed} MB of memory, but {available} MB are free; reduce its textures or its meshes, or close other programs ({})", path.display())]
     Memory {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it takes as far as it was estimated, in megabytes.
+        /// Estimated memory, in megabytes.
         needed: u64,
-        /// What it may take, in megabytes.
+        /// Allowed memory, in megabytes.
         available: u64,
     },
-    /// The file needs others that it may not read.
+    /// The file needs others outside its folder.
     #[error("the files {} are outside the folder of the file that needs them, and were not read; put them beside it, or allow files outside the folder ({})", listed(names), path.display())]
     Outside {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// The files, as it names them.
+        /// The files, as named in it.
         names: Vec<String>,
     },
-    /// A document of several materials has none of the name that was asked for.
+    /// A document of several materials has none of the requested name.
     #[error("{source} ({})", path.display())]
     NoSuchMaterial {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was asked for, and what there is.
+        /// The requested name and the existing ones.
         source: MaterialXError,
     },
-    /// A picture that a material names cannot be read.
+    /// A picture of a material is unreadable.
     #[error("a map of the material cannot be read: {source} ({})", path.display())]
     Map {
-        /// The material file.
+        /// Path of the material file.
         path: PathBuf,
-        /// What is wrong with the picture.
+        /// The problem of the picture.
         source: ImageError,
     },
 }
 
 impl ImportError {
-    /// The error of a variant that is not there.
+    /// The error of a missing variant.
     pub(super) fn no_variant(path: &Path, wanted: Option<&str>, known: Vec<String>) -> Self {
         Self::NoSuchVariant { path: path.into(), name: wanted.unwrap_or_default().into(), known }
     }
 }
 
-/// What an import may take and read.
+/// Options of an import.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ImportOptions {
-    /// Most memory in bytes; without it, what is free.
+    /// Largest memory in bytes; `None` allows the free memory.
     pub budget: Option<u64>,
-    /// Whether files outside the folder of the scene or the material are read.
+    /// Whether files outside the folder of the scene or material are read.
     pub allow_outside: bool,
-    /// The variant of a glTF file's materials that is shown; without it, those that the file shows first.
+    /// The shown variant of a glTF file's materials; `None` shows the file's default.
     pub variant: Option<String>,
 }
 
@@ -137,31 +137,31 @@ pub struct ImportReport {
     pub vertices: usize,
     /// Triangles of the imported mesh.
     pub triangles: usize,
-    /// Triangles without an area that were dropped.
+    /// Dropped triangles without an area.
     pub degenerate_triangles: usize,
-    /// Number of vertices in use that were removed because they equalled others in all attributes.
+    /// Removed vertices that equalled others in all attributes.
     pub welded_vertices: usize,
-    /// Number of vertices that were added at creases and at seams of mirrored texture coordinates.
+    /// Vertices added at creases and at seams of mirrored texture coordinates.
     pub split_vertices: usize,
-    /// Vertices that no triangle used and that were dropped.
+    /// Dropped vertices that no triangle used.
     pub unreferenced_vertices: usize,
-    /// Vertices whose normals were missing or invalid and were computed from the faces.
+    /// Vertices with missing or invalid normals, computed from the faces.
     pub normals_rebuilt: usize,
-    /// Vertices whose tangents were missing or invalid and were computed.
+    /// Vertices with missing or invalid tangents, computed anew.
     pub tangents_rebuilt: usize,
-    /// Vertices without texture coordinates, which took them from a box projection of one unit per meter.
+    /// Vertices without texture coordinates, set by a box projection of one unit per meter.
     pub uvs_projected: usize,
     /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,
     /// Names of the variants of its materials.
     pub variants: Vec<String>,
-    /// Files that were read beside that of the scene: buffers, materials and pictures.
+    /// Files read in addition to the scene's: buffers, materials and pictures.
     pub files: Vec<PathBuf>,
-    /// Files outside the folder of the scene, as it names them. They were read only if that was allowed.
+    /// Files outside the folder of the scene, as named in it. They are read only if allowed.
     pub outside: Vec<String>,
-    /// Other problems, with their repair and the remedy.
+    /// Other problems, with repair and remedy.
     pub warnings: Vec<String>,
-    /// Those of the warnings that tell of a picture or a material library that is missing, damaged or not allowed.
+    /// The warnings about missing, damaged or disallowed pictures and material libraries.
     #[serde(skip)]
     pub unread: Vec<String>,
 }

@@ -1,11 +1,11 @@
-//! The list of all formats of scenes. A new one is a file beside this one, and its entry here.
+//! The list of scene formats. A new one needs a file beside this one, and an entry here.
 
 use super::{Files, ImportError, Source, gltf, obj, ply};
 use crate::file_format::{FileFormat, listed};
 use lapidary_core::animation::Animation;
 use std::path::Path;
 
-/// What a file of a scene may hold.
+/// Possible contents of a scene file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Triangles.
@@ -18,25 +18,25 @@ pub enum Content {
     Lights,
     /// Variants of its materials.
     Variants,
-    /// What moves.
+    /// Animations.
     Animations,
 }
 
-/// Reads a file at a path with its files beside it, in a variant of its materials.
+/// Reads a file at a path with its companion files, in a material variant.
 type Read = fn(&[u8], &Path, Files, Option<&str>) -> Result<Source, ImportError>;
-/// Reads what moves.
+/// Reads the animation of a file.
 type ReadAnimation = fn(&[u8], &Path, Files) -> Result<Animation, ImportError>;
 
 /// A format of scenes.
 pub struct SceneFormat {
-    /// Name for people.
+    /// Display name.
     pub label: &'static str,
     endings: &'static [&'static str],
-    /// What its files may hold.
+    /// Possible contents of its files.
     pub holds: &'static [Content],
-    /// Reads a file, with a variant of its materials if it may hold any.
+    /// Reads a file, in a material variant if it has any.
     pub(super) read: Read,
-    /// Reads what moves in a file, if it may hold that.
+    /// Reads the animation of a file, if the format supports it.
     pub(super) animation: Option<ReadAnimation>,
 }
 
@@ -78,24 +78,24 @@ impl FileFormat for SceneFormat {
 }
 
 impl SceneFormat {
-    /// All endings, those of the formats that hold most first.
+    /// All extensions, of the formats with most contents first.
     pub fn richest_first() -> Vec<&'static str> {
         let mut formats: Vec<_> = Self::ALL.iter().collect();
         formats.sort_by_key(|format| std::cmp::Reverse(format.holds.len()));
         formats.into_iter().flat_map(Self::endings).copied().collect()
     }
 
-    /// All endings as text, as `.obj, .gltf or .ply`.
+    /// All extensions as text, such as `.obj, .gltf or .ply`.
     pub fn names() -> String {
         listed(&Self::all_endings(|_| true), " or ")
     }
 
-    /// All endings as text, those of the formats that hold most first.
+    /// All extensions as text, of the formats with most contents first.
     pub fn names_richest_first() -> String {
         listed(&Self::richest_first(), ", ")
     }
 
-    /// Whether its files may hold something.
+    /// Whether its files may hold `content`.
     pub fn holds(&self, content: Content) -> bool {
         self.holds.contains(&content)
     }

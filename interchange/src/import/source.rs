@@ -1,4 +1,4 @@
-//! What the reader of a format finds in a file.
+//! Output of a format's reader.
 
 use super::{repair::RawMesh, report::ImportError};
 use lapidary_core::{
@@ -25,7 +25,7 @@ pub(super) struct Source {
     pub files: Vec<PathBuf>,
 }
 
-/// Checks that a file holds no more of something than can be read.
+/// Checks a count against the limit.
 pub(super) fn check_count(what: &'static str, count: u64, path: &Path) -> Result<(), ImportError> {
     if count <= MAX_ELEMENTS {
         return Ok(());

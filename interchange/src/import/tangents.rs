@@ -1,12 +1,12 @@
-//! Tangents where a mesh has none: by MikkTSpace from texture coordinates, as the programs that bake normal maps do.
+//! Computes missing tangents: by MikkTSpace from texture coordinates, like the programs that bake normal maps.
 
 use crate::import::report::ImportReport;
 use bevy_mikktspace::{Geometry, TangentSpace};
 use glam::{Vec3, Vec4};
 use lapidary_core::scene::Mesh;
 
-/// Fills in all tangents that are zero. `has_uv` says which vertices had texture coordinates in the file. A vertex is split where mirrored texture coordinates meet; otherwise the
-/// tangents of its corners are averaged.
+/// Fills in all zero tangents. `has_uv` marks the vertices with texture coordinates from the file. A vertex is split
+/// where mirrored texture coordinates meet; otherwise the tangents of its corners are averaged.
 pub(super) fn complete(mesh: &mut Mesh, has_uv: &[bool], report: &mut ImportReport) {
     let missing = |v: u32| mesh.tangents[v as usize] == Vec4::ZERO;
     let from_file = |v: usize| has_uv[v] && !missing(v as u32);
@@ -18,7 +18,7 @@ pub(super) fn complete(mesh: &mut Mesh, has_uv: &[bool], report: &mut ImportRepo
     let faces: Vec<usize> = (0..mesh.triangles.len()).filter(usable).collect();
     if !faces.is_empty() {
         let mut geometry = Faces { mesh, tangents: vec![[Vec4::ZERO; 3]; faces.len()], faces };
-        // Its error has no variant yet; tangents that it leaves unset stay zero and are made up below.
+        // Its error has no variant yet; unset tangents stay zero and are filled in below.
         bevy_mikktspace::generate_tangents(&mut geometry).ok();
         let Faces { faces, tangents, .. } = geometry;
         apply(mesh, &faces, &tangents);
@@ -71,7 +71,7 @@ impl Geometry for Faces<'_> {
     }
 }
 
-/// Averages corner tangents into vertices without one, apart by handedness.
+/// Averages corner tangents into vertices without one, separately by handedness.
 fn apply(mesh: &mut Mesh, faces: &[usize], tangents: &[[Vec4; 3]]) {
     let mut sums = [vec![Vec3::ZERO; mesh.positions.len()], vec![Vec3::ZERO; mesh.positions.len()]];
     let mirrored = |tangent: Vec4| usize::from(tangent.w < 0.0);
@@ -94,7 +94,7 @@ fn apply(mesh: &mut Mesh, faces: &[usize], tangents: &[[Vec4; 3]]) {
     }
 }
 
-/// Writes the tangents, and duplicates the vertices that need one of each hand. Returns the mirrored vertex of each.
+/// Writes the tangents, and duplicates the vertices that need both hands. Returns the mirrored vertex of each.
 fn split_mirrored(mesh: &mut Mesh, sums: &[Vec<Vec3>; 2]) -> Vec<u32> {
     let count = mesh.positions.len();
     let mut clones: Vec<u32> = (0..count as u32).collect();

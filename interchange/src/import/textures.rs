@@ -1,4 +1,4 @@
-//! Textures of an import: loaded once each, replaced visibly where missing.
+//! Textures of an import: each loaded once, and replaced visibly if missing.
 
 use super::files::{Files, Trouble};
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 use lapidary_core::texture::Texture;
 use std::{collections::HashMap, path::Path};
 
-/// The textures that an import has loaded so far.
+/// The textures loaded so far by an import.
 pub(super) struct TextureLibrary {
     pub files: Files,
     pub textures: Vec<Texture>,
@@ -17,7 +17,7 @@ pub(super) struct TextureLibrary {
 }
 
 impl TextureLibrary {
-    /// With no textures yet; `files` finds them.
+    /// An empty library; `files` finds the textures.
     pub fn new(files: Files) -> Self {
         Self { files, textures: Vec::new(), by_source: HashMap::new(), report: ImportReport::default() }
     }
@@ -36,7 +36,7 @@ impl TextureLibrary {
         })
     }
 
-    /// Index of the texture that `read` yields, unless one of the same `source` is there already.
+    /// Index of the texture that `read` yields, unless one of the same `source` is already present.
     ///
     /// # Errors
     /// [`Trouble::Memory`].
@@ -73,7 +73,7 @@ impl TextureLibrary {
         index
     }
 
-    /// Hands over the textures, and what is to be told.
+    /// Moves the textures and the remarks to `source`.
     pub fn finish(mut self, source: &mut Source) {
         self.files.tell(&mut self.report);
         source.textures = self.textures;
@@ -84,7 +84,7 @@ impl TextureLibrary {
     }
 }
 
-/// Keeps the texels of a texture in range; returns what is told if they were not.
+/// Clamps the texels of a texture; returns a remark if any changed.
 pub(super) fn sanitized(texture: &mut Texture) -> Option<String> {
     let changed = texture.texels.sanitize();
     (changed > 0).then(|| {
@@ -96,7 +96,7 @@ pub(super) fn sanitized(texture: &mut Texture) -> Option<String> {
     })
 }
 
-/// Decodes a picture if there is room for it.
+/// Decodes a picture within the memory budget.
 pub(super) fn read_picture(bytes: &[u8], path: &Path, files: &mut Files) -> Result<Texture, Trouble> {
     let footprint = footprint(bytes, path).map_err(|e| e.to_string())?;
     files.budget.take_picture(bytes.len(), footprint)?;

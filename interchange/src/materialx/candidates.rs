@@ -3,18 +3,18 @@
 use super::{graph::Graph, read::MaterialXError, surface::Surface};
 use roxmltree::Node;
 
-/// A material, or a surface that no material has.
+/// A material, or a surface without a material.
 pub struct Candidate<'a> {
     /// Its name in the document.
     pub name: &'a str,
-    /// Its name for people.
+    /// Its display name.
     pub label: &'a str,
     /// Its surface, if it has one.
     pub shader: Option<Node<'a, 'a>>,
     pub line: u32,
 }
 
-/// What a surface is: its element, or what a reference to it says.
+/// The category of a surface: its element's, or the one its reference names.
 pub fn category<'a>(shader: Node<'a, 'a>) -> &'a str {
     if shader.has_tag_name("shaderref") {
         shader.attribute("node").unwrap_or_default()
@@ -24,7 +24,7 @@ pub fn category<'a>(shader: Node<'a, 'a>) -> &'a str {
 }
 
 impl<'a> Candidate<'a> {
-    /// All of a document in its order.
+    /// All candidates of a document, in order.
     pub fn all(graph: &Graph<'a>, root: Node<'a, 'a>) -> Vec<Self> {
         let of = |node: Node<'a, 'a>, shader| {
             let name = node.attribute("name").unwrap_or_default();
@@ -36,7 +36,7 @@ impl<'a> Candidate<'a> {
             let target = input.and_then(|input| graph.target(input).ok().flatten());
             of(node, target.map(|(shader, _)| shader))
         });
-        // Before version 1.38 a material holds its surface.
+        // Before version 1.38 a material contains its surface.
         let before = root.children().filter(|node| node.has_tag_name("material")).map(|node| {
             let shader = node.children().find(|child| child.has_tag_name("shaderref"));
             of(node, shader)
@@ -49,7 +49,7 @@ impl<'a> Candidate<'a> {
         root.children().filter(is_surface).map(|node| of(node, Some(node))).collect()
     }
 
-    /// Its surface, if it is one that is read.
+    /// Its surface, if it is of a supported kind.
     pub fn surface(&self) -> Option<(Node<'a, 'a>, Surface)> {
         let shader = self.shader?;
         Some((shader, Surface::of(category(shader))?))
@@ -61,7 +61,7 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// The one that is wanted, by its name, or the first that is read.
+/// The candidate called `wanted`, or the first supported one.
 pub fn choose<'b, 'a>(
     all: &'b [Candidate<'a>],
     wanted: Option<&str>,

@@ -1,4 +1,4 @@
-//! What materials become where a format has no place for a part of them.
+//! Approximations of materials for formats that lack a part of them.
 
 use crate::material_file::SlotFile;
 use lapidary_core::{
@@ -7,11 +7,11 @@ use lapidary_core::{
 };
 use std::borrow::Cow;
 
-/// Quantities whose maps scale all that a BRDF of a file reflects.
+/// Quantities whose maps scale the whole BRDF of a file.
 const TINTS: [&str; 2] = ["base_color", "tint"];
 
-/// A material whose BRDF comes from a file as one of GGX, or of Lambert if it has no lobe, of the same albedo and width;
-/// `remarks` are told so.
+/// A material with a BRDF file as a GGX material, or Lambert if it has no lobe, of the same albedo and width; `remarks`
+/// gets a sentence.
 pub(crate) fn without_file<'a, S: Clone>(
     material: &'a MaterialOf<S>,
     remarks: &mut Vec<String>,
@@ -48,7 +48,7 @@ pub(crate) fn without_file<'a, S: Clone>(
     Cow::Owned(near)
 }
 
-/// Leaves out the patterns of a material, which name no picture; `remarks` are told so.
+/// Leaves out the patterns of a material, which name no picture; `remarks` gets a sentence each.
 pub(super) fn leave_out_patterns(maps: &mut Maps<SlotFile>, remarks: &mut Vec<String>) {
     maps.retain(|name, slot| {
         let is_picture = slot.procedural.is_none() && !slot.file.is_empty();

@@ -1,4 +1,4 @@
-//! The nodes behind an input: constants, and pictures behind nodes that pass them on.
+//! The nodes behind an input: constants, and pictures behind supported nodes.
 
 mod relief;
 
@@ -13,7 +13,7 @@ use std::{
     collections::{BTreeSet, HashMap},
 };
 
-/// Most nodes that are passed on the way from an input to its picture.
+/// Largest number of nodes between an input and its picture.
 const MOST_STEPS: u32 = 256;
 
 /// An element of a document.
@@ -22,15 +22,15 @@ type XmlNode<'a> = Node<'a, 'a>;
 /// Why an input is not read.
 #[derive(Debug, PartialEq)]
 pub enum Unread {
-    /// It is sound, and beyond what is read.
+    /// It is valid, but not supported.
     Beyond(String),
-    /// It is wrong.
+    /// It is invalid.
     Wrong(String),
 }
 
 type Result<T> = std::result::Result<T, Unread>;
 
-/// What an input is.
+/// The source of an input.
 #[derive(Clone, Debug)]
 pub enum Found {
     /// Numbers, 1 to 4.
@@ -39,22 +39,22 @@ pub enum Found {
     Picture(Box<Picture>),
 }
 
-/// A picture in use.
+/// A picture and its use.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// As the document names it, with its prefix.
+    /// File name as in the document, with its prefix.
     pub file: String,
-    /// Of its texels.
+    /// Color space of its texels.
     pub color_space: ColorSpace,
-    /// The component that is taken, if one is.
+    /// The component in use, if only one is.
     pub channel: Option<Channel>,
     /// Whether its texels have three components.
     pub is_color: bool,
-    /// Of coordinates whose v begins at the bottom.
+    /// Transform of coordinates whose v begins at the bottom.
     pub transform: Affine2,
-    /// Texels are multiplied by this.
+    /// Factor of the texels.
     pub factor: Vec3,
-    /// And this is added.
+    /// Added to the texels after the factor.
     pub added: Vec3,
 }
 
@@ -67,13 +67,13 @@ pub struct Graph<'a> {
 }
 
 impl<'a> Graph<'a> {
-    /// Of a document.
+    /// The graph of a document.
     pub fn new(document: &'a Document<'a>) -> Self {
         let named = document.descendants().filter_map(|node| {
             let (parent, name) = (node.parent_element()?, node.attribute("name")?);
             Some(((parent.id(), name), node))
         });
-        // Of nodes of one name the first counts.
+        // The first of several nodes with one name counts.
         let mut names = HashMap::new();
         named.for_each(|(key, node)| _ = names.entry(key).or_insert(node));
         Self { document, names, steps: Cell::new(0), remarks: RefCell::default() }
@@ -89,7 +89,7 @@ impl<'a> Graph<'a> {
         self.names.get(&(of.id(), name)).copied()
     }
 
-    /// Remarks about what was read otherwise, each once.
+    /// Remarks on approximated inputs, each once.
     pub fn take_remarks(&self) -> Vec<String> {
         self.remarks.take().into_iter().collect()
     }
@@ -116,7 +116,7 @@ impl<'a> Graph<'a> {
         self.follow(input)
     }
 
-    /// The node that an input or output is connected to, and the name of the output there; none for a value.
+    /// The node that an input or output is connected to, and the name of its output; `None` for a value.
     pub fn target(&self, end: XmlNode<'a>) -> Result<Option<(XmlNode<'a>, Option<&'a str>)>> {
         self.step(end)?;
         let output = end.attribute("output");
@@ -128,7 +128,7 @@ impl<'a> Graph<'a> {
             return self.target(input);
         }
         let Some(name) = end.attribute("nodegraph").or(end.attribute("nodename")) else { return Ok(None) };
-        // An output stands among the nodes; an input in one of them.
+        // An output is among the nodes; an input is inside one of them.
         let holder = if end.has_tag_name("output") { Some(end) } else { end.parent_element() };
         let scope = holder.and_then(|holder| holder.parent_element()).unwrap_or(self.document.root_element());
         let found = self.child(scope, name).or_else(|| self.child(self.document.root_element(), name));
@@ -148,7 +148,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// The element that tells the value of an input: itself, or the input of the graph around it.
+    /// The element that determines an input: the input itself, or the input of the surrounding graph.
     fn telling(&self, end: XmlNode<'a>) -> Option<XmlNode<'a>> {
         let mut at = end;
         for _ in 0..MOST_STEPS {
@@ -163,7 +163,7 @@ impl<'a> Graph<'a> {
             Some((node, output)) => self.node(node, output)?,
             None => Found::Constant(self.numbers(input)?),
         };
-        // Documents before 1.39 choose components at the input.
+        // Documents before 1.39 select components at the input.
         match input.attribute("channels") {
             Some(channels) => self.swizzled(input, found, channels),
             None => Ok(found),
@@ -179,7 +179,7 @@ impl<'a> Graph<'a> {
         let wrong = || {
             let name = input.attribute("name").unwrap_or_default();
             Unread::Wrong(format!(
-                "line {}: the value \"{text}\" of \"{name}\" is no number, nor 2 to 4 of them",
+                "line {}: the value \"{text}\" of \"{name}\" is neither a number nor 2 to 4 of them",
                 self.line(told)
             ))
         };
@@ -231,7 +231,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// An input of a node that has to be a constant.
+    /// An input of a node that must be a constant.
     pub fn constant(&self, node: XmlNode<'a>, name: &str, default: &[f32]) -> Result<Vec<f32>> {
         let Some(input) = self.child(node, name) else { return Ok(default.into()) };
         match self.follow(input)? {
@@ -274,7 +274,7 @@ impl<'a> Graph<'a> {
             (Found::Constant(numbers), Some(_)) if numbers.len() == 1 => Ok(Found::Constant(numbers)),
             (Found::Constant(numbers), Some(_)) if index < numbers.len() => Ok(Found::Constant(vec![numbers[index]])),
             (Found::Picture(picture), Some(&channel)) => {
-                // A component of a component is itself.
+                // A component of a component is the same one.
                 let channel = picture.channel.unwrap_or(channel);
                 let of = |v: Vec3, other: f32| Vec3::splat(if index < 3 { v[index] } else { other });
                 let (factor, added) = (of(picture.factor, 1.0), of(picture.added, 0.0));
@@ -301,7 +301,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// The space of a color: told there, or around it.
+    /// The color space of an element, given there or on an ancestor.
     fn color_space(&self, element: XmlNode) -> ColorSpace {
         let Some(name) = element.ancestors().find_map(|node| node.attribute("colorspace")) else {
             return ColorSpace::Linear;
@@ -351,7 +351,7 @@ impl<'a> Graph<'a> {
         if output == Some("outa") { self.extracted(node, found, 3) } else { Ok(found) }
     }
 
-    /// `gltf_image` and `gltf_colorimage` multiply by a factor of their own.
+    /// `gltf_image` and `gltf_colorimage` also multiply by their own factor.
     fn factor_of_gltf(&self, node: XmlNode<'a>) -> Result<Vec3> {
         let name = match node.tag_name().name() {
             "gltf_image" => "factor",
@@ -362,7 +362,7 @@ impl<'a> Graph<'a> {
         Ok(triple(&numbers))
     }
 
-    /// The transform of an image node, after that of its coordinates.
+    /// The transform of an image node, after the transform of its coordinates.
     fn transform(&self, node: XmlNode<'a>) -> Result<Affine2> {
         let before = match self.child(node, "texcoord") {
             Some(input) => self.coordinates(input)?,
@@ -377,7 +377,7 @@ impl<'a> Graph<'a> {
                 Affine2::from_scale_angle_translation(real, 0.0, Vec2::ZERO) * tiled(tiling, offset)
             }
             "gltf_image" | "gltf_colorimage" | "gltf_normalmap" => {
-                // Its numbers are those of KHR_texture_transform.
+                // The numbers are as in KHR_texture_transform.
                 let scale = self.pair(node, "scale", Vec2::ONE)?;
                 let offset = self.pair(node, "offset", Vec2::ZERO)?;
                 let pivot = self.pair(node, "pivot", Vec2::Y)?;

@@ -1,4 +1,4 @@
-//! The material of another model, or for another surface, that is nearest to one.
+//! Nearest material of another model, or for another surface.
 
 use super::{
     estimate::without_file,
@@ -8,7 +8,7 @@ use super::{
 use glam::Vec3;
 use lapidary_core::{brdf::BrdfModel, material::MaterialOf};
 
-/// The parameters of `openpbr` that say a material best to a surface; `remarks` get what is lost.
+/// The parameters of `openpbr` that best express a material on a surface; `remarks` gets the losses.
 pub(crate) fn nearest<S: Clone>(
     material: &MaterialOf<S>,
     surface: Surface,
@@ -37,13 +37,13 @@ pub(crate) fn nearest<S: Clone>(
         }
         let stored: Vec<String> = nearest.stored().map(|p| p.label.to_lowercase()).collect();
         if !stored.is_empty() {
-            remarks.push(format!("what it stores and does not render is left out: {}", stored.join(", ")));
+            remarks.push(format!("parameters that are stored but not rendered are left out: {}", stored.join(", ")));
         }
     }
     nearest
 }
 
-/// What the rows of glTF's surface do not say: weights are multiplied into colors.
+/// Adapts a material to the parts of glTF's surface without a row: weights are multiplied into colors.
 fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
     let p = &nearest.parameters;
     let (base, fuzz) = (p.number("base_weight"), p.number("fuzz_weight"));
@@ -65,7 +65,7 @@ fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
     nearest.parameters.set("fuzz_color", fuzz_color);
 }
 
-/// The other surface's numbers in place of OpenPBR's, of the same lobe.
+/// Replaces OpenPBR's numbers by the other surface's, for the same lobe.
 fn unstretched<S>(nearest: &mut MaterialOf<S>, names: [&'static str; 2], numbers: fn(stretch::Widths) -> [f32; 2]) {
     let [roughness, anisotropy] = names.map(|name| nearest.parameters.number(name));
     let is_mapped = names.iter().any(|name| nearest.maps.get(name).is_some());
@@ -75,19 +75,19 @@ fn unstretched<S>(nearest: &mut MaterialOf<S>, names: [&'static str; 2], numbers
     }
 }
 
-/// A material as one of `openpbr`, with the lobe as wide as it is; `remarks` get what has no place there.
+/// Converts a material to `openpbr` with lobes of the same width; `remarks` gets the losses.
 pub(crate) fn as_openpbr<S: Clone>(material: &MaterialOf<S>, remarks: &mut Vec<String>) -> MaterialOf<S> {
     let material = &*without_file(material, remarks);
     let mut nearest = material.own();
     if material.model == BrdfModel::OpenPbr {
         return nearest;
     }
-    // What is not told is the default of its model, not of the other.
+    // A missing value is the default of its own model, not of the other.
     for parameter in material.model.parameters() {
         nearest.parameters.set(parameter.name, parameter.sanitized(material.parameters.value(parameter)));
     }
     nearest.change_model(BrdfModel::OpenPbr);
-    // A name that two models have may have different defaults.
+    // A name common to two models may have different defaults.
     if material.model.parameter_for("roughness").is_none() {
         nearest.parameters.set("specular_weight", 0.0);
         nearest.parameters.set("specular_roughness", 1.0);

@@ -1,5 +1,5 @@
-//! How a picture lies on a surface: the transform of coordinates of a MaterialX document, whose v begins at the bottom, and that of
-//! a texture slot, whose v begins at the top.
+//! Placement of a picture on a surface: converts between the transform of a MaterialX document, whose v begins at the
+//! bottom, and a texture slot's, whose v begins at the top.
 
 use glam::{Affine2, Mat2, Vec2};
 
@@ -14,7 +14,7 @@ pub struct Placement {
     pub rotation_degrees: f32,
 }
 
-/// From either begin of v to the other.
+/// Converts between the two directions of v.
 fn flipped() -> Affine2 {
     Affine2::from_mat2_translation(Mat2::from_diagonal(Vec2::new(1.0, -1.0)), Vec2::Y)
 }
@@ -27,7 +27,7 @@ impl Placement {
         Affine2::from_mat2_translation(turn * Mat2::from_diagonal(self.scale), self.offset)
     }
 
-    /// Of a document's transform; none if it is no scale followed by a turn and an offset.
+    /// The placement of a document's transform; `None` unless it is a scale followed by a rotation and an offset.
     pub fn of_document(transform: Affine2) -> Option<Self> {
         let Affine2 { matrix2, translation: offset } = flipped() * transform * flipped();
         let (x, y) = (matrix2.x_axis, matrix2.y_axis);
@@ -40,13 +40,13 @@ impl Placement {
         (is_same && offset.is_finite()).then_some(placement)
     }
 
-    /// `uvtiling` and `uvoffset` of a `tiledimage`, if it is not turned.
+    /// `uvtiling` and `uvoffset` of a `tiledimage`, if it is not rotated.
     pub fn tiling(&self) -> Option<[Vec2; 2]> {
         let Self { scale, offset, rotation_degrees } = *self;
         (rotation_degrees == 0.0).then(|| [scale, Vec2::new(-offset.x, offset.y - 1.0 + scale.y)])
     }
 
-    /// Scale, turn in degrees and offset of a `place2d` about (0, 1), which divides by the scale.
+    /// Scale, rotation in degrees and offset of a `place2d` about (0, 1), which divides by the scale.
     pub fn place2d(&self) -> (Vec2, f32, Vec2) {
         let inverse = |x: f32| if x.abs() > 1e-6 { 1.0 / x } else { 1e6 };
         let scale = Vec2::new(inverse(self.scale.x), inverse(self.scale.y));

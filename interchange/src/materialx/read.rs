@@ -1,4 +1,4 @@
-//! From a document to a material.
+//! Converts a document to a material.
 
 use super::{
     candidates::{Candidate, category, choose},
@@ -17,43 +17,43 @@ use lapidary_core::{
 use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
-/// Most elements, comments and texts of a document. MaterialX's own libraries have 50,000.
+/// Largest number of elements, comments and texts in a document. MaterialX's own libraries have 50,000.
 const MOST_NODES: u32 = 1_000_000;
 
 /// Longest document in bytes.
 const MOST_BYTES: usize = 64 << 20;
 
-/// Why a document gives no material.
+/// Why a document yields no material.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum MaterialXError {
-    /// It is no XML, or refers to entities, which are not read.
+    /// It is not XML, or refers to entities, which are not supported.
     #[error("{0}")]
     Xml(String),
-    /// It is longer than is read.
+    /// It is too long.
     #[error("it has {found} MB, more than the {limit} MB that are read; split it up")]
     TooLong {
         /// Its length in megabytes.
         found: usize,
-        /// What is read, in megabytes.
+        /// The largest length in megabytes.
         limit: usize,
     },
-    /// It is no MaterialX, or holds no material.
+    /// It is not MaterialX, or has no supported material.
     #[error("line {line}: {reason}")]
     Contents {
-        /// Where.
+        /// The line.
         line: u32,
-        /// What is wrong.
+        /// The problem.
         reason: String,
     },
-    /// A value that is none; it says its line.
+    /// An invalid value; the text gives its line.
     #[error("{0}")]
     Value(String),
-    /// No material is called so.
+    /// No material has the requested name.
     #[error("it has no material \"{name}\", but {}", crate::names::listed(known))]
     NoSuchMaterial {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// The existing names.
         known: Vec<String>,
     },
 }
@@ -63,14 +63,14 @@ pub enum MaterialXError {
 pub struct ReadMaterial {
     /// The material; its maps name pictures relative to the document.
     pub material: MaterialFile,
-    /// What was left out or read otherwise, in sentences.
+    /// Omissions and approximations, in sentences.
     pub remarks: Vec<String>,
 }
 
-/// Reads the material called `wanted`, or else the first that is of a surface which is read.
+/// Reads the material called `wanted`, or else the first of a supported surface.
 ///
 /// # Errors
-/// A document that is no MaterialX, has no such material, or has a value that is none. They name the line.
+/// A document that is not MaterialX, lacks the material, or has an invalid value. The error gives the line.
 pub fn read(text: &str, wanted: Option<&str>) -> Result<ReadMaterial, MaterialXError> {
     with_graph(text, |graph, root| {
         let all = Candidate::all(graph, root);
@@ -84,10 +84,10 @@ pub fn read(text: &str, wanted: Option<&str>) -> Result<ReadMaterial, MaterialXE
     })
 }
 
-/// The names of the materials that [`read`] reads, in the order of the document.
+/// The names of the materials that [`read`] supports, in the order of the document.
 ///
 /// # Errors
-/// A document that is no MaterialX.
+/// A document that is not MaterialX.
 pub fn names(text: &str) -> Result<Vec<String>, MaterialXError> {
     with_graph(text, |graph, root| {
         let all = Candidate::all(graph, root);
@@ -95,7 +95,7 @@ pub fn names(text: &str) -> Result<Vec<String>, MaterialXError> {
     })
 }
 
-/// Parses a document, and does something with its graph and its outermost element.
+/// Parses a document, and calls a function with its graph and its root element.
 fn with_graph<R>(
     text: &str,
     make: impl for<'a> FnOnce(&Graph<'a>, Node<'a, 'a>) -> Result<R, MaterialXError>,
@@ -119,11 +119,11 @@ struct Reader<'g, 'a> {
     remarks: Vec<String>,
 }
 
-/// A value of an input: the number or color, and its map.
+/// An input: its number or color, and its map.
 struct Told {
     value: Value,
     slot: Option<SlotFile>,
-    /// What is added to the map.
+    /// Added to the map.
     added: f32,
 }
 
@@ -146,7 +146,7 @@ impl<'a> Reader<'_, 'a> {
 
     fn material(&mut self, of: &Candidate<'a>) -> Result<MaterialFile, MaterialXError> {
         let Some((shader, surface)) = of.surface() else {
-            let found = of.shader.map_or("nothing that is there", category);
+            let found = of.shader.map_or("missing", category);
             let known = Surface::ALL.map(Surface::node).join(", ");
             let reason = format!("the surface of \"{}\" is {found}, and only {known} are read", of.name);
             return Err(MaterialXError::Contents { line: of.line, reason });
@@ -161,12 +161,12 @@ impl<'a> Reader<'_, 'a> {
         self.tell_of_lost(shader, surface);
         let stored: Vec<String> = material.stored().map(|p| p.label.to_lowercase()).collect();
         if !stored.is_empty() {
-            self.remarks.push(format!("what is stored and not rendered: {}", stored.join(", ")));
+            self.remarks.push(format!("stored but not rendered: {}", stored.join(", ")));
         }
         Ok(material)
     }
 
-    /// What is told of an input that is sound and not read.
+    /// Adds a remark on an input that is valid but not supported.
     fn tell(&mut self, input: &str, unread: Unread) -> Result<(), MaterialXError> {
         match unread {
             Unread::Wrong(text) => Err(MaterialXError::Value(text)),
@@ -177,7 +177,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// What is said of an input, if that is read.
+    /// The value of an input, if it is read.
     fn said(&mut self, shader: Node<'a, 'a>, row: Row) -> Result<Option<Told>, MaterialXError> {
         match self.graph.child(shader, row.input).map(|input| self.graph.input(input)) {
             Some(Ok(found)) => Ok(self.told(found, row)),
@@ -186,7 +186,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Keeps what is said of inputs that are stored and not rendered.
+    /// Keeps inputs that are stored but not rendered.
     fn take_stored(
         &mut self,
         material: &mut MaterialFile,
@@ -202,7 +202,7 @@ impl<'a> Reader<'_, 'a> {
         Ok(())
     }
 
-    /// Gives an input to its parameter.
+    /// Assigns an input to its parameter.
     fn take(
         &mut self,
         material: &mut MaterialFile,
@@ -238,7 +238,7 @@ impl<'a> Reader<'_, 'a> {
         };
         if added != base {
             self.remarks.push(format!("the map of \"{}\" cannot be shifted so, and is left out", row.input));
-            // A factor says nothing without what is added, such as -1 of what is inverted.
+            // A factor alone is misleading without the added part, such as -1 for an inverted map.
             material.parameters.set(parameter.name, powered(row.default, 0.0));
             return;
         }
@@ -250,7 +250,7 @@ impl<'a> Reader<'_, 'a> {
         material.maps.set(parameter.name, slot);
     }
 
-    /// As a value of the kind that the parameter has.
+    /// Converts an input to the kind of its parameter.
     fn told(&mut self, found: Found, row: Row) -> Option<Told> {
         let is_color = matches!(row.default, Value::Color(_));
         match found {
@@ -299,7 +299,7 @@ impl<'a> Reader<'_, 'a> {
         })
     }
 
-    /// What inputs say together.
+    /// Resolves inputs that depend on each other.
     fn finish(
         &mut self,
         material: &mut MaterialFile,
@@ -312,7 +312,7 @@ impl<'a> Reader<'_, 'a> {
                 let is_metal =
                     material.parameters.number("base_metalness") > 0.0 && material.maps.get("base_metalness").is_none();
                 if is_metal {
-                    // There the weight is that of the tint at the edge, here that of the metal.
+                    // There the weight belongs to the tint at the edge, here to the metal.
                     material.parameters.set("specular_weight", 1.0);
                 }
                 stretched(material, stretch::of_burley);
@@ -334,7 +334,7 @@ impl<'a> Reader<'_, 'a> {
         Ok(())
     }
 
-    /// glTF's way to be cut out.
+    /// Cutout as in glTF.
     fn alpha(&mut self, material: &mut MaterialFile, shader: Node<'a, 'a>) -> Result<(), MaterialXError> {
         const OPACITY: &str = "geometry_opacity";
         let [mode, cutoff] = [("alpha_mode", 0.0), ("alpha_cutoff", 0.5)]
@@ -366,7 +366,7 @@ impl<'a> Reader<'_, 'a> {
         };
         for (name, relief) in [NORMAL, BUMP].into_iter().zip(reliefs) {
             let Some(Relief { picture, strength }) = relief else { continue };
-            // Green that is turned around is that of DirectX.
+            // An inverted green channel is DirectX's convention.
             let flip_y = name == NORMAL && picture.factor.y < 0.0;
             let slot = self.slot(&picture, surface.normal());
             material.maps.set(name, slot.map(|slot| SlotFile { strength, flip_y, ..slot }));
@@ -374,7 +374,7 @@ impl<'a> Reader<'_, 'a> {
         Ok(())
     }
 
-    /// Tells of inputs that show nowhere, and of those that the surface does not have.
+    /// Adds remarks on inputs without effect, and on unknown ones.
     fn tell_of_lost(&mut self, shader: Node<'a, 'a>, surface: Surface) {
         let lost: Vec<&str> = surface
             .lost()
@@ -383,7 +383,7 @@ impl<'a> Reader<'_, 'a> {
             .map(|(_, what)| *what)
             .collect();
         if !lost.is_empty() {
-            self.remarks.push(format!("what is left out: {}", lost.join(", ")));
+            self.remarks.push(format!("left out: {}", lost.join(", ")));
         }
         for input in shader.children().filter(|node| ["input", "bindinput"].contains(&node.tag_name().name())) {
             let name = input.attribute("name").unwrap_or_default();
@@ -395,7 +395,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Whether an input says something: it is connected, or a number that is not 0. The value of a normal is its default.
+    /// Whether an input has an effect: it is connected, or a number other than 0. A normal's value is its default.
     fn shows(&self, input: Node<'a, 'a>) -> bool {
         match self.graph.input(input) {
             Ok(Found::Constant(numbers)) => numbers.len() == 1 && numbers[0] != 0.0,
@@ -405,7 +405,7 @@ impl<'a> Reader<'_, 'a> {
     }
 }
 
-/// The roughness and anisotropy of OpenPBR for the lobe whose widths `widths` gives of what was read.
+/// Sets OpenPBR's roughness and anisotropy for the lobe whose widths `widths` computes from the input.
 fn stretched(material: &mut MaterialFile, widths: impl Fn(f32, f32) -> stretch::Widths) {
     change_stretch(material, ["specular_roughness", "specular_roughness_anisotropy"], widths);
 }

@@ -1,4 +1,4 @@
-//! The stretch of a highlight in the numbers of several surfaces, all by the microfacet widths along and across it.
+//! Conversion of a highlight's stretch between several surfaces, by the microfacet widths along and across it.
 //!
 //! | surface | along | across |
 //! |---|---|---|
@@ -10,23 +10,23 @@
 /// Widths along and across a highlight.
 pub type Widths = [f32; 2];
 
-/// Narrowest width that a quotient is taken of.
+/// Smallest width in a quotient.
 const NARROWEST: f32 = 1e-6;
 
-/// Widths of OpenPBR's roughness and anisotropy, not limited.
+/// Widths for OpenPBR's roughness and anisotropy, not limited.
 pub fn of_openpbr(roughness: f32, anisotropy: f32) -> Widths {
     let short = 1.0 - anisotropy;
     let along = roughness * roughness * (2.0 / (1.0 + short * short)).sqrt();
     [along, along * short]
 }
 
-/// OpenPBR's roughness and anisotropy of a lobe.
+/// OpenPBR's roughness and anisotropy for a lobe.
 pub fn to_openpbr([along, across]: Widths) -> [f32; 2] {
     let short = across / along.max(NARROWEST);
     [(along * ((1.0 + short * short) / 2.0).sqrt()).sqrt().min(1.0), (1.0 - short).clamp(0.0, 1.0)]
 }
 
-/// Widths of a lobe whose quotient is `1 - squeeze`: `squeeze` is Standard Surface's anisotropy, and 0.9 of Burley's.
+/// Widths of a lobe with the ratio `1 - squeeze`: `squeeze` is Standard Surface's anisotropy, and 0.9 times Burley's.
 pub fn of_burley(roughness: f32, squeeze: f32) -> Widths {
     let aspect = (1.0 - squeeze).max(0.0).sqrt();
     [roughness * roughness / aspect.max(NARROWEST), roughness * roughness * aspect]
@@ -37,13 +37,13 @@ pub fn to_burley([along, across]: Widths) -> [f32; 2] {
     [(along * across).sqrt().sqrt().min(1.0), (1.0 - across / along.max(NARROWEST)).clamp(0.0, 1.0)]
 }
 
-/// Widths of glTF's roughness and strength of anisotropy.
+/// Widths for glTF's roughness and strength of anisotropy.
 pub fn of_gltf(roughness: f32, strength: f32) -> Widths {
     let across = roughness * roughness;
     [across + (1.0 - across) * strength.clamp(0.0, 1.0).powi(2), across]
 }
 
-/// glTF's roughness and strength of a lobe.
+/// glTF's roughness and strength for a lobe.
 pub fn to_gltf([along, across]: Widths) -> [f32; 2] {
     let room = (1.0 - across).max(NARROWEST);
     [across.sqrt().min(1.0), ((along - across).max(0.0) / room).sqrt().min(1.0)]

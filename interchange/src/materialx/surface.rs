@@ -1,4 +1,4 @@
-//! The surfaces of MaterialX, and which of their inputs is which parameter of `openpbr`.
+//! The surfaces of MaterialX, and the correspondence of their inputs to parameters of `openpbr`.
 
 use glam::Vec3;
 use lapidary_core::brdf::{BrdfModel, Parameter, Value};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Surface {
-    /// `open_pbr_surface`: all that the model `openpbr` has, by the same names.
+    /// `open_pbr_surface`: all parameters of the model `openpbr`, by the same names.
     #[default]
     OpenPbr,
     /// `standard_surface` (Autodesk).
@@ -17,24 +17,24 @@ pub enum Surface {
     GltfPbr,
 }
 
-/// An input that is a parameter.
+/// An input that corresponds to a parameter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     /// Name of the input.
     pub input: &'static str,
     /// Name of the parameter.
     pub parameter: &'static str,
-    /// What the input has where it is not told.
+    /// Value of a missing input.
     pub default: Value,
     /// The parameter is the input to this power.
     pub power: f32,
 }
 
-/// Fuzz is Zeltner's by its roughness in OpenPBR; Standard Surface has Conty's. The power is that of the published translation.
+/// Fuzz follows Zeltner in OpenPBR, and Conty in Standard Surface. The power is from the published translation.
 const SHEEN_POWER: f32 = 0.4;
 
 impl Row {
-    /// The input of a parameter's own name.
+    /// The input with a parameter's own name.
     const fn of(p: &Parameter) -> Self {
         Self { input: p.name, parameter: p.name, default: p.default, power: 1.0 }
     }
@@ -93,7 +93,7 @@ const GLTF_PBR: [Row; 14] = [
     Row::number("alpha", "geometry_opacity", 1.0),
 ];
 
-/// An input that shows nowhere here unless it is zero, and what is lost with it.
+/// An input without effect here unless it is zero, and the lost feature.
 type Lost = (&'static str, &'static str);
 
 const LOST_OF_OPEN_PBR: [Lost; 3] = [
@@ -123,7 +123,7 @@ const LOST_OF_GLTF_PBR: [Lost; 7] = [
     ("clearcoat_normal", "the normal of the coat"),
 ];
 
-/// Inputs that are read elsewhere, and first parts of those that say more about what is lost.
+/// Inputs that are read elsewhere, and prefixes of inputs about lost features.
 const OTHERS: [&str; 14] = [
     "normal",
     "geometry_normal",
@@ -142,7 +142,7 @@ const OTHERS: [&str; 14] = [
 ];
 
 impl Surface {
-    /// All of them.
+    /// All surfaces.
     pub const ALL: [Self; 3] = [Self::OpenPbr, Self::StandardSurface, Self::GltfPbr];
 
     /// The category of its node.
@@ -159,7 +159,7 @@ impl Surface {
         Self::ALL.into_iter().find(|surface| surface.node() == node)
     }
 
-    /// Its inputs that are parameters.
+    /// Its inputs that correspond to parameters.
     pub(super) fn rows(self) -> Vec<Row> {
         match self {
             Self::OpenPbr => {
@@ -171,7 +171,7 @@ impl Surface {
         }
     }
 
-    /// Its inputs that materials store and nothing renders.
+    /// Its inputs that materials store but never render.
     pub(super) fn stored_rows(self) -> Vec<Row> {
         match self {
             Self::OpenPbr => BrdfModel::OpenPbr.stored_parameters().iter().map(Row::of).collect(),
@@ -193,7 +193,7 @@ impl Surface {
         if matches!(self, Self::OpenPbr) { "geometry_normal" } else { "normal" }
     }
 
-    /// The input that says that both sides are seen, if it has one.
+    /// The input for two-sided surfaces, if it has one.
     pub(super) const fn thin_walled(self) -> Option<&'static str> {
         match self {
             Self::OpenPbr => Some("geometry_thin_walled"),
@@ -204,7 +204,7 @@ impl Surface {
 
     /// Whether it has an input of this name.
     pub(super) fn knows(self, input: &str) -> bool {
-        // Of OpenPBR all that begins so is stored or unknown.
+        // All such inputs of OpenPBR are stored or unknown.
         let is_longer = |other: &str| self != Self::OpenPbr && input.starts_with(other);
         let is_meant = |other: &str| if other.ends_with('_') { is_longer(other) } else { input == other };
         self.rows().iter().chain(&self.stored_rows()).any(|row| row.input == input)

@@ -1,4 +1,4 @@
-//! Documents that are written and read again, and documents of other programs.
+//! Round trips of documents, and documents of other programs.
 
 use super::*;
 use crate::material_file::{MaterialFile, SlotFile};
@@ -23,7 +23,7 @@ fn slot(file: &str) -> SlotFile {
     }
 }
 
-/// A material of the model with values that no default has, each of its own.
+/// A material of the model with unique values that differ from all defaults.
 fn coated() -> MaterialFile {
     let parameters = Parameters::default()
         .with("base_weight", 0.9)
@@ -47,7 +47,7 @@ fn coated() -> MaterialFile {
     MaterialFile { name: "Red lacquer".into(), model: BrdfModel::OpenPbr, parameters, ..Default::default() }
 }
 
-/// What is read of what is written.
+/// Writes and reads a material.
 fn again(material: &MaterialFile, surface: Surface) -> MaterialFile {
     let written = write(std::slice::from_ref(material), surface).unwrap();
     let read = read(&written.text, None).unwrap_or_else(|e| panic!("{e}: {}", written.text));
@@ -55,7 +55,7 @@ fn again(material: &MaterialFile, surface: Surface) -> MaterialFile {
     read.material
 }
 
-/// The largest difference of a parameter, and which it is.
+/// The largest difference of a parameter, and its name.
 fn difference(a: &MaterialFile, b: &MaterialFile) -> (f32, &'static str) {
     let of = |p: &'static lapidary_core::brdf::Parameter| {
         let [x, y] = [a, b].map(|material| material.parameters.value(p).color());
@@ -244,7 +244,7 @@ fn a_document_of_another_program_is_read() {
     assert_eq!((map("specular_roughness").channel, map("base_metalness").channel), (Channel::G, Channel::B));
     assert_eq!((map("specular_roughness").scale, map("specular_roughness").offset.y), (Vec2::splat(4.0), -3.0));
     assert!(material.maps.get(NORMAL).is_some() && material.parameters.number("specular_roughness") == 1.0);
-    assert_eq!(remarks, ["what is left out: iridescence"]);
+    assert_eq!(remarks, ["left out: iridescence"]);
 }
 
 #[test]
@@ -259,7 +259,7 @@ fn all_that_is_not_rendered_is_told() {
                 );
                 read(&text, None).unwrap().remarks
             };
-            assert_eq!(told(0.5), [format!("what is left out: {what}")], "{input}");
+            assert_eq!(told(0.5), [format!("left out: {what}")], "{input}");
             assert_eq!(told(0.0), Vec::<String>::new(), "negative control: there is no {what}");
         }
     }
@@ -283,7 +283,7 @@ fn a_document_of_version_1_37_is_read() {
     let ReadMaterial { material, remarks } = read(text, None).unwrap();
     let map = material.maps.get("coat_color").unwrap();
     assert_eq!((map.file.as_str(), map.color_space), ("Images/brass.jpg", Some(ColorSpace::Srgb)));
-    // The weight of a metal's highlight is another thing there.
+    // The weight of a metal's highlight has another meaning there.
     assert_eq!((material.name.as_str(), material.parameters.number("specular_weight")), ("Brass", 1.0));
     assert!(remarks.len() == 1 && remarks[0].contains("line 11") && remarks[0].contains("coat_glow"), "{remarks:?}");
 }
@@ -401,7 +401,7 @@ fn open_pbr(inputs: &str) -> String {
     document(&format!("<open_pbr_surface name=\"s\" type=\"surfaceshader\">\n{inputs}\n</open_pbr_surface>"))
 }
 
-/// A value within the range that is no default, as a number and in text.
+/// A value in range that is not a default, as a number and in text.
 fn other_value(p: &Parameter) -> (Value, &'static str, &'static str) {
     match p.default {
         Value::Color(_) => (Value::Color(Vec3::new(0.125, 0.25, 0.75)), "color3", "0.125, 0.25, 0.75"),
@@ -417,7 +417,7 @@ fn what_openpbr_stores_is_read_told_and_written_again() {
         let input = format!("<input name=\"{}\" type=\"{kind}\" value=\"{text}\"/>", p.name);
         let ReadMaterial { material, remarks } = read(&open_pbr(&input), None).unwrap();
         assert_eq!(material.parameters.get(p.name), Some(value), "{}", p.name);
-        assert_eq!(remarks, [format!("what is stored and not rendered: {}", p.label.to_lowercase())]);
+        assert_eq!(remarks, [format!("stored but not rendered: {}", p.label.to_lowercase())]);
         let written = write(std::slice::from_ref(&material), Surface::OpenPbr).unwrap();
         assert_eq!((written.text.matches(&input).count(), written.remarks.len()), (1, 0), "{}", written.text);
         let again = read(&written.text, None).unwrap().material;
@@ -445,7 +445,7 @@ fn maps_of_what_openpbr_stores_are_read_as_they_are_written() {
         let read = read(&written.text, None).unwrap();
         assert_eq!(read.material.maps, material.maps, "{}", written.text);
         assert_eq!(read.material.parameters.get(p.name), Some(other_value(p).0), "{}", p.name);
-        assert_eq!(read.remarks, [format!("what is stored and not rendered: {}", p.label.to_lowercase())]);
+        assert_eq!(read.remarks, [format!("stored but not rendered: {}", p.label.to_lowercase())]);
         material.maps.set(p.name, Some(SlotFile { file: "outside.png".into(), ..map }));
         assert_ne!(read.material.maps, material.maps, "negative control");
     }
@@ -472,7 +472,8 @@ fn other_surfaces_tell_that_they_leave_out_what_is_stored() {
     glass.maps.set("thin_film_thickness", Some(slot("film.png")));
     for surface in [Surface::StandardSurface, Surface::GltfPbr] {
         let Written { text, remarks } = write(std::slice::from_ref(&glass), surface).unwrap();
-        let expected = "what it stores and does not render is left out: transmission weight, thin film thickness";
+        let expected =
+            "parameters that are stored but not rendered are left out: transmission weight, thin film thickness";
         assert!(remarks.len() == 1 && remarks[0].ends_with(expected), "{remarks:?}");
         assert!(!text.contains("film"), "{text}");
         let ggx = MaterialFile { model: BrdfModel::Ggx, ..glass.clone() };

@@ -1,4 +1,4 @@
-//! From materials to a document.
+//! Converts materials to a document.
 
 use super::{
     estimate::leave_out_patterns,
@@ -24,14 +24,14 @@ use std::{collections::BTreeSet, fmt::Display, io};
 pub struct Written {
     /// Its text.
     pub text: String,
-    /// What it does not hold, in sentences.
+    /// Features that it lacks, in sentences.
     pub remarks: Vec<String>,
 }
 
 /// Writes materials as one document of a surface. Maps name their pictures relative to the document.
 ///
 /// # Errors
-/// None but those of the memory that the text is written to.
+/// Only errors of writing to memory.
 pub fn write(materials: &[MaterialFile], surface: Surface) -> io::Result<Written> {
     let mut document = DocumentWriter {
         xml: Writer::new_with_indent(Vec::new(), b' ', 2),
@@ -54,18 +54,18 @@ type Attribute = (&'static str, String);
 struct DocumentWriter {
     xml: Writer<Vec<u8>>,
     surface: Surface,
-    /// Names that are taken.
+    /// Names in use.
     names: BTreeSet<String>,
     remarks: Vec<String>,
 }
 
-/// What an input is connected to, or its value.
+/// The connection of an input, or its value.
 enum End {
     Value(String),
     Output { graph: String, output: String },
 }
 
-/// A map of an input: how its texels become the value.
+/// A map of an input: the conversion of its texels to the value.
 struct Mapped<'a> {
     slot: &'a SlotFile,
     is_color: bool,
@@ -100,7 +100,7 @@ impl DocumentWriter {
         self.empty("input", &[("name", name.into()), ("type", kind.into()), ("nodename", node.into())])
     }
 
-    /// A name of letters, digits and underscores that no other element has, nor will with the prefix of a surface or graph.
+    /// A unique name of letters, digits and underscores. It also stays unique with the prefix of a surface or graph.
     fn name_like(&mut self, wanted: &str) -> String {
         let letters: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         let stem = if letters.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -164,7 +164,7 @@ impl DocumentWriter {
         let node = self.surface.node();
         self.open(node, &[("name", format!("SR_{name}")), ("type", "surfaceshader".into())])?;
         for (row, end) in ends {
-            // Opacity is a number here and in OpenPBR, and a color there.
+            // Opacity is a number here and in OpenPBR, and a color in the others.
             let is_color = matches!(row.default, Value::Color(_)) || row.input == "opacity";
             self.end_of(row.input, if is_color { "color3" } else { "float" }, end)?;
         }
@@ -210,7 +210,7 @@ impl DocumentWriter {
         }
     }
 
-    /// The value of an input, or the output of the nodes that are written for its map.
+    /// The value of an input, or the output of the nodes written for its map.
     fn end(&mut self, nearest: &MaterialFile, row: Row, parameter: &Parameter, graph: &str) -> io::Result<End> {
         let value = nearest.parameters.value(parameter);
         let unpowered = |x: f32| if row.power == 1.0 { x } else { x.max(0.0).powf(1.0 / row.power) };
@@ -236,7 +236,7 @@ impl DocumentWriter {
         Ok(End::Output { graph: graph.into(), output })
     }
 
-    /// A node whose inputs are connected; returns its name.
+    /// A node with connected inputs; returns its name.
     fn node(
         &mut self,
         category: &'static str,

@@ -43,7 +43,7 @@ fn truncated_files_are_errors_and_corrupt_ones_never_panic() {
         assert!(import(&files.add(name, bytes)).is_ok(), "{name}");
         for length in (0..bytes.len()).step_by(3) {
             let result = import(&files.add(name, &bytes[..length]));
-            // An OBJ cut between faces is a smaller OBJ, and closing blanks are no loss.
+            // An OBJ cut between faces is a smaller OBJ, and trailing whitespace is no loss.
             let may_pass = *name == "a.obj" || bytes[length..].trim_ascii().is_empty();
             assert!(may_pass || result.is_err(), "{name} cut to {length} bytes");
         }

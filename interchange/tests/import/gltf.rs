@@ -1,4 +1,4 @@
-//! glTF, made in the tests by hand.
+//! glTF files made by hand in the tests.
 
 use super::*;
 use lapidary_core::brdf::{BrdfModel, GgxParameters, OpenPbrParameters};

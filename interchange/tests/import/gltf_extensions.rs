@@ -1,4 +1,4 @@
-//! Extensions of glTF: what is required and not known, variants, and what materials say by them.
+//! Extensions of glTF: unknown required ones, variants, and extensions of materials.
 
 use super::{
     gltf::{Gltf, QUAD},
@@ -74,7 +74,7 @@ fn variants_are_listed_and_chosen_by_name() {
     assert!(import_with(&other, &options).unwrap_err().to_string().contains("it has none"));
 }
 
-/// Two primitives of one material of which only the first changes with the variant.
+/// Two primitives of one material; only the first changes with the variant.
 #[test]
 fn parts_know_their_material_in_every_variant_whichever_is_chosen() {
     let scene = Gltf {
@@ -121,7 +121,7 @@ fn a_stretched_highlight_is_kept_with_a_texture_of_roughness_and_below_a_coat() 
     assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?} {expected:?}");
     let of_factor = widths(parameters.number("roughness"), parameters.number("anisotropy"));
     assert!((of_factor[0] - expected[0]).abs() > 0.1, "negative control: the lobe of the factor");
-    // The factor alone has no room for a stretch, and there is one all the same.
+    // The factor alone leaves no room for a stretch, but the lobe has one.
     let widest = with_factor(1.0);
     let parameters = &widest.scene.materials[0].parameters;
     assert!(parameters.number("anisotropy") > 0.4 && parameters.number("roughness") == 1.0);

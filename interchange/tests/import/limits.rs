@@ -1,4 +1,4 @@
-//! Files that ask for more memory than an import may take are refused before it is taken, with both numbers.
+//! Files that need more memory than an import may take are refused before allocation, with both numbers.
 
 use super::{gltf::QUAD, *};
 use lapidary_core::image::Image;
@@ -10,7 +10,7 @@ fn within(budget: u64, path: &Path) -> Result<Imported, ImportError> {
     import_with(path, &ImportOptions { budget: Some(budget), ..Default::default() })
 }
 
-/// Checks that an import is refused by its budget of 10 MB, and says so.
+/// Checks that an import is refused by its budget of 10 MB, with a message.
 fn check_refused(path: &Path) {
     let error = within(10 * MEGABYTE, path).map(|imported| imported.report).unwrap_err();
     assert!(matches!(error, ImportError::Memory { needed: 11.., available: 10, .. }), "{error}");
@@ -32,7 +32,7 @@ fn a_sparse_accessor_without_a_view_is_counted() {
         format!("{}{sparse}{}", &text[..start], &text[end..])
     };
     check_refused(&files.add("positions.gltf", json(r#"{"bufferView": 0, "componentType""#)));
-    // One that is no positions is not read where its count differs from theirs.
+    // Attributes with another count than the positions are not read.
     let uvs = json(r#"{"bufferView": 2, "componentType""#);
     let error = within(10 * MEGABYTE, &files.add("uvs.gltf", uvs)).unwrap_err();
     assert!(matches!(error, ImportError::Parse { .. }), "{error}");
@@ -101,7 +101,7 @@ fn texts_and_elements_of_the_other_formats_are_counted() {
         " 0 1 2".repeat(many)
     );
     check_refused(&files.add("c.ply", ply));
-    // So is a name, wherever it stands.
+    // Names take memory, too, wherever they are.
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
     let names = |text: fn(usize) -> String| (0..10_000).map(text).collect::<String>();
     check_refused(&files.add("e.obj", format!("{triangle}{}", names(|i| format!("usemtl {i}\n")))));

@@ -1,4 +1,4 @@
-//! Imports of small scenes whose right answer is known, and of damaged ones, which are errors and never panics.
+//! Imports of small scenes with known answers, and of damaged ones, which are errors and never panics.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may panic as the tests do")]
 
 mod damage;

@@ -1,4 +1,4 @@
-//! Materials in files of their own.
+//! Materials in separate files.
 
 use super::*;
 use lapidary_core::{
@@ -108,7 +108,7 @@ fn numbers_of_a_material_file_are_kept_in_range_aloud() {
     assert_eq!(load_material(&good, &mut Scene::default(), &ImportOptions::default()).unwrap().1, [""; 0]);
 }
 
-/// A document of two materials, the first of which has a map.
+/// A document of two materials; the first has a map.
 const MATERIALX: &str = r#"<?xml version="1.0"?>
 <materialx version="1.39" colorspace="lin_rec709">
   <image name="picture" type="color3">

@@ -1,4 +1,4 @@
-//! Whatever numbers a file holds, the scene has numbers in their ranges, or the file is refused by its name.
+//! Whatever numbers a file has, the scene's numbers are in range, or the file is refused by name.
 
 use super::{gltf::Gltf, *};
 use lapidary_core::{
@@ -107,7 +107,7 @@ fn a_picture_that_is_not_finite_is_repaired_aloud() {
     assert!(warnings.contains("2 texels of the texture \"odd.exr\""), "{warnings}");
 }
 
-/// Numbers as files have them, extreme ones more often than not.
+/// Numbers as in files, mostly extreme ones.
 fn number() -> impl Strategy<Value = String> {
     prop_oneof![
         (-2.0..2.0f64).prop_map(|x| x.to_string()),
@@ -119,12 +119,12 @@ fn number() -> impl Strategy<Value = String> {
 }
 
 fn numbers(count: usize) -> impl Strategy<Value = Vec<String>> {
-    // Most stay as they are in a good file, so that many files get far.
+    // Most stay as in a valid file, so that many files get far.
     let kept = prop_oneof![3 => Just(None), 1 => number().prop_map(Some)];
     prop::collection::vec(kept, count).prop_map(|numbers| numbers.into_iter().map(Option::unwrap_or_default).collect())
 }
 
-/// Puts numbers in the places of `text` that hold `@GOOD@`; an empty one is the good one.
+/// Replaces each `@GOOD@` in `text` by a number; an empty one becomes GOOD.
 fn filled(text: &str, numbers: &[String]) -> String {
     let places = text.split('@').enumerate();
     let mut numbers = numbers.iter();

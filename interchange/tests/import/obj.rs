@@ -1,4 +1,4 @@
-//! OBJ and MTL, and files that cannot be found.
+//! OBJ and MTL, and missing files.
 
 use super::*;
 use lapidary_core::brdf::{BrdfModel, OpenPbrParameters};

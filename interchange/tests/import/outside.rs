@@ -1,8 +1,8 @@
-//! Files outside the folder of a scene or a material are named, and read only if that is allowed.
+//! Files outside the folder of a scene or a material are named, and read only if allowed.
 
 use super::{gltf::QUAD, *};
 
-/// A folder with a scene's folder in it and a picture beside that, which is red.
+/// A folder that contains a scene's folder and a red picture beside it.
 fn place() -> Files {
     let files = Files::new();
     files.add_png("red.png", [1.0, 0.0, 0.0]);

@@ -28,7 +28,7 @@ fn a_rounded_prism_is_smooth_around_and_hard_at_its_rim() {
     }
     let capped = import_alone("a.obj", prism(12, true)).unwrap();
     assert_eq!(capped.scene.mesh.positions.len(), 36);
-    // Negative control: with corners of 90 degrees it is not smooth around.
+    // Negative control: with corners of 90 degrees the prism is not smooth around.
     assert_eq!(import_alone("a.obj", prism(4, false)).unwrap().scene.mesh.positions.len(), 16);
 }
 

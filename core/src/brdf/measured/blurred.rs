@@ -1,26 +1,26 @@
-//! A table blurred over half vectors: the mean over a normal distribution around each, in the plane of their x and y.
+//! A table blurred over half vectors: the mean over a normal distribution in the plane of their x and y.
 
 use super::{Level, MEASURED_SIZE, halved};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// Entries along each axis: what is blurred needs fewer.
+/// Entries along each axis; a blurred table needs fewer.
 const SIZE: [usize; 3] = [60, 45, 45];
-/// How many levels; each is twice as wide as the one before.
+/// Number of levels; each is twice as wide as the one before.
 const LEVELS: usize = 7;
-/// Width of the first.
+/// Width of the first level.
 const FIRST: f32 = 0.01;
-/// Samples of the distribution along its radius and its angle.
+/// Samples of the distribution along radius and angle.
 const SAMPLES: [usize; 2] = [24, 16];
 
-/// The blurred levels of a measured one.
+/// The blurred levels of a measured table.
 pub fn levels(measured: &Level) -> Vec<Level> {
     let coarse = coarser(measured);
     let level = |i: usize| blurred(&coarse, (FIRST * 2.0_f32.powi(i as i32)).powi(2));
     (0..LEVELS).map(level).collect()
 }
 
-/// Means over the difference vector's bins of a blurred level, for each angle of the half vector.
+/// Means over the difference-vector bins of a blurred level, for each angle of the half vector.
 fn coarser(measured: &Level) -> Vec<[f32; 3]> {
     let [n_h, n_d, n_p] = MEASURED_SIZE;
     let [_, coarse_d, coarse_p] = SIZE;
@@ -52,12 +52,12 @@ fn blurred(coarse: &[[f32; 3]], spread: f32) -> Level {
     Level { size: SIZE, spread, entries }
 }
 
-/// Angle of a half vector in the middle of a bin.
+/// Angle of a half vector at the center of a bin.
 fn middle(bin: usize, bins: usize) -> f32 {
     FRAC_PI_2 * ((bin as f32 + 0.5) / bins as f32).powi(2)
 }
 
-/// The weights of the measured angles in the mean around one. What leaves the hemisphere does not count.
+/// Weights of the measured angles in the mean around one. Angles beyond the hemisphere do not count.
 fn weights(theta: f32, spread: f32) -> [f32; MEASURED_SIZE[0]] {
     let [radii, turns] = SAMPLES;
     let mut weights = [0.0; MEASURED_SIZE[0]];

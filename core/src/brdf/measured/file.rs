@@ -1,26 +1,26 @@
-//! MERL's `.binary` files, and the packed form that datasets have.
+//! MERL's `.binary` files, and their packed form in datasets.
 
 use super::{ENTRIES, MEASURED_SIZE, Measured, MeasuredError, halved};
 use half::f16;
 use std::collections::VecDeque;
 
-/// Bytes of the three sizes that a file begins with.
+/// Bytes of the three sizes at the start of a file.
 const HEAD_BYTES: usize = 12;
-/// Bytes of a file.
+/// Size of a file, in bytes.
 pub const FILE_BYTES: usize = HEAD_BYTES + 3 * 8 * ENTRIES;
-/// Bytes of the packed form.
+/// Size of the packed form, in bytes.
 const PACKED_BYTES: usize = 3 * 2 * ENTRIES;
 /// Reflectance of a unit of red, green and blue.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
-/// Largest entry. A mirror as sharp as the table has 1e6.
+/// Largest entry. A mirror as sharp as the table allows has 1e6.
 const MOST: f64 = 1e9;
 
 impl Measured {
-    /// Reads the contents of a `.binary` file: three sizes of 32 bits, and the planes of red, green and blue, in 64-bit floats.
-    /// Negative entries were not measured and are filled in from what is near.
+    /// Reads the contents of a `.binary` file: three sizes of 32 bits, and the planes of red, green and blue, in 64-bit
+    /// floats. Negative entries were not measured and are filled in from their neighbors.
     ///
     /// # Errors
-    /// Another size, or numbers that are no reflectance.
+    /// Another size, or values that are not reflectances.
     pub fn from_merl(bytes: &[u8]) -> Result<Self, MeasuredError> {
         let (head, planes) = bytes.split_at_checked(HEAD_BYTES).ok_or(MeasuredError::Short(bytes.len() as u64))?;
         let found: [i32; 3] = std::array::from_fn(|i| i32::from_le_bytes(four(&head[4 * i..])));
@@ -53,10 +53,10 @@ impl Measured {
         numbers.flat_map(|&x| f16::from_f32(x).to_le_bytes()).collect()
     }
 
-    /// From what [`Self::packed`] gave.
+    /// Reads the bytes of [`Self::packed`].
     ///
     /// # Errors
-    /// Another length, or numbers that are no reflectance.
+    /// Another length, or values that are not reflectances.
     pub fn from_packed(bytes: &[u8]) -> Result<Self, MeasuredError> {
         check_length(bytes.len(), PACKED_BYTES)?;
         let number = |pair: &[u8]| f16::from_le_bytes([pair[0], pair[1]]).to_f32();
@@ -81,7 +81,7 @@ impl Measured {
         Self::new(entries, filled)
     }
 
-    /// As a `.binary` file.
+    /// Contents of a `.binary` file.
     #[cfg(any(test, feature = "test-scenes"))]
     pub fn to_merl(&self) -> Vec<u8> {
         let sizes = MEASURED_SIZE.iter().flat_map(|&n| (n as i32).to_le_bytes());
@@ -103,7 +103,7 @@ fn check_length(found: usize, expected: usize) -> Result<(), MeasuredError> {
     }
 }
 
-/// Gives negative entries the values of the nearest others, a step along one axis at a time. Returns how many.
+/// Fills negative entries with the nearest values, one step along an axis at a time. Returns their number.
 fn fill(entries: &mut [[f32; 3]]) -> Result<usize, MeasuredError> {
     let is_measured = |entry: &[f32; 3]| entry[0] >= 0.0;
     let mut reached: VecDeque<usize> = (0..entries.len()).filter(|&i| is_measured(&entries[i])).collect();
@@ -122,7 +122,7 @@ fn fill(entries: &mut [[f32; 3]]) -> Result<usize, MeasuredError> {
     Ok(missing)
 }
 
-/// The entries beside one; azimuths repeat.
+/// Neighbors of an entry; azimuths repeat.
 fn neighbours(index: usize) -> [Option<usize>; 6] {
     let [n_h, n_d, n_p] = MEASURED_SIZE;
     let (h, d, p) = (index / (n_d * n_p), index / n_p % n_d, index % n_p);
@@ -137,7 +137,7 @@ fn neighbours(index: usize) -> [Option<usize>; 6] {
     ]
 }
 
-/// Directions to light and eye in the middle of an entry.
+/// Directions to light and eye at the center of an entry.
 #[cfg(any(test, feature = "test-scenes"))]
 pub(super) fn directions(index: usize) -> [glam::Vec3; 2] {
     use glam::{Quat, Vec3};

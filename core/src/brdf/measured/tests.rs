@@ -1,4 +1,4 @@
-//! Tables against the BRDF that they are of, and files that are none.
+//! Tables against their source BRDF, and invalid files.
 
 use super::{file::FILE_BYTES, *};
 use crate::{
@@ -111,7 +111,7 @@ fn files_and_packed_tables_are_read_as_they_were_written() {
     assert_ne!(tabulated(0.41).hash(), table.hash(), "negative control");
 }
 
-/// A file with a number at an entry of a channel.
+/// A file with one entry replaced.
 fn with(file: &[u8], channel: usize, index: usize, number: f64) -> Vec<u8> {
     let mut changed = file.to_vec();
     changed[12 + 8 * (channel * ENTRIES + index)..][..8].copy_from_slice(&number.to_le_bytes());
@@ -153,7 +153,7 @@ fn a_broken_file_is_an_error_that_says_what_is_wrong() {
     assert!(Measured::from_packed(&[0; 6]).is_err());
 }
 
-/// The index of an entry as the database's own reader has it, in double precision.
+/// Index of an entry by the method of the database's own reader, in double precision.
 fn index_of(wi: Vec3, wo: Vec3) -> usize {
     use std::f64::consts::{FRAC_PI_2, PI};
     let (wi, wo) = (wi.as_dvec3().normalize(), wo.as_dvec3().normalize());

@@ -1,4 +1,4 @@
-//! What a module may hold: a function `brdf` of the parameters and two directions, with what it calls, of constructs that the
+//! Checks of a module: a function `brdf` of the parameters and two directions, with its callees, of constructs that the
 //! interpreter knows.
 
 use super::{WrittenError, operations::is_known};
@@ -9,18 +9,18 @@ use naga::{
 
 /// Name of the function.
 pub const ROOT: &str = "brdf";
-/// How it must be declared.
+/// Required signature.
 pub const SIGNATURE: &str = "fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32>";
-/// Most expressions of all functions, and elements of an array.
+/// Largest number of expressions in all functions, and of elements in an array.
 const MOST_EXPRESSIONS: usize = 20_000;
 const MOST_ELEMENTS: u32 = 1024;
-/// Most numbers of a value, and of all variables of a function: the interpreter copies them.
+/// Largest count of numbers in a value, and in all variables of a function: the interpreter copies them.
 const MOST_NUMBERS: u64 = 4096;
 
 /// Checks a module and finds its function.
 ///
 /// # Errors
-/// The first construct that it may not hold, with its line.
+/// The first forbidden construct, with its line.
 pub fn check(module: &Module, text: &str) -> Result<Handle<Function>, WrittenError> {
     let refused = |span: Span, what: &str| WrittenError::in_span(text, span, what.into());
     if let Some((handle, _)) = module.global_variables.iter().next() {
@@ -76,7 +76,7 @@ fn has_signature(module: &Module, function: &Function) -> bool {
         && function.result.as_ref().is_some_and(|result| is_direction(result.ty))
 }
 
-/// How many numbers a value has; `before` are those of the types that it may be made of.
+/// Count of numbers in a value; `before` holds the counts of its component types.
 fn checked_numbers(ty: &TypeInner, before: &[u64]) -> Result<u64, String> {
     let numbers = match *ty {
         TypeInner::Vector { size, .. } => size as u64,

@@ -10,25 +10,25 @@ use crate::brdf::{BrdfModel, MOST_NUMBERS, Parameter, SurfaceParameters, Value};
 use glam::Vec3;
 use std::sync::{LazyLock, Mutex};
 
-/// What a line begins with.
+/// Start of a line that declares a parameter.
 const MARK: &str = "// @parameter";
-/// Most parameters: shaders have room for so many.
+/// Largest number of parameters: the room in shaders.
 const MOST: usize = 32;
 
-/// All lists that were read, each once: panels, sweeps and shaders hold on to them. What stays for ever is thus bounded by
-/// the heads that differ, not by how often a file is read.
+/// All parameter lists read so far, once each. Panels, sweeps and shaders refer to them for good. The leak is bounded
+/// by the number of different heads, not of reads.
 static KNOWN: LazyLock<Mutex<Vec<&'static [Parameter]>>> = LazyLock::new(Mutex::default);
 
-/// What the files that were read declare, the newest first.
+/// Declarations of all files read so far, newest first.
 pub fn all_declared() -> Vec<&'static Parameter> {
     let known = KNOWN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     known.iter().rev().copied().flatten().collect()
 }
 
-/// The list in the comments of a text, and then what all materials have.
+/// The list in the comments of a text, followed by the parameters of all materials.
 ///
 /// # Errors
-/// A line that declares nothing, or something that another has.
+/// A line that is invalid or repeats a declaration.
 pub fn parameters(text: &str) -> Result<&'static [Parameter], WrittenError> {
     let mut list: Vec<Line> = Vec::new();
     for (index, line) in text.lines().enumerate() {
@@ -80,20 +80,20 @@ impl<'a> Line<'a> {
         matches!(self.default, Value::Color(_))
     }
 
-    /// Whether it declares just this.
+    /// Whether the line declares exactly `p`.
     fn says(&self, p: &Parameter) -> bool {
         (self.name, self.label, self.unit, self.help.as_str()) == (p.name, p.label, p.unit, p.help)
             && (self.default, self.range) == (p.default, p.range)
     }
 
-    /// What it declares, for ever.
+    /// The declaration, leaked.
     fn kept(&self) -> Parameter {
         let leaked = |text: &str| -> &'static str { Box::leak(text.to_owned().into_boxed_str()) };
         let number = Parameter::number(leaked(self.label), self.range, 0.0, leaked(&self.help));
         Parameter { default: self.default, unit: leaked(self.unit), ..number }.named(leaked(self.name))
     }
 
-    /// The fields behind the mark.
+    /// Parses the fields behind the mark.
     fn read(rest: &'a str) -> Result<Self, String> {
         let fields: Vec<&str> = rest.split('|').map(str::trim).collect();
         let &[name, label, kind, default, range, unit, help] = &fields[..] else {
@@ -104,7 +104,7 @@ impl<'a> Line<'a> {
         };
         let number = |text: &str| match text.trim().parse::<f32>() {
             Ok(x) if x.is_finite() => Ok(x),
-            _ => Err(format!("\"{text}\" is no number")),
+            _ => Err(format!("\"{text}\" is not a number")),
         };
         let (low, high) =
             range.split_once("..").ok_or(format!("the range \"{range}\" is not two numbers with .. between"))?;
@@ -127,12 +127,12 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The name is one of WGSL and of files, and means what it does elsewhere.
+/// The name is valid in WGSL and in files, and means the same as elsewhere.
 fn check_name(line: &Line, before: &[Line]) -> Result<(), String> {
     let name = line.name;
     let is_lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_lower) || name.contains("__") {
-        return Err(format!("\"{name}\" is no name; use lower-case letters, digits and _"));
+        return Err(format!("\"{name}\" is not a name; use lower-case letters, digits and _"));
     }
     if before.iter().any(|p| p.name == name) {
         return Err(format!("the parameter {name} is declared twice"));
@@ -154,7 +154,7 @@ fn check_name(line: &Line, before: &[Line]) -> Result<(), String> {
     Ok(())
 }
 
-/// The structure of the parameters in WGSL. On one line behind the text, so that lines keep their numbers.
+/// The structure of the parameters in WGSL. It is one line behind the text, so line numbers stay.
 pub fn structure(list: &[Parameter]) -> String {
     let member = |p: &Parameter| format!(" {}: {},", p.name, if p.is_color() { "vec3<f32>" } else { "f32" });
     format!("\nstruct Parameters {{{} }}\n", list.iter().map(member).collect::<String>())

@@ -1,17 +1,17 @@
-//! Makes a module end: each turn of a loop and each call is counted, and past a limit loops break and functions return zero. The
-//! counter is in the module itself, so that the interpreter and shaders do the same.
+//! Makes a module terminate: iterations and calls are counted, and past a limit loops break and functions return zero.
+//! The counter is in the module itself, so interpreter and shaders behave the same.
 
 use naga::{
     AddressSpace, BinaryOperator, Block, Expression, Function, GlobalVariable, Handle, Literal, MemoryDecorations,
     Module, Range, Scalar, Span, Statement, Type, TypeInner,
 };
 
-/// Most turns and calls of one evaluation.
+/// Largest number of iterations and calls in one evaluation.
 pub const MOST_STEPS: u32 = 4096;
 /// Name of the counter.
 pub const STEPS: &str = "steps_taken";
 
-/// Counts in all functions; `root` sets the counter to zero.
+/// Adds counting to all functions; `root` resets the counter.
 pub fn bound(module: &mut Module, root: Handle<Function>) -> Handle<GlobalVariable> {
     let ty = Type { name: None, inner: TypeInner::Scalar(Scalar::U32) };
     let ty = module.types.insert(ty, Span::UNDEFINED);
@@ -62,7 +62,7 @@ fn bound_loops(block: &mut Block, function: &mut Function, counter: Handle<Globa
     }
 }
 
-/// Adds one to the counter, and past the limit does `leave`.
+/// Increments the counter and executes `leave` past the limit.
 fn counted(function: &mut Function, counter: Handle<GlobalVariable>, leave: Statement) -> Block {
     let mut add = |expression| function.expressions.append(expression, Span::UNDEFINED);
     let pointer = add(Expression::GlobalVariable(counter));
@@ -85,7 +85,7 @@ fn reset(function: &mut Function, counter: Handle<GlobalVariable>) -> Block {
     Block::from_vec(vec![Statement::Store { pointer, value }])
 }
 
-/// The module with `prefix` before all its names, so that they are no others' in a shader.
+/// The module with `prefix` before all its names, to avoid clashes in a shader.
 pub fn renamed(module: &Module, prefix: &str) -> Module {
     let mut module = module.clone();
     let with_prefix = |name: &mut Option<String>| {
@@ -96,7 +96,7 @@ pub fn renamed(module: &Module, prefix: &str) -> Module {
     module.functions.iter_mut().for_each(|(_, function)| with_prefix(&mut function.name));
     module.constants.iter_mut().for_each(|(_, constant)| with_prefix(&mut constant.name));
     module.global_variables.iter_mut().for_each(|(_, variable)| with_prefix(&mut variable.name));
-    // Those without a name are written out where they are used.
+    // Unnamed types are written out where they are used.
     let named = module.types.iter().filter(|(_, ty)| ty.name.is_some());
     let named: Vec<_> = named.map(|(handle, ty)| (handle, ty.clone())).collect();
     for (handle, mut ty) in named {

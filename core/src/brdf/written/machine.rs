@@ -1,4 +1,4 @@
-//! Interprets the functions of a module that was checked: see `check.rs` for what they may hold.
+//! Interprets the functions of a checked module; see `check.rs` for the allowed constructs.
 
 use super::{
     operations::{binary, converted, math, relational, unary},
@@ -6,24 +6,24 @@ use super::{
 };
 use naga::{Block, Expression, Function, Handle, Literal, LocalVariable, Module, ScalarKind, Statement, SwitchValue};
 
-/// Most calls within each other: each takes room on the stack.
+/// Deepest nesting of calls: each takes stack space.
 const MOST_DEPTH: u32 = 64;
 
-/// A run of a module: its variables, and how many statements it may still do.
+/// An execution of a module: its variables and the remaining statements.
 pub struct Machine<'a> {
     module: &'a Module,
     /// Private variables of the module.
     globals: Vec<Val>,
     statements: u32,
-    /// Calls under way.
+    /// Current call depth.
     depth: u32,
 }
 
-/// It did not end within its statements, or called too deep.
+/// The evaluation exceeded its statements or call depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Endless;
 
-/// How a block ends.
+/// How a block exits.
 enum Flow {
     Next,
     Break,
@@ -31,7 +31,7 @@ enum Flow {
     Return(Option<Val>),
 }
 
-/// Where a pointer leads.
+/// Target of a pointer.
 struct Place {
     root: Root,
     path: Vec<usize>,
@@ -42,17 +42,17 @@ enum Root {
     Global(usize),
 }
 
-/// A call under way.
+/// An active call.
 struct Frame<'f> {
     function: &'f Function,
     arguments: Vec<Val>,
     locals: Vec<Val>,
-    /// Of expressions that were emitted, and of calls.
+    /// Values of emitted expressions and of calls.
     values: Vec<Option<Val>>,
 }
 
 impl<'a> Machine<'a> {
-    /// With so many statements.
+    /// A machine with a limit of statements.
     pub fn new(module: &'a Module, statements: u32) -> Self {
         let mut machine = Self { module, globals: Vec::new(), statements, depth: 0 };
         for (_, variable) in module.global_variables.iter() {
@@ -138,7 +138,7 @@ impl<'a> Machine<'a> {
                     frame.values[result.index()] = Some(value);
                 }
             }
-            // All else is refused when a module is read.
+            // Reading the module rejects everything else.
             _ => {}
         }
         Ok(Flow::Next)
@@ -183,7 +183,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// The value of an expression that was emitted, or that needs not be.
+    /// The value of an expression.
     fn value(&self, frame: &Frame, handle: Handle<Expression>) -> Val {
         frame.values[handle.index()].clone().unwrap_or_else(|| self.evaluated(frame, handle))
     }
@@ -212,14 +212,14 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// The value of an expression of the module itself.
+    /// The value of a constant expression of the module.
     fn constant(&self, handle: Handle<Expression>) -> Val {
         self.computed(&self.module.global_expressions[handle], &|handle| self.constant(handle), &|handle| {
             self.constant(handle).flat()
         })
     }
 
-    /// An expression of values that `value` gives.
+    /// Evaluates an expression; `value` gives its operands.
     fn computed(
         &self,
         expression: &Expression,
@@ -259,7 +259,7 @@ impl<'a> Machine<'a> {
                 math(fun, &first, [second.as_ref().unwrap_or(&first), third.as_ref().unwrap_or(&first)])
             }
             Expression::As { expr, kind, convert } => converted(&value(expr), kind, convert.is_none()),
-            // All else is refused when a module is read.
+            // Reading the module rejects everything else.
             _ => Val::Flat(Flat::float(f32::NAN)),
         }
     }
@@ -284,7 +284,7 @@ impl<'a> Machine<'a> {
             Expression::AccessIndex { base, index } => self.inside(frame, base, index as usize),
             Expression::Access { base, index } => self.inside(frame, base, self.flat(frame, index).index()),
             Expression::GlobalVariable(global) => Place { root: Root::Global(global.index()), path: Vec::new() },
-            // Pointers are checked when a module is read.
+            // Reading the module checks pointers.
             ref other => unreachable!("no pointer: {other:?}"),
         }
     }
@@ -302,7 +302,7 @@ fn literal_value(literal: Literal) -> Flat {
         Literal::U32(x) => Flat::scalar(ScalarKind::Uint, x),
         Literal::I32(x) => Flat::scalar(ScalarKind::Sint, x as u32),
         Literal::Bool(is) => Flat::truth(is),
-        // All else is refused when a module is read.
+        // Reading the module rejects everything else.
         _ => Flat::float(f32::NAN),
     }
 }

@@ -25,7 +25,7 @@ pub fn binary(op: Op, a: &Val, b: &Val) -> Val {
         (Val::Many(a), Val::Many(b)) => Val::Many(a.iter().zip(b).map(|(a, b)| binary(op, a, b)).collect()),
         (Val::Many(a), Val::Flat(b)) if b.len > 1 => Val::Flat(times_vector(a, b)),
         (Val::Many(a), b) => Val::Many(a.iter().map(|a| binary(op, a, b)).collect()),
-        // A row times a matrix.
+        // A row vector times a matrix.
         (Val::Flat(a), Val::Many(b)) if a.len > 1 => {
             Val::Flat(Flat::floats(&b.iter().map(|column| a.dot(&column.flat())).collect::<Vec<_>>()))
         }
@@ -53,7 +53,7 @@ fn flat_binary(op: Op, a: &Flat, b: &Flat) -> Flat {
     };
     match op {
         Op::Equal => compared(std::cmp::Ordering::is_eq),
-        // What is not a number is unequal to all.
+        // NaN is unequal to everything.
         Op::NotEqual => flat_binary(Op::Equal, a, b).map(Kind::Bool, |x| x ^ 1),
         Op::Less => compared(std::cmp::Ordering::is_lt),
         Op::LessEqual => compared(std::cmp::Ordering::is_le),
@@ -78,7 +78,7 @@ fn arithmetic(op: Op, a: &Flat, b: &Flat) -> Flat {
             Op::Divide => a / b,
             _ => a % b,
         }),
-        // Dividing by zero gives the dividend, and the rest 0.
+        // Division by zero gives the dividend, and remainder 0.
         Kind::Sint => a.zip(b, Kind::Sint, |a, b| {
             let (a, b) = (a as i32, b as i32);
             (match op {
@@ -130,7 +130,7 @@ pub fn relational(fun: RelationalFunction, flat: &Flat) -> Flat {
     }
 }
 
-/// Whether a function is one of those that [`math`] knows.
+/// Whether [`math`] implements a function.
 pub fn is_known(fun: Math) -> bool {
     use Math::*;
     matches!(
@@ -184,7 +184,7 @@ pub fn is_known(fun: Math) -> bool {
     )
 }
 
-/// A function of up to three arguments; those that it lacks are the first.
+/// Evaluates a function of up to three arguments; missing arguments repeat the first.
 pub fn math(fun: Math, first: &Val, others: [&Val; 2]) -> Val {
     if let Val::Many(columns) = first {
         return of_matrix(fun, columns);

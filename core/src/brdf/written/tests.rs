@@ -1,4 +1,4 @@
-//! The interpreter against the same functions in Rust, and texts that are no BRDFs.
+//! The interpreter against the same functions in Rust, and invalid texts.
 
 use super::*;
 use crate::{
@@ -11,7 +11,7 @@ fn with(function: &str) -> String {
     format!("// @parameter x | X | number | 0.5 | 0..1 | m | What it is.\n{function}\n")
 }
 
-/// With this body of the function.
+/// A text with this body of the function.
 fn body(body: &str) -> String {
     with(&format!("fn brdf(p: Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {{ {body} }}"))
 }
@@ -51,7 +51,7 @@ fn gloss_has_the_values_that_rust_computes() {
     assert!(differ > 50, "negative control: {differ} of 200");
 }
 
-/// Each body gives its number in all three components.
+/// Each body gives the expected number in all three components.
 #[test]
 fn statements_and_functions_do_what_wgsl_says() {
     let wi = Vec3::new(0.48, 0.0, 0.877_268_5);
@@ -144,13 +144,13 @@ fn parameters_that_cannot_be_are_told_with_their_line() {
     let declared = |line: &str| refused(&(line.to_owned() + "\n" + &body("return vec3(0.1);")));
     for (line, expected) in [
         ("// @parameter a | A | number | 2 | 0..1 | | H.", "line 1: the default is not in the range 0 to 1"),
-        ("// @parameter a | A | number | nan | 0..1 | | H.", "is no number"),
+        ("// @parameter a | A | number | nan | 0..1 | | H.", "is not a number"),
         ("// @parameter a | A | number | 0.5 | 1..0 | | H.", "from a lower to a higher"),
         ("// @parameter a | A | number | 0.5 | 0-1 | | H.", "two numbers with .. between"),
         ("// @parameter a | A | flag | 0.5 | 0..1 | | H.", "the kind is number or color"),
         ("// @parameter a | A | color | 0.5 | 0..1 | | H.", "a color three"),
         ("// @parameter a | A | number", "has 7 fields"),
-        ("// @parameter A b | A | number | 0.5 | 0..1 | | H.", "is no name"),
+        ("// @parameter A b | A | number | 0.5 | 0..1 | | H.", "is not a name"),
         ("// @parameter bump | A | number | 0.5 | 0..1 | | H.", "is the name of a map"),
         ("// @parameter roughness | A | number | 0.5 | 0..9 | | H.", "in other models"),
         ("// @parameter roughness | A | color | 0 0 0 | 0..1 | | H.", "in other models"),
@@ -191,8 +191,8 @@ fn what_never_ends_or_is_no_reflectance_is_refused() {
     assert!(told.contains("does not end"), "{told}");
     assert!(Written::new(&called(30)).is_ok(), "negative control");
     let told = refused(&body("return vec3(0.0) / (wi.z - wi.z);"));
-    assert!(told.contains("which is no reflectance for wi"), "{told}");
-    assert!(refused(&body("return vec3(-0.1);")).contains("no reflectance"));
+    assert!(told.contains("which is not a reflectance for wi"), "{told}");
+    assert!(refused(&body("return vec3(-0.1);")).contains("not a reflectance"));
     assert!(refused(&body("return vec3(sqrt(p.x - 0.4));")).contains("x = "), "found between the bounds");
     assert!(Written::new(&body("return vec3(0.3);")).is_ok(), "negative control");
 }

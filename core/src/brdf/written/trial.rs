@@ -1,4 +1,4 @@
-//! Tries a BRDF on some directions when it is read, with its defaults, at the bounds of its parameters, and between.
+//! Tries a BRDF on some directions when it is read: with its defaults, at the bounds of its parameters, and between.
 
 use super::{Written, WrittenError, instrument::MOST_STEPS, is_value};
 use crate::{
@@ -7,19 +7,19 @@ use crate::{
 };
 use glam::Vec3;
 
-/// Settings of the parameters that are tried.
+/// Number of parameter settings to try.
 const SETTINGS: u64 = 8;
-/// Pairs of directions for each.
+/// Pairs of directions per setting.
 const PAIRS: usize = 48;
-/// A difference of both ways, in shares of the value, that is told.
+/// Largest relative difference between both directions without a remark.
 const RECIPROCITY: f32 = 1e-3;
-/// Largest albedo that is not worth a remark.
+/// Largest albedo without a remark.
 const MOST_ALBEDO: f32 = 1.02;
 
-/// Tries it out. Returns what is to be told, in sentences.
+/// Evaluates the BRDF. Returns remarks, in sentences.
 ///
 /// # Errors
-/// Values that are none, or a function that does not end.
+/// Invalid values, or a function that does not terminate.
 pub fn try_out(written: &Written) -> Result<Vec<String>, WrittenError> {
     let mut random = fastrand::Rng::with_seed(1);
     let mut is_reciprocal = true;
@@ -49,7 +49,7 @@ pub fn try_out(written: &Written) -> Result<Vec<String>, WrittenError> {
                 return Err(endless());
             }
             if !is_value(value) {
-                return Err(refused(format!("it gives {value}, which is no reflectance")));
+                return Err(refused(format!("it gives {value}, which is not a reflectance")));
             }
             let back = written.value(&arguments, wo, wi).unwrap_or(value);
             is_reciprocal &= (value - back).length() <= RECIPROCITY * value.length().max(1e-3);
@@ -79,7 +79,7 @@ fn values(written: &Written, setting: u64, random: &mut fastrand::Rng) -> Values
     Values::of(written.parameters(), &told)
 }
 
-/// Any pair, one near the mirror's direction, or one that grazes.
+/// A random pair, one near the mirror direction, or a grazing one.
 fn directions(pair: usize, random: &mut fastrand::Rng) -> [Vec3; 2] {
     let mut above = || cosine_direction(random.f32(), random.f32());
     let (a, b) = (above(), above());

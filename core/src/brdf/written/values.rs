@@ -1,4 +1,4 @@
-//! Values of the interpreter: scalars, vectors, and what is made of them.
+//! Values of the interpreter: scalars, vectors and composites.
 
 use naga::{ScalarKind, TypeInner};
 
@@ -8,7 +8,7 @@ pub struct Flat {
     pub kind: ScalarKind,
     /// 1 for a scalar.
     pub len: u8,
-    /// Each as its kind has it; truth is 1.
+    /// Bits of each component by its kind; true is 1.
     pub bits: [u32; 4],
 }
 
@@ -43,7 +43,7 @@ impl Flat {
         f32::from_bits(self.bits[i])
     }
 
-    /// The component, of a scalar always the one.
+    /// Component `i`; a scalar has only one.
     pub fn at(&self, i: usize) -> u32 {
         self.bits[if self.len == 1 { 0 } else { i }]
     }
@@ -56,7 +56,7 @@ impl Flat {
         self.bits[0] as usize
     }
 
-    /// The same function of each component, with those of another value.
+    /// Applies a function to each component and the corresponding one of another value.
     pub fn zip(&self, other: &Self, kind: ScalarKind, f: impl Fn(u32, u32) -> u32) -> Self {
         let len = self.len.max(other.len);
         Self { kind, len, bits: std::array::from_fn(|i| if i < len.into() { f(self.at(i), other.at(i)) } else { 0 }) }
@@ -83,12 +83,12 @@ impl Val {
     pub fn flat(&self) -> Flat {
         match self {
             Self::Flat(flat) => *flat,
-            // Modules are validated: what stands for a scalar or vector is one.
+            // The validation of the module rules this out.
             Self::Many(_) => Flat::float(f32::NAN),
         }
     }
 
-    /// A component, column, member or element; the last one past the end, as on graphics cards that check bounds.
+    /// A component, column, member or element; indices past the end give the last one, as on graphics cards that check bounds.
     pub fn part(&self, index: usize) -> Self {
         match self {
             Self::Flat(flat) => Self::Flat(Flat::scalar(flat.kind, flat.bits[index.min(flat.len as usize - 1)])),
@@ -134,7 +134,7 @@ impl Val {
                 Self::Many(vec![of(base); count.get() as usize])
             }
             TypeInner::Struct { ref members, .. } => Self::Many(members.iter().map(|member| of(member.ty)).collect()),
-            // Refused when the module was read.
+            // Rejected when the module was read.
             _ => Self::Flat(Flat::float(f32::NAN)),
         }
     }

@@ -10,14 +10,14 @@ use crate::ray::OPEN;
 const HEIGHT: u32 = 9;
 const LEAVES: usize = 1 << HEIGHT;
 
-/// Luminance of all nodes, from leaves that differ by orders of magnitude.
+/// Luminance of all nodes; leaves differ by orders of magnitude.
 fn luminance(seed: u64) -> Vec<f32> {
     let mut rng = fastrand::Rng::with_seed(seed);
     let leaves: Vec<f32> = (0..LEAVES).map(|_| rng.f32().powi(8) * 100.0).collect();
     crate::light_tree::means_up_the_tree(&leaves)
 }
 
-/// A stored cut of visibility in runs of leaves.
+/// A stored visibility cut with runs of equal leaves.
 fn stored(seed: u64) -> Vec<u16> {
     let mut rng = fastrand::Rng::with_seed(seed);
     let mut leaves: Vec<u8> = Vec::new();
@@ -51,8 +51,8 @@ fn places(nodes: impl Iterator<Item = u16>) -> Vec<(usize, usize)> {
     nodes.map(place).collect()
 }
 
-/// Checks that a lit cut is one, and returns the largest share of the whole light that a node moves, and the share by which
-/// the whole changes.
+/// Checks that a lit cut is valid. Returns the largest share of the whole light that a node moves, and the relative
+/// change of the whole light.
 fn checked(values: CutValues, luminance: &[f32], nodes: &[u16], lit: &[LitNode]) -> (f32, f32) {
     assert_eq!(validate_depths(HEIGHT, lit.iter().map(|n| depth(n.packed()))), Ok(lit.len()));
     let stored = places(nodes.iter().copied());
@@ -80,7 +80,7 @@ fn no_node_moves_more_than_tau_and_the_light_stays() {
             for tau in [0.001, 0.003, 0.01, 0.1] {
                 let cut = lit(values, &luminance, tau).cut(&nodes);
                 let (moved, change) = checked(values, &luminance, &nodes, &cut);
-                // Codes of solid angles keep half a percent, those of visibility an eight-thousandth.
+                // Solid-angle codes are accurate to half a percent, visibility codes to an eight-thousandth.
                 assert!(moved < tau + 3e-3 && change < 3e-3, "{values:?} {tau}: {moved} {change}");
                 lengths.push(cut.len());
             }

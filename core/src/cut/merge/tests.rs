@@ -6,7 +6,7 @@ use super::*;
 use full_precision::{Cut, CutNode, combine, product_integral, visit_values};
 use proptest::prelude::*;
 
-/// A random cut: nodes split by a stream of decisions, values from a stream of integers.
+/// A random cut: random decisions split nodes, random integers give the values.
 fn cut(height: u32) -> impl Strategy<Value = Cut> {
     let decisions = prop::collection::vec(any::<u8>(), 1 << (height + 1));
     let values = prop::collection::vec(0_u8..=16, 1 << height);
@@ -157,7 +157,7 @@ proptest! {
     }
 }
 
-/// Swapping two nodes of one cut changes the product, unless they are alike.
+/// Swapping two unequal nodes of one cut changes the product.
 #[test]
 fn swapped_nodes_are_noticed() {
     let a = Cut::full(&[1.0, 2.0, 3.0, 4.0]);
@@ -225,7 +225,7 @@ proptest! {
 
 #[test]
 fn cuts_coarser_than_their_sigma_break_the_bound() {
-    // Negative control of the bound: two functions that vary together, as one cluster.
+    // Negative control of the bound: two correlated functions as one cluster.
     let step: Vec<f32> = (0..256).map(|i| if i < 128 { 0.0 } else { 1.0 }).collect();
     let root = Cut::new(8, vec![CutNode { depth: 0, value: 0.5 }]).unwrap();
     let errors = double_product_errors(&step, &step, [&root, &root]);

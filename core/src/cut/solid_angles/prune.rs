@@ -6,9 +6,8 @@ use super::{
 };
 use crate::cut::packed::{VALUE_MAX, depth};
 
-/// Coarsens a packed cut of solid angles of `2^height` sources. A node that meets `criterion`, judged by the stored
-/// values, replaces all nodes below it. Detail that the stored values have lost is unknown here, so a cut selected by
-/// `criterion` in the first place may be longer.
+/// Coarsens a packed cut of solid angles of `2^height` sources. A node that meets `criterion`, by the stored values, replaces all
+/// nodes below it. The stored values have lost detail, so a cut selected by `criterion` from the leaves may be longer.
 pub fn prune_sources(height: u32, criterion: SourceCriterion, cut: &[u16]) -> Vec<u16> {
     let unit = LARGEST_SOLID_ANGLE / (1_u32 << height) as f32;
     let mut pruned = Vec::with_capacity(cut.len());

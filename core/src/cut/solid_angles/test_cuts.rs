@@ -1,4 +1,4 @@
-//! Leaves and cuts for the tests of selection and of pruning.
+//! Leaves and cuts for the tests of selection and pruning.
 
 use super::*;
 use crate::cut::packed::cut_len;
@@ -6,7 +6,7 @@ use crate::cut::packed::cut_len;
 /// Height of the tree over the leaves.
 pub const HEIGHT: u32 = 10;
 
-/// Runs of alike solid angles, some hidden, some large.
+/// Runs of similar solid angles, some hidden, some large.
 pub fn leaves(seed: u64) -> Vec<f32> {
     let mut rng = fastrand::Rng::with_seed(seed);
     let unit = LARGEST_SOLID_ANGLE / 1024.0;

@@ -1,4 +1,4 @@
-//! Files of BRDFs, and materials of before.
+//! BRDF files, and materials of earlier versions.
 
 use super::{dataset, read, replace};
 use crate::{

@@ -1,4 +1,4 @@
-//! What only a reader that checks the parts of a dataset one by one finds.
+//! Damage that only the part-by-part check finds.
 
 use super::*;
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
     test_files::{FileParts, FileTensor},
 };
 
-/// Why a dataset is not written.
+/// The reason why a dataset is not written.
 pub fn refusal(dataset: &Dataset) -> String {
     dataset.validate().unwrap_err().to_string()
 }
@@ -27,7 +27,7 @@ fn a_damaged_meshless_basis_is_named() {
     let triangle = error_of(&|b| b.basis = changed(b, &|p| p.place.triangle = 1));
     assert!(triangle.contains("function 3") && triangle.contains("but there are 1"), "{triangle}");
     let place = error_of(&|b| b.basis = changed(b, &|p| p.place.barycentric.y = f32::NAN));
-    assert!(place.contains("function 3") && place.contains("no finite number"), "{place}");
+    assert!(place.contains("function 3") && place.contains("not a finite number"), "{place}");
     let links = error_of(&|b| b.transport = Transport::from_rows(&vec![vec![(0, Vec3::X)]; 5], 3));
     assert!(links.contains("5 receivers and 2 senders"), "{links}");
     let strong = Transport::from_rows(&vec![vec![(0, 100.0 * Vec3::X)]; 5], 2);

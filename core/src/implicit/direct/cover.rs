@@ -1,9 +1,9 @@
-//! Which cells of a receiver a node covers.
+//! Cells of a receiver that a node covers.
 //!
-//! A node is a disc at its center. Its axis turns toward the receiver by as much as its normals disagree, and its radius is
-//! [`OVERLAP`] times what its visible area asks: discs that tile a surface must overlap to leave no holes. A cell is covered if
-//! the ray at its middle meets the disc. The cell of the center is no exception: if it always counted as covered, outlines would
-//! grow by half a cell, and parallel squares exchange 2 % more.
+//! A node is a disc at its center. Its axis turns toward the receiver by as much as its normals disagree. Its radius is
+//! [`OVERLAP`] times the radius of its visible area: discs that tile a surface must overlap to leave no holes. A cell
+//! is covered if the ray through its center meets the disc. The cell of the node's center is no exception: if it always
+//! counted as covered, outlines would grow by half a cell, and parallel squares would exchange 2 % more.
 
 use super::{
     BinLayout,
@@ -18,31 +18,30 @@ use crate::{
 use glam::Vec3;
 use std::f32::consts::{FRAC_2_PI, PI};
 
-/// Radius of a disc in radii of a circle of its area. Discs reach over outlines and leave holes between them, and this is where both
-/// are small: at 1.26 parallel squares exchange 0.209 in place of 0.200 and a closed room of 4,096 surfels sees 0.4 % of the sky, at 1.1
-/// it is 0.198 and 2.2 %.
+/// Radius of a disc in radii of a circle of its area. Discs exceed outlines and leave holes between them; this value
+/// keeps both small. At 1.26 parallel squares exchange 0.209 instead of 0.200 and a closed room of 4,096 surfels sees
+/// 0.4 % of the sky; at 1.1 they exchange 0.198 and it sees 2.2 %.
 pub const OVERLAP: f32 = 1.175;
 /// Cells tested at once.
 const LANES: usize = 8;
-/// The most cells with a margin, so that eight can be read from any.
+/// Largest number of cells, with a margin so that eight can be read from any.
 pub const PADDED: usize = BinLayout::FINEST.cells.len() + LANES;
 
-/// The largest slope of the concentric map: how far a step of one in the unit disc leads in the square, half of
-/// `√(1 + (4/π)²)`.
+/// The largest slope of the concentric map from the unit disc to the square, half of `√(1 + (4/π)²)`.
 pub const STEEPEST: f32 = 0.5 * 1.62;
-/// Sine of the angle between center and edge of a disc up to which [`CHORD`] holds; larger ones are looked for everywhere.
+/// Sine of the angle between center and edge of a disc up to which [`CHORD`] holds; larger discs are tested against all cells.
 pub const WIDE: f32 = 0.7;
-/// Most that the distance between the directions of center and edge exceeds that sine.
+/// Largest ratio of the distance between the directions of center and edge to that sine.
 pub const CHORD: f32 = 1.09;
 
-/// Directions at the middles of the cells in the frame of a receiver. Those of the margin are zero, which meets no disc.
+/// Directions at the cell centers in the frame of a receiver. The margin has zero vectors, which meet no disc.
 pub struct CellDirections {
     side: usize,
     directions: [[f32; PADDED]; 3],
 }
 
 impl CellDirections {
-    /// Of all cells.
+    /// Directions of all cells.
     pub fn new(cells: HemisphereCells) -> Self {
         let of_cell = |cell: usize| if cell < cells.len() { cells.direction_of(cell) } else { Vec3::ZERO };
         let of_all: [Vec3; PADDED] = std::array::from_fn(of_cell);
@@ -63,7 +62,7 @@ impl CellDirections {
 /// The bins of a receiver, with a margin.
 pub type Filled = [u32; PADDED];
 
-/// Bins without anything.
+/// Empty bins.
 pub const NOTHING: Filled = [EMPTY; PADDED];
 
 /// Enters nodes into the bins that they cover.
@@ -93,7 +92,7 @@ struct Discs<L> {
 }
 
 impl<L: Lanes> Discs<L> {
-    /// Of up to eight nodes.
+    /// The discs of up to eight nodes.
     #[inline(always)]
     fn new(nodes: &[u32], blocks: &[Block]) -> Self {
         let mut rows = [[0.0; LANES]; 8];
@@ -111,7 +110,7 @@ impl<L: Lanes> Discs<L> {
         Self { center: vector(0), axis: vector(3), coherence: L::new(rows[6]), area: L::new(rows[7]) }
     }
 
-    /// In the frame of a receiver with `side` cells along an edge of its square.
+    /// The discs in the frame of a receiver with `side` cells along an edge of its square.
     #[inline(always)]
     fn seen_from(self, receiver: &Receiver, side: f32) -> Seen {
         let offset = local(self.center - Vec3x8::splat(receiver.position), receiver);
@@ -128,7 +127,7 @@ impl<L: Lanes> Discs<L> {
         let is_seen = cosine.simd_gt(L::splat(GRAZING));
         // A plane that faces away meets no ray.
         let scale = is_seen.select(-inverse / cosine, L::splat(0.0));
-        // At most all of its area: of what faces partly away the axis may be nearly at right angles.
+        // At most its whole area: the axis of a node that faces partly away may be nearly at right angles.
         let area = self.area * (share / cosine.at_least(GRAZING)).fast_min(L::splat(1.0));
         let radius_sq = L::splat(OVERLAP * OVERLAP / PI) * area;
 
@@ -147,18 +146,18 @@ impl<L: Lanes> Discs<L> {
     }
 }
 
-/// Eight discs as a receiver sees them, in its frame.
+/// Eight discs seen by a receiver, in its frame.
 struct Seen {
     /// Center in meters.
     offset: [[f32; LANES]; 3],
-    /// Normal over its product with the offset: times a unit direction it gives the inverse of the distance to the plane.
+    /// Normal over its dot product with the offset. Its dot product with a unit direction is the inverse distance to the plane.
     plane: [[f32; LANES]; 3],
     /// Squared distance less the squared radius.
     excess: [f32; LANES],
     distance_sq: [f32; LANES],
-    /// Of the center in the square, in cells.
+    /// Position of the center in the square, in cells.
     place: [[f32; LANES]; 2],
-    /// How far from there cells may be covered.
+    /// Distance from it up to which cells may be covered.
     reach: [f32; LANES],
 }
 
@@ -193,7 +192,7 @@ fn enter_eight(bins: &mut [u32], key: u32, meets: [f32; LANES]) {
     }
 }
 
-/// Cells along an edge whose middles are within reach of a place.
+/// Cells along an edge whose centers are within reach of a place.
 struct Span {
     first: usize,
     end: usize,
@@ -202,7 +201,7 @@ struct Span {
 impl Span {
     #[inline(always)]
     fn around(place: f32, reach: f32, side: usize) -> Self {
-        // As conversions clamp, neither end is negative.
+        // Conversions clamp, so neither end is negative.
         let first = (place - reach + 0.5) as usize;
         let end = (place + reach + 0.5) as usize;
         Self { first: first.min(side), end: end.min(side) }
@@ -222,8 +221,8 @@ fn to_arrays<L: Lanes>(v: Vec3x8<L>) -> [[f32; LANES]; 3] {
     [v.x.to_array(), v.y.to_array(), v.z.to_array()]
 }
 
-/// [`crate::sphere::concentric::square_from_disc`] in cells, for eight at a time. The arctangent is good to 2e-3 of a cell, which
-/// is enough to find the cell of a center.
+/// [`crate::sphere::concentric::square_from_disc`] in cells, for eight at a time. The arctangent is accurate to 2e-3 of
+/// a cell, enough to find the cell of a center.
 #[inline(always)]
 fn cell_coordinates<L: Lanes>(x: L, y: L, side: f32) -> [L; 2] {
     let (long, short) = (x.abs().fast_max(y.abs()), x.abs().fast_min(y.abs()));

@@ -1,28 +1,28 @@
-//! What a bin holds: one number that is the smaller the nearer a node is.
+//! The key in a bin: a number that increases with the distance of its node.
 
 use crate::implicit::disc_forest::DiscForest;
 
-/// A bin that nothing was found in.
+/// Key of an empty bin.
 pub const EMPTY: u32 = u32::MAX;
-/// Bits of the number of a node; the 12 above are the code of its distance.
+/// Bits of the node's number; the 12 bits above them are the code of its distance.
 pub(super) const NODE_BITS: u32 = 20;
 /// Largest number of nodes with empty slots: the last number with the last code is [`EMPTY`].
 const MOST_NODES: usize = (1 << NODE_BITS) - 1;
 pub(super) const LARGEST_CODE: u32 = (1 << (32 - NODE_BITS)) - 1;
-/// Bits of an `f32` that are dropped: 7 of the mantissa stay, 128 steps for each doubling of a squared distance.
+/// Dropped bits of an `f32`: 7 bits of the mantissa stay, 128 steps per doubling of a squared distance.
 pub(super) const DROPPED: u32 = 16;
-/// Distances in diagonals of the forest that have the largest code. Codes go down to 2^-16 of that.
+/// Distance with the largest code, in diagonals of the forest. Codes go down to 2^-16 of it.
 const FARTHEST: f32 = 8.0;
 
-/// Codes of squared distances, logarithmic in steps of 0.3 to 0.4 %. Smaller and larger ones have the first and last code.
+/// Codes of squared distances, logarithmic in steps of 0.3 to 0.4 %. Smaller and larger distances get the first and last code.
 #[derive(Clone, Copy, Debug)]
 pub struct DistanceCodes {
-    /// In 1/m².
+    /// Factor of squared distances, in 1/m².
     scale: f32,
 }
 
 impl DistanceCodes {
-    /// Those of a forest, which stay when it moves.
+    /// The codes of a forest, which stay when it moves.
     pub fn of(forest: &DiscForest) -> Self {
         let nodes = forest.shape().nodes();
         assert!(nodes <= MOST_NODES, "{nodes} nodes; keys have room for {MOST_NODES}");
@@ -30,7 +30,7 @@ impl DistanceCodes {
         Self { scale: 1.0 / (farthest * farthest).max(f32::MIN_POSITIVE) }
     }
 
-    /// What squared distances in m² are multiplied by, in 1/m².
+    /// Factor of squared distances, in 1/m².
     pub fn scale(self) -> f32 {
         self.scale
     }
@@ -43,7 +43,7 @@ impl DistanceCodes {
         code.min(LARGEST_CODE) << NODE_BITS | node
     }
 
-    /// The distance in meters that a key tells, to a step.
+    /// The distance of a key in meters, to a step.
     pub fn distance(self, key: u32) -> f32 {
         let step = (1.0_f32.to_bits() >> DROPPED) + (key >> NODE_BITS) - LARGEST_CODE;
         (f32::from_bits(step << DROPPED | 1 << (DROPPED - 1)) / self.scale).sqrt()

@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// A receiver at the origin that faces up, and discs around, an object each.
+/// A receiver at the origin that faces up, surrounded by discs, each an object.
 fn scattered(count: usize) -> DiscForest {
     let mut rng = fastrand::Rng::with_seed(3);
     let receiver = Disc { position: Vec3::ZERO, normal: Vec3::Y, area: 0.01 };
@@ -23,7 +23,7 @@ fn scattered(count: usize) -> DiscForest {
     DiscForest::new(&vec![1; discs.len()], discs)
 }
 
-/// The keys of a receiver by testing the ray of every cell with every disc.
+/// The keys of a receiver, by testing the ray of every cell against every disc.
 fn by_every_ray(forest: &DiscForest, overlap: f32) -> Vec<u32> {
     let (receiver, codes) = (forest.discs()[0], DistanceCodes::of(forest));
     let frame = BinLayout::FINEST.frame_of(&receiver);
@@ -112,7 +112,7 @@ fn by_all_leaves(forest: &DiscForest, leaf: usize) -> Vec<u32> {
         .collect()
 }
 
-/// Of the bins that both have filled, the share in which the same is nearest: the leaf, or a node that it is about as far as.
+/// Share of the bins filled by both in which the same leaf is nearest, or a node at about its distance.
 fn share_of_same(forest: &DiscForest, bins: &Bins) -> f32 {
     let (mut same, mut all) = (0, 0);
     for leaf in (0..forest.discs().len()).step_by(37) {

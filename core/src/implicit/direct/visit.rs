@@ -1,4 +1,4 @@
-//! The nodes that a receiver takes as discs: the walk of a forest without a bin.
+//! The walk of one receiver through a forest, which selects the nodes to treat as discs.
 
 use crate::{
     implicit::forest::{
@@ -9,12 +9,12 @@ use crate::{
 };
 use glam::{Mat3, Vec3};
 
-/// Sine of the elevation above which a node is seen, and below which a receiver is: less is rounding within one surface.
+/// Sine of the elevation above which nodes and receivers see each other; lower ones are rounding within one surface.
 pub const GRAZING: f32 = 1e-4;
 /// Squared sine below which a node counts as parallel to the receiver.
 pub const PARALLEL: f32 = 1e-6;
 
-/// Where a receiver lies.
+/// Place of a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
     /// In meters.
@@ -23,17 +23,17 @@ pub struct Receiver {
     pub frame: Mat3,
 }
 
-/// Blocks that wait to be visited. It keeps its memory between receivers.
+/// Blocks to visit. Keeps its memory between receivers.
 #[derive(Default)]
 pub struct Visits {
     waiting: Vec<u32>,
-    /// Numbers of the nodes that are taken as discs.
+    /// Numbers of the selected nodes.
     pub ends: Vec<u32>,
 }
 
 impl Visits {
-    /// Finds the nodes that a receiver takes as discs. `roots` are the first blocks, with the objects to be walked alone;
-    /// `limit` is the largest integral of the cosine over a node, in steradians.
+    /// Selects the nodes to treat as discs. `roots` holds the first blocks, with only the objects to walk; `limit` is
+    /// the largest integral of the cosine over a node, in steradians.
     #[inline(always)]
     pub fn find<L: Lanes>(&mut self, roots: &[Block], blocks: &[Block], receiver: &Receiver, limit: f32) {
         self.ends.clear();
@@ -48,7 +48,7 @@ impl Visits {
         }
     }
 
-    /// Sorts the nodes of two blocks into those to descend below, those that end, and those that do not count.
+    /// Sorts the nodes of two blocks into nodes to descend below, selected nodes, and nodes that do not count.
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, pair: [&Block; 2], numbers: [u32; 2], receiver: &Receiver, limit: f32) {
         let Sorted { mut descend, mut end } = sort::<L>(pair, receiver, limit);
@@ -65,7 +65,7 @@ impl Visits {
     }
 }
 
-/// Which of eight nodes are which, one bit each.
+/// Classes of eight nodes, as masks.
 struct Sorted {
     descend: u32,
     end: u32,
@@ -82,13 +82,13 @@ fn sort<L: Lanes>(pair: [&Block; 2], receiver: &Receiver, limit: f32) -> Sorted 
     let distance = distance_sq.sqrt();
     let grazing = distance * L::splat(GRAZING);
 
-    // Whether any of it is in front of the receiver: the node lies within a flat cylinder around its axis.
+    // Whether any part is in front of the receiver: the node lies within a flat cylinder around its axis.
     let height = offset.dot(normal);
     let parallel = normal.dot(axis);
     let sine = (L::splat(1.0 - PARALLEL) - parallel * parallel).at_least(0.0).sqrt();
     let top = height + radius * sine + thickness * parallel.abs();
 
-    // Whether any of it can face the receiver. All of this is in units of the distance.
+    // Whether any part can face the receiver. All terms are in units of the distance.
     let toward = -offset.dot(axis);
     let cone_sin = numbers(|b| &b.cone_sin);
     let across = (distance_sq - toward * toward).at_least(0.0).sqrt();
@@ -104,8 +104,8 @@ fn sort<L: Lanes>(pair: [&Block; 2], receiver: &Receiver, limit: f32) -> Sorted 
     Sorted { descend, end: counts & !descend & !is_under.to_bitmask() }
 }
 
-/// The area that nodes show, as a share of their whole area, times the distance. `toward` is the distance times the cosine
-/// between axis and receiver. For a flat node it is the cosine where that is positive, and a quarter for a sphere.
+/// The visible share of the nodes' areas, times the distance. `toward` is the distance times the cosine between axis
+/// and receiver. The share is the positive cosine for a flat node, and a quarter for a sphere.
 #[inline(always)]
 pub fn visible_share<L: Lanes>(coherence: L, toward: L, distance_sq: L) -> L {
     let mean = coherence * toward;
@@ -113,7 +113,7 @@ pub fn visible_share<L: Lanes>(coherence: L, toward: L, distance_sq: L) -> L {
     L::splat(0.5) * (mean + (mean * mean + spread).sqrt())
 }
 
-/// Which of the nodes have children.
+/// Mask of the nodes with children.
 #[inline(always)]
 fn inner(pair: [&Block; 2]) -> u32 {
     let mut bits = 0;

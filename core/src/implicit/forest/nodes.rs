@@ -1,23 +1,23 @@
-//! What the nodes of a forest know of the discs below them, four children side by side.
+//! The nodes of a forest: bounds of the discs below them, four children side by side.
 
 use super::quadtrees::CHILDREN;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// An oriented disc, which stands for a piece of surface (implicit visibility, 4.1).
+/// An oriented disc that represents a piece of surface (implicit visibility, 4.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disc {
     /// Center in meters.
     pub position: Vec3,
-    /// Unit normal on the side that it is seen from.
+    /// Unit normal on the visible side.
     pub normal: Vec3,
-    /// In m².
+    /// Area in m².
     pub area: f32,
 }
 
 impl Disc {
-    /// In meters.
+    /// Radius in meters.
     pub fn radius(&self) -> f32 {
         (self.area / PI).sqrt()
     }
@@ -26,29 +26,29 @@ impl Disc {
 /// Squared sine below which directions count as one: rounding of a normal must not widen what is flat.
 pub(crate) const FLAT: f32 = 1e-6;
 
-/// The discs below a node as a whole.
+/// Bounds and means of the discs below a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Node {
-    /// Mean of the centers by area, in meters.
+    /// Mean of the centers weighted by area, in meters.
     pub center: Vec3,
-    /// Unit mean of the normals by area.
+    /// Unit mean of the normals weighted by area.
     pub axis: Vec3,
-    /// Length of that mean before it was made a unit: 1 if all face alike, 0 for a closed surface.
+    /// Length of the mean normal before normalization: 1 if all discs face alike, 0 for a closed surface.
     pub coherence: f32,
-    /// Sum in m²; 0 for an empty slot.
+    /// Total area in m²; 0 for an empty slot.
     pub area: f32,
-    /// Of the ball around the center that holds all discs, in meters.
+    /// Radius of the ball around the center that contains all discs, in meters.
     pub radius: f32,
     /// Largest distance of a disc from the plane through the center at right angles to the axis, in meters.
     pub thickness: f32,
-    /// Cosine of the half-angle of the cone around the axis that holds all normals; 0 for a half-space and more.
+    /// Cosine of the half-angle of the cone around the axis that contains all normals; 0 for a half-space or more.
     pub cone_cos: f32,
-    /// Sine of that angle; 1 for a half-space and more.
+    /// Sine of that angle; 1 for a half-space or more.
     pub cone_sin: f32,
 }
 
 impl Node {
-    /// Of some discs.
+    /// The node of some discs.
     pub fn around(discs: &[Disc]) -> Self {
         let area: f32 = discs.iter().map(|d| d.area).sum();
         if !(area > 0.0) {
@@ -64,7 +64,7 @@ impl Node {
         Self { cone_cos, cone_sin, ..reaching }
     }
 
-    /// With radius and thickness grown to hold a disc.
+    /// The node with radius and thickness extended to contain a disc.
     fn reaching(self, disc: &Disc) -> Self {
         let (offset, radius) = (disc.position - self.center, disc.radius());
         let height = offset.dot(self.axis).abs() + radius * sine(disc.normal.dot(self.axis));
@@ -89,7 +89,7 @@ fn sine(cos: f32) -> f32 {
 /// Numbers of four nodes.
 pub type Four = [f32; CHILDREN];
 
-/// Four children of a node, number by number: 208 bytes.
+/// Four children of a node in structure-of-arrays layout: 208 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Block {

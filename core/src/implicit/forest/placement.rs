@@ -1,8 +1,8 @@
-//! Surfels spread over the surface of an object.
+//! Placement of surfels on the surface of an object.
 //!
-//! Points are drawn uniformly by area, [`GROUP`] for each surfel, and clustered by place and normal into a balanced tree. A
-//! surfel is the point in the middle of its group. So surfels lie far more evenly than if they were drawn alone, which keeps
-//! discs of their areas from leaving holes.
+//! Points are sampled uniformly by area, [`GROUP`] for each surfel, and clustered by position and normal into a
+//! balanced tree. A surfel is the point in the middle of its group. Surfels are far more even than independent samples,
+//! so discs of their areas leave no holes.
 
 use crate::{
     bounds::Bounds,
@@ -12,21 +12,21 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 
-/// Points for each surfel.
+/// Points per surfel.
 const GROUP: usize = 16;
-/// Weight of place against normal in the clustering, for an object of unit diagonal.
+/// Weight of position against normal in the clustering, for an object of unit diagonal.
 const PLACE_WEIGHT: f32 = 12.0;
 
-/// A surfel that rides on a mesh.
+/// A surfel attached to a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried {
-    /// Where, and its normal, as the mesh lay when it was placed.
+    /// Place and normal at the pose of its placement.
     pub surfel: Surfel,
-    /// The area that it stands for in areas of its triangle.
+    /// Its area in areas of its triangle.
     pub share: f32,
 }
 
-/// The sides of some triangles of a mesh, to be drawn from.
+/// The sides of a mesh's triangles, for sampling.
 pub struct Sides<'a> {
     mesh: &'a Mesh,
     two_sided: &'a [bool],
@@ -34,19 +34,19 @@ pub struct Sides<'a> {
 }
 
 impl<'a> Sides<'a> {
-    /// Of a mesh; `two_sided` has an entry for each triangle.
+    /// The sides of a mesh; `two_sided` has an entry per triangle.
     pub fn new(mesh: &'a Mesh, two_sided: &'a [bool]) -> Self {
         Self { mesh, two_sided, bounds: mesh.bounds() }
     }
 
-    /// The area of a triangle in m², of both sides if it is seen from both, weighted by [`Self::density`].
+    /// Area of a triangle in m², of both sides if it is two-sided, weighted by [`Self::density`].
     pub fn weight(&self, triangle: u32) -> f64 {
         let sides = if self.two_sided[triangle as usize] { 2.0 } else { 1.0 };
         0.5 * f64::from(self.mesh.area_vector(triangle as usize).length()) * sides * f64::from(self.density(triangle))
     }
 
-    /// Relative number of surfels per area: 1 but on the ground, where it falls with the square of the distance in radii of
-    /// the scene. A ground is much larger than what stands on it. Where its light reaches nothing it has none.
+    /// Relative number of surfels per area: 1, and on the ground lower by the squared distance in radii of the scene. A
+    /// ground is much larger than the objects on it. It has no surfels where its light reaches nothing.
     fn density(&self, triangle: u32) -> f32 {
         if !self.mesh.is_ground(triangle) {
             return 1.0;
@@ -57,7 +57,7 @@ impl<'a> Sides<'a> {
         }
     }
 
-    /// So many points of some triangles, one for each stretch of equal weight, and the weight of a stretch.
+    /// `count` points of some triangles, one per stretch of equal weight, and the weight of a stretch.
     fn points(&self, triangles: &[u32], count: usize, seed: u64) -> (Vec<Surfel>, f64) {
         let mut rng = fastrand::Rng::with_seed(seed);
         let total: f64 = triangles.iter().map(|&t| self.weight(t)).sum();
@@ -71,7 +71,7 @@ impl<'a> Sides<'a> {
                 next = (points.len() as f64 + rng.f64()) * step;
             }
         }
-        // Rounding may leave the last out.
+        // Rounding may omit the last point.
         points.resize_with(count, || self.random_point(triangles[triangles.len() - 1], &mut rng));
         (points, step)
     }
@@ -83,19 +83,19 @@ impl<'a> Sides<'a> {
         self.mesh.surfel(triangle, barycentric, back)
     }
 
-    /// So many surfels of some triangles, in the order of the leaves of a balanced tree. They share the weight evenly.
+    /// `count` surfels of some triangles, in the order of the leaves of a balanced tree, with equal weights.
     pub fn surfels(&self, triangles: &[u32], count: u32, seed: u64) -> Vec<Carried> {
         let (points, step) = self.points(triangles, count as usize * GROUP, seed);
         let order = cluster_order_of_groups(&features(&points), GROUP);
         order.chunks_exact(GROUP).map(|group| self.middle(group, &points, step)).collect()
     }
 
-    /// The point of a group that is nearest to its mean.
+    /// The point of a group nearest to its mean.
     fn middle(&self, group: &[u32], points: &[Surfel], step: f64) -> Carried {
         let all = || group.iter().map(|&i| &points[i as usize]);
         let mean = all().map(|p| p.position).sum::<Vec3>() / GROUP as f32;
         let normal = all().map(|p| p.normal).sum::<Vec3>();
-        // Those that face against the rest come last.
+        // Points that face away from the mean normal come last.
         let away = |p: &Surfel| (p.normal.dot(normal) <= 0.0, p.position.distance_squared(mean));
         let nearest = all().min_by(|a, b| {
             let (a, b) = (away(a), away(b));
@@ -108,7 +108,7 @@ impl<'a> Sides<'a> {
     }
 }
 
-/// Place in units of the diagonal over [`PLACE_WEIGHT`], and normal.
+/// Position in units of the diagonal over [`PLACE_WEIGHT`], and normal.
 fn features(points: &[Surfel]) -> Features {
     let diagonal = Bounds::around(points.iter().map(|p| p.position)).diagonal();
     let scale = PLACE_WEIGHT / diagonal.max(f32::MIN_POSITIVE);

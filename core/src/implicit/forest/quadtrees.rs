@@ -1,15 +1,15 @@
-//! The shape of a forest: a balanced quadtree for each object, whatever its number of leaves.
+//! The shape of a forest: a balanced quadtree per object, for any number of leaves.
 //!
-//! Leaves of an object are halved twice a level; one half of an odd number is larger by one. So all leaves of an object are
-//! equally deep but for one binary step. The root of an object has two children if its number of leaves asks for an odd number
-//! of halvings: then the lowest blocks hold two to four leaves, and three on average.
+//! Leaves of an object are halved twice per level; one half of an odd number is larger by one. So all leaves of an
+//! object have equal depth except for one binary step. The root of an object has two children if its number of leaves
+//! requires an odd number of halvings: then the lowest blocks hold two to four leaves, and three on average.
 //!
-//! The children of a node make up a block of four slots, of which some may be empty. Node `4 b + s` is slot `s` of block `b`.
-//! The roots come first, four to a block; the blocks of each object follow, parents before children.
+//! The children of a node make up a block of four slots, some of which may be empty. Node `4 b + s` is slot `s` of
+//! block `b`. The roots come first, four to a block; the blocks of each object follow, parents before children.
 
 use std::ops::Range;
 
-/// Children of a node at most.
+/// Largest number of children.
 pub const CHILDREN: usize = 4;
 
 /// Marks a slot without a node.
@@ -17,7 +17,7 @@ const NONE: u32 = u32::MAX;
 /// Bit of a slot that holds a leaf; the others are its number.
 const LEAF: u32 = 1 << 31;
 
-/// What a slot of a block holds.
+/// Contents of a slot of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
     /// Nothing.
@@ -50,7 +50,7 @@ pub struct Quadtrees {
 }
 
 impl Quadtrees {
-    /// For objects with so many leaves each. An object without leaves has no nodes.
+    /// Trees for objects with these numbers of leaves. An object without leaves has no nodes.
     pub fn new(leaves: &[u32]) -> Self {
         let mut forest = Self::default();
         (0..leaves.len().div_ceil(CHILDREN)).for_each(|_| _ = forest.push_block(NONE));
@@ -82,7 +82,7 @@ impl Quadtrees {
         self.trees.push(Tree { leaves, blocks: first_block..self.parents.len() as u32 });
     }
 
-    /// Gives a node its span; returns its children, for which it makes a block.
+    /// Sets the span of a node and returns its children, for which it adds a block.
     fn place(&mut self, node: u32, span: Range<u32>, quarters: bool) -> Vec<(u32, Range<u32>)> {
         self.spans[node as usize] = span.clone();
         if span.len() == 1 {
@@ -101,7 +101,7 @@ impl Quadtrees {
         self.leaf_nodes.len()
     }
 
-    /// Number of nodes with the empty slots: an end of node numbers.
+    /// Number of nodes including empty slots.
     pub fn nodes(&self) -> usize {
         self.slots.len()
     }
@@ -111,7 +111,7 @@ impl Quadtrees {
         self.parents.len()
     }
 
-    /// Number of blocks that hold the roots, which come first.
+    /// Number of blocks with roots, which come first.
     pub fn root_blocks(&self) -> usize {
         self.trees.len().div_ceil(CHILDREN)
     }
@@ -121,7 +121,7 @@ impl Quadtrees {
         &self.trees
     }
 
-    /// What is at a node number.
+    /// The slot at a node number.
     #[inline]
     pub fn slot(&self, node: u32) -> Slot {
         match self.slots[node as usize] {
@@ -131,12 +131,12 @@ impl Quadtrees {
         }
     }
 
-    /// The leaves below a node, or the one that it is.
+    /// The leaves below a node; a leaf is its own span.
     pub fn span(&self, node: u32) -> Range<u32> {
         self.spans[node as usize].clone()
     }
 
-    /// The node above a block; none for those of the roots.
+    /// The node above a block; none for blocks of roots.
     pub fn parent(&self, block: u32) -> Option<u32> {
         Some(self.parents[block as usize]).filter(|&parent| parent != NONE)
     }
@@ -152,7 +152,7 @@ impl Quadtrees {
     }
 }
 
-/// The two halves of a span, or the one leaf that it has.
+/// The two halves of a span, or its single leaf.
 fn halves(span: Range<u32>) -> impl Iterator<Item = Range<u32>> {
     let middle = span.start + span.len() as u32 / 2;
     [span.start..middle, middle..span.end].into_iter().filter(|half| !half.is_empty())

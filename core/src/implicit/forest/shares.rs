@@ -1,16 +1,16 @@
-//! How many surfels each object has.
+//! Number of surfels per object.
 
-/// Surfels of an object at least, unless there are too many objects.
+/// Smallest number of surfels per object, unless there are too many objects.
 const LEAST: u32 = 64;
 
-/// Shares `total` surfels among objects by their areas in m². Each object with an area has at least 64. Where that would take
-/// more than half of them, the least is what half of them allows, but at least one: only then are there more than `total`.
+/// Shares `total` surfels among objects by their areas in m². Each object with an area has at least 64. If that takes more than
+/// half of them, the minimum is what half of them allows, but at least one. Only then does the sum exceed `total`.
 pub fn shares(areas: &[f64], total: u32) -> Vec<u32> {
     let objects = areas.iter().filter(|&&area| area > 0.0).count() as u32;
     let least = (total / 2 / objects.max(1)).clamp(1, LEAST);
     let mut all: Vec<u32> = areas.iter().map(|&area| if area > 0.0 { least } else { 0 }).collect();
     let mut left = total.saturating_sub(objects * least);
-    // Large objects have what is fair of the whole; what is left after rounding down goes to the largest.
+    // Large objects get their fair share of the whole; the largest gets the remainder from rounding.
     let fair = fair_share(areas, total, least);
     for (share, area) in all.iter_mut().zip(areas) {
         let more = ((area * fair) as u32).saturating_sub(*share).min(left);
@@ -23,7 +23,7 @@ pub fn shares(areas: &[f64], total: u32) -> Vec<u32> {
     all
 }
 
-/// Surfels per m² of the objects that have more than the least.
+/// Surfels per m² of the objects above the minimum.
 fn fair_share(areas: &[f64], total: u32, least: u32) -> f64 {
     let mut ascending: Vec<f64> = areas.iter().copied().filter(|&area| area > 0.0).collect();
     ascending.sort_unstable_by(f64::total_cmp);

@@ -7,7 +7,7 @@ use crate::{
 };
 use std::f32::consts::PI;
 
-/// A room of 2 m with a box and a two-sided sheet in it, an object each.
+/// A room of 2 m with a box and a two-sided sheet in it, each an object.
 fn scene() -> (Mesh, Vec<bool>) {
     let p = |x: f32, y: f32| Vec3::new(x, y, 0.6);
     let parts = [
@@ -47,7 +47,7 @@ fn surfels_lie_evenly() {
     let (mesh, two_sided) = scene();
     let forest = SurfelForest::new(&mesh, &two_sided, 4096);
     let of_room = &forest.discs().discs()[..forest.discs().leaves_of(0).len()];
-    // Shares of the floor that no disc of 1.26 radii covers: of points drawn alone it would be a fifth.
+    // Share of the floor that no disc of 1.26 radii covers; independent samples leave a fifth.
     let floor: Vec<&Disc> = of_room.iter().filter(|d| d.normal.y > 0.9).collect();
     let reach = 1.26 * floor[0].radius();
     let place = |i: u32| Vec3::new((i % 100) as f32, -50.0, (i / 100) as f32) / 50.0 - Vec3::new(0.99, 0.0, 0.99);

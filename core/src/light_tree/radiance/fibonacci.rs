@@ -1,7 +1,7 @@
 //! The Fibonacci sample nearest to a direction, in closed form (Keinert et al. 2015, *Spherical Fibonacci Mapping*).
 //!
-//! The directions of all samples, and everything that depends on height alone, are computed once: the grid of an
-//! [`super::EnvironmentSampler`] asks for millions of nearest samples.
+//! The directions of all samples, and every term that depends on height alone, are computed once: the grid of an
+//! [`super::EnvironmentSampler`] needs millions of nearest samples.
 
 use crate::sphere::GOLDEN_SECTION;
 use glam::{DVec2, DVec3};
@@ -20,7 +20,7 @@ pub struct Longitude {
 }
 
 impl Longitude {
-    /// For any angle.
+    /// Wraps any angle.
     pub fn new(radians: f64) -> Self {
         let turned = radians.rem_euclid(TAU);
         let radians = if turned > PI { turned - TAU } else { turned };
@@ -32,12 +32,12 @@ impl Longitude {
 pub struct Zone<'a> {
     lattice: &'a FibonacciLattice,
     height: f64,
-    /// Steps of the two Fibonacci numbers that make the best basis there, in (longitude, height).
+    /// Steps of the two Fibonacci numbers with the best local basis, in (longitude, height).
     basis: [DVec2; 2],
 }
 
 impl FibonacciLattice {
-    /// For `lights` samples.
+    /// The lattice of `lights` samples.
     pub fn new(lights: usize) -> Self {
         let count = lights as f64;
         let direction = |i: usize| {
@@ -49,7 +49,7 @@ impl FibonacciLattice {
         Self { directions: (0..lights).map(direction).collect() }
     }
 
-    /// Near a height, -1 to 1.
+    /// The lattice near a height, -1 to 1.
     pub fn zone(&self, height: f64) -> Zone<'_> {
         let count = self.directions.len() as f64;
         let zone = (count * PI * 5.0_f64.sqrt() * (1.0 - height * height)).ln() / (2.0 * (1.0 + GOLDEN_SECTION).ln());

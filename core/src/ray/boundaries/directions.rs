@@ -1,4 +1,4 @@
-//! Boundaries between directions that meet something and directions that meet nothing.
+//! Boundaries between blocked and unblocked directions.
 
 use super::{
     follow::{Follow, Rays, State},
@@ -16,27 +16,27 @@ use crate::{
 use glam::{IVec3, Vec3};
 use std::{collections::HashMap, f32::consts::PI};
 
-/// Nearest directions of each that count as its neighbors: directions spread evenly touch six others.
+/// Number of nearest directions that count as neighbors: evenly spread directions touch six others.
 const NEIGHBOURS: usize = 6;
 
 /// Directions with their neighbors, in groups of eight and in blocks with a probe each.
 pub struct BoundarySet {
     graph: Graph,
-    /// One for each group of the graph.
+    /// The rays of each group of the graph.
     groups: Vec<RayGroup>,
-    /// Eight probes each, of eight blocks one after the other.
+    /// Probes of eight consecutive blocks each.
     probes: Vec<Probes>,
 }
 
 /// The probes of eight blocks, or of fewer at the end.
 struct Probes {
     rays: RayGroup,
-    /// Where each stands in the caller's order.
+    /// Position of each in the caller's order.
     targets: Vec<u32>,
 }
 
 impl BoundarySet {
-    /// One probe in each block of `directions_per_probe` of the unit `directions`; a multiple of eight.
+    /// Creates a set of unit `directions` with one probe per block of `directions_per_probe`, a multiple of eight.
     pub fn new(directions: &[Vec3], directions_per_probe: usize) -> Self {
         let order = spatial_order(directions);
         let rays = |members: &[u32]| {
@@ -54,22 +54,22 @@ impl BoundarySet {
         self.graph.len
     }
 
-    /// Whether there are none.
+    /// Whether there are no directions.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// That of the members which is nearest to their mean.
+/// The member nearest to the members' mean.
 fn central(members: &[u32], directions: &[Vec3]) -> u32 {
     let along = |&i: &u32| directions[i as usize];
     let mean: Vec3 = members.iter().map(along).sum();
     members.iter().copied().max_by(|a, b| along(a).dot(mean).total_cmp(&along(b).dot(mean))).unwrap_or(0)
 }
 
-/// The [`NEIGHBOURS`] nearest others of each of the directions, if there are as many within some cells of a grid.
+/// The [`NEIGHBOURS`] nearest others of each direction, if some cells of a grid contain as many.
 fn neighbours(directions: &[Vec3]) -> Vec<Vec<u32>> {
-    // The spacing of so many on the sphere, and a little more.
+    // Slightly more than the spacing of this many directions on the sphere.
     let side = 1.2 * (4.0 * PI / directions.len() as f32).sqrt();
     let cell = |d: Vec3| (d / side).floor().as_ivec3();
     let mut cells: HashMap<IVec3, Vec<u32>> = HashMap::new();
@@ -93,10 +93,10 @@ pub struct BoundaryTracer {
 }
 
 impl BoundaryTracer {
-    /// Sets `visible[i]` to [`OPEN`] for those of the directions within `half` that seem to meet nothing from `origin`. Other entries
-    /// are left alone. Returns the number of rays traced.
+    /// Sets `visible[i]` to [`OPEN`] for directions within `half` that seem unblocked from `origin`. Other entries stay
+    /// unchanged. Returns the number of rays traced.
     ///
-    /// `visible` has one entry per direction, in the order in which the set was made.
+    /// `visible` has one entry per direction, in the order of the set's creation.
     pub fn trace(
         &mut self,
         scene: &Intersector,
@@ -111,7 +111,7 @@ impl BoundaryTracer {
         Self::run(state, set, half, traced, visible)
     }
 
-    /// The same where `open` tells by its bits which of all directions meet nothing: of rays that were traced elsewhere.
+    /// [`Self::trace`] for rays traced elsewhere: the bits of `open` mark unblocked directions.
     pub fn follow(&mut self, open: &[u32], set: &BoundarySet, half: &HalfSpace, visible: &mut [u8]) {
         Self::run(&mut self.state, set, half, Told(open), visible);
     }
@@ -131,13 +131,13 @@ impl BoundaryTracer {
     }
 }
 
-/// Tells which rays meet nothing.
+/// Determines which rays are unblocked.
 trait Meet {
-    /// Of the rays `active`, one bit each, those that meet nothing. `targets` are their places in the caller's order.
+    /// The unblocked rays of `active`, one bit each. `targets` are their positions in the caller's order.
     fn open<L: Lanes>(&mut self, rays: &RayGroup, targets: &[u32], active: u8) -> u8;
 }
 
-/// Traces them.
+/// Traces the rays.
 struct Traced<'a> {
     scene: &'a Intersector,
     origin: Vec3,
@@ -152,7 +152,7 @@ impl Meet for Traced<'_> {
     }
 }
 
-/// Was told, by a bit for each direction.
+/// Looks the rays up: a bit per direction.
 struct Told<'a>(&'a [u32]);
 
 impl Meet for Told<'_> {
@@ -168,7 +168,7 @@ fn lanes_below(count: usize) -> u8 {
     ((1_u32 << count) - 1) as u8
 }
 
-/// The directions of a set within a half of space.
+/// The directions of a set within a half-space.
 struct Directions<'a, M> {
     set: &'a BoundarySet,
     half: &'a HalfSpace,

@@ -1,37 +1,37 @@
-//! Probes, and follows the boundaries between them.
+//! Probing, and following of the boundaries between probes.
 
 use super::graph::{Graph, Touching};
 use crate::simd::{Kernel, Lanes};
 
-/// What is known of a group, before and while it is traced.
+/// Visibility of a group, before and while it is traced.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Known {
-    /// Nothing: its block has no probe.
+    /// Unknown: its block has no probe.
     Nothing,
-    /// Its probe meets something.
+    /// Its probe is blocked.
     Blocked,
-    /// Its probe meets nothing.
+    /// Its probe is unblocked.
     Seen,
     Traced,
 }
 
-/// What is known of all groups of a graph.
+/// State of all groups of a graph.
 #[derive(Default)]
 pub(super) struct State {
-    /// Per group, the lanes that are asked for.
+    /// Per group, the requested lanes.
     pub wanted: Vec<u8>,
-    /// Per block, what its probe says.
+    /// Per block, the result of its probe.
     pub predicted: Vec<Known>,
-    /// Per group.
+    /// Per group, the known visibility.
     known: Vec<Known>,
-    /// Per group, the lanes that meet nothing.
+    /// Per group, the unblocked lanes.
     pub open: Vec<u8>,
     /// Groups to trace.
     front: Vec<u32>,
 }
 
 impl State {
-    /// Puts what is between a seen and a blocked block to the front, and what no probe tells of.
+    /// Puts groups between seen and blocked blocks, and blocks without a probe, on the front.
     fn start(&mut self, graph: &Graph) {
         self.known.clear();
         self.known.extend((0..graph.groups.len()).map(|group| self.predicted[group / graph.block]));
@@ -43,7 +43,7 @@ impl State {
             };
             let is_front = match known {
                 Known::Nothing => true,
-                // Of both sides of a boundary one is enough: it is followed to the other where it runs there.
+                // One side of a boundary is enough: following leads to the other.
                 Known::Seen => group.touching.iter().any(differs),
                 Known::Blocked | Known::Traced => false,
             };
@@ -54,7 +54,7 @@ impl State {
         }
     }
 
-    /// Takes what was found in a group, and puts those that touch it and are expected to differ to the front.
+    /// Records the result of a group, and puts touching groups that are expected to differ on the front.
     fn found(&mut self, graph: &Graph, index: usize, open: u8) {
         (self.open[index], self.known[index]) = (open, Known::Traced);
         for other in &graph.groups[index].touching {
@@ -70,23 +70,23 @@ impl State {
         }
     }
 
-    /// Takes what the probe of the next block says, if it has one.
+    /// Records the probe result of the next block, if it has one.
     pub fn predict(&mut self, is_open: Option<bool>) {
         let known = |open| if open { Known::Seen } else { Known::Blocked };
         self.predicted.push(is_open.map_or(Known::Nothing, known));
     }
 }
 
-/// Tells which rays meet nothing.
+/// Determines which rays are unblocked.
 pub(super) trait Rays {
     /// Fills `wanted` and `predicted` of a state. Returns the number of probes.
     fn probe<L: Lanes>(&mut self, state: &mut State) -> u64;
 
-    /// Of the rays `active` of a group, one bit each, those that meet nothing.
+    /// The unblocked rays of `active` in a group, one bit each.
     fn open<L: Lanes>(&mut self, group: usize, active: u8) -> u8;
 }
 
-/// Probes, and follows the boundaries between them. Gives the number of rays asked for.
+/// Probes, and follows the boundaries between probes. Returns the number of rays requested.
 pub(super) struct Follow<'a, R> {
     pub graph: &'a Graph,
     pub rays: R,

@@ -1,20 +1,20 @@
-//! What touches what: groups of eight, and blocks of groups.
+//! Adjacency of groups of eight, and of blocks of groups.
 
 use crate::ray::directions::GROUP;
 use std::collections::BTreeMap;
 
-/// Members in groups of eight that lie close together, and in blocks of groups. A member is a direction or a point.
+/// Members in groups of eight nearby ones, and in blocks of groups. A member is a direction or a point.
 pub(super) struct Graph {
     pub groups: Vec<Group>,
-    /// Groups in a block.
+    /// Groups per block.
     pub block: usize,
     /// Number of members.
     pub len: usize,
 }
 
-/// Eight members that lie close together; fewer in the last group.
+/// Eight nearby members; fewer in the last group.
 pub(super) struct Group {
-    /// Where each stands in the caller's order.
+    /// Position of each in the caller's order.
     pub targets: Vec<u32>,
     /// Groups that touch this one.
     pub touching: Vec<Touching>,
@@ -23,13 +23,13 @@ pub(super) struct Group {
 /// A group that touches another.
 pub(super) struct Touching {
     pub group: u32,
-    /// Lanes of that other one that have a neighbor in it.
+    /// Lanes of the other group with a neighbor in this one.
     pub lanes: u8,
 }
 
 impl Graph {
-    /// Of members in `order`, of which each run of eight lies close together. `neighbours` has a list for each member, in the
-    /// caller's order. A block has `members_per_probe` of them.
+    /// A graph of members in `order`, where each run of eight lies close together. `neighbours` has a list for each
+    /// member, in the caller's order. A block has `members_per_probe` of them.
     pub fn new(order: &[u32], neighbours: &[Vec<u32>], members_per_probe: usize) -> Self {
         assert!(
             members_per_probe > 1 && super::is_number_per_probe(members_per_probe),
@@ -41,7 +41,7 @@ impl Graph {
     }
 }
 
-/// For each eight of `order`, those that touch it: one has a member that is a neighbor of one of the other.
+/// For each eight of `order`, the touching ones: a member of one is a neighbor of a member of the other.
 fn touching(order: &[u32], neighbours: &[Vec<u32>]) -> Vec<Vec<Touching>> {
     let mut place = vec![0_u32; order.len()];
     order.iter().zip(0..).for_each(|(&member, at)| place[member as usize] = at);

@@ -1,4 +1,4 @@
-//! Boundaries between points that something hides and points that nothing hides.
+//! Boundaries between hidden and visible points.
 
 use super::{
     follow::{Follow, Rays, State},
@@ -17,8 +17,8 @@ pub struct SegmentSet {
 }
 
 impl SegmentSet {
-    /// Of points in an order in which each run of eight lies close together, with a list of neighbors for each, which lie
-    /// on the same surface. There is one probe in each block of `points_per_probe`, a multiple of eight.
+    /// A set of points in an order where each run of eight lies close together. Each has a list of neighbors on the
+    /// same surface. There is one probe per block of `points_per_probe`, a multiple of eight.
     pub fn new(ends: Vec<Vec3>, neighbours: &[Vec<u32>], points_per_probe: usize) -> Self {
         let order: Vec<u32> = (0..ends.len() as u32).collect();
         Self { graph: Graph::new(&order, neighbours, points_per_probe), ends }
@@ -29,14 +29,14 @@ impl SegmentSet {
 #[derive(Default)]
 pub struct SegmentTracer {
     state: State,
-    /// Per group, the lanes that are asked for.
+    /// Per group, the requested lanes.
     wanted: Vec<u8>,
     stack: Vec<(u32, u8)>,
     frontier: Frontier,
 }
 
 impl SegmentTracer {
-    /// Calls `hidden(i)`, in any order, for each of `wanted` (points of the set) that something seems to hide from the origin.
+    /// Calls `hidden(i)`, in any order, for each of `wanted` (points of the set) that seems hidden from the origin.
     /// Both ends of a segment lie off any surface. Returns the number of segments traced.
     pub fn trace(
         &mut self,
@@ -66,18 +66,18 @@ struct Segments<'a> {
     scene: &'a Intersector,
     origin: Vec3,
     set: &'a SegmentSet,
-    /// Per group, the lanes that are asked for.
+    /// Per group, the requested lanes.
     wanted: &'a [u8],
     frontier: &'a Frontier,
     stack: &'a mut Vec<(u32, u8)>,
 }
 
 impl Segments<'_> {
-    /// Those that nothing hides of up to eight points, one bit each.
+    /// The visible ones of up to eight points, one bit each.
     #[inline(always)]
     fn open_to<L: Lanes>(&mut self, targets: &[u32], active: u8) -> u8 {
         let first = active.trailing_zeros() as usize;
-        // Lanes that are not asked for would widen the cone.
+        // Lanes that are not requested would widen the cone.
         let lane = |lane: usize| if active >> lane & 1 == 1 { lane } else { first };
         let segments = std::array::from_fn(|i| self.set.ends[targets[lane(i)] as usize] - self.origin);
         let rays = RayGroup::of_segments(segments);
@@ -116,7 +116,7 @@ impl Rays for Segments<'_> {
     }
 }
 
-/// The middle of the lanes that are asked for in some groups, counted from the first lane of the first group.
+/// The middle of the requested lanes in some groups, counted from the first lane of the first group.
 #[inline(always)]
 fn middle(wanted: &[u8]) -> Option<u32> {
     let mut before = wanted.iter().map(|lanes| lanes.count_ones()).sum::<u32>() / 2;

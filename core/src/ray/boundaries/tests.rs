@@ -1,4 +1,4 @@
-//! What boundaries tell, against single rays and segments.
+//! Boundaries against single rays and segments.
 
 use super::*;
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use std::collections::HashSet;
 
-/// What following boundaries sets, and what single rays say.
+/// Visibility by boundaries, and by single rays.
 fn seen_along_boundaries(
     scene: &Intersector,
     directions: &[Vec3],
@@ -21,7 +21,7 @@ fn seen_along_boundaries(
     let mut seen = vec![0; directions.len()];
     let mut tracer = BoundaryTracer::default();
     let rays = tracer.trace(scene, Vec3::ZERO, &set, half, &mut seen);
-    // The same where all rays were traced elsewhere.
+    // The same with all rays traced elsewhere.
     let open =
         |some: &[Vec3]| some.iter().rev().fold(0, |bits, &d| bits << 1 | u32::from(!scene.occluded(Vec3::ZERO, d)));
     let (open, mut told) = (directions.chunks(32).map(open).collect::<Vec<u32>>(), vec![0; directions.len()]);
@@ -53,7 +53,7 @@ const ABOVE: HalfSpace = HalfSpace { normal: Vec3::Y, height: 0.0, is_above: tru
 fn boundaries_lead_around_all_that_probes_meet() {
     let directions = fibonacci_directions(8192);
     for axis in [Vec3::Y, Vec3::new(0.6, 0.8, 0.0), Vec3::X, Vec3::new(0.3, 0.2, -0.9).normalize()] {
-        // Wide enough that its inside and its outside have probes.
+        // Wide enough to have probes inside and outside.
         let scene = Intersector::new(&disc(axis, [0.7, 1.3]));
         let (seen, expected, rays) = seen_along_boundaries(&scene, &directions, 16, &ABOVE);
         assert!(seen == expected, "around {axis}");
@@ -67,7 +67,7 @@ fn boundaries_lead_around_all_that_probes_meet() {
 #[test]
 fn what_no_probe_meets_is_missed_and_finer_probes_find_it() {
     let directions = fibonacci_directions(8192);
-    // Some twenty directions meet it.
+    // About twenty directions meet it.
     let small = Intersector::new(&disc(Vec3::new(0.35, 0.9, 0.2).normalize(), [0.0, 0.22]));
     let wrong = |directions_per_probe| {
         let (seen, expected, _) = seen_along_boundaries(&small, &directions, directions_per_probe, &ABOVE);
@@ -106,7 +106,7 @@ fn few_directions_and_an_empty_scene_have_boundaries_too() {
     for count in [1, 2, 7, 9, 64, 100] {
         let directions = fibonacci_directions(count);
         for scene in [&nothing, &scene] {
-            // Every group has a probe of its own: it is blocked, or it is traced.
+            // Every group has its own probe: it is blocked or traced.
             let (seen, expected, _) = seen_along_boundaries(scene, &directions, 8, &ABOVE);
             assert!(
                 seen.iter().zip(&expected).zip(&directions).all(|((a, b), d)| a == b || !ABOVE.has(*d) || count > 8)
@@ -125,7 +125,7 @@ fn plate(center: Vec3, radii: [f32; 2]) -> Intersector {
     Intersector::new(&mesh)
 }
 
-/// Points of a square of two meters at height 1, row by row in blocks of 2 x 4, with those beside each.
+/// Points of a square of two meters at height 1, row by row in blocks of 2 x 4, with the neighbors of each.
 fn ceiling(side: u32) -> (Vec<Vec3>, Vec<Vec<u32>>) {
     let blocks = (0..side / 4).flat_map(|z| (0..side / 2).map(move |x| (2 * x, 4 * z)));
     let places: Vec<(u32, u32)> = blocks.flat_map(|(x, z)| (0..8).map(move |i| (x + i % 2, z + i / 2))).collect();
@@ -137,7 +137,7 @@ fn ceiling(side: u32) -> (Vec<Vec3>, Vec<Vec<u32>>) {
     (places.iter().map(|&(x, z)| Vec3::new(at(x), 1.0, at(z))).collect(), places.iter().map(beside).collect())
 }
 
-/// Points that boundaries take for hidden, those that are, and the segments traced.
+/// Points hidden by boundaries, points hidden by single segments, and the segments traced.
 fn hidden_along_boundaries(scene: &Intersector, points_per_probe: usize, asks: fn(Vec3) -> bool) -> [Vec<u32>; 3] {
     let (ends, neighbours) = ceiling(64);
     let wanted: Vec<u32> = (0..ends.len() as u32).filter(|&i| asks(ends[i as usize])).collect();

@@ -1,40 +1,40 @@
-//! What a pose may be.
+//! Checks of poses.
 
 use super::{MOST_SCALE, Pose};
 use crate::bounds::{MOST_COORDINATE, is_within_reach};
 use thiserror::Error;
 
-/// Why an object cannot be posed as asked.
+/// Why an object cannot take a pose.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PoseError {
     /// No object has this name.
     #[error("the scene has no object \"{name}\"; it has {}", listed(known))]
     NoSuchObject {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// Those of the scene.
+        /// Names of the scene's objects.
         known: Vec<String>,
     },
-    /// The ground lies under everything, and stays.
+    /// The ground lies under everything and does not move.
     #[error("the ground cannot be posed; pose what stands on it")]
     Ground,
-    /// A scale of zero or below, beyond the limit, or no number.
+    /// A scale of zero or below, beyond the limit, or NaN.
     #[error("the scale of \"{name}\" is {scale}; it must be above 0, from {} to {MOST_SCALE}", 1.0 / MOST_SCALE)]
     Scale {
-        /// Which object.
+        /// Name of the object.
         name: String,
         /// The scale.
         scale: f32,
     },
-    /// A move or a turn that is no number, or out of reach.
+    /// A translation or rotation that is NaN or out of reach.
     #[error("the pose of \"{name}\" is out of reach; coordinates and degrees are numbers up to {MOST_COORDINATE:e}")]
     OutOfReach {
-        /// Which object.
+        /// Name of the object.
         name: String,
     },
 }
 
-/// Most names that a message lists.
+/// Largest number of names in a message.
 const LISTED: usize = 20;
 
 fn listed(known: &[String]) -> String {

@@ -1,4 +1,4 @@
-//! Objects whose vertices are elsewhere each by itself, as a skin or a morph target takes them.
+//! Objects whose vertices move individually, by a skin or a morph target.
 
 use glam::{Affine3A, Quat, Vec3, Vec4};
 use std::sync::Arc;
@@ -6,16 +6,16 @@ use std::sync::Arc;
 /// The vertices of an object, in the order of [`Objects::vertices`](super::Objects::vertices).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PosedVertices {
-    /// In meters, within reach.
+    /// Positions in meters, within reach.
     pub positions: Vec<Vec3>,
-    /// Of length 1.
+    /// Unit normals.
     pub normals: Vec<Vec3>,
-    /// With the handedness of their frames.
+    /// Tangents with the handedness of their frames.
     pub tangents: Vec<Vec4>,
 }
 
 impl PosedVertices {
-    /// Elsewhere by a similarity with this rotation.
+    /// Transforms the vertices by a similarity with this rotation.
     pub(crate) fn turned(mut self, similarity: Affine3A, rotation: Quat) -> Self {
         self.positions.iter_mut().for_each(|position| *position = similarity.transform_point3(*position));
         self.normals.iter_mut().for_each(|normal| *normal = rotation * *normal);
@@ -24,7 +24,7 @@ impl PosedVertices {
     }
 }
 
-/// A deformed object. Copying and comparing it is cheap: two are the same if they have one revision.
+/// A deformed object. Copies and comparisons are cheap: equal revisions mean equal vertices.
 #[derive(Clone, Debug)]
 pub struct DeformedObject {
     vertices: Arc<PosedVertices>,
@@ -32,7 +32,7 @@ pub struct DeformedObject {
 }
 
 impl DeformedObject {
-    /// With vertices that are the same whenever `revision` is: who makes them, and of what.
+    /// Creates an object from vertices. `revision` identifies their maker and its inputs: equal revisions mean equal vertices.
     pub fn new(vertices: PosedVertices, revision: [u32; 3]) -> Self {
         Self { vertices: vertices.into(), revision }
     }

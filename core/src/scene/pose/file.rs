@@ -13,7 +13,7 @@ use thiserror::Error;
 /// Why a file of poses cannot be used.
 #[derive(Debug, Error)]
 pub enum PoseFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot read the poses: {source} ({})", path.display())]
     Read {
         /// The file.
@@ -21,7 +21,7 @@ pub enum PoseFileError {
         /// The cause.
         source: io::Error,
     },
-    /// It is no JSON of poses.
+    /// The file is not JSON of poses.
     #[error(
         "cannot read the poses: {source}; write them as {{\"objects\": {{\"NAME\": {{\"translate\": [0, 0, 0], \"rotate_degrees\": [0, 0, 0], \
          \"scale\": 1}}}}}} ({})",
@@ -33,7 +33,7 @@ pub enum PoseFileError {
         /// The cause, with line and column.
         source: serde_json::Error,
     },
-    /// It poses what cannot be posed so.
+    /// A pose in the file is invalid.
     #[error("{source} ({})", path.display())]
     Pose {
         /// The file.
@@ -54,7 +54,7 @@ impl Poses {
     /// Reads a file of poses for a scene. All objects of a name get its pose.
     ///
     /// # Errors
-    /// A file that cannot be read, or that poses what is not there; see [`PoseFileError`].
+    /// A file that cannot be read, or that poses unknown objects; see [`PoseFileError`].
     pub fn read(path: &Path, scene: &Scene) -> Result<Self, PoseFileError> {
         let path = || path.to_owned();
         let bytes = input::read(&path()).map_err(|source| PoseFileError::Read { path: path(), source })?;
@@ -63,10 +63,10 @@ impl Poses {
         Self::named(&file.objects, scene).map_err(|source| PoseFileError::Pose { path: path(), source })
     }
 
-    /// Poses by the names of objects.
+    /// Poses from a map of object names.
     ///
     /// # Errors
-    /// Names that are not there and poses that no object can have; see [`PoseError`].
+    /// Unknown names and invalid poses; see [`PoseError`].
     pub fn named(poses: &BTreeMap<String, Pose>, scene: &Scene) -> Result<Self, PoseError> {
         let mut found = Self::default();
         for (name, pose) in poses {
@@ -77,7 +77,7 @@ impl Poses {
     }
 }
 
-/// The objects of a name, which may also be that of the ground.
+/// The objects called `name`, which may be the ground's.
 fn objects_called(name: &str, scene: &Scene) -> Result<Vec<u32>, PoseError> {
     let called = (0..).zip(&scene.objects).filter(|(_, object)| object.name == name).map(|(object, _)| object);
     let (ground, found): (Vec<u32>, Vec<u32>) = called.partition(|&object| scene.mesh.ground_object() == Some(object));

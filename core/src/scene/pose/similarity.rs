@@ -1,28 +1,28 @@
 //! Similarities of the world: several objects move, turn and scale together as one.
 //!
-//! Each object has a pose about a center of its own. A similarity after such a pose is a pose about that center again.
+//! Each object has a pose about its own center. A similarity after a pose is again a pose about that center.
 
 use super::Pose;
 use glam::{Quat, Vec3};
 
-/// Scales and turns the world about a pivot, and then moves it.
+/// Scales and turns the world about a pivot, then moves it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Similarity {
-    /// What stays where it is but for the move, in meters.
+    /// Fixed point of the scale and turn, in meters.
     pub pivot: Vec3,
-    /// In meters.
+    /// Translation in meters.
     pub translate: Vec3,
-    /// The turn.
+    /// The rotation.
     pub rotation: Quat,
     /// A factor above 0.
     pub scale: f32,
 }
 
 impl Similarity {
-    /// Leaves all where it is.
+    /// The identity.
     pub const IDENTITY: Self = Self { pivot: Vec3::ZERO, translate: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0 };
 
-    /// How far it takes a point, in meters. Moves alone take all points equally far, to the bit.
+    /// Displacement of a point, in meters. Pure translations move all points by exactly the same vector.
     pub fn displacement(&self, point: Vec3) -> Vec3 {
         let from_pivot = point - self.pivot;
         self.translate + (self.scale * (self.rotation * from_pivot) - from_pivot)
@@ -30,11 +30,11 @@ impl Similarity {
 }
 
 impl Pose {
-    /// The pose that takes an object with this center, as baked and in meters, to where a similarity takes it from this pose. Its
-    /// scale may be beyond what [`Self::validate`] allows.
+    /// This pose followed by a similarity, for an object with the baked center `center`, in meters. The scale may
+    /// exceed the limits of [`Self::validate`].
     pub fn followed_by(self, similarity: &Similarity, center: Vec3) -> Self {
         let turned = match similarity.rotation == Quat::IDENTITY {
-            // Degrees stay as they were typed.
+            // Keep degrees as typed.
             true => self,
             false => self.with_rotation(similarity.rotation * self.rotation()),
         };

@@ -1,4 +1,4 @@
-//! Poses of objects, and files of them.
+//! Poses of objects and pose files.
 
 use super::*;
 use crate::{

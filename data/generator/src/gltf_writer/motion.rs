@@ -7,8 +7,7 @@ use crate::motion::{Channel, Clip, Joint, Motion, Moved};
 use crate::scene::Scene;
 
 impl Writer {
-    /// Adds what moves to the meshes and the nodes of a scene. Returns the skins and the animations. Joints stand after all other
-    /// nodes.
+    /// Adds motion to the meshes and nodes of a scene. Returns the skins and the animations. Joints follow all other nodes.
     pub fn motion(
         &mut self,
         scene: &Scene,
@@ -97,7 +96,7 @@ fn joint_node(joints: &[Joint], index: usize, first: usize) -> Value {
     node
 }
 
-/// From the mesh into a joint that is not turned.
+/// Matrix from the mesh to a joint without rotation.
 fn inverse_bind(joint: &Joint) -> [f32; 16] {
     glam::Mat4::from_translation(-joint.position).to_cols_array()
 }

@@ -1,8 +1,8 @@
-//! Files that are wrong: they show at rest with a warning, and what cannot be played says why.
+//! Invalid files: they show at rest with a warning, and unplayable clips give the reason.
 
 use super::*;
 
-/// What an import warns of, and the same file's animation.
+/// Warnings of an import, and the same file's animation.
 fn read(file: &mut TestFile) -> (Vec<String>, Result<Animation, AnimationFileError>) {
     let path = file.write();
     let imported = import(&path).unwrap();
@@ -132,8 +132,14 @@ fn clips_with_accessors_of_other_types_or_of_nothing_are_damaged() {
         (|json, output| json["accessors"][output]["type"] = json!("VEC3"), "is of type"),
         (|json, output| json["accessors"][output]["componentType"] = json!(5125), "is of type"),
         (|json, output| json["accessors"][output]["count"] = json!(4000), "does not fit"),
-        (|json, _| json["animations"][0]["channels"][0]["target"]["node"] = json!(99), "moves what is not there"),
-        (|json, _| json["animations"][0]["channels"][0]["target"]["path"] = json!("color"), "moves what is not there"),
+        (
+            |json, _| json["animations"][0]["channels"][0]["target"]["node"] = json!(99),
+            "has a missing node or an unknown property",
+        ),
+        (
+            |json, _| json["animations"][0]["channels"][0]["target"]["path"] = json!("color"),
+            "has a missing node or an unknown property",
+        ),
     ];
     for (damage, said) in damages {
         let mut file = bending_bar();

@@ -1,4 +1,4 @@
-//! Channels of clips: the samplers that they share, what of them is left out, and the names of clips.
+//! Channels of clips: shared samplers, omitted channels, and names of clips.
 
 use super::*;
 use crate::import::import_with;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 const TRIANGLE: [f32; 9] = [0., 0., 0., 1., 0., 0., 1., 1., 0.];
 
-/// Triangles, and a clip that moves all of them by one sampler of so many keyframes.
+/// Triangles, and a clip that moves all of them by one sampler of `keys` keyframes.
 fn carried(nodes: usize, keys: usize) -> TestFile {
     let node = |k: usize| json!({ "name": format!("n{k}"), "mesh": 0, "translation": [2 * k, 0, 0] });
     let mut file = TestFile::new((0..nodes).map(node).collect(), nodes);
@@ -18,13 +18,13 @@ fn carried(nodes: usize, keys: usize) -> TestFile {
     file
 }
 
-/// What the import of a file warns of, and its animation.
+/// Warnings of a file's import, and its animation.
 fn read(path: &Path, budget: Option<u64>) -> (Vec<String>, Result<Animation, AnimationFileError>) {
     let options = ImportOptions { budget, ..Default::default() };
     (import_with(path, &options).unwrap().report.warnings, animation::read(path, &options))
 }
 
-/// The least budget in bytes that a scene is read with, to a kilobyte.
+/// The smallest budget in bytes that reads a scene, to a kilobyte.
 fn least_budget(path: &Path) -> u64 {
     let is_enough = |budget| import_with(path, &ImportOptions { budget: Some(budget), ..Default::default() }).is_ok();
     let (mut below, mut enough) = (0u64, 1 << 30);
@@ -44,7 +44,7 @@ fn the_keyframes_of_a_sampler_are_read_once_and_only_into_memory_that_there_is()
     assert!(warnings.iter().any(|w| w.contains("\"up\" cannot be played") && w.contains("MB")), "{warnings:?}");
     let error = animation.unwrap_err().to_string();
     assert!(["\"up\"", "keyframes", "MB", "moving.gltf"].iter().all(|said| error.contains(said)), "{error}");
-    // Enough for the sampler once; for each channel it would take 32 MB.
+    // Enough for the sampler once; a copy per channel would take 32 MB.
     let (warnings, animation) = read(&path, Some(least + 1_000_000));
     assert_eq!(warnings, [] as [String; 0]);
     let [first, .., last] = animation.as_ref().unwrap().clips[0].channels() else { panic!("50 channels") };
@@ -92,7 +92,7 @@ fn clips_of_equal_names_are_numbered() {
     assert!(animation.clip(Some("Take 001 (4)")).unwrap_err().to_string().contains("must be a number from 0 on"));
 }
 
-/// The bending bar, whose clip has a channel that moves no node, too.
+/// The bending bar with an additional channel that moves no node.
 fn with_pointer() -> TestFile {
     let mut file = bending_bar();
     let pointer = json!({ "pointer": "/materials/0/pbrMetallicRoughness/baseColorFactor" });
@@ -103,7 +103,7 @@ fn with_pointer() -> TestFile {
     file
 }
 
-/// A file as GLB beside it.
+/// A file as a GLB beside it.
 fn as_glb(path: &Path) -> PathBuf {
     let glb = gltf::binary::Glb {
         header: gltf::binary::Header { magic: *b"glTF", version: 2, length: 0 },

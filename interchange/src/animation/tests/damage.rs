@@ -1,4 +1,4 @@
-//! Files that are damaged in what an animation reads of them: meshes, matrices and weights.
+//! Files with damage in the inputs of an animation: meshes, matrices and weights.
 
 use super::*;
 use crate::import::import_with;
@@ -41,7 +41,7 @@ fn a_mesh_that_was_damaged_after_its_bake_is_refused() {
     }
 }
 
-/// The bending bar with inverse bind matrices in a sparse accessor: only the second is stored there, or both without anything else.
+/// The bending bar with inverse bind matrices in a sparse accessor: it stores only the second, or both without a base.
 fn sparsely_bound(has_base: bool) -> (TestFile, usize) {
     let mut file = bending_bar();
     let stored = file.json["skins"][0]["inverseBindMatrices"].as_u64().unwrap() as usize;

@@ -4,7 +4,7 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Its parts; the buffer is embedded.
+/// Parts of the file; the buffer is embedded.
 pub struct TestFile {
     pub json: Value,
     bytes: Vec<u8>,
@@ -12,7 +12,7 @@ pub struct TestFile {
 }
 
 impl TestFile {
-    /// With nodes of which the first few stand in the scene.
+    /// A file with nodes; the first `roots` are in the scene.
     pub fn new(nodes: Value, roots: usize) -> Self {
         let json = json!({
             "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": (0..roots).collect::<Vec<_>>() }],
@@ -27,7 +27,7 @@ impl TestFile {
         self.accessor(&bytes, 5126, numbers.len() / width(kind), kind)
     }
 
-    /// Adds an accessor of whole numbers of two bytes.
+    /// Adds an accessor of two-byte integers.
     pub fn shorts(&mut self, numbers: &[u16], kind: &str) -> usize {
         let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
         self.accessor(&bytes, 5123, numbers.len() / width(kind), kind)
@@ -59,7 +59,7 @@ impl TestFile {
         list(&mut self.json, "meshes").len() - 1
     }
 
-    /// Adds a skin of joints with inverse bind matrices that move by what is given.
+    /// Adds a skin of joints with inverse bind matrices that translate by `shifts`.
     pub fn skin(&mut self, joints: &[usize], shifts: &[[f32; 3]]) {
         let matrix = |[x, y, z]: [f32; 3]| [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., x, y, z, 1.];
         let matrices: Vec<f32> = shifts.iter().flat_map(|shift| matrix(*shift)).collect();
@@ -82,7 +82,7 @@ impl TestFile {
         }));
     }
 
-    /// Writes it, and tells where.
+    /// Writes the file and returns its path.
     pub fn write(&mut self) -> PathBuf {
         let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&self.bytes));
         self.json["buffers"] = json!([{ "byteLength": self.bytes.len(), "uri": uri }]);

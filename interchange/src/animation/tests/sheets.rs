@@ -1,13 +1,13 @@
-//! Sheets of one object in one place, which move together or apart.
+//! Coincident sheets of one object, which move together or apart.
 
 use super::*;
 
-/// A square, and triangles over it a bit higher or in the same place, with a normal; the second follow what is asked for.
+/// A square, and triangles above it or in the same place, with a normal; the second sheet follows a given joint or target.
 struct Sheets {
     height: f32,
     normal: f32,
     joint: u16,
-    /// How far a morph target raises them.
+    /// Displacement by a morph target.
     raised: f32,
     /// Whether they are one large triangle.
     is_large: bool,

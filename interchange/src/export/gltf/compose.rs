@@ -1,4 +1,5 @@
-//! Pictures of components that come from several: glTF packs roughness and metalness into one. And all pictures of a file.
+//! Pictures whose components come from several textures: glTF packs roughness and metalness into one. Also the list of
+//! all pictures of a file.
 
 use crate::image::encode_png_pixels;
 use glam::Vec2;
@@ -9,10 +10,10 @@ use lapidary_core::{
 use serde_json::{Value, json};
 use std::{collections::HashMap, sync::Arc};
 
-/// A component of a new picture.
+/// Source of a component of a new picture.
 #[derive(Clone, Copy)]
 pub struct Component {
-    /// The texture and its component; white without one.
+    /// The texture and its component; `None` is white.
     of: Option<(u32, Channel, ColorSpace)>,
     inverted: bool,
 }
@@ -21,12 +22,12 @@ impl Component {
     /// White.
     pub const ONE: Self = Self { of: None, inverted: false };
 
-    /// That of a slot's texture.
+    /// A component of a slot's texture.
     pub fn of(slot: &TextureSlot, channel: Channel) -> Self {
         Self { of: Some((slot.texture, channel, slot.color_space)), inverted: false }
     }
 
-    /// One minus it.
+    /// One minus the component.
     pub fn inverted(self) -> Self {
         Self { inverted: true, ..self }
     }
@@ -51,7 +52,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The picture of 8 bits, as large as the largest that it is made of.
+    /// Renders an 8-bit picture, as large as its largest source.
     pub fn png(&self, textures: &[Arc<Texture>]) -> Vec<u8> {
         let sizes = self.components.iter().filter_map(|component| component.texture(textures)).map(|t| t.size);
         let size = sizes.fold([1, 1], |[w, h], size| [w.max(size[0]), h.max(size[1])]);
@@ -76,18 +77,18 @@ pub fn mean(texture: &Texture, slot: &TextureSlot) -> f32 {
 /// The pictures and textures of a file that materials refer to.
 #[derive(Default)]
 pub struct Textures {
-    /// The texture of the file for a texture of the scene, where it has one.
+    /// The file's texture for a texture of the scene, if it has one.
     pub known: HashMap<u32, usize>,
-    /// How many textures and pictures the file has.
+    /// Number of textures and pictures in the file.
     pub textures: usize,
     pub images: usize,
-    /// New pictures: each has a new texture.
+    /// New pictures; each has a new texture.
     pub pictures: Vec<Arc<[u8]>>,
     pub by_bytes: HashMap<Arc<[u8]>, usize>,
 }
 
 impl Textures {
-    /// The texture of a picture, which is new unless it was before.
+    /// The texture of a picture, added on first use.
     pub fn of_bytes(&mut self, bytes: Arc<[u8]>) -> usize {
         if let Some(&known) = self.by_bytes.get(&bytes) {
             return known;

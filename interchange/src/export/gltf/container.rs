@@ -1,4 +1,4 @@
-//! glTF files around their JSON: members that stay byte for byte, and the chunks of a binary file.
+//! glTF files around their JSON: members preserved byte for byte, and the chunks of a binary file.
 
 use serde::{
     Deserialize, Deserializer,
@@ -7,18 +7,18 @@ use serde::{
 use serde_json::{Value, value::RawValue};
 use std::fmt;
 
-/// The members of a JSON object in their order, as text.
+/// The members of a JSON object in order, as text.
 #[derive(Default)]
 pub struct Members(Vec<(String, Box<RawValue>)>);
 
 impl Members {
-    /// A member, as a value.
+    /// A member's value.
     pub fn value(&self, name: &str) -> Option<Value> {
         let (_, raw) = self.0.iter().find(|(key, _)| key == name)?;
         serde_json::from_str(raw.get()).ok()
     }
 
-    /// The elements of a member that is a list.
+    /// The elements of a list member.
     pub fn list(&self, name: &str) -> Vec<Value> {
         match self.value(name) {
             Some(Value::Array(list)) => list,
@@ -26,13 +26,13 @@ impl Members {
         }
     }
 
-    /// The elements of a member that is a list, as text.
+    /// The elements of a list member, as text.
     pub fn raw_list(&self, name: &str) -> Vec<Box<RawValue>> {
         let raw = self.0.iter().find(|(key, _)| key == name);
         raw.and_then(|(_, raw)| serde_json::from_str(raw.get()).ok()).unwrap_or_default()
     }
 
-    /// Replaces a member, or adds it at the end.
+    /// Replaces a member, or appends it.
     pub fn set(&mut self, name: &str, value: &impl serde::Serialize) -> serde_json::Result<()> {
         let raw = serde_json::value::to_raw_value(value)?;
         match self.0.iter_mut().find(|(key, _)| key == name) {
@@ -77,7 +77,7 @@ const MAGIC: &[u8] = b"glTF";
 const JSON: &[u8] = b"JSON";
 const BIN: &[u8] = b"BIN\0";
 
-/// The JSON of a file, and the chunks behind it if it is a binary one.
+/// The JSON of a file, and for a binary file the chunks after it.
 pub fn parts(bytes: &[u8]) -> (&[u8], Option<&[u8]>) {
     let chunk = |at: usize| {
         let length = bytes.get(at..at + 4)?;
@@ -90,10 +90,10 @@ pub fn parts(bytes: &[u8]) -> (&[u8], Option<&[u8]>) {
     }
 }
 
-/// A binary file of a JSON text and the chunks behind it.
+/// A binary file from a JSON text and the chunks after it.
 ///
 /// # Errors
-/// More than the 4 GiB that the format counts, in words.
+/// A description of the error if the file exceeds the format's 4 GiB.
 pub fn binary(json: &str, chunks: &[u8]) -> Result<Vec<u8>, String> {
     let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');

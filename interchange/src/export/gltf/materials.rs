@@ -1,5 +1,5 @@
-//! Materials as those of glTF 2.0: metallic-roughness with `KHR_materials_anisotropy`, `_clearcoat`, `_emissive_strength`, `_ior`,
-//! `_sheen` and `_specular`, and pictures that lie by `KHR_texture_transform`.
+//! Materials in glTF 2.0: metallic-roughness with `KHR_materials_anisotropy`, `_clearcoat`, `_emissive_strength`,
+//! `_ior`, `_sheen` and `_specular`, and pictures placed by `KHR_texture_transform`.
 
 use super::compose::{Component, Picture, Textures, mean};
 use crate::{
@@ -14,7 +14,7 @@ use lapidary_core::{
 use serde_json::{Map, Value, json};
 use std::{collections::BTreeSet, f32::consts::FRAC_PI_2, sync::Arc};
 
-/// A number as short as it is told apart from others of 32 bits.
+/// A number with the fewest digits that identify its 32-bit value.
 fn number(x: f32) -> Value {
     json!(x.to_string().parse::<f64>().unwrap_or_default())
 }
@@ -23,7 +23,7 @@ fn triple(Vec3 { x, y, z }: Vec3) -> Value {
     json!([number(x), number(y), number(z)])
 }
 
-/// Writes materials one after another.
+/// Writes materials in sequence.
 pub(super) struct MaterialWriter<'a> {
     pub scene: &'a [Arc<Texture>],
     pub textures: Textures,
@@ -32,7 +32,7 @@ pub(super) struct MaterialWriter<'a> {
     pub remarks: Vec<String>,
 }
 
-/// How a picture lies, beside which it is.
+/// Whether two pictures are placed equally.
 fn lies_like(a: &TextureSlot, b: &TextureSlot) -> bool {
     (a.scale, a.offset, a.rotation) == (b.scale, b.offset, b.rotation)
 }
@@ -42,7 +42,7 @@ impl<'a> MaterialWriter<'a> {
         Self { scene, textures, used: BTreeSet::new(), remarks: Vec::new() }
     }
 
-    /// A material in place of what `before` says; what is no business of this program stays there.
+    /// The JSON of a material, based on `before`; members unknown to this program stay.
     pub fn material(&mut self, material: &Material, before: Value) -> Value {
         let mut remarks = Vec::new();
         let (mut said, rotation) = turned(material);
@@ -61,7 +61,7 @@ impl<'a> MaterialWriter<'a> {
         Value::Object(json)
     }
 
-    /// Takes away maps whose pictures were missing when they were imported, unless the file refers to them already.
+    /// Removes maps whose pictures were missing on import, unless the file already refers to them.
     fn leave_out_missing(&self, material: &mut Material, remarks: &mut Vec<String>) {
         material.maps.retain(|name, slot| {
             let missing = self.scene.get(slot.texture as usize).filter(|texture| texture.encoded.is_empty());
@@ -74,7 +74,7 @@ impl<'a> MaterialWriter<'a> {
         });
     }
 
-    /// The stretch of a lobe whose roughness has a map is that at the map's mean; constants were converted before.
+    /// For a roughness with a map, takes the stretch of the lobe at the map's mean; constants were converted before.
     fn stretched_at_mean(&self, mut said: Material, material: &Material) -> Material {
         let anisotropy = said.parameters.number("specular_roughness_anisotropy");
         let Some(slot) = said.maps.get("specular_roughness").filter(|_| anisotropy > 0.0) else { return said };
@@ -89,7 +89,7 @@ impl<'a> MaterialWriter<'a> {
     }
 }
 
-/// The material stretched along the tangent, and the turn in radians of its stretch.
+/// The material stretched along the tangent, and the rotation of its stretch in radians.
 fn turned(material: &Material) -> (Material, f32) {
     let mut turned = material.clone();
     let name = material.model.parameter_for("anisotropy").map_or("", |p| p.name);
@@ -104,7 +104,7 @@ fn turned(material: &Material) -> (Material, f32) {
 /// Writes one material.
 struct OneMaterial<'w, 'a> {
     all: &'w mut MaterialWriter<'a>,
-    /// What is written, in the numbers of glTF under the names of OpenPBR.
+    /// The material in glTF's numbers under the names of OpenPBR.
     said: Material,
     rotation: f32,
     json: Map<String, Value>,
@@ -142,7 +142,7 @@ impl OneMaterial<'_, '_> {
         self.tell_lost_maps();
     }
 
-    /// Sets a key of an object within the material, or takes it away.
+    /// Sets or removes a key of an object within the material.
     fn set(object: &mut Map<String, Value>, key: &str, value: Option<Value>) {
         match value {
             Some(value) => drop(object.insert(key.into(), value)),
@@ -150,12 +150,12 @@ impl OneMaterial<'_, '_> {
         }
     }
 
-    /// Changes an object within the material, which is made if it is missing and taken away if nothing is in it.
+    /// Changes an object within the material; creates it if missing and removes it if empty.
     fn within(&mut self, keys: &[&str], change: impl FnOnce(&mut Map<String, Value>)) {
         within(&mut self.json, keys, change);
     }
 
-    /// Writes an extension, or takes it away.
+    /// Writes or removes an extension.
     fn extension(&mut self, name: &'static str, values: Option<Vec<(&str, Option<Value>)>>) {
         if values.is_some() {
             self.all.used.insert(name);
@@ -207,7 +207,7 @@ impl OneMaterial<'_, '_> {
         Some(self.composed([r, g, b, alpha], true, &color))
     }
 
-    /// A picture of colors.
+    /// A color picture.
     fn colors(&mut self, name: &str) -> Option<Value> {
         let slot = self.slot(name)?;
         if slot.color_space == ColorSpace::Srgb && self.is_readable(&slot) {
@@ -307,7 +307,7 @@ impl OneMaterial<'_, '_> {
 
     fn write_sheen(&mut self) {
         let color = self.color("fuzz_color");
-        // The weight was multiplied into the color.
+        // The color already includes the weight.
         if color == Vec3::ZERO {
             return self.extension("KHR_materials_sheen", None);
         }
@@ -323,7 +323,7 @@ impl OneMaterial<'_, '_> {
     fn write_emission(&mut self) {
         let luminance = self.number("emission_luminance");
         let color = self.color("emission_color");
-        // Factors of glTF are at most 1.
+        // Factors in glTF are at most 1.
         let most = color.max_element().max(1.0);
         let (factor, strength) = if luminance > 0.0 { (color / most, luminance * most) } else { (Vec3::ZERO, 1.0) };
         let colors = self.colors("emission_color");
@@ -362,7 +362,7 @@ impl OneMaterial<'_, '_> {
         &self.all.scene[slot.texture as usize]
     }
 
-    /// Whether glTF has the format of a picture. What is missing stays as the file refers to it.
+    /// Whether glTF supports the format of a picture. A missing picture stays referenced as in the file.
     fn is_readable(&self, slot: &TextureSlot) -> bool {
         let encoded = &self.texture_of(slot).encoded;
         encoded.is_empty() || ["png", "jpg"].contains(&PictureFormat::ending_of(encoded))
@@ -372,7 +372,7 @@ impl OneMaterial<'_, '_> {
         slot.color_space == ColorSpace::Linear && self.is_readable(slot)
     }
 
-    /// The picture as it was imported.
+    /// The picture as imported.
     fn as_it_is(&mut self, slot: &TextureSlot) -> Value {
         let encoded = self.texture_of(slot).encoded.clone();
         let known = self.all.textures.known.get(&slot.texture).copied();
@@ -380,7 +380,7 @@ impl OneMaterial<'_, '_> {
         self.info(index, slot)
     }
 
-    /// A new picture of components.
+    /// A new picture from components.
     fn composed(&mut self, components: [Component; 4], encodes: bool, place: &TextureSlot) -> Value {
         let picture = Picture { components, encodes }.png(self.all.scene);
         let index = self.all.textures.of_bytes(picture.into());
@@ -403,10 +403,10 @@ impl OneMaterial<'_, '_> {
     }
 }
 
-/// The extension for how pictures lie.
+/// The extension for the placement of pictures.
 const TRANSFORM: &str = "KHR_texture_transform";
 
-/// Changes an object within another, which is made if it is missing and taken away if nothing is in it.
+/// Changes an object within another; creates it if missing and removes it if empty.
 fn within(object: &mut Map<String, Value>, keys: &[&str], change: impl FnOnce(&mut Map<String, Value>)) {
     let [first, rest @ ..] = keys else { return change(object) };
     let mut inner = match object.remove(*first) {

@@ -1,5 +1,5 @@
-//! The glTF file that a scene came from, with other materials. Buffers, meshes, nodes and what this program does not know stay byte
-//! for byte, and so do materials that are as they were.
+//! Rewrites the materials of the glTF file that a scene came from. Buffers, meshes, nodes, unknown members and
+//! unchanged materials stay byte for byte.
 
 use super::container::{self, Members};
 use crate::{
@@ -51,7 +51,7 @@ pub fn write(scene: &Scene, path: &Path, original: &Path) -> Result<Exported, Ex
     Ok(exported)
 }
 
-/// The JSON with the materials of the scene.
+/// The JSON with the scene's materials.
 fn rewritten(mut members: Members, scene: &Scene, imported: &Imported) -> serde_json::Result<(String, Exported)> {
     let (before, raw) = (members.list("materials"), members.raw_list("materials"));
     let theirs = &imported.scene;
@@ -106,12 +106,12 @@ fn add_pictures(
     members.set("images", &images)
 }
 
-/// A picture within the text.
+/// A picture embedded in the text.
 pub fn data_uri(bytes: &[u8]) -> String {
     format!("data:{};base64,{}", mime_type(bytes), base64::engine::general_purpose::STANDARD.encode(bytes))
 }
 
-/// The type of a picture that glTF has.
+/// The MIME type of a picture that glTF supports.
 pub fn mime_type(bytes: &[u8]) -> &'static str {
     if PictureFormat::ending_of(bytes) == "jpg" { "image/jpeg" } else { "image/png" }
 }
@@ -127,7 +127,7 @@ fn add_extensions(members: &mut Members, used: &BTreeSet<&'static str>) -> serde
     members.set("extensionsUsed", &all)
 }
 
-/// For each texture of the scene the one of the original with the same bytes.
+/// For each texture of the scene, the original's texture with the same bytes.
 fn same_textures(ours: &[Arc<Texture>], theirs: &[Arc<Texture>]) -> HashMap<u32, u32> {
     let find = |texture: &Arc<Texture>| {
         theirs.iter().position(|other| {
@@ -145,7 +145,7 @@ fn is_unchanged(ours: &Material, theirs: &Material, same: &HashMap<u32, u32>) ->
     ours == *theirs
 }
 
-/// Places of textures in the JSON of a material, by the names that their maps may have.
+/// Places of textures in the JSON of a material, by the possible names of their maps.
 const PLACES: [(&str, &[&str]); 11] = [
     ("/pbrMetallicRoughness/baseColorTexture", &["base_color"]),
     ("/pbrMetallicRoughness/metallicRoughnessTexture", &["roughness", "specular_roughness"]),
@@ -160,7 +160,7 @@ const PLACES: [(&str, &[&str]); 11] = [
     ("/extensions/KHR_materials_transmission/transmissionTexture", &["geometry_opacity"]),
 ];
 
-/// Textures of the original for those of the scene.
+/// The original's textures for the scene's textures.
 fn known_textures(before: &[Value], theirs: &Scene, same: &HashMap<u32, u32>) -> HashMap<u32, usize> {
     let mut of_theirs = HashMap::new();
     for (json, material) in before.iter().zip(&theirs.materials) {
@@ -175,7 +175,7 @@ fn known_textures(before: &[Value], theirs: &Scene, same: &HashMap<u32, u32>) ->
     same.iter().filter_map(|(ours, theirs)| Some((*ours, *of_theirs.get(theirs)?))).collect()
 }
 
-/// Copies buffers and pictures that the file names into another folder, so that they are found there.
+/// Copies the buffers and pictures that the file names into the output's folder.
 fn copy_companions(json: &[u8], path: &Path, original: &Path) -> Result<Vec<PathBuf>, ExportError> {
     let (from, to) = (folder_of(original), folder_of(path));
     let members: Members = serde_json::from_slice(json).map_err(|error| ExportError::text(original, error))?;
@@ -185,7 +185,7 @@ fn copy_companions(json: &[u8], path: &Path, original: &Path) -> Result<Vec<Path
     let mut copied = Vec::new();
     for name in names {
         let (source, target) = (from.join(&name), to.join(&name));
-        // Files outside are found from a folder beside as before, or not at all.
+        // Files outside are found from a sibling folder as before, or not at all.
         let is_inside = Path::new(&name)
             .components()
             .all(|part| matches!(part, std::path::Component::Normal(_) | std::path::Component::CurDir));

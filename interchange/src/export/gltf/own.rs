@@ -1,4 +1,4 @@
-//! A glTF file of a scene's own: its meshes and materials, in world space, without the ground.
+//! A new glTF file of a scene: its meshes and materials, in world space, without the ground.
 
 use super::{container, original::mime_type};
 use crate::export::{
@@ -20,9 +20,9 @@ use std::{
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 
-/// Writes meshes and materials; a `.gltf` file has its data within.
+/// Writes meshes and materials; a `.gltf` file embeds its data.
 pub fn write(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
-    // The ground's material is the last, and no triangle here has it.
+    // The ground's material is the last, and no triangle here uses it.
     let count = scene.materials.len();
     let ground = scene.mesh.ground_material().map(|ground| ground as usize);
     let kept = &scene.materials[..ground.filter(|ground| ground + 1 == count).unwrap_or(count)];
@@ -74,7 +74,7 @@ pub fn write(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
     Ok(Exported { files: vec![path.into()], materials: materials.len(), remarks: writer.remarks })
 }
 
-/// Triangles by object, and by material within it.
+/// Triangles by object, then by material.
 fn parts(mesh: &Mesh) -> BTreeMap<u32, BTreeMap<u32, Vec<[u32; 3]>>> {
     let count = mesh.ground.map_or(mesh.triangles.len(), |ground| ground.triangle as usize);
     let mut parts: BTreeMap<u32, BTreeMap<u32, Vec<[u32; 3]>>> = BTreeMap::new();

@@ -7,7 +7,7 @@ use lapidary_core::camera::Camera;
 /// A value of an attribute.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetaValue {
-    /// Words, or JSON.
+    /// Text or JSON.
     Text(String),
     /// A number.
     Number(f64),
@@ -23,7 +23,7 @@ pub struct Metadata {
     /// The camera of the picture; becomes the standard attributes `worldToCamera`, `screenWindowWidth` and the fields
     /// of view.
     pub camera: Option<Camera>,
-    /// Names and values of other attributes.
+    /// Other attributes by name.
     pub entries: Vec<(String, MetaValue)>,
 }
 
@@ -45,8 +45,8 @@ impl Metadata {
     }
 }
 
-/// Into the space of the camera: right, up and backward. It is stored by columns, because OpenEXR multiplies rows from
-/// the left.
+/// Matrix from world to camera space: right, up and backward. It is stored by columns, because OpenEXR multiplies rows
+/// from the left.
 fn camera_from_world(camera: &Camera) -> Mat4 {
     let turn = camera.world_from_view().transpose();
     Mat4::from_mat3(turn) * Mat4::from_translation(-camera.eye)

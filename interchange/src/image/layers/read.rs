@@ -1,4 +1,4 @@
-//! One layer of an OpenEXR file, whether its layers are parts or prefixes of channels.
+//! Reads one layer of an OpenEXR file, whether its layers are parts or channel prefixes.
 
 use super::super::read::{EXR_MAGIC, Footprint, damaged, exr_parts};
 use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
@@ -9,21 +9,21 @@ use lapidary_core::{
 };
 use std::{io::Cursor, path::Path};
 
-/// Name of the layer without a name, where a name is needed.
+/// Name of the unnamed layer where a name is needed.
 const UNNAMED: &str = "beauty";
 
-/// Channels of a layer: their names without its own, and their samples.
+/// Channels of a layer: their names without the layer's, and their samples.
 struct Group {
     name: String,
     size: [u32; 2],
     channels: Vec<(String, openexr::FlatSamples)>,
 }
 
-/// Reads one layer of an OpenEXR file: its colors, its vectors, or its one value repeated. Names match in any
-/// case, `-` matches `_`, and the last words of a long name suffice; `beauty` is also the layer without a name.
+/// Reads one layer of an OpenEXR file: its colors, its vectors, or its single channel repeated. Names match in any
+/// case, `-` matches `_`, and the last words of a long name suffice; `beauty` also means the unnamed layer.
 ///
 /// # Errors
-/// A file that cannot be read or has no such layer.
+/// A file that is unreadable or lacks the layer.
 pub fn read_layer(path: &Path, name: &str) -> Result<Image, ImageError> {
     let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
     let none = |has: String| ImageError::NoLayer { path: path.into(), name: name.into(), has };
@@ -85,7 +85,7 @@ fn words(text: &openexr::Text) -> String {
     String::from_utf8_lossy(text.as_slice()).into_owned()
 }
 
-/// A part may repeat its name in its channels, as Nuke has it.
+/// A part may repeat its name in its channels, as Nuke writes it.
 fn joined(part: &str, prefix: &str) -> String {
     match (part, prefix) {
         ("", "") => UNNAMED.into(),

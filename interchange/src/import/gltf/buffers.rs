@@ -1,5 +1,5 @@
-//! The binary data of a glTF file: loaded from wherever it lies, and checked before the `gltf` crate, which trusts
-//! its offsets and counts, reads it.
+//! The binary data of a glTF file: loaded from any place, and checked before the `gltf` crate reads it, which trusts
+//! its offsets and counts.
 
 use super::super::{
     files::{Files, Trouble},
@@ -13,7 +13,7 @@ use gltf::{
     buffer::{Source, View},
 };
 
-/// The contents of all buffers, each at least as long as the file says.
+/// The contents of all buffers, each at least as long as declared.
 pub(super) struct Buffers {
     data: Vec<Vec<u8>>,
 }
@@ -56,7 +56,7 @@ impl Buffers {
         Ok(reader.read_positions().ok_or("positions are missing")?.map(Vec3::from_array).collect())
     }
 
-    /// Zeros if the primitive has none.
+    /// Normals; zeros if the primitive has none.
     pub fn normals(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec3>, String> {
         let Some(accessor) = primitive.get(&Semantic::Normals) else { return Ok(vec![Vec3::ZERO; count]) };
         one_per_vertex(&accessor, "normals", count)?;
@@ -65,7 +65,7 @@ impl Buffers {
         Ok(reader.read_normals().into_iter().flatten().map(Vec3::from_array).collect())
     }
 
-    /// Zeros if the primitive has none.
+    /// Tangents; zeros if the primitive has none.
     pub fn tangents(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec4>, String> {
         let Some(accessor) = primitive.get(&Semantic::Tangents) else { return Ok(vec![Vec4::ZERO; count]) };
         one_per_vertex(&accessor, "tangents", count)?;
@@ -74,7 +74,7 @@ impl Buffers {
         Ok(reader.read_tangents().into_iter().flatten().map(Vec4::from_array).collect())
     }
 
-    /// The first set; [`RawMesh::NO_UV`] if the primitive has none.
+    /// The first set of texture coordinates; [`RawMesh::NO_UV`] if the primitive has none.
     pub fn uvs(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec2>, String> {
         let Some(accessor) = primitive.get(&Semantic::TexCoords(0)) else { return Ok(vec![RawMesh::NO_UV; count]) };
         one_per_vertex(&accessor, "texture coordinates", count)?;
@@ -91,7 +91,7 @@ impl Buffers {
         Ok(Some(reader.read_indices().ok_or("indices are missing")?.into_u32().collect()))
     }
 
-    /// The numbers of an accessor one after another: floats, or whole numbers that stand for -1 to 1 or 0 to 1.
+    /// The numbers of an accessor in sequence: floats, or integers normalized to -1 to 1 or 0 to 1.
     pub fn numbers(&self, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
         let types: &[DataType] = match accessor.normalized() {
             true => &[DataType::I8, DataType::U8, DataType::I16, DataType::U16],
@@ -117,7 +117,7 @@ impl Buffers {
         })
     }
 
-    /// Checks the type of an accessor, and that all it reaches lies within its buffers.
+    /// Checks the type of an accessor, and that its range lies within its buffers.
     pub fn check(&self, accessor: &Accessor, types: &[DataType], dimensions: Dimensions) -> Result<(), String> {
         let index = accessor.index();
         if !types.contains(&accessor.data_type()) || accessor.dimensions() != dimensions {
@@ -179,7 +179,7 @@ pub(super) fn read_uri(uri: &str, files: &mut Files) -> Result<Vec<u8>, Trouble>
     })
 }
 
-/// Replaces `%20` and the like; what is no such code stays.
+/// Replaces codes such as `%20`; invalid codes stay.
 pub(crate) fn percent_decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

@@ -1,4 +1,4 @@
-//! Animations of a glTF file. Those that are damaged are told by their names, and the others can be played.
+//! Animations of a glTF file. Damaged ones are reported by name, and the others are playable.
 
 use super::{
     super::budget::{Budget, OverBudget},
@@ -18,23 +18,23 @@ use std::{
     sync::Arc,
 };
 
-/// Peak bytes of a number of a keyframe: its own, and as many while its list grows.
+/// Peak bytes of a number of a keyframe, twice its size while the list grows.
 const NUMBER: u64 = 8;
 
-/// Clips that can be played, and what is told of the others.
+/// Playable clips, and remarks on the others.
 #[derive(Default)]
 pub(super) struct Clips {
     pub playable: Vec<Clip>,
-    /// Names of those that cannot be played, with what is wrong.
+    /// Names of unplayable clips, with the reasons.
     pub broken: Vec<(String, String)>,
-    /// Names of those with more than one channel for a property of a node.
+    /// Names of clips with more than one channel for a property of a node.
     doubled: Vec<String>,
-    /// Names of those with channels that move no node.
+    /// Names of clips with channels that move no node.
     pointing: Vec<String>,
 }
 
 impl Clips {
-    /// Takes the memory of those that can be played from a budget.
+    /// Reads the clips; playable ones take memory from a budget.
     pub fn read(file: &SceneFile, budget: &mut Budget) -> Self {
         let mut clips = Self::default();
         let names = file.gltf.animations().map(|animation| name(&animation)).collect();
@@ -59,7 +59,7 @@ impl Clips {
         clips
     }
 
-    /// What is told of those that cannot be played.
+    /// Remarks on the unplayable clips.
     pub fn remarks_of_broken(&self) -> impl Iterator<Item = String> {
         let remark = |(name, reason): &(String, String)| {
             format!("the animation \"{name}\" cannot be played: {reason}; export it again")
@@ -67,7 +67,7 @@ impl Clips {
         self.broken.iter().map(remark)
     }
 
-    /// What is told of those that play without some of their channels.
+    /// Remarks on the clips that play without some of their channels.
     pub fn remarks_of_channels(&self) -> impl Iterator<Item = String> {
         let doubled = "have several channels for one property of a node, of which the first plays; remove the others";
         let pointing =
@@ -78,12 +78,12 @@ impl Clips {
     }
 }
 
-/// From the file, or made up from its place there.
+/// Name from the file, or derived from its position there.
 fn name(animation: &gltf::Animation) -> String {
     animation.name().map_or_else(|| format!("clip {}", animation.index() + 1), str::to_owned)
 }
 
-/// Names with a number behind those that were there before, so that each is there once.
+/// Makes names unique by appending numbers to repeated ones.
 fn numbered(names: Vec<String>) -> Vec<String> {
     let mut taken: HashSet<String> = names.iter().cloned().collect();
     let mut counts: HashMap<String, usize> = HashMap::new();
@@ -105,11 +105,11 @@ fn numbered(names: Vec<String>) -> Vec<String> {
 struct ChannelReader<'a> {
     file: &'a SceneFile,
     budget: Budget,
-    /// Samplers by index, and what their values are for: a property, and how many numbers.
+    /// Samplers by index, and the property and number of values they are for.
     samplers: HashMap<(usize, Property, usize), Arc<Keyframes>>,
-    /// Properties of nodes that have a channel.
+    /// Properties of nodes with a channel.
     moved: HashSet<(usize, Property)>,
-    /// Whether one of them has more.
+    /// Whether a property has more than one.
     is_doubled: bool,
 }
 
@@ -124,18 +124,18 @@ impl<'a> ChannelReader<'a> {
         let stored = &gltf.as_json().animations[animation.index()];
         let mut channels = Vec::new();
         for (index, channel) in animation.channels().enumerate() {
-            // The crate does not check these, and ends the program where they are wrong.
+            // The crate does not check these indices, and panics if they are invalid.
             let target = &stored.channels[index].target;
             let node = target.node.value();
             if node >= gltf.nodes().count() || !matches!(target.path, Checked::Valid(_)) {
-                return Err(format!("channel {index} moves what is not there"));
+                return Err(format!("channel {index} has a missing node or an unknown property"));
             }
             channels.extend(self.channel(&channel, node).map_err(|reason| format!("channel {index}: {reason}"))?);
         }
         Ok(channels)
     }
 
-    /// `None` for weights of a node without morph targets, and for what another channel moves.
+    /// `None` for weights of a node without morph targets, and for a property that another channel moves.
     fn channel(&mut self, channel: &file::Channel, node: usize) -> Result<Option<Channel>, String> {
         let nodes = &self.file.nodes;
         let (property, width) = match channel.target().property() {
@@ -156,7 +156,7 @@ impl<'a> ChannelReader<'a> {
         Ok(Some(channel))
     }
 
-    /// Reads a sampler when it is first asked for.
+    /// Reads a sampler on first use.
     fn keyframes(
         &mut self,
         sampler: &file::Sampler,
@@ -194,7 +194,7 @@ fn no_room(over: OverBudget) -> String {
     format!("with its keyframes the file takes about {needed} MB of memory, but {available} MB are free; reduce them")
 }
 
-/// Numbers of keyframes, which some buffer holds.
+/// Numbers of keyframes, from a buffer.
 fn numbers_of(buffers: &Buffers, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
     if accessor.view().is_none() {
         return Err(format!("accessor {} has no data", accessor.index()));

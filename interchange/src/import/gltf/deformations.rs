@@ -1,4 +1,4 @@
-//! Skins and morph targets of a glTF file. What cannot be used is told, and left out: the rest shows as if it were not there.
+//! Skins and morph targets of a glTF file. Unusable ones are reported and left out; the rest shows without them.
 
 use super::buffers::Buffers;
 use glam::{Mat4, Vec3};
@@ -12,7 +12,7 @@ use lapidary_core::animation::{
     surface::MorphTarget,
 };
 
-/// Most sets of four joints of a vertex; programs write one or two.
+/// Largest number of sets of four joints per vertex; programs write one or two.
 const MOST_SETS: u32 = 64;
 
 /// Peak bytes of a vertex of a morph target.
@@ -24,12 +24,12 @@ const SET_VERTEX: u64 = 40;
 /// Peak bytes of a joint: its node, and its matrices in the skin and in postures.
 const JOINT: u64 = 300;
 
-/// Bytes that the skins of a file take.
+/// Bytes of a file's skins.
 pub(super) fn bytes_of_skins(gltf: &gltf::Document) -> u64 {
     gltf.skins().map(|skin| skin.joints().count() as u64 * JOINT).sum()
 }
 
-/// All skins of a file by index. A skin that cannot be used says why.
+/// All skins of a file by index. An unusable skin gives the reason.
 pub(super) fn skins(gltf: &gltf::Document, buffers: &Buffers) -> Vec<Result<Skin, String>> {
     gltf.skins().map(|skin| read_skin(&skin, buffers)).collect()
 }
@@ -44,19 +44,19 @@ fn read_skin(skin: &gltf::Skin, buffers: &Buffers) -> Result<Skin, String> {
     }
     let joints_from_mesh = buffers.matrices(&accessor, joints.len())?;
     match joints_from_mesh.iter().position(|matrix| !matrix.is_finite()) {
-        Some(joint) => Err(format!("the inverse bind matrix of joint {joint} holds no numbers")),
+        Some(joint) => Err(format!("the inverse bind matrix of joint {joint} is not finite")),
         None => Ok(Skin { joints, joints_from_mesh }),
     }
 }
 
-/// Bytes that the deformation of a primitive takes.
+/// Bytes of a primitive's deformation.
 pub(super) fn bytes(primitive: &gltf::Primitive, vertices: u64) -> u64 {
     let sets = (0..MOST_SETS).take_while(|&set| primitive.get(&Semantic::Joints(set)).is_some()).count() as u64;
     let targets = primitive.morph_targets().count() as u64;
     vertices.saturating_mul(targets.saturating_mul(TARGET_VERTEX).saturating_add(sets * SET_VERTEX))
 }
 
-/// What deforms a primitive of a node with so many vertices, and what of it cannot be used.
+/// The deformation of a primitive of a node, and its unusable parts.
 pub(super) fn read(
     node: &gltf::Node,
     primitive: &gltf::Primitive,
@@ -103,7 +103,7 @@ fn influences(
 }
 
 fn targets(primitive: &gltf::Primitive, vertices: usize, buffers: &Buffers) -> Result<Vec<MorphTarget>, String> {
-    // Normals that are rebuilt follow the positions.
+    // Rebuilt normals follow the positions.
     let [has_normals, has_tangents] =
         [Semantic::Normals, Semantic::Tangents].map(|semantic| primitive.get(&semantic).is_some());
     let read = |accessor: Option<gltf::Accessor>, is_read: bool| match accessor.filter(|_| is_read) {
@@ -121,7 +121,7 @@ fn targets(primitive: &gltf::Primitive, vertices: usize, buffers: &Buffers) -> R
 }
 
 impl Buffers {
-    /// The first matrices of an accessor.
+    /// The first `count` matrices of an accessor.
     fn matrices(&self, accessor: &gltf::Accessor, count: usize) -> Result<Vec<Mat4>, String> {
         self.check(accessor, &[DataType::F32], Dimensions::Mat4)?;
         let stored = Iter::<[[f32; 4]; 4]>::new(accessor.clone(), |buffer| self.slice(&buffer));

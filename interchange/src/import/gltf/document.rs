@@ -1,11 +1,11 @@
-//! A glTF document: parsed, and checked for what it needs of the program that reads it.
+//! A glTF document: parsed, and checked for the extensions it requires.
 
 use super::{json::document_with, layers, lights, pointers, variants};
 use crate::{import::report::ImportError, names::listed};
 use serde_json::Value;
 use std::path::Path;
 
-/// Extensions that are honored; others are named in a warning.
+/// Supported extensions; others are named in a warning.
 const EXTENSIONS: [&str; 11] = [
     lights::EXTENSION,
     "KHR_materials_ior",
@@ -17,18 +17,18 @@ const EXTENSIONS: [&str; 11] = [
     layers::EXTENSIONS[3],
     layers::EXTENSIONS[4],
     variants::EXTENSION,
-    // What it moves stays at rest, which is told.
+    // The properties it animates stay at rest, with a warning.
     pointers::EXTENSION,
 ];
 
-/// Parses and validates. Also returns the animations whose channels that move no node were removed. The validation of the `gltf`
-/// crate looks up accessors of attributes before it checks their indices, so these are checked first.
+/// Parses and validates. Also returns the animations from which channels that move no node were removed. The validation
+/// of the `gltf` crate looks up accessors of attributes before it checks their indices, so these are checked first.
 pub(super) fn parse(bytes: &[u8]) -> Result<(gltf::Gltf, Vec<usize>), String> {
     let parsed = gltf::Gltf::from_slice_without_validation(bytes).map(|gltf| (gltf, Vec::new()));
     let parsed = parsed.or_else(|error| pointers::parse_without(bytes).ok_or(error));
     let (gltf::Gltf { document, blob }, pointing) = parsed.map_err(|e| e.to_string())?;
     let mut json = document.into_json();
-    // Read here; the crate would refuse a file that requires it.
+    // Supported here; the crate would refuse a file that requires it.
     json.extensions_required.retain(|e| !EXTENSIONS.contains(&e.as_str()));
     let mut attributes = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
     if let Some(bad) = attributes.find(|accessor| accessor.value() >= json.accessors.len()) {
@@ -38,7 +38,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(gltf::Gltf, Vec<usize>), String> {
     Ok((gltf::Gltf { document, blob }, pointing))
 }
 
-/// Checks that all extensions that a file requires are read.
+/// Checks that all required extensions are supported.
 ///
 /// # Errors
 /// [`ImportError::Extensions`].
@@ -60,7 +60,7 @@ pub(super) fn check_glb_header(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Tells which extensions of a file are not read.
+/// Warns of unsupported extensions.
 pub(super) fn warn_of_extensions(gltf: &gltf::Document, warnings: &mut Vec<String>) {
     let others: Vec<String> = gltf.extensions_used().filter(|e| !EXTENSIONS.contains(e)).map(str::to_owned).collect();
     if !others.is_empty() {

@@ -4,29 +4,29 @@ use glam::{Mat4, Quat, Vec3};
 use gltf::scene::Transform as Stored;
 use lapidary_core::animation::nodes::{Node, Nodes, Transform, unit_rotation};
 
-/// How far the length of a rotation squared may be from 1 before it is told.
+/// Largest deviation of a rotation's squared length from 1 without a warning.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
-/// Peak bytes of the weight of a morph target of a node: in the node, and in three postures.
+/// Peak bytes of a morph target weight of a node: in the node, and in three postures.
 const WEIGHT: u64 = 16;
 
-/// All nodes, and which of them stand in a scene.
+/// All nodes, and the nodes of the scenes.
 pub(super) struct Hierarchy {
     pub nodes: Nodes,
     /// Every node of every scene once, parents first; a file's cycles end at the second visit.
     pub order: Vec<usize>,
-    /// Names of those whose rotation was normalized.
+    /// Names of the nodes whose rotation was normalized.
     pub turned: Vec<String>,
 }
 
-/// Bytes that the weights of all nodes take.
+/// Bytes of the weights of all nodes.
 pub(super) fn bytes_of_weights(gltf: &gltf::Document) -> u64 {
     let targets = targets_of_meshes(gltf);
     let of_nodes = gltf.nodes().filter_map(|node| node.mesh()).map(|mesh| targets[mesh.index()] as u64);
     of_nodes.sum::<u64>().saturating_mul(WEIGHT)
 }
 
-/// How many morph targets each mesh has.
+/// Number of morph targets of each mesh.
 fn targets_of_meshes(gltf: &gltf::Document) -> Vec<usize> {
     let of_mesh = |mesh: gltf::Mesh| mesh.primitives().map(|primitive| primitive.morph_targets().count()).max();
     gltf.meshes().map(|mesh| of_mesh(mesh).unwrap_or(0)).collect()
@@ -42,7 +42,7 @@ pub(super) fn read(gltf: &gltf::Document) -> Hierarchy {
     }
     visit.below(roots);
     let order = visit.order.clone();
-    // Joints may stand outside the scenes, and in cycles.
+    // Joints may be outside the scenes, and in cycles.
     visit.below(above);
     visit.below((0..visit.children.len()).collect());
     let read: Vec<(Node, bool)> =
@@ -70,14 +70,14 @@ impl Visit {
         Self { children, parents: vec![None; count], is_visited: vec![false; count], order: Vec::new() }
     }
 
-    /// Nodes that are nobody's children.
+    /// Nodes without a parent.
     fn top(&self) -> Vec<usize> {
         let mut is_child = vec![false; self.children.len()];
         self.children.iter().flatten().for_each(|&child| is_child[child] = true);
         (0..is_child.len()).filter(|&node| !is_child[node]).collect()
     }
 
-    /// Visits nodes and all below them, as far as that is not done.
+    /// Visits unvisited nodes and all below them.
     fn below(&mut self, roots: Vec<usize>) {
         let mut pending: Vec<(usize, Option<usize>)> = roots.into_iter().map(|root| (root, None)).rev().collect();
         while let Some((node, parent)) = pending.pop() {
@@ -91,7 +91,7 @@ impl Visit {
     }
 }
 
-/// A node, and whether its rotation was normalized. The format wants unit quaternions; those without a direction turn nothing.
+/// A node, and whether its rotation was normalized. The format requires unit quaternions; null ones become the identity.
 fn read_node(node: &gltf::Node, parent: Option<usize>, targets: &[usize]) -> (Node, bool) {
     let matrix = Mat4::from_cols_array_2d(&node.transform().matrix());
     let weights = node.weights().or(node.mesh().and_then(|mesh| mesh.weights())).unwrap_or_default();
@@ -109,7 +109,7 @@ fn read_node(node: &gltf::Node, parent: Option<usize>, targets: &[usize]) -> (No
     }
 }
 
-/// The parts of a matrix that a channel may change one of.
+/// Splits a matrix into translation, rotation and scale, which channels may change.
 fn decomposed(matrix: Mat4) -> Transform {
     let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
     let is_one = scale.is_finite() && rotation.is_finite() && scale.min_element() != 0.0;
@@ -117,13 +117,13 @@ fn decomposed(matrix: Mat4) -> Transform {
     Transform { translation, rotation, scale }
 }
 
-/// One weight for each of so many morph targets; those that are missing or no numbers are 0.
+/// One weight for each of `targets` morph targets; missing ones and NaN are 0.
 fn completed(weights: &[f32], targets: usize) -> Vec<f32> {
     let weight = |k: usize| weights.get(k).copied().filter(|weight| weight.is_finite()).unwrap_or(0.0);
     (0..targets).map(weight).collect()
 }
 
-/// The name of a node, or of its mesh, or one made up from its place in the file.
+/// The name of a node or its mesh, or one derived from its position in the file.
 pub(super) fn node_name(node: &gltf::Node) -> String {
     let mesh_name = node.mesh().and_then(|m| m.name().map(str::to_owned));
     node.name().map(str::to_owned).or(mesh_name).unwrap_or_else(|| format!("node {}", node.index()))

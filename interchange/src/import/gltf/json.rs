@@ -8,7 +8,7 @@ pub(super) fn json_of(bytes: &[u8]) -> Cow<'_, [u8]> {
     gltf::Glb::from_slice(bytes).map_or(Cow::Borrowed(bytes), |glb| glb.json)
 }
 
-/// The JSON of a file that mentions an extension; for what the `gltf` crate does not offer.
+/// The JSON of a file that mentions an extension, for features that the `gltf` crate lacks.
 pub(super) fn document_with(bytes: &[u8], extension: &str) -> Option<Value> {
     let json = &*json_of(bytes);
     let mentioned = json.windows(extension.len()).any(|w| w == extension.as_bytes());

@@ -1,9 +1,9 @@
 //! Coat, sheen, anisotropy, transmission and strong emission of glTF materials (`KHR_materials_clearcoat`, `_sheen`,
-//! `_anisotropy`, `_transmission`, `_emissive_strength`), read from the JSON itself: the `gltf` crate does not offer them.
+//! `_anisotropy`, `_transmission`, `_emissive_strength`), read from the JSON itself, because the `gltf` crate lacks them.
 //!
-//! A material with a coat, sheen or a color of its highlight becomes OpenPBR. Its coat does not darken the base, as glTF's does
-//! not. Sheen is the same lobe here, of the square of glTF's roughness. What is transmitted would pass a thin surface straight on; no
-//! model has an opacity yet, so it is told that such a material shows opaque.
+//! A material with coat, sheen or specular color becomes OpenPBR. Its coat does not darken the base, as in glTF. Sheen
+//! is the same lobe here, with the square of glTF's roughness. Transmission passes straight through a thin surface, as
+//! opacity; where that is impossible, the material shows opaque with a remark.
 
 use crate::materialx::stretch;
 use glam::{Vec2, Vec3};
@@ -19,7 +19,7 @@ use serde::{
 use serde_json::Value;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// The extensions that are read here.
+/// The extensions read here.
 pub(super) const EXTENSIONS: [&str; 5] = [CLEARCOAT, SHEEN, ANISOTROPY, TRANSMISSION, EMISSIVE_STRENGTH];
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
 const SHEEN: &str = "KHR_materials_sheen";
@@ -51,7 +51,7 @@ impl From<gltf::texture::TextureTransform<'_>> for Transform {
     }
 }
 
-/// A texture and how it lies.
+/// A texture and its placement.
 #[derive(Clone, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
@@ -111,7 +111,7 @@ struct EmissiveStrength {
     emissive_strength: f32,
 }
 
-/// The color of a highlight; its weight is read with the `gltf` crate.
+/// The color of a highlight; the `gltf` crate gives its weight.
 #[derive(Clone, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 struct Specular {
@@ -127,14 +127,14 @@ impl Default for Specular {
 }
 
 impl Specular {
-    /// Whether it is a color: a gray is part of the weight.
+    /// Whether it is a color: a gray counts as part of the weight.
     fn is_colored(&self) -> bool {
         let color = self.specular_color_factor;
         self.specular_color_texture.is_some() || color.max_element() != color.min_element()
     }
 }
 
-/// What the extensions of a material say.
+/// The extensions of a material.
 #[derive(Clone, Default)]
 pub(super) struct Layers {
     clearcoat: Option<Clearcoat>,
@@ -150,7 +150,7 @@ type AddMap<'f, E> =
     dyn FnMut(&mut Material, &'static str, &Option<TextureInfo>, Channel, ColorSpace) -> Result<(), E> + 'f;
 
 impl Layers {
-    /// Of each material of a document.
+    /// The extensions of each material of a document.
     pub fn of_all(document: &Value) -> Vec<Self> {
         let of = |material: &Value| Self {
             clearcoat: extension(material, CLEARCOAT),
@@ -163,11 +163,11 @@ impl Layers {
         document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(of).collect())
     }
 
-    /// Gives them to a GGX material, the texels of whose roughness have this `mean`; `slot` makes the slot of a texture. Returns what
-    /// is to be told of the material.
+    /// Applies the extensions to a GGX material whose roughness texels have this `mean`; `slot` makes the slot of a
+    /// texture. Returns remarks on the material.
     ///
     /// # Errors
-    /// Those of `slot`.
+    /// Errors of `slot`.
     pub fn add_to<E>(
         &self,
         material: &mut Material,
@@ -223,7 +223,7 @@ impl Layers {
         map(material, "fuzz_roughness", &sheen.sheen_roughness_texture, Channel::A, ColorSpace::Linear)
     }
 
-    /// What is left out whatever the material is.
+    /// Remarks on extensions that are always left out.
     fn told(&self) -> Vec<&'static str> {
         let has_normal = self.clearcoat.as_ref().is_some_and(|coat| coat.clearcoat_normal_texture.is_some());
         let has_direction = self.anisotropy.as_ref().is_some_and(|anisotropy| anisotropy.anisotropy_texture.is_some());
@@ -241,7 +241,7 @@ impl Layers {
 }
 
 impl Transmission {
-    /// Takes what glTF's material lets pass from its opacity. Returns what is to be told.
+    /// Lowers the opacity by the transmitted share. Returns a remark.
     fn thin_out(&self, material: &mut Material) -> Option<&'static str> {
         const OPACITY: &str = "geometry_opacity";
         const REFLECTED: f32 = 0.08;
@@ -254,25 +254,25 @@ impl Transmission {
         if material.parameters.number("opacity_cutoff") > 0.0 {
             return Some("are cut out and transmit light, which is left out");
         }
-        // What both faces of a sheet of glass reflect stays: it is seen and can be selected.
+        // Both faces of a sheet of glass reflect some light: it stays visible and selectable.
         let stopped = (1.0 - self.transmission_factor).max(REFLECTED);
         material.parameters.set(OPACITY, material.parameters.number(OPACITY) * stopped);
         Some("transmit light, which passes straight on as through a thin sheet, without refraction or tint")
     }
 }
 
-/// The extension of a material, if it is there and can be read.
+/// The extension of a material, if it is present and readable.
 fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Option<T> {
     let value = &material["extensions"][name];
     (!value.is_null()).then(|| serde_json::from_value(value.clone()).ok()).flatten()
 }
 
 impl Anisotropy {
-    /// The roughness and stretch whose lobe is as wide as glTF says. A turn is along the tangent or across it, whichever is nearer.
-    /// Returns what is to be told.
+    /// Sets roughness and stretch to the lobe widths of glTF. A rotation snaps to the tangent or across it, whichever
+    /// is nearer. Returns a remark.
     ///
-    /// Where the roughness has a map, the lobe is that of its `mean`: glTF's stretch depends on the roughness of each texel, and the
-    /// stretch here does not.
+    /// For a roughness with a map, the lobe at its `mean` counts: glTF's stretch depends on the roughness of each
+    /// texel, the stretch here does not.
     fn stretch(&self, material: &mut Material, mean: f32) -> Option<&'static str> {
         if !(self.anisotropy_strength > 0.0) {
             return None;

@@ -1,7 +1,7 @@
-//! Lights of a glTF file (`KHR_lights_punctual`), read from the JSON itself: the validation of the `gltf` crate refuses a
-//! whole file for one bad light.
+//! Lights of a glTF file (`KHR_lights_punctual`), read from the JSON itself: the `gltf` crate refuses a whole file for
+//! one invalid light.
 //!
-//! The extension counts in candela and lux. They are taken as W/sr and W/m², without a luminous efficacy: renderers of
+//! The extension uses candela and lux. They are taken as W/sr and W/m², without a luminous efficacy: renderers of
 //! linear RGB have no other unit of brightness, and exporters disagree about the factor.
 
 use crate::{import::source::Source, names::listed};
@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_PI_4;
 /// Name of the extension.
 pub(super) const EXTENSION: &str = "KHR_lights_punctual";
 
-/// A light as the extension has it.
+/// A light as in the extension.
 #[derive(Deserialize)]
 #[serde(default)]
 struct Punctual {
@@ -48,7 +48,7 @@ impl Default for Spot {
     }
 }
 
-/// Adds the lights of all nodes; `document` is the JSON of the file. What cannot shine is left out with a warning.
+/// Adds the lights of all nodes; `document` is the JSON of the file. Invalid lights are left out with a warning.
 pub(super) fn add_lights(source: &mut Source, document: &Value, nodes: &[(gltf::Node, Mat4)]) {
     let mut ranged = Vec::new();
     let mut count = 0;
@@ -89,7 +89,7 @@ fn read_light(
     name: &str,
     world_from_node: Mat4,
 ) -> Result<(Light, Option<f32>), String> {
-    let index = index.as_u64().and_then(|i| usize::try_from(i).ok()).ok_or("its index is no number")?;
+    let index = index.as_u64().and_then(|i| usize::try_from(i).ok()).ok_or("its index is not a number")?;
     let entry = document["extensions"][EXTENSION]["lights"].get(index);
     let entry = entry.ok_or_else(|| format!("it refers to light {index}, which the file has not"))?;
     let punctual: Punctual = serde_json::from_value(entry.clone()).map_err(|e| e.to_string())?;

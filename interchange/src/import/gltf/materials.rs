@@ -47,9 +47,9 @@ pub(super) fn add_materials(
     Ok(())
 }
 
-/// The material of a primitive; the default of the format is added when the first primitive needs it.
+/// The material of a primitive. The format's default is added when a primitive first needs it.
 ///
-/// `chosen` is that of a variant, which may not be there.
+/// `chosen` is a variant's material, which may be missing.
 pub(super) fn index_of(
     source: &mut Source,
     gltf: &gltf::Document,
@@ -65,12 +65,12 @@ pub(super) fn index_of(
     index as u32
 }
 
-/// Features of materials that are not supported.
+/// Unsupported features of materials.
 #[derive(Default)]
 struct Ignored {
     second_uvs: Vec<String>,
     not_repeated: Vec<String>,
-    /// Of the extensions: what is told, and of which material.
+    /// Remarks on extensions, and the materials they apply to.
     told: BTreeSet<(&'static str, String)>,
 }
 
@@ -106,7 +106,7 @@ fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
     document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(transform).collect())
 }
 
-/// What the extensions of each material add; empty if the file has none.
+/// The extensions of each material; empty if the file has none.
 fn layers_of(bytes: &[u8]) -> Vec<Layers> {
     let document = document_with(bytes, "KHR_materials_");
     document.map(|document| Layers::of_all(&document)).unwrap_or_default()
@@ -114,7 +114,7 @@ fn layers_of(bytes: &[u8]) -> Vec<Layers> {
 
 struct MaterialReader<'a> {
     gltf: &'a gltf::Gltf,
-    /// By their indices.
+    /// Buffer views by index.
     views: Vec<View<'a>>,
     buffers: &'a Buffers,
     library: &'a mut TextureLibrary,
@@ -166,7 +166,7 @@ impl MaterialReader<'_> {
         Ok(())
     }
 
-    /// The alpha of the base color, where the material says that it counts.
+    /// Adds opacity from the alpha of the base color, if the material uses it.
     fn add_opacity(&self, material: &mut Material, source: &gltf::Material) {
         let cutoff = match source.alpha_mode() {
             AlphaMode::Opaque => return,

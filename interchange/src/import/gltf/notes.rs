@@ -1,17 +1,17 @@
-//! What of a file's objects is left out, told at the end.
+//! Collects the parts of objects that are left out, for the final report.
 
 use super::primitive::is_surface;
 use crate::names::listed;
 use gltf::mesh::Semantic;
 
-/// Most sentences of one kind that are told one by one.
+/// Largest number of sentences of one kind in the report.
 const MOST_SENTENCES: usize = 5;
 
-/// Objects of which something was left out.
+/// Objects with parts left out.
 #[derive(Default)]
 pub(super) struct Notes {
     pub not_surfaces: Vec<String>,
-    /// Sentences of what deforms objects and cannot be used.
+    /// Sentences on unusable deformations of objects.
     pub deformations: Vec<String>,
     pub colored: Vec<String>,
     pub turned: Vec<String>,
@@ -35,7 +35,7 @@ impl Notes {
         }
         for (names, text) in [
             (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
-            (&self.turned, "have a rotation that is no unit quaternion, which was normalized; export them again"),
+            (&self.turned, "have a rotation that is not a unit quaternion, which was normalized; export them again"),
             (&self.colored, "have vertex colors, which were left out; bake them to a texture"),
         ] {
             if !names.is_empty() {

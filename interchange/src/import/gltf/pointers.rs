@@ -1,14 +1,15 @@
-//! Channels of animations that move no node. The format lets extensions have them, as KHR_animation_pointer has for what moves
-//! materials, lights and cameras. The `gltf` crate refuses the whole file, so they are removed before it reads one.
+//! Animation channels that move no node, which extensions allow: KHR_animation_pointer moves materials, lights and
+//! cameras. The `gltf` crate refuses the whole file, so they are removed before it parses one.
 
 use crate::import::gltf::json::json_of;
 use gltf::{Document, Glb, Gltf};
 use serde_json::Value;
 
-/// The extension that has such channels.
+/// The extension with such channels.
 pub(super) const EXTENSION: &str = "KHR_animation_pointer";
 
-/// A file without them, not validated, and the animations that had some, by index. `None` if it cannot be read so, either.
+/// The file without such channels, not validated, and the indices of the animations that had some. `None` if it is
+/// unreadable anyway.
 pub(super) fn parse_without(bytes: &[u8]) -> Option<(Gltf, Vec<usize>)> {
     let mut json: Value = serde_json::from_slice(&json_of(bytes)).ok()?;
     let pointing = remove(&mut json);
@@ -17,7 +18,7 @@ pub(super) fn parse_without(bytes: &[u8]) -> Option<(Gltf, Vec<usize>)> {
     Some((Gltf { document, blob }, pointing))
 }
 
-/// Removes them. Returns which animations had some.
+/// Removes the channels. Returns the animations that had some.
 fn remove(json: &mut Value) -> Vec<usize> {
     let has_node = |channel: &Value| channel.get("target").is_none_or(|target| target.get("node").is_some());
     let animations = json.get_mut("animations").and_then(Value::as_array_mut);

@@ -33,7 +33,7 @@ impl Primitive {
         })
     }
 
-    /// Checks that positions are finite and that triangles have vertices.
+    /// Checks that positions are finite and that triangles refer to vertices.
     pub fn check(&self) -> Result<(), MeshError> {
         let count = self.surface.positions.len();
         if let Some(index) = self.surface.positions.iter().position(|place| !place.is_finite()) {
@@ -47,7 +47,7 @@ impl Primitive {
         Ok(())
     }
 
-    /// Adds the primitive of a node as it stands in the world. Where that mirrors it, the triangles turn around.
+    /// Adds the primitive of a node, transformed to the world. If that mirrors it, the triangles are reversed.
     pub fn add_to(
         mut self,
         source: &mut Source,
@@ -82,7 +82,7 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// Whether triangles are drawn of it, and not points or lines.
+/// Whether it has triangles, not points or lines.
 pub(super) fn is_surface(mode: Mode) -> bool {
     matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }

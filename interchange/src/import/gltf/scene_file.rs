@@ -1,4 +1,4 @@
-//! A glTF file that was parsed: its buffers, its nodes, and what some clip moves.
+//! A parsed glTF file: its buffers, its nodes, and the primitives that clips move.
 
 use super::{
     super::files::{Files, Trouble},
@@ -33,7 +33,7 @@ use lapidary_core::{
 };
 use std::{collections::HashSet, path::Path};
 
-/// A file that was parsed, with its buffers and its nodes.
+/// A parsed file with its buffers and nodes.
 pub(super) struct SceneFile {
     pub gltf: gltf::Gltf,
     pub buffers: Buffers,
@@ -44,7 +44,7 @@ pub(super) struct SceneFile {
     /// Nodes whose rotation was normalized.
     pub turned: Vec<String>,
     pub skins: Vec<Result<Skin, String>>,
-    /// Animations that had channels that move no node.
+    /// Animations that had channels without a node.
     pub pointing: HashSet<usize>,
 }
 
@@ -80,14 +80,14 @@ impl SceneFile {
         Posture::new(&self.nodes, &skins, self.nodes.at_rest())
     }
 
-    /// Counts what all instances will take before anything is read.
+    /// Checks the total size of all instances before anything is read.
     fn check_size(&self, files: &mut Files, path: &Path) -> Result<(), ImportError> {
         let (mut vertices, mut triangles, mut deformations) = (0u64, 0u64, 0u64);
         for primitive in self.nodes_of_scene().filter_map(|node| node.mesh()).flat_map(|mesh| mesh.primitives()) {
             let positions = primitive.get(&Semantic::Positions).map_or(0, |a| a.count() as u64);
             let corners = primitive.indices().map_or(positions, |a| a.count() as u64);
             let per_triangle = if primitive.mode() == Mode::Triangles { 3 } else { 1 };
-            // One without anything takes time, too.
+            // Empty instances take time, too.
             vertices = vertices.saturating_add(positions.max(1));
             triangles = triangles.saturating_add((corners / per_triangle).max(1));
             deformations = deformations.saturating_add(deformations::bytes(&primitive, positions));
@@ -98,7 +98,7 @@ impl SceneFile {
         taken.map_err(|over| over.at(path))
     }
 
-    /// Adds the objects of the scene, and calls `each` with their primitives and the parts that these are.
+    /// Adds the objects of the scene, and calls `each` with their primitives and parts.
     pub fn add_objects(
         &self,
         source: &mut Source,
@@ -126,7 +126,7 @@ impl SceneFile {
         Ok(read)
     }
 
-    /// What deforms a primitive, as far as it can be used.
+    /// The usable deformation of a primitive.
     pub fn deformation(&self, node: &gltf::Node, primitive: &gltf::Primitive, notes: &mut Notes) -> Deformation {
         let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
         let (deformation, troubles) = deformations::read(node, primitive, vertices, &self.skins, &self.buffers);
@@ -137,7 +137,7 @@ impl SceneFile {
         deformation
     }
 
-    /// What some clip moves.
+    /// Nodes, meshes and skins that some clip moves.
     pub fn moving(&self, clips: &[Clip]) -> Moving {
         let channels = || clips.iter().flat_map(Clip::channels);
         let marked = |is_meant: fn(Property) -> bool| {
@@ -152,7 +152,7 @@ impl SceneFile {
     }
 }
 
-/// What clips move, by index.
+/// Indices of the nodes, meshes and skins that clips move.
 pub(super) struct Moving {
     nodes: Vec<bool>,
     weights: Vec<bool>,
@@ -160,7 +160,7 @@ pub(super) struct Moving {
 }
 
 impl Moving {
-    /// Whether they move a primitive of a node. A skin that cannot be used leaves it to its node.
+    /// Whether clips move a primitive of a node. An unusable skin leaves the primitive to its node.
     pub fn reaches(&self, node: &gltf::Node, primitive: &gltf::Primitive) -> bool {
         let index = node.index();
         let has_targets = primitive.morph_targets().next().is_some();

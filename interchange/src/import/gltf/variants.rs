@@ -1,5 +1,5 @@
-//! Variants of materials (`KHR_materials_variants`), read from the JSON itself: which variants there are, and which material a
-//! primitive has in one of them.
+//! Material variants (`KHR_materials_variants`), read from the JSON itself: their names, and the material of each
+//! primitive in them.
 
 use crate::import::{gltf::json::document_with, source::Source};
 use lapidary_core::{
@@ -21,10 +21,10 @@ pub(super) struct FileVariants {
 }
 
 impl FileVariants {
-    /// Those of a file, of which the one called `wanted` is shown.
+    /// The variants of a file; `wanted` is shown.
     ///
     /// # Errors
-    /// The names that there are, if there is none of that name.
+    /// The existing names, if `wanted` is not among them.
     pub fn of(bytes: &[u8], wanted: Option<&str>) -> Result<Self, Vec<String>> {
         let document = document_with(bytes, EXTENSION).unwrap_or_default();
         let list = document["extensions"][EXTENSION]["variants"].as_array().cloned().unwrap_or_default();
@@ -39,13 +39,13 @@ impl FileVariants {
         }
     }
 
-    /// The material that a primitive of a mesh has in the variant that was chosen, if that says one.
+    /// The material of a primitive of a mesh in the chosen variant, if it assigns one.
     pub fn chosen(&self, place: [usize; 2]) -> Option<usize> {
         self.material(self.mappings(place)?, self.chosen?)
     }
 
-    /// How a primitive of a mesh looks in all variants; `None` if they say nothing of it. `index_of` is what it has where a material
-    /// is named, which may not be there, and where none is.
+    /// The materials of a primitive of a mesh in all variants; `None` if they do not change it. `index_of` maps a named
+    /// material, which may be missing, or none, to an index.
     pub fn looks(&self, place: [usize; 2], index_of: &mut impl FnMut(Option<usize>) -> u32) -> Option<Looks> {
         let mappings = self.mappings(place)?;
         let plain = index_of(None);
@@ -66,7 +66,7 @@ impl FileVariants {
         mappings.iter().find(is_meant)?["material"].as_u64().map(|index| index as usize)
     }
 
-    /// What is told of a file with variants.
+    /// The remark on a file with variants.
     pub fn remark(&self) -> Option<String> {
         if self.names.is_empty() {
             return None;
@@ -79,7 +79,7 @@ impl FileVariants {
     }
 }
 
-/// The materials of a primitive by index: what the file shows first, and in each variant.
+/// Material indices of a primitive: without a variant, and in each variant.
 #[derive(PartialEq)]
 pub(super) struct Looks {
     plain: u32,
@@ -99,7 +99,7 @@ impl PartsOfNode {
         Self { object: add_object(source, name.clone()), name, known: Vec::new() }
     }
 
-    /// The part of a primitive. Primitives of one material that look different in variants are objects of their own.
+    /// The part of a primitive. Primitives of one material with different variants become separate objects.
     pub fn add(&mut self, source: &mut Source, material: u32, looks: Option<Looks>) -> Part {
         let of_material = || self.known.iter().filter(|(part, _)| part.material == material);
         if let Some((part, _)) = of_material().find(|(_, known)| *known == looks) {

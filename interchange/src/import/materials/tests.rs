@@ -1,10 +1,10 @@
-//! Materials whose BRDF is in a file.
+//! Materials with a BRDF file.
 
 use super::{load_material, materials_in_file};
 use lapidary_core::brdf::{BrdfModel, Content, example_file};
 use std::path::Path;
 
-/// A folder with a material file that names `example.binary`, with these bytes if any.
+/// A folder with a material file that names `example.binary`, and that file if `table` is given.
 fn folder(table: Option<&[u8]>) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let material = r#"{"model": "merl", "file": "example.binary", "parameters": {"tint": [1, 0.5, 0.5]}}"#;
@@ -48,7 +48,10 @@ fn a_table_that_is_not_there_or_broken_is_named() {
     let missing = load(folder(None).path()).unwrap_err().to_string();
     assert!(missing.contains("its BRDF example.binary: there is no such file beside it"), "{missing}");
     let broken = load(folder(Some(&[0; 40])).path()).unwrap_err().to_string();
-    assert!(broken.contains("no MERL BRDF: its table is 0 x 0 x 0") && broken.contains("example.binary"), "{broken}");
+    assert!(
+        broken.contains("not a MERL BRDF: its table is 0 x 0 x 0") && broken.contains("example.binary"),
+        "{broken}"
+    );
 }
 
 #[test]

@@ -1,8 +1,8 @@
-//! Maps of normals and of heights behind the input of a normal.
+//! Normal and height maps behind a normal input.
 
 use super::{Found, Graph, Picture, Result, XmlNode};
 
-/// A map of the normal, or of heights, and how strong it is.
+/// A normal or height map and its strength.
 #[derive(Clone, Debug)]
 pub struct Relief {
     /// The picture.
@@ -12,7 +12,7 @@ pub struct Relief {
 }
 
 impl<'a> Graph<'a> {
-    /// The maps behind the input of a normal: of normals and of heights.
+    /// The maps behind a normal input: normals and heights.
     pub fn reliefs(&self, input: XmlNode<'a>) -> Result<[Option<Relief>; 2]> {
         self.steps.set(0);
         self.reliefs_behind(input)
@@ -34,7 +34,7 @@ impl<'a> Graph<'a> {
                 Ok([normals, Some(Relief { picture: *picture, strength })])
             }
             "dot" => self.reliefs_behind(self.needed(node, "in")?),
-            // The normal as it is.
+            // The unmapped normal.
             "normal" => Ok([None, None]),
             other => self.beyond(node, &format!("a normal by the node \"{other}\" is not read")),
         }

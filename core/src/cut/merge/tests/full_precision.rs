@@ -1,4 +1,4 @@
-//! Cuts with values in full precision, and what merging them gives.
+//! Cuts with values in full precision, and their merges.
 
 use crate::cut::{
     CutError,
@@ -23,7 +23,7 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// A cut from its nodes, left to right.
+    /// Creates a cut from nodes, left to right.
     ///
     /// # Errors
     /// Nodes that do not partition the `2^height` leaves.
@@ -35,14 +35,14 @@ impl Cut {
         Ok(Self { height, nodes })
     }
 
-    /// The cut of all leaves: the function itself. `values.len()` is a power of two.
+    /// The cut of all leaves. `values.len()` is a power of two.
     pub fn full(values: &[f32]) -> Self {
         let height = values.len().ilog2();
         let nodes = values.iter().map(|&value| CutNode { depth: height as u8, value }).collect();
         Self { height, nodes }
     }
 
-    /// Height of the tree that this is a cut of.
+    /// Height of the tree.
     pub fn height(&self) -> u32 {
         self.height
     }
@@ -124,7 +124,7 @@ pub fn product_integral(cuts: &[&Cut]) -> f64 {
     sum
 }
 
-/// Visits the merged cut with the values of all cuts there, which `values` is the buffer of.
+/// Visits the merged cut with the values of all cuts at each node; `values` is the buffer for them.
 pub fn visit_values(cuts: &[&Cut], values: &mut [f32], mut visit: impl FnMut(Interval, &[f32])) {
     let height = cuts[0].height;
     assert!(cuts.iter().all(|c| c.height == height), "cuts of trees of different height cannot be merged");
