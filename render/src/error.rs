@@ -55,7 +55,7 @@ impl BackendError {
                 let remedy = wording(*remedy);
                 format!("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}{or_cpu}")
             }
-            Self::Pose(source) => format!("the objects cannot be posed so: {source}"),
+            Self::Pose(source) => format!("the objects cannot be posed this way: {source}"),
             Self::Driver(reason) => format!("the graphics driver failed ({reason}); update it, or {cpu}"),
         }
     }

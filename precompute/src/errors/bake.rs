@@ -80,7 +80,7 @@ impl BakeError {
             ),
             Self::Points(error) => error.text(name),
             Self::Basis(error) => format!("the points on the surfaces make no meshless basis: {error}"),
-            Self::Pose(error) => format!("the objects cannot be posed so: {error}"),
+            Self::Pose(error) => format!("the objects cannot be posed this way: {error}"),
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),

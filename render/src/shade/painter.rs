@@ -141,9 +141,9 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// One part of a point's light as scene-linear radiance. The first part also has what the other modes show: an
-    /// albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
-    /// [`crate::shade::direct::pixel_shift`]; `seen` is what is known of [`Self::lights_seen`].
+    /// One part of a point's light as scene-linear radiance. The first part also holds the quantities of other modes: an albedo, a
+    /// normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
+    /// [`crate::shade::direct::pixel_shift`]; `seen` comes from [`Self::lights_seen`].
     pub fn part(&mut self, part: Part, point: &SurfacePoint, shift: Vec2, seen: SeenOfParts) -> Vec3 {
         match part {
             Part::Environment => self.mode_value(point),

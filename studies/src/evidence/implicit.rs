@@ -82,7 +82,7 @@ impl Measurement<'_> {
     fn posed_paths(&self, baked: &Baked, look: &Look, bounces: u32, spp: u32) -> Result<PathPicture> {
         self.steps.check()?;
         let progress = self.steps.progress("light paths", "passes");
-        let posed = baked.posed(&look.poses).context("the object cannot be posed so")?;
+        let posed = baked.posed(&look.poses).context("the object cannot be posed this way")?;
         let settings = PathSettings { bounces, components: look.components, ..PathSettings::direct(spp) };
         let renderer = Look { poses: Poses::default(), ..look.clone() }.renderer(&posed);
         let picture = renderer.path_picture(&look.view, &look.light, &look.lights, settings, &progress);
