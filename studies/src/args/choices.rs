@@ -134,10 +134,7 @@ pub fn sample_positions() -> impl TypedValueParser<Value = SamplePositions> {
             "shared",
             "The --aa sample positions of `render`, the same in all pixels: pictures of both differ by light alone",
         ),
-        (
-            "shifted",
-            "Random positions for each pixel and --seed: the mean over whole pixels, as in other renderers",
-        ),
+        ("shifted", "Random positions for each pixel and --seed: the mean over whole pixels, as in other renderers"),
     ])
 }
 
