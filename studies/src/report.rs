@@ -1,4 +1,4 @@
-//! Shared parts of written pages: frame, style, figures, charts, texts. Pictures are separate files; all else is inline. No scripts.
+//! Shared parts of written pages: frame, style, figures, charts, text. Pictures are separate files; nothing else is. No scripts.
 
 pub mod chart;
 pub mod text;
