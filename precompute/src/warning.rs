@@ -91,7 +91,7 @@ impl Warning {
                 name(Setting::Resume)
             ),
             Self::KeptFolder { path } => format!(
-                "the folder of the checkpoint stays, for this is no part of a checkpoint; move it elsewhere ({})",
+                "the folder of the checkpoint stays, because this is not part of a checkpoint; move it elsewhere ({})",
                 path.display()
             ),
             Self::Coarsened { leaves, bound, asked, fitted } => format!(

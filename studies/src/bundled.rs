@@ -27,7 +27,7 @@ impl DataFolder {
         let folder = Self(given.unwrap_or(Path::new(IN_SOURCE_TREE)).to_owned());
         if !folder.still_life().is_file() {
             bail!(
-                "the bundled data are not there; give their folder with --data or the variable LAPIDARY_DATA ({})",
+                "the bundled data are missing; give their folder with --data or the variable LAPIDARY_DATA ({})",
                 folder.0.display()
             );
         }

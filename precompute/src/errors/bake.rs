@@ -79,7 +79,7 @@ impl BakeError {
                 name(Setting::Resume)
             ),
             Self::Points(error) => error.text(name),
-            Self::Basis(error) => format!("the points on the surfaces make no meshless basis: {error}"),
+            Self::Basis(error) => format!("the points on the surfaces form no meshless basis: {error}"),
             Self::Pose(error) => format!("the objects cannot be posed this way: {error}"),
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),

@@ -85,12 +85,12 @@ impl CheckpointError {
                 path.display()
             ),
             Self::Lost { path } => format!(
-                "a finished part of the bake was removed or changed meanwhile; bake again with {}, which makes it anew ({})",
+                "a finished part of the bake was removed or changed meanwhile; bake again with {} to recompute it ({})",
                 name(Setting::Resume),
                 path.display()
             ),
             Self::Foreign { path } => format!(
-                "this is no part of a checkpoint, but lies where the checkpoint of the bake would be; move it elsewhere, \
+                "this is not part of a checkpoint, but has the place of the checkpoint; move it elsewhere, \
                  or choose another output ({})",
                 path.display()
             ),

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum ShardError {
     /// Invalid numbers.
-    #[error("a shard is a number out of so many, as in 3/8, at most 10000; the first is 1")]
+    #[error("a shard is a number and a total, as in 3/8, at most 10000; the first is 1")]
     Number,
     /// The folder cannot be read.
     #[error("cannot read the folder: {source}; check the path and the permissions ({})", path.display())]
@@ -44,7 +44,7 @@ pub enum ShardError {
         missing: Vec<Shard>,
     },
     /// An incomplete share.
-    #[error("the share is not complete; bake with --shard {shard} again, which goes on where it stopped ({})", path.display())]
+    #[error("the share is not complete; bake with --shard {shard} again to resume it ({})", path.display())]
     Incomplete {
         /// The shard.
         shard: Shard,
@@ -53,7 +53,7 @@ pub enum ShardError {
     },
     /// A share that cannot be resumed.
     #[error(
-        "the share of an earlier bake is of no use: {reason}; give the same scene and options again, or remove the folder \
+        "the share of an earlier bake cannot be used: {reason}; give the same scene and options again, or remove the folder \
          and bake with --shard {shard} ({})",
         path.display()
     )]
@@ -67,7 +67,7 @@ pub enum ShardError {
     },
     /// A share of another scene, other settings or another number of chunks.
     #[error(
-        "the share was made with another scene, other options or another --chunks than {}; remove the one that is wrong, \
+        "the share was made with another scene, other options or another --chunks than {}; remove the wrong one, \
          and bake its shard again, with the options of the others; this is --shard {shard} ({})",
         first.display(), path.display()
     )]

@@ -41,7 +41,7 @@ impl FromStr for Components {
                 "environment" => components.environment = true,
                 "direct" => components.direct = true,
                 "indirect" => components.indirect = true,
-                _ => return Err(format!("\"{name}\" is no component; list environment, direct or indirect")),
+                _ => return Err(format!("\"{name}\" is not a component; list environment, direct or indirect")),
             }
         }
         Ok(components)

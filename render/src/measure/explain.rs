@@ -42,7 +42,7 @@ pub enum ExplainError {
         size: [u32; 2],
     },
     /// The pixel shows the background.
-    #[error("pixel {},{} shows the background, which no cut is merged for; choose a pixel on a surface", pixel[0], pixel[1])]
+    #[error("pixel {},{} shows the background, where no cut is merged; choose a pixel on a surface", pixel[0], pixel[1])]
     Background {
         /// Column and row.
         pixel: [u32; 2],

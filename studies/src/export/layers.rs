@@ -140,7 +140,7 @@ impl FromStr for LayerList {
             let found = LayerKind::ALL.into_iter().find(|kind| kind.name() == name.trim().replace('_', "-"));
             found.ok_or_else(|| {
                 let known: Vec<&str> = LayerKind::ALL.iter().map(|kind| kind.name()).collect();
-                format!("\"{}\" is no layer; list {}, or all", name.trim(), known.join(", "))
+                format!("\"{}\" is not a layer; list {}, or all", name.trim(), known.join(", "))
             })
         };
         text.split(',').map(kind).collect::<Result<_, _>>().map(Self::These)

@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SweepError {
     /// The form is wrong.
-    #[error("\"{0}\" is no sweep; write NAME=FROM..TO or NAME=log:FROM..TO, as in roughness=0.05..0.8")]
+    #[error("\"{0}\" is not a sweep; write NAME=FROM..TO or NAME=log:FROM..TO, as in roughness=0.05..0.8")]
     Form(String),
     /// The parameter does not exist.
     #[error("there is no parameter \"{name}\" to sweep; there are {known}")]
@@ -17,7 +17,7 @@ pub enum SweepError {
         known: String,
     },
     /// An end is not a valid value.
-    #[error("\"{text}\" is no value of {parameter}: {reason}")]
+    #[error("\"{text}\" is not a value of {parameter}: {reason}")]
     Value {
         /// Name of the parameter.
         parameter: String,
@@ -27,7 +27,7 @@ pub enum SweepError {
         reason: String,
     },
     /// A logarithmic sweep of a non-positive or non-numeric value.
-    #[error("a logarithmic sweep goes between numbers above 0; leave log: out of {0}, or give others")]
+    #[error("a logarithmic sweep goes between numbers above 0; leave log: out of {0}, or give other values")]
     Logarithm(String),
     /// `@NAME` on a parameter of the whole picture.
     #[error("{0} belongs to the whole picture; leave out the name after @")]

@@ -60,7 +60,7 @@ impl Record {
     /// # Errors
     /// An unreadable file, or one that is not a record.
     pub fn read(path: &Path) -> Result<Self> {
-        let begun = || format!("cannot tell what the frames that are there show; use --overwrite ({})", path.display());
+        let begun = || format!("cannot determine what the existing frames show; use --overwrite ({})", path.display());
         let text = input::read(path).with_context(begun)?;
         serde_json::from_slice(&text).with_context(begun)
     }

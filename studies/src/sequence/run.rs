@@ -125,7 +125,7 @@ impl SequenceTask {
                 let begun = Record::read(&self.record_path())?;
                 if let Some(what) = record.difference(&begun) {
                     bail!(
-                        "the frames that are there are of another sequence: their {what} differs; use --overwrite to replace \
+                        "the existing frames belong to another sequence: their {what} differs; use --overwrite to replace \
                          them, or another name ({})",
                         self.record_path().display()
                     );
@@ -189,7 +189,7 @@ impl SequenceTask {
 
     fn so_far(&self, end: SequenceEnd) -> String {
         let done = end.rendered + end.kept;
-        format!("{done} of {} frames are written and stay; --resume goes on from there", self.frames.len())
+        format!("{done} of {} frames are written and kept; --resume continues", self.frames.len())
     }
 
     /// Path of the record.

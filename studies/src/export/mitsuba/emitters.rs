@@ -148,7 +148,7 @@ pub fn remarks(lights: &[&Light]) -> Vec<String> {
     let rectangle = any(|e| matches!(e, Emission::Rectangle { .. }));
     let disc = any(|e| matches!(e, Emission::Directional { angle_degrees } if *angle_degrees > 0.0));
     [
-        (penumbra, "the penumbra of spots falls off linearly in the angle in Mitsuba, and not smoothly"),
+        (penumbra, "the penumbra of spots falls off linearly in the angle in Mitsuba, not smoothly"),
         (rectangle, "rectangular lights are geometry in Mitsuba: they are visible and cast shadows"),
         (disc, "directional lights with an angle are visible in Mitsuba"),
     ]

@@ -75,7 +75,7 @@ pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
         (is_blurred, "Mitsuba shows no blurred background: it is black there"),
         (
             is_seen,
-            "Mitsuba shows the environment as background, for it could only hide it with the surfaces that shine",
+            "Mitsuba shows the environment as background, because it could only hide it together with emissive surfaces",
         ),
         (is_ground, "Mitsuba shows the ground as a surface: choose --ground on to compare with it"),
         (
@@ -86,7 +86,7 @@ pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
             scene.lets_through() && !scene.lights.is_empty(),
             "Mitsuba's local lights cast whole shadows behind surfaces that let light through",
         ),
-        (is_mixed, "light of surfaces that shine has one bounce more in Mitsuba, as that of lights has"),
+        (is_mixed, "light of emissive surfaces has one bounce more in Mitsuba, as many as light of lamps"),
     ]
     .into_iter()
     .filter(|(differs, _)| *differs)
