@@ -1,6 +1,5 @@
-// What BRDFs are made of: lights of some extent, half vectors, lobes filtered by the light's spread, Fresnel factors, and
-// albedos. Twin of core/src/brdf. The models are in brdf/, one file each; the dispatch to them is written for those that a
-// scene uses.
+// Building blocks of BRDFs: lights with an extent, half vectors, lobes filtered by the light's spread, Fresnel factors, and
+// albedos. Twin of core/src/brdf. The models are in brdf/, one file each; the dispatch to a scene's models is generated.
 //
 // A model `Name` in `brdf/name.wgsl` has
 //   struct Name                                     what of its parameters does not depend on the light;
@@ -13,10 +12,10 @@
 const FRAC_1_PI: f32 = 0.31830987;
 const MIN_ALPHA: f32 = 0.001;
 const NO_LOBE: vec2<f32> = vec2<f32>(0.0);
-// Albedo of a material whose BRDF is not there. Twin of core/src/brdf/merl.rs.
+// Albedo of a material whose BRDF is missing. Twin of core/src/brdf/merl.rs.
 const MISSING_ALBEDO: vec3<f32> = vec3<f32>(0.8, 0.0, 0.8);
 
-// Microfacet widths along tangent and bitangent. Twin of core/src/brdf/microfacet.rs, as what follows.
+// Microfacet widths along tangent and bitangent. Twin of core/src/brdf/microfacet.rs, like the code below.
 fn lobe_alpha(roughness: f32, anisotropy: f32) -> vec2<f32> {
     let alpha = roughness * roughness;
     let aspect = sqrt(1.0 - 0.9 * abs(anisotropy));
@@ -31,7 +30,7 @@ fn slope_sq(alpha: vec2<f32>) -> vec2<f32> {
     return sq / (1.0 - sq);
 }
 
-// Half vector and the spread of it that light and surface cause.
+// Half vector, and its spread by light and surface.
 struct Half {
     h: vec3<f32>,
     wi_dot_h: f32,
@@ -66,21 +65,22 @@ fn determinant_of(m: vec3<f32>) -> f32 {
     return m.x * m.z - m.y * m.y;
 }
 
-// A light of some extent in the local frame of a surface. Twin of core/src/brdf/lights.rs.
+// A light with an extent in a surface's local frame. Twin of core/src/brdf/lights.rs.
 struct Light {
-    // Unit direction to it.
+    // Unit direction to the light.
     wi: vec3<f32>,
     // Inverse concentration of its directions.
     inv_kappa: f32,
     // Twice the covariance of the surface's slopes within the sample: xx, xy, yy.
     slopes: vec3<f32>,
-    // Mean cosine to the normal of its light above the horizon.
+    // Mean cosine to the normal over its light above the horizon.
     cosine: f32,
     // Whether `wi` is above the horizon.
     is_above: bool,
 }
 
-// f_r(wi, wo) times the cosine for directions around `wi` of an inverse concentration, 0 for one; zero below the horizon.
+// f_r(wi, wo) times the cosine for a lobe of directions around `wi` with this inverse concentration, or one direction if 0; zero
+// below the horizon.
 fn brdf_cos(brdf: Brdf, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32, slopes: vec3<f32>) -> vec3<f32> {
     return reflection_of(brdf, Light(wi, inv_kappa, slopes, max(wi.z, 0.0), wi.z > 0.0), wo);
 }
@@ -162,7 +162,7 @@ fn schlick_fresnel(schlick: Schlick, wi_dot_h: f32) -> vec3<f32> {
     return schlick.f0 + (vec3(schlick.f90) - schlick.f0) * (c2 * c2 * c);
 }
 
-// The exact Fresnel factor of a dielectric. Twin of core/src/brdf/fresnel.rs, as what follows.
+// The exact Fresnel factor of a dielectric. Twin of core/src/brdf/fresnel.rs, like the code below.
 fn dielectric_fresnel(c: f32, ior: f32) -> f32 {
     let g = sqrt(ior * ior - 1.0 + c * c);
     let sum = max(g + c, 1e-6);
@@ -183,7 +183,7 @@ struct Metal {
     k_sq: vec3<f32>,
 }
 
-// From reflectance at normal incidence and tint toward grazing angles (Gulbrandsen 2014).
+// Computes a metal from reflectance at normal incidence and tint toward grazing angles (Gulbrandsen 2014).
 fn metal_of(reflectance: vec3<f32>, edge: vec3<f32>) -> Metal {
     let r = clamp(reflectance, vec3(0.0), vec3(MOST_REFLECTANCE));
     let root = sqrt(r);
@@ -216,7 +216,7 @@ fn metal_mean(metal: Metal) -> vec3<f32> {
         + MEAN_WEIGHTS.z * metal_fresnel(metal, MEAN_NODES.z);
 }
 
-// The exact Fresnel factor of a dielectric, a metal, or something between.
+// The exact Fresnel factor of a dielectric, a metal, or a mixture.
 struct Interface {
     ior: f32,
     // Weights of the dielectric and of the metal.
@@ -240,7 +240,7 @@ fn interface_fresnel(surface: Interface, wi_dot_h: f32) -> vec3<f32> {
     return all;
 }
 
-// Directional albedo of a lobe: a polynomial in 1 / (1 + 6 cos), and its mean. Twin of core/src/brdf/albedo.rs, as what follows.
+// Directional albedo of a lobe: a polynomial in 1 / (1 + 6 cos), and its mean. Twin of core/src/brdf/albedo.rs, as below.
 struct Albedo {
     low: vec4<f32>,
     // The fifth coefficient and the mean.
@@ -262,14 +262,14 @@ fn albedo_mix(a: Albedo, b: Albedo, t: f32) -> Albedo {
     return Albedo(a.low + (b.low - a.low) * t, a.high + (b.high - a.high) * t);
 }
 
-// Of the lobe of a row, of one width.
+// Albedo of the lobe in a table row, for one width.
 fn albedo_of_width(row: u32, alpha: f32) -> Albedo {
     let column = sqrt(clamp(alpha, 0.0, 1.0)) * f32(ALBEDO_STEPS - 1u);
     let left = min(u32(column), ALBEDO_STEPS - 2u);
     return albedo_mix(albedo_entry(row, left), albedo_entry(row, left + 1u), column - f32(left));
 }
 
-// Of two widths: the mean.
+// Albedo for two widths: the mean.
 fn albedo_of_row(row: u32, alpha: vec2<f32>) -> Albedo {
     if alpha.x == alpha.y {
         return albedo_of_width(row, alpha.x);
@@ -293,7 +293,7 @@ fn albedo_at(albedo: Albedo, cosine: f32) -> f32 {
     return clamp((((albedo.high.x * x + low.w) * x + low.z) * x + low.y) * x + low.x, 0.0, 1.0);
 }
 
-// What is left by a lobe for two directions.
+// Share of light that a lobe leaves for two directions.
 fn albedo_left(albedo: Albedo, cos_i: f32, cos_o: f32) -> f32 {
     return (1.0 - albedo_at(albedo, cos_i)) * (1.0 - albedo_at(albedo, cos_o));
 }
@@ -347,7 +347,7 @@ fn rough_single_albedo(rough: RoughDiffuse, cosine: f32) -> f32 {
     return (1.0 + rough.roughness * g) * rough.scale;
 }
 
-// Without the cosine.
+// Value without the cosine.
 fn rough_diffuse_value(rough: RoughDiffuse, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     let cos_i = max(wi.z, 0.0);
     let cos_o = max(wo.z, 0.0);

@@ -1,5 +1,5 @@
-// The models that a scene uses as one, and the dispatch to them. A line that begins with `//=` stands for lines of each model: see
-// render/src/device/models.rs.
+// Combines a scene's models into one type, and dispatches to them. A line that begins with `//=` is replaced by lines for each
+// model: see render/src/device/models.rs.
 
 // Any of the models.
 struct Brdf {
@@ -7,7 +7,7 @@ struct Brdf {
 //= members
 }
 
-// That of a material.
+// The BRDF of a material.
 fn brdf_of(material: u32, uv: UvFootprint) -> Brdf {
     var brdf: Brdf;
     brdf.model = materials[material].model;

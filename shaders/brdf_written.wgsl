@@ -1,5 +1,4 @@
-// The structure of a BRDF that a user wrote, and its functions, for the number N. Twin of core/src/brdf/wgsl.rs, which has
-// the constant.
+// The structure and functions of a user's BRDF with number N. Twin of core/src/brdf/wgsl.rs, which has the constant.
 
 struct WrittenN {
     p: written_N_of_Parameters,
@@ -11,7 +10,7 @@ fn written_N_of(p: written_N_of_Parameters, estimate: vec4<f32>) -> WrittenN {
     return WrittenN(p, estimate);
 }
 
-// Magenta where it is no reflectance.
+// Magenta if the value is not a reflectance.
 fn written_N_value(p: written_N_of_Parameters, wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     let value = written_N_of_brdf(p, wi, wo);
     if !(all(value >= vec3(0.0)) && all(value <= vec3(1e6))) {
@@ -29,7 +28,7 @@ fn written_N_mean(brdf: WrittenN, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) 
     if !(width > 0.0 && inv_kappa > WIDE_LIGHT * width * width) {
         return written_N_value(brdf.p, wi, wo);
     }
-    // Four directions have the variance of the light.
+    // Four directions with the variance of the light.
     let radius = min(sqrt(2.0 * inv_kappa), 1.0);
     let side = select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), abs(wi.z) > 0.9);
     let tangent = normalize(cross(wi, side));

@@ -1,4 +1,4 @@
-// The normal after normal and bump map, and how far the normals within the footprint of a sample spread around it. Twin of
+// The normal after normal and bump map, and the spread of the normals within a sample's footprint. Twin of
 // render/src/shade/bumps.rs and core/src/texture/slopes.rs.
 
 // First and second moments of slopes; the second are xx, xy, yy.
@@ -37,7 +37,7 @@ fn covariance_of(moments: SlopeMoments) -> vec3<f32> {
 }
 
 const LEAST_Z: f32 = 0.125;
-// Words of a texel of a level of slopes: mean; variances; their product.
+// Words per texel in a level of slopes: mean; variances; their product.
 const SLOPE_WORDS: u32 = 3u;
 
 fn slope_of(normal: vec3<f32>) -> vec2<f32> {
@@ -70,7 +70,7 @@ fn slope_level(slot: TextureSlot, level: u32, uv: vec2<f32>) -> SlopeMoments {
     return sum;
 }
 
-// Slopes of a texture at a point, in the units of the surface: of normals, or of heights if `is_height`.
+// Slopes of a texture at a point, in surface units: of normals, or of heights if `is_height`.
 fn finest_slope(slot: TextureSlot, uv: vec2<f32>, is_height: bool) -> vec2<f32> {
     if !is_height {
         return slope_of(2.0 * sample_texture(slot, uv).xyz - 1.0);
@@ -89,7 +89,7 @@ fn finest_slope(slot: TextureSlot, uv: vec2<f32>, is_height: bool) -> vec2<f32> 
     return slot.strength * change / (2.0 * steps);
 }
 
-// Slopes within taps. Levels are brought to the units of the surface by the columns of a matrix.
+// Slopes within taps. The columns of a matrix convert levels to surface units.
 fn slopes_within(
     slot: TextureSlot,
     taps: Taps,
@@ -102,7 +102,7 @@ fn slopes_within(
     let share = 1.0 / f32(taps.count);
     var finest = SlopeMoments(vec2(0.0), vec3(0.0));
     var lower = finest;
-    // Of each tap the finer and the coarser level.
+    // For each tap the finer and the coarser level.
     for (var i = 0u; i < 2u * taps.count; i++) {
         let uv = taps.first + taps.step * f32(i >> 1u);
         let weight = share * select(1.0 - blend, blend, (i & 1u) != 0u);
@@ -119,14 +119,14 @@ fn slopes_within(
     return moments_sum(finest, 1.0, moments_mapped(lower, column_x, column_y));
 }
 
-// Slopes that move a normal: their covariance, and how the normal moves with each.
+// Slopes that tilt a normal: their covariance, and the normal's change with each.
 struct Moving {
     covariance: vec3<f32>,
     x: vec3<f32>,
     y: vec3<f32>,
 }
 
-// The mean normal, and what moves it: the normal map and the bump map.
+// The mean normal and the slopes that tilt it: normal map and bump map.
 struct Bumped {
     normal: vec3<f32>,
     by_normals: Moving,
@@ -181,10 +181,10 @@ fn height_moments(slot: TextureSlot, uv: UvFootprint) -> SlopeMoments {
     return slopes_within(slot, taps, x, y, true);
 }
 
-// Half the distance of two lookups in a pattern for its slope.
+// Half the distance between two pattern lookups for a slope.
 const PATTERN_STEP: f32 = 1e-3;
 
-// The same of a pattern.
+// Slopes of a pattern.
 fn pattern_moments(slot: TextureSlot, there: UvFootprint) -> SlopeMoments {
     let turn = mat2x2<f32>(linear_column(slot, 0u), linear_column(slot, 1u));
     let steps = PATTERN_STEP / max(vec2(length(turn[0]), length(turn[1])), vec2(1e-6));

@@ -6,19 +6,19 @@ struct LocalLight {
     emission: u32,
     // Unit direction from position to target.
     forward: vec3<f32>,
-    // The first of its shadow maps, or NO_SHADOW.
+    // The light's first shadow map, or NO_SHADOW.
     first_view: u32,
     // W/sr, W/m2 for parallel light, W/(m2 sr) for rectangles.
     intensity: vec3<f32>,
-    // Shadow maps around each point of it.
+    // Shadow maps around each of its points.
     views_per_point: u32,
-    // From the middle of a rectangle to that of an edge, and to that of the next; of a disc two unit vectors across.
+    // Rectangle: from the center to the middle of an edge, and to the middle of the next. Disc: two unit vectors across.
     half_width: vec3<f32>,
-    // Cosines of the angles from a spot's axis to its edge, and to the start of its falloff.
+    // Cosines of the angles from a spot's axis to its edge and to the start of its falloff.
     cos_edge: f32,
     half_height: vec3<f32>,
     cos_full: f32,
-    // Of a rectangle in m2; of the disc of a directional light one minus the cosine from its middle to its rim, 0 without one.
+    // Area of a rectangle in m2; for the disc of a directional light one minus the cosine from center to rim, or 0 without a disc.
     area: f32,
     // A rectangle has shadow maps at grid x grid points.
     grid: u32,
@@ -33,15 +33,15 @@ const NO_SHADOW: u32 = 0xffffffffu;
 
 @group(2) @binding(1) var<storage, read> local_lights: array<LocalLight>;
 
-// Light that arrives at a point from one direction.
+// Light at a point from one direction.
 struct LightSample {
     // Unit direction from the point to the light.
     direction: vec3<f32>,
-    // On a surface that faces the light, if nothing is between.
+    // Irradiance on a surface that faces the light, without blockers.
     irradiance: vec3<f32>,
 }
 
-// `u` in the unit square chooses a point of a rectangle or a disc.
+// `u` in the unit square selects a point of a rectangle or a disc.
 fn sample_light(light: LocalLight, point: vec3<f32>, u: vec2<f32>) -> LightSample {
     if is_disc(light) {
         return sample_disc(light, u);
@@ -66,12 +66,12 @@ fn is_disc(light: LocalLight) -> bool {
     return light.emission == EMISSION_DIRECTIONAL && light.area > 0.0;
 }
 
-// Whether any of a disc may be above a plane of this normal.
+// Whether any part of a disc may be above a plane with this normal.
 fn disc_may_be_above(light: LocalLight, normal: vec3<f32>) -> bool {
     return -dot(light.forward, normal) > -disc_sine(light);
 }
 
-// Sine of the angle from its middle to its rim.
+// Sine of the angle from center to rim.
 fn disc_sine(light: LocalLight) -> f32 {
     return sqrt(light.area * (2.0 - light.area));
 }
@@ -84,7 +84,7 @@ fn sample_disc(light: LocalLight, u: vec2<f32>) -> LightSample {
     return LightSample(direction, light.intensity * (2.0 / (2.0 - light.area)));
 }
 
-// The place in the unit disc for one in the square from -1 to 1 (Shirley and Chiu 1997).
+// Maps the square from -1 to 1 to the unit disc (Shirley and Chiu 1997).
 fn concentric(square: vec2<f32>) -> vec2<f32> {
     const QUARTER = 0.785398163;
     var radius = square.y;
@@ -98,7 +98,7 @@ fn concentric(square: vec2<f32>) -> vec2<f32> {
     return radius * vec2(cos(angle), sin(angle));
 }
 
-// Factor of the intensity toward a receiver that sees the light in this direction.
+// Factor on the intensity toward a receiver in this direction.
 fn light_factor(light: LocalLight, direction: vec3<f32>) -> f32 {
     let cos = -dot(direction, light.forward);
     switch light.emission {

@@ -1,19 +1,19 @@
 // Direct light of local lights.
 //
-// A rectangle is a grid of cells. Each cell has shadow maps around its middle and RECTANGLE_DETAIL squared samples of
-// light, which the jitter of the picture moves. A sample beside the middle reads the map where its ray passes the
-// blockers, whose distance is estimated first (after Fernando 2005). So shadows are as soft as from all samples.
+// A rectangle is a grid of cells. Each cell has shadow maps around its center and RECTANGLE_DETAIL squared light samples, moved by
+// the picture's jitter. A sample off center reads the map where its ray passes the blockers, whose distance is estimated first
+// (after Fernando 2005). So shadows are as soft as with maps at all samples.
 //
-// A disc of directions has DISC_STEPS squared samples and one shadow map, from its middle. A sample beside the middle reads the map
-// where its ray passes the blockers.
+// A disc of directions has DISC_STEPS squared samples and one shadow map from its center. A sample off center reads the map where
+// its ray passes the blockers.
 
 const RECTANGLE_DETAIL: u32 = 2u;
 // As on the CPU.
 const DISC_STEPS: u32 = 4u;
-// The search for the blockers of a disc takes so many steps to each side.
+// Steps to each side in the search for blockers of a disc.
 const DISC_SEARCH: i32 = 2;
-// Radius of the search for blockers: a cell and a half finds blockers that are less than three times as far from the
-// receiver as from the light.
+// Radius of the search for blockers: a cell and a half finds blockers less than three times as far from the receiver as from the
+// light.
 const SEARCH_RADIUS: f32 = 1.5;
 
 @fragment
@@ -30,7 +30,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     return with_sample(begun, vec4(received, 0.0), NO_WORK);
 }
 
-// Radiance that a point reflects of a light toward the eye.
+// Radiance toward the eye that a point reflects of a light.
 fn light_from(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
     var sum = vec3(0.0);
     if light.emission == EMISSION_RECTANGLE {
@@ -53,9 +53,9 @@ fn casts_shadow(light: LocalLight) -> bool {
     return light.first_view != NO_SHADOW;
 }
 
-// Share of a cell of a rectangle.
+// Contribution of one cell of a rectangle.
 fn light_from_cell(point: SurfacePoint, light: LocalLight, cell: u32) -> vec3<f32> {
-    // Nothing arrives behind the rectangle.
+    // No light arrives behind the rectangle.
     if !(dot(point.position - light.position, light.forward) > 0.0) {
         return vec3(0.0);
     }
@@ -87,7 +87,7 @@ fn offset_in_cell(light: LocalLight, cells: vec2<f32>) -> vec3<f32> {
     return (light.half_width * cells.x + light.half_height * cells.y) * (2.0 / f32(light.grid));
 }
 
-// Distance from blockers to the receiver over that from the light to them, as a mean over the blockers around; 0
+// Distance from blockers to the receiver over the distance from the light to them, averaged over the surrounding blockers; 0
 // without any.
 fn mean_blocker(point: SurfacePoint, light: LocalLight, cell: u32) -> f32 {
     var sum = 0.0;
@@ -102,19 +102,19 @@ fn mean_blocker(point: SurfacePoint, light: LocalLight, cell: u32) -> f32 {
     return sum / max(count, 1.0);
 }
 
-// Where the middle of a cell sees the receiver's plane, toward the receiver minus `shift`.
+// Point of the receiver's plane seen from the center of a cell, toward the receiver minus `shift`.
 fn seen_past(point: SurfacePoint, light: LocalLight, cell: u32, shift: vec3<f32>) -> vec3<f32> {
     let middle = shadow_views[light.first_view + cell * light.views_per_point].origin;
     let away = point.position - middle;
     let ratio = dot(point.face_normal, away) / dot(point.face_normal, away - shift);
-    // Beyond the horizon of the plane nothing is seen of it.
+    // Beyond its horizon the plane is invisible.
     if !(ratio > 0.25 && ratio < 4.0) {
         return point.position;
     }
     return middle + (away - shift) * ratio;
 }
 
-// Radiance that a point reflects of a sample whose directions have an inverse concentration.
+// Reflected radiance of a sample whose directions have this inverse concentration.
 fn reflected(point: SurfacePoint, sample: LightSample, inv_kappa: f32) -> vec3<f32> {
     if !(dot(sample.direction, point.smooth_normal) > 0.0) {
         return vec3(0.0);
@@ -128,7 +128,7 @@ fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
         return vec3(0.0);
     }
     let samples = DISC_STEPS * DISC_STEPS;
-    // A cap has a mean resultant of one minus half its height, and 1 / kappa tends to what is missing to one.
+    // A cap has a mean resultant of one minus half its height; 1 / kappa tends to its difference from one.
     let inv_kappa = 0.5 * light.area / f32(samples);
     var gap = 0.0;
     var visibility = 1.0;
@@ -150,8 +150,8 @@ fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
     return sum / f32(samples);
 }
 
-// Meters along parallel light from the blockers around to the receiver, as their mean; 0 without any. Blockers are in the cone
-// that the disc is seen in, which is as long as the way out of the scene.
+// Mean distance in meters along parallel light from surrounding blockers to the receiver; 0 without any. Blockers lie in the cone
+// of the disc, up to where it leaves the scene.
 fn mean_gap(point: SurfacePoint, light: LocalLight) -> f32 {
     let view = shadow_views[light.first_view];
     let way = dot(view.forward, point.position - view.origin);
@@ -169,12 +169,12 @@ fn mean_gap(point: SurfacePoint, light: LocalLight) -> f32 {
     return sum / max(count, 1.0);
 }
 
-// The point of the receiver's plane that parallel light reaches which passes the receiver at a distance of `shift`.
+// The point of the receiver's plane hit by parallel light that passes the receiver at distance `shift`.
 fn passing(point: SurfacePoint, light: LocalLight, shift: vec3<f32>) -> vec3<f32> {
     let n = point.face_normal;
     let along = dot(n, shift) / dot(n, light.forward);
     let at = point.position + shift - light.forward * along;
-    // The plane of a surface that the light grazes reaches farther than the surface.
+    // In grazing light the surface's plane reaches farther than the surface.
     return select(point.position, at, abs(along) < 4.0 * length(shift));
 }
 
@@ -182,7 +182,7 @@ fn visibility_at(position: vec3<f32>, normal: vec3<f32>, light: LocalLight, cell
     return shadow_visibility(view_toward(light, cell, position), position, normal);
 }
 
-// The shadow map around one point of a light that contains a receiver.
+// The shadow map around one point of a light that contains the receiver.
 fn view_toward(light: LocalLight, cell: u32, position: vec3<f32>) -> u32 {
     let first = light.first_view + cell * light.views_per_point;
     let away = position - shadow_views[first].origin;

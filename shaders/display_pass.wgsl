@@ -1,22 +1,22 @@
-// The post pass: the mean of all samples as a display shows it. Twin of render/src/cpu/display.rs.
+// The post pass: the mean of all samples as displayed. Twin of render/src/cpu/display.rs.
 
 struct Display {
-    // Radiance is scaled by this.
+    // Scale of radiance.
     exposure: f32,
-    // The count at the upper end of the false colors.
+    // Count at the upper end of the false colors.
     count_top: f32,
     tone_map: u32,
     view_mode: u32,
-    // 1: where nothing is covered the picture is transparent.
+    // 1: uncovered pixels are transparent.
     transparent: u32,
-    // 1: a ground lets light through.
+    // 1: a ground transmits light.
     lets_light_through: u32,
 }
 
 @group(0) @binding(0) var<uniform> display: Display;
 // Every 17th color of magma, sRGB encoded.
 @group(0) @binding(1) var<uniform> magma_stops: array<vec4<f32>, 16>;
-// Sums of the parts of the light; those that a picture lacks are a texel of zeros.
+// Sums of the parts of the light; missing parts are a texel of zeros.
 @group(0) @binding(2) var environment_value: texture_2d<f32>;
 @group(0) @binding(3) var environment_work: texture_2d<u32>;
 @group(0) @binding(4) var bounce_value: texture_2d<f32>;
@@ -49,7 +49,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if coverage == 0.0 {
         return vec4(0.0);
     }
-    // The background must not show where the picture has no coverage, so the mean is over what is covered.
+    // The background must not show where the picture has no coverage, so the mean is over covered samples.
     let lines = select(total.w, 0.0, display.lets_light_through != 0u);
     return vec4(with_lines((total.xyz - through) / coverage, lines / coverage), coverage);
 }
@@ -58,13 +58,13 @@ fn mean(value: vec4<f32>, work: vec4<u32>) -> vec4<f32> {
     return value / f32(max(sample_count(work), 1u));
 }
 
-// A value as it is shown, with this share of it below lines.
+// A displayed value below lines with this coverage.
 fn with_lines(value: vec3<f32>, lines: f32) -> vec3<f32> {
     return mix(display_value(value), LINE_COLOR, LINE_OPACITY * lines);
 }
 
 fn display_value(value: vec3<f32>) -> vec3<f32> {
-    // NaN must be visible. Compilers may assume that every value equals itself, so its bits are tested.
+    // NaN must be visible. Compilers may assume that every value equals itself, so this tests its bits.
     if any((bitcast<vec3<u32>>(value) & vec3(0x7fffffffu)) > vec3(0x7f800000u)) {
         return vec3(1.0, 0.0, 1.0);
     }

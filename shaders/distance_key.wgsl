@@ -1,4 +1,4 @@
-// What a bin holds: one number that is the smaller the nearer a node is. Twin of core/src/implicit/direct/key.rs.
+// Contents of a bin: a number that is smaller for nearer nodes. Twin of core/src/implicit/direct/key.rs.
 
 const NODE_BITS: u32 = 20u;
 const LARGEST_CODE: u32 = 4095u;

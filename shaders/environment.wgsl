@@ -1,15 +1,15 @@
-// The environment seen directly: a latitude-longitude map, bilinear. Twin of Environment::radiance. A pass declares
+// The environment as seen directly: a latitude-longitude map, bilinear. Twin of Environment::radiance. A pass declares
 // `environment_map`.
 
 const PI: f32 = 3.14159265;
 
 // The center of the map is +Z, its left quarter +X, its top +Y.
 fn uv_from_direction(d: vec3<f32>) -> vec2<f32> {
-    // An arc cosine is coarser than an arc tangent on some adapters.
+    // On some adapters an arc cosine is less accurate than an arc tangent.
     return vec2(0.5 - atan2(d.x, d.z) / (2.0 * PI), atan2(length(d.xz), d.y) / PI);
 }
 
-// A world direction in the frame of the map.
+// Rotates a world direction into the frame of the map.
 fn to_environment(d: vec3<f32>) -> vec3<f32> {
     let turn = frame.environment_turn;
     return vec3(turn.y * d.x - turn.x * d.z, d.y, turn.x * d.x + turn.y * d.z);
@@ -39,7 +39,7 @@ fn caught_radiance(direction: vec3<f32>) -> vec3<f32> {
     return environment_radiance(direction);
 }
 
-// Radiance where there is no surface.
+// Radiance without a surface.
 fn background_radiance(direction: vec3<f32>) -> vec3<f32> {
     if frame.background == BACKGROUND_FLAT {
         return frame.background_color;

@@ -1,7 +1,7 @@
 // Quadtrees of discs (implicit visibility, 4.1). Twin of core/src/implicit/forest/nodes.rs.
 
 const CHILDREN: u32 = 4u;
-// Squared sine below which directions count as one.
+// Squared sine below which directions count as equal.
 const FLAT: f32 = 1e-6;
 const PI: f32 = 3.14159265;
 
@@ -12,7 +12,7 @@ struct Disc {
     padding: u32,
 }
 
-// Four nodes side by side.
+// Four adjacent nodes.
 struct Block {
     center: array<vec4<f32>, 3>,
     axis: array<vec4<f32>, 3>,
@@ -22,7 +22,7 @@ struct Block {
     thickness: vec4<f32>,
     cone_cos: vec4<f32>,
     cone_sin: vec4<f32>,
-    // The block with the children of each; 0 for leaves and empty slots.
+    // The blocks with each node's children; 0 for leaves and empty slots.
     below: vec4<u32>,
 }
 

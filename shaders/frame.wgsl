@@ -6,12 +6,12 @@ struct FrameUniforms {
     world_from_view: mat3x3<f32>,
     eye: vec3<f32>,
     tan_half_fov: f32,
-    // Position of the sample in its pixel, from the top left.
+    // Position of the sample in its pixel from the top left.
     pixel_offset: vec2<f32>,
     size: vec2<u32>,
     background_color: vec3<f32>,
     background: u32,
-    // Sine and cosine of the environment's turn.
+    // Sine and cosine of the environment's rotation.
     environment_turn: vec2<f32>,
     environment_intensity: f32,
     leaf_solid_angle: f32,
@@ -19,26 +19,26 @@ struct FrameUniforms {
     view_mode: u32,
     wireframe: u32,
     source_tree_height: u32,
-    // Number of the sample that is rendered.
+    // Number of the current sample.
     sample: u32,
-    // First triangle of a ground that catches shadows; none is as large if there is no such ground.
+    // First triangle of a ground that catches shadows; a number above all triangles without such a ground.
     catcher: u32,
-    // Columns and rows of pixels from texel to texel of the passes that shade: 1, or the stride of a lattice.
+    // Pixels per texel of the shading passes, in columns and rows: 1, or the stride of a lattice.
     stride: vec2<u32>,
-    // What such a ground catches: the map or one radiance.
+    // What the ground catches: the map or uniform radiance.
     caught_color: vec3<f32>,
     caught: u32,
-    // Its reflectance for a radiance of 1 behind it.
+    // The ground's reflectance for a radiance of 1 behind it.
     caught_per_radiance: vec3<f32>,
-    // Whether the picture has an alpha channel, for which it tells the share of the light that it lets through.
+    // Whether the picture has an alpha channel, for which the ground stores its transmitted share.
     lets_light_through: u32,
-    // Weights of the channels in that share.
+    // Channel weights in that share.
     share_weights: vec3<f32>,
-    // Height of the finest level of the map that sharp lobes read; 0 for none.
+    // Height of the finest level of the map for sharp lobes; 0 for none.
     mirrored_height: u32,
-    // Whether the light is shown that surfaces send by themselves.
+    // Whether surface emission is shown.
     shows_emission: u32,
-    // Distance of the samples of a pixel, in pixels.
+    // Spacing of a pixel's samples, in pixels.
     sample_distance: f32,
 }
 
@@ -56,7 +56,7 @@ const VIEW_BASIS_LEVEL: u32 = 7u;
 const VIEW_BASIS_FUNCTION: u32 = 8u;
 const VIEW_BASIS_COEFFICIENTS: u32 = 9u;
 
-// Whether the view shows colors and roughnesses of surfaces.
+// Whether the view shows surface colors and roughness.
 fn shows_color() -> bool {
     return frame.view_mode == VIEW_ALBEDO || frame.view_mode == VIEW_ROUGHNESS;
 }

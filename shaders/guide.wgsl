@@ -1,4 +1,4 @@
-// What a pixel's first sample sees, as far as it steers the filter of a sketch. Twin of `Guide` in render/src/sketch.rs.
+// The surface at a pixel's first sample, as input of a sketch's filter. Twin of `Guide` in render/src/sketch.rs.
 
 // Least albedo that radiance is divided by.
 const LEAST_ALBEDO: f32 = 1.0 / 512.0;
@@ -11,7 +11,7 @@ struct Guide {
     smooth_normal: vec3<f32>,
     normal: vec3<f32>,
     albedo: vec3<f32>,
-    // What values are divided by: the albedo, or 1 where they are no radiance.
+    // Divisor of values: the albedo, or 1 for values that are not radiance.
     divisor: vec3<f32>,
 }
 

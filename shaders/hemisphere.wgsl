@@ -1,10 +1,10 @@
 // The bins of a leaf: cells of equal cosine weight in its own frame. Twin of core/src/sphere.rs and core/src/implicit/layout.rs.
 
 const MOST_CELLS: u32 = 400u;
-// A bin that nothing was found in.
+// An empty bin.
 const EMPTY: u32 = 0xffffffffu;
 
-// Tangents and normal, turned about it by an angle of which `turn` has cosine and sine. Twin of `BinLayout::frame_of`.
+// Tangents and normal, rotated about the normal by the angle with cosine and sine `turn`. Twin of `BinLayout::frame_of`.
 fn turned_frame(normal: vec3<f32>, turn: vec2<f32>) -> mat3x3<f32> {
     let frame = frame_around(normal);
     return mat3x3(frame[0] * turn.x + frame[1] * turn.y, frame[0] * -turn.y + frame[1] * turn.x, normal);

@@ -1,9 +1,9 @@
-// Keeps what a picture shows of one part of the light.
+// Keeps one part of a picture's light for the next picture.
 
-// Another part that is added to this one, or a texel of zeros.
+// Another part to add to this one, or a texel of zeros.
 @group(2) @binding(0) var added_value: texture_2d<f32>;
 @group(2) @binding(1) var added_work: texture_2d<u32>;
-// What the samples show: the sets of their materials and of their patches.
+// Sets of the samples' materials and patches.
 @group(2) @binding(2) var marks: texture_2d<u32>;
 
 @fragment
@@ -23,7 +23,7 @@ fn mean(sums: Sums) -> vec3<f32> {
     return sums.value.xyz / f32(max(sample_count(sums.work), 1u));
 }
 
-// Whether all samples see a surface of one material: the mean of others tells nothing of their light.
+// Whether all samples see a surface of one material; otherwise the mean does not represent the light.
 fn sees_one_surface(work: vec4<u32>, marks: vec4<u32>) -> bool {
     let materials = countOneBits(marks.x) + countOneBits(marks.y);
     return work.z >> 16u == sample_count(work) && materials == 1u;

@@ -1,17 +1,17 @@
-// Irradiance of leaves from the nodes that they see, and from the sky in the other cells, a workgroup a leaf: E = pi/n^2 sum of L over
-// n x n cells. Twin of `LeafLight::new` in core/src/implicit/gather.rs, to rounding: sums are taken in halves.
+// Irradiance of leaves from their visible nodes, and from the sky in the other cells; one workgroup per leaf: E = pi/n^2 sum of L
+// over n x n cells. Equals its twin `LeafLight::new` in core/src/implicit/gather.rs up to rounding: sums are taken in halves.
 
 const LANES: u32 = 64u;
 
 @group(1) @binding(0) var<uniform> uniforms: LightUniforms;
 @group(1) @binding(1) var<storage, read> discs: array<Disc>;
-// The node in each cell of each leaf.
+// Visible node in each cell of each leaf.
 @group(1) @binding(2) var<storage, read> views: array<u32>;
 @group(1) @binding(3) var<storage, read> directions: array<vec4<f32>>;
-// Of the nodes.
+// Radiance of the nodes.
 @group(1) @binding(4) var<storage, read> radiance: array<vec4<f32>>;
 @group(1) @binding(5) var<storage, read> lighting: array<LeafLighting>;
-// Radiance of the sky, cell by cell of an octahedron.
+// Radiance of the sky by cell of an octahedron.
 @group(1) @binding(6) var<storage, read> sky: array<vec4<f32>>;
 @group(1) @binding(7) var<storage, read_write> light: array<LeafIrradiance>;
 
@@ -40,7 +40,7 @@ fn bounce(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     }
 }
 
-// From every 64th cell.
+// Sum over every 64th cell.
 fn gathered(leaf: u32, lane: u32) -> Gathered {
     let frame = turned_frame(discs[leaf].normal, uniforms.turn);
     let cells = uniforms.side * uniforms.side;

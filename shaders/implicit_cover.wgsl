@@ -1,4 +1,4 @@
-// Which cells of a receiver a node covers. Twin of core/src/implicit/direct/cover.rs, operation by operation.
+// The cells of a receiver covered by a node. Twin of core/src/implicit/direct/cover.rs, operation by operation.
 
 // Radius of a disc in radii of a circle of its area.
 const OVERLAP: f32 = 1.175;
@@ -6,7 +6,7 @@ const OVERLAP: f32 = 1.175;
 const STEEPEST_MAP: f32 = 0.5 * 1.62;
 // Sine of the angle between center and edge of a disc up to which CHORD holds.
 const WIDE: f32 = 0.7;
-// Most that the distance between the directions of center and edge exceeds that sine.
+// Largest ratio of the distance between the directions of center and edge to that sine.
 const CHORD: f32 = 1.09;
 const FRAC_2_PI: f32 = 0.636619772;
 
@@ -16,10 +16,10 @@ struct SeenDisc {
     offset: vec3<f32>,
     // Normal over its product with the offset; zero for a disc that faces away.
     plane: vec3<f32>,
-    // Squared distance less the squared radius.
+    // Squared distance minus squared radius.
     excess: f32,
     distance_sq: f32,
-    // Cells that it may cover: the first column and row, and those behind the last.
+    // Range of cells that it may cover: the first column and row, and one past the last.
     first: vec2<u32>,
     end: vec2<u32>,
 }
@@ -49,7 +49,7 @@ fn seen_disc(node: ForestNode, receiver: Receiver, side: f32) -> SeenDisc {
     return disc;
 }
 
-// Whether the ray at the middle of a cell meets a disc.
+// Whether the ray through a cell's center hits a disc.
 fn meets(direction: vec3<f32>, disc: SeenDisc) -> bool {
     let nearness = ordered_dot(direction, disc.plane);
     let gap = 1.0 + nearness * (nearness * disc.excess - 2.0 * ordered_dot(direction, disc.offset));
@@ -60,7 +60,7 @@ fn cell_at(place: vec2<f32>, side: f32) -> vec2<u32> {
     return vec2<u32>(clamp(place, vec2(0.0), vec2(side)));
 }
 
-// A point of the square in cells, of one of the unit disc (Shirley and Chiu 1997), to 2e-3 of a cell.
+// Square coordinates in cells of a point in the unit disc (Shirley and Chiu 1997), to 2e-3 of a cell.
 fn cell_coordinates(p: vec2<f32>, side: f32) -> vec2<f32> {
     let size = abs(p);
     let t = min(size.x, size.y) / max(max(size.x, size.y), 1.1754944e-38);

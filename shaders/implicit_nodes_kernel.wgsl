@@ -1,19 +1,19 @@
-// What a node knows of the discs below it, a workgroup each. Twin of `Node::around` in core/src/implicit/forest/nodes.rs, to the bit: seven
-// invocations sum a number each, disc by disc, and all look for the farthest, which has no order. All nodes are made at once from
-// the leaves, not level by level, so that nothing waits for the level below.
+// Computes nodes from the discs below them, one workgroup per node. Equals its twin `Node::around` in
+// core/src/implicit/forest/nodes.rs bit for bit: seven invocations sum one number each, disc by disc, and all search for the
+// farthest disc, where order does not matter. All nodes are computed directly from the leaves, so none waits for another.
 
 const LANES: u32 = 64u;
-// Of area, position times area, and normal times area.
+// Sums of area, position times area, and normal times area.
 const SUMS: u32 = 7u;
 
 @group(1) @binding(0) var<storage, read> discs: array<Disc>;
-// The first leaf below each node, and the one behind the last.
+// The first leaf below each node, and one past the last.
 @group(1) @binding(1) var<storage, read> spans: array<vec2<u32>>;
 @group(1) @binding(2) var<storage, read_write> blocks: array<Block>;
 
 var<workgroup> addends: array<array<f32, LANES>, SUMS>;
 var<workgroup> sums: array<f32, SUMS>;
-// Radius, thickness, and the least cosine of a normal.
+// Radius, thickness, and least cosine of a normal.
 var<workgroup> reaches: array<vec3<f32>, LANES>;
 
 @compute @workgroup_size(64)
@@ -37,7 +37,7 @@ fn make_nodes(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     }
 }
 
-// Adds up to 64 discs from `first` on to the sums.
+// Adds up to 64 discs, starting at `first`, to the sums.
 fn add_some(first: u32, end: u32, lane: u32) {
     if first + lane < end {
         let disc = discs[first + lane];
@@ -58,7 +58,7 @@ fn add_some(first: u32, end: u32, lane: u32) {
     workgroupBarrier();
 }
 
-// Without what has no order. `first` is its first leaf.
+// The node without its order-independent values. `first` is its first leaf.
 fn node_of_sums(first: u32) -> ForestNode {
     var node = ForestNode();
     if sums[0] > 0.0 {
@@ -71,7 +71,7 @@ fn node_of_sums(first: u32) -> ForestNode {
     return node;
 }
 
-// Of every 64th disc.
+// Reach over every 64th disc.
 fn reach_of_some(node: ForestNode, span: vec2<u32>, lane: u32) -> vec3<f32> {
     var reach = vec3(0.0, 0.0, 1.0);
     for (var leaf = span.x + lane; leaf < span.y; leaf += LANES) {

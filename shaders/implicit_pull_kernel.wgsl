@@ -1,11 +1,11 @@
-// The radiance of nodes, means by area over the leaves below, a workgroup each. Twin of `DiscForest::pull`, to rounding: the twin goes up
-// level by level, and here each node asks its leaves, so that a pull is one dispatch.
+// Radiance of nodes, as means by area over the leaves below; one workgroup per node. Equals its twin `DiscForest::pull` up to
+// rounding: the twin works level by level, while here each node reads its leaves, so that a pull is one dispatch.
 
 const LANES: u32 = 64u;
 
 @group(1) @binding(0) var<uniform> uniforms: LightUniforms;
 @group(1) @binding(1) var<storage, read> discs: array<Disc>;
-// The first leaf below each node, and the one behind the last.
+// The first leaf below each node, and one past the last.
 @group(1) @binding(2) var<storage, read> spans: array<vec2<u32>>;
 @group(1) @binding(3) var<storage, read> lighting: array<LeafLighting>;
 @group(1) @binding(4) var<storage, read> light: array<LeafIrradiance>;

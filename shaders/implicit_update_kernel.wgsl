@@ -1,17 +1,18 @@
-// The discs of leaves that ride on posed triangles, an invocation each. Twin of `Rider::disc` in core/src/implicit/forest.rs, to the bit.
+// The discs of leaves on posed triangles, one invocation each. Equals its twin `Rider::disc` in core/src/implicit/forest.rs bit for
+// bit.
 
 struct Rider {
     corners: vec3<u32>,
-    // The area that it stands for in areas of its triangle.
+    // Its area as a share of its triangle's.
     share: f32,
     // Weights of the second and the third corner.
     barycentric: vec2<f32>,
-    // Seen from where the corners are clockwise.
+    // Whether it lies on the side where the corners are clockwise.
     is_back: u32,
     padding: u32,
 }
 
-// Three numbers a vertex.
+// Three numbers per vertex.
 @group(1) @binding(0) var<storage, read> positions: array<f32>;
 @group(1) @binding(1) var<storage, read> riders: array<Rider>;
 @group(1) @binding(2) var<storage, read_write> discs: array<Disc>;

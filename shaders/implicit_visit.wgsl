@@ -1,6 +1,6 @@
-// What a receiver does with a node. Twin of core/src/implicit/direct/visit.rs, operation by operation.
+// A receiver's decision on a node. Twin of core/src/implicit/direct/visit.rs, operation by operation.
 
-// Sine of the elevation above which a node is seen, and below which a receiver is.
+// Sine of the least elevation of a visible node above the receiver, and of the receiver above the node.
 const GRAZING: f32 = 1e-4;
 // Squared sine below which a node counts as parallel to the receiver.
 const PARALLEL: f32 = 1e-6;
@@ -11,7 +11,7 @@ const VISIT_ENDS: u32 = 2u;
 
 struct Receiver {
     position: vec3<f32>,
-    // Its tangents and its normal.
+    // Tangents and normal.
     frame: mat3x3<f32>,
 }
 
@@ -23,13 +23,13 @@ fn visit_of(node: ForestNode, is_inner: bool, receiver: Receiver, limit: f32) ->
     let distance = sqrt(distance_sq);
     let grazing = distance * GRAZING;
 
-    // Whether any of it is in front of the receiver.
+    // Whether any part of it is in front of the receiver.
     let height = ordered_dot(offset, normal);
     let parallel = ordered_dot(normal, node.axis);
     let sine = sqrt(max((1.0 - PARALLEL) - parallel * parallel, 0.0));
     let top = height + node.radius * sine + node.thickness * abs(parallel);
 
-    // Whether any of it can face the receiver. All of this is in units of the distance.
+    // Whether any part of it can face the receiver. All values are in units of the distance.
     let toward = -ordered_dot(offset, node.axis);
     let across = sqrt(max(distance_sq - toward * toward, 0.0));
     let facing = toward * node.cone_cos + (across + node.radius) * node.cone_sin + node.thickness;
@@ -44,7 +44,7 @@ fn visit_of(node: ForestNode, is_inner: bool, receiver: Receiver, limit: f32) ->
     return select(select(VISIT_SKIPS, VISIT_ENDS, ends), VISIT_DESCENDS, descends);
 }
 
-// The area that a node shows, as a share of its whole area, times the distance.
+// The visible area of a node as a share of its whole area, times the distance.
 fn visible_share(coherence: f32, toward: f32, distance_sq: f32) -> f32 {
     let mean = coherence * toward;
     let spread = (1.0 - coherence * coherence) * 0.25 * distance_sq;

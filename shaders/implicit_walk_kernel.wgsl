@@ -1,41 +1,41 @@
-// What leaves see: the nearest node in each cell of the hemisphere, a workgroup a leaf. Twin of `Visits::find`, `cover::fill`
-// and `Views::new` of core/src/implicit/. Bins and the blocks that wait are in shared memory. The order of visits differs from that
-// of the twin, which does not show: a bin keeps the least of the same keys.
+// Visibility of leaves: the nearest node in each cell of the hemisphere, one workgroup per leaf. Twin of `Visits::find`,
+// `cover::fill` and `Views::new` of core/src/implicit/. Bins and waiting blocks are in shared memory. The order of visits differs
+// from the twin's, without effect: a bin keeps the least of the same keys.
 
 const LANES: u32 = 64u;
 const BLOCKS_AT_ONCE: u32 = 16u;
-// Beyond this many, blocks are taken one at a time. That is a descent depth first, which adds at most three a level: with 48 of the
-// last sixteen and 20 levels, what waits always fits.
+// Above this number, blocks are taken one at a time. The descent is then depth first, which adds at most three per level: with 48
+// of the last sixteen and 20 levels, the waiting blocks always fit.
 const NEARLY_FULL: u32 = 384u;
 const MOST_WAITING: u32 = 512u;
 // Nodes are entered 64 at a time, so that all invocations have work.
 const MOST_ENDS: u32 = 2u * LANES;
-// One empty neighbor in so many still makes a hole.
+// One empty neighbor in this many still makes a hole.
 const AROUND_A_HOLE: u32 = 8u;
 
 struct WalkUniforms {
     first_leaf: u32,
-    // Blocks that hold the roots.
+    // Number of blocks that hold the roots.
     root_blocks: u32,
     // The largest integral of the cosine over a node, in steradians.
     limit: f32,
-    // Of distance codes, in 1/m2.
+    // Scale of distance codes, in 1/m2.
     scale: f32,
-    // Cosine and sine of the turn of the frames.
+    // Cosine and sine of the frames' rotation.
     turn: vec2<f32>,
-    // Whether the bins of a kept layer count as well.
+    // Whether the bins of a kept layer also count.
     has_kept: u32,
-    // Whether nodes are written, with holes closed, in place of keys.
+    // Whether to write nodes with closed holes instead of keys.
     closes: u32,
-    // Cells along an edge of the square of a leaf.
+    // Cells along one edge of a leaf's square.
     side: u32,
     padding: u32,
 }
 
-// What the workgroup does next.
+// The workgroup's next step.
 struct Step {
     blocks: u32,
-    // The first of these in `waiting`, or its number if they are roots.
+    // Index of the first block in `waiting`, or the block's number for roots.
     first_block: u32,
     are_roots: u32,
     ends: u32,
@@ -45,9 +45,9 @@ struct Step {
 @group(1) @binding(0) var<uniform> walk: WalkUniforms;
 @group(1) @binding(1) var<storage, read> discs: array<Disc>;
 @group(1) @binding(2) var<storage, read> blocks: array<Block>;
-// Of the middles of the cells, in the frame of a leaf.
+// Directions of the cell centers, in a leaf's frame.
 @group(1) @binding(3) var<storage, read> directions: array<vec4<f32>>;
-// A bit an object: whether it is walked.
+// Whether to walk each object, one bit each.
 @group(1) @binding(4) var<storage, read> walked: array<u32>;
 @group(1) @binding(5) var<storage, read> kept: array<u32>;
 @group(1) @binding(6) var<storage, read_write> seen: array<u32>;
@@ -91,7 +91,7 @@ fn walk_forest(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     write_row(cells * leaf, lane);
 }
 
-// Takes blocks from those that wait, or roots, and the nodes that are to be entered.
+// Takes waiting blocks, or roots, and the nodes to enter.
 fn plan() {
     var step = Step();
     let waits = atomicLoad(&waiting_count);
@@ -114,7 +114,7 @@ fn plan() {
     planned = step;
 }
 
-// Whether a node is none of an object that is left out.
+// Whether a node belongs to no excluded object.
 fn is_walked(step: Step, node: u32) -> bool {
     return step.are_roots == 0u || (walked[node / 32u] >> (node % 32u) & 1u) != 0u;
 }
@@ -158,7 +158,7 @@ fn enter(node: u32, receiver: Receiver) {
     }
 }
 
-// Writes the bins of a leaf, the first of which has a number.
+// Writes the bins of a leaf, starting at `first`.
 fn write_row(first: u32, lane: u32) {
     let cells = walk.side * walk.side;
     if walk.has_kept != 0u {
@@ -192,7 +192,7 @@ fn closed(cell: u32, key: u32) -> u32 {
             all += 1u;
         }
     }
-    // Without the bin itself, which is open.
+    // Excludes the bin itself, which is open.
     let is_hole = open - 1u <= (all - 1u) / AROUND_A_HOLE;
     return select(EMPTY, node_of(nearest), is_hole);
 }

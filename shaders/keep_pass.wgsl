@@ -1,7 +1,7 @@
-// The sums of one part of the light without those of pixels that show what an edit has changed.
+// The sums of one part of the light, cleared in pixels that show an edited surface.
 
 struct StaleMarks {
-    // Sets as those of the pixels, the low word first.
+    // Sets like the pixels' sets, the low word first.
     materials: vec2<u32>,
     patches: vec2<u32>,
 }
@@ -10,7 +10,7 @@ struct StaleMarks {
 @group(0) @binding(1) var marks: texture_2d<u32>;
 @group(0) @binding(2) var value: texture_2d<f32>;
 @group(0) @binding(3) var work: texture_2d<u32>;
-// Another part that is added to this one, or a texel of zeros.
+// Another part to add to this one, or a texel of zeros.
 @group(0) @binding(4) var added: texture_2d<f32>;
 
 @fragment
@@ -20,7 +20,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
         return Sums(vec4(0.0), vec4(0u));
     }
     let counts = textureLoad(work, pixel, 0);
-    // Nothing was shaded yet since the picture was resumed.
+    // Nothing has been shaded since the picture was resumed.
     let kept = vec4(counts.xyz, counts.w & 0xffffu);
     return Sums(textureLoad(value, pixel, 0) + textureLoad(added, pixel, 0), kept);
 }

@@ -1,13 +1,13 @@
-// What lights the leaves of a forest, and their light. Twin of `Lighting` and `LeafLight` in core/src/implicit/gather.rs.
+// Light sources of a forest's leaves, and the leaves' light. Twin of `Lighting` and `LeafLight` in core/src/implicit/gather.rs.
 
 const FRAC_1_PI: f32 = 0.318309886;
 
 struct LightUniforms {
-    // Cosine and sine of the turn of the frames.
+    // Cosine and sine of the frames' rotation.
     turn: vec2<f32>,
-    // Whether the light of what emits and of the sky is gathered, and not a bounce.
+    // Whether to gather emission and sky rather than a bounce.
     is_first: u32,
-    // Cells along an edge of the square of a leaf.
+    // Cells along one edge of a leaf's square.
     side: u32,
 }
 
@@ -16,17 +16,17 @@ struct LeafLighting {
     reflectance: vec3<f32>,
     // Radiance.
     emitted: vec3<f32>,
-    // Irradiance by light that bins do not see.
+    // Irradiance by light outside the bins.
     received: vec3<f32>,
 }
 
 // Irradiance.
 struct LeafIrradiance {
     of_sky: vec3<f32>,
-    // By the sky and by what emits.
+    // Irradiance by the sky and emission.
     direct: vec3<f32>,
-    // By all bounces so far.
+    // Irradiance by all bounces so far.
     bounced: vec3<f32>,
-    // What is reflected by the next bounce.
+    // Irradiance to reflect in the next bounce.
     last: vec3<f32>,
 }

@@ -1,6 +1,6 @@
-// Counts the nodes of lit cuts, and finds where each cut begins.
+// Counts the nodes of lit cuts, and finds the start of each cut.
 
-// Whole light of each cut.
+// Total light of each cut.
 @group(1) @binding(2) var<storage, read_write> whole_light: array<f32>;
 @group(1) @binding(3) var<storage, read_write> offsets: array<u32>;
 // Number of nodes of all lit cuts.

@@ -1,10 +1,9 @@
-// Lit cuts: vertices' cuts coarsened under the light of the moment, which lit_write_kernel.wgsl writes. Twin of `PackedCursor` in
+// Lit cuts: vertices' cuts coarsened under the current light by lit_write_kernel.wgsl. Twin of `PackedCursor` in
 // core/src/cut/packed.rs.
 
-// Nodes of all lit cuts: in the low half a packed node, in the high half the position in the stored cut of the first node
-// below it.
+// Nodes of all lit cuts: a packed node in the low half, the position of the first stored node below it in the high half.
 @group(2) @binding(4) var<storage, read> lit_nodes: array<u32>;
-// The first of them for the stored cut that starts at each texel.
+// First lit node of the stored cut that starts at each texel.
 @group(2) @binding(5) var<storage, read> lit_offsets: array<u32>;
 
 // A position in a lit cut.
@@ -37,8 +36,7 @@ fn advance_lit(cursor: ptr<function, LitCursor>) {
     (*cursor).end += lit_size((*cursor).node);
 }
 
-// Takes a position in the stored cut at `cut_offset` on to the node that contains `leaf`, which lies below the node of
-// `lit`.
+// Advances a position in the stored cut at `cut_offset` to the node that contains `leaf`, which lies below the node of `lit`.
 fn seek_visibility(cursor: ptr<function, Cursor>, cut_offset: u32, lit: LitCursor, leaf: u32) {
     let position = (cut_offset << 3u) + (lit.node >> 16u);
     if position > (*cursor).position {

@@ -1,12 +1,12 @@
-// Coarsens stored cuts under the light of the moment, an invocation each. Twin of core/src/cut/lit.rs. One kernel sums each cut's light and
-// counts its nodes; a second one writes them. Each says with `keep` what becomes of a node.
+// Coarsens stored cuts under the current light, one invocation each. Twin of core/src/cut/lit.rs. One kernel sums each cut's light
+// and counts its nodes; a second one writes them. Each defines `keep` for a finished node.
 
 struct LitUniforms {
     // Number of stored cuts.
     cuts: u32,
-    // Largest share of a vertex's light that a node moves between its parts.
+    // Largest share of a vertex's light that a node may move between its parts.
     tau: f32,
-    // Of the tree that the cuts are over.
+    // Height of the tree below the cuts.
     tree_height: u32,
 }
 
@@ -23,7 +23,7 @@ fn cut_of(group: vec3<u32>, lane: u32) -> u32 {
     return 64u * workgroup_number(group) + lane;
 }
 
-// A node in the making.
+// A growing node.
 struct Part {
     depth: u32,
     // Position of its first stored node in the stored cut.
@@ -32,11 +32,11 @@ struct Part {
     value: f32,
     // Luminance times leaves.
     light: f32,
-    // Light that its value moves between the stored nodes below it, at most.
+    // Upper bound of the light that its value moves between the stored nodes below it.
     moved: f32,
 }
 
-// Parts that may still be joined: never two of one depth, once they were tried.
+// Parts that may still be joined; never two of one depth after an attempt.
 var<private> pending: array<Part, 17>;
 
 fn part_at(cursor: Cursor, start: u32) -> Part {
@@ -47,7 +47,7 @@ fn part_at(cursor: Cursor, start: u32) -> Part {
     return Part((cursor.texel.x >> 12u) & 15u, cursor.position - (start << 3u), code, value_of_code(code), light, 0.0);
 }
 
-// Coarsens a stored cut, and keeps its nodes from `first` on, as the kernel does. Returns their number.
+// Coarsens a stored cut and keeps its nodes from `first` on, as the kernel defines. Returns their number.
 fn coarsen(start: u32, whole: f32, first: u32) -> u32 {
     let leaves = 1u << tree_height();
     var cursor = visibility_cursor(start);
@@ -59,7 +59,7 @@ fn coarsen(start: u32, whole: f32, first: u32) -> u32 {
         while are_siblings(waiting, cursor.end) {
             let both = joined(pending[waiting - 2u], pending[waiting - 1u]);
             if lit.tau <= 0.0 || !(both.moved <= lit.tau * whole) {
-                // No node to the left can be joined any more.
+                // No node to the left can still be joined.
                 done = flushed(waiting, first, done);
                 waiting = 0u;
                 break;
@@ -73,7 +73,7 @@ fn coarsen(start: u32, whole: f32, first: u32) -> u32 {
     return flushed(waiting, first, done);
 }
 
-// Whether the last two of the waiting parts, which end at leaf `end`, have one parent.
+// Whether the last two waiting parts, which end at leaf `end`, have the same parent.
 fn are_siblings(waiting: u32, end: u32) -> bool {
     if waiting < 2u || pending[waiting - 2u].depth != pending[waiting - 1u].depth {
         return false;

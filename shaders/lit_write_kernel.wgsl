@@ -1,6 +1,6 @@
-// Writes the nodes of lit cuts, after they were counted.
+// Writes the counted nodes of lit cuts.
 
-// Whole light of each cut.
+// Total light of each cut.
 @group(1) @binding(2) var<storage, read> whole_light: array<f32>;
 @group(1) @binding(3) var<storage, read> offsets: array<u32>;
 @group(1) @binding(4) var<storage, read_write> lit_nodes: array<u32>;

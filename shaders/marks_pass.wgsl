@@ -1,7 +1,7 @@
-// What each pixel's samples show: sets of materials and of patches of vertices, by index modulo 64. Twin of `Marks` in
+// Surfaces in each pixel's samples: sets of materials and of vertex patches, by index modulo 64. Twin of `Marks` in
 // render/src/stale.rs.
 
-// The patch of each vertex, or a single one where nothing asks for them.
+// The patch of each vertex, or a single one if patches are not used.
 @group(2) @binding(0) var<storage, read> patches: array<u32>;
 @group(3) @binding(0) var triangle_ids: texture_2d<u32>;
 @group(3) @binding(1) var previous_marks: texture_2d<u32>;

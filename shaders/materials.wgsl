@@ -1,6 +1,6 @@
-// Materials and their textures. All textures lie in one pool of 32-bit words, so that any number of them of any size
-// needs one binding. Each is followed by its levels of detail, and lookups take the mean within a footprint, after decoding,
-// with repeat. Twin of core/src/texture.rs.
+// Materials and their textures. All textures are in one pool of 32-bit words, so that any number of any size needs one binding.
+// Each is followed by its levels of detail. Lookups take the mean within a footprint, after decoding, with repeat. Twin of
+// core/src/texture.rs.
 
 struct TextureSlot {
     // First word in the pool.
@@ -15,21 +15,21 @@ struct TextureSlot {
     turn: vec2<f32>,
     strength: f32,
     channel: u32,
-    // Of a pattern: its values, what it looks like (see PATTERN_*), and the octaves of noise.
+    // Pattern: its values, kind (see PATTERN_*), and octaves of noise.
     low: vec3<f32>,
     pattern: u32,
     high: vec3<f32>,
     octaves: u32,
 }
 
-// A declared parameter of a model: the value of a material, and the map that modulates it.
+// A model's declared parameter: a material's value and the map that modulates it.
 struct MaterialParameter {
     value: vec3<f32>,
     padding: u32,
     map: TextureSlot,
 }
 
-// In place of a measured BRDF that is not there.
+// Table of a missing measured BRDF.
 const NO_TABLE: u32 = 0xffffffffu;
 
 // Most parameters of a model.
@@ -40,28 +40,28 @@ struct Material {
     model: u32,
     // -1 if the normal map has green down, else 1.
     normal_y: f32,
-    // Index of the first parameter of surfaces, which all models have.
+    // Index of the first surface parameter; all models have these.
     surface: u32,
     // First word of its measured BRDF.
     table: u32,
-    // Albedo for light from the normal, and width of the lobe, of a BRDF that is known by its values.
+    // Albedo for light from the normal and width of the lobe, for a tabulated or written BRDF.
     estimate: vec4<f32>,
     normal_map: TextureSlot,
     bump_map: TextureSlot,
-    // In the order in which the model declares them.
+    // In the model's declared order.
     parameters: array<MaterialParameter, MOST_PARAMETERS>,
 }
 
 // One word per texel, 8 bits per component.
 const KIND_LINEAR: u32 = 1u;
-// The same, sRGB encoded.
+// One word per texel, 8 bits per component, sRGB encoded.
 const KIND_SRGB: u32 = 2u;
-// Four words a texel.
+// Four words per texel.
 const KIND_FLOAT: u32 = 3u;
-// A pattern, in no texels.
+// A pattern without texels.
 const KIND_PROCEDURAL: u32 = 4u;
 
-// The pool is this wide, as a power of two.
+// Width of the pool, as a power of two.
 const POOL_WIDTH_LOG2: u32 = 13u;
 
 @group(1) @binding(2) var<storage, read> materials: array<Material>;
@@ -94,7 +94,7 @@ fn texel_words(slot: TextureSlot) -> u32 {
     return select(1u, 4u, slot.kind == KIND_FLOAT);
 }
 
-// A level whose texels, as those of all but level 0, take so many words.
+// A level whose texels take `words` words, as in all levels but 0.
 fn level_of(slot: TextureSlot, level: u32, words: u32) -> Level {
     var there = Level(slot.first, vec2(slot.width, slot.height));
     var texel_size = texel_words(slot);
@@ -106,7 +106,7 @@ fn level_of(slot: TextureSlot, level: u32, words: u32) -> Level {
     return there;
 }
 
-// The level of one texel.
+// The level with a single texel.
 fn last_level(slot: TextureSlot) -> u32 {
     return firstLeadingBit(max(slot.width, slot.height));
 }
@@ -141,7 +141,7 @@ fn transform_uv(slot: TextureSlot, uv: vec2<f32>) -> vec2<f32> {
     return vec2(slot.turn.y * s.x + slot.turn.x * s.y, -slot.turn.x * s.x + slot.turn.y * s.y) + slot.offset;
 }
 
-// The four texels around a point, and the weights of those on the right and of those below.
+// The four texels around a point, and the weights of the right and the lower ones.
 struct Quad {
     low: vec2<u32>,
     high: vec2<u32>,
@@ -165,7 +165,7 @@ fn sample_level(slot: TextureSlot, level: Level, uv: vec2<f32>) -> vec4<f32> {
     return mix(top, bottom, quad.blend.y);
 }
 
-// The same in the texture itself.
+// Bilinear lookup in the texture itself.
 fn sample_texture(slot: TextureSlot, uv: vec2<f32>) -> vec4<f32> {
     return sample_level(slot, Level(slot.first, vec2(slot.width, slot.height)), uv);
 }
@@ -203,7 +203,7 @@ fn taps_of(slot: TextureSlot, footprint: UvFootprint) -> Taps {
     let short = abs(a.x * b.y - a.y * b.x) / long;
     let along = select(vec2(m.y, root - half), vec2(half + root, m.y), half > 0.0);
     let axis = along * (long / max(length(along), 1e-20)) / size;
-    // No finer than texels.
+    // Not finer than texels.
     let width = max(short, TEXELS_PER_WIDTH);
     let count = clamp(floor(long / width + 0.5), 1.0, MOST_TAPS);
     let step = axis / count;
@@ -221,7 +221,7 @@ fn sample_slot(slot: TextureSlot, footprint: UvFootprint) -> vec4<f32> {
     let blend = fract(level);
     let words = texel_words(slot);
     var sum = vec4(0.0);
-    // Of each tap the finer and the coarser level.
+    // For each tap the finer and the coarser level.
     for (var i = 0u; i < 2u * taps.count; i++) {
         let weight = select(1.0 - blend, blend, (i & 1u) != 0u);
         if weight > 0.0 {
@@ -237,7 +237,7 @@ fn plain_color(material: u32, index: u32, range: vec2<f32>) -> vec3<f32> {
     return clamp(materials[material].parameters[index].value, vec3(range.x), vec3(range.y));
 }
 
-// The same of a number.
+// A number of a material without a map, within the parameter's range.
 fn plain_number(material: u32, index: u32, range: vec2<f32>) -> f32 {
     return clamp(materials[material].parameters[index].value.x, range.x, range.y);
 }
@@ -252,7 +252,7 @@ fn material_color(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, 
     return clamp(least + (value - least) * sample_slot(map, uv).xyz, vec3(range.x), vec3(range.y));
 }
 
-// The same of a number. What is above `least` is scaled by the map.
+// A number of a material after its map. The part above `least` is scaled by the map.
 fn material_number(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> f32 {
     let value = materials[material].parameters[index].value.x;
     let map = materials[material].parameters[index].map;
@@ -262,7 +262,7 @@ fn material_number(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>,
     return clamp(least + (value - least) * sample_slot(map, uv)[map.channel], range.x, range.y);
 }
 
-// Radiance that a material sends by itself. Twin of `SurfaceParameters` in core/src/brdf/surface.rs.
+// Radiance emitted by a material. Twin of `SurfaceParameters` in core/src/brdf/surface.rs.
 fn material_emission(material: u32, uv: UvFootprint) -> vec3<f32> {
     let first = materials[material].surface;
     if materials[material].parameters[first].value.x == 0.0 {

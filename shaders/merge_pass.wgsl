@@ -1,12 +1,12 @@
-// The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, in one traversal, with the BRDF evaluated on each
-// node. Twin of render/src/shade/merge.rs. A picture takes one pass for each tree of lights, the
-// environment's and that of the sources on surfaces; each has sums of its own.
+// The merge (paper, 3.2 and 4.2): three visibility cuts, interpolated, in one traversal, with the BRDF evaluated on each node. Twin
+// of render/src/shade/merge.rs. A picture takes one pass per tree of lights, for the environment and for the surface sources; each
+// has its own sums.
 //
 // B = sum |C| <l> <rho> (w1 <v1> + w2 <v2> + w3 <v3>) over the merged cut. All cuts partition the same leaves and their
 // nodes are nested: with the current leaf p, the finest node is [p, e) where e is the smallest end.
 
 @group(3) @binding(5) var environment_map: texture_2d<f32>;
-// The map that the distant lights are samples of, an atlas of its levels.
+// The distant lights' map, an atlas of its levels.
 @group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
 @fragment
@@ -20,7 +20,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
-    // The first part also has values without a merge.
+    // The first part also has values that need no merge.
     var value = vec3(0.0);
     if IS_FIRST || needs_merge() {
         value = view_value(begun, point, shaded);
@@ -37,7 +37,7 @@ fn is_work(mode: u32) -> bool {
     return mode == VIEW_MERGED_CUT || mode == VIEW_BRDF_EVALUATIONS;
 }
 
-// Value of a surface in the view mode. Those of the meshless basis are part of the bounced light.
+// Value of a surface in the view mode. Values of the meshless basis belong to bounced light.
 fn view_value(begun: Begun, point: SurfacePoint, shaded: Shaded) -> vec3<f32> {
     switch frame.view_mode {
         case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
@@ -51,7 +51,7 @@ fn view_value(begun: Begun, point: SurfacePoint, shaded: Shaded) -> vec3<f32> {
     }
 }
 
-// The light of this part, as objects are posed, from that as baked.
+// The light of this part in the current poses, from the baked light.
 fn light_value(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>) -> vec3<f32> {
     if !IS_FIRST {
         return with_posed_bounce(point, from_behind, as_baked);
@@ -69,7 +69,7 @@ struct Shaded {
     radiance: vec3<f32>,
     merged_nodes: u32,
     brdf_evaluations: u32,
-    // Of the window of a mirror: what of it is seen, and all.
+    // Light in the window of a mirror: visible, and total.
     window_seen: vec3<f32>,
     window_all: vec3<f32>,
 }
@@ -81,7 +81,7 @@ fn no_light() -> Shaded {
 // Whether sharp lobes may read the map.
 override MIRRORS: bool = true;
 
-// Whether lit cuts are merged, in place of the stored cuts and the illumination cut.
+// Whether lit cuts replace the stored cuts and the illumination cut.
 override LIT: bool = true;
 
 fn merge_cuts(point: SurfacePoint) -> Shaded {
@@ -91,8 +91,8 @@ fn merge_cuts(point: SurfacePoint) -> Shaded {
     return merge_stored(point);
 }
 
-// Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips
-// the others, and the outer one evaluates one node per iteration.
+// Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips others, and
+// the outer one evaluates one node per iteration.
 fn merge_stored(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     var a = visibility_cursor(cut_offset(point.vertices.x));
@@ -105,7 +105,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     let mirror = mirror_at(point);
     var first = 0u;
     var visibility = 0.0;
-    // The node of the merged cut, and the part of it that is looked at.
+    // The node of the merged cut, and the part being tested.
     var root = 0u;
     var node = 0u;
     var shaded = no_light();
@@ -135,7 +135,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     return shaded;
 }
 
-// Widths of all lobes, after the slopes within the sample have widened them. Twin of `SurfacePoint::lobes`.
+// Widths of all lobes, widened by the slopes within the sample. Twin of `SurfacePoint::lobes`.
 fn widened_lobes(point: SurfacePoint) -> mat3x2<f32> {
     var lobes = lobes_of(point.brdf);
     let added = max(point.slopes.xz - abs(point.slopes.y), vec2(0.0));
@@ -152,7 +152,7 @@ fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
     return select(vec3(0.0), max(lobes, vec3(NARROWEST)), vec3(REFINE) & (lobes > vec3(0.0)));
 }
 
-// The lit cuts, and the stored ones below a node that is too wide for the lobe; then halves of nodes of the tree.
+// The lit cuts, and the stored cuts below nodes too wide for the lobe; then halves of nodes of the tree.
 fn merge_lit(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     let offsets = vec3(cut_offset(point.vertices.x), cut_offset(point.vertices.y), cut_offset(point.vertices.z));
@@ -167,9 +167,9 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     let mirrored = mirrored_direction(point);
     let mirror = mirror_at(point);
     var first = 0u;
-    // Up to this leaf the stored cuts are merged.
+    // The stored cuts are merged up to this leaf.
     var stored_end = 0u;
-    // The node of the merged cut, with the lit nodes that contain it, and the part of it that is looked at.
+    // The node of the merged cut, the lit nodes that contain it, and the part being tested.
     var interval = vec2(0u);
     var is_lit = false;
     var lit_a = a;
@@ -231,7 +231,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     return shaded;
 }
 
-// First texel of a vertex's cut over the tree that is merged.
+// First texel of a vertex's cut over the merged tree.
 fn cut_offset(vertex: u32) -> u32 {
     return select(vertices[vertex].cut_offset, vertices[vertex].source_cut_offset, FIELD == FIELD_SOURCES);
 }
@@ -241,18 +241,18 @@ fn node_size(node: u32) -> f32 {
     return f32(1u << (tree_height() - firstLeadingBit(node)));
 }
 
-// The largest node of `root` that begins where `node` ends; 0 at the end of `root`.
+// The largest node of `root` that begins at the end of `node`; 0 at the end of `root`.
 fn next_node(node: u32, root: u32) -> u32 {
     let left = node >> countTrailingZeros(~node);
     return select(left + 1u, 0u, left <= root);
 }
 
-// Direction in which the surface mirrors the eye, in world space.
+// Mirror direction of the eye, in world space.
 fn mirrored_direction(point: SurfacePoint) -> vec3<f32> {
     return point.world_from_local * vec3(-point.wo.xy, point.wo.z);
 }
 
-// A node as a point sees it, with the cosines to its normal and to where it mirrors the eye.
+// A node seen from a point, with its cosines to the normal and to the mirror direction.
 struct SeenNode {
     node: u32,
     cone: Cone,
@@ -265,12 +265,12 @@ fn seen_from(point: SurfacePoint, mirrored: vec3<f32>, node: u32) -> SeenNode {
     return SeenNode(node, cone, dot(cone.direction, point.world_from_local[2]), dot(cone.direction, mirrored));
 }
 
-// Whether a lobe needs more directions than that of the node.
+// Whether a lobe needs several directions for the node.
 fn shows_in_lobe(seen: SeenNode, lobes: vec3<f32>) -> bool {
     return is_too_wide(lobes, seen.to_mirrored, seen.cone.radius, brightness[seen.node]);
 }
 
-// A node or the first of its halves, and halves of these, that the BRDF needs no finer.
+// The node, or its first descendant that is fine enough for the BRDF.
 fn first_fine(point: SurfacePoint, whole: SeenNode, mirrored: vec3<f32>, lobes: vec3<f32>) -> SeenNode {
     let leaves = 1u << tree_height();
     var part = whole;
@@ -281,9 +281,9 @@ fn first_fine(point: SurfacePoint, whole: SeenNode, mirrored: vec3<f32>, lobes: 
     return part;
 }
 
-// Adds the light that reaches the eye from a node, for leaves of a solid angle of 1.
+// Adds the node's light toward the eye, for leaves of unit solid angle.
 fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode, visibility: f32, mirror: Mirror) {
-    // A node without visible light is there for the window alone.
+    // A node without visible light only matters for the window.
     if MIRRORS && !(visibility > 0.0) && !reaches_window(mirror, seen.to_mirrored, seen.cone.radius) {
         return;
     }
@@ -305,7 +305,7 @@ fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode,
 
 fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
     (*shaded).radiance *= leaf_solid_angle();
-    // Where nothing of the window is seen, nothing is replaced.
+    // If no light of the window is visible, nothing is replaced.
     if MIRRORS && mirror.share > 0.0 && any((*shaded).window_seen > vec3(0.0)) {
         let seen = (*shaded).window_seen * leaf_solid_angle();
         let all = (*shaded).window_all * leaf_solid_angle();
@@ -313,7 +313,7 @@ fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
     }
 }
 
-// The sharp lobes of a point, if they read the map.
+// Sharp lobes of a point, if they read the map.
 fn mirror_at(point: SurfacePoint) -> Mirror {
     var mirror = mirror_of(lobes_of(point.brdf), point.slopes, point.wo);
     if !MIRRORS || frame.mirrored_height == 0u {

@@ -1,13 +1,12 @@
-// Bounced light of the meshless basis: each pixel looks up the functions that reach it in a hash grid, and normalizes
-// their sum a level at a time. That is the splatting of the meshless paper (4.1) turned round, without blending. Twin of
-// `Basis::evaluate` and core/src/meshless/grid.rs; the views are twins of `Painter::basis_value` in
-// render/src/shade/painter.rs.
+// Bounced light of the meshless basis: each pixel looks up the functions that reach it in a hash grid, and normalizes their sum
+// level by level. This inverts the splatting of the meshless paper (4.1), without blending. Twin of `Basis::evaluate` and
+// core/src/meshless/grid.rs; the views are twins of `Painter::basis_value` in render/src/shade/painter.rs.
 
 struct BasisLevel {
     cells_per_metre: f32,
-    // Of the support of its functions, in meters.
+    // Radius of its functions' support, in meters.
     radius: f32,
-    // Behind its last function.
+    // One past its last function.
     end: u32,
     padding: u32,
 }
@@ -15,9 +14,9 @@ struct BasisLevel {
 struct BasisUniforms {
     levels: array<BasisLevel, MOST_BASIS_LEVELS>,
     level_count: u32,
-    // The number of slots less one. It is a mask, for their number is a power of two.
+    // Number of slots minus one. It is a mask, because their number is a power of two.
     last_slot: u32,
-    // What the views show.
+    // Level and function shown by the views.
     shown_level: u32,
     shown_function: u32,
 }
@@ -28,7 +27,7 @@ struct Cell {
     level: u32,
     // Its first entry.
     first: u32,
-    // Number of its entries; 0 in a slot without a cell.
+    // Number of entries; 0 in an empty slot.
     count: u32,
     padding: vec2<u32>,
 }
@@ -77,9 +76,9 @@ fn value_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
     return basis_value(point);
 }
 
-// Irradiance on the surface as bump and normal map have it. Twin of `MeshlessLight::at`.
+// Irradiance on the surface after bump and normal map. Twin of `MeshlessLight::at`.
 fn irradiance_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
-    // Without functions there is only light of vertices.
+    // Without functions there is only vertex light.
     if basis.level_count == 0u || (from_behind && !reaches(basis.level_count - 1u, point)) {
         return vec3(0.0);
     }
@@ -105,7 +104,7 @@ fn level_vector(level: u32, point: SurfacePoint) -> mat3x3<f32> {
     return sum * normalisation(weights);
 }
 
-// Of no weights, for sums that are zero then.
+// One over the weights, or 0 for no weights.
 fn normalisation(weights: f32) -> f32 {
     return select(0.0, 1.0 / weights, weights > 0.0);
 }
@@ -120,7 +119,7 @@ fn reaches(level: u32, point: SurfacePoint) -> bool {
     return false;
 }
 
-// Entries of the cell of a position, the first and the one behind the last.
+// Range of entries of the cell at a position: the first, and one past the last.
 fn entries_around(level: u32, position: vec3<f32>) -> vec2<u32> {
     let place = vec3<i32>(floor(position * basis.levels[level].cells_per_metre));
     var slot = cell_hash(place, level) & basis.last_slot;
@@ -138,7 +137,7 @@ fn cell_hash(place: vec3<i32>, level: u32) -> u32 {
     return mixed ^ (mixed >> 15u);
 }
 
-// Weight of a function of a level. Functions stand on faces, so the normal is that of the face.
+// Weight of a function of a level. Functions lie on faces, so the face's normal is used.
 fn weight_at(function: u32, level: u32, point: SurfacePoint) -> f32 {
     let normal = point.face_normal;
     let radius = basis.levels[level].radius;

@@ -1,6 +1,6 @@
-// Sharp lobes: they read the map of the environment itself. Twin of render/src/shade/mirror.rs, which says how, and of
-// core/src/environment/pyramid.rs. A pass declares `mirrored_map`, an atlas of all its levels: not the levels of one
-// texture, of which software adapters read the same at neighboring pixels.
+// Sharp lobes read the environment's map itself. Twin of render/src/shade/mirror.rs, which describes the method, and of
+// core/src/environment/pyramid.rs. A pass declares `mirrored_map`, an atlas of all levels. Texture levels would not do: software
+// adapters read one level for neighboring pixels.
 
 const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;
@@ -10,20 +10,20 @@ const MIRROR_SAMPLES: u32 = 8u;
 const FILLED: f32 = 2.5;
 const CORRELATED_LOW: f32 = 0.1;
 const CORRELATED_HIGH: f32 = 0.3;
-// Cosine and sine of the golden section of a turn.
+// Cosine and sine of the golden section of a full turn.
 const GOLDEN_COS: f32 = -0.7373688;
 const GOLDEN_SIN: f32 = -0.67549026;
 
 // The sharp lobes of one pixel.
 struct Mirror {
-    // How much of the window's light is replaced; 0 for none.
+    // Share of the window's light that is replaced; 0 for none.
     share: f32,
-    // The widths of what is sampled, the first `count`: the sharp lobes, and one that fills the window.
+    // Widths of the sampled lobes, the first `count`: the sharp ones, and one that fills the window.
     lobes: mat4x2<f32>,
     count: u32,
     // Inverse squares of the window's half-axes, in slopes of half vectors.
     axes: vec2<f32>,
-    // Largest angle in radians from the mirror's direction to the window's rim.
+    // Largest angle in radians from the mirror direction to the window's rim.
     reach: f32,
 }
 
@@ -33,7 +33,7 @@ fn falling(x: f32, low: f32, high: f32) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
-// Of a model's lobes, on a surface of some slopes, seen from the local direction `wo`.
+// Mirror for a model's lobes, on a surface with these slopes, seen from the local direction `wo`.
 fn mirror_of(lobes: mat3x2<f32>, slopes: vec3<f32>, wo: vec3<f32>) -> Mirror {
     let sample_radius = sqrt(frame.leaf_solid_angle / PI);
     let least = vec2(MIN_ALPHA);
@@ -62,7 +62,7 @@ fn mirror_of(lobes: mat3x2<f32>, slopes: vec3<f32>, wo: vec3<f32>) -> Mirror {
     return mirror;
 }
 
-// How much a local direction belongs to the window: 1 around the mirror's direction, 0 outside.
+// Window weight of a local direction: 1 around the mirror direction, 0 outside.
 fn mirror_window(mirror: Mirror, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
     let half = wi + wo;
     let distance = dot(half.xy * half.xy, mirror.axes) / max(half.z * half.z, 1e-6);
@@ -70,15 +70,15 @@ fn mirror_window(mirror: Mirror, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
     return t * t * (3.0 - t - t);
 }
 
-// The spread of a light that widens lobes: none but well inside the window. A lobe that is widened has too bright tails, which
-// would be added to what the window has.
+// Spread of a light for widening lobes: zero except well inside the window. A widened lobe has bright tails, which would add light
+// outside the window.
 fn mirror_spread(mirror: Mirror, window: f32, inv_kappa: f32) -> f32 {
     let squared = window * window;
     let fourth = squared * squared;
     return inv_kappa * (1.0 - (1.0 - fourth * fourth) * mirror.share);
 }
 
-// Whether the cone of a radius at an angle of this cosine to the mirror's direction reaches into the window.
+// Whether a cone of `radius` reaches into the window, from the cosine of its angle to the mirror direction.
 fn reaches_window(mirror: Mirror, to_mirrored: f32, radius: f32) -> bool {
     let angle = min(mirror.reach + radius, PI);
     let sq = angle * angle;
@@ -86,7 +86,7 @@ fn reaches_window(mirror: Mirror, to_mirrored: f32, radius: f32) -> bool {
     return to_mirrored > 1.0 - sq * (0.5 - sq * (1.0 / 24.0 - sq * (1.0 / 720.0)));
 }
 
-// Light of the window without any shadow.
+// Unoccluded light of the window.
 fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
     let wo = point.wo;
     var sum = vec3(0.0);
@@ -101,7 +101,7 @@ fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
     return sum;
 }
 
-// Light from the direction that a half vector mirrors to.
+// Light from the mirror direction of a half vector.
 fn unshadowed_sample(mirror: Mirror, point: SurfacePoint, half: vec3<f32>) -> vec3<f32> {
     let wo = point.wo;
     let wi = 2.0 * dot(wo, half) * half - wo;
@@ -118,7 +118,7 @@ fn unshadowed_sample(mirror: Mirror, point: SurfacePoint, half: vec3<f32>) -> ve
     return reflected * patch_radiance(direction, solid_angle) * (mirror_window(mirror, wi, wo) * solid_angle);
 }
 
-// Mean radiance of the map over a patch of about a solid angle around a world direction.
+// Mean radiance of the map over a patch of about this solid angle around a world direction.
 fn patch_radiance(direction: vec3<f32>, solid_angle: f32) -> vec3<f32> {
     let size = vec2(textureDimensions(mirrored_map).x, frame.mirrored_height);
     let texels = sqrt(solid_angle) * f32(size.y) / PI;
@@ -153,13 +153,13 @@ fn mirrored_texel(place: vec2<i32>) -> vec3<f32> {
     return textureLoad(mirrored_map, place, 0).xyz;
 }
 
-// All light of a point with that of the window replaced.
+// A point's light with the window's light replaced.
 fn sharpened(mirror: Mirror, reflected: vec3<f32>, seen: vec3<f32>, all: vec3<f32>, unshadowed: vec3<f32>) -> vec3<f32> {
     let shares = select(vec3(0.0), min(seen / max(all, vec3(1e-38)), vec3(1.0)), all > vec3(0.0));
     return reflected + (shares * unshadowed - seen) * mirror.share;
 }
 
-// A visible normal of a GGX lobe, from a point of the unit disc. Twin of core/src/brdf/ggx_lobe.rs, as what follows.
+// A visible normal of a GGX lobe, from a point of the unit disc. Twin of core/src/brdf/ggx_lobe.rs, like the code below.
 fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, disc: vec2<f32>) -> vec3<f32> {
     let stretched = normalize(vec3(alpha * wo.xy, wo.z));
     var t1 = vec3(-stretched.y, stretched.x, 0.0);

@@ -1,12 +1,12 @@
-// What thin surfaces let through. Twin of core/src/opacity.rs and of the thresholds in render/src/shade/pixel_sampler.rs.
+// Transparency of thin surfaces. Twin of core/src/opacity.rs and of the thresholds in render/src/shade/pixel_sampler.rs.
 
-// Whether any surface lets light through: others are drawn without a look at their opacity.
+// Whether any surface transmits light; otherwise opacity is never read.
 override HAS_VEILS: bool = false;
 
 // Opacity and its cutoff follow the two parameters of emission.
 const OPACITY: u32 = 2u;
 
-// Share of the light that a point stops.
+// Share of light that a point blocks.
 fn material_opacity(material: u32, uv: vec2<f32>) -> f32 {
     let at = UvFootprint(uv, vec2(0.0), vec2(0.0));
     let first = materials[material].surface + OPACITY;
@@ -15,22 +15,22 @@ fn material_opacity(material: u32, uv: vec2<f32>) -> f32 {
     return select(opacity, select(0.0, 1.0, opacity >= cutoff), cutoff > 0.0);
 }
 
-// One more word of what seeds a random number.
+// Mixes another word into a random seed.
 fn mixed(hash: u32, word: u32) -> u32 {
     let state = (hash ^ word) * 747796405u + 2891336453u;
     let permuted = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     return (permuted >> 22u) ^ permuted;
 }
 
-// In [0, 1).
+// A random number in [0, 1).
 fn chance(hash: u32) -> f32 {
     return f32(hash >> 8u) / 16777216.0;
 }
 
-// Samples of a pixel whose thresholds are spread evenly.
+// Samples of a pixel with evenly spread thresholds.
 const STRATA: u32 = 16u;
 
-// The opacity above which a sample of a pixel sees a triangle.
+// Opacity threshold above which a pixel sample sees a triangle.
 fn threshold(pixel: vec2<u32>, sample: u32, triangle: u32) -> f32 {
     let of_pixel = mixed(mixed(0u, pixel.x), pixel.y);
     let seed = mixed(mixed(mixed(of_pixel, sample / STRATA), triangle), STRATA);
@@ -45,6 +45,6 @@ fn lets_through(triangle: u32, uv: vec2<f32>, pixel: vec2<u32>, sample: u32) -> 
         return false;
     }
     let opacity = material_opacity(triangles[triangle].material & ~TWO_SIDED, uv);
-    // A threshold may be rounded to 1.
+    // A threshold may round to 1.
     return opacity < 1.0 && opacity <= threshold(pixel, sample, triangle);
 }

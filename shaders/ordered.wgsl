@@ -1,5 +1,4 @@
-// Products of vectors in the order of the operations of glam, for kernels that must decide as their twins do: the built-in ones may be
-// computed in any order.
+// Vector products in glam's order of operations, for kernels that must decide like their twins: built-in ones may use any order.
 
 fn ordered_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
@@ -13,7 +12,7 @@ fn ordered_length(a: vec3<f32>) -> f32 {
     return sqrt(ordered_dot(a, a));
 }
 
-// A unit vector, or another one where there is none. Twin of `Vec3::normalize_or`.
+// The unit vector, or `otherwise` if there is none. Twin of `Vec3::normalize_or`.
 fn ordered_normalize_or(a: vec3<f32>, otherwise: vec3<f32>) -> vec3<f32> {
     let length = ordered_length(a);
     return select(otherwise, a * (1.0 / length), length > 0.0);

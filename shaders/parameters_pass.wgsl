@@ -1,5 +1,5 @@
-// Deferred pass 3: base color and roughness, for the views that show them; for the others the spread of the slopes within
-// the sample. Of a ground that catches shadows its reflectance.
+// Deferred pass 3: base color and roughness for the views that show them; for other views the spread of the slopes within the
+// sample. For a ground that catches shadows, its reflectance.
 
 @group(2) @binding(0) var geometry: texture_2d<u32>;
 @group(2) @binding(1) var environment_map: texture_2d<f32>;

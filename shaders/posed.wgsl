@@ -1,7 +1,7 @@
-// What posed objects change of the light, and bounced light of vertices: twin of `PosedLight` in render/src/light/implicit.rs.
+// Light changes of posed objects, and bounced light at the vertices. Twin of `PosedLight` in render/src/light/implicit.rs.
 
-// Texels of a vertex, row by row: growth on the front and on the back, irradiance of bounces, and that of what was covered; alpha is 1
-// for a vertex that moved. A single texel where nothing is posed.
+// Texels per vertex, row by row: growth on front and back, bounced irradiance, and irradiance of uncovered surfaces; alpha is 1 for
+// a moved vertex. A single texel without poses.
 @group(1) @binding(6) var posed: texture_2d<f32>;
 
 const GROWTH: u32 = 0u;
@@ -27,7 +27,7 @@ fn posed_at(point: SurfacePoint, value: u32, from_behind: bool) -> vec3<f32> {
     return posed_texel(v.x, of_side).xyz * w.x + posed_texel(v.y, of_side).xyz * w.y + posed_texel(v.z, of_side).xyz * w.z;
 }
 
-// Light of the environment from that as baked. Twin of `Painter::reflected`.
+// Environment light from the baked light. Twin of `Painter::reflected`.
 fn with_posed_ratio(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>) -> vec3<f32> {
     if !is_any_posed() {
         return as_baked;
@@ -36,7 +36,7 @@ fn with_posed_ratio(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>)
     return as_baked * (1.0 + posed_at(point, GROWTH, from_behind)) + uncovered;
 }
 
-// Bounced light from that as baked. Twin of `Painter::bounced`.
+// Bounced light from the baked light. Twin of `Painter::bounced`.
 fn with_posed_bounce(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>) -> vec3<f32> {
     if !is_any_posed() {
         return as_baked;

@@ -1,4 +1,4 @@
-// Finds the pixels of a picture in the last one, for one part of the light. Twin of `History::predict` in
+// Locates the pixels of a picture in the last one, for one part of the light. Twin of `History::predict` in
 // render/src/cpu/sketch/history.rs.
 
 struct PastUniforms {
@@ -7,7 +7,7 @@ struct PastUniforms {
     eye: vec3<f32>,
     // Distance of the picture plane from the eye in pixels.
     focal: f32,
-    // Where the axis meets the picture, from the sample of the first pixel.
+    // Intersection of the axis with the picture, relative to the first pixel's sample.
     center: vec2<f32>,
     size: vec2<u32>,
 }
@@ -16,7 +16,7 @@ struct PastUniforms {
 @group(2) @binding(1) var past_value: texture_2d<f32>;
 @group(2) @binding(2) var past_place: texture_2d<u32>;
 
-// Radiance over albedo, and 1 if the last picture tells anything.
+// Radiance over albedo, and 1 if the last picture gives a value.
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<u32>(position.xy);
@@ -38,13 +38,13 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     return vec4(sum.xyz / sum.w, 1.0);
 }
 
-// Sum over the four pixels of the last picture around a place in it, and of the weights.
+// Sum over the four pixels of the last picture around a position, and of their weights.
 fn told(here: Guide, place: vec2<f32>, reach: f32) -> vec4<f32> {
     let first = floor(place);
     var sum = vec4(0.0);
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i % 2, i / 2);
-        // Compared as floats: a place near the eye may lie beyond all integers.
+        // Compared as floats: a position near the eye may exceed all integers.
         let pixel = first + vec2<f32>(corner);
         if !(all(pixel >= vec2(0.0)) && all(pixel < vec2<f32>(past.size))) {
             continue;

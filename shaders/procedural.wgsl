@@ -1,4 +1,4 @@
-// Patterns by formula, filtered by the footprint of a sample. Twin of core/src/texture/procedural.rs.
+// Procedural patterns, filtered by a sample's footprint. Twin of core/src/texture/procedural.rs.
 
 const PATTERN_CHECKER: u32 = 0u;
 const PATTERN_NOISE: u32 = 1u;
@@ -11,7 +11,7 @@ fn triangle_wave(x: vec2<f32>) -> vec2<f32> {
     return abs(x - floor(x) - 0.5);
 }
 
-// Mean of the wave that is -1 in the first half of each unit and 1 in the second, over a width.
+// Mean over a width of the wave that is -1 in the first half of each unit and 1 in the second.
 fn square_waves(x: vec2<f32>, width: vec2<f32>) -> vec2<f32> {
     return (triangle_wave(x + 0.5 * width) - triangle_wave(x - 0.5 * width)) / width;
 }
@@ -44,7 +44,7 @@ fn value_noise(uv: vec2<f32>, cells: u32, octave: u32) -> f32 {
     return top + (bottom - top) * s.y;
 }
 
-// Share of the higher value within a footprint, and the mean square of the slopes that are too fine to see.
+// Share of the higher value within a footprint, and the mean square of unresolved slopes.
 fn procedural_filtered(slot: TextureSlot, at: UvFootprint) -> vec2<f32> {
     let uv = at.uv - floor(at.uv);
     if slot.pattern != PATTERN_NOISE {

@@ -1,15 +1,14 @@
-// Which directions meet nothing, from many origins: one workgroup for each 64 directions of an origin, which writes two
-// words of bits.
+// Unblocked directions from many origins: one workgroup for each 64 directions of an origin, which writes two words of bits.
 
 struct RayUniforms {
     directions: u32,
-    // Words of bits of an origin.
+    // Words of bits per origin.
     words: u32,
 }
 
 struct RayOrigin {
     origin: vec3<f32>,
-    // Directions count whose cosine to the normal is greater, or all others.
+    // Count directions whose cosine to the normal is greater, or all others.
     height: f32,
     normal: vec3<f32>,
     is_above: u32,

@@ -1,5 +1,5 @@
-// How a surface receives lights of some extent: the mean of their clamped cosine in closed form. Twin of
-// core/src/brdf/lights.rs and of ReceiverX8 in render/src/shade/surface.rs.
+// How a surface receives lights with an extent: the mean of their clamped cosine in closed form. Twin of core/src/brdf/lights.rs
+// and of ReceiverX8 in render/src/shade/surface.rs.
 
 // Mean of a von Mises-Fisher lobe's component along its axis, and mean square of one across it.
 fn lobe_moments(inv_kappa: f32) -> vec2<f32> {
@@ -26,7 +26,7 @@ fn share_above_horizon(c: vec2<f32>) -> f32 {
     return clamp((c.x + c.y) / max(2.0 * c.y, 1e-6), 0.0, 1.0);
 }
 
-// A light as the surface receives it, above the horizons of both its normals.
+// A light as received by the surface, above the horizons of both normals.
 fn received_light(point: SurfacePoint, direction: vec3<f32>, wi: vec3<f32>, inv_kappa: f32) -> Light {
     let moments = lobe_moments(inv_kappa);
     let shading = cosines(moments, wi.z);

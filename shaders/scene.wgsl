@@ -1,4 +1,4 @@
-// The mesh with what each vertex knows of its visibility cut.
+// The mesh, with the place of each vertex's cuts.
 
 struct Vertex {
     position: vec3<f32>,
@@ -11,7 +11,7 @@ struct Vertex {
     // Sign of the tangent frame: bitangent = handedness * normal x tangent.
     handedness: f32,
     uv: vec2<f32>,
-    // 0 for vertices inside other geometry, which do not count in interpolation.
+    // 0 for vertices inside other geometry, which interpolation ignores.
     is_valid: u32,
     // First texel of the vertex's cut over surface sources.
     source_cut_offset: u32,
@@ -19,7 +19,7 @@ struct Vertex {
 
 struct Triangle {
     vertices: vec3<u32>,
-    // Bit 31: lit and seen from both sides; the rest: index of the material.
+    // Bit 31: lit and visible from both sides; the rest: index of the material.
     material: u32,
 }
 

@@ -1,10 +1,10 @@
-// A point to shade, from what the deferred passes wrote: the first inputs of the passes that shade.
+// A point to shade, from the output of the deferred passes: the first inputs of the shading passes.
 
 @group(3) @binding(0) var geometry: texture_2d<u32>;
 @group(3) @binding(1) var rotation: texture_2d<f32>;
 // See parameters_pass.wgsl.
 @group(3) @binding(2) var color_roughness: texture_2d<f32>;
-// The sums of the part of the light that is rendered.
+// The sums of the current part of the light.
 @group(3) @binding(3) var previous_value: texture_2d<f32>;
 @group(3) @binding(4) var previous_work: texture_2d<u32>;
 
@@ -16,15 +16,15 @@ fn previous_sums(pixel: vec2<u32>) -> Sums {
 struct Begun {
     pixel: vec2<u32>,
     sums: Sums,
-    // What it sees, see geometry.wgsl.
+    // The visible surface, see geometry.wgsl.
     g: vec4<u32>,
-    // Whether it has the sample already: its sums stay as they are.
+    // Whether it already has the sample: its sums stay unchanged.
     is_done: bool,
     // Whether there is a surface to shade.
     has_surface: bool,
 }
 
-// Begins the sample that is rendered.
+// Begins the current sample.
 fn begin(pixel: vec2<u32>) -> Begun {
     let sums = previous_sums(pixel);
     if sample_count(sums.work) != frame.sample {
@@ -34,7 +34,7 @@ fn begin(pixel: vec2<u32>) -> Begun {
     return Begun(pixel, sums, g, false, is_surface(g));
 }
 
-// Ends a pixel without a surface to shade, by a value if it lacks the sample.
+// Ends a pixel without a surface to shade; adds a value if the sample is missing.
 fn without_surface(begun: Begun, value: vec3<f32>) -> Sums {
     if begun.is_done {
         return begun.sums;
@@ -46,11 +46,11 @@ fn begun_point(begun: Begun) -> SurfacePoint {
     return surface_point(begun.g, begun.pixel, ray(begun.pixel, PINHOLE).direction);
 }
 
-// Merged nodes and BRDF evaluations of passes that count none.
+// Merged nodes and BRDF evaluations of passes that do not count them.
 const NO_WORK: vec2<u32> = vec2<u32>(0u, 0u);
 
-// The sums with one more sample. Of a ground in a picture with an alpha channel they have the share of the light that it lets
-// through, in all four numbers.
+// The sums with one more sample. For a ground in a picture with an alpha channel, all four numbers hold its transmitted share of
+// light.
 fn with_sample(begun: Begun, value: vec4<f32>, work: vec2<u32>) -> Sums {
     let covered = select(0u, 1u, begun.g.x != 0u);
     let surface = select(0u, 1u, begun.has_surface);
@@ -62,7 +62,7 @@ fn with_sample(begun: Begun, value: vec4<f32>, work: vec2<u32>) -> Sums {
     return Sums(begun.sums.value + added, begun.sums.work + vec4(work, counts));
 }
 
-// Whether there is anything to shade.
+// Whether there is a surface to shade.
 fn is_surface(g: vec4<u32>) -> bool {
     return g.x != 0u && (g.w & FLAG_BLACK) == 0u;
 }
@@ -74,12 +74,12 @@ struct SurfacePoint {
     position: vec3<f32>,
     // Normal of the triangle, on the visible side.
     face_normal: vec3<f32>,
-    // Interpolated, before bump and normal map; light from below it is not received.
+    // Interpolated normal before bump and normal map; the surface receives no light from below it.
     smooth_normal: vec3<f32>,
     world_from_local: mat3x3<f32>,
     wo: vec3<f32>,
     brdf: Brdf,
-    // Radiance that it sends by itself.
+    // Emitted radiance.
     emission: vec3<f32>,
     // Twice the covariance of the slopes within the sample in the local frame: xx, xy, yy.
     slopes: vec3<f32>,

@@ -15,7 +15,7 @@ struct ShadowView {
 
 @group(2) @binding(0) var<storage, read> shadow_views: array<ShadowView>;
 
-// Along right, up and forward.
+// Components along right, up and forward.
 fn shadow_local(view: ShadowView, v: vec3<f32>) -> vec3<f32> {
     return vec3(dot(view.right, v), dot(view.up, v), dot(view.forward, v));
 }

@@ -1,26 +1,26 @@
-// How much of a receiver a light sees: percentage-closer filtering (Reeves et al. 1987) over 4 x 4 texels, weighted
-// like 3 x 3 bilinear lookups.
+// Visible share of a light at a receiver: percentage-closer filtering (Reeves et al. 1987) over 4 x 4 texels, weighted like 3 x 3
+// bilinear lookups.
 //
-// Each texel is compared with the depth that the receiver's plane has there (Isidoro 2006). Depth is affine over the
-// map for any plane, in perspective too, so a surface never shadows itself, however grazing the light.
+// Each texel is compared with the depth of the receiver's plane there (Isidoro 2006). Depth is affine over the map for any plane,
+// even in perspective, so a surface never shadows itself, even in grazing light.
 
 @group(2) @binding(2) var shadow_maps: texture_depth_2d_array;
 
-// Texels from the receiver to the farthest one that is looked at.
+// Radius of the kernel in texels.
 const KERNEL_RADIUS: f32 = 2.0;
 // Tangent of the largest angle of incidence at which neighboring faces are distinguished from blockers.
 const STEEPEST: f32 = 6.0;
 
-// A plane as a map sees it.
+// A plane in a map.
 struct Receiver {
-    // Where it is on the map, -1 to 1.
+    // Position on the map, -1 to 1.
     position: vec2<f32>,
     depth: f32,
     // Change of depth with position.
     slope: vec2<f32>,
-    // Smallest depth of the plane around: beyond the horizon of a curved surface it has none.
+    // Least depth of the plane nearby: it has none beyond the horizon of a curved surface.
     least: f32,
-    // A blocker that is nearer than the plane by less than this is an adjacent face, as in the corner of a room.
+    // A blocker nearer than the plane by less than this is an adjacent face, as in the corner of a room.
     tolerance: f32,
 }
 
@@ -43,7 +43,7 @@ fn shadow_receiver(view: ShadowView, local: vec3<f32>, n: vec3<f32>, facing: f32
     return Receiver(clip.xy / clip.w, depth, -view.depth_scale / facing * n.xy * half, farther, nearer - depth);
 }
 
-// A face as a view sees it; `facing` is at most 0 for faces that are turned away.
+// A face in a view; `facing` is at most 0 for faces turned away.
 struct Faced {
     local: vec3<f32>,
     normal: vec3<f32>,
@@ -60,7 +60,7 @@ fn shadow_faced(view: ShadowView, position: vec3<f32>, normal: vec3<f32>) -> Fac
 fn shadow_visibility(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let view = shadow_views[index];
     let face = shadow_faced(view, position, normal);
-    // A face that is turned away lies in its own shadow, whatever its interpolated normal.
+    // A face turned away is in its own shadow, whatever its interpolated normal.
     if !(face.facing > 0.0) {
         return 0.0;
     }
@@ -68,11 +68,11 @@ fn shadow_visibility(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 
     return shadow_filtered(index, shadow_receiver(view, face.local, face.normal, face.facing, size.x), size);
 }
 
-// What a view sees at a face.
+// Blocker and receiver of a view at a face.
 struct Overhang {
     // Depth of the first blocker, 0 without one.
     blocker: f32,
-    // Depth of the receiver, and of its plane at the texel of the blocker.
+    // Depth of the receiver, and of its plane at the blocker's texel.
     receiver: f32,
     plane: f32,
 }
@@ -91,7 +91,7 @@ fn shadow_overhang(index: u32, position: vec3<f32>, normal: vec3<f32>) -> Overha
     return Overhang(select(0.0, stored, is_nearer(stored, plane)), receiver.depth, plane);
 }
 
-// Distance from a blocker to the receiver over that from the light to the blocker, 0 without one. In perspective.
+// Distance from a blocker to the receiver over the distance from the light to the blocker, 0 without one. In perspective.
 fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let seen = shadow_overhang(index, position, normal);
     return select(0.0, seen.blocker / seen.receiver - 1.0, seen.blocker > 0.0);
@@ -103,12 +103,12 @@ fn shadow_gap(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     return select(0.0, (seen.blocker - seen.plane) / shadow_views[index].depth_scale, seen.blocker > 0.0);
 }
 
-// In texels, whole at their middles.
+// Position in texels; integers are texel centers.
 fn map_position(receiver: Receiver, size: vec2<f32>) -> vec2<f32> {
     return (0.5 + vec2(0.5, -0.5) * receiver.position) * size - 0.5;
 }
 
-// Depth of the first surface, 0 where there is none. The maps hold the scene; nothing is stored of the ground beyond.
+// Depth of the first surface, 0 without one. The maps cover the scene, not the ground beyond it.
 fn shadow_texel(texel: vec2<f32>, index: u32, size: vec2<f32>) -> f32 {
     if any(texel < vec2(0.0)) || any(texel >= size) {
         return 0.0;
@@ -116,12 +116,12 @@ fn shadow_texel(texel: vec2<f32>, index: u32, size: vec2<f32>) -> f32 {
     return textureLoad(shadow_maps, vec2<i32>(texel), index, 0);
 }
 
-// Whether a stored surface is nearer than a depth, which is below 0 far out on the ground.
+// Whether a stored surface is nearer than a depth, which is negative far out on the ground.
 fn is_nearer(stored: f32, depth: f32) -> bool {
     return stored > max(depth, 0.0);
 }
 
-// A surface of larger depth at a texel blocks the receiver.
+// A surface with a larger depth at a texel blocks the receiver.
 fn nearest_depth(receiver: Receiver, texel: vec2<f32>, size: vec2<f32>) -> f32 {
     let away = (texel - map_position(receiver, size)) * vec2(2.0, -2.0) / size;
     return max(receiver.depth + dot(receiver.slope, away), receiver.least) + receiver.tolerance;

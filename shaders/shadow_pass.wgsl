@@ -1,5 +1,5 @@
-// Depth of all triangles from a light. Which view it is comes as the number of the instance. Of a thin surface as many texels
-// have a depth as it stops light.
+// Depth of all triangles from a light. The instance number selects the view. The share of a thin surface's texels with a depth is
+// its opacity.
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

@@ -1,15 +1,15 @@
-// The filter between the pixels of a lattice: a joint bilateral one, of radiance over albedo. Twin of the filter in
-// render/src/cpu/sketch/filter.rs, but that it shades no pixel itself. Texel (i, j) of the lattice is pixel (i, j) * stride.
+// The joint bilateral filter between lattice pixels, on radiance over albedo. Twin of the filter in
+// render/src/cpu/sketch/filter.rs, except that it shades no pixels. Texel (i, j) of the lattice is pixel (i, j) * stride.
 
-// A pass fills one part of the light, where it lacks its first sample.
+// A pass fills one part of the light in pixels without its first sample.
 
 @group(2) @binding(0) var lattice_value: texture_2d<f32>;
 @group(2) @binding(1) var lattice_work: texture_2d<u32>;
-// What the last picture tells of the pixels, and 1 where it tells anything; a texel of zeros without one.
+// Prediction from the last picture, with alpha 1 where it has one; a texel of zeros without a last picture.
 @group(2) @binding(2) var predicted: texture_2d<f32>;
 @group(3) @binding(5) var environment_map: texture_2d<f32>;
 
-// Weight of another material where nothing fits.
+// Weight of another material if nothing fits.
 const OTHER: f32 = 1e-3;
 
 @fragment
@@ -44,14 +44,14 @@ fn filtered(pixel: vec2<u32>, here: Guide) -> vec3<f32> {
 // Sums over the lattice around a pixel, with the sum of the weights.
 struct LatticeSums {
     now: vec4<f32>,
-    // Of what the last picture tells, where it does.
+    // Sums over the lattice in the last picture, where known.
     before: vec4<f32>,
-    // Of the smaller and of the larger of each pair of luminances before and now.
+    // Sums of the smaller and of the larger luminance of each pair before and now.
     least: f32,
     most: f32,
 }
 
-// The tent is `cells` wide on each side.
+// The tent covers `cells` cells on each side.
 fn interpolated(pixel: vec2<u32>, here: Guide, cells: i32, has_past: bool) -> LatticeSums {
     var sums = LatticeSums(vec4(0.0), vec4(0.0), 0.0, 0.0);
     for (var i = 0; i < 4 * cells * cells; i++) {
@@ -74,8 +74,8 @@ fn interpolated(pixel: vec2<u32>, here: Guide, cells: i32, has_past: bool) -> La
     return sums;
 }
 
-// What the last picture tells of a pixel beyond what its filter would make of it, as far as the two pictures agree.
-// Twin of `Detail` in render/src/cpu/sketch/history.rs.
+// Difference of the last picture from its own filtered value at a pixel, as far as the two pictures agree. Twin of `Detail` in
+// render/src/cpu/sketch/history.rs.
 fn detail(told: vec3<f32>, sums: LatticeSums) -> vec3<f32> {
     if !(sums.most > 0.0) {
         return vec3(0.0);
@@ -83,7 +83,7 @@ fn detail(told: vec3<f32>, sums: LatticeSums) -> vec3<f32> {
     return sums.least / sums.most * (told - sums.before.xyz / sums.before.w);
 }
 
-// Sum over the nearest surfaces, with those of the same material far ahead, and of the weights.
+// Sum over the nearest surfaces and of the weights, with a strong preference for the same material.
 fn guess(pixel: vec2<u32>, here: Guide) -> vec4<f32> {
     var sum = vec4(0.0);
     for (var i = 0; i < 16; i++) {
@@ -97,7 +97,7 @@ fn guess(pixel: vec2<u32>, here: Guide) -> vec4<f32> {
     return sum;
 }
 
-// A point of the lattice around a pixel, with its weight in a tent; zero where there is no surface to shade.
+// A lattice point near a pixel, with its weight in a tent; zero without a surface to shade.
 struct LatticePoint {
     texel: vec2<i32>,
     pixel: vec2<u32>,

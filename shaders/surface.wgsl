@@ -1,15 +1,15 @@
 // The hit of a camera ray: barycentric weights, the frame before bump and normal map, texture coordinates.
 // Twin of render/src/shade/surface.rs.
 
-// Where a ray meets the plane of a triangle.
+// Intersection of a ray with a triangle's plane.
 struct Hit {
-    // Weights of the three corners; they add up to one.
+    // Weights of the three corners, with a sum of one.
     barycentric: vec3<f32>,
-    // 1 if the front is seen, -1 if the back is.
+    // 1 if the front is visible, -1 if the back is.
     side: f32,
 }
 
-// Weights from the edge planes through the eye, as the ray caster has them.
+// Weights from the edge planes through the eye, as in the ray caster.
 fn hit_triangle(triangle: u32, direction: vec3<f32>) -> Hit {
     let corners = triangles[triangle].vertices;
     let a = vertices[corners.x].position - frame.eye;
@@ -25,7 +25,7 @@ fn interpolated_uv(corners: vec3<u32>, b: vec3<f32>) -> vec2<f32> {
     return vertices[corners.x].uv * b.x + vertices[corners.y].uv * b.y + vertices[corners.z].uv * b.z;
 }
 
-// Texture coordinates of a point, and how they change to the neighboring samples of the picture: on the right and below.
+// Texture coordinates of a point, and their change to the next samples on the right and below.
 struct UvFootprint {
     uv: vec2<f32>,
     right: vec2<f32>,
@@ -70,7 +70,7 @@ fn footprint_at(corners: vec3<u32>, b: vec3<f32>) -> UvFootprint {
     return UvFootprint(uv, change_of_uv(slopes, right), change_of_uv(slopes, below));
 }
 
-// What moves across a ray moves so far on a plane.
+// Displacement on a plane for a displacement across the ray.
 fn along_plane(across: vec3<f32>, away: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     return across - away * (dot(normal, across) / dot(normal, away));
 }
@@ -87,7 +87,7 @@ fn interpolated_tangent(corners: vec3<u32>, b: vec3<f32>) -> vec3<f32> {
     return vertices[corners.x].tangent * b.x + vertices[corners.y].tangent * b.y + vertices[corners.z].tangent * b.z;
 }
 
-// Interpolated normal before bump and normal map, on the side that is seen.
+// Interpolated normal before bump and normal map, on the visible side.
 fn smooth_normal(corners: vec3<u32>, hit: Hit, wo: vec3<f32>) -> vec3<f32> {
     let b = hit.barycentric;
     let sum = vertices[corners.x].normal * b.x + vertices[corners.y].normal * b.y + vertices[corners.z].normal * b.z;
@@ -115,7 +115,7 @@ fn normalize_or(v: vec3<f32>, fallback: vec3<f32>) -> vec3<f32> {
     return v * (1.0 / sqrt(length_sq));
 }
 
-// A frame around `normal` with its first axis along `tangent` as far as that is possible.
+// A frame around `normal`, with its first axis as close to `tangent` as possible.
 fn frame_around(normal: vec3<f32>, tangent: vec3<f32>, handedness: f32) -> mat3x3<f32> {
     let t = normalize_or(tangent - normal * dot(normal, tangent), any_orthonormal(normal));
     return mat3x3<f32>(t, cross(normal, t) * handedness, normal);
@@ -128,7 +128,7 @@ fn any_orthonormal(n: vec3<f32>) -> vec3<f32> {
     return vec3(n.x * n.y * a, s + n.y * n.y * a, -n.y);
 }
 
-// Barycentric weights with those of buried vertices given to the others.
+// Barycentric weights, with the weight of buried vertices given to the others.
 fn valid_weights(corners: vec3<u32>, b: vec3<f32>) -> vec3<f32> {
     let valid = vec3(vertices[corners.x].is_valid, vertices[corners.y].is_valid, vertices[corners.z].is_valid);
     let kept = select(vec3(0.0), max(b, vec3(0.0)), valid != vec3(0u));

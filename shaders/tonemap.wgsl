@@ -1,4 +1,4 @@
-// Exposed radiance to display-linear values. Twin of render/src/post.rs, which writes `tone_curve`: the choice of a curve by its
+// Maps exposed radiance to display-linear values. Twin of render/src/post.rs, which generates `tone_curve`: it selects a curve by
 // number.
 
 const LARGEST: f32 = 1e6;

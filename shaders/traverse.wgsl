@@ -1,5 +1,5 @@
-// Rays against the triangles of a scene, by a walk through its hierarchy of boxes. Twin of core/src/ray.rs: the same
-// predicate, term by term.
+// Tests rays against a scene's triangles by traversing its box hierarchy. Twin of core/src/ray.rs: the same predicate, term by
+// term.
 
 struct BoxNode {
     low: vec3<f32>,
@@ -11,10 +11,10 @@ struct BoxNode {
 }
 
 @group(0) @binding(0) var<storage, read> nodes: array<BoxNode>;
-// Nine numbers a triangle.
+// Nine numbers per triangle.
 @group(0) @binding(1) var<storage, read> corners: array<f32>;
 
-// Nodes that wait at most: one for each level.
+// Most waiting nodes: one per level.
 const MOST_LEVELS: u32 = 64u;
 
 fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
@@ -54,7 +54,7 @@ fn inverse_of(direction: vec3<f32>) -> vec3<f32> {
     return 1.0 / select(direction, 1e-18 * signs, abs(direction) < vec3(1e-18));
 }
 
-// Whether anything lies along a ray.
+// Whether a ray hits anything.
 fn is_occluded(origin: vec3<f32>, direction: vec3<f32>) -> bool {
     let inverse = inverse_of(direction);
     var waiting: array<u32, MOST_LEVELS>;
@@ -88,7 +88,7 @@ fn is_occluded(origin: vec3<f32>, direction: vec3<f32>) -> bool {
                 next = first + 1u;
             }
         }
-        // The root is no child.
+        // The root is not a child.
         if next == 0u {
             if count == 0u {
                 return false;

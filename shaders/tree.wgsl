@@ -1,7 +1,7 @@
-// A tree of lights, by heap index, and how its nodes are seen from a point. Twin of
-// render/src/shade/node_field.rs, core/src/light_tree/node_light.rs and core/src/sources/light.rs.
+// A tree of lights by heap index, and its nodes seen from a point. Twin of render/src/shade/node_field.rs,
+// core/src/light_tree/node_light.rs and core/src/sources/light.rs.
 
-// Which tree that is: none, distant lights of the environment, or sources on surfaces.
+// Kind of tree: none, distant lights of the environment, or surface sources.
 override FIELD: u32 = 1u;
 
 const FIELD_NONE: u32 = 0u;
@@ -20,19 +20,19 @@ struct Node {
 }
 
 @group(2) @binding(0) var<storage, read> nodes: array<Node>;
-// How bright each node is somewhere, over the mean of the whole tree; at least 1.
+// Brightness of each node relative to the mean of the whole tree; at least 1.
 @group(2) @binding(1) var<storage, read> brightness: array<f32>;
 
-// Distances below this many meters are taken for it.
+// Least distance in meters.
 const LEAST_DISTANCE: f32 = 1e-6;
 
-// The directions in which a node lies.
+// Directions of a node.
 struct Cone {
-    // Unit direction that stands for them.
+    // Unit direction to the node.
     direction: vec3<f32>,
     // Half-angle in radians.
     radius: f32,
-    // How far light spreads: inverse concentration.
+    // Spread of the light as an inverse concentration.
     inv_kappa: f32,
 }
 

@@ -1,5 +1,5 @@
-// Deferred pass 1: which triangle each pixel sees. Corners are fetched by index, so that a triangle's number is known
-// without the optional primitive index.
+// Deferred pass 1: the visible triangle of each pixel. Corners are fetched by index, so that a triangle's number is known without
+// the optional primitive index.
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

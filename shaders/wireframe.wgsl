@@ -4,7 +4,7 @@
 const LINE_WIDTH: f32 = 1.0;
 const LINE_FADE: f32 = 1.0;
 
-// How much of the sample a line covers, 0 to 1.
+// Line coverage of the sample, 0 to 1.
 fn wireframe_coverage(pixel: vec2<u32>, corners: vec3<u32>) -> f32 {
     let position = vec2<f32>(pixel) + frame.pixel_offset;
     let a = relative(project(vertices[corners.x].position), position);

@@ -77,7 +77,7 @@ fn a_pose_that_cannot_be_is_told_and_nothing_is_written() {
     for (file, said) in [
         ("unknown.json", "no object \"bx\""),
         ("nothing.json", "must be above 0"),
-        ("far.json", "cannot be posed so"),
+        ("far.json", "cannot be posed this way"),
         ("none.json", "cannot read"),
     ] {
         for command in ["render", "reference"] {

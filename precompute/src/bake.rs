@@ -56,14 +56,13 @@ use std::{
 /// Bakes a scene and writes the dataset to the job's output.
 ///
 /// # Errors
-/// See [`BakeError`]. An existing output is kept unless the bake succeeds; one that cannot be written is told at once. One bake at
-/// a time writes an output.
+/// See [`BakeError`]. An existing output is kept unless the bake succeeds; an unwritable one is reported at once. Only one
+/// bake at a time writes an output.
 pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Dataset, BakeError> {
     bake_on(scene, job, None, observer)
 }
 
-/// [`bake`], with the visibility of the environment traced by `devices` if there are any. The dataset is the same but for rays
-/// along edges.
+/// [`bake`], with the environment's visibility traced by `devices` if given. Datasets differ only for rays along edges.
 ///
 /// # Errors
 /// See [`bake`], and [`BakeError::Device`].
@@ -82,11 +81,11 @@ pub fn bake_on(
     finish(dataset, checkpoint, &job.output, &remarks)
 }
 
-/// Bakes the share of a shard, and leaves it beside the output for [`merge`]. It goes on from where it was
-/// interrupted, and a share that is complete stays as it is.
+/// Bakes the share of a shard and leaves it beside the output for [`merge`]. An interrupted share is resumed, and a complete one
+/// stays unchanged.
 ///
 /// # Errors
-/// See [`BakeError`]. One process at a time bakes a share.
+/// See [`BakeError`]. Only one process at a time bakes a share.
 pub fn bake_shard(
     scene: Scene,
     job: &BakeJob,
@@ -103,13 +102,13 @@ pub fn bake_shard(
     let before = remarks.warnings();
     let (mut dataset, checkpoint) = begun.dataset(job.warnings.clone(), clock)?;
     let report = dataset.report.clone();
-    // What is remarked after the tessellation, the merge remarks again.
+    // The merge repeats the warnings after tessellation.
     dataset.report.warnings.extend(before);
     checkpoint.keep_scene(&without_cuts(dataset))?;
     Ok(report)
 }
 
-/// The dataset with cuts that see nothing.
+/// The dataset with fully occluded cuts.
 fn without_cuts(dataset: Dataset) -> Dataset {
     let mut cuts = PackedCuts::default();
     let offset = cuts.push_cut(&[0]);
@@ -117,12 +116,12 @@ fn without_cuts(dataset: Dataset) -> Dataset {
     Dataset { cuts, indirect: None, meshless: None, ..dataset }
 }
 
-/// Makes the dataset `output` of the shares of all shards beside it: the same as one bake makes. Then it removes the shares. `decode` decodes
-/// the pictures of their scene.
+/// Merges the shares of all shards beside `output` into the dataset, equal to a single bake. Then it removes the shares. `decode`
+/// decodes the scene's pictures.
 ///
 /// # Errors
-/// Shares that are missing, not complete, or of different bakes; see [`BakeError`]. An existing output and all shares are
-/// kept unless it succeeds.
+/// Missing, incomplete or unrelated shares; see [`BakeError`]. An existing output and all shares are kept unless the merge
+/// succeeds.
 pub fn merge(output: &Path, decode: DecodePicture, observer: &dyn Observer) -> Result<Dataset, BakeError> {
     check_output(output, &[])?;
     let remarks = Remarks::before(observer);
@@ -162,22 +161,22 @@ fn finish(
     Ok(dataset)
 }
 
-/// A bake whose geometry and light tree are made.
+/// A bake with finished geometry and light tree.
 struct Begun<'a> {
     settings: ResolvedBake,
     hash: String,
     geometry: Geometry,
     tree: LightTree,
-    /// The audit of its visibility, if it is known.
+    /// The audit of its visibility, if already known.
     audit: Option<BakeAudit>,
     checkpoint: Checkpoint,
     devices: Option<&'a dyn RayDevices>,
-    /// In bytes, see [`BakeRun::estimated_memory_bytes`](lapidary_core::dataset::BakeRun).
+    /// Bytes, see [`BakeRun::estimated_memory_bytes`](lapidary_core::dataset::BakeRun).
     estimated_memory: Option<u64>,
 }
 
 impl<'a> Begun<'a> {
-    /// Makes geometry and light tree.
+    /// Creates geometry and light tree.
     fn new(
         mut scene: Scene,
         job: &BakeJob,
@@ -203,7 +202,7 @@ impl<'a> Begun<'a> {
             add_ground(&mut scene);
         }
         let resumed = match work {
-            // It always goes on.
+            // A share is always resumed.
             Work::Share(shard) => Checkpoint::open_share(&job.output, *shard, &content, &settings)?,
             _ if job.resume => Checkpoint::open(&job.output, work, &content, &settings)?,
             _ => None,
@@ -218,7 +217,7 @@ impl<'a> Begun<'a> {
         Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint, devices, estimated_memory })
     }
 
-    /// Makes or reads the chunks, and packs them. `warnings` are those that came before.
+    /// Computes or reads the chunks, and packs them. `warnings` are the earlier ones.
     fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
         let Self { settings, hash, geometry, tree, audit, checkpoint, devices, estimated_memory } = self;
         let observer = clock.observer;
@@ -255,13 +254,13 @@ impl<'a> Begun<'a> {
     }
 }
 
-/// Most vertices of a bake of a scene that has so many as it is imported.
+/// Most vertices in a bake of a scene with `imported` vertices.
 pub fn most_vertices(imported: usize, settings: &BakeSettings) -> usize {
     let vertices = imported.max(settings.max_vertices.unwrap_or(0));
     vertices + if settings.ground == Ground::Off { 0 } else { ground_budget(vertices) }
 }
 
-/// Checks that there is enough memory. Returns what this process will have at most.
+/// Checks that there is enough memory. Returns the estimated peak of this process.
 fn check_memory(scene: &Scene, settings: &ResolvedBake) -> Result<u64, BakeError> {
     let vertices = most_vertices(scene.mesh.positions.len(), settings);
     let triangles = scene.mesh.triangles.len().max(2 * vertices);

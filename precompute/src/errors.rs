@@ -1,4 +1,4 @@
-//! Why a bake, or a part of it, did not finish. This file depends on nothing that bakes.
+//! Errors of a bake or its parts. This file does not depend on the bake.
 
 mod bake;
 mod checkpoint;

@@ -1,4 +1,4 @@
-//! A triangle mesh as the surface that light transport casts rays against.
+//! A triangle mesh as a surface for light transport.
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -22,7 +22,7 @@ pub struct MeshSurface<'a> {
 }
 
 impl<'a> MeshSurface<'a> {
-    /// `two_sided` has one entry per triangle. Light does not see the backs of the other triangles.
+    /// `two_sided` has one entry per triangle. Backs of one-sided triangles are invisible to light.
     pub fn new(
         mesh: &'a Mesh,
         intersector: &'a Intersector,
@@ -42,24 +42,24 @@ impl<'a> MeshSurface<'a> {
         }
     }
 
-    /// Whether a triangle lies so far out on the ground that its light reaches nothing: it is no surface then.
+    /// Whether a triangle is so far out on the ground that its light reaches nothing; it then does not count as a surface.
     fn is_far(&self, triangle: u32) -> bool {
         self.mesh.is_far_ground(triangle, self.bounds)
     }
 
-    /// Whether a point of the mesh is seen from the side that its triangle faces.
+    /// Whether a point of the mesh is seen from the front of its triangle.
     pub fn is_front(&self, at: &Surfel) -> bool {
         self.mesh.area_vector(at.place.triangle as usize).dot(at.normal) >= 0.0
     }
 
-    /// Whether rays that arrive at a point of the mesh hit its own triangle, and no other one that lies in the same
-    /// plane or just above. A hole in a surface is none of its points.
+    /// Whether rays that arrive at a point of the mesh hit its own triangle, and not another one in the same plane or just above.
+    /// Points in a cutout do not count.
     pub fn is_outermost(&self, at: &Surfel) -> bool {
         let hit = self.intersector.closest_above(at.position + at.normal * self.offset(), -at.normal, |_| 0.0);
         hit.is_some_and(|hit| hit.triangle == at.place.triangle)
     }
 
-    /// Object and material that a point of the mesh belongs to.
+    /// Object and material of a point of the mesh.
     pub fn part(&self, at: &Surfel) -> (u32, u32) {
         let triangle = at.place.triangle as usize;
         (self.mesh.triangle_object[triangle], self.mesh.triangle_material[triangle])
@@ -89,7 +89,7 @@ impl<'a> MeshSurface<'a> {
         (points, step as f32)
     }
 
-    /// Points of random triangles, each equally likely: most of them lie where there is detail.
+    /// Points of random triangles, each equally likely: most lie where the mesh is detailed.
     pub fn points_of_random_triangles(&self, count: usize, seed: u64) -> Vec<Surfel> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let triangles = self.mesh.triangles.len();
@@ -101,7 +101,7 @@ impl<'a> MeshSurface<'a> {
         (0..count).filter_map(point).collect()
     }
 
-    /// A uniformly distributed point of a triangle, on either side if it has two.
+    /// A uniformly distributed point of a triangle, on either side if it is two-sided.
     fn random_point(&self, triangle: usize, rng: &mut fastrand::Rng) -> Surfel {
         let (u, v) = (rng.f32(), rng.f32());
         let barycentric = if u + v > 1.0 { Vec2::new(1.0 - u, 1.0 - v) } else { Vec2::new(u, v) };
@@ -111,7 +111,7 @@ impl<'a> MeshSurface<'a> {
 }
 
 impl MeshSurface<'_> {
-    /// Where a ray has met the mesh, if light sees that side of it.
+    /// The surface point of a hit, if that side is visible to light.
     fn seen(&self, hit: Hit) -> Option<Surfel> {
         let seen = !hit.back_face || self.two_sided[hit.triangle as usize];
         (seen && !self.is_far(hit.triangle)).then(|| self.mesh.surfel(hit.triangle, hit.barycentric, hit.back_face))

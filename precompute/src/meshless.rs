@@ -12,8 +12,8 @@ use lapidary_core::{
     surfel::Surface,
 };
 
-/// Places points on all surfaces from which light reaches the viewpoint, and computes the operator between the
-/// functions around them. The surface may be of any kind.
+/// Places points on all surfaces from which light reaches the viewpoint, and computes the operator between their functions. The
+/// surface may be of any kind.
 ///
 /// # Errors
 /// [`BakeError::Points`] for a viewpoint that sees nothing or a coarse radius that is too small, [`BakeError::Basis`]

@@ -1,4 +1,4 @@
-//! The stream of messages from a long job, for a window or a command line alike.
+//! The message stream of a long job, for a window or a command line.
 
 use crate::warning::Warning;
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub enum Phase {
     Visibility,
     /// Placing surface sources where light reaches.
     Points,
-    /// Clustering them.
+    /// Clustering the sources.
     SourceTree,
     /// Solid angles of the sources from all bake points, and their cuts.
     SourceVisibility,
@@ -27,14 +27,14 @@ pub enum Phase {
     SourceEnvironment,
     /// Placing the points of the meshless basis.
     Basis,
-    /// Light transport between its functions.
+    /// Computing light transport between the functions.
     Transport,
     /// Packing and writing.
     Pack,
 }
 
 impl Phase {
-    /// All of them, in the order in which they run.
+    /// All phases in order.
     pub const ALL: [Self; 12] = [
         Self::Import,
         Self::Tessellate,
@@ -73,30 +73,30 @@ impl Phase {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "event")]
 pub enum Event {
-    /// A phase began; `total` units of work lie ahead (0 if unknown).
+    /// A phase started; `total` is its units of work (0 if unknown).
     Started {
-        /// Which phase.
+        /// The phase.
         phase: Phase,
         /// Units of work.
         total: u64,
         /// Name of a unit.
         unit: &'static str,
     },
-    /// `done` of the current phase's units are complete.
+    /// `done` units of the current phase are complete.
     Advanced {
-        /// Units complete.
+        /// Completed units.
         done: u64,
     },
     /// Something was repaired or left out.
     Warning {
-        /// What, and what to do about it.
+        /// The warning, with a remedy.
         message: Warning,
     },
 }
 
-/// Receives the messages of a job and may cancel it. Called from several threads.
+/// Receives the messages of a job and may cancel it. Several threads call it.
 pub trait Observer: Sync {
-    /// A message.
+    /// Receives a message.
     fn event(&self, event: Event);
 
     /// Whether the job should stop as soon as it can.
@@ -105,7 +105,7 @@ pub trait Observer: Sync {
     }
 }
 
-/// Hears nothing and never cancels.
+/// Ignores messages and never cancels.
 pub struct Silent;
 
 impl Observer for Silent {

@@ -1,9 +1,8 @@
-//! The settings of a bake by name. Errors and warnings refer to them, and each front end says how to change them.
+//! Names of bake settings. Errors and warnings refer to them, and each front end names its own controls.
 
 use std::fmt;
 
-/// A setting of a bake. Errors and warnings name it; a command line shows the option in its place, a window the
-/// control.
+/// A setting of a bake. Errors and warnings name it; a command line shows the option instead, a window the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
     /// Number of light samples.
@@ -22,15 +21,15 @@ pub enum Setting {
     MaxVertices,
     /// Most bytes of the vertices' cuts over the environment.
     MaxBytes,
-    /// The pictures that the bake is for.
+    /// Pictures for which the bake is made.
     Shots,
-    /// Which parts are baked.
+    /// Parts to bake.
     Mode,
     /// Number of surface sources.
     Sources,
     /// Error bound of a cluster of sources.
     SourceSigma,
-    /// How much the sources of a node may differ.
+    /// Largest contrast between the sources of a node.
     SourceContrast,
     /// Largest solid angle of a node of sources.
     LargestSolidAngle,
@@ -38,22 +37,22 @@ pub enum Setting {
     Viewpoint,
     /// Levels of the meshless basis.
     Levels,
-    /// How many of them send light.
+    /// Number of levels that send light.
     SenderLevels,
-    /// Distance of its coarsest points.
+    /// Distance of the coarsest points of the meshless basis.
     CoarseRadius,
-    /// Rays by which each of its points gathers.
+    /// Gather rays per point of the meshless basis.
     GatherRays,
-    /// Threshold of its links.
+    /// Threshold of meshless links.
     Epsilon,
-    /// Who traces rays.
+    /// Device that traces rays.
     Device,
     /// Whether to resume an interrupted bake.
     Resume,
 }
 
 impl Setting {
-    /// Its name in plain words.
+    /// Plain name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Lights => "lights",

@@ -1,4 +1,4 @@
-//! Shards: parts of a bake that machines share.
+//! Shards: parts of a bake for several machines.
 
 mod error;
 
@@ -13,12 +13,12 @@ use std::{
 /// Most shards of a bake.
 const MOST: usize = 10_000;
 
-/// One of some parts of a bake, which are about as large.
+/// One of several parts of a bake of about equal size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which, from 1.
+    /// Number from 1.
     index: usize,
-    /// Of how many.
+    /// Number of shards.
     of: usize,
 }
 
@@ -26,7 +26,7 @@ impl Shard {
     /// Shard `index`, from 1, of `of`.
     ///
     /// # Errors
-    /// Numbers that are none of a shard.
+    /// Numbers that form no shard.
     pub fn new(index: usize, of: usize) -> Result<Self, ShardError> {
         if (1..=of).contains(&index) && of <= MOST { Ok(Self { index, of }) } else { Err(ShardError::Number) }
     }
@@ -41,22 +41,22 @@ impl Shard {
         (1..=of).map(move |index| Self { index, of })
     }
 
-    /// Which, from 1.
+    /// Number from 1.
     pub fn index(self) -> usize {
         self.index
     }
 
-    /// Of how many.
+    /// Number of shards.
     pub fn count(self) -> usize {
         self.of
     }
 
-    /// Whether it makes the chunk of an index. Neighboring chunks, which take about as long, go to different shards.
+    /// Whether it computes the chunk of an index. Neighboring chunks, which take equally long, go to different shards.
     pub(crate) fn makes(self, chunk: usize) -> bool {
         chunk % self.of == self.index - 1
     }
 
-    /// A number of chunks that gives each shard as many, at least `least`.
+    /// A number of chunks, at least `least`, that divides equally among the shards.
     pub(crate) fn chunks(self, least: usize) -> usize {
         least.next_multiple_of(self.of)
     }
@@ -68,7 +68,7 @@ impl Shard {
         name.into()
     }
 
-    /// That of a folder beside `output`, if it is one of a share.
+    /// The shard of a folder beside `output`, if it holds a share.
     pub(crate) fn of_folder(folder: &Path, output: &Path) -> Option<Self> {
         let name = folder.file_name()?.to_str()?.strip_prefix(output.file_name()?.to_str()?)?;
         let (index, of) = name.strip_prefix(".shard-")?.split_once("-of-")?;
@@ -77,7 +77,7 @@ impl Shard {
     }
 }
 
-/// As `3/8`.
+/// Formats as `3/8`.
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}/{}", self.index, self.of)

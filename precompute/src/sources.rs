@@ -1,8 +1,7 @@
-//! Points scattered over the surfaces that light can reach (meshless basis paper, 2.3), found by ray casts alone:
-//! candidates by importance tracing, Poisson-disk sets of them by dart throwing, and the area that each point
-//! represents.
+//! Points on the surfaces that light can reach (meshless basis paper, 2.3), found by ray casts alone: candidates by importance
+//! tracing, Poisson-disk sets of them by dart throwing, and the area that each point represents.
 //!
-//! And the surface sources made of them: their positions, their tree, and their solid angles as seen from a bake point.
+//! Also the surface sources made of them: their positions, their tree, and their solid angles from a bake point.
 
 mod areas;
 pub mod candidates;

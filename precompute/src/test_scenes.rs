@@ -1,4 +1,4 @@
-//! Scenes for tests: plain triangles in known places.
+//! Test scenes: plain triangles in known places.
 
 use crate::{
     mesh_surface::MeshSurface,
@@ -8,7 +8,7 @@ use glam::Vec3;
 pub use lapidary_core::test_scenes::{cuboid, floor, quad, room, scene_of};
 use lapidary_core::{ray::Intersector, scene::Scene};
 
-/// A scene with all that a [`MeshSurface`] borrows.
+/// A scene with the data that a [`MeshSurface`] borrows.
 pub struct Prepared {
     pub scene: Scene,
     pub sides: Sidedness,

@@ -1,4 +1,4 @@
-//! A bake in small: a few points of a scene, traced as a bake traces them, tell what the whole will take before it begins.
+//! A small trial bake: a few points, traced as in a bake, predict the cost of the whole before it starts.
 
 mod bounces;
 mod meshless;
@@ -30,32 +30,32 @@ use lapidary_core::{
     threads::{CoreClock, on_threads},
 };
 
-/// Lights of the trial, those of a draft.
+/// Lights of the trial, as in a draft.
 const LIGHTS: usize = 8192;
-/// Points among the vertices of the scene, and as many spread over its surfaces.
+/// Number of points at vertices of the scene, and of points spread over its surfaces.
 const POINTS: usize = 128;
-/// Most triangles of a scene that is tried: the hierarchy of more takes many seconds, and a gigabyte.
+/// Most triangles of a tried scene: building a larger hierarchy takes many seconds and a gigabyte.
 const MOST_TRIANGLES: usize = 1_000_000;
-/// Points side by side, as they are traced together.
+/// Adjacent points traced together.
 const RUN: usize = 8;
 
-/// What a trial found.
+/// Result of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
-    /// Lights that it holds for.
+    /// Number of lights of the trial.
     pub lights: usize,
-    /// Error bound of the cuts that it holds for.
+    /// Error bound of the trial's cuts.
     pub sigma: f32,
-    /// Core seconds for each point of following boundaries and selecting the cut.
+    /// Core seconds per point for following boundaries and selecting the cut.
     pub core_secs_per_point: f64,
     /// Mean nodes of a cut.
     pub mean_cut: f64,
-    /// Core seconds for each point at which tessellation asks whether to split.
+    /// Core seconds per point at which tessellation tests whether to split.
     pub core_secs_per_split: f64,
 }
 
 impl Trial {
-    /// Of a scene as imported; `None` if nothing of it can be seen, or if it is very large. It takes a second or less, by one
+    /// Tries a scene as imported; `None` if none of it is visible, or if it is very large. It takes at most about a second on one
     /// thread.
     pub fn of(scene: &Scene) -> Option<Self> {
         tried(scene, Self::on_this_thread)
@@ -95,7 +95,7 @@ impl Trial {
     }
 }
 
-/// A scene whose parts that bounce light are tried.
+/// A scene for trials of the parts that bounce light.
 struct Tried<'a> {
     scene: &'a Scene,
     sides: &'a Sidedness,
@@ -104,13 +104,13 @@ struct Tried<'a> {
     viewpoint: Vec3,
 }
 
-/// What a trial by one thread finds, unless the scene is too large for one.
+/// Runs a trial on one thread, unless the scene is too large.
 fn tried<T: Send>(scene: &Scene, on_this_thread: fn(&Scene) -> Option<T>) -> Option<T> {
     let is_small = scene.mesh.triangles.len() <= MOST_TRIANGLES;
     is_small.then(|| on_threads(1, || on_this_thread(scene))).flatten()
 }
 
-/// The tree of a bake whose pilot has each of the points.
+/// A bake's tree with a pilot at each of the points.
 fn tree(intersector: &Intersector, points: &[BakePoint]) -> Option<LightTree> {
     let directions = fibonacci_directions(LIGHTS);
     let sampler = VisibilitySampler::of_directions(intersector, &directions, FINEST);
@@ -123,8 +123,8 @@ fn tree(intersector: &Intersector, points: &[BakePoint]) -> Option<LightTree> {
     LightTree::build(&Features::of_kind(TreeKind::Mixed, 0.5, &directions, &pilot)).ok()
 }
 
-/// Vertices of the scene, and points spread over its surfaces as tessellation spreads others: those of the pilot and those that
-/// are measured. A tree fits its own pilot better than other points.
+/// Vertices of the scene, and points spread over its surfaces as tessellation does: one set for the pilot and one for measuring. A
+/// tree fits its own pilot better than other points.
 fn some_points(mesh: &Mesh, sides: &Sidedness, intersector: &Intersector) -> [Vec<BakePoint>; 2] {
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(mesh, intersector, &sides.two_sided, &black);
@@ -139,7 +139,7 @@ fn some_points(mesh: &Mesh, sides: &Sidedness, intersector: &Intersector) -> [Ve
     [[of_pilot, of_pilot_too].concat(), [measured, measured_too].concat()]
 }
 
-/// Twice [`POINTS`] of the points, neighbors in runs that are spread over all.
+/// Two sets of [`POINTS`] of the points, in runs of neighbors spread over all.
 fn runs_of(points: &[BakePoint]) -> [Vec<BakePoint>; 2] {
     let order = z_order(points);
     let runs: Vec<&[u32]> = order.chunks(RUN).collect();
@@ -161,7 +161,7 @@ mod tests {
         triangles.extend(cuboid(Vec3::new(0.0, 0.6, 0.0), Vec3::splat(0.5)));
         let trial = Trial::of(&scene_of(&triangles)).unwrap();
         assert!(trial.core_secs_per_point > 0.0 && trial.core_secs_per_split > 0.0);
-        // Convex pieces over a floor: borders are few.
+        // Convex pieces over a floor: few boundaries.
         assert!((4.0..60.0).contains(&trial.mean_cut), "{}", trial.mean_cut);
         assert_eq!(Trial::of(&scene_of(&[])), None);
     }

@@ -1,5 +1,5 @@
-//! A dataset of a scene before its first bake, in which every vertex sees every light: what a scene that opens is shown by until
-//! its visibility is traced.
+//! A dataset of a scene before its first bake, in which every vertex sees every light: it displays a newly opened scene until
+//! visibility is traced.
 
 use crate::vertices::sidedness::classify;
 use lapidary_core::{
@@ -10,10 +10,10 @@ use lapidary_core::{
     scene::Scene,
 };
 
-/// Lights of it: what light there is without shadows is smooth.
+/// Number of lights: light without shadows is smooth.
 const LIGHTS: usize = 256;
 
-/// The dataset of a scene, as imported, over a ground of this kind, with nothing in the way of light. It takes milliseconds.
+/// The dataset of a scene as imported, over a ground of this kind, without occlusion. It takes milliseconds.
 pub fn unshadowed(mut scene: Scene, scene_hash: String, ground: Ground) -> Dataset {
     let source_vertices = scene.mesh.positions.len();
     if ground != Ground::Off {

@@ -1,5 +1,5 @@
-//! Verification: traces a random set of vertices and surface sources again, ray by ray, and compares with the stored
-//! cuts. It also recomputes the links of some functions of the meshless basis. Each part of a bake has its file.
+//! Verification: retraces a random set of vertices and surface sources ray by ray, and compares with the stored cuts. It also
+//! recomputes the links of some meshless functions. Each part of a bake has its file.
 
 mod environment;
 mod meshless;
@@ -17,8 +17,8 @@ use glam::Vec3;
 use lapidary_core::{dataset::Dataset, ray::Intersector};
 use serde::Serialize;
 
-/// Largest root mean square of stored minus traced visibility, as a multiple of that of an exhaustive bake. The audit of
-/// the bake allows 1 % over more vertices.
+/// Largest root mean square of stored minus traced visibility, relative to an exhaustive bake's. The bake's audit allows 1 % over
+/// more vertices.
 const MOST_ERROR_OF_FEW: f64 = 1.1;
 /// Results of a verification.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,12 +32,12 @@ pub struct Verification {
     /// Results for the meshless basis, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meshless: Option<MeshlessVerification>,
-    /// Whether anything was recomputed, all cuts and links agree, and cuts are hardly worse than those of an exhaustive bake.
+    /// Whether anything was recomputed, all cuts and links agree, and cuts are hardly worse than an exhaustive bake's.
     pub passed: bool,
 }
 
 impl Verification {
-    /// In sentences, a line each.
+    /// The result in sentences, one per line.
     pub fn text(&self) -> String {
         let is_of_others = self.sources.source_vertices > 0 || self.meshless.is_some();
         let has_environment = self.environment.vertices > 0 || !is_of_others;
@@ -46,29 +46,29 @@ impl Verification {
     }
 }
 
-/// What is verified, and by what.
+/// Inputs of a verification.
 struct Again<'a> {
     dataset: &'a Dataset,
     points: BakePoints,
     intersector: &'a Intersector,
     surface: MeshSurface<'a>,
     sampler: VisibilitySampler<'a>,
-    /// Vertices that are traced again.
+    /// Vertices to retrace.
     vertices: Vec<usize>,
-    /// Most of each kind that are made again.
+    /// Most items of each kind to recompute.
     count: usize,
 }
 
 impl Again<'_> {
-    /// Numbers from the scene's hash: the same scene is verified at the same places.
+    /// Random numbers from the scene's hash: the same scene is verified at the same places.
     fn random(&self) -> fastrand::Rng {
         let hash = self.dataset.scene_hash.get(..16).unwrap_or("0");
         fastrand::Rng::with_seed(u64::from_str_radix(hash, 16).unwrap_or(0))
     }
 }
 
-/// Traces `count` vertices without packets, chosen by a seed from the scene's hash, and at most as many surface
-/// sources. Recomputes the links of at most as many functions.
+/// Retraces `count` vertices without packets, chosen by a seed from the scene's hash, and at most as many surface sources.
+/// Recomputes the links of at most as many functions.
 pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     let mesh = &dataset.scene.mesh;
     let intersector = Intersector::of_scene(&dataset.scene);

@@ -1,5 +1,4 @@
-//! The vertices of a scene: the sides on which light arrives, the density of vertices, the points where they sample,
-//! and what they see from there.
+//! The vertices of a scene: sides on which light arrives, density, sample points, and visibility from there.
 
 pub mod pilot;
 pub mod points;

@@ -1,4 +1,4 @@
-//! What a bake repaired, left out, or changed against its settings.
+//! Repairs, omissions and changes of settings by a bake.
 
 mod meshless;
 mod sources;
@@ -11,57 +11,57 @@ use glam::Vec3;
 use serde::{Serialize, Serializer};
 use std::{fmt, path::PathBuf};
 
-/// Something that was repaired or left out, and what to do about it.
+/// A repair or omission, with a remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Warning {
     /// Plain text: a warning of the import.
     Text(String),
     /// The mesh already has as many vertices as its budget allows.
     NoRoomForVertices {
-        /// How many it has.
+        /// Vertices of the mesh.
         vertices: usize,
-        /// A limit that leaves room for further ones.
+        /// A limit that leaves room for more.
         enough: usize,
     },
     /// A shot, counted from 1, sees no surface.
     BlindShot(usize),
     /// The checkpoint belongs to other bake points or another light tree.
     OtherCheckpoint,
-    /// An unfinished bake was discarded, because resuming it was not asked for.
+    /// An unfinished bake was discarded, because resuming was not requested.
     Discarded,
-    /// The folder of the checkpoint has other files in it, and stays with them.
+    /// The checkpoint's folder contains foreign files, and stays.
     KeptFolder {
         /// The first of these files.
         path: PathBuf,
     },
-    /// Cuts were coarsened until they fit a texture.
+    /// Cuts were coarsened to fit a texture.
     Coarsened {
         /// The leaves of the cuts.
         leaves: &'static str,
         /// The setting that bounds their error.
         bound: Setting,
-        /// The bound that was asked for.
+        /// The requested bound.
         asked: f32,
         /// The bound after coarsening.
         fitted: f32,
     },
     /// Much light leaves the scene.
     OpenViewpoint {
-        /// Place in meters.
+        /// Position in meters.
         viewpoint: Vec3,
-        /// Share of the directions around it that meet no surface.
+        /// Share of the directions around it that hit no surface.
         open: f32,
     },
     /// A closed space reflects nearly all light.
     EndlessBounces,
-    /// About surface sources.
+    /// A warning about surface sources.
     Sources(SourcesWarning),
-    /// About the meshless basis.
+    /// A warning about the meshless basis.
     Basis(BasisWarning),
 }
 
 impl Warning {
-    /// Whether it tells what became of a checkpoint. The result is the same as without one.
+    /// Whether it concerns the fate of a checkpoint. Such warnings do not affect the result.
     pub(crate) fn is_about_resuming(&self) -> bool {
         match self {
             Self::OtherCheckpoint | Self::Discarded | Self::KeptFolder { .. } => true,
@@ -71,7 +71,7 @@ impl Warning {
         }
     }
 
-    /// In words, with settings called by `name`.
+    /// The message, with settings named by `name`.
     pub fn text(&self, name: Naming) -> String {
         match self {
             Self::Text(text) => text.clone(),
@@ -91,7 +91,7 @@ impl Warning {
                 name(Setting::Resume)
             ),
             Self::KeptFolder { path } => format!(
-                "the folder of the checkpoint stays, for this is no part of a checkpoint; move it elsewhere ({})",
+                "the folder of the checkpoint stays, because this is not part of a checkpoint; move it elsewhere ({})",
                 path.display()
             ),
             Self::Coarsened { leaves, bound, asked, fitted } => format!(

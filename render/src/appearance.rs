@@ -1,4 +1,4 @@
-//! The parts of a scene that may change without a bake: its materials, their textures, and which triangle has which.
+//! Parts of a scene that may change without a bake: materials, textures, and the assignment of materials to triangles.
 
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
@@ -10,13 +10,13 @@ use lapidary_core::{
 };
 use std::{collections::BTreeSet, ops::Deref, sync::Arc};
 
-/// The material of each triangle, by index; `None` for those of the mesh.
+/// The material of each triangle, by index; `None` for the mesh's own.
 pub type Assigned = Option<Arc<[u32]>>;
 
 /// Materials and the textures that they refer to by index.
 #[derive(Clone, Debug, Default)]
 pub struct Appearance {
-    /// One for each material index of the mesh, and more that are assigned.
+    /// One for each material index of the mesh, followed by assigned ones.
     pub materials: Vec<Material>,
     /// Shared: copying an appearance copies no texels.
     pub textures: Vec<Arc<Texture>>,
@@ -25,18 +25,18 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// As the scene has them.
+    /// The scene's own appearance.
     pub fn of(scene: &Scene) -> Self {
         let (materials, assigned) = scene.materials_with_parts();
         Self { materials, textures: scene.textures.clone(), assigned }
     }
 
-    /// Index of the material that a triangle of `mesh` has.
+    /// Index of a triangle's material in `mesh`.
     pub(crate) fn material_of(&self, mesh: &Mesh, triangle: usize) -> u32 {
         self.assigned.as_ref().map_or_else(|| mesh.triangle_material[triangle], |assigned| assigned[triangle])
     }
 
-    /// Whether both look the same: equal materials of equal triangles, and the identical textures, not only equal ones.
+    /// Whether both look the same: equal materials on equal triangles, and identical (not only equal) textures.
     pub fn is_same(&self, other: &Self) -> bool {
         let same_texture = |(a, b): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(a, b);
         self.materials == other.materials
@@ -45,12 +45,12 @@ impl Appearance {
             && self.textures.iter().zip(&other.textures).all(same_texture)
     }
 
-    /// What its surfaces let through.
+    /// Opacities of its surfaces.
     pub fn opacities(&self) -> Opacities {
         Opacities::of(&self.materials, &self.textures).assigned(self.assigned.clone())
     }
 
-    /// Materials of triangles that do not look the same in `other`, by index: before or after. `None` if that may be all.
+    /// Materials, before or after, of triangles that look different in `other`, by index. `None` if all may differ.
     pub(crate) fn changed_materials(&self, other: &Self) -> Option<Vec<usize>> {
         let mut changed = match (&self.assigned, &other.assigned) {
             (Some(a), Some(b)) => reassigned(a, b),
@@ -75,7 +75,7 @@ impl Appearance {
         }
     }
 
-    /// With a material for each of the scene's `own` and those that are assigned beside them, and without references to missing
+    /// Fits the appearance to the scene: a material for each of its `own` and for the assigned ones, without references to missing
     /// maps. Also returns the changes, in sentences.
     pub fn fitted(&self, own: &[Material]) -> (Self, Vec<String>) {
         let mut remarks = Vec::new();
@@ -83,7 +83,7 @@ impl Appearance {
         let needed = if self.assigned.is_some() { own.len().max(given) } else { own.len() };
         if given != needed {
             remarks.push(format!(
-                "there are {given} materials for the {needed} of the scene; those that lack are the scene's own"
+                "there are {given} materials for the {needed} of the scene; the missing ones are the scene's own"
             ));
         }
         let mut materials: Vec<Material> = self.materials.iter().take(needed).cloned().collect();
@@ -99,7 +99,7 @@ impl Appearance {
     }
 }
 
-/// An appearance with all that is the same at all points of a material worked out.
+/// An appearance with all values that are constant over a material precomputed.
 #[derive(Clone, Debug, Default)]
 pub struct ResolvedAppearance {
     appearance: Appearance,
@@ -133,8 +133,8 @@ impl ResolvedAppearance {
         material.at(|slot| self.sample(slot, uv))
     }
 
-    /// What a point of `mesh` reflects and sends, as bounces use it: the albedo, which is the share of light that it reflects in
-    /// all directions, and radiance in W/(m² sr).
+    /// Albedo and emission of a point of `mesh`, for bounces: the albedo is the share of light reflected in all directions, the
+    /// emission is radiance in W/(m² sr).
     pub fn albedo_and_emission(&self, mesh: &Mesh, place: MeshPlace) -> (Vec3, Vec3) {
         let triangle = place.triangle as usize;
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
@@ -143,14 +143,14 @@ impl ResolvedAppearance {
         (point.brdf.as_brdf().albedo(), point.emission)
     }
 
-    /// The first of both.
+    /// The albedo of [`Self::albedo_and_emission`].
     #[cfg(test)]
     pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
         self.albedo_and_emission(mesh, place).0
     }
 }
 
-/// Whether the triangles of a mesh have the same materials by both.
+/// Whether both assign the same materials to the triangles of a mesh.
 pub(crate) fn same_assignment(a: &Assigned, b: &Assigned) -> bool {
     match (a, b) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
@@ -158,7 +158,7 @@ pub(crate) fn same_assignment(a: &Assigned, b: &Assigned) -> bool {
     }
 }
 
-/// What triangles had before and have after, where that differs.
+/// Materials before and after, on triangles where they differ.
 fn reassigned(before: &[u32], after: &[u32]) -> BTreeSet<usize> {
     let differing = before.iter().zip(after).filter(|(a, b)| a != b);
     differing.flat_map(|(&a, &b)| [a as usize, b as usize]).collect()

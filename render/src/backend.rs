@@ -1,8 +1,8 @@
-//! The interface of the interactive view and of the headless commands to a renderer, on the CPU or on a GPU.
+//! The renderer interface of the interactive view and the headless commands, on the CPU or on a GPU.
 //!
-//! A picture is made in steps, between which it can be cancelled: [`Backend::begin`], then [`Backend::render_rows`] for
-//! bands of rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as needed. Scene,
-//! appearance and light stay until they are replaced, so that an edit redoes only what it changed.
+//! A picture is rendered in steps, between which it can be cancelled: [`Backend::begin`], then [`Backend::render_rows`] for bands
+//! of rows of every jittered sample, then [`Backend::display`] or [`Backend::read`] as often as needed. Scene, appearance and light
+//! stay until replaced, so an edit redoes only what it changed.
 
 use crate::{
     appearance::Appearance,
@@ -22,7 +22,7 @@ use lapidary_core::image::Image;
 use serde::Serialize;
 use std::{ops::Range, sync::Arc};
 
-/// Work in the picture so far, that of kept samples included.
+/// Work in the picture so far, including kept samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureStats {
     /// Samples of pixels that show a surface.
@@ -31,14 +31,14 @@ pub struct PictureStats {
     pub mean_merged_nodes: f64,
     /// BRDF evaluations, averaged over them.
     pub mean_brdf_evaluations: f64,
-    /// Samples that were shaded for it since [`Backend::begin`] or [`Backend::resume`].
+    /// Samples shaded since [`Backend::begin`] or [`Backend::resume`].
     pub shaded: ShadedSamples,
 }
 
-/// Samples of pixels that show a surface, by the part of the light that was computed for them.
+/// Samples of pixels that show a surface, by the computed part of the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadedSamples {
-    /// Direct light of the environment, or what a view mode without light shows.
+    /// Direct light of the environment, or the value of a view mode without light.
     pub environment: u64,
     /// Bounced light.
     pub bounce: u64,
@@ -55,14 +55,14 @@ impl ShadedSamples {
     }
 }
 
-/// By what the light of a picture was found.
+/// Method by which a picture's light was computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tier {
-    /// By the cuts and the bounces of the bake.
+    /// Cuts and bounces of the bake.
     #[default]
     Cuts,
-    /// By the bake, and by implicit visibility what posed objects change of it.
+    /// The bake, with implicit visibility for the changes by posed objects.
     Implicit,
 }
 
@@ -73,7 +73,7 @@ pub struct RenderStats {
     pub backend: String,
     /// Name of the graphics adapter.
     pub adapter: Option<String>,
-    /// By what its light was found.
+    /// Method by which its light was computed.
     pub tier: Tier,
     /// Wall-clock seconds for light, illumination cut and pixels.
     pub seconds: f64,
@@ -92,15 +92,15 @@ impl From<&RenderStats> for PictureStats {
     }
 }
 
-/// Makes a renderer, and another one when its device is lost.
+/// Creates a renderer, and a new one when its device is lost.
 pub type BackendFactory = Arc<dyn Fn() -> Result<Box<dyn Backend>, BackendError> + Send + Sync>;
 
-/// Makes pictures of one scene after another.
+/// Renders pictures of one scene after another.
 pub trait Backend: Send {
     /// `cpu`, or the name of the graphics adapter.
     fn name(&self) -> String;
 
-    /// Rebuilds its programs, as after a change of the shaders. If that fails, the previous ones stay.
+    /// Rebuilds its programs, for example after a change of the shaders. On failure the previous ones stay.
     ///
     /// # Errors
     /// A shader that cannot be read or does not compile.
@@ -108,53 +108,53 @@ pub trait Backend: Send {
         Ok(())
     }
 
-    /// What computes beside the picture: the cores, or its device if that is more than an emulation on them.
+    /// Device for computations beside the picture: the cores, or the renderer's device if it is not emulated on them.
     fn compute(&self) -> Compute {
         Compute::Cores
     }
 
-    /// Sets another scene with the materials of its dataset. Until a light is set, pictures of it are black.
+    /// Replaces the scene, with the materials of its dataset. Pictures are black until a light is set.
     ///
     /// # Errors
     /// A dataset larger than the adapter's limits; the previous scene is kept then.
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError>;
 
-    /// Takes the scene that it has as it is posed now: the same one, with vertices elsewhere and other visibility cuts for these.
-    /// Materials stay; the light is to be set again before a picture is made.
+    /// Poses the current scene: `posed` has other vertex positions, and other visibility cuts for the moved vertices. Materials
+    /// stay; set the light again before the next picture.
     ///
     /// # Errors
-    /// Cuts beyond the adapter's limits, or a lost device; no picture is made then before a scene is set.
+    /// Cuts beyond the adapter's limits, or a lost device; a scene must then be set before the next picture.
     fn pose(&mut self, posed: &Baked) -> Result<(), BackendError>;
 
-    /// Sets other materials. Returns what was changed to make them fit, in sentences.
+    /// Replaces the materials. Returns the changes made to fit them, in sentences.
     ///
     /// # Errors
     /// A lost device.
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError>;
 
-    /// Lights the scene; `lighting` is made from `light` for the tree of the scene. Returns what was changed to make
-    /// the map fit, in sentences.
+    /// Lights the scene; `lighting` is made from `light` for the scene's tree. Returns the changes made to fit the map, in
+    /// sentences.
     ///
     /// # Errors
     /// A lost device.
     fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError>;
 
-    /// Sets local lights, bounced light, and the components that are shown. A new scene has no such light, and all
-    /// components are shown. Returns what was changed to make them fit, in sentences.
+    /// Sets local lights, bounced light, and the shown components. A new scene has no such light, and shows all components. Returns
+    /// the changes made to fit them, in sentences.
     ///
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
     fn set_local_lighting(&mut self, lighting: &LocalLighting) -> Result<Vec<String>, BackendError>;
 
-    /// Begins a picture; what was rendered before is forgotten.
+    /// Starts a picture and drops the previous one.
     ///
     /// # Errors
     /// A picture larger than the adapter's limits, or a lost device.
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError>;
 
-    /// Begins a picture that keeps what the last one has, unless it is of another view or `stale`: edits since the last
-    /// one was begun or resumed. All samples are then rendered from the first on. Of another camera or size, nothing is
-    /// kept but what the last picture tells of the sketch.
+    /// Starts a picture that keeps the samples of the last one, unless the view differs or they are `stale` by edits since the last
+    /// picture was begun or resumed. Render all samples again from the first. With another camera or size, only the last picture's
+    /// data for the sketch is kept.
     ///
     /// # Errors
     /// As [`Self::begin`].
@@ -163,16 +163,16 @@ pub trait Backend: Send {
         self.begin(view, sampling)
     }
 
-    /// Adds one jittered sample (an index into [`View::pixel_offsets`]) to some rows, and returns when it is done.
-    /// All rows of a sample are rendered before those of the next. Pixels that have the sample already stay as they are.
+    /// Adds one jittered sample (an index into [`View::pixel_offsets`]) to some rows, and returns when done. Render all rows of a
+    /// sample before the next sample. Pixels that already have the sample stay unchanged.
     ///
     /// # Errors
     /// A lost device.
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError>;
 
     /// Adds the first sample to the pixels of some [`Tiles`] whose column and row are multiples of `stride`, one of
-    /// [`STRIDES`](crate::STRIDES), and returns when it is done. Pixels that have a sample keep it. With a stride of 1 these
-    /// are all pixels, and the sample is that of [`Self::render_rows`].
+    /// [`STRIDES`](crate::STRIDES), and returns when done. Pixels that have a sample keep it. A stride of 1 covers all pixels and
+    /// gives the sample of [`Self::render_rows`].
     ///
     /// [`Tiles`]: crate::Tiles
     ///
@@ -180,30 +180,28 @@ pub trait Backend: Send {
     /// A lost device.
     fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError>;
 
-    /// Fills the pixels without a sample from those around them, for [`Self::display`]. All tiles must have been sketched.
-    /// A pixel that nothing around it resembles, as on a thin object, is given its first sample if it is one of at most
-    /// `most_shaded`. Returns how many were.
+    /// Fills pixels without a sample from their neighbors, for [`Self::display`]. All tiles must have been sketched. At most
+    /// `most_shaded` pixels that no neighbor fits, as on thin objects, get their first sample instead. Returns the number of these.
     ///
     /// # Errors
     /// A lost device.
     fn fill(&mut self, most_shaded: u32) -> Result<u32, BackendError>;
 
-    /// The picture so far for a display: sRGB-encoded, not premultiplied, row by row from the top.
+    /// The picture so far as displayed: sRGB-encoded, not premultiplied, row by row from the top.
     ///
-    /// `samples` is the number of samples that all rows have; some rows may already have one more, which must not make
-    /// them brighter.
+    /// `samples` is the number of samples that all rows have; rows that already have one more must not look brighter.
     ///
     /// # Errors
     /// A lost device.
     fn display(&mut self, post: &Post, samples: u32) -> Result<Vec<[u8; 4]>, BackendError>;
 
-    /// The picture so far, scene-linear, and how much of each pixel is covered by surfaces, 0 to 1.
+    /// The picture so far, scene-linear, and the surface coverage of each pixel, 0 to 1.
     ///
     /// # Errors
     /// A lost device.
     fn read(&mut self, samples: u32) -> Result<(Image, Vec<f32>), BackendError>;
 
-    /// Work in the picture so far, that of kept samples included.
+    /// Work in the picture so far, including kept samples.
     ///
     /// # Errors
     /// A lost device.

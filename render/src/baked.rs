@@ -1,4 +1,4 @@
-//! A dataset with its ray hierarchies: made once, shared by the CPU renderer, the references and picking.
+//! A dataset with its ray hierarchies, built once and shared by the CPU renderer, the references and picking.
 
 use glam::Vec3;
 use lapidary_core::{
@@ -17,7 +17,7 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-/// A dataset that is ready to be shown. Copying it is cheap.
+/// A dataset ready for rendering. Cloning is cheap.
 #[derive(Clone)]
 pub struct Baked {
     /// The dataset.
@@ -29,7 +29,7 @@ pub struct Baked {
 /// Hierarchies of the mesh.
 #[derive(Default)]
 struct Rays {
-    /// There within a second or so.
+    /// Built within about a second.
     quick: OnceLock<Intersector>,
     /// For many rays.
     thorough: OnceLock<Intersector>,
@@ -48,15 +48,15 @@ impl<D: Into<Arc<Dataset>>> From<D> for Baked {
 }
 
 impl Baked {
-    /// Begins to build the ray hierarchies on a thread, so that the quick one is ready, or nearly, when it is needed, and the
-    /// thorough one after a while.
+    /// Starts to build the ray hierarchies on a thread: the quick one is then ready or nearly so when needed, the thorough one
+    /// later.
     pub fn begun(dataset: impl Into<Arc<Dataset>>) -> Self {
         let baked = Self::from(dataset);
         baked.begin();
         baked
     }
 
-    /// The opacities that the hierarchies have: those that were baked.
+    /// Baked opacities of the hierarchies.
     pub fn opacities(&self) -> Opacities {
         Opacities::of_scene(&self.dataset.scene)
     }
@@ -66,7 +66,7 @@ impl Baked {
         self.dataset.scene.mesh.ground.is_some()
     }
 
-    /// The same for one that has no hierarchies yet.
+    /// Starts to build missing hierarchies.
     pub fn begin(&self) {
         let builds = self.clone();
         std::thread::spawn(move || {
@@ -75,8 +75,9 @@ impl Baked {
         });
     }
 
-    /// Casts rays on the mesh, by the best hierarchy that is there; they meet the same with any but along edges, see [`Intersector::quick`]. If there is none yet, the quick
-    /// one is built, and other callers wait for it: call it from a thread that may wait.
+    /// Casts rays on the mesh by the best existing hierarchy. All hierarchies give the same hits except along edges; see
+    /// [`Intersector::quick`]. If none exists, the quick one is built and other callers wait for it: call this from a thread that
+    /// may wait.
     pub fn intersector(&self) -> &Intersector {
         let quick = || {
             let scene = &self.dataset.scene;
@@ -90,15 +91,15 @@ impl Baked {
         self.rays.thorough.get().or_else(|| self.rays.quick.get())
     }
 
-    /// Builds the thorough hierarchy, for those who trace many rays; seconds for a million triangles.
+    /// Builds the thorough hierarchy, for many rays; takes seconds for a million triangles.
     pub fn refine(&self) {
         self.rays.thorough.get_or_init(|| Intersector::of_scene(&self.dataset.scene));
     }
 
-    /// The scene where its objects are posed, see [`Posing`].
+    /// The scene with its objects posed; see [`Posing`].
     ///
     /// # Errors
-    /// Objects out of reach.
+    /// Objects out of range.
     pub fn posed(&self, poses: &Poses) -> Result<Self, MeshError> {
         match poses.is_empty() {
             true => Ok(self.clone()),
@@ -111,12 +112,12 @@ impl Baked {
         Self { dataset: Dataset { cuts, ..Arc::unwrap_or_clone(self.dataset) }.into(), ..self }
     }
 
-    /// The patch of each vertex, 0 to 63: vertices close to each other, as many in each. Found at the first call.
+    /// The patch of each vertex, 0 to 63: equal numbers of neighboring vertices. Computed at the first call.
     pub fn patches(&self) -> Arc<[u8]> {
         self.patches.get_or_init(|| patches(&self.dataset.scene.mesh.positions).into()).clone()
     }
 
-    /// Whether both are one dataset, or none.
+    /// Whether both are the same dataset, or both `None`.
     pub fn are_same(a: Option<&Self>, b: Option<&Self>) -> bool {
         match (a, b) {
             (Some(a), Some(b)) => a.is_same(b),
@@ -124,38 +125,38 @@ impl Baked {
         }
     }
 
-    /// Whether both are the same dataset, not only equal ones.
+    /// Whether both are the same dataset, not merely equal.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.dataset, &other.dataset)
     }
 }
 
-/// Poses the objects of a scene again and again.
+/// Poses the objects of a scene repeatedly.
 pub struct Posing {
     baked: Baked,
     objects: Objects,
-    /// Of the objects that moved last.
+    /// Rays for the objects that moved last.
     rays: Option<PosableRays>,
 }
 
-/// Rays on a scene of which some objects move.
+/// Rays on a scene with moving objects.
 struct PosableRays {
     moving: BTreeSet<u32>,
-    /// Whether they are those of the thorough hierarchy.
+    /// Whether they are built from the thorough hierarchy.
     is_thorough: bool,
     posable: Posable,
 }
 
 impl Posing {
-    /// Of a scene as it was baked.
+    /// For a scene as baked.
     pub fn new(baked: &Baked) -> Self {
         Self { objects: Objects::of(&baked.dataset.scene), baked: baked.clone(), rays: None }
     }
 
-    /// The scene under some poses: vertices and rays are elsewhere, all else is as it was baked.
+    /// The scene under some poses: vertices and rays move, all else is as baked.
     ///
     /// # Errors
-    /// Objects out of reach.
+    /// Objects out of range.
     pub fn posed(&mut self, poses: &Poses) -> Result<Baked, MeshError> {
         let baked = self.baked.dataset.clone();
         let mesh = poses.pose(&baked.scene.mesh, &self.objects)?;
@@ -237,7 +238,7 @@ mod tests {
         let (before, quick) = (hits(), std::ptr::from_ref(baked.intersector()));
         assert!(before.iter().any(Option::is_some) && before.iter().any(Option::is_none));
         baked.refine();
-        assert!(!std::ptr::eq(quick, baked.intersector()), "the thorough one is taken");
+        assert!(!std::ptr::eq(quick, baked.intersector()), "the thorough hierarchy is used");
         assert_eq!(before, hits());
     }
 
@@ -249,7 +250,7 @@ mod tests {
         for patch in 0..64 {
             let own: Vec<Vec3> = (0..positions.len()).filter(|&i| patches[i] == patch).map(|i| positions[i]).collect();
             assert_eq!(own.len(), 64);
-            assert!(own.iter().all(|p| p.distance(own[0]) < 23.0), "in a quarter of the width");
+            assert!(own.iter().all(|p| p.distance(own[0]) < 23.0), "within a quarter of the width");
         }
         assert!(super::patches(&[]).is_empty());
         assert_eq!(super::patches(&[Vec3::ONE]), [0], "without extent");

@@ -1,45 +1,45 @@
-//! Why a renderer cannot go on.
+//! Errors of renderers.
 
 use crate::remedy::{Remedy, Wording};
 use lapidary_core::scene::MeshError;
 use std::{error::Error, fmt};
 
-/// Why a renderer cannot go on.
+/// Why a renderer cannot continue.
 #[derive(Debug)]
 pub enum BackendError {
-    /// There is nothing to render on.
+    /// No adapter can be used.
     NoAdapter {
-        /// Why none can be used.
+        /// Why no adapter can be used.
         reason: String,
     },
-    /// The adapter went away or was reset.
+    /// The adapter was removed or reset.
     DeviceLost {
         /// Message of the driver.
         reason: String,
     },
     /// Something is larger than the adapter can hold.
     Limit {
-        /// The data that are too large.
+        /// The oversized data.
         what: &'static str,
-        /// How much it needs.
+        /// Needed size.
         needed: u64,
-        /// How much there may be.
+        /// Largest allowed size.
         limit: u64,
         /// Unit of both.
         unit: &'static str,
-        /// Whose limit it is.
+        /// The adapter with this limit.
         adapter: String,
-        /// What to do; the CPU has no such limit on what is baked.
+        /// Remedy; the CPU has no such limit on baked data.
         remedy: Remedy,
     },
-    /// The driver refused.
+    /// The driver failed.
     Driver(String),
-    /// Objects are posed out of reach.
+    /// Objects are posed out of range.
     Pose(MeshError),
 }
 
 impl BackendError {
-    /// In words, with remedies told by `wording`.
+    /// The message, with remedies in `wording`.
     pub fn text(&self, wording: Wording) -> String {
         let cpu = wording(Remedy::Cpu);
         match self {
@@ -55,7 +55,7 @@ impl BackendError {
                 let remedy = wording(*remedy);
                 format!("{what} need {needed} {unit}, but the adapter \"{adapter}\" allows {limit}; {remedy}{or_cpu}")
             }
-            Self::Pose(source) => format!("the objects cannot be posed so: {source}"),
+            Self::Pose(source) => format!("the objects cannot be posed this way: {source}"),
             Self::Driver(reason) => format!("the graphics driver failed ({reason}); update it, or {cpu}"),
         }
     }

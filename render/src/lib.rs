@@ -1,9 +1,9 @@
-//! Dataset, lighting, materials and camera to image.
+//! Renders images from dataset, lighting, materials and camera.
 //!
 //! A [`LitScene`] shows one [`Look`] after another by merging cuts (paper, 4.2). [`Renderer::samples_reference`] and
-//! [`Renderer::path_reference`] trace rays instead: the first shows the error of the cuts, the second also that of the
-//! light samples. All three sample the pixel and look up the surface by the same code, so that edges and textures do
-//! not count as error. [`compare`] measures pictures.
+//! [`Renderer::path_reference`] trace rays instead: the first shows the error of the cuts, the second also the error of the light
+//! samples. All three share the code for pixel samples and surface lookups, so edges and textures do not count as error.
+//! [`compare`] measures pictures.
 //!
 //! | folder | contents |
 //! |---|---|

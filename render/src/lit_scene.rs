@@ -1,4 +1,4 @@
-//! A scene on a renderer that shows one look after another, and repeats only what an edit changes ([`Redo`]).
+//! A scene on a renderer that shows one look after another and redoes only what an edit changes ([`Redo`]).
 
 mod ladder;
 mod lighting;
@@ -14,43 +14,43 @@ use lapidary_core::{ground::Ground, image::Image};
 use pose_rigs::PoseRigs;
 use std::{ops::Range, sync::Arc, time::Instant};
 
-/// Rows that are rendered at once. Drivers stop work that blocks a graphics adapter for seconds, as the whole of a
-/// large picture with thousands of lights may.
+/// Rows rendered at once. Drivers stop work that blocks an adapter for seconds, such as a whole large picture with thousands of
+/// lights.
 const BAND_ROWS: u32 = 64;
 
-/// A scene with what renders and lights it.
+/// A scene with its renderer and lights.
 pub struct LitScene<B: Backend + ?Sized = dyn Backend> {
     /// The scene as it was baked.
     baked: Baked,
-    /// What lights it now.
+    /// The current lighting.
     situation: Situation,
     /// Whether the renderer has the situation's poses.
     is_posed: bool,
-    /// Poses the scene; `None` before it ever was.
+    /// Poses the scene; `None` before the first pose.
     posing: Option<Posing>,
     /// Rigs that light the posed scene.
     pose_rigs: PoseRigs,
     /// How finely posed objects are lit.
     detail: ImplicitDetail,
-    /// The one that a drag has time for.
+    /// ImplicitDetail level for drags.
     drag_detail: ImplicitDetail,
-    /// Whether the solver of bounced light has more steps to do.
+    /// Whether the solver of bounced light has more steps.
     is_unsolved: bool,
     environment_rig: LightRig,
     local_rig: LocalRig,
-    /// What the renderer has; `None` after a failure, so that everything is set again.
+    /// The renderer's current state; `None` after a failure, so that everything is set again.
     lit: Option<LitLook>,
-    /// Number of times that the environment was lit, which tells others that its light is new.
+    /// Counts how often the environment was lit, so that others notice new light.
     light_revision: u64,
     /// Whether all samples of the look's picture are rendered.
     finished: bool,
-    /// Whether the next look is lit again, even by the same light.
+    /// Whether the next look recomputes its light, even if unchanged.
     relight: bool,
-    /// What of the renderer's picture does not hold any more.
+    /// Stale parts of the renderer's picture.
     stale: Stale,
-    /// Of the bounced light, since it was shaded.
+    /// Change of the bounced light since it was shaded.
     drift: Drift,
-    /// Whether pixels keep bounced light that a changed material moves by less than can be seen.
+    /// Whether pixels keep bounced light that a changed material changes invisibly.
     keeps_unseen: bool,
     remarks: Remarks,
     backend: Box<B>,
@@ -62,11 +62,10 @@ struct LitLook {
     local: LocalLighting,
 }
 
-/// Remarks, in sentences, on what was changed to make something fit.
+/// Remarks, in sentences, on changes made to fit limits.
 #[derive(Default)]
 struct Remarks {
-    /// Remarks on the state of the renderer: on the appearance, the environment, and local lights. They are not
-    /// repeated.
+    /// Remarks on the renderer's state: appearance, environment, and local lights. They are not repeated.
     of: [Vec<String>; 3],
     untold: Vec<String>,
 }
@@ -83,14 +82,14 @@ impl Remarks {
 pub struct FinishedPicture {
     /// Scene-linear radiance, or the quantity of the view's mode.
     pub image: Image,
-    /// How much of each pixel is covered by surfaces, 0 to 1.
+    /// Surface coverage of each pixel, 0 to 1.
     pub coverage: Vec<f32>,
-    /// How it was made; the seconds are those from the light to the last pixel.
+    /// Statistics; the seconds are from the light to the last pixel.
     pub stats: RenderStats,
 }
 
 impl<B: Backend + ?Sized> LitScene<B> {
-    /// Gives a scene to a renderer. This takes some tenths of a second, and more with surface sources.
+    /// Gives a scene to a renderer; takes some tenths of a second, or more with surface sources.
     ///
     /// # Errors
     /// A dataset larger than the adapter's limits.
@@ -119,14 +118,14 @@ impl<B: Backend + ?Sized> LitScene<B> {
         })
     }
 
-    /// Lets pixels keep bounced light that a changed material moves by less than half a step of 8 bits. Pictures then
-    /// depend, as little, on those before them.
+    /// Lets pixels keep bounced light that a changed material changes by less than half an 8-bit step. Pictures then depend on
+    /// earlier ones by as little.
     pub fn keep_unseen_changes(mut self) -> Self {
         self.keeps_unseen = true;
         self
     }
 
-    /// Gives the renderer a scene unless it has it already. Returns whether the scene is another one.
+    /// Gives the renderer a scene unless it already has it. Returns whether the scene is new.
     ///
     /// # Errors
     /// A dataset larger than the adapter's limits; the previous scene is kept then.
@@ -142,14 +141,14 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(true)
     }
 
-    /// Notes that the renderer has a scene of which there is no picture.
+    /// Records that there is no picture of the renderer's scene.
     fn forget_pictures(&mut self) {
         (self.finished, self.stale) = (false, Stale::ALL);
         self.drift = Drift::default();
     }
 
-    /// Renders a look, unless it was the last one rendered. `go_on` is asked before each band of rows, and may wait.
-    /// Returns `None` if it answers no.
+    /// Renders a look, unless it was rendered last. `go_on` is called before each band of rows, and may wait. Returns `None` if it
+    /// returns false.
     ///
     /// # Errors
     /// A picture beyond the adapter's limits, or a lost device.
@@ -181,7 +180,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(picture.expect("nothing stops it"))
     }
 
-    /// The picture that [`Self::show`] finished last, as a display shows it: sRGB-encoded, row by row from the top.
+    /// The picture last finished by [`Self::show`], as displayed: sRGB-encoded, row by row from the top.
     ///
     /// # Errors
     /// A lost device.
@@ -190,7 +189,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.backend.display(post, samples)
     }
 
-    /// Gives the renderer the materials and the light of a look, as far as they have changed.
+    /// Gives the renderer the changed materials and lights of a look.
     ///
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
@@ -202,19 +201,17 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(())
     }
 
-    /// Makes the next look be lit and rendered again, even if it is the same, to measure how long that takes. Materials
-    /// stay.
+    /// Makes the next look recompute its light and picture even if unchanged, for timing. Materials stay.
     pub fn forget_light(&mut self) {
         (self.relight, self.finished, self.stale) = (true, false, Stale::ALL);
     }
 
-    /// Makes the next look be rendered again, even if it is the same, to measure how long that takes. Materials and light
-    /// stay.
+    /// Makes the next look recompute its picture even if unchanged, for timing. Materials and light stay.
     pub fn forget_picture(&mut self) {
         (self.finished, self.stale) = (false, Stale::ALL);
     }
 
-    /// Begins a picture of the scene under its current light without samples, which [`Self::render_rows`] renders step by step.
+    /// Starts a picture of the scene under its current light, without samples; [`Self::render_rows`] renders it step by step.
     ///
     /// # Errors
     /// A picture larger than the adapter's limits, or a lost device.
@@ -226,8 +223,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(())
     }
 
-    /// [`Self::begin`] with the samples of the last picture that no edit has made stale. All samples of all rows are to be
-    /// rendered, which takes no time where they are kept.
+    /// [`Self::begin`] with the samples of the last picture that no edit made stale. Render all samples of all rows; kept ones take
+    /// no time.
     ///
     /// # Errors
     /// As [`Self::begin`].
@@ -263,7 +260,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.backend.fill(most_shaded)
     }
 
-    /// Renders all samples of all rows. Returns whether `go_on` always answered yes.
+    /// Renders all samples of all rows. Returns whether `go_on` always returned true.
     fn render_samples(&mut self, view: &View, go_on: &mut dyn FnMut() -> bool) -> Result<bool, BackendError> {
         let height = view.size[1];
         for sample in 0..view.aa {
@@ -293,7 +290,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Surface properties in a look, without light.
     pub fn surfaces(&self, look: &Look) -> SurfaceLayers {
-        // A shadow over nothing is no surface.
+        // A shadow without a background is not a surface.
         let is_shadow = look.catches_shadows() && look.view.background == Background::Transparent;
         let ground = if is_shadow { Ground::Off } else { look.view.ground };
         look.renderer(&self.baked).surface_layers(&View { ground, ..look.view.clone() })
@@ -304,7 +301,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         &self.baked
     }
 
-    /// By what its light is found.
+    /// Method by which its light is computed.
     pub fn tier(&self) -> Tier {
         if self.situation.poses.is_empty() { Tier::Cuts } else { Tier::Implicit }
     }
@@ -314,30 +311,28 @@ impl<B: Backend + ?Sized> LitScene<B> {
         &mut self.backend
     }
 
-    /// The light of the environment, once a look was lit.
+    /// The light of the environment, after the first look.
     pub fn environment(&self) -> Option<&Arc<SceneLighting>> {
         self.situation.environment.as_ref()
     }
 
-    /// Changes whenever [`Self::environment`] does.
+    /// Changes whenever [`Self::environment`] changes.
     pub fn light_revision(&self) -> u64 {
         self.light_revision
     }
 
-    /// Local lights and bounced light, after a first look.
+    /// Local lights and bounced light, after the first look.
     pub fn local(&self) -> Option<&LocalLighting> {
         self.lit.as_ref().map(|lit| &lit.local)
     }
 
-    /// Remarks since the last call, in sentences, on what was changed to make something fit. None is repeated while it
-    /// holds.
+    /// New remarks since the last call, in sentences, on changes made to fit limits. Each appears once while it holds.
     pub fn remarks(&mut self) -> Vec<String> {
         std::mem::take(&mut self.remarks.untold)
     }
 }
 
-/// Gives a scene to a renderer, and makes its rigs. The light rig is made at the same time as the scene, because each
-/// takes as long as the other.
+/// Gives a scene to a renderer, and creates its rigs. The light rig is created in parallel, because each takes equally long.
 fn rigs<B: Backend + ?Sized>(backend: &mut B, baked: &Baked) -> Result<(LightRig, LocalRig), BackendError> {
     let tree = &baked.dataset.tree;
     let environment = std::thread::scope(|threads| {

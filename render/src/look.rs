@@ -1,4 +1,4 @@
-//! All that decides a picture of a baked scene, and what a renderer must redo for another look.
+//! All settings of a picture of a baked scene, and the work for a change of look.
 
 use crate::{
     Appearance, Baked, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Renderer, Solution, Stale, View,
@@ -13,10 +13,10 @@ use lapidary_core::{
 };
 use std::sync::Arc;
 
-/// All that decides a picture of a baked scene. A copy shares texels and maps.
+/// All settings of a picture of a baked scene. Clones share texels and maps.
 #[derive(Clone, Debug)]
 pub struct Look {
-    /// Objects that are not where they were baked.
+    /// Objects away from their baked place.
     pub poses: Poses,
     /// Materials and textures.
     pub appearance: Appearance,
@@ -24,44 +24,43 @@ pub struct Look {
     pub illumination: Illumination,
     /// Local lights.
     pub lights: Arc<[Light]>,
-    /// Which parts of the light are in the picture.
+    /// Light components in the picture.
     pub components: Components,
     /// How bounced light is computed; the dataset must have this solution.
     pub solution: Solution,
     /// Most nodes of the illumination cut, for sampling without lit cuts.
     pub illum_cut: u32,
-    /// Largest share of a vertex's light that a node of its lit cut moves, for [`BrdfSampling::Lit`]; 0 leaves the stored cuts
-    /// as they are.
+    /// Largest share of a vertex's light that a node of its lit cut moves, for [`BrdfSampling::Lit`]; 0 keeps the stored cuts.
     pub tau: f32,
     /// How the BRDF is sampled.
     pub sampling: BrdfSampling,
     /// Camera, size, samples per pixel, and the background.
     pub view: View,
-    /// Exposure and tone curve of the display; scene-linear files do not have them.
+    /// Exposure and tone curve of the display; scene-linear files ignore them.
     pub post: Post,
 }
 
 impl Look {
-    /// Whether the ground, if there is one, catches shadows over what is behind it.
+    /// Whether the ground, if any, catches shadows over the background.
     pub fn catches_shadows(&self) -> bool {
         let Illumination { environment, intensity, .. } = &self.illumination;
         caught_per_radiance(&self.view, environment, *intensity, self.components.environment).is_some()
     }
 
-    /// How the bounced light of its picture is computed: views of the meshless basis show its solution.
+    /// Solution of bounced light in its picture: views of the meshless basis show the basis's own.
     pub fn shown_solution(&self) -> Solution {
         if self.view.mode.is_of_basis() { Solution::Meshless } else { self.solution }
     }
 
-    /// A scene with its materials and with objects where it poses them, or where they were baked if they cannot be posed so; missing
-    /// materials and maps are replaced.
+    /// A renderer for the scene with the look's materials and poses, or in its baked poses if these are invalid; missing materials
+    /// and maps are replaced.
     pub fn renderer(&self, baked: &Baked) -> Renderer {
         let mut renderer = Renderer::new(baked.posed(&self.poses).unwrap_or_else(|_| baked.clone()));
         renderer.set_appearance(self.appearance.fitted(&renderer.dataset.scene.materials).0);
         renderer
     }
 
-    /// A scene as it was baked, under an environment alone, with an illumination cut of 256 nodes.
+    /// A scene as baked, under an environment alone, with an illumination cut of 256 nodes.
     pub fn under_environment(scene: &Scene, view: View, illumination: Illumination) -> Self {
         Self {
             poses: Poses::default(),
@@ -79,31 +78,31 @@ impl Look {
     }
 }
 
-/// What a renderer must redo for another look. Each step needs those before it, and only what is set is redone.
+/// Work of a renderer for another look. Each step needs the earlier ones, and only set steps are redone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Redo {
-    /// What lights the scene. A renderer of a scene that is posed anew gets everything again.
+    /// The scene's lighting. After a pose the renderer gets everything again.
     pub light: Changes,
-    /// Which of the light is shown: components, and the solution of bounced light.
+    /// The shown light: components, and the solution of bounced light.
     pub shown: bool,
-    /// Another picture of what is lit as it was: another camera, size, background or quantity.
+    /// Another picture under the same light: another camera, size, background or quantity.
     pub view: bool,
-    /// The pixels: deferred pass and merge, by what they show and by the part of their light.
+    /// Pixels (deferred pass and merge), by shown surface and part of the light.
     pub pixels: Stale,
     /// Exposure and tone curve over the finished pixels.
     pub display: bool,
 }
 
 impl Redo {
-    /// Everything, as after a scene was opened.
+    /// Everything, as after opening a scene.
     pub const ALL: Self = Self { light: Changes::ALL, shown: true, view: true, pixels: Stale::ALL, display: true };
     /// Nothing.
     pub const NOTHING: Self =
         Self { light: Changes::NONE, shown: false, view: false, pixels: Stale::NOTHING, display: false };
 
-    /// What a renderer that has shown `old` must redo to show `new`.
+    /// Work for showing `new` after `old`.
     pub fn between(old: &Look, new: &Look) -> Self {
-        // All fields by name, so that a new one is not forgotten.
+        // All fields by name, so that no new one is forgotten.
         let Look {
             poses,
             appearance,
@@ -120,7 +119,7 @@ impl Redo {
         let light = Changes {
             poses: *poses != new.poses,
             appearance: !appearance.is_same(&new.appearance),
-            // The illumination cut is part of the environment's light, which sources and senders receive by it.
+            // The illumination cut belongs to the environment's light, and sources and senders receive light through it.
             environment: !illumination.is_same(&new.illumination) || *illum_cut != new.illum_cut,
             lights: *lights != new.lights,
             gathering: (*illum_cut, *tau) != (new.illum_cut, new.tau),
@@ -134,27 +133,27 @@ impl Redo {
         Self { light, shown, view, pixels, display }
     }
 
-    /// Whether anything is to be rendered.
+    /// Whether anything must be rendered.
     pub fn renders(self) -> bool {
         self.view || self.pixels.any()
     }
 
-    /// Samples that would not hold any more in the same view.
+    /// Samples that are invalid even in the same view.
     fn stale(old: &Look, new: &Look, changes: Changes) -> Stale {
         let Components { environment, direct, indirect } = new.components;
         let looks = Self::changed_looks(old, new);
         let (sky, lights) = (changes.environment || changes.gathering, changes.lights);
-        // A ground that catches shadows reflects what is behind it, and is a surface where no environment shines.
+        // A ground that catches shadows reflects the background, and is an ordinary surface without an environment.
         let catches = new.view.ground == Ground::Shadow;
         let ground = catches && (sky || environment != old.components.environment);
         let bounced = sky || lights || old.solution != new.solution;
-        // What surfaces send by themselves is shown with local lights, but summed with what needs no merge.
+        // Emission is shown with local lights, but summed with the values that need no merge.
         let shines = || new.appearance.materials.iter().any(Material::shines);
         let lamps = direct != old.components.direct && shines();
         let background = environment != old.components.environment || environment && sky || lamps;
         Stale {
             environment: looks.and(Pixels::all_if(background)),
-            // `LitScene` adds those that the light of a changed material reaches.
+            // `LitScene` adds the pixels that the light of a changed material reaches.
             bounce: looks.and(Pixels::all_if(indirect != old.components.indirect || indirect && (bounced || ground))),
             direct: looks.and(Pixels::all_if(direct != old.components.direct || direct && ground)),
             lights: direct && lights || Self::shows_other_suns(old, new, changes),
@@ -162,14 +161,14 @@ impl Redo {
         }
     }
 
-    /// Whether other suns shine.
+    /// Whether the shown suns differ.
     fn shows_other_suns(old: &Look, new: &Look, changes: Changes) -> bool {
         let may_differ = changes.environment || old.components.environment != new.components.environment;
         let shown = |look: &Look| if look.components.environment { look.illumination.suns() } else { Vec::new() };
         may_differ && shown(old) != shown(new)
     }
 
-    /// Pixels that show a material that has changed.
+    /// Pixels that show a changed material.
     fn changed_looks(old: &Look, new: &Look) -> Pixels {
         match old.appearance.changed_materials(&new.appearance) {
             None => Pixels::All,
@@ -191,7 +190,7 @@ mod tests {
     };
     use std::sync::Arc;
 
-    /// Steps that an edit of a look redoes.
+    /// Steps redone after an edit of a look.
     fn redone(edit: impl FnOnce(&mut Look)) -> Redo {
         let old = look();
         let mut new = old.clone();
@@ -248,7 +247,7 @@ mod tests {
         without.components.direct = false;
         assert_eq!(Redo::between(&lamp, &without).pixels.environment, Pixels::All);
         let shown = Pixels::Showing(Marks::of_materials([0]));
-        assert_eq!(Redo::between(&before, &lamp).pixels.environment, shown, "a lamp that is lit");
+        assert_eq!(Redo::between(&before, &lamp).pixels.environment, shown, "a lamp that is switched on");
         let dark = redone(|look| look.components.direct = false);
         assert_eq!(dark.pixels.environment, Pixels::Nothing, "negative control: nothing shines");
     }
@@ -283,7 +282,7 @@ mod tests {
         let appearance = |pixels| Redo { light, pixels, display: true, ..Redo::NOTHING };
         let rough = redone(|look| look.appearance.materials[1].parameters.set("roughness", 0.1));
         assert_eq!(rough, appearance(showing(&[1])));
-        // Both have maps that had no picture.
+        // Both maps had no picture.
         let texture = Texture::new("t", [1, 1], Texels::F32(vec![[0.5; 4]]));
         let mapped = redone(|look| look.appearance.textures = vec![Arc::new(texture)]);
         assert_eq!(mapped, appearance(showing(&[0, 1])));

@@ -1,4 +1,4 @@
-//! How far a picture is from another, and where the difference comes from.
+//! How much two pictures differ, and where the difference comes from.
 
 pub mod compare;
 pub(crate) mod cut_light;

@@ -1,4 +1,4 @@
-//! The post pass: scene-linear radiance to what a display shows. An edit of exposure or tone curve redoes nothing else.
+//! The post pass: scene-linear radiance to display values. Edits of exposure or tone curve redo nothing else.
 //!
 //! The list of all tone curves. Twin of `shaders/tonemap.wgsl`.
 
@@ -6,17 +6,17 @@ use glam::{Mat3, Vec3};
 use lapidary_core::color::{luminance, srgb_from_linear};
 use serde::{Deserialize, Serialize};
 
-/// All that lists say of a tone curve, and the curve.
+/// A tone curve with its texts for lists.
 pub struct Curve {
     /// Name on the command line.
     pub key: &'static str,
-    /// Name for people.
+    /// Display name.
     pub label: &'static str,
-    /// What it is good for.
+    /// Summary of its use.
     pub summary: &'static str,
-    /// How it computes, for the command line.
+    /// Method, for the command line.
     pub method: &'static str,
-    /// Exposed radiance to display-linear values.
+    /// Maps exposed radiance to display-linear values.
     function: fn(Vec3) -> Vec3,
     /// Name of the function, here and in `shaders/tonemap.wgsl`.
     name: &'static str,
@@ -30,7 +30,7 @@ macro_rules! tone_maps {
         pub enum ToneMap { $($(#[$attribute])* $variant,)* }
 
         impl ToneMap {
-            /// All of them, in the order of menus.
+            /// All curves in menu order.
             pub const ALL: [Self; [$(stringify!($variant)),*].len()] = [$(Self::$variant),*];
 
             /// Its entry in the list.
@@ -43,7 +43,7 @@ macro_rules! tone_maps {
     };
 }
 
-// A new curve is an entry, its function below and the twin of that in `shaders/tonemap.wgsl`.
+// To add a curve, add an entry, its function below, and that function's twin in `shaders/tonemap.wgsl`.
 tone_maps! {
     /// No curve: clamped and sRGB-encoded.
     #[default]
@@ -85,12 +85,12 @@ tone_maps! {
 }
 
 impl ToneMap {
-    /// Name for people.
+    /// Display name.
     pub fn label(self) -> &'static str {
         self.curve().label
     }
 
-    /// The choice of a curve in shaders, by its number.
+    /// WGSL that selects a curve by its number.
     pub(crate) fn wgsl() -> String {
         let case = |tone: Self| format!("        case {}u: {{ return {}(c); }}\n", tone as u32, tone.curve().name);
         let cases = Self::ALL.map(case).concat();
@@ -105,14 +105,14 @@ impl ToneMap {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Post {
-    /// Stops; radiance is scaled by two to this power.
+    /// Exposure in stops; radiance is scaled by two to this power.
     pub exposure: f32,
     /// Curve.
     pub tone_map: ToneMap,
 }
 
 impl Post {
-    /// Display color of `radiance`: encoded, each channel 0 to 1. NaN becomes magenta, to be visible.
+    /// Display color of `radiance`: encoded, each channel 0 to 1. NaN becomes magenta.
     pub fn display(&self, radiance: Vec3) -> Vec3 {
         if radiance.is_nan() {
             return Vec3::new(1.0, 0.0, 1.0);
@@ -122,7 +122,7 @@ impl Post {
     }
 }
 
-/// Brighter is as bright: squares of it must stay finite.
+/// Larger values look the same, and their squares must stay finite.
 const LARGEST: f32 = 1e6;
 
 fn standard(c: Vec3) -> Vec3 {

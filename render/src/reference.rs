@@ -1,4 +1,4 @@
-//! Pictures that trace rays where the renderer uses cuts.
+//! Reference pictures, which trace rays instead of using cuts.
 
 mod direct;
 pub(crate) mod path;

@@ -1,6 +1,6 @@
-//! What helps against errors of renderers. The library says it in words; a front end says how it is set there.
+//! Remedies for renderer errors. The library words them generally; a front end names its own options.
 
-/// What to change so that an error does not come again.
+/// A change that avoids an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Remedy {
     /// Compute on the CPU.
@@ -19,11 +19,11 @@ pub enum Remedy {
     SourceBake,
 }
 
-/// How a front end words each of them.
+/// A front end's wording of each remedy.
 pub type Wording = fn(Remedy) -> &'static str;
 
 impl Remedy {
-    /// In plain words, as what to do.
+    /// The remedy as a plain instruction.
     pub fn words(self) -> &'static str {
         match self {
             Self::Cpu => "render on the CPU",

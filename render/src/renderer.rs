@@ -1,4 +1,4 @@
-//! A dataset ready for rendering: the appearance of its surfaces, its ray hierarchy, and the rig that lights its tree.
+//! A dataset ready for rendering: appearance, ray hierarchy, and the rig that lights its tree.
 
 use crate::{
     appearance::{Appearance, ResolvedAppearance},
@@ -8,22 +8,22 @@ use crate::{
 use lapidary_core::{dataset::Dataset, offset, opacity::Opacities, ray::Intersector};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// A dataset ready to be rendered.
+/// A dataset ready for rendering.
 pub struct Renderer {
     pub(crate) dataset: Arc<Dataset>,
     pub(crate) appearance: ResolvedAppearance,
     baked: Baked,
     opacities: Opacities,
-    /// Casts rays where surfaces let through other light than at the bake.
+    /// Casts rays if opacities differ from the bake.
     own_rays: Option<Intersector>,
-    /// Distance in meters that shadow rays start off a surface, at most.
+    /// Largest offset in meters of shadow ray origins from a surface.
     largest_offset: f32,
-    /// Made at the first use: the references by paths do without.
+    /// Created at first use: path references do not need it.
     rig: OnceLock<Mutex<LightRig>>,
 }
 
 impl Renderer {
-    /// Builds a ray hierarchy unless one exists, see [`Baked::intersector`]. The scene has the materials of the dataset.
+    /// Builds a ray hierarchy unless one exists, see [`Baked::intersector`]. The scene has the dataset's materials.
     pub fn new(baked: impl Into<Baked>) -> Self {
         let baked = baked.into();
         baked.intersector();
@@ -34,14 +34,14 @@ impl Renderer {
         Self { dataset, appearance, baked, opacities, own_rays: None, largest_offset, rig: OnceLock::new() }
     }
 
-    /// The same surfaces where the scene is posed.
+    /// The same surfaces in a posed scene.
     pub fn posed(self, posed: Baked) -> Self {
         let mut renderer = Self { rig: self.rig, ..Self::new(posed) };
         renderer.take_appearance(self.appearance);
         renderer
     }
 
-    /// Gives the scene other materials; there must be as many, or more that are assigned.
+    /// Replaces the materials; there must be as many, or more with assigned ones.
     pub fn set_appearance(&mut self, appearance: Appearance) {
         self.take_appearance(appearance.into());
     }
@@ -59,7 +59,7 @@ impl Renderer {
         self.appearance = appearance;
     }
 
-    /// Makes rays pass surfaces as they let light through now. Only where others are thin is there another hierarchy.
+    /// Makes rays use the current opacities. A new hierarchy is built only if other surfaces are thin.
     fn take_opacities(&mut self, opacities: Opacities) {
         let has_same_triangles = opacities.has_same_assignment(&self.opacities);
         if opacities.agree(&self.baked.opacities(), &self.dataset.scene.mesh) {
@@ -75,12 +75,12 @@ impl Renderer {
         &self.dataset
     }
 
-    /// Casts rays on the mesh, whose surfaces let through what they do now.
+    /// Casts rays on the mesh, with the current opacities.
     pub fn intersector(&self) -> &Intersector {
         self.own_rays.as_ref().unwrap_or_else(|| self.baked.intersector())
     }
 
-    /// Builds the hierarchy for many rays, see [`Baked::refine`].
+    /// Builds the thorough hierarchy, see [`Baked::refine`].
     pub(crate) fn refine(&self) {
         self.baked.refine();
     }
@@ -90,18 +90,18 @@ impl Renderer {
         self.baked.patches()
     }
 
-    /// Distance in meters that shadow rays start off a surface, at most.
+    /// Largest offset in meters of shadow ray origins from a surface.
     pub(crate) fn largest_offset(&self) -> f32 {
         self.largest_offset
     }
 
-    /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. Rotating or scaling an
-    /// environment takes milliseconds, another environment some more.
+    /// The tree under `light`, with an illumination cut of at most `illum_cut` nodes. Rotating or scaling an environment takes
+    /// milliseconds, another environment somewhat more.
     pub fn lighting(&self, light: &Illumination, illum_cut: u32) -> SceneLighting {
         self.rig().lighting(light, illum_cut)
     }
 
-    /// The rig that lights the tree, made at the first call.
+    /// The rig that lights the tree, created at the first call.
     pub(crate) fn rig(&self) -> MutexGuard<'_, LightRig> {
         let rig = self.rig.get_or_init(|| Mutex::new(LightRig::new(&self.dataset.tree)));
         rig.lock().unwrap_or_else(PoisonError::into_inner)

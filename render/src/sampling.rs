@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 pub enum BrdfSampling {
     /// Stored cuts and the illumination cut; the BRDF once per node at its direction, as in the paper (Eq. 6).
     Once,
-    /// The same cuts. Nodes too wide for the lobe are halved, and the lobe is filtered by the remaining width.
+    /// The same cuts. Nodes too wide for the lobe are split, and the lobe is filtered by the remaining width.
     Refine,
-    /// Lit cuts, and where nodes are too wide for the lobe the stored cuts below them; then as [`Self::Refine`].
+    /// Lit cuts, and the stored cuts below nodes too wide for the lobe; then as [`Self::Refine`].
     #[default]
     Lit,
 }

@@ -1,4 +1,4 @@
-//! From a sample of a pixel to the light that its surface reflects: camera ray, surface point, merge of the cuts.
+//! From a pixel sample to the light that its surface reflects: camera ray, surface point, merge of the cuts.
 
 pub(crate) mod background;
 pub(crate) mod bumps;

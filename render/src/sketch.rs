@@ -1,15 +1,14 @@
-//! The first sample of a picture, from coarse to fine, so that a picture in motion has full edges and textures.
+//! The first sample of a picture, from coarse to fine: moving pictures keep full edges and textures.
 //!
-//! What is cheap is computed for every pixel: what it sees, with normal, place and albedo ([`Guide`]). What is dear, the
-//! light that is reflected there, is computed at the pixels of a lattice first: every eighth in both directions, then every
-//! fourth, second, and all of them. No pixel is computed twice, and the last lattice completes the sample. Until then a
-//! joint bilateral filter fills the pixels between. It interpolates radiance divided by albedo, which varies slowly, and
-//! multiplies it by the pixel's own albedo.
+//! Cheap data is computed for every pixel: its surface with normal, position and albedo ([`Guide`]). The expensive reflected light
+//! is computed first at the pixels of a lattice: every eighth in both directions, then every fourth, every second, and all. No
+//! pixel is computed twice, and the last lattice completes the sample. Until then a joint bilateral filter fills the pixels in
+//! between. It interpolates radiance divided by albedo, which varies slowly, and multiplies it by each pixel's own albedo.
 
 use glam::{IVec2, Vec2, Vec3};
 use lapidary_core::{color::luminance, image::Region};
 
-/// Distances in pixels between the columns, and the rows, of the lattices, from coarse to fine.
+/// Lattice spacings in pixels, from coarse to fine.
 pub const STRIDES: [u32; 4] = [8, 4, 2, 1];
 
 /// Pixels along each side of a tile, a multiple of all strides.
@@ -18,23 +17,23 @@ const TILE: u32 = 64;
 /// Least albedo that radiance is divided by, per channel: half of an 8-bit step of white.
 pub(crate) const LEAST_ALBEDO: f32 = 1.0 / 512.0;
 
-/// Least share of the filter's weight that must fit; a smaller one would let a single far or tilted neighbor decide.
+/// Least share of the filter's weight that must fit, so that no single far or tilted neighbor decides.
 pub(crate) const LEAST_SHARE: f32 = 1.0 / 16.0;
 
-/// Weight of a surface of another material where no lattice point fits: enough where nothing else is near, and no more.
+/// Weight of a surface of another material if no lattice point fits: it matters only if nothing else is near.
 pub(crate) const OTHER: f32 = 1e-3;
 
-/// Squares that divide a picture, numbered in rows from the top left corner. Those at its right and lower edges are cut off.
+/// Square tiles of a picture, numbered in rows from the top left corner and cropped at the right and lower edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tiles {
     size: [u32; 2],
 }
 
 impl Tiles {
-    /// Pixels of a tile that is not cut off.
+    /// Pixels of an uncropped tile.
     pub const MOST_PIXELS: usize = (TILE * TILE) as usize;
 
-    /// Of a picture of `size` pixels.
+    /// Tiles of a picture of `size` pixels.
     pub fn of(size: [u32; 2]) -> Self {
         Self { size }
     }
@@ -43,7 +42,7 @@ impl Tiles {
         self.size[0].div_ceil(TILE)
     }
 
-    /// How many there are.
+    /// Number of tiles.
     pub fn count(self) -> u32 {
         self.columns() * self.size[1].div_ceil(TILE)
     }
@@ -54,14 +53,14 @@ impl Tiles {
         Region { x, y, width: TILE.min(self.size[0] - x), height: TILE.min(self.size[1] - y) }
     }
 
-    /// The part of a lattice in a tile, in columns and rows of the lattice.
+    /// The part of a lattice in a tile, in lattice columns and rows.
     pub(crate) fn on_lattice(self, tile: u32, stride: u32) -> Region {
         let Region { x, y, width, height } = self.region(tile);
         let [width, height] = [width, height].map(|side| side.div_ceil(stride));
         Region { x: x / stride, y: y / stride, width, height }
     }
 
-    /// All tiles, those nearest to `place` first: a position in the picture from 0 to 1 in both directions.
+    /// All tiles by distance to `place`, a position in the picture from 0 to 1 in both directions.
     pub fn nearest_first(self, place: Vec2) -> Vec<u32> {
         let place = place * Vec2::new(self.size[0] as f32, self.size[1] as f32);
         let distance_sq = |&tile: &u32| {
@@ -74,7 +73,7 @@ impl Tiles {
         tiles
     }
 
-    /// Number of the tile of a pixel, and the pixel's place in it, row by row.
+    /// Tile number of a pixel, and the pixel's index in the tile, row by row.
     pub(crate) fn place(self, x: u32, y: u32) -> (usize, usize) {
         let tile = (y / TILE) * self.columns() + x / TILE;
         (tile as usize, ((y % TILE) * TILE + x % TILE) as usize)
@@ -87,23 +86,23 @@ pub fn share_of_lattice(stride: u32) -> f64 {
     if stride == STRIDES[0] { share } else { 0.75 * share }
 }
 
-/// What a pixel's first sample sees, as far as it steers the filter. Exactly one cache line.
+/// The surface at a pixel's first sample, as input of the filter. Exactly one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Guide {
     /// Index of the material, or [`Guide::BACKGROUND`] or [`Guide::BACK`].
     pub material: u32,
-    /// The triangle, with [`Guide::FROM_BEHIND`] if its back is seen.
+    /// The triangle, with [`Guide::FROM_BEHIND`] if its back is visible.
     pub triangle: u32,
     /// Barycentric weights of the triangle's second and third corner.
     pub barycentric: Vec2,
-    /// In meters.
+    /// Position in meters.
     pub position: Vec3,
     /// Unit normal before bump and normal map.
     pub smooth_normal: Vec3,
-    /// Unit normal after them.
+    /// Unit normal after bump and normal map.
     pub normal: Vec3,
-    /// Share of light that is reflected, as bounces use it; at least [`LEAST_ALBEDO`].
+    /// Share of reflected light, as for bounces; at least [`LEAST_ALBEDO`].
     pub albedo: Vec3,
 }
 
@@ -112,28 +111,28 @@ impl Guide {
     pub const BACKGROUND: u32 = u32::MAX;
     /// The back of a one-sided surface.
     pub const BACK: u32 = u32::MAX - 1;
-    /// Flag of a triangle.
+    /// Flag of a triangle seen from behind.
     pub const FROM_BEHIND: u32 = 1 << 31;
 
-    /// Nothing to shade: the background, or a one-sided surface from behind.
+    /// A pixel without a surface to shade: the background, or a one-sided surface from behind.
     pub fn unlit(material: u32) -> Self {
         let [zero, one] = [Vec3::ZERO, Vec3::ONE];
         let (triangle, barycentric) = (0, Vec2::ZERO);
         Self { material, triangle, barycentric, position: zero, smooth_normal: zero, normal: zero, albedo: one }
     }
 
-    /// Whether there is something to shade.
+    /// Whether there is a surface to shade.
     pub fn is_lit(&self) -> bool {
         self.material < Self::BACK
     }
 
-    /// An albedo to divide by.
+    /// Albedo as a divisor.
     pub fn divisor(albedo: Vec3) -> Vec3 {
         albedo.max(Vec3::splat(LEAST_ALBEDO))
     }
 
-    /// How well the light at `other` tells of that here, 0 to 1: see [`Self::fit_surface`]. The ratio of the albedos limits the
-    /// error of light that does not come by the albedo, as gloss over a dark texture.
+    /// How well the light at `other` represents the light here, 0 to 1: see [`Self::fit_surface`]. The ratio of the albedos limits
+    /// the error of light that does not scale with albedo, such as gloss over a dark texture.
     pub fn fit(&self, other: &Self, reach: f32) -> f32 {
         let surface = self.fit_surface(other.material, other.position, other.normal, reach);
         if surface == 0.0 {
@@ -143,10 +142,10 @@ impl Guide {
         surface * (a.min(b) / a.max(b))
     }
 
-    /// How well a place on a surface tells of the light here, 0 to 1. `reach` is the distance of a lattice's points in meters.
+    /// How well a surface position represents the light here, 0 to 1. `reach` is the lattice spacing in meters.
     ///
-    /// It is exactly zero on another material, on a plane more than `reach` away, and where the normals differ by more than
-    /// 60 degrees: light does not bleed over edges.
+    /// It is exactly zero on another material, on a plane more than `reach` away, and if the normals differ by more than 60
+    /// degrees: light does not bleed over edges.
     pub fn fit_surface(&self, material: u32, position: Vec3, normal: Vec3, reach: f32) -> f32 {
         if self.material != material {
             return 0.0;
@@ -172,7 +171,7 @@ pub(crate) fn around([x, y]: [u32; 2], stride: u32, cells: i32) -> impl Iterator
     })
 }
 
-/// A weighted mean of what was interpolated.
+/// A weighted mean of interpolated values.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mean {
     sum: Vec3,
@@ -186,7 +185,7 @@ impl Mean {
         self.weight += weight;
     }
 
-    /// The mean, if enough of the weight of a filter over `cells` did fit.
+    /// The mean, if enough weight of a filter over `cells` fitted.
     pub fn fitting(self, cells: i32) -> Option<Vec3> {
         // The weights of a tent sum to its area in cells.
         (self.weight >= LEAST_SHARE * (cells * cells) as f32).then(|| self.sum / self.weight)

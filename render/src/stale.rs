@@ -1,20 +1,20 @@
-//! Which samples of a picture an edit makes stale. A pixel keeps what it has of each part of the light, until the edit
-//! changes that part at a surface that the pixel shows.
+//! Samples of a picture that an edit makes stale. A pixel keeps its samples of each part of the light until an edit changes that
+//! part on a surface in the pixel.
 //!
-//! The invariant that makes this simple: a pixel has the samples 0 to n of a part. A pass over sample `i` adds to
-//! pixels that have exactly `i` samples and leaves those that have more. So a picture after an edit is the picture
-//! rendered from nothing, but for the rounding of lights that were added: these are summed by themselves.
+//! One invariant keeps this simple: a pixel has the samples 0 to n of a part. A pass over sample `i` adds to pixels that have
+//! exactly `i` samples and skips those with more. So the picture after an edit equals one rendered from scratch, except for
+//! rounding of added lights, which are summed separately.
 
-/// The parts of a picture's light, each with a sum of its own in every pixel.
+/// The parts of a picture's light, each with its own sum in every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LightPart {
-    /// Direct light of the environment, the background, and what view modes without light show.
+    /// Direct light of the environment, the background, and values of view modes without light.
     Environment,
     /// Bounced light.
     Bounce,
     /// Direct light of local lights.
     Direct,
-    /// Direct light of local lights that were switched on after the pixels had all of [`Self::Direct`].
+    /// Direct light of local lights added after the pixels had all samples of [`Self::Direct`].
     Added,
 }
 
@@ -25,8 +25,8 @@ impl LightPart {
     pub const ALL: [Self; Self::COUNT] = [Self::Environment, Self::Bounce, Self::Direct, Self::Added];
 }
 
-/// What a pixel shows, or what an edit changes: sets of materials and of patches of the mesh, by index modulo 64. Two
-/// sets that meet may have nothing in common, but sets that do not meet have nothing.
+/// Surfaces in a pixel or changed by an edit: sets of materials and of mesh patches, by index modulo 64. Overlapping sets may still
+/// have nothing in common; disjoint sets certainly have nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
     /// One bit for each material.
@@ -48,12 +48,12 @@ impl Marks {
         Self { materials: bit(material as usize), patches }
     }
 
-    /// What is in either.
+    /// The union of both.
     pub fn union(self, other: Self) -> Self {
         Self { materials: self.materials | other.materials, patches: self.patches | other.patches }
     }
 
-    /// Whether anything is in both.
+    /// Whether both overlap.
     pub fn meets(self, other: Self) -> bool {
         self.materials & other.materials != 0 || self.patches & other.patches != 0
     }
@@ -69,7 +69,7 @@ pub enum Pixels {
     /// None.
     #[default]
     Nothing,
-    /// Those that show any of these.
+    /// Pixels that show any of these.
     Showing(Marks),
     /// All.
     All,
@@ -81,7 +81,7 @@ impl Pixels {
         if changed { Self::All } else { Self::Nothing }
     }
 
-    /// Those of both.
+    /// Pixels in either.
     pub fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::All, _) | (_, Self::All) => Self::All,
@@ -100,7 +100,7 @@ impl Pixels {
     }
 }
 
-/// What edits make of the samples of a picture, by part of the light.
+/// Stale samples of a picture, by part of the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stale {
     /// The environment's direct light, and the background.
@@ -109,9 +109,9 @@ pub struct Stale {
     pub bounce: Pixels,
     /// Direct light of local lights.
     pub direct: Pixels,
-    /// Other local lights shine: the renderer compares them with those that its sums have.
+    /// The local lights differ: the renderer compares them with the lights in its sums.
     pub lights: bool,
-    /// Pixels show other surfaces, for some let through other light.
+    /// Pixels show other surfaces, because opacities changed.
     pub surfaces: bool,
 }
 
@@ -124,16 +124,16 @@ impl Stale {
         lights: false,
         surfaces: false,
     };
-    /// All are, of the same surfaces.
+    /// All samples are stale, on unchanged surfaces.
     pub const ALL: Self =
         Self { environment: Pixels::All, bounce: Pixels::All, direct: Pixels::All, lights: true, surfaces: false };
 
-    /// Whether anything is to be rendered.
+    /// Whether anything must be rendered.
     pub fn any(self) -> bool {
         self != Self::NOTHING
     }
 
-    /// After both edits.
+    /// The result of both edits.
     pub fn and(self, other: Self) -> Self {
         Self {
             environment: self.environment.and(other.environment),

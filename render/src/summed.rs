@@ -1,4 +1,4 @@
-//! What the sums of a picture have, on either renderer.
+//! Contents of a picture's sums, on either renderer.
 
 use crate::{
     light::light_counts::{LightCounts, light_key},
@@ -9,11 +9,11 @@ use crate::{
 };
 use lapidary_core::lights::Light;
 
-/// The picture that sums are of, and how much of it they have.
+/// The picture of the sums, and its complete samples.
 pub(crate) struct Summed {
-    /// What it shows.
+    /// View of the picture.
     pub view: View,
-    /// How the BRDF is sampled.
+    /// BRDF sampling of the picture.
     pub sampling: BrdfSampling,
     /// The local lights in the sums.
     pub lights: SummedLights,
@@ -22,12 +22,12 @@ pub(crate) struct Summed {
 }
 
 impl Summed {
-    /// Nothing of a picture.
+    /// Starts with empty sums.
     pub fn new(view: &View, sampling: BrdfSampling) -> Self {
         Self { view: view.clone(), sampling, lights: SummedLights::default(), complete: 0 }
     }
 
-    /// Whether some samples stay for a picture after edits. Modes without parts of the light lose all by any edit.
+    /// Whether samples stay valid for a picture after edits. Modes without parts of the light lose all samples by any edit.
     pub fn stays(&self, view: &View, sampling: BrdfSampling, stale: &Stale) -> bool {
         let is_lost = stale.surfaces || (view.mode != ViewMode::Shaded && stale.any());
         (&self.view, self.sampling) == (view, sampling) && !is_lost
@@ -46,25 +46,25 @@ impl Summed {
     }
 }
 
-/// The local lights whose direct light the sums of a picture have.
+/// Local lights whose direct light is in the sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SummedLights {
-    /// In [`LightPart::Direct`].
+    /// Lights in [`LightPart::Direct`].
     pub direct: Vec<Light>,
-    /// In [`LightPart::Added`].
+    /// Lights in [`LightPart::Added`].
     pub added: Vec<Light>,
 }
 
-/// What becomes of the sums of local lights' direct light.
+/// Change of the sums of local lights' direct light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DirectStep {
-    /// Both stay.
+    /// Keep both.
     Keep,
-    /// [`LightPart::Added`] begins anew.
+    /// Restart [`LightPart::Added`].
     Add,
-    /// [`LightPart::Added`] is added to [`LightPart::Direct`], and then begins anew.
+    /// Add [`LightPart::Added`] to [`LightPart::Direct`] and restart it.
     MergeAndAdd,
-    /// Both begin anew.
+    /// Restart both.
     Anew,
 }
 
@@ -81,8 +81,8 @@ impl DirectStep {
 }
 
 impl SummedLights {
-    /// Replaces the lights by those `wanted`. Lights that were added since stay by themselves until all pixels have all
-    /// samples (`complete`) and others are added.
+    /// Replaces the lights by `wanted`. Added lights stay separate until all pixels have all samples (`complete`) and further
+    /// lights are added.
     pub fn update(&mut self, wanted: &[Light], complete: bool) -> DirectStep {
         let wanted: Vec<Light> = wanted.iter().filter(|light| light.shines()).cloned().collect();
         let Some(rest) = without(&wanted, &self.direct).filter(|_| !self.direct.is_empty()) else {
@@ -105,7 +105,7 @@ impl SummedLights {
     }
 }
 
-/// `lights` without each of `taken`; `None` if one of those is not among them.
+/// `lights` without each of `taken`; `None` if one of those is missing.
 fn without(lights: &[Light], taken: &[Light]) -> Option<Vec<Light>> {
     let mut taken = LightCounts::of(taken.iter());
     let rest = lights.iter().filter(|light| !taken.take(&[light_key(light)])).cloned().collect();
@@ -125,7 +125,7 @@ mod tests {
         let mut summed = SummedLights::default();
         let mut step = |xs: &[f32], complete| summed.update(&lamps(xs), complete);
         assert_eq!(step(&[], true), DirectStep::Keep);
-        assert_eq!(step(&[1.0, 2.0], true), DirectStep::Anew, "there were none");
+        assert_eq!(step(&[1.0, 2.0], true), DirectStep::Anew, "there were no lights");
         assert_eq!(step(&[2.0, 1.0], true), DirectStep::Keep, "the order makes no difference");
         assert_eq!(step(&[1.0, 2.0, 3.0], true), DirectStep::Add);
         assert_eq!(step(&[1.0, 2.0, 3.5], true), DirectStep::Add, "the added one moves");

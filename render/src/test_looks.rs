@@ -1,4 +1,4 @@
-//! Looks that the tests of several crates share.
+//! Looks shared by the tests of several crates.
 
 use crate::{Appearance, Components, Illumination, Look, View};
 use glam::Vec3;

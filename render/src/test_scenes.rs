@@ -1,4 +1,4 @@
-//! Scenes, lights and views that tests share, small enough for known answers.
+//! Scenes, lights and views shared by tests, small enough for known answers.
 
 use crate::{
     Appearance, Background, Baked, BrdfSampling, Changes, Components, Illumination, LocalLighting, LocalRig,
@@ -41,14 +41,14 @@ use std::{
     time::Instant,
 };
 
-/// A rig with what lights it, which tests edit part by part.
+/// A rig with its situation, which tests edit step by step.
 pub(crate) struct Edited<L> {
     rig: L,
     pub situation: Situation,
 }
 
 impl<L: Relight> Edited<L> {
-    /// A rig of a scene as it was baked, without light.
+    /// A rig for a scene as baked, without light.
     pub fn new(baked: &Baked, mut rig: L) -> Self {
         let situation = Situation::unlit(baked);
         rig.update(&situation, Changes::ALL);
@@ -77,7 +77,7 @@ impl<L: Relight> Edited<L> {
 }
 
 impl Edited<LocalRig> {
-    /// The light by a solution, when nothing is left to do.
+    /// The completed light by a solution.
     pub fn lighting(&mut self, components: Components, solution: Solution, illum_cut: u32) -> LocalLighting {
         if self.situation.gathering.illum_cut != illum_cut {
             self.situation.gathering.illum_cut = illum_cut;
@@ -115,12 +115,12 @@ pub(crate) const SOURCES: usize = 1 << (2 * SIDE_LOG2);
 pub(crate) const WALL: [Vec3; 4] =
     [Vec3::new(-2.2, 0.2, 1.0), Vec3::new(-2.2, 0.2, -1.0), Vec3::new(-2.2, 2.2, -1.0), Vec3::new(-2.2, 2.2, 1.0)];
 
-/// Vector irradiance of the floor from a wall that sends a radiance of one.
+/// Vector irradiance of the floor from a wall of unit radiance.
 pub(crate) const LINK: Vec3 = Vec3::new(-0.3, 0.2, 0.05);
 
 pub(crate) const LIGHTS: usize = 4096;
 
-/// A floor of `cells` x `cells` squares over [-2, 2]², with a horizontal blocker of half-width 0.5 at height 1 if asked.
+/// A floor of `cells` x `cells` squares over [-2, 2]², with a horizontal blocker of half-width 0.5 at height 1 if `blocker`.
 pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
     let mut mesh = Mesh::default();
     let mut grid = |cells: u32, half: f32, y: f32, flip: bool| {
@@ -157,7 +157,7 @@ pub(crate) fn dataset(mesh: Mesh, parameters: impl Into<Parameters>) -> Dataset 
     dataset_of_sigma(mesh, parameters, 0.0)
 }
 
-/// Sets the lights that a vertex sees, as the cuts of these datasets have it.
+/// Sets the lights visible from a vertex, as in the cuts of these datasets.
 pub(crate) fn trace_vertex(
     mesh: &Mesh,
     intersector: &Intersector,
@@ -230,7 +230,7 @@ pub(crate) fn illumination(size: [u32; 2], f: impl FnMut(u32, u32) -> Vec3) -> I
 }
 
 pub(crate) fn from_above(size: u32) -> View {
-    // Inside the floor on all sides; a hair off the vertical fixes which way is up in the picture.
+    // Over the inner part of the floor; a slight tilt fixes which way is up in the picture.
     let camera = Camera::look_at(Vec3::new(0.0, 6.0, 0.01), Vec3::ZERO, 30.0);
     View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [size, size]) }
 }
@@ -252,7 +252,7 @@ pub(crate) fn mean(image: &Image) -> f32 {
     image.pixels.iter().map(|p| p.x).sum::<f32>() / image.pixels.len() as f32
 }
 
-/// The surface at the middle of a view.
+/// The surface at the center of a view.
 pub(crate) fn surface_at(renderer: &Renderer, view: &View) -> SurfacePoint {
     let direction = view.camera.direction_through(0.5 * Vec2::new(view.size[0] as f32, view.size[1] as f32), view.size);
     match Surfaces::of(renderer).seen_along(view.camera.eye, direction) {
@@ -323,7 +323,7 @@ pub(crate) fn point_light(position: Vec3, intensity: f32) -> Light {
     light(Emission::Point, position, Vec3::ZERO, intensity)
 }
 
-/// A floor and a wall beside it with sources; all nodes of the cuts of the floor's vertices lie `depth` below the root.
+/// A floor and a wall beside it with sources; all nodes in the cuts of the floor's vertices are `depth` below the root.
 pub(crate) fn floor_and_wall(depth: u32) -> Dataset {
     let mut mesh = mesh(32, false);
     add_wall(&mut mesh);
@@ -381,7 +381,7 @@ fn environment_cuts(dataset: &Dataset, sources: &[Source]) -> PackedCuts {
     cuts
 }
 
-/// Solid angle of a source; nothing is hidden.
+/// Solid angle of a source, without occlusion.
 pub(crate) fn seen(source: &Source, from: Vec3) -> f32 {
     let away = from - source.surfel.position;
     source.area * away.dot(source.surfel.normal).max(0.0) / away.length().powi(3)
@@ -404,12 +404,12 @@ fn source_cuts(dataset: &Dataset, sources: &[Source], depth: u32) -> PackedCuts 
     cuts
 }
 
-/// One function on the wall, which sends, and one on the floor, which receives, each wide enough for all of it.
+/// A function on the wall, which sends, and one on the floor, which receives, each wide enough for the whole surface.
 pub(crate) fn linked_floor_and_wall() -> Dataset {
     linked(Vec3::Y, LINK)
 }
 
-/// The same with the floor's function on the side of `normal`.
+/// The linked floor and wall, with the floor's function on the side of `normal`.
 pub(crate) fn linked(normal: Vec3, link: Vec3) -> Dataset {
     let mut dataset = floor_and_wall(4);
     let sources = &dataset.indirect.as_ref().unwrap().sources;
@@ -423,7 +423,7 @@ pub(crate) fn linked(normal: Vec3, link: Vec3) -> Dataset {
 }
 
 impl Renderer {
-    /// Renders the environment alone, with an illumination cut of at most `illum_cut` nodes, without the steps of a backend.
+    /// Renders the environment alone, with an illumination cut of at most `illum_cut` nodes, in one step.
     pub(crate) fn render(
         &self,
         view: &View,
@@ -438,7 +438,7 @@ impl Renderer {
         (image, RenderStats { seconds: start.elapsed().as_secs_f64(), ..stats })
     }
 
-    /// Renders under a light that was prepared: `light` is only seen directly.
+    /// Renders under prepared light; `light` is only the background.
     pub(crate) fn render_lit(
         &self,
         view: &View,

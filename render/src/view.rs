@@ -16,39 +16,39 @@ pub enum Background {
     Environment,
     /// The environment out of focus: blurred to the given standard deviation in radians.
     Blurred(f32),
-    /// One radiance; black is for measuring errors on surfaces alone.
+    /// Uniform radiance; use black to measure errors on surfaces alone.
     Flat(Vec3),
-    /// Nothing: the picture has no coverage there, and that of the shadow on a ground.
+    /// Transparent: the picture has no coverage there, and a ground only its shadow's.
     Transparent,
 }
 
 /// A camera and a picture size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// Where from.
+    /// The camera.
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Samples per pixel; 1 is its center.
+    /// Samples per pixel; 1 is the pixel center.
     pub aa: u32,
     /// The background.
     pub background: Background,
-    /// Whether pixels without a surface stay black. The ground catches the background all the same.
+    /// Whether pixels without a surface stay black. The ground still catches the background.
     pub hides_background: bool,
     /// How the ground is shown, if the scene has one.
     pub ground: Ground,
     /// The quantity that the pixels show.
     pub mode: ViewMode,
-    /// What the modes of the meshless basis show of it.
+    /// Selection for the modes of the meshless basis.
     pub basis: BasisView,
-    /// Draws the triangles' edges over the picture.
+    /// Draws triangle edges over the picture.
     pub wireframe: bool,
-    /// The only pixels that references trace; the others stay black. Renderers with cuts ignore it.
+    /// The only pixels that references trace; the others stay black. Renderers with cuts ignore the region.
     pub region: Option<Region>,
 }
 
 impl View {
-    /// A view with one sample at the center of each pixel, before the environment.
+    /// A view with one sample at the center of each pixel and the environment as background.
     pub fn new(camera: Camera, size: [u32; 2]) -> Self {
         Self {
             camera,
@@ -64,33 +64,33 @@ impl View {
         }
     }
 
-    /// The view of surfaces alone, by which errors are measured: before black, with the ground as one of them.
+    /// The view of surfaces alone, for measuring errors: on black, with the ground as a surface.
     pub(crate) fn of_surfaces(&self) -> Self {
         let ground = if self.ground == Ground::Off { Ground::Off } else { Ground::On };
         let (background, mode) = (Background::Flat(Vec3::ZERO), ViewMode::Shaded);
         Self { background, ground, mode, wireframe: false, ..self.clone() }
     }
 
-    /// How the ground is shown. Lines on a ground that is only a shadow would have nothing to lie on.
+    /// How the ground is shown. A shadow-only ground is off in transparent wireframe views: its lines would have no surface.
     pub fn ground(&self) -> Ground {
         let is_seen_through = self.background == Background::Transparent && self.wireframe;
         if self.ground == Ground::Shadow && is_seen_through { Ground::Off } else { self.ground }
     }
 
-    /// From its pixels to rays, and from points to its pixels.
+    /// Maps pixels to rays, and points to pixels.
     pub fn projection(&self) -> Projection {
         self.camera.projection(self.size)
     }
 
-    /// Whether both show light, and differ in camera, size and number of samples alone, in one at least.
+    /// Whether both show light, and differ in camera or size and otherwise at most in the number of samples.
     pub(crate) fn is_same_but_seen_from(&self, other: &Self) -> bool {
         let View { camera, size, aa, .. } = self.clone();
         let is_moved = (&camera, size) != (&other.camera, other.size);
         self.mode == ViewMode::Shaded && is_moved && View { camera, size, aa, ..other.clone() } == *self
     }
 
-    /// Positions of the samples within a pixel, the same for all pixels and renderers: the center, or points of the R2
-    /// sequence (Roberts 2018), which fills the square evenly for any number.
+    /// Positions of the samples within a pixel, the same for all pixels and renderers: the center, or points of the R2 sequence
+    /// (Roberts 2018), which fill the square evenly for any number.
     pub fn pixel_offsets(&self) -> Vec<Vec2> {
         (0..self.aa.max(1)).map(|i| pixel_sample_position(i, DVec2::splat(0.5))).collect()
     }
@@ -99,21 +99,21 @@ impl View {
 /// Point `i` of the R2 sequence that starts at `first`, in the unit square.
 pub(crate) fn pixel_sample_position(i: u32, first: DVec2) -> Vec2 {
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_693, 0.569_840_290_998_053); // 1/p and 1/p² for the plastic number p
-    // Rounding to single precision may end at 1, which belongs to the next pixel.
+    // Rounding to single precision may give 1, which belongs to the next pixel.
     (first + STEP * f64::from(i)).fract().as_vec2().min(Vec2::splat(1.0 - f32::EPSILON))
 }
 
-/// A reference as far as it is.
+/// An unfinished reference.
 pub struct Preview<'a> {
     /// The picture.
     pub image: &'a Image,
     /// Pixels whose column and row are multiples of it are traced; others repeat the nearest one to the upper left.
     pub step: u32,
-    /// Relative RMSE by noise, as far as it is known.
+    /// Relative RMSE by noise, if known.
     pub noise: Option<f64>,
 }
 
-/// Hears how a reference advances, and may stop it.
+/// Follows a reference's progress, and may stop it.
 pub trait Progress: Sync {
     /// `done` of `total` units of work are complete.
     fn advanced(&self, done: u64, total: u64);
@@ -121,23 +121,23 @@ pub trait Progress: Sync {
     /// The picture so far; called between passes.
     fn preview(&self, _preview: &Preview) {}
 
-    /// Whether [`Self::preview`] is due after this many passes of light paths.
+    /// Whether to call [`Self::preview`] after this many passes of light paths.
     fn wants_preview(&self, passes: u32) -> bool {
         passes.is_power_of_two()
     }
 
-    /// Whether to stop with the picture so far, which is complete if coarse.
+    /// Whether to stop with a complete but coarse picture.
     fn cancelled(&self) -> bool {
         false
     }
 
-    /// Whether nobody wants the picture any more: it is left as it is at once.
+    /// Whether to stop at once and leave the picture incomplete.
     fn abandoned(&self) -> bool {
         false
     }
 }
 
-/// Hears nothing.
+/// Ignores progress.
 pub struct Quiet;
 
 impl Progress for Quiet {

@@ -1,4 +1,4 @@
-//! The quantity that the pixels of a view show: the lit picture, or one of the quantities behind it.
+//! The quantity in the pixels of a view: the lit picture, or an underlying quantity.
 
 use crate::sampling::BrdfSampling;
 use lapidary_core::{
@@ -7,7 +7,7 @@ use lapidary_core::{
 };
 use serde::{Deserialize, Serialize};
 
-/// The least count at the upper end of false colors.
+/// Least count at the upper end of false colors.
 const LEAST_TOP: f32 = 512.0;
 
 /// The quantity that the pixels of a view show.
@@ -23,33 +23,33 @@ pub enum ViewMode {
     Albedo,
     /// Perceptual roughness after its texture.
     Roughness,
-    /// Nodes of the visibility cuts of the triangle's vertices, interpolated; of the cuts over surface sources if only those
+    /// Nodes of the visibility cuts of the triangle's vertices, interpolated; nodes of the cuts over surface sources if only those
     /// were baked.
     VisibilityCut,
     /// Nodes of the merged cut.
     MergedCut,
     /// BRDF evaluations.
     BrdfEvaluations,
-    /// What one level of the meshless basis adds to bounced light, and takes from it: red and blue.
+    /// Contribution of one level of the meshless basis to bounced light: red adds, blue subtracts.
     BasisLevel,
     /// One function of the meshless basis, over the gray scene.
     BasisFunction,
-    /// The centers of the functions with coefficients that are not zero, in a color of their level.
+    /// Centers of functions with nonzero coefficients, in the color of their level.
     BasisCoefficients,
 }
 
-/// Which of the meshless basis the views of it show.
+/// Level and function in the views of the meshless basis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct BasisView {
-    /// The level of [`ViewMode::BasisLevel`], from 0, the coarsest.
+    /// Level for [`ViewMode::BasisLevel`]; 0 is the coarsest.
     pub level: u32,
-    /// The function of [`ViewMode::BasisFunction`], from 0, coarsest first.
+    /// Function for [`ViewMode::BasisFunction`], counted from 0, coarsest first.
     pub function: u32,
 }
 
 impl ViewMode {
-    /// All of them, in the order of menus.
+    /// All modes in menu order.
     pub const ALL: [Self; 10] = [
         Self::Shaded,
         Self::Normals,
@@ -63,7 +63,7 @@ impl ViewMode {
         Self::BasisCoefficients,
     ];
 
-    /// Name for people.
+    /// Display name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Shaded => "Shaded",
@@ -79,12 +79,12 @@ impl ViewMode {
         }
     }
 
-    /// Whether pixels show the meshless basis, black for a dataset without one.
+    /// Whether pixels show the meshless basis; they are black without one.
     pub fn is_of_basis(self) -> bool {
         matches!(self, Self::BasisLevel | Self::BasisFunction | Self::BasisCoefficients)
     }
 
-    /// Whether pixels are light, to which exposure belongs.
+    /// Whether pixels show light, to which exposure applies.
     pub fn is_light(self) -> bool {
         matches!(self, Self::Shaded | Self::BasisLevel)
     }
@@ -94,7 +94,7 @@ impl ViewMode {
         matches!(self, Self::VisibilityCut | Self::MergedCut | Self::BrdfEvaluations)
     }
 
-    /// The count at the upper end of the false colors, for an illumination cut of `illum_cut` nodes if one is merged.
+    /// The count at the upper end of the false colors, with an illumination cut of `illum_cut` nodes if one is merged.
     pub fn count_top(self, sampling: BrdfSampling, illum_cut: u32) -> f32 {
         match self {
             Self::VisibilityCut => LEAST_TOP,
@@ -104,8 +104,8 @@ impl ViewMode {
     }
 }
 
-/// The cuts whose sizes [`ViewMode::VisibilityCut`] shows, and the height of their tree: those over the environment, or
-/// over the surface sources if only these were baked.
+/// The cuts shown by [`ViewMode::VisibilityCut`], and the height of their tree: over the environment, or over the surface sources
+/// if only these were baked.
 pub fn visibility_cuts(dataset: &Dataset) -> (u32, &PackedCuts) {
     match dataset.indirect.as_ref().filter(|_| shows_source_cuts(dataset.settings.mode)) {
         Some(bake) => (bake.sources.len().ilog2(), &bake.cuts),
@@ -113,7 +113,7 @@ pub fn visibility_cuts(dataset: &Dataset) -> (u32, &PackedCuts) {
     }
 }
 
-/// Whether these are cuts over the surface sources in a bake of this mode.
+/// Whether [`ViewMode::VisibilityCut`] shows cuts over surface sources in a bake of this mode.
 pub fn shows_source_cuts(mode: BakeParts) -> bool {
     mode.sources() && !mode.environment()
 }

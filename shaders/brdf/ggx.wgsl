@@ -1,4 +1,4 @@
-// GGX microfacets with what they lose between them, over a diffuse base. Twin of core/src/brdf/ggx.rs.
+// GGX microfacets with the energy lost between them, over a diffuse base. Twin of core/src/brdf/ggx.rs.
 
 struct Ggx {
     alpha: vec2<f32>,

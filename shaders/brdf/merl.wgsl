@@ -1,6 +1,6 @@
 // A measured BRDF, tinted. Twin of core/src/brdf/merl.rs and core/src/brdf/measured.rs.
 
-// The tables in use, see render/src/gpu/measured.rs: a head, the heads of the levels, and the levels' entries in 16-bit floats.
+// The tables in use, see render/src/gpu/measured.rs: a header, the levels' headers, and the levels' entries in 16-bit floats.
 @group(1) @binding(5) var<storage, read> measured: array<u32>;
 
 const MERL_PI: f32 = 3.14159265;
@@ -22,7 +22,7 @@ fn merl_number(word: u32) -> f32 {
     return bitcast<f32>(measured[word]);
 }
 
-// Where a pair of directions is in a table; see `Angles`.
+// Position of a pair of directions in a table; see `Angles`.
 struct MeasuredAngles {
     half: f32,
     difference: f32,
@@ -63,7 +63,7 @@ fn measured_angles(light: Light, wo: vec3<f32>, width_sq: f32) -> MeasuredAngles
     return MeasuredAngles(sqrt(angle_h / MERL_HALF_PI), angle_d / MERL_HALF_PI, merl_azimuth(light.wi, h), area - width_sq);
 }
 
-// A 16-bit float that is not negative, and 0 or normal: `unpack2x16float` is no feature that all adapters have.
+// A nonnegative 16-bit float, 0 or normal: not all adapters have `unpack2x16float`.
 fn merl_half(bits: u32) -> f32 {
     // Exponents of 32 bits begin 112 lower.
     return bitcast<f32>(bits << 13u) * bitcast<f32>(239u << 23u);
@@ -75,7 +75,7 @@ fn merl_entry(first: u32, index: u32) -> vec3<f32> {
     return vec3(merl_half(rg & 0xffffu), merl_half(rg >> 16u), merl_half(measured[word + 1u]));
 }
 
-// An entry along one axis and the part of the next.
+// An entry along one axis and the weight of the next.
 fn merl_inner(x: f32, n: u32) -> vec2<f32> {
     let place = clamp(x * f32(n) - 0.5, 0.0, f32(n - 1u));
     let low = min(floor(place), f32(n - 2u));
@@ -114,7 +114,7 @@ fn merl_value(table: u32, light: Light, wo: vec3<f32>) -> vec3<f32> {
     if lower == last {
         return value;
     }
-    // The height of a lobe goes with one over its squared width.
+    // The height of a lobe is proportional to the inverse of its squared width.
     let low = 1.0 / (width_sq + merl_number(level + 3u));
     let high = 1.0 / (width_sq + merl_number(level + MERL_HEAD_WORDS + 3u));
     let part = clamp((1.0 / (width_sq + angles.spread) - low) / (high - low), 0.0, 1.0);
@@ -131,7 +131,7 @@ fn merl_reflect(brdf: Merl, light: Light, wo: vec3<f32>) -> vec3<f32> {
     if brdf.table == NO_TABLE {
         return MISSING_ALBEDO * (FRAC_1_PI * light.cosine);
     }
-    // Of a light whose middle is below the horizon, a part may be above it.
+    // A light whose center is below the horizon may be partly above it.
     let wi = vec3(light.wi.xy, max(light.wi.z, 0.0));
     let size = length(wi);
     var above = light;

@@ -1,4 +1,4 @@
-// The opaque part of OpenPBR Surface. Twin of core/src/brdf/openpbr.rs, which says how its layers are combined.
+// The opaque part of OpenPBR Surface. Twin of core/src/brdf/openpbr.rs, which describes the layering.
 
 struct OpenPbr {
     diffuse: RoughDiffuse,
@@ -31,7 +31,7 @@ struct F82 {
     weight: f32,
 }
 
-// Of a layer that is not there.
+// Albedo of a missing layer.
 const NO_ALBEDO: Albedo = Albedo(vec4<f32>(0.0), vec2<f32>(0.0));
 
 const F82_COS: f32 = 0.14285715;

@@ -1,5 +1,5 @@
-// A BRDF of a user whose file is not there: diffuse magenta. Those that are there are in the text that is written for a scene.
-// Twin of core/src/brdf/wgsl.rs.
+// A user's BRDF whose file is missing: diffuse magenta. Available ones are in generated text for the scene. Twin of
+// core/src/brdf/wgsl.rs.
 
 struct Wgsl {
     albedo: vec3<f32>,

@@ -1,4 +1,4 @@
-//! The parts of a bake as one table: the options, draft and words of each. A new part is its file here and its line in the table.
+//! The parts of a bake in one table, with options, draft settings and texts. A new part is a file here and a line in the table.
 
 mod environment;
 mod meshless;
@@ -7,22 +7,22 @@ mod sources;
 use clap::Args;
 use lapidary_core::dataset::{BakePart, BakeReport, BakeSettings};
 
-/// What is said of one part of a bake outside of the bake itself.
+/// Options and texts of one part of a bake.
 pub trait StudiedPart: Sync {
-    /// How fine it became, in the line with which a bake ends; `None` if it was not baked.
+    /// Result in the last line of a bake; `None` if not baked.
     fn summary(&self, report: &BakeReport) -> Option<String>;
 
-    /// Its lines of `info`.
+    /// Lines in `info`.
     fn info(&self, report: &BakeReport, settings: &BakeSettings) -> String;
 
-    /// Makes `draft`, the settings of [`Preset::Draft`](lapidary_precompute::Preset::Draft), those of the draft that is shown while
-    /// a bake as `wanted` goes on: in nothing finer.
+    /// Adjusts `draft`, from [`Preset::Draft`](lapidary_precompute::Preset::Draft), for the draft shown while `wanted` bakes. The
+    /// draft must not be finer than `wanted` in any setting.
     fn coarsen(&self, draft: &mut BakeSettings, wanted: &BakeSettings);
 
-    /// Whether it is baked sooner as in the draft.
+    /// Whether the draft settings bake faster.
     fn is_sooner(&self, draft: &BakeSettings, wanted: &BakeSettings) -> bool;
 
-    /// Whether a scene is put on a ground without being asked to.
+    /// Whether a scene gets a ground by default.
     fn suits_a_ground(&self) -> bool {
         true
     }
@@ -35,14 +35,14 @@ macro_rules! bake_parts {
             match part { $(BakePart::$part => &$entry,)* }
         }
 
-        /// Options of `bake` that set parts.
+        /// Options of `bake` for the parts.
         #[derive(Args, Clone, Debug)]
         pub struct PartOptions {
             $(#[command(flatten)] $module: $options,)*
         }
 
         impl PartOptions {
-            /// Changes what was asked for.
+            /// Applies the options to `settings`.
             pub fn apply(&self, settings: &mut BakeSettings) {
                 $(self.$module.apply(settings);)*
             }
@@ -56,7 +56,7 @@ bake_parts! {
     Meshless: meshless, meshless::Meshless, meshless::MeshlessOptions;
 }
 
-/// All entries, in the order in which they are baked.
+/// All parts in bake order.
 pub fn all() -> impl Iterator<Item = &'static dyn StudiedPart> {
     BakePart::ALL.iter().map(|part| of(*part))
 }

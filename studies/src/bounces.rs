@@ -1,4 +1,4 @@
-//! How far each solution of bounced light is from light paths.
+//! Errors of each solution of bounced light against light paths.
 
 pub mod light_paths;
 
@@ -9,19 +9,19 @@ use lapidary_render::{
 };
 use light_paths::LightPaths;
 
-/// Bounced light only: of what else is in a picture, other figures tell.
+/// Bounced light only; other studies measure the rest of a picture.
 const INDIRECT: Components = Components { indirect: true, ..Components::NONE };
 
-/// The bounced light of a scene, by one solution after another and by what they are held against.
+/// Bounced light of a scene by each solution and by the references.
 pub struct BouncedLight {
     look: Look,
     scene: LitScene<CpuBackend>,
-    /// Traces rays on the scene.
+    /// Traces rays through the scene.
     pub renderer: Renderer,
 }
 
 impl BouncedLight {
-    /// That of a look, whatever its components and solution.
+    /// Prepares a look's bounced light, whatever its components and solution.
     ///
     /// # Errors
     /// None on this machine's cores.
@@ -31,24 +31,24 @@ impl BouncedLight {
         Ok(Self { look: Look { components: INDIRECT, ..look }, scene, renderer })
     }
 
-    /// The picture by a solution. Its seconds are those of the picture alone, without its light.
+    /// The picture by a solution. Its seconds exclude the preparation of the light.
     ///
     /// # Errors
     /// None on this machine's cores.
     pub fn picture(&mut self, solution: Solution) -> Result<FinishedPicture> {
         let look = Look { solution, ..self.look.clone() };
-        // Light that is there already takes no part of the picture's time.
+        // Compute the light first, so that the picture's time excludes it.
         self.scene.light(&look)?;
         Ok(self.scene.show_whole(&look)?)
     }
 
-    /// The same light as in the last picture with a ray from every pixel to every source in place of the cuts, if it has sources.
+    /// The light of the last picture with a ray from every pixel to every source instead of cuts, if it has sources.
     pub fn every_source(&self, progress: &dyn Progress) -> Option<Image> {
         let sources = self.scene.local().and_then(|local| local.sources())?;
         Some(self.renderer.sources_reference(&self.look.view, sources, progress))
     }
 
-    /// `spp` light paths per pixel that are followed for a number of bounces.
+    /// `spp` light paths per pixel with up to `bounces` bounces.
     pub fn light_paths(&self, spp: u32, bounces: u32, progress: &dyn Progress) -> LightPaths {
         let settings = PathSettings { bounces, components: INDIRECT, ..PathSettings::direct(spp) };
         let Look { view, illumination, lights, .. } = &self.look;

@@ -1,4 +1,4 @@
-//! The bundled scenes and environments, wherever they lie.
+//! The bundled scenes and environments.
 
 use crate::terminal::Console;
 use anyhow::{Result, bail};
@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Where the source tree has them.
+/// Their place in the source tree.
 const IN_SOURCE_TREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
 
 /// Names of the environments' files, without extension.
@@ -19,7 +19,7 @@ const ENVIRONMENTS: [&str; 3] = ["studio", "sun-and-sky", "window-room"];
 pub struct DataFolder(PathBuf);
 
 impl DataFolder {
-    /// The folder given, or that of the source tree.
+    /// The given folder, or the source tree's.
     ///
     /// # Errors
     /// A folder without the still life.
@@ -27,7 +27,7 @@ impl DataFolder {
         let folder = Self(given.unwrap_or(Path::new(IN_SOURCE_TREE)).to_owned());
         if !folder.still_life().is_file() {
             bail!(
-                "the bundled data are not there; give their folder with --data or the variable LAPIDARY_DATA ({})",
+                "the bundled data are missing; give their folder with --data or the variable LAPIDARY_DATA ({})",
                 folder.0.display()
             );
         }
@@ -39,23 +39,23 @@ impl DataFolder {
         &self.0
     }
 
-    /// A scene by the name of its folder.
+    /// Path of a scene, by its folder's name.
     pub fn scene(&self, name: &str) -> PathBuf {
         self.0.join(name).join(name).with_extension("gltf")
     }
 
-    /// The scene.
+    /// Path of the still life.
     pub fn still_life(&self) -> PathBuf {
         self.scene("still-life")
     }
 
-    /// The scenes that the window offers, the still life first.
+    /// Scenes offered by the window, the still life first.
     pub fn scenes(&self) -> Vec<PathBuf> {
         let others = ["interior", "color-box", "material-study", "bending-tower"].map(|name| self.scene(name));
         iter::once(self.still_life()).chain(others).filter(|scene| scene.is_file()).collect()
     }
 
-    /// Where the environments are.
+    /// Folder of the environments.
     pub fn environment_folder(&self) -> PathBuf {
         self.0.join("environments")
     }
@@ -63,15 +63,15 @@ impl DataFolder {
     /// All environments.
     ///
     /// # Errors
-    /// One that cannot be read.
+    /// An unreadable environment.
     pub fn environments(&self, console: Console) -> Result<Environments> {
         Ok(Environments(ENVIRONMENTS.iter().map(|name| self.environment(name, console)).collect::<Result<_>>()?))
     }
 
-    /// An environment by the name of its file.
+    /// An environment by its file name.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// An unreadable file.
     pub fn environment(&self, name: &str, console: Console) -> Result<Environment> {
         let (environment, warnings) = environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
         warnings.iter().for_each(|w| console.warning(w));
@@ -83,12 +83,12 @@ impl DataFolder {
 pub struct Environments(Vec<Environment>);
 
 impl Environments {
-    /// All of them.
+    /// Names of all environments.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|e| e.name.as_str())
     }
 
-    /// One of them.
+    /// An environment by name.
     pub fn get(&self, name: &str) -> &Environment {
         self.0.iter().find(|e| e.name == name).expect("pictures are planned with bundled environments")
     }

@@ -1,4 +1,4 @@
-//! The commands, a file each, and what `--help` says of them. `demo` and `evidence` have folders of their own.
+//! The commands, one file each, with their `--help` texts. `demo` and `evidence` have their own folders.
 
 pub mod bake;
 mod bench;
@@ -53,18 +53,18 @@ Example:
     /// Bake a scene's visibility into a dataset
     #[command(after_help = "\
 Ctrl-C leaves a checkpoint beside the output (exit code 130). The same command with --resume continues from it.
-Units are metres. The result is the same, bit for bit, for any number of threads and chunks.
+Units are meters. The result is the same, bit for bit, for any number of threads and chunks.
 
 Examples:
   lapidary bake scene.obj -o scene.cuts --preset draft
   lapidary bake scene.gltf -o scene.cuts --sigma 1.5 --max-vertices 200000 --report bake.json
   lapidary bake scene.gltf -o scene.cuts --resume")]
     Bake(BakeArgs),
-    /// Make a dataset of the shares that machines baked with --shard
+    /// Merge the shares of machines that baked with --shard into a dataset
     #[command(after_help = "\
-All shares lie beside the dataset. It is the one that a single bake makes, bit for bit; then the shares are removed.
+The shares must be beside the dataset. The result equals a single bake bit for bit; the shares are then removed.
 
-Example, for two machines that see the same folder:
+Example, for two machines that share a folder:
   lapidary bake scene.gltf -o scene.cuts --shard 1/2
   lapidary bake scene.gltf -o scene.cuts --shard 2/2
   lapidary merge scene.cuts")]
@@ -75,12 +75,12 @@ shoe.glb --json | jq .variants")]
     Info(InfoArgs),
     /// List the BRDF models with their parameters
     #[command(after_help = "\
-A material file is JSON: {\"model\": \"ggx\", \"parameters\": {\"roughness\": 0.3}}. What it leaves out has its default.
+A material file is JSON: {\"model\": \"ggx\", \"parameters\": {\"roughness\": 0.3}}. Missing parameters have their defaults.
 
 Example:
   lapidary models --json | jq '.models[] | .model'")]
     Models(ModelsArgs),
-    /// Trace random vertices of a dataset again, and compare
+    /// Retrace random vertices of a dataset, and compare
     #[command(after_help = "It fails (exit code 1) if the dataset disagrees with its scene.\n\nExample:\n  lapidary \
 verify scene.cuts --vertices 1000")]
     Verify(VerifyArgs),
@@ -109,7 +109,7 @@ Examples:
   lapidary sequence tower.cuts --animation tower.gltf --fps 24 --frames 48 --out bend/b.##.png
   lapidary sequence room.cuts --env none --sweep light-position@lamp=-1,2,0..1,2,0 --out lamp/l.###.exr --layers all")]
     Sequence(SequenceArgs),
-    /// Measure the time of a frame, by pass, of lit cuts or by size of the illumination cut; of drags and edits; or all of it
+    /// Measure frame times by pass, with lit cuts or by size of the illumination cut; times of drags and edits; or all of them
     /// beside another program
     #[command(after_help = "\
 It prints medians. Here each pass waits for the one before; in the window they may overlap.
@@ -145,7 +145,7 @@ Examples:
   lapidary bounces room.cuts --size 160x120 --spp 1024 --out /tmp/bounces
   lapidary bounces room.cuts --lights lamps.json --solution cuts --illum-cut 512 --out /tmp/bounces")]
     Bounces(BouncesArgs),
-    /// Find the size of the illumination cut that is enough for a shot
+    /// Find the size of the illumination cut that suffices for a shot
     #[command(after_help = "\
 It renders the picture at each size, traces every light sample as a reference, and measures the error. It writes all
 pictures (PNG and EXR), sheet.png (all of them, with error and time), ladder.html (with curves) and ladder.json. The
@@ -213,10 +213,10 @@ Examples:
 }
 
 impl Command {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     ///
     /// # Errors
-    /// Names of outputs that cannot be.
+    /// Invalid output names.
     pub fn files(&self) -> Result<CommandFiles> {
         Ok(match self {
             Self::Demo(args) => args.files(),
@@ -239,10 +239,10 @@ impl Command {
         })
     }
 
-    /// Checks what it is to write, and does it.
+    /// Checks the outputs and runs the command.
     ///
     /// # Errors
-    /// Whatever went wrong, in words for the user.
+    /// Any failure, as a message for the user.
     pub fn run(&self, console: Console) -> Result<Outcome> {
         self.files()?.check()?;
         match self {

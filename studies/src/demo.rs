@@ -1,4 +1,4 @@
-//! `lapidary demo`: the whole of it on bundled data, and a report to look at.
+//! `lapidary demo`: all steps on bundled data, with a report.
 
 mod bake;
 mod gallery;
@@ -30,13 +30,13 @@ pub struct DemoArgs {
     /// Folder for pictures, report.json and report.html; it is created if missing
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
-    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    /// Folder with the bundled scenes and environments [default: in the source tree]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
 }
 
 impl DemoArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let pictures = ["png", "exr"].map(|extension| pictures::NAMES.map(|name| format!("{name}.{extension}")));
         let names = ["report.json", "report.html", bake::DATASET, "error-*.png"].map(String::from);
@@ -44,13 +44,13 @@ impl DemoArgs {
     }
 }
 
-/// Vertices that are traced again after the bake.
+/// Vertices to retrace after the bake.
 const VERIFIED_VERTICES: usize = 64;
 
 /// Bakes, renders, traces, compares and reports.
 ///
 /// # Errors
-/// Data that are not there, a folder that cannot be written, or Ctrl-C.
+/// Missing data, an unwritable folder, or Ctrl-C.
 pub fn run(args: &DemoArgs, console: Console) -> Result<Outcome> {
     let start = Instant::now();
     let data = DataFolder::find(args.data.as_deref())?;

@@ -1,5 +1,5 @@
-//! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), errors against what a bake is set to, and the
-//! figures of implicit visibility, measured anew. One page and one file of figures, written again after each of them.
+//! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), errors by bake settings, and the figures of
+//! implicit visibility, measured anew. The page and the file of figures are rewritten after each figure.
 
 mod cases;
 mod clusters;
@@ -50,13 +50,13 @@ pub struct EvidenceArgs {
     /// Use few lights, vertices and pixels, to check in a minute that everything works; the figures mean little
     #[arg(long)]
     quick: bool,
-    /// Folder with the bundled scenes [default: that of the source tree]
+    /// Folder with the bundled scenes [default: in the source tree]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
 }
 
 impl EvidenceArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let names = [notebook::PAGE, notebook::FIGURES, "fig5-*.png", "fig7-*.png", "implicit-*.png", "*-bounces.cuts"];
         let environment = Some(Path::new(&self.env)).filter(|path| path.is_file());
@@ -64,10 +64,10 @@ impl EvidenceArgs {
     }
 }
 
-/// Bakes, renders, traces, measures and writes.
+/// Bakes, renders, traces, measures and writes the figures.
 ///
 /// # Errors
-/// A folder that cannot be written, scenes or data that cannot be read, or Ctrl-C; figures that were done are kept.
+/// An unwritable folder, unreadable scenes or data, or Ctrl-C; finished figures are kept.
 pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
     let _taken = take_folder(&args.out)?;
     let scale = if args.quick { MeasurementScale::QUICK } else { MeasurementScale::FULL };
@@ -86,7 +86,7 @@ pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The bundled scenes, and those given.
+/// The bundled scenes and the given ones.
 fn scenes(args: &EvidenceArgs) -> Result<Vec<PathBuf>> {
     let mut scenes = if args.no_bundled { Vec::new() } else { DataFolder::find(args.data.as_deref())?.scenes() };
     scenes.extend(args.scenes.iter().cloned());
@@ -96,7 +96,7 @@ fn scenes(args: &EvidenceArgs) -> Result<Vec<PathBuf>> {
     Ok(scenes)
 }
 
-/// What all figures share.
+/// Shared state of all figures.
 struct Measurement<'a> {
     scale: &'static MeasurementScale,
     environment: std::sync::Arc<Environment>,
@@ -105,7 +105,7 @@ struct Measurement<'a> {
 }
 
 impl Measurement<'_> {
-    /// All figures in the order of the papers, each written before the next begins.
+    /// All figures in the papers' order, each written before the next begins.
     fn figures(&self, cases: &[Case], notebook: &mut Notebook) -> Result<()> {
         let open: Vec<_> = cases.iter().filter_map(|case| case.environment.as_ref().map(|e| (case, e))).collect();
         if let Some((case, bakes)) = open.first() {

@@ -1,5 +1,4 @@
-//! Finished pictures for files, from the window and the command line alike: rendering them, their layers, and what the
-//! files say about them.
+//! Finished pictures for files, from the window and the command line: rendering, layers, and metadata.
 
 mod files;
 mod layers;

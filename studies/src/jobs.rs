@@ -1,8 +1,7 @@
-//! Bakes and studies on threads of their own, so that a window never waits for them: the comparison with a reference, the ladder
-//! of cut sizes, explanations of pixels, exports.
+//! Bakes and studies on their own threads, so that the window never waits: comparison with a reference, the ladder of cut sizes,
+//! explanations of pixels, exports.
 //!
-//! Each takes typed requests and gives typed messages, which the window collects once a frame. [`Wake`] makes it look when there
-//! are some.
+//! Each takes typed requests and sends typed messages, which the window collects once per frame. [`Wake`] notifies it of new ones.
 
 pub mod bake;
 pub mod comparison;
@@ -19,17 +18,16 @@ use std::{
     sync::Arc,
 };
 
-/// Tells the window that there is something to collect: its `request_repaint`.
+/// Notifies the window of new messages: its `request_repaint`.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// What a panic said, for a report.
+/// Message of a panic, for a report.
 pub fn panic_text(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason was given")
 }
 
-/// Runs `work`; a panic in it becomes an error that says so, since a thread that ends in silence leaves the window
-/// waiting.
+/// Runs `work`; a panic becomes an error, because a thread that ends silently leaves the window waiting.
 pub fn guarded<T>(what: &str, work: impl FnOnce() -> anyhow::Result<T>) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(value)) => Ok(value),
@@ -44,7 +42,7 @@ pub fn guarded<T>(what: &str, work: impl FnOnce() -> anyhow::Result<T>) -> Resul
 /// Starts a thread with a name that debuggers show.
 ///
 /// # Panics
-/// If the system has no thread left.
+/// If the system cannot start another thread.
 pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::thread::JoinHandle<()> {
     let thread = std::thread::Builder::new().name(name.into()).spawn(work);
     thread.expect("the system refuses another thread")
@@ -52,7 +50,7 @@ pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> std::thread::J
 
 #[cfg(any(test, feature = "testing"))]
 pub mod testing {
-    //! What the tests of all jobs share.
+    //! Shared helpers for the tests of all jobs.
 
     use super::Wake;
     use std::{
@@ -60,15 +58,15 @@ pub mod testing {
         time::{Duration, Instant},
     };
 
-    /// A wake that nobody hears.
+    /// A wake without effect.
     pub fn silent() -> Wake {
         Arc::new(|| ())
     }
 
-    /// How long an answer may take: far longer than it does, since other tests keep the cores busy.
+    /// Timeout for an answer: far longer than usual, because other tests keep the cores busy.
     const PATIENCE: Duration = Duration::from_secs(90);
 
-    /// Asks again and again until there is an answer.
+    /// Polls until there is an answer.
     ///
     /// # Panics
     /// If there is none within [`PATIENCE`].

@@ -1,11 +1,11 @@
-//! What is done with baked scenes beside editing them: pictures, sequences, references, comparisons and measurements, as
-//! commands and for the window alike.
+//! Work on baked scenes other than editing: pictures, sequences, references, comparisons and measurements, as commands and for the
+//! window.
 //!
-//! [`commands`] has a file for each command, [`args`] the options that several of them share, [`terminal`] what they say,
-//! [`outputs`] what is checked before they write. What they say of one part of a bake is in a file of `bake_parts`.
-//! Each study is a folder: [`ladder`] (which size of the illumination cut is enough), [`sequence`] (turntables and sweeps),
-//! bounces (how far solutions of bounced light are from light paths), evidence (the paper's figures measured anew), [`export`]
-//! (pictures with layers, scenes for Mitsuba), [`demo`].
+//! [`commands`] has a file for each command, [`args`] their shared options, [`terminal`] their output, [`outputs`] the checks
+//! before writing. Texts and options of one part of a bake are in a file of `bake_parts`. Each study is a folder: [`ladder`] (the
+//! sufficient size of the illumination cut), [`sequence`] (turntables and sweeps), bounces (errors of solutions of bounced light
+//! against light paths), evidence (the paper's figures measured anew), [`export`] (pictures with layers, scenes for Mitsuba),
+//! [`demo`].
 
 pub mod args;
 mod bake_parts;

@@ -1,25 +1,25 @@
-//! Light that is missing because bounces end too early, in sentences for the window and the command line.
+//! Remarks on light that is missing because bounces end too early.
 
 use lapidary_core::transport::BounceEnergy;
 
-/// Share of the light above which it is said that bounces are missing: a few percent are not seen.
+/// Share of missing light above which a remark is made: a few percent are invisible.
 const MUCH_MISSING: f32 = 0.1;
 
-/// What to do if much light is left when the bounces end.
+/// A remark with a remedy, if much light is left when the bounces end.
 pub fn remark(energy: BounceEnergy) -> Option<String> {
     let missing = energy.missing_share;
     if missing <= MUCH_MISSING {
         return None;
     }
     let text = if missing < 1.0 {
-        format!("About {} of the light is missing, for it would bounce on.", percent(missing))
+        format!("About {} of the light is missing: it would bounce on.", percent(missing))
     } else {
         "The light would bounce on without end: surfaces reflect all of it.".into()
     };
     Some(format!("{text} Lower the base color of the brightest materials, below 0.8, to see it all."))
 }
 
-/// A share as percent.
+/// A share as a percentage.
 pub fn percent(share: f32) -> String {
     let percent = 100.0 * share;
     if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }

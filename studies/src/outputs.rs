@@ -1,5 +1,4 @@
-//! What work reads and writes, checked before it begins: nothing is written over an input, and an output that cannot be
-//! written is told at once.
+//! Inputs and outputs, checked before the work: no input is overwritten, and an unwritable output is reported at once.
 
 mod folder;
 
@@ -20,40 +19,40 @@ pub struct CommandFiles {
 }
 
 impl CommandFiles {
-    /// With files that are read. Those that are not there do no harm.
+    /// Adds files to read. Missing ones are ignored.
     #[must_use]
     pub fn reads(mut self, paths: impl IntoIterator<Item = impl Into<PathBuf>>) -> Self {
         self.inputs.extend(paths.into_iter().map(Into::into));
         self
     }
 
-    /// With files that are written.
+    /// Adds files to write.
     #[must_use]
     pub fn writes(mut self, paths: impl IntoIterator<Item = impl Into<PathBuf>>) -> Self {
         self.outputs.extend(paths.into_iter().map(Into::into));
         self
     }
 
-    /// With a folder that is made if it is missing, and the names of what is written into it. A name may have one `*`,
-    /// which stands for any text without a `/`.
+    /// Adds a folder, created if missing, and the names written into it. A name may have one `*`, which stands for any text without
+    /// a `/`.
     #[must_use]
     pub fn fills(mut self, folder: &Path, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.folders.push(FilledFolder::new(folder, names));
         self
     }
 
-    /// With a folder as for [`Self::fills`], in which what is there stays.
+    /// Adds a folder as [`Self::fills`], but keeps existing files.
     #[must_use]
     pub fn completes(mut self, folder: &Path, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.folders.push(FilledFolder::new(folder, names).keeping());
         self
     }
 
-    /// Checks all outputs. It makes nothing.
+    /// Checks all outputs without creating any.
     ///
     /// # Errors
-    /// An output that is an input or another output; that is a folder, a link, a device or read-only; or whose folder
-    /// takes no files.
+    /// An output that is an input or another output; that is a folder, a link, a device or read-only; or whose folder is not
+    /// writable.
     pub fn check(&self) -> Result<()> {
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
         for (number, path) in self.outputs.iter().enumerate() {
@@ -70,21 +69,21 @@ impl CommandFiles {
         Ok(())
     }
 
-    /// All paths that are written or filled.
+    /// All output paths.
     pub fn outputs(&self) -> impl Iterator<Item = &Path> {
         self.outputs.iter().map(PathBuf::as_path).chain(self.folders.iter().map(FilledFolder::path))
     }
 
-    /// All paths that are read.
+    /// All input paths.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         self.inputs.iter().map(PathBuf::as_path)
     }
 }
 
-/// Creates a folder and those above it, and makes sure that files can be written to it: long work follows.
+/// Creates a folder and its parents and checks that files can be written there, before long work.
 ///
 /// # Errors
-/// What the file system says.
+/// The file system's error.
 pub fn create_folder(path: &Path) -> Result<()> {
     std::fs::create_dir_all(path).with_context(|| {
         format!("cannot write to the folder; check the path, its permissions and the space ({})", path.display())
@@ -92,13 +91,13 @@ pub fn create_folder(path: &Path) -> Result<()> {
     Ok(check_writable(path)?)
 }
 
-/// Name of the lock of a folder, without its extension.
+/// Name of a folder's lock, without its extension.
 const FOLDER_LOCK: &str = ".lapidary";
 
-/// Creates a folder that is filled, and takes it until the lock is dropped: what two processes write there would mix.
+/// Creates an output folder and locks it until the lock is dropped: files of two processes would mix.
 ///
 /// # Errors
-/// A folder that cannot be written to, or that another process fills.
+/// An unwritable folder, or one that another process fills.
 pub fn take_folder(path: &Path) -> Result<OutputLock> {
     create_folder(path)?;
     Ok(OutputLock::acquire(&path.join(FOLDER_LOCK)).map_err(|error| match error {

@@ -1,11 +1,11 @@
-//! What all written pages share: frame, style, figures, charts, words. Pictures lie beside a page, all else is in it. No scripts.
+//! Shared parts of written pages: frame, style, figures, charts, text. Pictures are separate files; nothing else is. No scripts.
 
 pub mod chart;
 pub mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// A whole page: what stands at the right of its head, and its sections in order.
+/// A whole page: `head` is the text at the right of its header, followed by the sections.
 pub fn page(title: &str, head: &str, sections: &[Markup]) -> String {
     let page = html! {
         (DOCTYPE)
@@ -40,7 +40,7 @@ pub fn figure(class: &str, file: &str, [width, height]: [u32; 2], alternative: &
     }
 }
 
-/// A table of figures: its head, and rows of as many cells, the first of which names the row.
+/// A table: its header, and rows of equally many cells, of which the first names the row.
 pub fn table(head: &[&str], rows: &[Vec<String>]) -> Markup {
     html! {
         div.wide {

@@ -1,5 +1,5 @@
-//! Image sequences: turntables, sweeps of any parameter, and animations. What the frames show is planned ([`plan()`]) before any is rendered
-//! ([`SequenceTask::run`]); the window and the command line do both alike.
+//! Image sequences: turntables, sweeps of any parameter, and animations. All frames are planned ([`plan()`]) before any is rendered
+//! ([`SequenceTask::run`]), for the window and the command line alike.
 
 mod error;
 mod motion;

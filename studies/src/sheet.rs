@@ -1,4 +1,4 @@
-//! Contact sheets: pictures in a grid, each with lines of text below it; and strips of pictures against the truth.
+//! Contact sheets: pictures in a grid, each with lines of text below; and strips of pictures with their reference.
 
 mod picture;
 mod strip;
@@ -8,31 +8,31 @@ pub use strip::{GAP, exposure, side_by_side, strip};
 
 use lapidary_render::Lettering;
 
-/// A picture and what is said of it.
+/// A picture and its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
     /// The picture; its size may differ from the others'.
     pub image: DisplayPicture,
-    /// Lines below it, the first one bright; a line that is wider than the column ends in an ellipsis.
+    /// Lines below it, the first one bright; lines wider than the column end in an ellipsis.
     pub caption: Vec<String>,
 }
 
-/// How a sheet looks; lengths are in pixels and colors sRGB-encoded.
+/// Style of a sheet; lengths are in pixels and colors sRGB-encoded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetStyle {
-    /// Height of the letters' em.
+    /// Height of an em.
     pub text_size: f32,
-    /// Between tiles, and around the sheet.
+    /// Space between tiles and around the sheet.
     pub gap: u32,
-    /// Between a picture and the first line below it.
+    /// Space between a picture and its first line.
     pub caption_gap: u32,
-    /// Columns are at least as wide, so that captions of small pictures can be read.
+    /// Least column width, for readable captions of small pictures.
     pub min_column: u32,
-    /// Behind everything, and through what pictures do not cover.
+    /// Background color, which also shows through transparent pictures.
     pub background: [u8; 3],
-    /// Of the first line of captions.
+    /// Color of the first line of captions.
     pub title: [u8; 3],
-    /// Of the other lines.
+    /// Color of the other lines.
     pub text: [u8; 3],
 }
 
@@ -50,9 +50,8 @@ impl Default for SheetStyle {
     }
 }
 
-/// The tiles row by row from the top left, `columns` in a row (at least one), on an opaque sheet. Columns are as wide as the
-/// widest picture, rows as high as their highest picture and longest caption. Without tiles it is an empty sheet of two gaps
-/// a side.
+/// Draws the tiles row by row from the top left, `columns` per row (at least one), on an opaque sheet. Columns are as wide as the
+/// widest picture; each row fits its highest picture and longest caption. Without tiles the sheet is two gaps wide and high.
 pub fn contact_sheet(tiles: &[Tile], columns: usize, style: &SheetStyle) -> DisplayPicture {
     let columns = columns.clamp(1, tiles.len().max(1));
     let lettering = &Lettering::new(style.text_size);
@@ -79,7 +78,7 @@ fn row_height(row: &[Tile], line: u32, style: &SheetStyle) -> u32 {
     if lines == 0 { pictures } else { pictures + style.caption_gap + lines * line }
 }
 
-/// Captions follow their own picture, so that a low one does not stand far above its text.
+/// Draws a tile. Its caption follows its own picture, so a low picture stays close to its text.
 fn draw(
     sheet: &mut DisplayPicture,
     tile: &Tile,

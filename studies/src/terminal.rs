@@ -1,4 +1,4 @@
-//! The terminal: what commands say, how they tell how far they are, how Ctrl-C stops them, and how they end.
+//! The terminal: output of commands, progress, Ctrl-C, and exit codes.
 
 mod console;
 mod outcome;

@@ -1,4 +1,4 @@
-//! Values of options, from text.
+//! Parsers for option values.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
@@ -18,10 +18,10 @@ const MAX_SIDE: u32 = 32_768;
 /// Most pixels of a picture: as many as can be read back.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Most stops of exposure, up or down: as much as in a session.
+/// Most stops of exposure, up or down, as in a session.
 const MOST_STOPS: f32 = 32.0;
 
-/// One of a library's choices by the name that files have for it; each name comes with its line of `--help`.
+/// A library enum by its name in files; each name has a line of `--help`.
 pub fn choice<T>(choices: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
 where
     T: for<'de> Deserialize<'de> + Clone + Send + Sync + 'static,
@@ -29,7 +29,7 @@ where
     choice_of(choices.iter().copied())
 }
 
-/// [`choice`] from a list that a library has.
+/// [`choice`] from a library's list.
 pub fn choice_of<T>(choices: impl IntoIterator<Item = (&'static str, &'static str)>) -> impl TypedValueParser<Value = T>
 where
     T: for<'de> Deserialize<'de> + Clone + Send + Sync + 'static,
@@ -44,7 +44,7 @@ where
 /// Three finite numbers separated by commas.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn vector(text: &str) -> Result<Vec3, String> {
     let numbers: Vec<f32> = text.split(',').map(finite).collect::<Result<_, _>>()?;
     match numbers[..] {
@@ -56,16 +56,16 @@ pub fn vector(text: &str) -> Result<Vec3, String> {
 /// A number from 0 to 1.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn share(text: &str) -> Result<f32, String> {
     let number = finite(text)?;
     if (0.0..=1.0).contains(&number) { Ok(number) } else { Err("it must be from 0 to 1".into()) }
 }
 
-/// A position in meters: three numbers separated by commas, none beyond what a scene may hold.
+/// A position in meters: three numbers separated by commas, within the limits of a scene.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn place(text: &str) -> Result<Vec3, String> {
     let place = vector(text)?;
     if is_within_reach(place) {
@@ -78,7 +78,7 @@ pub fn place(text: &str) -> Result<Vec3, String> {
 /// Three numbers from 0 to 1 separated by commas, or one for all three.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn color(text: &str) -> Result<Vec3, String> {
     let color = if text.contains(',') { vector(text)? } else { Vec3::splat(finite(text)?) };
     if color.min_element() >= 0.0 && color.max_element() <= 1.0 {
@@ -91,7 +91,7 @@ pub fn color(text: &str) -> Result<Vec3, String> {
 /// A width and a height in pixels, as in 640x480.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?]));
@@ -106,7 +106,7 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
 /// A column and a row of a picture, as in 320,240.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn pixel(text: &str) -> Result<[u32; 2], String> {
     whole_numbers(text).ok_or_else(|| format!("a pixel is COLUMN,ROW, as in 320,240, not \"{text}\""))
 }
@@ -114,14 +114,14 @@ pub fn pixel(text: &str) -> Result<[u32; 2], String> {
 /// A rectangle of pixels by its left column, upper row, width and height, as in 100,80,64,48.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn region(text: &str) -> Result<Region, String> {
     let [x, y, width, height] = whole_numbers(text)
         .ok_or_else(|| format!("a region is COLUMN,ROW,WIDTH,HEIGHT in pixels, as in 100,80,64,48, not \"{text}\""))?;
     Ok(Region { x, y, width, height })
 }
 
-/// As many whole numbers as are wanted, separated by commas.
+/// Exactly `N` whole numbers, separated by commas.
 fn whole_numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
     let numbers: Vec<u32> = text.split(',').map(|word| word.trim().parse().ok()).collect::<Option<_>>()?;
     numbers.try_into().ok()
@@ -130,7 +130,7 @@ fn whole_numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
 /// A finite number.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn finite(text: &str) -> Result<f32, String> {
     text.trim().parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| format!("\"{text}\" is not a number"))
 }
@@ -138,7 +138,7 @@ pub fn finite(text: &str) -> Result<f32, String> {
 /// A number from 0 to 1.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn fraction(text: &str) -> Result<f32, String> {
     between(text, 0.0, 1.0)
 }
@@ -146,7 +146,7 @@ pub fn fraction(text: &str) -> Result<f32, String> {
 /// A factor on the radiance of an environment.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn intensity(text: &str) -> Result<f32, String> {
     between(text, 0.0, MOST_INTENSITY)
 }
@@ -154,7 +154,7 @@ pub fn intensity(text: &str) -> Result<f32, String> {
 /// An exposure in stops.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn exposure(text: &str) -> Result<f32, String> {
     between(text, -MOST_STOPS, MOST_STOPS)
 }
@@ -162,7 +162,7 @@ pub fn exposure(text: &str) -> Result<f32, String> {
 /// A number above zero.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn positive(text: &str) -> Result<f32, String> {
     between(text, f32::MIN_POSITIVE, f32::MAX).map_err(|_| format!("\"{text}\" is not a number above zero"))
 }
@@ -170,7 +170,7 @@ pub fn positive(text: &str) -> Result<f32, String> {
 /// A vertical field of view in degrees.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// The problem in words.
 pub fn field_of_view(text: &str) -> Result<f32, String> {
     between(text, 1.0, 170.0)
 }

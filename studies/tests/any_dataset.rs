@@ -1,5 +1,5 @@
-//! Every dataset that can be read is verified and rendered without a panic, and its pictures are finite. Every bake says what
-//! is wrong, or writes such a dataset.
+//! Every readable dataset is verified and rendered without a panic, with finite pictures. Every bake reports an error or writes
+//! such a dataset.
 
 use fastrand::Rng;
 use glam::{Vec2, Vec3};
@@ -55,7 +55,7 @@ fn small_settings() -> BakeSettings {
     }
 }
 
-/// What is wrong with a picture of a solution, if anything.
+/// The first flaw of a picture by a solution, if any.
 fn flaw(dataset: &Dataset, lights: &[Light], light: Illumination, solution: Solution) -> Option<String> {
     let view = View { aa: 2, ..View::new(dataset.scene.first_view(), [8, 6]) };
     let look = Look {
@@ -73,7 +73,7 @@ fn flaw(dataset: &Dataset, lights: &[Light], light: Illumination, solution: Solu
     Some(format!("pixel {wrong} is {} with {solution:?}", picture.image.pixels[wrong]))
 }
 
-/// Verifies and renders a dataset that was read.
+/// Verifies and renders a dataset.
 fn use_all_of(dataset: &Dataset, light: &Illumination) -> Result<(), TestCaseError> {
     verify(dataset, 4);
     let solutions = Solution::of(dataset.bounces());
@@ -100,7 +100,7 @@ fn good_file() -> &'static [u8] {
     })
 }
 
-/// Reads a file, and if it can be read, uses all of it. Returns whether it could.
+/// Reads a file and, if readable, uses all of it. Returns whether it was readable.
 fn read_and_use(path: &Path) -> Result<bool, TestCaseError> {
     match Dataset::read(path, image::decode) {
         Err(error) => {
@@ -130,7 +130,7 @@ fn a_good_file_is_used_and_one_of_numbers_that_are_none_is_not() {
     assert!(flaw.is_some(), "negative control: light that is no number");
 }
 
-/// A number of any size up to a limit.
+/// A number of any magnitude up to a limit.
 fn up_to(most: f32, random: &mut Rng) -> f32 {
     let size = [1e-30, 1e-12, 1e-6, 1e-3, 0.5, 1.0, 2.0, 1e3, 1e6, 1e9, most][random.usize(..11)];
     size.min(most)
@@ -144,7 +144,7 @@ fn place(random: &mut Rng) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| signed(MOST_COORDINATE, random)))
 }
 
-/// A scene of extreme size and place.
+/// A scene of extreme size and position.
 fn extreme_mesh(random: &mut Rng) -> Scene {
     let scale = [1e-7, 1e-6, 1e-3, 1.0, 1e3, 1e6, 4e8][random.usize(..7)];
     let mut scene = if random.u8(..4) > 0 { small_scene() } else { scene_of(&floor(1.0, 0.0)) };

@@ -1,4 +1,4 @@
-//! Scenes that bounced light can hardly be baked for get a message that says what to do, at the command line.
+//! Scenes that barely suit a bake of bounced light give a message with a remedy on the command line.
 
 use std::{
     fs,
@@ -36,7 +36,7 @@ fn room(folder: &Path, name: &str, color: f32) {
     fs::write(folder.join(format!("{name}.mtl")), paint).expect("a writable folder");
 }
 
-/// What `bake` says, and whether it succeeded.
+/// Output of `bake`, and whether it succeeded.
 fn bake(folder: &Path, scene: &str, more: &str) -> (bool, String) {
     let options = format!("bake {scene} -o a.cuts {SMALL} --progress json {more}");
     let mut command = Command::new(env!("CARGO_BIN_EXE_precompute"));

@@ -1,4 +1,4 @@
-//! Surfaces of different kinds as one.
+//! Surfaces of different kinds combined into one.
 
 use glam::Vec3;
 use lapidary_core::{
@@ -6,7 +6,7 @@ use lapidary_core::{
     surfel::{Surface, Surfel},
 };
 
-/// Numbers of `place.triangle` that each part has to itself.
+/// Range of `place.triangle` values reserved for each part.
 const PLACES: u32 = 1 << 16;
 
 /// All parts of the scene.
@@ -19,7 +19,7 @@ impl Aggregate {
         Self { parts }
     }
 
-    /// Which part a surfel is of.
+    /// The part that a surfel belongs to.
     pub fn part_of(&self, at: &Surfel) -> usize {
         (at.place.triangle / PLACES) as usize
     }
@@ -55,7 +55,7 @@ impl Surface for Aggregate {
     }
 }
 
-/// Whether a part lets light pass between two points: nothing is met before the second.
+/// Whether a part lets light pass between two points.
 pub fn passes(part: &dyn Surface, from: Vec3, to: Vec3) -> bool {
     let distance = from.distance(to);
     let hit = part.first_hit(from, (to - from) / distance.max(f32::MIN_POSITIVE));

@@ -1,4 +1,4 @@
-//! The pot: an implicit surface, traced by steps as long as its distance.
+//! The pot: an implicit surface, traced by steps of its distance.
 
 use crate::aggregate::passes;
 use glam::{Vec2, Vec3};
@@ -7,7 +7,7 @@ use lapidary_core::{
     surfel::{MeshPlace, Surface, Surfel},
 };
 
-/// Nearer than this in meters counts as met.
+/// Distances below this in meters count as a hit.
 const NEAR: f32 = 2e-4;
 
 /// The zero set of a function that bounds the distance to it.
@@ -18,7 +18,7 @@ pub struct Implicit {
 }
 
 impl Implicit {
-    /// A ball that flows smoothly into the ring that it stands on and the ring around its mouth.
+    /// A ball that blends into the ring below it and the ring around its mouth.
     pub fn pot() -> Self {
         let bounds = Bounds { min: Vec3::new(-0.45, 0.0, -0.75), max: Vec3::new(0.45, 0.75, 0.15) };
         Self { distance: pot, bounds, reflectance: Vec3::new(0.55, 0.38, 0.2) }
@@ -80,7 +80,7 @@ impl Surface for Implicit {
         self.bounds
     }
 
-    /// Rays that start nearer than the tracing's own slack would end where they began.
+    /// Larger than the hit distance: closer rays would end where they started.
     fn offset(&self) -> f32 {
         4.0 * NEAR
     }

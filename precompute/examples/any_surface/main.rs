@@ -1,5 +1,5 @@
-//! Radiosity on any kind of surface: a room of triangles, an implicit surface and an isosurface of a volume light each
-//! other through one meshless basis (after Fig. 6 of the meshless paper).
+//! Radiosity on any kind of surface: a room of triangles, an implicit surface and an isosurface of a volume light each other
+//! through one meshless basis (after Fig. 6 of the meshless paper).
 //!
 //! Run with `cargo run --release -p lapidary-precompute --example any_surface -- --out DIR`. It writes `direct.png`,
 //! `indirect.png` and `full.png`. Nothing but [`lapidary_core::surfel::Surface`] ties the light transport to the scene.
@@ -95,7 +95,7 @@ fn camera() -> Camera {
     Camera::look_at(Vec3::new(0.0, 1.0, 0.95), Vec3::new(0.0, 0.8, -1.0), 80.0)
 }
 
-/// What direct light becomes.
+/// Solves for the bounces of the lamp's direct light.
 fn indirect(bake: &MeshlessBake, scene: &Aggregate, lamp: &Lamp, settings: SolveSettings) -> Solution {
     let solver = Solver::new(bake);
     let samples = SenderSamples::on_surface(&bake.basis, &solver, scene);
@@ -143,7 +143,7 @@ mod tests {
     use lapidary_core::sphere::{cosine_direction, frame_around};
     use std::f32::consts::PI;
 
-    /// Rays from a place; the lamp's light on each hit takes sixteen more.
+    /// Rays per point; the lamp's light at each hit takes sixteen more.
     const RAYS: usize = 256;
 
     /// Irradiance in one bounce, by rays.

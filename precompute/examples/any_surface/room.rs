@@ -9,7 +9,7 @@ use lapidary_core::{
     surfel::{MeshPlace, Surface, Surfel},
 };
 
-/// Two meters wide, high and deep.
+/// A room two meters wide, high and deep.
 pub struct Room {
     mesh: Mesh,
     intersector: Intersector,
@@ -19,7 +19,7 @@ impl Room {
     pub fn new() -> Self {
         let corner =
             |i: u32| Vec3::new((i & 1) as f32 * 2.0 - 1.0, (i >> 1 & 1) as f32 * 2.0, (i >> 2) as f32 * 2.0 - 1.0);
-        // Left, right, floor, ceiling, back, front; each faces inward.
+        // Left, right, floor, ceiling, back, front; all face inward.
         let sides = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
         let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let mesh = Mesh { positions: (0..8).map(corner).collect(), triangles, ..Default::default() };

@@ -10,7 +10,7 @@ use lapidary_core::{
 
 /// Samples along each edge of the volume.
 const SIZE: i32 = 56;
-/// The density at the surface.
+/// Density at the surface.
 const LEVEL: f32 = 0.5;
 
 /// Where the density of a volume crosses [`LEVEL`].
@@ -66,7 +66,7 @@ impl Isosurface {
         Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).normalize_or(Vec3::Y)
     }
 
-    /// The stretch of a ray inside the volume.
+    /// The part of a ray inside the volume.
     fn stretch(&self, origin: Vec3, direction: Vec3) -> [f32; 2] {
         let [a, b] = [self.bounds.min, self.bounds.max].map(|plane| (plane - origin) / direction);
         [a.min(b).max_element().max(0.0), a.max(b).min_element()]

@@ -10,10 +10,10 @@ use lapidary_precompute::{Candidates, Darts, MeshSurface, Silent, poisson_disk};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 
-/// Rays from each point, of the truth and of the gather.
+/// Rays from each point, for the reference and for the gather.
 const RAYS: usize = 1024;
 
-/// Prints relative RMSE and ratio of means of what was sent, of a gather of it, and of the operator.
+/// Prints relative RMSE and ratio of means for projected direct light, a gather of it, and the operator.
 pub fn print(bake: &MeshlessBake, solver: &Solver, surface: &MeshSurface, lamp: &Lamp, viewpoint: Vec3, count: usize) {
     // A coarsest function reaches 1.5 disk radii. A fourteenth of such a radius gives three quarters of the points of a fifth
     // level, whose radius is a sixteenth.
@@ -42,7 +42,7 @@ pub fn print(bake: &MeshlessBake, solver: &Solver, surface: &MeshSurface, lamp: 
     }
 }
 
-/// What is sent, and what a bounce of it brings.
+/// Projected direct light and its first bounce at a point.
 struct OneBounce<'a> {
     bake: &'a MeshlessBake,
     sent: Vec<f32>,
@@ -69,7 +69,7 @@ impl<'a> OneBounce<'a> {
     }
 }
 
-/// Some of a Poisson-disk set that no bake uses: evenly over all that light reaches, small things included.
+/// Points of a Poisson-disk set that no bake uses, spread evenly over all reachable surfaces, including small ones.
 fn test_points(surface: &MeshSurface, viewpoint: Vec3, radius: f32, count: usize) -> Option<Vec<Surfel>> {
     const SEED: u64 = 77;
     const SET: usize = 20_000;
@@ -79,7 +79,7 @@ fn test_points(surface: &MeshSurface, viewpoint: Vec3, radius: f32, count: usize
     Some(points.into_iter().step_by(step).collect()).filter(|points: &Vec<_>| !points.is_empty())
 }
 
-/// How well estimates fit.
+/// Error of estimates.
 pub struct Comparison {
     error: f32,
     ratio: f32,
@@ -88,7 +88,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Of pairs of truth and estimate.
+    /// From pairs of reference and estimate.
     pub fn of(pairs: &[(f32, f32)]) -> Self {
         let sum = |f: &dyn Fn(&(f32, f32)) -> f32| pairs.iter().map(f).sum::<f32>();
         let mut squares: Vec<f32> = pairs.iter().map(|(truth, estimate)| (truth - estimate).powi(2)).collect();

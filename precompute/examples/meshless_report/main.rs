@@ -1,5 +1,5 @@
-//! The figures of the meshless light transport in `docs/results.md`: size of the operator, error of one bounce against
-//! rays, and times of a light that moves.
+//! Figures of the meshless light transport in `docs/results.md`: size of the operator, error of one bounce against rays, and times
+//! of a moving light.
 //!
 //! ```sh
 //! cargo run --release -p lapidary-precompute --example meshless_report -- SCENE --levels 6 --sender-levels 4 --gather-rays 300 --epsilon 0.025
@@ -28,22 +28,22 @@ struct Args {
     /// Levels of the basis
     #[arg(long, default_value_t = 6)]
     levels: usize,
-    /// How many of the first levels send; no more than there are
+    /// Number of first levels that send; at most all
     #[arg(long, default_value_t = 4)]
     sender_levels: usize,
-    /// Rays of a gather
+    /// Rays per gather
     #[arg(long, default_value_t = 512)]
     gather_rays: usize,
     /// Least significant link
     #[arg(long, default_value_t = 0.025)]
     epsilon: f32,
-    /// Distance of the coarsest points in meters [default: one that gives about 300 of them]
+    /// Distance of the coarsest points in meters [default: about 300 points]
     #[arg(long)]
     coarse_radius: Option<f32>,
-    /// Where the light is [default: the middle of the scene's bounds]
+    /// Position of the light [default: the center of the scene's bounds]
     #[arg(long, value_parser = place, allow_hyphen_values = true)]
     light: Option<Vec3>,
-    /// From where surfaces are reached [default: searched for]
+    /// Viewpoint for reachable surfaces [default: searched for]
     #[arg(long, value_parser = place, allow_hyphen_values = true)]
     viewpoint: Option<Vec3>,
     /// Points at which light is compared with rays
@@ -93,7 +93,7 @@ fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }
 
-/// Median time of nine runs in milliseconds.
+/// Median milliseconds of nine runs.
 fn median_ms(mut work: impl FnMut()) -> f32 {
     let mut times: Vec<f32> = (0..9)
         .map(|_| {
@@ -106,11 +106,11 @@ fn median_ms(mut work: impl FnMut()) -> f32 {
     times[times.len() / 2]
 }
 
-/// A place from three numbers with commas between.
+/// A position from three comma-separated numbers.
 fn place(text: &str) -> Result<Vec3, String> {
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     match numbers.as_deref() {
         Ok(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
-        _ => Err("give three numbers with commas between, such as 0,1.5,-2".into()),
+        _ => Err("give three numbers separated by commas, such as 0,1.5,-2".into()),
     }
 }

@@ -14,10 +14,10 @@ use lapidary_interchange::import::import;
 use lapidary_precompute::{MeshSurface, Sidedness, classify};
 use rayon::prelude::*;
 
-/// Diffuse reflectance of everything.
+/// Diffuse reflectance of all surfaces.
 pub const GREY: f32 = 0.5;
 
-/// A scene with all that its surface borrows.
+/// A scene with the data that its surface borrows.
 pub struct Prepared {
     pub scene: Scene,
     sides: Sidedness,
@@ -41,7 +41,7 @@ pub struct Lamp {
 }
 
 impl Lamp {
-    /// Its irradiance.
+    /// Irradiance of the lamp.
     pub fn direct(&self, surface: &MeshSurface, at: &Surfel) -> f32 {
         let to_lamp = self.position - at.position;
         let cosine = to_lamp.normalize_or_zero().dot(at.normal);
@@ -56,8 +56,8 @@ pub fn lit(samples: &SenderSamples, solver: &Solver, surface: &MeshSurface, lamp
     samples.fit(solver, &direct, &vec![Vec3::splat(GREY); direct.len()])
 }
 
-/// Irradiance of a point from surfaces of the given radiance, by cosine-distributed rays along a Fibonacci lattice that is
-/// shifted at random by point.
+/// Irradiance of a point from surfaces with the given radiance, by cosine-distributed rays along a Fibonacci lattice with a random
+/// shift per point.
 pub fn gathered(surface: &MeshSurface, at: &Surfel, rays: usize, radiance: impl Fn(&Surfel) -> f32) -> f32 {
     let (frame, origin) = (frame_around(at.normal), at.position + at.normal * surface.offset());
     let mut random = fastrand::Rng::with_seed(at.position.x.to_bits().into());

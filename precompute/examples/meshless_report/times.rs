@@ -1,4 +1,4 @@
-//! What happens when a light moves: direct light, bounces, flattening to the vertices.
+//! Work for a moved light: direct light, bounces, flattening to the vertices.
 
 use crate::{
     median_ms, megabytes,

@@ -1,9 +1,8 @@
 //! Checkpoints: finished chunks of a bake beside its output, so that an interrupted bake can resume.
 //!
-//! `FILE.cuts.partial/` holds `bake.json` (scene, settings, number of chunks, order of the light tree) and one file per
-//! finished chunk. Each has a checksum and is written under a temporary name and renamed, so it is either complete or
-//! made again. A chunk's file also names its bake, its series, its number, and the points that it is about, and it is
-//! read as what it names alone. Files that are no checkpoint's are never removed.
+//! `FILE.cuts.partial/` holds `bake.json` (scene, settings, number of chunks, order of the light tree) and one file per finished
+//! chunk. Each has a checksum and is written under a temporary name and renamed, so it is either complete or recomputed. A chunk's
+//! file also identifies its bake, series, number and points, and is never read as anything else. Foreign files are never removed.
 
 mod chunk;
 mod folder;
@@ -32,7 +31,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What a series of files holds.
+/// Contents of a series of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Series {
     /// Cuts of the bake points over the environment's lights.
@@ -46,10 +45,10 @@ pub enum Series {
 }
 
 impl Series {
-    /// All of them.
+    /// All series.
     const ALL: [Self; 4] = [Self::Environment, Self::Sources, Self::SourceEnvironment, Self::Transport];
 
-    /// What the names of its files begin with.
+    /// Prefix of its file names.
     fn prefix(self) -> &'static str {
         match self {
             Self::Environment => "chunk-",
@@ -64,20 +63,20 @@ impl Series {
     }
 }
 
-/// What an interrupted bake left beside its output.
+/// Remains of an interrupted bake beside its output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Leftover {
     /// Nothing.
     #[default]
     Nothing,
-    /// Chunks of another scene or of other settings, or damaged ones, which cannot be resumed.
+    /// Damaged chunks, or chunks of another scene or other settings, which cannot be resumed.
     OfAnother,
     /// Chunks to resume from.
     Fitting,
 }
 
-/// What an interrupted bake left beside `output`, judged for a bake of this scene with these settings. What an animation deforms is known
-/// to the bake alone, which refuses chunks of other keyframes.
+/// Finds the remains of an interrupted bake beside `output` and compares them with a bake of this scene with these settings. It
+/// does not compare animation deformations: only the bake knows them and rejects chunks of other keyframes.
 pub fn leftover(output: &Path, scene_hash: &str, settings: &ResolvedBake) -> Leftover {
     match manifest_in(&Checkpoint::folder_of(output)) {
         Ok(Some(manifest)) if manifest.is_of_scene(scene_hash, settings) => Leftover::Fitting,
@@ -86,12 +85,12 @@ pub fn leftover(output: &Path, scene_hash: &str, settings: &ResolvedBake) -> Lef
     }
 }
 
-/// The folder of a bake in progress. Its bake holds the lock of the output.
+/// The folder of a bake in progress. The bake holds the lock of the output.
 #[derive(Debug)]
 pub struct Checkpoint {
     folder: PathBuf,
     manifest: Manifest,
-    /// Folders whose files may be used, with the shards that they are of.
+    /// Folders with usable files, and their shards.
     known: Vec<(PathBuf, Option<Shard>)>,
     work: Work,
 }
@@ -104,18 +103,18 @@ impl Checkpoint {
         name.into()
     }
 
-    /// Whether an interrupted bake has left files in a folder.
+    /// Whether an interrupted bake left files in a folder.
     ///
     /// # Errors
-    /// Something else lies where the checkpoint would be.
+    /// Another file or link has the checkpoint's name.
     pub fn is_left(folder: &Path) -> Result<bool, CheckpointError> {
         Ok(is_there(folder)? && !Contents::of(folder)?.all_ours()?.is_empty())
     }
 
-    /// Starts work anew and discards an earlier checkpoint.
+    /// Starts work afresh and discards an earlier checkpoint.
     ///
     /// # Errors
-    /// A folder that is no checkpoint's, or that cannot be written.
+    /// A folder that is not a checkpoint, or an unwritable one.
     pub fn create(
         output: &Path,
         work: &Work,
@@ -133,13 +132,13 @@ impl Checkpoint {
         }
         let manifest = Manifest::new(content, settings, points, chunks, tree_order);
         let checkpoint = Self { folder, manifest, known: Vec::new(), work: work.clone() };
-        // Signed first: what has a manifest is gone on with.
+        // Sign first: a folder with a manifest will be resumed.
         checkpoint.sign()?;
         checkpoint.write(manifest::FILE, &checkpoint.manifest.sealed())?;
         Ok(checkpoint)
     }
 
-    /// Opens what interrupted work left, if anything.
+    /// Opens the checkpoint of interrupted work, if any.
     ///
     /// # Errors
     /// A checkpoint of another scene or other settings, or a damaged one.
@@ -158,10 +157,10 @@ impl Checkpoint {
         Ok(Some(Self { folder, manifest, known, work: work.clone() }))
     }
 
-    /// The shares of all shards beside `output`, for a bake that makes no chunk.
+    /// The shares of all shards beside `output`, for a bake that computes no chunk.
     ///
     /// # Errors
-    /// Shares that are missing, or of different bakes.
+    /// Missing shares, or shares of different bakes.
     pub fn of_shares(output: &Path) -> Result<Self, BakeError> {
         let shards = shards_beside(output)?;
         let folder_of = |shard: &Shard| shard.folder_of(output);
@@ -169,7 +168,7 @@ impl Checkpoint {
         let mut first: Option<Manifest> = None;
         for (folder, shard) in shards.iter().map(|shard| (folder_of(shard), *shard)) {
             let incomplete = || ShardError::Incomplete { shard, path: folder.clone() };
-            // A link may lead anywhere, and what it leads to would be removed.
+            // A link may lead anywhere, and its target would be removed.
             if !is_there(&folder)? {
                 return Err(incomplete().into());
             }
@@ -188,7 +187,7 @@ impl Checkpoint {
         Ok(Self { folder: known[0].0.clone(), manifest, known, work: Work::Merge(shards) })
     }
 
-    /// Whether it is of a bake of this scene with these settings and so many bake points, whatever an animation made of it.
+    /// Whether it belongs to a bake of this scene with these settings and number of bake points, regardless of animation.
     pub fn is_of_scene(&self, scene_hash: &str, settings: &BakeSettings, points: usize) -> bool {
         self.manifest.is_of_scene(scene_hash, settings) && self.points() == points
     }
@@ -203,13 +202,14 @@ impl Checkpoint {
         &self.manifest.tree_order
     }
 
-    /// The files of a series about these points.
+    /// The files of a series for these points.
     pub fn series(&self, series: Series, places: Places) -> Kept<'_> {
         let identity = Identity { bake: self.manifest.fingerprint(), series: series.prefix() };
         Kept { checkpoint: self, series, identity, places, others: Cell::new(false) }
     }
 
-    /// Removes the checkpoint, or all shares, when its bake is complete. Returns a file of others, with which its folder stays.
+    /// Removes the checkpoint, or all shares, after the bake is complete. Returns a foreign file, if any, because of which the
+    /// folder stays.
     ///
     /// # Errors
     /// Files that cannot be removed.
@@ -251,15 +251,15 @@ impl Kept<'_> {
         self.checkpoint.manifest.chunks
     }
 
-    /// Whether this bake makes or reads the chunk of an index; otherwise another shard makes it.
+    /// Whether this bake computes or reads the chunk of an index; otherwise another shard computes it.
     pub fn has(&self, index: usize) -> bool {
         self.checkpoint.work.has(index)
     }
 
-    /// Whether a chunk may be made that is not there.
+    /// Checks that a missing chunk may be computed.
     ///
     /// # Errors
-    /// Where shares are merged: the share that lacks it, or that has it about other points.
+    /// In a merge: the share that lacks the chunk, or has it for other points.
     pub fn may_make(&self, index: usize) -> Result<(), ShardError> {
         let Work::Merge(_) = self.checkpoint.work else { return Ok(()) };
         let shares = self.checkpoint.known.iter().filter_map(|(folder, shard)| Some((folder, (*shard)?)));
@@ -272,7 +272,7 @@ impl Kept<'_> {
         })
     }
 
-    /// Which of `count` points a chunk holds.
+    /// The points of a chunk among `count` points.
     pub fn range(&self, count: usize, chunk: usize) -> Range<usize> {
         let part = |chunk: usize| (chunk as u128 * count as u128 / self.chunks() as u128) as usize;
         part(chunk)..part(chunk + 1)
@@ -283,10 +283,10 @@ impl Kept<'_> {
         self.load_body(index).and_then(|body| Chunk::decoded(&body, count, height))
     }
 
-    /// A chunk that is kept, once more.
+    /// Reads a kept chunk again.
     ///
     /// # Errors
-    /// A file that was whole and is no more; where shares are merged, the share that has lost it.
+    /// A file that has become unreadable; in a merge, the share that lost it.
     pub fn again(&self, index: usize, count: usize, height: u32) -> Result<Chunk, BakeError> {
         let folder = &self.checkpoint.folder;
         let mut folders = iter::once(folder).chain(self.checkpoint.known.iter().map(|(folder, _)| folder));
@@ -303,12 +303,12 @@ impl Kept<'_> {
         })?
     }
 
-    /// Keeps a finished chunk.
+    /// Stores a finished chunk.
     pub fn store(&self, index: usize, chunk: &Chunk) -> Result<(), CheckpointError> {
         self.store_body(index, &chunk.encoded())
     }
 
-    /// Whether files about other points were found. Such files are not used.
+    /// Whether files for other points were found. Such files are not used.
     pub fn has_met_others(&self) -> bool {
         self.others.get()
     }

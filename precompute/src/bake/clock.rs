@@ -1,4 +1,4 @@
-//! Announces the phases of a bake and keeps their times.
+//! Announces the phases of a bake and records their times.
 
 use crate::observer::{Event, Observer, Phase};
 use std::{

@@ -9,26 +9,26 @@ use std::path::PathBuf;
 pub struct BakeJob {
     /// Settings that decide the result; see [`crate::resolve`].
     pub settings: ResolvedBake,
-    /// Where objects are, relative to their file; deformed as they are at [`Self::clip_time`].
+    /// Poses of objects, relative to their file; deformed as at [`Self::clip_time`].
     pub poses: Poses,
-    /// The time of an animation that the scene is at; `None` at rest.
+    /// The scene's time in an animation; `None` at rest.
     pub clip_time: Option<ClipTime>,
-    /// Where the dataset goes; checkpoints lie beside it.
+    /// Output path; checkpoints are stored beside it.
     pub output: PathBuf,
-    /// Files that the scene was imported from, which the output must not be.
+    /// Files of the imported scene, which the output must not overwrite.
     pub inputs: Vec<PathBuf>,
-    /// Number of chunks; `None` for a checkpoint every few seconds.
+    /// Number of chunks; `None` stores a checkpoint every few seconds.
     pub chunks: Option<usize>,
     /// Resume from the checkpoint of an interrupted bake.
     pub resume: bool,
-    /// Seconds that the import took, for the report.
+    /// Import time in seconds, for the report.
     pub import_secs: f64,
     /// Warnings of the import, for the report.
     pub warnings: Vec<String>,
 }
 
 impl BakeJob {
-    /// A bake from the beginning, without a report of the import.
+    /// A new bake without a report of the import.
     pub fn new(settings: ResolvedBake, output: PathBuf) -> Self {
         Self {
             settings,

@@ -1,10 +1,10 @@
-//! An estimate of the memory that a bake takes.
+//! An estimate of a bake's memory.
 
 use super::parts;
 use lapidary_core::dataset::BakeSettings;
 
-/// What a bake of this size will take beside the scene, in bytes: either while the hierarchy of boxes is built, and vertices are
-/// placed if there is room for more, or for mesh, hierarchy, cuts and links of its parts, and buffers of each thread.
+/// Estimated peak memory of a bake beside the scene, in bytes. The peak is either while the box hierarchy is built and further
+/// vertices are placed, or later, with mesh, hierarchy, the parts' cuts and links, and each thread's buffers.
 pub fn estimate(
     vertices: usize,
     triangles: usize,
@@ -22,7 +22,7 @@ pub fn estimate(
     BUILDERS + building.max(v * RESIDENT[0] + t * RESIDENT[1] + parts(v, settings, threads))
 }
 
-/// That of the parts of a bake.
+/// Memory of the parts of a bake.
 fn parts(vertices: u64, settings: &BakeSettings, threads: usize) -> u64 {
     parts::of(settings.mode).map(|part| part.memory(vertices, settings, threads)).sum()
 }
@@ -47,7 +47,7 @@ mod tests {
         assert!(of(BakeParts::CUTS) > of(BakeParts::ENVIRONMENT) + of(BakeParts::INDIRECT));
         assert!(of(BakeParts::INDIRECT) > of(BakeParts::ENVIRONMENT), "their cuts are longer");
         assert!(of(BakeParts::ALL) > of(BakeParts::CUTS));
-        // 100,000 cuts of 1,340 nodes of two bytes, once.
+        // 100,000 cuts of 1,340 two-byte nodes, once.
         assert!(of(BakeParts::INDIRECT) > 268_000_000);
     }
 }

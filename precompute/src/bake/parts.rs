@@ -1,5 +1,4 @@
-//! What each part of a bake asks of its settings, takes, does, and how it is checked. A new part is a file beside these, and its
-//! line in [`part`].
+//! The parts of a bake: settings, memory, work and verification. To add a part, add a file beside these and its line in [`part`].
 
 mod environment;
 mod meshless;
@@ -12,12 +11,12 @@ use crate::{
 };
 use lapidary_core::dataset::{BakePart, BakeParts, BakeSettings, Dataset};
 
-/// What a part has baked, to be put into the dataset.
+/// Puts the result of a part into the dataset.
 pub type Put = Box<dyn FnOnce(&mut Dataset)>;
 
 /// A part of a bake.
 pub trait PartBake {
-    /// Makes its settings those of a draft.
+    /// Sets its draft settings.
     fn draft(&self, settings: &mut BakeSettings);
 
     /// Checks its settings.
@@ -34,15 +33,15 @@ pub trait PartBake {
         Ok(())
     }
 
-    /// Bytes that it takes at most for so many vertices, beside the scene and its hierarchy.
+    /// Estimated bytes for this many vertices, beside the scene and its hierarchy.
     fn memory(&self, vertices: u64, settings: &BakeSettings, threads: usize) -> u64;
 
-    /// The setting that makes it smaller, beside the number of vertices and the bounds of cuts.
+    /// The setting that reduces its size, besides the number of vertices and the bounds of cuts.
     fn size(&self) -> Option<Setting> {
         None
     }
 
-    /// Bakes it. Distant light comes before all parts, since every dataset has its cuts and its tree.
+    /// Bakes the part. Distant light precedes all parts, because every dataset has its cuts and tree.
     ///
     /// # Errors
     /// See [`BakeError`].
@@ -60,23 +59,23 @@ pub fn part(part: BakePart) -> &'static dyn PartBake {
     }
 }
 
-/// All parts, whether they are to be baked or not.
+/// All parts, baked or not.
 pub fn all() -> impl Iterator<Item = &'static dyn PartBake> {
     BakePart::ALL.iter().map(|&kind| part(kind))
 }
 
-/// Those that are to be baked.
+/// The parts to bake.
 pub fn of(parts: BakeParts) -> impl Iterator<Item = &'static dyn PartBake> {
     parts.parts().map(part)
 }
 
-/// A number among the settings, with its least and greatest value.
+/// A numeric setting with its value and limits.
 pub type Range = (Setting, f64, f64, f64);
 
 /// Checks numbers.
 ///
 /// # Errors
-/// The first that is out of its range.
+/// The first one out of range.
 pub fn within(ranges: &[Range]) -> Result<(), SettingsError> {
     match ranges.iter().find(|(_, value, low, high)| !(value >= low && value <= high)) {
         Some(&(setting, value, low, high)) => Err(SettingsError::Range { setting, value, low, high }),

@@ -1,4 +1,4 @@
-//! The phases of a bake, one file each, and the making and packing of their chunks.
+//! The phases of a bake, one file each, and computing and packing their chunks.
 
 mod audit;
 pub mod bounces;

@@ -1,9 +1,9 @@
-//! Passes the messages of a bake on to the observer, and keeps the warnings about its result for the report.
+//! Forwards the messages of a bake to the observer, and keeps warnings about its result for the report.
 
 use crate::observer::{Event, Observer};
 use std::sync::{Mutex, PoisonError};
 
-/// Passes all messages on, and keeps warnings about the result.
+/// Forwards all messages, and keeps warnings about the result.
 pub(super) struct Remarks<'a> {
     observer: &'a dyn Observer,
     warnings: Mutex<Vec<String>>,

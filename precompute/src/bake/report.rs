@@ -11,7 +11,7 @@ use lapidary_core::{
     memory,
 };
 
-/// The report of a bake, without what only its phases know. `import_warnings` are the warnings of the import.
+/// The report of a bake, without data known only to its phases. `import_warnings` are the warnings of the import.
 pub fn report(
     geometry: &Geometry,
     settings: &ResolvedBake,
@@ -43,7 +43,7 @@ pub fn report(
     }
 }
 
-/// Adds what is known at the end: bytes, times, memory.
+/// Adds final data: bytes, times, memory.
 pub fn finish_report(dataset: &mut Dataset, clock: Clock, estimated_memory_bytes: Option<u64>) {
     dataset.report.bytes_total = dataset.tensor_bytes();
     let seconds = clock.finish();

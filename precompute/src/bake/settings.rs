@@ -10,23 +10,23 @@ use std::ops::Deref;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// Few vertices, and each part in its draft: for setting up a scene. Seconds for the environment alone.
+    /// Few vertices, and draft settings for each part: for setting up a scene. Takes seconds for the environment alone.
     Draft,
-    /// What the papers have.
+    /// The papers' settings.
     #[default]
     Normal,
     /// Finer cuts over the environment and three times the vertices, for final pictures; all else as in [`Self::Normal`].
     High,
 }
 
-/// `most` vertices, or a quarter more than the mesh has. Without room for further vertices nothing is split, and large
+/// `most` vertices, or a quarter more than the mesh has. Without room for further vertices no triangle is split, and large
 /// triangles have no shadows. The bundled still life has 57,810 vertices; with 12,000 more its error falls to a third.
 pub fn with_room(most: usize, mesh_vertices: usize) -> usize {
     most.max(mesh_vertices + mesh_vertices / 4)
 }
 
 impl Preset {
-    /// The settings for a scene with this many vertices, with room for some more.
+    /// The settings for a scene with this many vertices, with room for more.
     pub fn settings_for(self, mesh_vertices: usize) -> BakeSettings {
         let settings = self.settings();
         let max_vertices = settings.max_vertices.map(|most| with_room(most, mesh_vertices));
@@ -51,7 +51,7 @@ impl Preset {
     }
 }
 
-/// Checked settings: code that holds them may rely on their ranges. Only [`resolve`] makes them.
+/// Checked settings: code may rely on their ranges. Only [`resolve`] creates them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedBake(BakeSettings);
 
@@ -64,27 +64,27 @@ impl Deref for ResolvedBake {
 }
 
 impl ResolvedBake {
-    /// The settings, free to be changed.
+    /// The settings for modification.
     pub fn into_settings(self) -> BakeSettings {
         self.0
     }
 
-    /// The same with room for some more vertices than the mesh has; see [`with_room`].
+    /// Adds room for more vertices than the mesh has; see [`with_room`].
     pub fn with_room_for(mut self, mesh_vertices: usize) -> Self {
         self.0.max_vertices = self.0.max_vertices.map(|most| with_room(most, mesh_vertices));
         self
     }
 
-    /// The same over a ground.
+    /// Sets the ground.
     pub fn with_ground(mut self, ground: Ground) -> Self {
         self.0.ground = ground;
         self
     }
 
-    /// The same for these pictures, which are checked.
+    /// Sets shots after checking them.
     ///
     /// # Errors
-    /// The first shot whose camera is not usable.
+    /// The first shot with an invalid camera.
     pub fn for_shots(mut self, shots: Vec<Shot>) -> Result<Self, SettingsError> {
         check_shots(&shots)?;
         self.0.shots = shots;
@@ -92,7 +92,7 @@ impl ResolvedBake {
     }
 }
 
-/// Checks settings once; nothing checks them again.
+/// Checks settings once; nothing checks them later.
 ///
 /// # Errors
 /// The first setting out of range.

@@ -59,7 +59,7 @@ fn with(job: BakeJob, change: impl FnOnce(&mut BakeSettings)) -> BakeJob {
     BakeJob { settings: resolve(settings).unwrap(), ..job }
 }
 
-/// What was baked of the environment.
+/// Baked contents of the environment.
 fn contents(dataset: &Dataset) -> (Vec<u16>, Vec<u32>, Vec<u32>, Vec<Vec3>) {
     let mesh = &dataset.scene.mesh;
     (
@@ -144,7 +144,7 @@ fn report_adds_up_and_a_floor_of_two_triangles_gets_a_shadow() {
     for phase in ["import", "tessellate", "pilot", "tree", "visibility", "pack", "total"] {
         assert!(report.seconds(phase).is_some(), "{phase}");
     }
-    // Straight under the box the zenith is blocked, far away it is open.
+    // Directly under the box the zenith is blocked, far away it is open.
     let zenith = |near: Vec3| {
         let mesh = &dataset.scene.mesh;
         let on_floor = (0..mesh.positions.len()).filter(|&v| mesh.positions[v].y == 0.0);
@@ -210,7 +210,7 @@ fn sources_are_traced_along_boundaries_and_as_good_as_one_by_one() {
 
 #[test]
 fn what_is_too_fine_for_boundaries_is_traced_exhaustively() {
-    // Specks over a floor, each as wide as a light or two, so that most stand between probes.
+    // Specks over a floor, each as wide as one or two lights, so that most lie between probes.
     let mut triangles = floor(1.0, 0.0).to_vec();
     for speck in 0..49 {
         let (x, z) = (0.3 * (speck % 7 - 3) as f32, 0.3 * (speck / 7 - 3) as f32);
@@ -253,7 +253,7 @@ fn interior() -> Scene {
     scene_of(&triangles)
 }
 
-/// A small bake, from a viewpoint in the interior: to search for one takes longer than all the rest.
+/// A small bake from a viewpoint in the interior: searching for one would take longer than everything else.
 fn indirect_job(folder: &Path, name: &str, mode: BakeParts) -> BakeJob {
     let viewpoint = Some(Vec3::new(0.1, -0.1, -0.2));
     let indirect = IndirectSettings { sources: 512, viewpoint, ..Default::default() };
@@ -268,7 +268,7 @@ fn searching(job: BakeJob) -> BakeJob {
     with(job, |settings| settings.indirect.viewpoint = None)
 }
 
-/// The interior with all parts, baked once for all tests that compare with it.
+/// The interior with all parts, baked once for all tests that use it.
 fn whole_interior() -> &'static Dataset {
     static WHOLE: OnceLock<Dataset> = OnceLock::new();
     WHOLE.get_or_init(|| {
@@ -300,7 +300,7 @@ fn sources_are_baked_and_read_back_and_the_environment_stays_dark() {
     assert_eq!(indirect_contents(&Dataset::read(&job.output, image::decode).unwrap()), indirect_contents(&dataset));
     let plain = bake(interior(), &indirect_job(folder.path(), "b.cuts", BakeParts::ENVIRONMENT), &Silent).unwrap();
     assert!(plain.indirect.is_none() && plain.report.indirect.is_none());
-    // A closed room sees none of the environment; that is known because it was traced.
+    // A closed room sees none of the environment; only tracing shows that.
     assert!(plain.report.samples_resolved > 0);
 }
 

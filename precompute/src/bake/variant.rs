@@ -1,4 +1,4 @@
-//! Datasets of one geometry whose cuts were selected elsewhere.
+//! Datasets of one geometry with cuts selected elsewhere.
 
 use super::{
     checkpoint::Chunk,
@@ -17,11 +17,11 @@ use lapidary_core::{
 };
 
 impl Geometry {
-    /// The dataset of distant light with `cuts` over `tree`, one for each of `points`, and cuts that see nothing for all other
-    /// points. Its report is about `points` alone and knows no times; it has no hash of its scene.
+    /// The dataset of distant light with `cuts` over `tree`, one for each of `points`, and fully occluded cuts for all other
+    /// points. Its report covers `points` alone, without times; it has no scene hash.
     ///
     /// # Errors
-    /// Cuts beyond what a texture holds.
+    /// Cuts too large for a texture.
     pub fn environment_dataset(
         &self,
         settings: ResolvedBake,
@@ -31,7 +31,7 @@ impl Geometry {
     ) -> Result<Dataset, BakeError> {
         let mut of_points = PointCuts::new(tree.height());
         of_points.push_borrowed(cuts);
-        // The last cut is that of all points that are not baked.
+        // The last cut belongs to all unbaked points.
         let mut cut_of_point = vec![points.len() as u32; self.bake_points()];
         points.iter().enumerate().for_each(|(i, &point)| cut_of_point[point as usize] = i as u32);
         if points.len() < self.bake_points() {

@@ -1,4 +1,4 @@
-//! Why a bake did not finish.
+//! Errors of a bake.
 
 use super::{checkpoint::CheckpointError, points::PointsError, settings::SettingsError};
 use crate::shard::ShardError;
@@ -15,13 +15,13 @@ use thiserror::Error;
 /// Why a bake did not finish.
 #[derive(Debug, Error)]
 pub enum BakeError {
-    /// The observer asked for it.
+    /// The observer cancelled it.
     Cancelled,
     /// No surface for sources, or no viewpoint to find it from.
     Points(#[source] PointsError),
-    /// The points that were placed make no meshless basis.
+    /// The placed points form no meshless basis.
     Basis(#[from] BasisError),
-    /// Objects are out of reach.
+    /// Objects are posed out of range.
     Pose(#[source] MeshError),
     /// Settings out of range.
     Settings(#[from] SettingsError),
@@ -31,26 +31,26 @@ pub enum BakeError {
     Checkpoint(#[from] CheckpointError),
     /// The graphics device failed.
     Device(String),
-    /// Shards make no dataset.
+    /// The shards form no dataset.
     Shard(#[from] ShardError),
-    /// Nothing can be written where the dataset is to go.
+    /// The output path is not writable.
     Output(#[from] OutputError),
     /// The dataset cannot be written.
     Dataset(#[from] DatasetError),
-    /// More memory than there is.
+    /// Not enough memory.
     Memory {
-        /// Settings that make it smaller, beside the number of vertices.
+        /// Settings that reduce its size, besides the number of vertices.
         sizes: Vec<Setting>,
-        /// Whether it has cuts, which are smaller with larger bounds.
+        /// Whether it has cuts; larger bounds reduce them.
         has_cuts: bool,
         /// Estimated need in MB.
         needed: u64,
         /// Free now, in MB.
         available: u64,
     },
-    /// More texels than a texture holds.
+    /// Cuts with more texels than a texture holds.
     TooManyTexels {
-        /// Which cuts.
+        /// The cuts.
         cuts: CutsOf,
         /// Texels needed.
         texels: usize,
@@ -59,19 +59,19 @@ pub enum BakeError {
     },
 }
 
-/// Cuts that may be more than a texture holds.
+/// Cuts that may exceed a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CutsOf {
     /// Cuts of the vertices over the environment.
     Environment,
     /// Cuts of the vertices over the surface sources.
     Sources,
-    /// Of the surface sources over the environment.
+    /// Cuts of the surface sources over the environment.
     SourceEnvironment,
 }
 
 impl BakeError {
-    /// In words, with settings called by `name`.
+    /// The message, with settings named by `name`.
     pub fn text(&self, name: Naming) -> String {
         match self {
             Self::Cancelled => format!(
@@ -79,8 +79,8 @@ impl BakeError {
                 name(Setting::Resume)
             ),
             Self::Points(error) => error.text(name),
-            Self::Basis(error) => format!("the points on the surfaces make no meshless basis: {error}"),
-            Self::Pose(error) => format!("the objects cannot be posed so: {error}"),
+            Self::Basis(error) => format!("the points on the surfaces form no meshless basis: {error}"),
+            Self::Pose(error) => format!("the objects cannot be posed this way: {error}"),
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),
@@ -104,7 +104,7 @@ impl BakeError {
 }
 
 impl CutsOf {
-    /// Which cuts these are, and what makes them smaller.
+    /// Description of these cuts, and the remedy for their size.
     fn told(self, name: Naming) -> (&'static str, String) {
         let [sigma, source_sigma] = [Setting::Sigma, Setting::SourceSigma].map(name);
         let [max_cut, vertices, sources] = [Setting::MaxCut, Setting::MaxVertices, Setting::Sources].map(name);
@@ -120,7 +120,7 @@ impl CutsOf {
     }
 }
 
-/// What makes a bake smaller that has these settings of size.
+/// Remedy for the size of a bake with these size settings.
 fn memory_remedy(sizes: &[Setting], has_cuts: bool, name: Naming) -> String {
     let vertices = name(Setting::MaxVertices);
     let sizes = sizes.iter().copied().map(name).collect::<Vec<_>>().join(" or ");

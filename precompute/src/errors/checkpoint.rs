@@ -1,4 +1,4 @@
-//! Why a checkpoint is of no use.
+//! Errors of checkpoints.
 
 use crate::setting::{Naming, Setting};
 use std::{fmt, io, path::PathBuf};
@@ -11,45 +11,45 @@ pub enum CheckpointError {
     Io {
         /// `read`, `write` or `remove`.
         action: &'static str,
-        /// Which file or folder.
+        /// The file or folder.
         path: PathBuf,
         /// Error of the system.
         source: io::Error,
     },
     /// The checkpoint belongs to another bake.
     Mismatch {
-        /// Which folder.
+        /// The folder.
         path: PathBuf,
     },
-    /// The checkpoint is not what was written.
+    /// The checkpoint is damaged.
     Damaged {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The damage.
         reason: ManifestError,
     },
-    /// A finished chunk was taken away or changed while its bake went on.
+    /// A finished chunk was removed or changed during the bake.
     Lost {
         /// Its file.
         path: PathBuf,
     },
-    /// Something lies where the checkpoint would be that no bake has put there.
+    /// A foreign file has the checkpoint's place.
     Foreign {
-        /// Which file or folder.
+        /// The file or folder.
         path: PathBuf,
     },
 }
 
-/// Why a manifest is of no use.
+/// Why a manifest is unusable.
 #[derive(Debug, Error)]
 pub enum ManifestError {
-    /// No JSON, or that of another version.
+    /// Invalid JSON, or another version's.
     #[error("bake.json cannot be read ({0})")]
     Json(#[from] serde_json::Error),
-    /// It is not what was written.
+    /// The checksum does not match.
     #[error("bake.json does not match its checksum")]
     Checksum,
-    /// The number of chunks.
+    /// The number of chunks is invalid.
     #[error("bake.json has {chunks} chunks for {points} points")]
     Chunks {
         /// Number of chunks.
@@ -57,7 +57,7 @@ pub enum ManifestError {
         /// Number of bake points.
         points: usize,
     },
-    /// The order of the light tree.
+    /// The order of the light tree is invalid.
     #[error("bake.json has an order of the light tree that is no permutation of {lights} lights")]
     TreeOrder {
         /// Number of lights.
@@ -66,7 +66,7 @@ pub enum ManifestError {
 }
 
 impl CheckpointError {
-    /// In words, with settings called by `name`.
+    /// The message, with settings named by `name`.
     pub fn text(&self, name: Naming) -> String {
         match self {
             Self::Io { action, path, source } => format!(
@@ -85,12 +85,12 @@ impl CheckpointError {
                 path.display()
             ),
             Self::Lost { path } => format!(
-                "a finished part of the bake was removed or changed meanwhile; bake again with {}, which makes it anew ({})",
+                "a finished part of the bake was removed or changed meanwhile; bake again with {} to recompute it ({})",
                 name(Setting::Resume),
                 path.display()
             ),
             Self::Foreign { path } => format!(
-                "this is no part of a checkpoint, but lies where the checkpoint of the bake would be; move it elsewhere, \
+                "this is not part of a checkpoint, but has the place of the checkpoint; move it elsewhere, \
                  or choose another output ({})",
                 path.display()
             ),

@@ -1,41 +1,40 @@
-//! Why points cannot be placed on the surfaces of a scene.
+//! Errors of placing points on a scene's surfaces.
 
 use crate::setting::{Naming, Setting};
 use glam::Vec3;
 use std::fmt;
 use thiserror::Error;
 
-/// Least distance of the coarsest points of the meshless basis, as a share of the scene's diagonal: ten times as far as rays
-/// start off a surface.
+/// Least distance of the coarsest meshless points, as a share of the scene's diagonal: ten times the offset of rays from a surface.
 pub const LEAST_COARSE_RADIUS: f32 = 1e-4;
 
 /// Why points cannot be placed.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum PointsError {
-    /// Rays from the viewpoint meet nothing that is seen from its side.
+    /// Rays from the viewpoint hit nothing visible from its side.
     SeesNothing(Vec3),
-    /// Most of what the viewpoint sees are backs of closed surfaces.
+    /// Most visible surfaces are backs of closed pieces.
     InsideSolid(Vec3),
-    /// The search found no place that sees a surface.
+    /// The search found no position that sees a surface.
     NoViewpoint,
-    /// Surfaces too small or too few for so many points.
+    /// The surfaces are too small or too few for this many points.
     TooLittleSurface {
-        /// Points asked for.
+        /// Requested points.
         wanted: usize,
     },
-    /// Points so close that there would be no end of them.
+    /// The radius would give too many points.
     RadiusTooSmall {
-        /// Asked for, in meters.
+        /// Requested radius in meters.
         radius: f32,
         /// Diagonal of the scene's bounds in meters.
         diagonal: f32,
     },
-    /// The observer asked for it.
+    /// The observer cancelled it.
     Cancelled,
 }
 
 impl PointsError {
-    /// In words, with settings called by `name`.
+    /// The message, with settings named by `name`.
     pub fn text(&self, name: Naming) -> String {
         let viewpoint = name(Setting::Viewpoint);
         match self {

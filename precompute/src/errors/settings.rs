@@ -1,22 +1,22 @@
-//! Why no bake can be made with some settings.
+//! Errors of settings.
 
 use crate::setting::{Naming, Setting};
 use lapidary_core::{bounds::MOST_COORDINATE, camera::field_of_view_range, light_tree::LightCountError};
 use std::fmt;
 use thiserror::Error;
 
-/// Settings that no bake can be made with.
+/// Invalid settings.
 #[derive(Debug, Error, PartialEq)]
 pub enum SettingsError {
-    /// Number of lights.
+    /// Invalid number of lights.
     Lights(#[from] LightCountError),
-    /// Number of surface sources.
+    /// Invalid number of surface sources.
     Sources(usize),
-    /// A shot of a camera that looks nowhere, counted from 1.
+    /// A shot, counted from 1, with a camera without a direction.
     Shot(usize),
     /// A number outside its range.
     Range {
-        /// Which setting.
+        /// The setting.
         setting: Setting,
         /// Its value.
         value: f64,
@@ -28,7 +28,7 @@ pub enum SettingsError {
 }
 
 impl SettingsError {
-    /// In words, with settings called by `name`.
+    /// The message, with settings named by `name`.
     pub fn text(&self, name: Naming) -> String {
         match self {
             Self::Lights(error) => error.to_string(),

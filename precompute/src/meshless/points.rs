@@ -14,7 +14,7 @@ use lapidary_core::{dataset::MeshlessSettings, meshless::Basis, surfel::Surface}
 /// Seed of the points.
 const SEED: u64 = 1;
 
-/// The functions, and the radius of the coarsest disks.
+/// Places the functions and returns them with the radius of the coarsest disks.
 pub fn place_basis(
     surface: &dyn Surface,
     viewpoint: Vec3,
@@ -31,7 +31,7 @@ pub fn place_basis(
     Ok((basis?, radius))
 }
 
-/// Checks that a given radius is not too small for a scene of this diagonal.
+/// Checks that a given radius is not too small for a scene with this diagonal.
 pub fn check_coarse_radius(settings: &MeshlessSettings, diagonal: f32) -> Result<(), PointsError> {
     match settings.coarse_radius {
         Some(radius) if !(radius >= LEAST_COARSE_RADIUS * diagonal) => {
@@ -41,8 +41,8 @@ pub fn check_coarse_radius(settings: &MeshlessSettings, diagonal: f32) -> Result
     }
 }
 
-/// The radius at which about [`MeshlessSettings::COARSEST_FUNCTIONS`] disks fit. Their number is proportional to the
-/// inverse square of the radius, but smaller where the parts of a scene are smaller than a disk; hence a few steps.
+/// The radius at which about [`MeshlessSettings::COARSEST_FUNCTIONS`] disks fit. Their number is proportional to the inverse square
+/// of the radius, but smaller where parts of a scene are smaller than a disk; hence several steps.
 fn coarse_radius(surface: &dyn Surface, viewpoint: Vec3, observer: &dyn Observer) -> Result<f32, PointsError> {
     let mut candidates = Candidates::new(surface, viewpoint, SEED, observer)?;
     let mut radius = 0.05 * surface.bounds().diagonal();

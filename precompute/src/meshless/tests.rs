@@ -1,4 +1,4 @@
-//! A whole bake of a closed room, whose bounces are known.
+//! A complete bake of a closed room with known bounces.
 
 use super::*;
 use crate::{
@@ -84,7 +84,7 @@ fn direct(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
     if lit { cosine / to_light.length_squared() } else { 0.0 }
 }
 
-/// One bounce of it where everything is half gray, by rays.
+/// Its first bounce on half-gray surfaces, by rays.
 fn bounced(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
     const RAYS: usize = 512;
     let (frame, origin) = (frame_around(at.normal), at.position + at.normal * surface.offset());
@@ -96,7 +96,7 @@ fn bounced(surface: &dyn Surface, light: Vec3, at: &Surfel) -> f32 {
     (0..RAYS).map(ray).sum::<f32>() / RAYS as f32
 }
 
-/// Relative RMSE and ratio of means of pairs of truth and estimate.
+/// Relative RMSE and ratio of means, from pairs of reference and estimate.
 fn compare(pairs: &[(f32, f32)]) -> (f32, f32) {
     let sum = |f: &dyn Fn(&(f32, f32)) -> f32| pairs.iter().map(f).sum::<f32>();
     let square = sum(&|(truth, estimate)| (truth - estimate).powi(2)) / sum(&|p| p.0 * p.0);

@@ -1,8 +1,7 @@
 //! The single-bounce operator by receiver-centric adaptive refinement (meshless paper, 3.1, Fig. 5 and appendix).
 //!
-//! Level by level, each receiver gathers the links from all senders with one set of hemisphere rays (Eq. 16). It
-//! subtracts what its parents already carry (Eq. 17) and keeps significant links. Its children are examined if there
-//! are any.
+//! Level by level, each receiver gathers the links from all senders with one set of hemisphere rays (Eq. 16). It subtracts its
+//! parents' contribution (Eq. 17) and keeps significant links. Its children are examined if any link is kept.
 //!
 //! Departures from the paper:
 //!
@@ -38,7 +37,7 @@ use steps::{Forget, KeepsRows};
 /// Receivers between two checks for cancellation.
 const RECEIVERS_PER_STEP: usize = 1024;
 
-/// Computes the operator of a basis on its surface. The result depends on neither threads nor time.
+/// Computes the operator of a basis on its surface. The result does not depend on threads or time.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
@@ -51,8 +50,8 @@ pub fn transport_operator(
     resumable_operator(surface, basis, settings, &Forget, observer)
 }
 
-/// The same, resumable: steps that `kept` holds are not made again. Of the finest level, those that it does not have
-/// have no links.
+/// [`transport_operator`] with resumption: steps held by `kept` are not recomputed. On the finest level, steps that belong
+/// elsewhere have no links.
 pub fn resumable_operator(
     surface: &dyn Surface,
     basis: &Basis,

@@ -1,5 +1,4 @@
-//! The area that each surface point represents: the part of the reachable surface that is closer to it than to the
-//! others.
+//! The area that each surface point represents: the part of the reachable surface closer to it than to other points.
 
 use super::disk::DENSITY;
 use crate::{
@@ -16,26 +15,24 @@ use rayon::prelude::*;
 
 /// Uniformly distributed points per sample in one draw.
 const POINTS_PER_SAMPLE: usize = 64;
-/// Mean number of owned points per sample at which drawing ends: each area is good to a seventh, and their sum to far
-/// less.
+/// Mean number of owned points per sample at which drawing ends: each area is accurate to a seventh, and their sum to far less.
 const OWNED_PER_SAMPLE: usize = 48;
-/// Largest number of draws. Where light reaches a hundredth of the scene, samples own 40 points each in the end.
+/// Largest number of draws. If light reaches a hundredth of the scene, samples end with 40 points each.
 const DRAWS: usize = 64;
-/// Largest number of further draws around samples that are closer together than others, which would own too few points.
+/// Largest number of further draws around densely placed samples, which would otherwise own too few points.
 const FINE_DRAWS: usize = 16;
-/// Number of samples tried as the owner of a point: objects that stand on a surface separate it from the nearest.
+/// Nearest samples tried as the owner of a point: an object on a surface may separate the point from the nearest.
 const TRIED: usize = 4;
 /// Owned points per sample below which a warning is given.
 const FEW: usize = 16;
 /// Share of samples without area above which a warning is given.
 const WITHOUT_AREA: f32 = 0.01;
 
-/// Areas in m² of the samples of a Poisson-disk set, which come with their radii.
+/// Areas in m² of the samples of a Poisson-disk set, given with their radii.
 ///
-/// Uniformly distributed points of the mesh are assigned to the nearest sample by Eq. 11, of those within two radii
-/// that see them. So enclosed surfaces do not count, not even a floor beneath a box with a sample close outside its
-/// wall. Coincident faces count once. Points are drawn until enough of them are assigned, because a room may be a small
-/// part of a building.
+/// Uniformly distributed points of the mesh are assigned by Eq. 11 to the nearest visible sample within two radii. So enclosed
+/// surfaces do not count, not even a floor beneath a box with a sample close outside its wall. Coincident faces count once. Points
+/// are drawn until enough of them are assigned, because a room may be a small part of a building.
 ///
 /// # Errors
 /// [`PointsError::Cancelled`].
@@ -66,7 +63,7 @@ fn grid_of<'a>(samples: impl Iterator<Item = &'a (Surfel, f32)>) -> GradedGrid {
     GradedGrid::of(samples.map(|&(sample, radius)| (sample, OWNED_WITHIN * radius)))
 }
 
-/// Points of the mesh, each assigned to the sample that owns it.
+/// Points of the mesh, each assigned to its owner.
 struct Census<'a> {
     surface: &'a MeshSurface<'a>,
     observer: &'a dyn Observer,
@@ -74,7 +71,7 @@ struct Census<'a> {
     grid: GradedGrid,
     points_of: Vec<u32>,
     draws: usize,
-    /// In m², of one draw.
+    /// Area per point of one draw, in m².
     area_of_point: f32,
 }
 
@@ -84,7 +81,7 @@ impl<'a> Census<'a> {
         Self { surface, observer, seed, grid, points_of, draws: 0, area_of_point: 0.0 }
     }
 
-    /// Draws points that `may_count`, and assigns them to the samples that own them, for which `counts` holds.
+    /// Draws points that satisfy `may_count`, and assigns them to owners that satisfy `counts`.
     fn draw(
         &mut self,
         may_count: impl Fn(&Surfel) -> bool + Sync,
@@ -103,7 +100,7 @@ impl<'a> Census<'a> {
         }
         self.draws += 1;
         self.area_of_point = area_of_point;
-        // After all samples were placed.
+        // After all samples are placed.
         let measured = self.owned() / OWNED_PER_SAMPLE;
         self.observer.event(Event::Advanced { done: (self.points_of.len() + measured) as u64 });
         Ok(())
@@ -113,15 +110,15 @@ impl<'a> Census<'a> {
         self.points_of.iter().map(|&points| points as usize).sum()
     }
 
-    /// Number of draws that gives a sample enough points, at least the number made for all samples. It depends on the
-    /// radius and not on the points found so far, which would favor lucky samples.
+    /// Draws that give a sample enough points, at least the draws for all samples. The number depends on the radius rather than on
+    /// the points found so far, which would favor lucky samples.
     fn draws_for(&self, radius: f32) -> usize {
         let enough = (OWNED_PER_SAMPLE as f32 * DENSITY * self.area_of_point / (radius * radius)).ceil();
         (enough as usize).clamp(self.draws, self.draws + FINE_DRAWS)
     }
 }
 
-/// Warns of areas that are noise.
+/// Warns of noisy areas.
 fn remark(points_of: &[u32], owned: usize, observer: &dyn Observer) {
     let (samples, without) = (points_of.len(), points_of.iter().filter(|&&n| n == 0).count());
     let warn = |warning| observer.event(Event::Warning { message: Warning::Sources(warning) });
@@ -152,12 +149,12 @@ fn belongs(surface: &MeshSurface, point: &Surfel, (sample, reach): &(Surfel, f32
     let lifted = |s: &Surfel, lift: f32| s.position + s.normal * lift;
     let reaches = |lift: f32| surface.sees(lifted(ends[0], lift), lifted(ends[1], lift));
     let (low, high) = (4.0 * surface.offset(), 0.25 / OWNED_WITHIN * reach);
-    // A wall close behind tiles does not belong to them, and the floor under a cupboard not to a sample in front of it.
+    // A wall close behind tiles does not belong to them, nor the floor under a cupboard to a sample in front of it.
     let is_open = |s: &Surfel| surface.sees(lifted(s, low), lifted(s, high));
     if reaches(low) {
         is_open(point) || !is_open(sample)
     } else {
-        // Above bulges between the two.
+        // Above bulges between both.
         is_open(point) && is_open(sample) && reaches(high)
     }
 }

@@ -1,11 +1,11 @@
-//! Candidates: the hits of importance particles that are traced from a valid viewpoint.
+//! Candidates: hits of importance particles traced from a valid viewpoint.
 //!
-//! A particle is reflected in cosine-distributed directions, up to [`BOUNCES`] times. Its first [`DROPPED_HITS`] hits do not
-//! count, so that the density does not depend on the viewpoint. Where most particles escape before that, as over an
-//! open plane, all hits count.
+//! A particle is reflected in cosine-distributed directions, up to [`BOUNCES`] times. Its first [`DROPPED_HITS`] hits do not count,
+//! so that the density is independent of the viewpoint. If most particles escape before that, as over an open plane, all hits
+//! count.
 //!
-//! If pictures are given, most candidates lie where the light of these pictures comes from: they are ends of segments
-//! from the surfaces in the pictures.
+//! If shots are given, most candidates lie on surfaces that light them: they are ends of segments from the surfaces in the
+//! pictures.
 
 use crate::{errors::PointsError, observer::Observer};
 use glam::{Vec2, Vec3};
@@ -18,15 +18,15 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Hits of a particle (the paper's 30).
+/// Hits of a particle (30 in the paper).
 const BOUNCES: usize = 30;
-/// Number of first hits that do not count (the paper's 3).
+/// First hits that do not count (3 in the paper).
 const DROPPED_HITS: usize = 3;
 /// Rays that check whether a viewpoint sees anything.
 const RAYS_OF_CHECK: usize = 256;
 /// Particles that measure how often particles hit before they escape.
 const PROBES: u64 = 256;
-/// Particles traced at a time: enough that no core waits long for the others.
+/// Particles traced at a time: enough to keep all cores busy.
 const BATCH: u64 = 4096;
 /// Batches without a hit after which there are no more candidates.
 const EMPTY_BATCHES: usize = 16;
@@ -37,7 +37,7 @@ const PICTURED_PER_OTHER: usize = 4;
 /// Rows of a picture over which segments are spread; any number would do.
 const ROWS: f32 = 1024.0;
 
-/// An endless supply of points on surfaces from which light reaches the viewpoint; the same seed gives the same points.
+/// An endless supply of points on surfaces from which light reaches the viewpoint; equal seeds give equal points.
 pub struct Candidates<'a> {
     surface: &'a dyn Surface,
     observer: &'a dyn Observer,
@@ -50,7 +50,7 @@ pub struct Candidates<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    /// For a viewpoint, which is checked here.
+    /// Checks the viewpoint and starts at it.
     ///
     /// # Errors
     /// [`PointsError::SeesNothing`].
@@ -70,12 +70,12 @@ impl<'a> Candidates<'a> {
         Ok(candidates)
     }
 
-    /// Takes most of the candidates from surfaces that light what the shots see.
+    /// Takes most candidates from surfaces that light the shots' pictures.
     pub fn for_shots(self, shots: &'a [Shot]) -> Self {
         Self { shots, ..self }
     }
 
-    /// The next candidate. `None` if particles hit nothing any more.
+    /// The next candidate. `None` if particles no longer hit anything.
     ///
     /// # Errors
     /// [`PointsError::Cancelled`].
@@ -83,7 +83,7 @@ impl<'a> Candidates<'a> {
         Ok(self.draw_segment()?.map(|segment| segment.end))
     }
 
-    /// As [`Self::draw`], with the length of the segment that ends there.
+    /// [`Self::draw`] with the length of the segment that ends there.
     pub(super) fn draw_segment(&mut self) -> Result<Option<Segment>, PointsError> {
         for _ in 0..EMPTY_BATCHES {
             if let Some(candidate) = self.ready.pop_front() {
@@ -100,8 +100,7 @@ impl<'a> Candidates<'a> {
         Ok(self.ready.pop_front())
     }
 
-    /// At least `count` segments of particles, without pictures, spread evenly over the surface; fewer if particles
-    /// escape.
+    /// At least `count` segments of particles, ignoring shots, spread evenly over the surface; fewer if particles escape.
     ///
     /// # Errors
     /// [`PointsError::Cancelled`].
@@ -117,12 +116,12 @@ impl<'a> Candidates<'a> {
         self.surface
     }
 
-    /// Who hears how far they are.
+    /// Observer of the progress.
     pub(super) fn observer(&self) -> &'a dyn Observer {
         self.observer
     }
 
-    /// The segments of a particle, and [`PICTURED_PER_OTHER`] times as many from the surfaces that the shots see.
+    /// The segments of a particle, and [`PICTURED_PER_OTHER`] times as many from surfaces in the shots.
     fn segments(&self, index: u64) -> Vec<Segment> {
         let mut segments = self.particle(index);
         if !self.shots.is_empty() {
@@ -133,14 +132,14 @@ impl<'a> Candidates<'a> {
         segments
     }
 
-    /// The segments of the path of a particle.
+    /// The segments of a particle's path.
     fn particle(&self, index: u64) -> Vec<Segment> {
         let mut rng = fastrand::Rng::with_seed(self.seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let direction = uniform_direction(rng.f32(), rng.f32());
         segments(self.surface, self.viewpoint, direction, BOUNCES, &mut rng).skip(self.dropped).collect()
     }
 
-    /// From a random point of one of the pictures, cosine-distributed about its normal.
+    /// A segment from a random point in one of the pictures, cosine-distributed about its normal.
     fn segment_in_picture(&self, rng: &mut fastrand::Rng) -> Option<Segment> {
         let Shot { camera, aspect } = &self.shots[rng.usize(0..self.shots.len())];
         let size = [(ROWS * aspect).ceil().max(1.0) as u32, ROWS as u32];
@@ -163,7 +162,7 @@ pub fn check_viewpoint(surface: &dyn Surface, viewpoint: Vec3) -> Result<(), Poi
     }
 }
 
-/// A segment of the path of a particle.
+/// A segment of a particle's path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
     /// Its hit.
@@ -201,8 +200,8 @@ fn segments<'a>(
     std::iter::from_fn(next).take(most)
 }
 
-/// A point off the surface, back along the path of the particle. Nothing is there, even in a corner, where a step along
-/// the normal could pass through the wall beside it.
+/// A point slightly back along the particle's path. That space is free even in a corner, where a step along the normal could pass
+/// through the adjacent wall.
 fn step_back(origin: Vec3, direction: Vec3, hit: &Surfel, offset: f32) -> Vec3 {
     let cosine = direction.dot(hit.normal).abs().max(1e-3);
     hit.position - direction * (offset / cosine).min(0.5 * origin.distance(hit.position))

@@ -1,25 +1,24 @@
-//! Points divided into cells of small squared error: divisive k-means, the worst cell first.
+//! Divides points into cells of small squared error: divisive k-means, the worst cell first.
 
 use glam::Vec3;
 use lapidary_core::surfel::Surfel;
 use std::{cmp::Ordering, collections::BinaryHeap};
 
-/// Smallest number of hits per cell: fewer would not tell how wide it is.
+/// Smallest number of hits per cell; fewer would not determine its width.
 const LEAST_HITS: usize = 8;
-/// Axis directions that surfaces may face most; points of each are divided on their own.
+/// Number of axis directions; points facing each of them are divided separately.
 const SIDES: usize = 6;
 
 /// The end of a segment.
 pub(super) struct WeightedHit {
     position: Vec3,
     side: usize,
-    /// Squared error of its light, in radians, per squared meter between it and the center that its light is taken to
-    /// come from.
+    /// Squared error of its light, in radians, per squared meter between the hit and the assumed center of its light.
     weight: f32,
 }
 
 impl WeightedHit {
-    /// Of a segment of this length in meters, which is positive.
+    /// For a segment of positive length in meters.
     pub fn new(end: &Surfel, length: f32) -> Self {
         Self { position: end.position, side: side_of(end.normal), weight: length.powi(-2) }
     }
@@ -32,14 +31,14 @@ pub(super) struct Cells {
 }
 
 enum Node {
-    /// Points below a coordinate on an axis are in the first of two adjacent nodes, the others in the second.
+    /// Points below a coordinate on an axis are in the first of two adjacent nodes, others in the second.
     Parent { axis: usize, at: f32, first: usize },
     /// Its width in meters.
     Cell(f32),
 }
 
 impl Cells {
-    /// At most about `count` cells.
+    /// Divides the hits into at most about `count` cells.
     pub fn new(mut hits: Vec<WeightedHit>, count: usize) -> Self {
         hits.sort_unstable_by_key(|hit| hit.side);
         let mut nodes: Vec<Node> = (0..SIDES).map(|_| Node::Cell(f32::INFINITY)).collect();
@@ -60,8 +59,8 @@ impl Cells {
         Self { nodes }
     }
 
-    /// Width in meters of the cell of a point: the root of the mean squared distance of its hits from their mean, both
-    /// weighted by error. Infinite where there are too few hits.
+    /// Width in meters of the cell of a point: the root of the mean squared distance of its hits from their mean, both weighted by
+    /// error. Infinite with too few hits.
     pub fn width_at(&self, place: &Surfel) -> f32 {
         let mut node = side_of(place.normal);
         loop {
@@ -79,15 +78,14 @@ impl Cells {
     }
 }
 
-/// Index of the axis direction that a normal faces most.
+/// Index of the axis direction closest to a normal.
 fn side_of(normal: Vec3) -> usize {
     let axis = normal.abs().max_position();
     2 * axis + usize::from(normal[axis] < 0.0)
 }
 
-/// Moves hits below a coordinate on an axis to the front. Returns the coordinate and their number. The coordinate is
-/// their mean, or their median where the mean leaves too few on a side, as a few short segments at an edge may. `None`
-/// if the median does so too.
+/// Moves hits below a coordinate on an axis to the front. Returns the coordinate and their number. The coordinate is their mean, or
+/// their median if the mean leaves too few on one side, as with a few short segments at an edge. `None` if the median does too.
 fn split(members: &mut [WeightedHit], axis: usize, mean: f32) -> Option<(f32, usize)> {
     let mut at = mean;
     for _ in 0..2 {
@@ -101,7 +99,7 @@ fn split(members: &mut [WeightedHit], axis: usize, mean: f32) -> Option<(f32, us
     None
 }
 
-/// Moves those that `is_first` holds for to the front, and returns their number.
+/// Moves members that satisfy `is_first` to the front, and returns their number.
 fn partition(members: &mut [WeightedHit], is_first: impl Fn(&WeightedHit) -> bool) -> usize {
     let mut count = 0;
     for i in 0..members.len() {
@@ -113,7 +111,7 @@ fn partition(members: &mut [WeightedHit], is_first: impl Fn(&WeightedHit) -> boo
     count
 }
 
-/// Hits close together.
+/// A group of close hits.
 struct Cluster<'a> {
     node: usize,
     members: &'a mut [WeightedHit],
@@ -181,13 +179,13 @@ mod tests {
             places.map(|p| cells.width_at(&surfel(p, Vec3::Y))).sum::<f32>() / 861.0
         };
         let even = Cells::new(hits(Vec3::Y, |_| 1.0), 400);
-        // A square meter for each hundred cells: the root of two twelfths of a cell's side of a tenth.
+        // One square meter per hundred cells: the root of two twelfths of a cell's side of 0.1.
         let expected = 0.1 * (1.0_f32 / 6.0).sqrt();
         for x in [-0.5, 0.5] {
             assert!((width(&even, x) / expected - 1.0).abs() < 0.25, "{} for {expected}", width(&even, x));
         }
-        // Sixteen times the error for each hit: the best density of centers is its square root, and their distance
-        // the root of that again.
+        // Each hit has sixteen times the error: the best density of centers is the square root of that, and their distance the root
+        // again.
         let graded = Cells::new(hits(Vec3::Y, |p| if p.x < 0.0 { 0.25 } else { 1.0 }), 400);
         let ratio = width(&graded, 0.5) / width(&graded, -0.5);
         assert!((1.6..2.6).contains(&ratio), "{ratio}");
@@ -199,7 +197,7 @@ mod tests {
             (0..4).map(|i| WeightedHit::new(&surfel(Vec3::new(1.0 + 1e-3 * i as f32, 0.0, 0.0), Vec3::Y), 0.01));
         let cells = Cells::new(hits(Vec3::Y, |_| 2.0).into_iter().take(500).chain(at_edge).collect(), 100);
         let width = cells.width_at(&surfel(Vec3::ZERO, Vec3::Y));
-        // Of two meters for a hundred cells of eight hits at least.
+        // Two meters divided into a hundred cells of at least eight hits.
         assert!((0.03..0.3).contains(&width), "{width}");
         assert!(matches!(cells.nodes[2], Node::Parent { .. }), "the root of the side is divided");
     }

@@ -12,31 +12,30 @@ use lapidary_core::{
     surfel::{GradedGrid, Surface, Surfel},
 };
 
-/// Rejections in a row after which a set counts as full (the paper's 2000).
+/// Consecutive rejections after which a set counts as full (2000 in the paper).
 const FAILURES: usize = 2000;
-/// Squared radius of a set, as a share of the area that each of its points represents.
+/// Squared radius of a set relative to the area per point.
 pub(super) const DENSITY: f32 = 0.79;
-/// Rays of the openness test; half the directions of a sphere.
+/// Rays of the openness test: half the directions of a sphere.
 const OPENNESS_RAYS: usize = 32;
-/// Largest number of points of a set: a bound for surfaces too large for their radius. A level that ends there causes a
-/// warning.
+/// Largest number of points of a set, for surfaces too large for their radius. A level that ends there causes a warning.
 const MOST_POINTS: usize = 4_000_000;
-/// A factor for [`poisson_count`] that gives some more points than asked for.
+/// Factor for [`poisson_count`] that gives slightly more points than requested.
 const USUAL_FACTOR: f32 = 2.0;
 
 /// Criteria of dart throwing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Darts {
-    /// Least distance (Eq. 11) of any two points in meters.
+    /// Least distance in meters between any two points (Eq. 11).
     pub radius: f32,
-    /// Reject points in narrow places: the harmonic mean distance of surfaces over the hemisphere is below a sixth of
-    /// the radius.
+    /// Reject points in narrow places: where the harmonic mean distance of surfaces over the hemisphere is below a sixth of the
+    /// radius.
     pub open_only: bool,
     /// Stop at this many points.
     pub most: usize,
 }
 
-/// A Poisson-disk set of candidates; `placed` hears the number of its points as they come.
+/// A Poisson-disk set of candidates; `placed` receives the growing number of points.
 ///
 /// # Errors
 /// [`PointsError::Cancelled`].
@@ -52,8 +51,8 @@ pub fn poisson_disk(
     Ok(points.into_iter().map(|(point, _)| point).collect())
 }
 
-/// Candidates that are at least their radius from all earlier ones, at most `most`, with their radii in meters.
-/// `radius` returns that of a point, or `None` where no point may be; `placed` hears their number.
+/// Candidates at least their radius away from all earlier ones, at most `most`, with their radii in meters. `radius` returns the
+/// radius of a point, or `None` if no point may be there; `placed` receives their number.
 fn throw_darts(
     candidates: &mut Candidates,
     most: usize,
@@ -76,7 +75,7 @@ fn throw_darts(
     Ok(accepted.into_points())
 }
 
-/// Whether the harmonic mean distance of the surfaces around, by rays of three radii, is below a sixth of the radius.
+/// Whether the harmonic mean distance of the surrounding surfaces, by rays of three radii, is below a sixth of the radius.
 fn is_narrow(surface: &dyn Surface, at: &Surfel, radius: f32, hemisphere: &[Vec3]) -> bool {
     let frame = frame_around(at.normal);
     let origin = at.position + at.normal * surface.offset();
@@ -116,8 +115,8 @@ pub(super) fn levels_of_at_most(
 ) -> Result<Vec<Vec<Surfel>>, PointsError> {
     let mut candidates = Candidates::new(surface, viewpoint, seed, observer)?;
     let radius = |level: usize| coarse_radius * (-(level as f32)).exp2();
-    // Coarse functions in narrow places would reach through to the outside. The finest hardly can, and no finer level
-    // replaces them.
+    // Coarse functions in narrow places would reach through to the outside. The finest hardly can, and no finer level would replace
+    // them.
     let open_only = |level| level + 1 < levels;
     let darts = |level| Darts { radius: radius(level), open_only: open_only(level), most };
     let mut sets: Vec<Vec<Surfel>> = Vec::with_capacity(levels);
@@ -136,8 +135,8 @@ pub(super) fn levels_of_at_most(
 
 /// A Poisson-disk set of exactly `count` points with variable radius, and the radius of each in meters.
 ///
-/// `radius` returns the radius at a point for a factor. The search finds a factor that gives some more points, and
-/// leaves out the closest of these.
+/// `radius` returns the radius at a point for a factor. The search finds a factor that gives slightly more points, and removes the
+/// closest ones.
 ///
 /// # Errors
 /// Surfaces too small for this many points, or a cancelled job.
@@ -146,7 +145,7 @@ pub fn poisson_count(
     count: usize,
     radius: impl Fn(&Surfel, f32) -> f32,
 ) -> Result<Vec<(Surfel, f32)>, PointsError> {
-    /// Largest share of points that are left out.
+    /// Largest share of removed points.
     const SURPLUS: f32 = 0.06;
     const ATTEMPTS: usize = 16;
     /// Factor below which the search fails.
@@ -156,7 +155,7 @@ pub fn poisson_count(
     let mut factor = USUAL_FACTOR;
     let mut best: Option<Vec<(Surfel, f32)>> = None;
     for attempt in 0..ATTEMPTS {
-        // Each attempt tells half of what is left.
+        // Each attempt reports half of the remaining progress.
         let [before, part] = [1.0 - (-(attempt as f64)).exp2(), (-(attempt as f64) - 1.0).exp2()];
         let done = |points: usize| before * count as f64 + part * points.min(count) as f64;
         let placed = |points: usize| observer.event(Event::Advanced { done: done(points) as u64 });
@@ -169,8 +168,8 @@ pub fn poisson_count(
         if best.as_ref().is_some_and(|b| b.len() <= good_enough) {
             break;
         }
-        // The number of points is proportional to the inverse square of the radius. The first sets may be far from that
-        // law, and the full size of a set that was cut short is unknown.
+        // The number of points is proportional to the inverse square of the radius. The first sets may be far from that law, and
+        // the full size of a truncated set is unknown.
         let law = (found.max(1) as f32 / (count as f32 * (1.0 + 0.5 * SURPLUS))).sqrt();
         factor *= if found < 2 * most { law.max(0.02) } else { 2.0 };
         if factor < LEAST_FACTOR {
@@ -181,7 +180,7 @@ pub fn poisson_count(
     Ok(thin(points, count))
 }
 
-/// Leaves out the points with the nearest neighbors until `count` are left; of two neighbors only one goes where possible.
+/// Removes the points with the nearest neighbors until `count` are left; only one of two neighbors goes where possible.
 fn thin(mut points: Vec<(Surfel, f32)>, count: usize) -> Vec<(Surfel, f32)> {
     while points.len() > count {
         let grid = GradedGrid::of(points.iter().map(|&(point, radius)| (point, 2.0 * radius)));
@@ -234,7 +233,7 @@ mod tests {
         let grid = |first: f32, cell: f32, radius: f32| {
             (0..100).map(move |i| point(first + cell * (i % 10) as f32, cell * (i / 10) as f32, radius))
         };
-        // Twenty more of the coarse ones, half as far from others as they should be and still farther than all fine ones.
+        // Twenty additional coarse points, half their proper distance from others but still farther than all fine ones.
         let more = |i| point(0.1 * (i % 10) as f32 + 0.05, 0.2 * (i / 10) as f32, 0.1);
         let fine_left = |radius: f32| {
             let coarse = grid(0.0, 0.1, 0.1).chain((0..20).map(more));

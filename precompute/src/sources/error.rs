@@ -1,12 +1,13 @@
-//! Errors of cuts of solid angles.
+//! Errors of solid angles in cuts.
 
 /// Sum of squares of solid angles, in steradians squared.
 pub fn squared_norm(solid_angles: &[f32]) -> f64 {
     solid_angles.iter().map(|&x| f64::from(x) * f64::from(x)).sum()
 }
 
-/// Root mean square of errors of points. Each comes squared and with the squared norm of what the point sees, and is a share of
-/// that, or of the mean one where this is larger: what is missing in a dark corner is little beside what others see.
+/// Root mean square of relative errors of points, given as squared error and squared norm of the visible solid angles. Each error
+/// is relative to its own norm, or to the mean norm if that is larger: errors in a dark corner matter little beside brighter
+/// points.
 pub fn relative_rms(points: &[(f64, f64)]) -> f64 {
     let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len().max(1) as f64;
     let mean_norm = mean(&|&(_, norm)| norm).max(f64::MIN_POSITIVE);

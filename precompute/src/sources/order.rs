@@ -19,8 +19,7 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Arranges sources as the leaves of their complete binary tree, by position and normal, by pilot visibility, or by
-/// both.
+/// Arranges sources as the leaves of their complete binary tree, by position and normal, by pilot visibility, or by both.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
@@ -34,12 +33,12 @@ pub fn order_sources(
 ) -> Result<Vec<Source>, BakeError> {
     let diagonal = surface.bounds().diagonal();
     let none = PilotVisibility { lights: sources.len(), fractions: Vec::new() };
-    // By position first, because the pilot's batches need neighbors in order to be neighbors in space.
+    // By position first, because the pilot's batches need neighbors in the array to be neighbors in space.
     let sources = clustered(&sources, TreeKind::Geometric, 1.0, diagonal, &none);
     if settings.tree == TreeKind::Geometric {
         return Ok(sources);
     }
-    // By the finest probes, for there is no audit yet: what is missed makes the tree a little worse, and no cut wrong.
+    // Uses the finest probes, because there is no audit yet: missed light makes the tree slightly worse, and no cut wrong.
     let sources_per_probe = if settings.exhaustive { EXHAUSTIVE } else { FINEST };
     let sampler = SourceSampler::new(scene, &sources, surface.offset(), sources_per_probe);
     let scratch = || (SourceScratch::default(), vec![0.0; sources.len()]);

@@ -1,25 +1,24 @@
-//! Positions of surface sources (paper, 4.1). The points of the meshless basis paper replace the paper's repulsion of
-//! random ones.
+//! Positions of surface sources (paper, 4.1). Points of the meshless basis paper replace the paper's repulsion of random points.
 
 use super::{areas::sample_areas, candidates::Candidates, disk::poisson_count, spacing::Spacing};
 use crate::{errors::PointsError, mesh_surface::MeshSurface, observer::Observer};
 use glam::Vec3;
 use lapidary_core::{shot::Shot, sources::Source};
 
-/// Seed of the particles, so that the same scene gets the same sources.
+/// Seed of the particles: the same scene gets the same sources.
 const POINTS_SEED: u64 = 0x736f_7572_6365_7301;
 /// Seed of the particles that measure the spacing of sources.
 const SPACING_SEED: u64 = 0x736f_7572_6365_7303;
 /// Seed of the points that estimate areas.
 const AREAS_SEED: u64 = 0x736f_7572_6365_7302;
 
-/// Units of progress of [`place_sources`]: each source is placed, and then its area measured.
+/// Units of progress of [`place_sources`]: placing each source, and measuring its area.
 pub fn placement_units(count: usize) -> u64 {
     2 * count as u64
 }
 
-/// `count` sources on the surfaces that light reaches from the viewpoint. They are closer together where receivers are
-/// close, above all receivers that the shots see.
+/// `count` sources on the surfaces that light reaches from the viewpoint. They are denser near close receivers, above all near
+/// receivers in the shots.
 ///
 /// # Errors
 /// See [`poisson_count`].

@@ -9,21 +9,21 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Nearest sources of each that count as its neighbors: points of a Poisson-disk set touch six others.
+/// Nearest sources that count as neighbors: a point of a Poisson-disk set touches six others.
 const NEIGHBOURS: usize = 6;
-/// They are sought among those of which this many spacings reach so far.
+/// Neighbors are searched within this many spacings.
 const NEIGHBOUR_REACH: f32 = 4.0;
 
 /// Samples the solid angles of all sources, one bake point after another.
 pub struct SourceSampler<'a> {
     scene: &'a Intersector,
     sources: &'a [Source],
-    /// End of the segments to each source, off its surface.
+    /// Ends of the segments to the sources, off their surfaces.
     ends: Vec<Vec3>,
-    /// Shares of the light that the surfaces of the sources stop, if any of them is thin.
+    /// Share of light that each source's surface blocks, if any of them is thin.
     opacities: Option<Vec<f32>>,
     near: NearField,
-    /// What boundaries are followed in, unless all segments are traced.
+    /// Set in which boundaries are followed; `None` if all segments are traced.
     boundaries: Option<SegmentSet>,
 }
 
@@ -37,8 +37,8 @@ pub struct SourceScratch {
 }
 
 impl<'a> SourceSampler<'a> {
-    /// For sources in tree order; segments end `offset` meters off their surface. Boundaries are followed between probes, of
-    /// which each stands for `sources_per_probe`, or every segment is traced ([`EXHAUSTIVE`]).
+    /// For sources in tree order; segments end `offset` meters off their surface. Boundaries are followed between probes that each
+    /// stand for `sources_per_probe`, or every segment is traced ([`EXHAUSTIVE`]).
     pub fn new(scene: &'a Intersector, sources: &'a [Source], offset: f32, sources_per_probe: usize) -> Self {
         let ends: Vec<Vec3> = sources.iter().map(|s| s.surfel.position + s.surfel.normal * offset).collect();
         let boundaries = (sources_per_probe != EXHAUSTIVE)
@@ -48,7 +48,7 @@ impl<'a> SourceSampler<'a> {
         Self { scene, sources, ends, opacities, near: NearField::new(sources), boundaries }
     }
 
-    /// Share of the light of a distant source that arrives past the thin surfaces: less than 1 for one that lies in such a surface.
+    /// Share of a distant source's light that passes thin surfaces; below 1 for a source on such a surface.
     fn passed(&self, origin: Vec3, source: usize) -> f32 {
         let Some(opacities) = &self.opacities else { return 1.0 };
         opacities[source] * self.scene.past_veils_between(origin, self.ends[source])
@@ -59,9 +59,8 @@ impl<'a> SourceSampler<'a> {
         self.sources.len()
     }
 
-    /// Sets `seen[leaf]` to the solid angle in steradians of every source. A distant source has that of its disc, or
-    /// zero if it faces away, lies below the point's horizon, or is hidden; for a near one the rays decide. Returns the
-    /// number of rays traced.
+    /// Sets `seen[leaf]` to the solid angle in steradians of every source. A distant source has its disc's solid angle, or zero if
+    /// it faces away, lies below the point's horizon, or is hidden; rays determine near ones. Returns the number of traced rays.
     pub fn sample(&self, point: &BakePoint, scratch: &mut SourceScratch, seen: &mut [f32]) -> u64 {
         let SourceScratch { batch, tracer, wanted } = scratch;
         wanted.iter_mut().for_each(Vec::clear);
@@ -85,7 +84,7 @@ impl<'a> SourceSampler<'a> {
         far + gather_near(point, has_near, seen, near)
     }
 
-    /// [`Self::sample`] segment by segment and ray by ray, for verification.
+    /// [`Self::sample`] by single segments and rays, for verification.
     pub fn sample_singly(&self, point: &BakePoint, seen: &mut [f32]) {
         let mut far = Vec::new();
         let has_near = self.sort(point, seen, |i, side| far.push((i, side)));
@@ -99,7 +98,7 @@ impl<'a> SourceSampler<'a> {
         });
     }
 
-    /// What [`Self::sample`] sets, for verification: segment by segment if all are traced, else by the same boundaries.
+    /// Repeats [`Self::sample`] for verification: by single segments if all are traced, else along the same boundaries.
     pub fn sample_again(&self, point: &BakePoint, seen: &mut [f32]) {
         match self.boundaries {
             None => self.sample_singly(point, seen),
@@ -127,8 +126,8 @@ impl<'a> SourceSampler<'a> {
     }
 }
 
-/// Adds solid angles of near sources, which `gather` tells, for the sides of a point that have any. Returns the number of rays
-/// traced.
+/// Adds the solid angles of near sources, computed by `gather`, for the sides of a point that have any. Returns the number of
+/// traced rays.
 fn gather_near(
     point: &BakePoint,
     has_near: [bool; 2],
@@ -151,7 +150,7 @@ fn gather_near(
     rays
 }
 
-/// The nearest others of each of the sources, on its own surface.
+/// Nearest other sources of each source, on its own surface.
 fn neighbours(sources: &[Source]) -> Vec<Vec<u32>> {
     let grid = GradedGrid::of(sources.iter().map(|source| (source.surfel, NEIGHBOUR_REACH * source.spacing)));
     let nearest = |(own, source): (usize, &Source)| {
@@ -166,7 +165,7 @@ fn neighbours(sources: &[Source]) -> Vec<Vec<u32>> {
     sources.par_iter().enumerate().map(nearest).collect()
 }
 
-/// The side of a point that a source is on, if both face each other.
+/// The side of a point that faces a source, if both face each other.
 #[inline]
 fn facing_side(point: &BakePoint, source: &Source) -> Option<Side> {
     let toward = source.surfel.position - point.position;

@@ -1,10 +1,9 @@
 //! The local spacing of surface sources.
 //!
-//! A receiver takes the light of a source to come from its center. The error is the distance between that center and
-//! the true origin of the light, in units of the distance to the receiver. The rim of a table a centimeter above a
-//! ledge needs sources millimeters apart; for a ceiling decimetres are enough. So rays go out from receivers, and their
-//! hits are divided into cells whose sum of squared errors is small ([`Cells`]). The widths of the cells determine the
-//! spacing of the sources.
+//! A receiver treats a source's light as coming from its center. The error is the distance between that center and the light's true
+//! origin, relative to the distance to the receiver. The rim of a table one centimeter above a ledge needs sources millimeters
+//! apart; decimeters suffice for a ceiling. So rays start at receivers, and their hits are divided into cells with a small sum of
+//! squared errors ([`Cells`]). The cell widths determine the spacing of the sources.
 
 use super::{
     candidates::{Candidates, Segment},
@@ -17,18 +16,17 @@ use rayon::prelude::*;
 
 /// Mean number of segments per cell.
 const SEGMENTS: usize = 128;
-/// Smallest length of a segment, as a share of the median: closer surfaces lie in the same fold.
+/// Smallest segment length relative to the median: closer surfaces belong to the same fold.
 const SHORTEST: f32 = 0.02;
-/// The spacing is proportional to this power of the width. Cells are as wide as the root of the length of the segments
-/// that end there. But light from either side of a source cancels, so that the error of a receiver is of second order
-/// in the distance over that length. The sum of its squares is least for a spacing proportional to the length to the
-/// power of 2/3 (best density of centers on a surface for errors to the fourth). Cells divided by that measure itself
-/// are worse, because then few segments decide.
+/// The spacing is proportional to this power of the width. A cell's width is proportional to the root of the length of the segments
+/// that end there. But light from both sides of a source cancels, so the error of a receiver is of second order in spacing over
+/// length. The sum of its squares is smallest for a spacing proportional to the length to the power of 2/3 (best density of centers
+/// on a surface for errors to the fourth). Cells divided by that measure directly are worse, because then few segments decide.
 const WIDTH_POWER: f32 = 4.0 / 3.0;
-/// Largest spacing, as a multiple of that of an even set ([`even_spacing`]): few receivers are close to a lamp's bright
-/// spot on a table, and yet it lights the whole room.
+/// Largest spacing relative to an even set ([`even_spacing`]): few receivers are close to a lamp's bright spot on a table, yet it
+/// lights the whole room.
 const WIDEST: f32 = 2.0;
-/// Neighbors that measure the local density of points, and the number of points where that is done.
+/// Neighbors that measure the local density of points, and the number of points measured.
 const NEIGHBOURS: usize = 8;
 const SAMPLED: usize = 256;
 
@@ -37,12 +35,12 @@ pub struct Spacing {
     cells: Cells,
     /// Width in meters of a cell whose spacing is the width itself.
     typical: f32,
-    /// In meters.
+    /// Largest spacing in meters.
     widest: f32,
 }
 
 impl Spacing {
-    /// For `count` sources on the surfaces of the candidates.
+    /// For `count` sources on the candidates' surfaces.
     ///
     /// # Errors
     /// [`PointsError::Cancelled`].
@@ -67,7 +65,7 @@ impl Spacing {
         Self { cells, typical, widest }
     }
 
-    /// Spacing in meters at a point, for the factor.
+    /// Spacing in meters at a point, scaled by the factor.
     pub fn at(&self, place: &Surfel, factor: f32) -> f32 {
         let width = self.cells.width_at(place) / self.typical;
         (factor * self.typical * width.powf(WIDTH_POWER)).min(self.widest)
@@ -80,8 +78,8 @@ fn median(values: &mut [f32]) -> f32 {
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f32::total_cmp).1 }
 }
 
-/// Radius of a Poisson-disk set of `count` points spread evenly over the surface that the points lie on. Each point
-/// represents the area that its nearest neighbors leave it, however uneven the set.
+/// Radius of an even Poisson-disk set of `count` points over the surface of the given points. Each point represents the area left
+/// by its nearest neighbors, even in an uneven set.
 fn even_spacing(places: &[Segment], count: usize) -> f32 {
     let area_of = |place: &Segment| {
         let distance_sq = |other: &Segment| other.end.position.distance_squared(place.end.position);
@@ -90,7 +88,7 @@ fn even_spacing(places: &[Segment], count: usize) -> f32 {
         std::f32::consts::PI * *distances.select_nth_unstable_by(nearest, f32::total_cmp).1 / nearest.max(1) as f32
     };
     let step = (places.len() / SAMPLED).max(1);
-    // Summed in order, which threads would not do.
+    // Summed in order; parallel sums would vary.
     let areas: Vec<f32> = places.par_iter().step_by(step).map(area_of).collect();
     let mean = areas.iter().sum::<f32>() / areas.len().max(1) as f32;
     (DENSITY * mean * places.len() as f32 / count as f32).sqrt()
@@ -101,7 +99,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// Segments of a quarter of a meter to the places of negative x, and of a meter to the others.
+    /// Segments of a quarter of a meter to points with negative x, and of one meter to the others.
     #[test]
     fn spacing_goes_with_the_length_of_segments_to_the_power_of_two_thirds() {
         let surfel = |x, z| Surfel { position: Vec3::new(x, 0.0, z), ..Default::default() };
@@ -117,7 +115,7 @@ mod tests {
             };
             mean(1.0) / mean(-1.0)
         };
-        // Cells halve, on one side before the other: a mean over an octave of counts.
+        // Cells halve at different counts on both sides: average over an octave of counts.
         let ratios = [453, 538, 640, 761].map(|count| {
             let widths = {
                 let cells = cells(count);

@@ -22,7 +22,7 @@ use lapidary_core::{
 
 const INSIDE: Vec3 = Vec3::new(0.1, -0.2, 0.15);
 
-/// A room of 2 m with a closed box on its floor that has another within it.
+/// A room of 2 m with a closed box on its floor that contains another box.
 fn furnished() -> Prepared {
     let mut triangles = room(Vec3::ZERO, Vec3::ONE);
     triangles.extend(cuboid(Vec3::new(0.4, -0.7, 0.3), Vec3::splat(0.3)));
@@ -30,14 +30,14 @@ fn furnished() -> Prepared {
     Prepared::new(&triangles)
 }
 
-/// `count` points that are all as far apart, and their radii.
+/// `count` evenly spaced points with their radii.
 fn even_points(prepared: &Prepared, count: usize) -> Vec<(Surfel, f32)> {
     let surface = prepared.surface();
     let mut candidates = Candidates::new(&surface, INSIDE, 1, &Silent).unwrap();
     poisson_count(&mut candidates, count, |_, factor| 0.05 * factor).unwrap()
 }
 
-/// `count` points as sources are placed.
+/// `count` points placed as sources are.
 fn graded_points(prepared: &Prepared, count: usize, shots: &[Shot]) -> Vec<(Surfel, f32)> {
     let surface = prepared.surface();
     let candidates = |seed| Candidates::new(&surface, INSIDE, seed, &Silent).unwrap().for_shots(shots);
@@ -97,7 +97,7 @@ fn points_of_faces_at_right_angles_may_be_close_and_those_of_one_face_may_not() 
 #[test]
 fn density_is_even() {
     let points = disk(&Prepared::new(&room(Vec3::ZERO, Vec3::ONE)), 0.06, 5);
-    // 4 x 4 squares of each of the six faces, away from the edges, where disks are cut off.
+    // 4 x 4 squares on each of the six faces, away from the edges, which crop disks.
     let mut counts = std::collections::HashMap::new();
     for p in &points {
         let key = ((p.position + p.normal * 0.5) * 2.0).floor().as_ivec3();
@@ -140,7 +140,7 @@ fn levels_halve_the_radius_and_threads_do_not_matter() {
 
 #[test]
 fn narrow_places_get_no_coarse_points() {
-    // A slot of 1 cm under a plate: the floor beneath it sees nothing far away.
+    // A slot of 1 cm under a plate: no distant surface is visible from the floor beneath.
     let mut triangles = room(Vec3::ZERO, Vec3::ONE);
     triangles.extend(cuboid(Vec3::new(0.0, -0.89, 0.0), Vec3::new(0.25, 0.1, 0.25)));
     let prepared = Prepared::new(&triangles);
@@ -167,7 +167,7 @@ fn an_open_scene_still_gets_points() {
     assert!(points.iter().any(|p| p.0.position.y == 0.0) && points.iter().any(|p| p.0.position.y > 0.5));
 }
 
-/// Most paths from a box end near by, and the ground is wide: how wide, few of their segments tell.
+/// Most paths from a box end nearby and the ground is wide, so few segments determine its width.
 #[test]
 fn wide_ground_around_a_house_is_covered_by_its_points() {
     for half_width in [40.0, 400.0] {

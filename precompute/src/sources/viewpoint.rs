@@ -1,10 +1,10 @@
 //! The one valid viewpoint, which separates reachable surfaces from enclosed ones.
 //!
-//! A viewpoint should lie in the largest space that is closed or nearly so: light stays in it, and hardly depends on
-//! the outside. A point is judged by the share of directions that hit a surface, the area and number of parts of the
-//! scene that particles from it reach, and the size of the space around it. By directions alone the inside of a column,
-//! or a gap between two leaves, would beat any room. Spaces between walls and under roofs may also be large and closed,
-//! but there particles hit backs, or few objects; a space that is meant to be seen is furnished.
+//! A viewpoint should lie in the largest space that is nearly closed: light stays in it and hardly depends on the outside. The
+//! score of a point combines the share of directions that hit a surface, the area and number of scene parts that particles reach,
+//! and the size of the surrounding space. By directions alone the inside of a column, or a gap between two leaves, would beat any
+//! room. Spaces between walls and under roofs may also be large and closed, but there particles hit backs, or few objects; a space
+//! meant to be seen is furnished.
 
 use super::candidates::{check_viewpoint, particle_hits};
 use crate::{errors::PointsError, mesh_surface::MeshSurface};
@@ -27,17 +27,15 @@ const MOST_HITS: usize = 12;
 const CELLS: f32 = 24.0;
 /// Points of a grid along each axis of the search.
 const PLACES: usize = 8;
-/// The grid extends this far beyond the bounds, as a share of their extent: for a model on a plane, all points within
-/// are too close.
+/// The grid extends this far beyond the bounds, relative to their extent: for a model on a plane, all points inside are too close.
 const GRID_MARGIN: f32 = 0.25;
-/// Points halfway between opposite surfaces, at random: half of them uniform over the surface, half where there is
-/// detail.
+/// Random points halfway between opposite surfaces: half of them uniform over the surface, half in detailed places.
 const CHORDS: usize = 512;
-/// Score of a camera or light, as a share of the best, at which it serves as viewpoint: it need not be in the middle.
-/// Backs around a camera are meant to be seen, and do not count against it.
+/// Score relative to the best at which a camera or light serves as viewpoint: it need not be central. Backs around a camera are
+/// meant to be seen, and do not count against it.
 const GOOD_HINT: f32 = 0.3;
-/// Power of the share of hits that are on fronts: any room shows a few leaves and curtains from behind, but a space
-/// between walls shows backs for a quarter of its hits or more.
+/// Power of the share of front hits: any room shows a few leaves and curtains from behind, but in a space between walls at least a
+/// quarter of the hits are backs.
 const FRONTS_POWER: i32 = 6;
 /// Factor for a point that sees only backs of two-sided surfaces: the sides of a mesh may be wrong.
 const BACKS_ONLY: f32 = 0.01;
@@ -45,17 +43,16 @@ const SEED: u64 = 0x7669_6577_706f_696e;
 
 /// The surfaces around a point.
 pub struct ViewpointSurroundings {
-    /// Share of all directions that hit no surface, not even the back of one: 0 in a closed space, about a half over a
-    /// plane.
+    /// Share of all directions that hit no surface, front or back: 0 in a closed space, about one half over a plane.
     pub open: f32,
     /// Whether light bounces off the surface in every direction.
     pub closed: bool,
-    /// The surfaces seen, by directions spread evenly.
+    /// Visible surfaces in evenly spread directions.
     pub seen: Vec<Surfel>,
 }
 
 impl ViewpointSurroundings {
-    /// For a point.
+    /// Examines a point.
     pub fn of(surface: &MeshSurface, place: Vec3) -> Self {
         let View { hits, seen } = View::from(surface, place);
         let open = 1.0 - hits as f32 / RAYS as f32;
@@ -63,11 +60,11 @@ impl ViewpointSurroundings {
     }
 }
 
-/// The viewpoint that was asked for; else the first camera or local light whose score is at least 0.3 of the best; else
-/// the point of the best score.
+/// The requested viewpoint; else the first camera or local light with a score of at least 0.3 of the best; else the point with the
+/// best score.
 ///
 /// # Errors
-/// A viewpoint asked for that lies inside a solid or sees nothing; a scene without any valid one.
+/// A requested viewpoint inside a solid or without visible surfaces, or a scene without a valid one.
 pub fn find_viewpoint(
     surface: &MeshSurface,
     asked: Option<Vec3>,
@@ -96,7 +93,7 @@ pub fn find_viewpoint(
     Ok(places[(0..hints).find(is_good).unwrap_or(best)])
 }
 
-/// Position of a light, off the surface that it may lie on.
+/// Position of a light, moved off the surface it may lie on.
 fn place_of(light: &Light, offset: f32) -> Option<Vec3> {
     match light.emission {
         Emission::Directional { .. } => None,
@@ -114,7 +111,7 @@ fn grid(surface: &MeshSurface) -> impl Iterator<Item = Vec3> {
     let share = |i: usize| (i as f32 + 0.5) / PLACES as f32 * (1.0 + 2.0 * GRID_MARGIN) - GRID_MARGIN;
     (0..PLACES.pow(3)).map(move |i| {
         let at = Vec3::new(share(i % PLACES), share(i / PLACES % PLACES), share(i / (PLACES * PLACES)));
-        // Off the planes of symmetry, where edges and corners tend to be.
+        // Off the planes of symmetry, which often contain edges and corners.
         bounds.min + extent * (at + Vec3::new(0.011, 0.013, 0.017))
     })
 }
@@ -132,11 +129,11 @@ fn middles_of_chords(surface: &MeshSurface) -> Vec<Vec3> {
     points.into_iter().filter_map(middle).collect()
 }
 
-/// Score of a viewpoint. Zero inside solids and where nothing is seen.
+/// Score of a viewpoint. Zero inside solids and without visible surfaces.
 #[derive(Clone, Copy, Default)]
 struct Score {
-    /// The area that particles reach, times the root of the number of its parts, the share of directions that see
-    /// surfaces, and the size of the space around.
+    /// The area that particles reach, times the root of the number of its parts, the share of directions that see surfaces, and the
+    /// size of the surrounding space.
     space: f32,
     /// Share of hits on fronts.
     fronts: f32,
@@ -164,7 +161,7 @@ impl Score {
     }
 }
 
-/// The surfaces in view from a point.
+/// The surfaces visible from a point.
 struct View {
     /// Rays that hit anything, from either side.
     hits: usize,
@@ -184,7 +181,7 @@ impl View {
         self.hits > 0 && 2 * self.seen.len() < self.hits
     }
 
-    /// Radius in meters of a ball with the volume that is seen. Attics are low.
+    /// Radius in meters of a ball with the visible volume. Attics are low.
     fn size(&self, place: Vec3) -> f32 {
         let cubes: f32 = self.seen.iter().map(|s| s.1.position.distance(place).powi(3)).sum();
         (cubes / RAYS as f32).cbrt()

@@ -1,4 +1,4 @@
-//! The parts that bounce light, in small.
+//! Trials of the parts that bounce light.
 
 use super::{Tried, meshless::BasisTrial, sources::SourcesTrial, tried};
 use crate::{
@@ -7,17 +7,17 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{ray::Intersector, scene::Scene};
 
-/// What a trial of the bounces found, by part.
+/// Result of a trial of the bounces, by part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BounceTrial {
-    /// Of the surface sources.
+    /// Trial of the surface sources.
     pub sources: SourcesTrial,
-    /// Of the meshless basis.
+    /// Trial of the meshless basis.
     pub basis: BasisTrial,
 }
 
 impl BounceTrial {
-    /// Of a scene as imported; `None` if light bounces nowhere in it, or if it is very large. It takes a second or two, by one
+    /// Tries a scene as imported; `None` if no light bounces in it, or if it is very large. It takes one or two seconds on one
     /// thread.
     pub fn of(scene: &Scene) -> Option<Self> {
         tried(scene, |scene| Self::on_this_thread(scene).ok())

@@ -1,4 +1,4 @@
-//! The meshless basis, in small.
+//! A trial of the meshless basis.
 
 use super::Tried;
 use crate::{
@@ -12,12 +12,12 @@ use lapidary_core::{dataset::MeshlessSettings, threads::CoreClock};
 const BASIS: MeshlessSettings =
     MeshlessSettings { levels: 2, sender_levels: 2, coarse_radius: None, rays: 64, epsilon: 0.025 };
 
-/// What a trial of the meshless basis found.
+/// Result of a trial of the meshless basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BasisTrial {
     /// Functions of the first two levels.
     pub functions: usize,
-    /// Core seconds for each ray by which a function gathers light.
+    /// Core seconds per gather ray of a function.
     pub core_secs_per_gather_ray: f64,
 }
 

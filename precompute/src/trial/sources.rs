@@ -1,4 +1,4 @@
-//! Surface sources, in small.
+//! A trial of the surface sources.
 
 use super::{Tried, some_points};
 use crate::{
@@ -28,16 +28,16 @@ use lapidary_core::{
 /// Sources of the trial.
 const SOURCES: usize = 1024;
 
-/// What a trial of the surface sources found.
+/// Result of a trial of the surface sources.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourcesTrial {
-    /// Sources that it holds for.
+    /// Number of sources of the trial.
     pub sources: usize,
-    /// Core seconds for each source of placing it.
+    /// Core seconds for placing one source.
     pub core_secs_per_source: f64,
-    /// Core seconds for each point of following segments to the sources and selecting the cut.
+    /// Core seconds per point for following segments to the sources and selecting the cut.
     pub core_secs_per_point: f64,
-    /// Mean nodes of a cut, and the error bound that it holds for.
+    /// Mean nodes of a cut, with the error bound.
     pub mean_cut: (f64, f32),
 }
 
@@ -63,7 +63,7 @@ impl SourcesTrial {
     }
 }
 
-/// Seconds in which the cuts of points over sources are made, and the number of their nodes.
+/// Seconds for computing the cuts of points over sources, and their number of nodes.
 fn traced(
     points: &[BakePoint],
     intersector: &Intersector,

@@ -1,4 +1,4 @@
-//! Cuts over the environment, traced and selected again.
+//! Retraced and reselected cuts over the environment.
 
 use super::{Again, MOST_ERROR_OF_FEW};
 use crate::vertices::{points::BakePoint, visibility::VisibilitySampler};
@@ -9,22 +9,22 @@ use lapidary_core::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Largest share of rays that may fall to another side of an edge on a device; ten times what was seen in tests.
+/// Largest share of rays that may fall on another side of an edge on a device; ten times the largest value in tests.
 const ALONG_EDGES: f64 = 1e-4;
 /// Results for the vertices' cuts over the environment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EnvironmentVerification {
-    /// Vertices traced again.
+    /// Retraced vertices.
     pub vertices: usize,
     /// Root mean square of stored minus traced visibility over their lights.
     pub rms_visibility: f64,
-    /// The same error of the whole bake, from its report.
+    /// The same error over the whole bake, from its report.
     pub expected_rms: f64,
-    /// The same of cuts that are selected from what was traced: what an exhaustive bake would have.
+    /// The same error for cuts selected from the traced values, as in an exhaustive bake.
     pub exhaustive_rms: f64,
-    /// Share of the lights of these vertices that the bake takes for seen and are blocked, or the reverse; 0 to 1.
+    /// Share of these vertices' lights that the bake wrongly takes for visible or blocked; 0 to 1.
     pub leaves_wrong: f64,
-    /// Vertices whose cut, made again as the bake does, differs from the stored one.
+    /// Vertices whose recomputed cut differs from the stored one.
     pub different_cuts: usize,
     /// Largest root mean square of one vertex.
     pub worst_rms: f64,
@@ -34,7 +34,7 @@ pub struct EnvironmentVerification {
 }
 
 impl EnvironmentVerification {
-    /// Of these vertices, or of none where the environment was not baked.
+    /// Checks these vertices, or none if the environment was not baked.
     pub(super) fn of(again: &Again) -> Self {
         let Again { dataset, points, sampler, .. } = again;
         let check = |&vertex: &usize| {
@@ -48,7 +48,7 @@ impl EnvironmentVerification {
         let rms_visibility = mean(&results, |r| r.squared_error, lights).sqrt();
         let worst = results.iter().map(|r| r.squared_error).fold(0.0, f64::max);
         let report = &dataset.report;
-        // A byte budget coarsens cuts afterwards, so of these only the errors are compared.
+        // A byte budget coarsens cuts afterwards, so only their errors are compared.
         let agrees = match report.sigma == dataset.settings.criterion.sigma {
             true => agree(&results, lights, report.on_device),
             false => rms_visibility < 4.0 * report.rms_visibility.max(0.02),
@@ -65,7 +65,7 @@ impl EnvironmentVerification {
         }
     }
 
-    /// In sentences, a line each.
+    /// The result in sentences, one per line.
     pub(super) fn text(&self) -> String {
         let mut text = format!(
             "traced {} vertices again: RMS of visibility {:.4} (whole bake {:.4}, worst vertex {:.4}), {} cuts differ\n",
@@ -82,14 +82,14 @@ impl EnvironmentVerification {
     }
 }
 
-/// A cut over the environment that was made again.
+/// A recomputed cut over the environment.
 pub(super) struct Checked {
     /// Sum over the lights of squared differences between stored and traced visibility.
     squared_error: f64,
     squared_error_exhaustive: f64,
-    /// Lights that the bake is wrong about.
+    /// Lights for which the bake is wrong.
     wrong: u64,
-    /// Whether the cut, made again, is the stored one.
+    /// Whether the recomputed cut equals the stored one.
     is_equal: bool,
 }
 
@@ -109,8 +109,8 @@ pub(super) fn check_cut(dataset: &Dataset, sampler: &VisibilitySampler, point: &
     }
 }
 
-/// Whether the cuts are the stored ones and hardly worse than those of an exhaustive bake. What a device traced need not be
-/// equal: one ray along an edge makes another cut. It must be as good.
+/// Whether the cuts equal the stored ones and are hardly worse than an exhaustive bake's. Cuts traced on a device need not be
+/// equal, because one ray along an edge changes a cut; they must be as good.
 pub(super) fn agree(cuts: &[Checked], lights: f64, on_device: bool) -> bool {
     let along_edges = if on_device { ALONG_EDGES } else { 0.0 };
     let least = MOST_ERROR_OF_FEW * MOST_ERROR_OF_FEW * mean(cuts, |c| c.squared_error_exhaustive, lights);

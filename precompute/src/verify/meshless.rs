@@ -1,4 +1,4 @@
-//! The meshless operator: links of some functions made again, and the light that it carries against rays.
+//! The meshless operator: recomputed links of some functions, and transported light against rays.
 
 use super::Again;
 use crate::{mesh_surface::MeshSurface, meshless::transport::recompute::recompute_links};
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::f32::consts::{PI, TAU};
 
-/// Functions whose links are made again at most: each needs those of about a hundred coarser ones.
+/// Most functions with recomputed links: each needs about a hundred coarser ones.
 const FUNCTIONS: usize = 64;
 /// Points at which light is compared, and rays from each.
 const POINTS: usize = 128;
@@ -21,15 +21,15 @@ const RAYS: usize = 512;
 /// Results of a verification of the meshless basis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshlessVerification {
-    /// Functions whose links were made again with fresh rays, those that these depend on included.
+    /// Functions whose links were recomputed with new rays, including the ones they depend on.
     pub functions: usize,
-    /// Number of these whose links differ from the stored ones by more than their rounding.
+    /// Number of these functions whose links differ from the stored ones by more than rounding.
     pub different_functions: usize,
-    /// Points at which a bounce of light was compared with rays.
+    /// Points at which a bounce was compared with rays.
     pub points: usize,
     /// Relative root mean square error of its irradiance. The light varies smoothly over the scene.
     pub error: f64,
-    /// Its mean irradiance, as a share of that by rays.
+    /// Its mean irradiance relative to the rays' mean.
     pub energy: f64,
 }
 
@@ -59,7 +59,7 @@ impl MeshlessVerification {
         self.different_functions == 0
     }
 
-    /// In sentences, a line each.
+    /// The result in sentences, one per line.
     pub(super) fn text(&self) -> String {
         let Self { functions, different_functions, points, error, energy } = self;
         format!(
@@ -70,7 +70,7 @@ impl MeshlessVerification {
     }
 }
 
-/// As many of each level.
+/// Random functions, equally many per level.
 fn picked_functions(bake: &MeshlessBake, count: usize, random: &mut fastrand::Rng) -> Vec<usize> {
     let levels = bake.basis.levels();
     (0..levels).flat_map(|level| random.choose_multiple(bake.basis.level(level), count.div_ceil(levels))).collect()
@@ -83,14 +83,14 @@ fn rows_of(transport: &Transport) -> Vec<Vec<(u32, Vec3)>> {
     rows
 }
 
-/// Whether two rows have the same senders, and vectors that differ by half a packed step at most.
+/// Whether two rows have the same senders, and vectors that differ by at most half a packed step.
 fn agree(made: &[(u32, Vec3)], stored: &[(u32, Vec3)], scale: f32) -> bool {
     let same = |(a, b): (&(u32, Vec3), &(u32, Vec3))| a.0 == b.0 && (a.1 - b.1).abs().max_element() <= 0.51 * scale;
     made.len() == stored.len() && made.iter().zip(stored).all(same)
 }
 
-/// Irradiance by rays and by the operator at points of random functions of the finest level, of surfaces whose radiance
-/// is a wave of the scene's size.
+/// Irradiance by rays and by the operator at points of random functions of the finest level, from surfaces whose radiance is a wave
+/// of the scene's size.
 fn compare_light(bake: &MeshlessBake, surface: &MeshSurface, random: &mut fastrand::Rng) -> Vec<(f32, f32)> {
     let (basis, levels) = (&bake.basis, bake.basis.levels());
     let wave = Vec3::new(1.0, 0.7, 0.4) * (TAU / surface.bounds().diagonal());
@@ -150,7 +150,7 @@ mod tests {
         Dataset::read(&job.output, image::decode).unwrap()
     }
 
-    /// With other links of the same layout.
+    /// The dataset with other links of the same layout.
     fn damaged(dataset: &Dataset, damage: impl Fn(usize, PackedLink) -> PackedLink) -> Dataset {
         let mut damaged = dataset.clone();
         let transport = &mut std::sync::Arc::make_mut(damaged.meshless.as_mut().unwrap()).transport;

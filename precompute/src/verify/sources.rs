@@ -1,4 +1,4 @@
-//! Cuts over surface sources, and the sources' own over the environment, traced and selected again.
+//! Retraced and reselected cuts over surface sources, and the sources' own cuts over the environment.
 
 use super::{
     Again, MOST_ERROR_OF_FEW,
@@ -25,24 +25,24 @@ const SOURCE_VERTICES: usize = 64;
 /// Largest number of sources whose cuts over the environment are recomputed.
 const SOURCES: usize = 64;
 
-/// Vertices below which the error says little: of a few one may see hardly anything, and decide it.
+/// Vertices below which the error says little: one of a few may see hardly anything and dominate.
 const ENOUGH: usize = 16;
 
 /// Results for the surface sources.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SourcesVerification {
-    /// Vertices whose cut over the surface sources was traced and selected again, segment by segment.
+    /// Vertices whose cut over the surface sources was retraced and reselected by single segments.
     pub source_vertices: usize,
-    /// Number of these whose cut, made again as the bake does, differs from the stored one.
+    /// Number of these whose recomputed cut differs from the stored one.
     pub different_source_cuts: usize,
-    /// Share of the sources that the bake takes for seen and are hidden, or the reverse; 0 to 1.
+    /// Share of the sources that the bake wrongly takes for visible or hidden; 0 to 1.
     pub sources_wrong: f64,
-    /// Root mean square over these vertices of `||stored - traced||` for solid angles, as a share of `||traced||`, or of its mean
-    /// where that is larger.
+    /// Root mean square over these vertices of `||stored - traced||` for solid angles, relative to `||traced||`, or to its mean if
+    /// that is larger.
     pub source_error: f64,
-    /// The same of cuts that are selected from what was traced: what an exhaustive bake would have.
+    /// The same error for cuts selected from the traced values, as in an exhaustive bake.
     pub exhaustive_source_error: f64,
-    /// Surface sources whose cut over the environment was traced and selected again.
+    /// Surface sources whose cut over the environment was retraced and reselected.
     pub sources: usize,
     /// Number of these whose cut differs from the stored one.
     pub different_source_environment_cuts: usize,
@@ -52,7 +52,7 @@ pub struct SourcesVerification {
 }
 
 impl SourcesVerification {
-    /// Of a dataset with or without sources.
+    /// Checks a dataset with or without sources.
     pub(super) fn of(again: &Again) -> Self {
         let dataset = again.dataset;
         let Some(indirect) = &dataset.indirect else { return Self { agrees: true, ..Self::default() } };
@@ -81,7 +81,7 @@ impl SourcesVerification {
         }
     }
 
-    /// In sentences, a line each.
+    /// The result in sentences, one per line.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         if self.source_vertices > 0 {
@@ -109,11 +109,11 @@ impl SourcesVerification {
     }
 }
 
-/// A cut over the sources that was made again.
+/// A recomputed cut over the sources.
 struct CheckedSourceCut {
     is_equal: bool,
     wrong: usize,
-    /// Of the stored cut and of that of an exhaustive bake.
+    /// Squared errors of the stored cut and of an exhaustive bake's.
     squared_errors: [f64; 2],
     squared_norm: f64,
 }
@@ -148,7 +148,7 @@ fn check_vertices(again: &Again, indirect: &IndirectBake, vertices: &[usize]) ->
     vertices.par_iter().map(check).collect()
 }
 
-/// Some of the sources' cuts over the environment, made again.
+/// Recomputes some of the sources' cuts over the environment.
 fn check_environments(again: &Again, indirect: &IndirectBake) -> Vec<Checked> {
     let Again { dataset, sampler, surface, count, .. } = again;
     if !dataset.settings.mode.environment() {

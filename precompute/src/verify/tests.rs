@@ -73,7 +73,7 @@ fn a_ray_along_an_edge_may_fall_to_the_other_side_on_a_device_alone() {
     let settings = BakeSettings { lights: 256, criterion, exhaustive: true, ..Preset::Draft.settings() };
     let mut dataset = box_over_floor(BakeSettings { max_vertices: Some(300), ..settings });
     let all = dataset.scene.mesh.positions.len();
-    // One light of one vertex is seen and was blocked, or the reverse: less than a ray in 10,000 of all.
+    // One light of one vertex is wrongly visible or blocked: less than one ray in 10,000 of all.
     let mut cuts = PackedCuts::default();
     for vertex in 0..all as u32 {
         let mut leaves: Vec<u8> = Vec::new();
@@ -106,7 +106,7 @@ fn what_boundaries_tell_is_made_again_and_its_error_told() {
             && good.environment.rms_visibility <= 1.02 * good.environment.exhaustive_rms,
         "{good:?}"
     );
-    // Probes so far apart that shadows are missed: the cuts are other ones.
+    // Probes so far apart that shadows are missed: the cuts differ.
     audit.leaves_per_probe = 512;
     dataset.report.audit = Some(audit);
     let bad = verify(&dataset, all);
@@ -131,7 +131,7 @@ fn what_boundaries_tell_of_sources_is_made_again_and_its_error_told() {
         good.sources.sources_wrong < 5e-3 && good.sources.source_error <= 1.02 * good.sources.exhaustive_source_error,
         "{good:?}"
     );
-    // Probes so far apart that shadows are missed: the cuts are other ones.
+    // Probes so far apart that shadows are missed: the cuts differ.
     let audit = dataset.report.indirect.as_mut().unwrap().audit.as_mut().unwrap();
     assert!(audit.leaves_per_probe > 1);
     audit.leaves_per_probe = 1024;

@@ -1,8 +1,8 @@
 //! Pilot visibility (paper, 3.4): clusters of bake points, and the fraction of each cluster that sees each light.
 //!
-//! The paper traces every vertex twice. Here a few members represent each cluster. On the armadillo scene 4 and 8 of
-//! some 57 members both gave a mean cut of 160 to 162 nodes (the geometric tree: 216 to 220), so tracing all of them is
-//! not worth seven times the rays.
+//! The paper traces every vertex twice. Here a few members represent each cluster. On the armadillo scene 4 and 8 of some 57
+//! members both gave a mean cut of 160 to 162 nodes (216 to 220 with the geometric tree), so tracing all members is not worth seven
+//! times the rays.
 
 use crate::{
     errors::{BakeError, cancelled},
@@ -19,7 +19,7 @@ use lapidary_core::light_tree::{Features, PilotVisibility, cluster_order};
 const K: f32 = 30.0;
 /// Points of a cluster whose visibility is averaged.
 const MEMBERS: usize = 8;
-/// Clusters between two looks at the observer.
+/// Clusters between checks for cancellation.
 const CLUSTERS_AT_A_TIME: usize = 32;
 
 /// Clusters the points by position and normal and samples each cluster's visibility of the sampler's directions.
@@ -34,7 +34,7 @@ pub fn sample_pilot(
     pilot_of(points, diagonal, sampler.len(), clusters, observer, rows)
 }
 
-/// Clusters the points and samples each cluster's visibility of `lights`. `rows` has 0 to 255 for each light of each of some
+/// Clusters the points and samples each cluster's visibility of `lights`. `rows` returns 0 to 255 for each light at each of some
 /// points.
 pub fn pilot_of(
     points: &BakePoints,
@@ -76,7 +76,7 @@ fn point_features(points: &[BakePoint], diagonal: f32) -> Features {
     Features::new(6, points.iter().flat_map(features).collect())
 }
 
-/// For each light the share of rows that see it, of 255.
+/// Share of the rows that see each light, of 255.
 fn mean_of(rows: &[Vec<u8>], lights: usize) -> Vec<u8> {
     let mut sums = vec![0_u32; lights];
     for row in rows {
@@ -107,7 +107,7 @@ mod tests {
         let sampler = ManySampler::new(&intersector, &fibonacci_directions(256), tracing).unwrap();
         let pilot = sample_pilot(&points, &sampler, 4.0, 4, &Silent).unwrap();
         assert_eq!((pilot.clusters(), pilot.fractions.len()), (4, 1024));
-        // Every cluster sees something and none sees everything; the floor's light comes from above.
+        // Every cluster sees some lights and none sees all; the floor's light comes from above.
         for row in pilot.fractions.chunks(256) {
             assert!(row.iter().any(|&f| f > 0) && row.contains(&0));
         }

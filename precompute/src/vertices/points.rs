@@ -1,4 +1,4 @@
-//! Bake points: where visibility is sampled for the vertices, made robust against the defects of real meshes.
+//! Bake points: where visibility is sampled for the vertices, robust against defects of real meshes.
 
 mod creases;
 mod sight;
@@ -28,8 +28,8 @@ use sight::Sight;
 /// Rays that decide whether a point lies inside other geometry.
 const BURIAL_RAYS: usize = 48;
 
-/// Largest distance of ray origins from a surface, as a share of the least height of its triangles. From a long strip
-/// of a moulding, a millimeter high, rays would otherwise start within the next strip.
+/// Largest distance of ray origins from a surface, relative to the least height of its triangles. On a long millimeter-high strip
+/// of a molding, rays would otherwise start within the next strip.
 const MOST_OFFSET_PER_HEIGHT: f32 = 0.05;
 
 /// A point where visibility is sampled.
@@ -41,12 +41,12 @@ pub struct BakePoint {
     pub normal: Vec3,
     /// Distance in meters of ray origins from the surface.
     pub offset: f32,
-    /// Height above the tangent plane (as a cosine, at most 0). Below it every direction is below the planes of all
-    /// triangles around: a closed surface blocks it, and no ray is needed.
+    /// Height above the tangent plane (as a cosine, at most 0). Every direction below it is below the planes of all adjacent
+    /// triangles: a closed surface blocks it, and no ray is needed.
     pub horizon: f32,
     /// Whether the whole sphere is sampled, the lower half from the other side.
     pub two_sided: bool,
-    /// Points in meters where the front and the back sample: the position, except in a crease.
+    /// Positions in meters where the front and the back are sampled: the vertex position, except in a crease.
     pub places: [Vec3; 2],
 }
 
@@ -60,19 +60,18 @@ pub struct BakePoints {
 }
 
 impl BakePoint {
-    /// Where a surface source samples its visibility of the environment: on the side that it sends light from, `offset`
-    /// meters off.
+    /// Point where a surface source samples its visibility of the environment: on its sending side, `offset` meters off.
     pub fn of_surfel(surfel: Surfel, offset: f32) -> Self {
         let Surfel { position, normal, .. } = surfel;
         Self { position, normal, offset, horizon: 0.0, two_sided: false, places: [position; 2] }
     }
 
-    /// The sides that it samples from.
+    /// Sides on which it samples.
     pub fn sides(&self) -> &'static [Side] {
         if self.two_sided { &Side::BOTH } else { &[Side::Front] }
     }
 
-    /// Where rays of a side start.
+    /// Origin of rays from a side.
     pub fn origin(&self, side: Side) -> Vec3 {
         self.place(side) + side.normal(self.normal) * self.offset
     }
@@ -82,16 +81,16 @@ impl BakePoint {
         self.places[side as usize]
     }
 
-    /// Smallest cosine between the normal and a face that the point lies in, see [`Origin::same_surface_cosine`].
+    /// Smallest cosine between the normal and a face that contains the point, see [`Origin::same_surface_cosine`].
     pub fn same_surface_cosine(&self) -> f32 {
-        // The largest tilt of a face around it; rounding must not separate that face from its point.
+        // The largest tilt of an adjacent face; rounding must not separate that face from its point.
         let tilted = (1.0 - self.horizon * self.horizon).max(0.0).sqrt();
         Origin::SAME_SURFACE_COSINE.min(0.99 * tilted)
     }
 
-    /// The directions that are sampled from a side. A one-sided point does not sample those behind it.
+    /// The directions sampled from a side. A one-sided point ignores directions behind it.
     pub fn half_of(&self, side: Side) -> HalfSpace {
-        // The greatest number below zero: in the plane of a two-sided point is in front of it.
+        // The greatest number below zero: the plane of a two-sided point counts as in front.
         let height = if self.two_sided { 0.0_f32.next_down() } else { self.horizon };
         HalfSpace { normal: self.normal, height, is_above: side == Side::Front }
     }
@@ -146,8 +145,8 @@ impl BakePoints {
         }
     }
 
-    /// The points, moved to where they sample light from surfaces close to them, which varies within their triangles.
-    /// They move out of concave edges, and out from behind what hides them from the shots.
+    /// The points, moved to sample light from close surfaces, which varies within their triangles. They move out of concave edges,
+    /// and out of hiding from the shots.
     pub fn for_sources(&self, mesh: &Mesh, scene: &Intersector, shots: &[Shot]) -> Vec<BakePoint> {
         let mut points = self.off_creases(mesh, scene);
         let sight = Sight::new(mesh, scene, shots, points.len(), &self.of_vertex);
@@ -162,7 +161,7 @@ impl BakePoints {
         points
     }
 
-    /// For each point: whether it lies inside a closed piece, because most of its rays hit back faces of such pieces.
+    /// Whether each point lies inside a closed piece, which holds if most of its rays hit back faces of such pieces.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
@@ -183,7 +182,7 @@ impl BakePoints {
                     true => back += 1,
                     false => others += 1,
                 }
-                // The rest cannot change it.
+                // The remaining rays cannot change the result.
                 if 2 * back > upper.len() || 2 * others >= upper.len() {
                     break;
                 }
@@ -202,7 +201,7 @@ impl BakePoints {
 struct VertexTriangles {
     area: Vec<Vec3>,
     edge_length: Vec<f32>,
-    /// Least height of the triangles that have an area.
+    /// Least height of the nondegenerate triangles.
     height: Vec<f32>,
     two_sided: Vec<bool>,
 }
@@ -232,7 +231,7 @@ impl VertexTriangles {
         Self { area, edge_length, height, two_sided }
     }
 
-    /// The vertex normal, or that of its faces if it is unusable or points away from them.
+    /// The vertex normal, or its faces' mean normal if it is unusable or points away from them.
     fn repaired_normal(&self, vertex: usize, normal: Vec3) -> Vec3 {
         let face = self.area[vertex].normalize_or_zero();
         let normal = normal.normalize_or_zero();
@@ -252,7 +251,7 @@ mod tests {
 
     #[test]
     fn for_sources_points_that_a_shot_does_not_see_sample_where_it_sees_their_triangles() {
-        // A box stands on a floor of two triangles; a corner of the floor is behind it.
+        // A box stands on a floor of two triangles; one corner of the floor is behind it.
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(-1.5, 0.5, -1.5), Vec3::splat(0.4)));
         let scene = scene_of(&triangles);
@@ -307,7 +306,7 @@ mod tests {
         let (points, _) = points(&scene_of(&ledge));
         assert!(points.points.iter().all(|p| p.offset < 1e-4), "{:?}", points.points);
         for order in [[0.001, 1.0], [1.0, 0.001]] {
-            // Strips of both depths meet in an edge, whose vertices share their points.
+            // Strips of both depths meet in an edge, and its vertices share their points.
             let strips = order.map(|depth| quad([0.0, 0.0], if depth < 0.5 { [depth, 0.0] } else { [0.0, -depth] }));
             let (points, _) = self::points(&scene_of(&strips.concat()));
             assert!(points.points.iter().filter(|p| p.position.z == 0.0).all(|p| p.offset < 1e-4));

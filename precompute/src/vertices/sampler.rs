@@ -1,4 +1,4 @@
-//! Visibility of vertices of a dataset, traced again from where its bake did, against every light.
+//! Visibility of a dataset's vertices toward every light, retraced from their bake points.
 
 use crate::vertices::{
     points::BakePoints,
@@ -10,7 +10,7 @@ use lapidary_core::{
     ray::{BoundaryTracer, Intersector},
 };
 
-/// Traces vertices of a dataset.
+/// Retraces vertices of a dataset.
 pub struct VertexSampler<'a> {
     points: BakePoints,
     lights: VisibilitySampler<'a>,
@@ -29,7 +29,7 @@ impl<'a> VertexSampler<'a> {
         Self { points: bake_points(dataset), lights: VisibilitySampler::new(intersector, &dataset.tree, EXHAUSTIVE) }
     }
 
-    /// Sets `visible[leaf]` to 1 for every light that a vertex sees and to 0 for all others, before they become a cut.
+    /// Sets `visible[leaf]` to 1 for every light visible from a vertex and to 0 for all others, as before cut selection.
     pub fn sample(&self, vertex: u32, visible: &mut [u8]) {
         let point = self.points.of_vertex[vertex as usize];
         self.lights.sample(&self.points.points[point as usize], &mut BoundaryTracer::default(), visible);

@@ -1,9 +1,8 @@
 //! Triangles on which light arrives from both sides.
 //!
-//! A material may be two-sided. Beyond that, a connected piece with an open boundary (a cloth, a leaf) can be seen from
-//! behind, so it is sampled from both sides. The exception is a piece with the whole scene in front of it: a floor's
-//! underside faces nothing. Closed pieces receive light from outside only; sampling inside them would cost rays and
-//! tell nothing.
+//! A material may be two-sided. Also, a connected piece with an open boundary (a cloth, a leaf) can be seen from behind, so it is
+//! sampled from both sides. The exception is a piece with the whole scene in front of it: a floor's underside faces nothing. Closed
+//! pieces receive light only from outside; sampling inside them would waste rays.
 
 use glam::Vec3;
 use lapidary_core::{
@@ -18,7 +17,7 @@ pub fn weld_positions(mesh: &Mesh) -> Vec<u32> {
     mesh.positions.iter().enumerate().map(|(i, &p)| *first.entry(exact_key(p)).or_insert(i as u32)).collect()
 }
 
-/// The bits of a vector, for telling equal ones; adding 0.0 makes -0.0 the same as 0.0.
+/// The bits of a vector, for exact comparison; adding 0.0 turns -0.0 into 0.0.
 pub fn exact_key(v: Vec3) -> [u32; 3] {
     (v + 0.0).to_array().map(f32::to_bits)
 }
@@ -26,19 +25,19 @@ pub fn exact_key(v: Vec3) -> [u32; 3] {
 /// Properties of the sides of each triangle.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sidedness {
-    /// Receives light, and is visible, from both sides.
+    /// Whether each triangle receives light, and is visible, from both sides.
     pub two_sided: Vec<bool>,
-    /// Part of a piece without boundary: its back is inside something.
+    /// Whether each triangle belongs to a piece without boundary, so that its back is inside.
     pub closed: Vec<bool>,
 }
 
 impl Sidedness {
-    /// Takes those of the triangles from `first` on.
+    /// Splits off the entries from triangle `first` on.
     pub fn split_off(&mut self, first: usize) -> Self {
         Self { two_sided: self.two_sided.split_off(first), closed: self.closed.split_off(first) }
     }
 
-    /// Adds those of further triangles.
+    /// Appends entries of further triangles.
     pub fn append(&mut self, other: Self) {
         self.two_sided.extend(other.two_sided);
         self.closed.extend(other.closed);
@@ -51,7 +50,7 @@ pub fn classify(scene: &Scene) -> Sidedness {
     let pieces = Pieces::new(mesh);
     let ground: Vec<bool> = pieces.ground(mesh);
     let material_says = |t: usize| scene.materials[mesh.triangle_material[t] as usize].double_sided;
-    // What is behind a surface that lets light through is seen, its own back too.
+    // Surfaces behind a transparent one are visible, including its own back.
     let opacities = Opacities::of_scene(scene);
     let thin = opacities.thin();
     let is_thin = |t: usize| thin[opacities.material(mesh, t as u32) as usize].is_some();
@@ -94,10 +93,10 @@ impl Pieces {
         Self { of_triangle, open }
     }
 
-    /// Flat pieces with nothing of the scene behind them.
+    /// Whether each piece is flat with nothing of the scene behind it.
     fn ground(&self, mesh: &Mesh) -> Vec<bool> {
         let slack = 1e-3 * mesh.bounds().diagonal();
-        // A ground that was added lies behind all that stands on it.
+        // An added ground lies behind all objects on it.
         let of_scene = &mesh.positions[..mesh.vertices_of_scene()];
         let mut normal = vec![Vec3::ZERO; self.open.len()];
         let mut anchor = vec![Vec3::ZERO; self.open.len()];

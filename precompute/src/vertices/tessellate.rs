@@ -1,10 +1,10 @@
 //! Tessellation where visibility varies, by conforming longest-edge bisection (Rivara 1984).
 //!
-//! Cuts are interpolated linearly inside triangles, so vertices are needed where visibility changes: without them a
-//! floor of two triangles has no shadow. An edge is split if it is long for the vertex budget, or if linear
-//! interpolation is wrong at its midpoint, for the pilot visibility or, for bounced light, for the nearness of other
-//! surfaces. A triangle with an edge to split also splits its longest edge, which bounds angles from below. Edges are
-//! identified by position, so that seams of normals and texture coordinates do not crack.
+//! Cuts are interpolated linearly inside triangles, so vertices are needed where visibility changes: without them a floor of two
+//! triangles has no shadow. An edge is split if it is long for the vertex budget, or if linear interpolation is wrong at its
+//! midpoint, for pilot visibility or, for bounced light, for the nearness of other surfaces. A triangle with an edge to split also
+//! splits its longest edge, which bounds angles from below. Edges are identified by position, so seams of normals and texture
+//! coordinates do not crack.
 
 mod edges;
 mod pilot;
@@ -26,40 +26,39 @@ use std::sync::atomic::AtomicU64;
 
 /// Error at an edge's midpoint above which the edge is split: the wrong part of the sphere, or the error of nearness.
 const TOLERANCE: f32 = 0.01;
-/// Edges longer than the first are always split, and edges shorter than the second never. The unit is the edge length
-/// at which equal triangles over the whole surface, or over the pictures, would use up the budget; see `scale.rs`.
+/// Edges longer than the first value are always split, shorter than the second never. The unit is the edge length at which equal
+/// triangles over the whole surface, or over the pictures, would use up the budget; see `scale.rs`.
 const LONGEST: f32 = 6.0;
 const SHORTEST: f32 = 0.25;
 /// Rounds of splitting; each at most halves all edges.
 const ROUNDS: usize = 16;
-/// Part of the remaining vertices that a round may add, except for the last: halves of urgent edges may be more urgent
-/// than all remaining edges. When the first round could add all of them, a picture on the living room's wall stayed
-/// black.
+/// Share of the remaining vertices that a round may add, except the last: halves of urgent edges may be more urgent than all
+/// remaining edges. When the first round could add all of them, a picture on the living room's wall stayed black.
 const SHARE_PER_ROUND: f32 = 0.3;
 
-/// Points for each vertex at which the pilot is asked whether to split, about.
+/// Approximate number of pilot points per vertex.
 pub const POINTS_PER_VERTEX: u64 = 4;
 
 /// The purpose of the vertices.
 #[derive(Clone, Copy)]
 pub struct Wanted<'a> {
-    /// The functions that they store; `None` splits long edges alone, and asks no pilot.
+    /// Functions that they store; `None` splits only long edges, without a pilot.
     pub stored: Option<Stored>,
     /// Largest number of vertices.
     pub budget: usize,
-    /// Pictures for which most of them are placed, if any.
+    /// Pictures for which most vertices are placed, if any.
     pub shots: &'a [Shot],
-    /// For the ground around a scene of these bounds: the farther away, the fewer.
+    /// Bounds of the scene, for the ground around it: density falls with distance.
     pub around: Option<Bounds>,
     /// Counts the points that the pilot has traced.
     pub traced: &'a AtomicU64,
 }
 
-/// Splits edges of `mesh` until the vertex budget is used up, or until the stored functions are linear enough. `sides`
-/// keeps one entry per triangle.
+/// Splits edges of `mesh` until the vertex budget is used up, or the stored functions are linear enough. `sides` keeps one entry
+/// per triangle.
 ///
 /// # Errors
-/// [`BakeError::Cancelled`], within the tracing of a point after the observer asked for it.
+/// [`BakeError::Cancelled`], within one point's tracing after the observer's request.
 pub fn tessellate(
     mesh: &mut Mesh,
     sides: &mut Sidedness,
@@ -116,7 +115,7 @@ fn wanted_edges(
     let length = |e: u32| lengths[e as usize];
     let (long, candidates): (Vec<u32>, Vec<u32>) =
         (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
-    // Long edges come first, by length. Then come edges with visible errors, by the area on which they are wrong.
+    // Long edges come first, by length. Then come edges with visible errors, by affected area.
     let mut ranked: Vec<(f32, u32)> = long.into_iter().map(|e| (1e3 + length(e), e)).collect();
     if let Some(pilot) = pilot {
         pilot.learn_errors(mesh, sides, edges, &candidates)?;

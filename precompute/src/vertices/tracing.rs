@@ -1,4 +1,4 @@
-//! Visibility of all light samples from many bake points, on the cores of this machine or on a device.
+//! Visibility of all light samples from many bake points, on this machine's cores or on a device.
 
 use super::{
     points::BakePoint,
@@ -10,16 +10,16 @@ use glam::Vec3;
 use lapidary_core::ray::{BoundarySet, BoundaryTracer, Intersector, OPEN, RayDevice, RayDevices, RayOrigin};
 use rayon::prelude::*;
 
-/// How lights are traced, and by whom.
+/// Tracing method and device.
 #[derive(Clone, Copy)]
 pub struct Tracing<'a> {
-    /// Lights for each that is probed, see [`VisibilitySampler::new`].
+    /// Lights per probe, see [`VisibilitySampler::new`].
     pub lights_per_probe: usize,
-    /// What traces in place of the cores. The result is the same but for rays along edges.
+    /// Devices that trace instead of the cores. Results differ only for rays along edges.
     pub devices: Option<&'a dyn RayDevices>,
 }
 
-/// Who traces.
+/// Cores or device.
 pub enum ManySampler<'a> {
     /// The cores.
     Cores(VisibilitySampler<'a>),
@@ -31,17 +31,17 @@ pub enum ManySampler<'a> {
 pub struct DeviceSampler<'a> {
     device: Box<dyn RayDevice>,
     directions: Vec<Vec3>,
-    /// What is followed in the traced light, so that the device sees no more than the cores would; `None` for all of it.
+    /// Boundaries to follow in the traced light, so that the device sees no more than the cores would; `None` uses all light.
     boundaries: Option<BoundarySet>,
-    /// The device has no thin surfaces.
+    /// Thin surfaces, which the device lacks.
     veils: Veils<'a>,
 }
 
 impl<'a> ManySampler<'a> {
-    /// For any unit directions, in the order given.
+    /// For any unit directions in the given order.
     ///
     /// # Errors
-    /// What is wrong with the device.
+    /// A device error.
     pub fn new(scene: &'a Intersector, directions: &[Vec3], tracing: Tracing) -> Result<Self, BakeError> {
         let device = match tracing.devices {
             Some(devices) => devices.device(scene, directions).map_err(BakeError::Device)?,
@@ -72,11 +72,11 @@ impl<'a> ManySampler<'a> {
         matches!(self, Self::Device(_))
     }
 
-    /// What `make` makes of the visibility of each point, 0 to [`OPEN`] for each direction, and of the rays traced for it: on all cores,
-    /// in the order of the points. `scratch` makes buffers that are kept.
+    /// Applies `make` to the visibility of each point, 0 to [`OPEN`] for each direction, and to its traced rays: on all cores, in
+    /// point order. `scratch` creates buffers that are reused.
     ///
     /// # Errors
-    /// What is wrong with the device.
+    /// A device error.
     pub fn each<S, T: Send>(
         &self,
         points: &[&BakePoint],
@@ -107,7 +107,7 @@ impl<'a> ManySampler<'a> {
 }
 
 impl DeviceSampler<'_> {
-    /// Words of bits of each side of the points, one after the other.
+    /// Words of visibility bits for each side of the points in order.
     fn trace(&self, points: &[&BakePoint]) -> Result<Vec<u32>, BakeError> {
         let at = |point: &BakePoint, side: Side| RayOrigin { origin: point.origin(side), half: point.half_of(side) };
         let of_point = |point: &&BakePoint| point.sides().iter().map(|&side| at(point, side)).collect::<Vec<_>>();
@@ -115,13 +115,13 @@ impl DeviceSampler<'_> {
         self.device.open(&origins).map_err(BakeError::Device)
     }
 
-    /// For each point the words of its sides.
+    /// The words of each point's sides.
     fn rows<'t>(&self, traced: &'t [u32], points: &[&BakePoint]) -> Vec<Vec<&'t [u32]>> {
         let mut rows = traced.chunks(self.directions.len().div_ceil(32));
         points.iter().map(|point| rows.by_ref().take(point.sides().len()).collect()).collect()
     }
 
-    /// Sets `visible` from the words of a point's sides. Returns the rays traced.
+    /// Sets `visible` from the words of a point's sides. Returns the traced rays.
     fn sample(&self, point: &BakePoint, rows: &[&[u32]], tracer: &mut BoundaryTracer, visible: &mut [u8]) -> u64 {
         visible.fill(0);
         for (&side, open) in point.sides().iter().zip(rows) {
@@ -148,12 +148,12 @@ mod tests {
     };
     use lapidary_core::{ray::DirectionSet, sphere::fibonacci_directions};
 
-    /// A device that is this machine, with one scene.
+    /// A device emulated by this machine, with one scene.
     struct Emulated;
 
     struct Taken(Intersector, DirectionSet);
 
-    /// The scene of the test, as a device takes it.
+    /// The test's scene as passed to a device.
     fn scene() -> lapidary_core::scene::Scene {
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(0.0, 1.5, 0.0), Vec3::splat(0.5)));
@@ -206,13 +206,13 @@ mod tests {
         let all = seen(EXHAUSTIVE, None);
         assert!(all == seen(EXHAUSTIVE, devices));
         let visible = |of: Vec<(Vec<u8>, u64)>| of.into_iter().map(|(visible, _)| visible).collect::<Vec<_>>();
-        // Probes for few and for many lights, of which the latter miss something.
+        // Probes for few and for many lights; the latter miss some visibility.
         for lights_per_probe in [FINEST, 128] {
             assert!(visible(seen(lights_per_probe, None)) == visible(seen(lights_per_probe, devices)));
         }
-        assert!(visible(seen(128, devices)) != visible(all), "negative control: what is missed is missed by both");
+        assert!(visible(seen(128, devices)) != visible(all), "negative control: both miss the same");
         let refused = sampler(&[], EXHAUSTIVE, devices);
         assert!(matches!(refused.err(), Some(BakeError::Device(reason)) if reason == "no room"));
-        assert!(!sampler(&directions[..1], EXHAUSTIVE, devices).unwrap().is_on_device(), "it is left to the cores");
+        assert!(!sampler(&directions[..1], EXHAUSTIVE, devices).unwrap().is_on_device(), "the cores trace it");
     }
 }

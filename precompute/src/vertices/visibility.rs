@@ -1,4 +1,4 @@
-//! Visibility of all light samples from one bake point: one batch, or what boundaries tell, behind one function.
+//! Visibility of all light samples from one bake point: exhaustive batches or boundaries, behind one function.
 
 use crate::vertices::{points::BakePoint, side::Side};
 use glam::Vec3;
@@ -7,12 +7,12 @@ use lapidary_core::{
     ray::{BoundarySet, BoundaryTracer, DirectionSet, Intersector, OPEN},
 };
 
-/// Lights, or sources, for each that is probed, if every one is traced.
+/// Lights or sources per probe if every one is traced.
 pub const EXHAUSTIVE: usize = 1;
 
-/// Lights, or sources, for each that is probed, of bakes that follow boundaries: usually, and at least.
+/// Usual number of lights or sources per probe in bakes that follow boundaries.
 pub const USUAL: usize = 16;
-/// See [`USUAL`].
+/// Least such number.
 pub const FINEST: usize = 8;
 
 /// A scene and the directions to its lights.
@@ -22,20 +22,20 @@ pub struct VisibilitySampler<'a> {
     veils: Veils<'a>,
 }
 
-/// The thin surfaces of a scene, and the directions in which they dim what is seen.
+/// The thin surfaces of a scene, and the directions in which they attenuate light.
 pub struct Veils<'a> {
     scene: &'a Intersector,
-    /// `None` if nothing is thin.
+    /// `None` without thin surfaces.
     directions: Option<DirectionSet>,
 }
 
 impl<'a> Veils<'a> {
-    /// Of a scene, for any unit directions.
+    /// For a scene and any unit directions.
     pub fn new(scene: &'a Intersector, directions: &[Vec3]) -> Self {
         Self { scene, directions: scene.has_veils().then(|| DirectionSet::new(directions)) }
     }
 
-    /// Lessens what a point sees past all other surfaces to the share of the light that passes.
+    /// Reduces the visibility past all opaque surfaces by the light that thin ones block.
     pub fn dim(&self, point: &BakePoint, visible: &mut [u8]) {
         let Some(directions) = &self.directions else { return };
         for &side in point.sides() {
@@ -51,13 +51,13 @@ enum Directions {
 }
 
 impl<'a> VisibilitySampler<'a> {
-    /// For the leaves of `tree`, in tree order. Boundaries are followed between probes, of which each stands for
-    /// `lights_per_probe`, or every light is traced ([`EXHAUSTIVE`]).
+    /// For the leaves of `tree`, in tree order. Boundaries are followed between probes that each stand for `lights_per_probe`, or
+    /// every light is traced ([`EXHAUSTIVE`]).
     pub fn new(scene: &'a Intersector, tree: &LightTree, lights_per_probe: usize) -> Self {
         Self::of_directions(scene, tree.leaf_directions(), lights_per_probe)
     }
 
-    /// For any unit directions, in the order given.
+    /// For any unit directions in the given order.
     pub fn of_directions(scene: &'a Intersector, directions: &[Vec3], lights_per_probe: usize) -> Self {
         let veils = Veils::new(scene, directions);
         let directions = match lights_per_probe {
@@ -75,7 +75,7 @@ impl<'a> VisibilitySampler<'a> {
         }
     }
 
-    /// Sets `visible[leaf]` to the share of each light that the point sees, in units of 1 / [`OPEN`]. Returns the rays traced.
+    /// Sets `visible[leaf]` to the visible share of each light, in units of 1 / [`OPEN`]. Returns the traced rays.
     pub fn sample(&self, point: &BakePoint, tracer: &mut BoundaryTracer, visible: &mut [u8]) -> u64 {
         visible.fill(0);
         let mut trace = |&side: &Side| {
@@ -90,7 +90,7 @@ impl<'a> VisibilitySampler<'a> {
         rays
     }
 
-    /// [`Self::sample`] ray by ray and without packets, for verification.
+    /// [`Self::sample`] by single rays without packets, for verification.
     pub fn sample_singly(&self, tree: &LightTree, point: &BakePoint, visible: &mut [u8]) {
         for (v, &d) in visible.iter_mut().zip(tree.leaf_directions()) {
             let side = point.side_of(d);
@@ -100,7 +100,7 @@ impl<'a> VisibilitySampler<'a> {
         }
     }
 
-    /// What [`Self::sample`] sets, for verification: ray by ray if every light is traced, else by the same boundaries.
+    /// Repeats [`Self::sample`] for verification: by single rays if every light is traced, else along the same boundaries.
     pub fn sample_again(&self, tree: &LightTree, point: &BakePoint, visible: &mut [u8]) {
         match &self.directions {
             Directions::All(_) => self.sample_singly(tree, point, visible),

@@ -1,4 +1,4 @@
-//! Bake points in an order in which neighbors in space are neighbors.
+//! Bake points in an order that keeps neighbors in space together.
 
 use crate::vertices::points::BakePoint;
 use lapidary_core::bounds::Bounds;
@@ -6,7 +6,7 @@ use lapidary_core::bounds::Bounds;
 /// Cells along each axis, as bits.
 const BITS: u32 = 10;
 
-/// Indices of the points along a Z-curve through cells of space; those of one cell by the octants of their normals.
+/// Indices of the points along a Z-curve through cells of space; within a cell by the octants of their normals.
 pub fn z_order(points: &[BakePoint]) -> Vec<u32> {
     let bounds = Bounds::around(points.iter().map(|point| point.position));
     let cells = ((1 << BITS) - 1) as f32 / (bounds.max - bounds.min).max_element().max(f32::MIN_POSITIVE);
@@ -19,7 +19,7 @@ pub fn z_order(points: &[BakePoint]) -> Vec<u32> {
     order
 }
 
-/// The lowest [`BITS`] bits, with two zeros after each.
+/// The lowest [`BITS`] bits, each followed by two zeros.
 fn spread(v: u32) -> u32 {
     (0..BITS).fold(0, |spread, bit| spread | (v >> bit & 1) << (3 * bit))
 }

@@ -2,7 +2,7 @@
 
 use crate::setting::{Naming, Setting};
 
-/// Something about the meshless basis.
+/// A warning about the meshless basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BasisWarning {
     /// The points of the meshless basis differ from those of the checkpoint.
@@ -11,15 +11,15 @@ pub enum BasisWarning {
     FewFunctions,
     /// A level of the meshless basis ends before it covers all surfaces.
     UncoveredLevel {
-        /// Which, from 1.
+        /// The level, from 1.
         level: usize,
-        /// Its points.
+        /// Number of its points.
         points: usize,
     },
 }
 
 impl BasisWarning {
-    /// In words, with settings called by `name`.
+    /// The message, with settings named by `name`.
     pub(super) fn text(&self, name: Naming) -> String {
         match self {
             Self::Other => {

@@ -2,27 +2,27 @@
 
 use crate::setting::{Naming, Setting};
 
-/// Something about surface sources.
+/// A warning about surface sources.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SourcesWarning {
     /// The surface sources differ from those of the checkpoint.
     Other,
-    /// Areas of surface sources are noise.
+    /// Areas of surface sources are noisy.
     UnevenAreas {
         /// Mean number of points that estimate each area.
         points: f32,
     },
     /// Many surface sources have no area.
     WithoutArea {
-        /// How many.
+        /// Number of sources without area.
         without: usize,
-        /// Of how many.
+        /// Number of all sources.
         sources: usize,
     },
 }
 
 impl SourcesWarning {
-    /// In words, with settings called by `name`.
+    /// The message, with settings named by `name`.
     pub(super) fn text(&self, name: Naming) -> String {
         match self {
             Self::Other => {

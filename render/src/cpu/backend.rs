@@ -1,4 +1,4 @@
-//! The renderer of the interactive view on the cores of this machine: [`Renderer`] in steps that can be stopped between.
+//! The interactive renderer on this machine's cores: [`Renderer`] in interruptible steps.
 
 use crate::{
     appearance::Appearance,
@@ -29,10 +29,10 @@ use crate::{
 use lapidary_core::{dataset::Dataset, image::Image, lights::Light};
 use std::{ops::Range, sync::Arc};
 
-/// Name of the renderer on the cores.
+/// Name of the CPU renderer.
 pub const CPU: &str = "cpu";
 
-/// Shadow rays per pixel beyond which it is said that they take long.
+/// Shadow rays per pixel above which a remark warns of slow rendering.
 const MANY_RAYS: u32 = 256;
 
 /// Renders on all cores. Never fails.
@@ -41,7 +41,7 @@ pub struct CpuBackend {
     renderer: Option<Renderer>,
     light: Option<(Illumination, Arc<SceneLighting>)>,
     local: LocalLighting,
-    /// The last remark on too many lights.
+    /// The last remark about too many lights.
     remark: Option<String>,
     blur: BlurCache,
     pub(super) sketch: Sketch,
@@ -60,7 +60,7 @@ fn remark_on_rays(lights: &[Light]) -> Option<String> {
     })
 }
 
-/// The picture that was begun.
+/// The current picture.
 struct Begun {
     summed: Summed,
     backdrop: Backdrop,
@@ -68,7 +68,7 @@ struct Begun {
 }
 
 impl Begun {
-    /// Drops what edits have changed.
+    /// Drops results that edits made stale.
     fn forget(&mut self, stale: &Stale, step: DirectStep) {
         let picture = &mut self.picture;
         if step == DirectStep::MergeAndAdd {
@@ -78,7 +78,7 @@ impl Begun {
     }
 }
 
-/// The light of a picture that sums these local lights.
+/// Lighting of a picture with these local lights.
 fn light_of<'a>(
     renderer: Option<&'a Renderer>,
     environment: Option<&'a (Illumination, Arc<SceneLighting>)>,
@@ -100,7 +100,7 @@ fn light_of<'a>(
     }
 }
 
-/// A picture with what samples and paints its pixels.
+/// A picture with its sampler and painter.
 struct AtWork<'a> {
     picture: &'a mut Picture,
     sketch: &'a mut Sketch,
@@ -122,18 +122,18 @@ impl<'a> AtWork<'a> {
 }
 
 impl CpuBackend {
-    /// Without a scene.
+    /// Creates a backend without a scene.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Forgets all but the scene and what pixels see.
+    /// Forgets everything but the scene and the pixels' surfaces.
     fn forget_light(&mut self) {
         (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
         self.remark = None;
     }
 
-    /// The picture that was begun, with what samples and paints its pixels.
+    /// The current picture with its sampler and painter.
     fn at_work(&mut self) -> Option<AtWork<'_>> {
         let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
         let Begun { summed: Summed { view, sampling, lights, complete }, backdrop, picture } = begun;
@@ -146,7 +146,7 @@ impl CpuBackend {
         Some(AtWork { picture, sketch, sampler, patches, complete, light, dataset, sampling })
     }
 
-    /// The environment if it is shown.
+    /// The environment, if shown.
     fn shown_environment(&self) -> Option<&(Illumination, Arc<SceneLighting>)> {
         self.light.as_ref().filter(|_| self.local.components.environment)
     }
@@ -178,7 +178,7 @@ impl Backend for CpuBackend {
         let (fitted, remarks) = appearance.fitted(&renderer.dataset.scene.materials);
         match renderer.appearance.opacities() == fitted.opacities() {
             true => self.sketch.set_appearance(&renderer.appearance, &fitted),
-            // Pixels see other surfaces.
+            // Pixels see other surfaces now.
             false => self.sketch.forget(),
         }
         renderer.set_appearance(fitted);

@@ -1,14 +1,14 @@
 //! Display color of a pixel in each view mode.
 //!
-//! Twin of `shaders/display_pass.wgsl`. Only light goes through exposure and tone curve; the quantities of the other modes
-//! are shown the same at any exposure, so that they can be read off.
+//! Twin of `shaders/display_pass.wgsl`. Exposure and tone curve apply only to light; quantities of other modes look the same at any
+//! exposure, so they can be read off.
 
 use crate::{measure::compare::map::magma, post::Post, view_mode::ViewMode};
 use glam::Vec3;
 use lapidary_core::color::srgb_from_linear;
 
-/// The sRGB-encoded color, each channel 0 to 1, of a pixel's `value`. Counts of `count_top` and more have the last
-/// color of magma. NaN becomes magenta, to be visible.
+/// The sRGB-encoded color of a pixel's `value`, each channel 0 to 1. Counts of at least `count_top` have magma's last color. NaN
+/// becomes magenta.
 pub fn display_pixel(mode: ViewMode, post: &Post, count_top: f32, value: Vec3) -> Vec3 {
     if value.is_nan() {
         return Vec3::new(1.0, 0.0, 1.0);

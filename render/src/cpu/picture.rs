@@ -1,5 +1,5 @@
-//! The planes of an unfinished picture, to which samples are added row by row. Each part of the light has a sum of its
-//! own, so that an edit makes only those parts and pixels begin anew that it changes; see [`crate::stale`].
+//! The planes of an unfinished picture, to which samples are added row by row. Each part of the light has its own sum, so an edit
+//! restarts only the parts and pixels that it changes; see [`crate::stale`].
 
 mod filled;
 mod row;
@@ -26,17 +26,17 @@ use rayon::prelude::*;
 use row::Row;
 use std::ops::Range;
 
-/// What the samples of one pixel show, whatever its light.
+/// Sample counts of one pixel, independent of its light.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
     marks: Marks,
-    /// Counted per pixel, so that a picture is right between two bands of rows too.
+    /// Counted per pixel, so a picture is also correct between two bands of rows.
     samples: u32,
-    /// Samples that met a surface, its back included.
+    /// Samples that hit a surface, front or back.
     covered: u32,
-    /// Samples that met a surface to shade.
+    /// Samples that hit a surface to shade.
     surfaces: u32,
-    /// Coverage by the lines of a wireframe.
+    /// Wireframe coverage.
     wire: f32,
 }
 
@@ -44,37 +44,37 @@ pub(super) struct Seen {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sum {
     value: Vec3,
-    /// Share of the light behind it that a ground lets through, in a picture with an alpha channel. [`Self::value`] has it as well.
+    /// Share of the light that a ground transmits, in a picture with an alpha channel. [`Self::value`] includes it.
     through: f32,
     samples: u32,
     merged_nodes: u32,
     brdf_evaluations: u32,
 }
 
-/// A picture in the making.
+/// An unfinished picture.
 #[derive(Default)]
 pub(crate) struct Picture {
     size: [u32; 2],
     seen: Vec<Seen>,
-    /// By [`LightPart`]; empty where the light has no such part.
+    /// Sums by [`LightPart`]; empty for parts that the light lacks.
     parts: [Vec<Sum>; LightPart::COUNT],
-    /// Samples of surfaces that were shaded, by part, since the picture was begun or resumed.
+    /// Shaded surface samples by part, since the picture was started or resumed.
     shaded: [u64; LightPart::COUNT],
     /// Stand-ins for pixels that lack their first sample; empty but for a sketch.
     filled: Filled,
 }
 
-/// The first sample of a pixel, as far as the picture lacks it.
+/// Missing parts of a pixel's first sample.
 pub(super) struct FirstSample {
     pixel: [u32; 2],
     seen: Option<Seen>,
-    /// By [`LightPart`].
+    /// Sums by [`LightPart`].
     sums: [Option<Sum>; LightPart::COUNT],
     shows_surface: bool,
 }
 
 impl Picture {
-    /// Without samples, of a light with these parts. The room of a former picture is used again.
+    /// Starts a picture without samples, for light with these parts. Reuses the buffers of `former`.
     pub fn new(size: [u32; 2], parts: [bool; LightPart::COUNT], former: Option<Self>) -> Self {
         let mut picture = former.unwrap_or_default();
         picture.size = size;
@@ -85,7 +85,7 @@ impl Picture {
         picture
     }
 
-    /// Makes room for the parts of a light, drops the others, and begins to count.
+    /// Allocates the parts of a light, drops others, and resets the counts.
     pub fn resume(&mut self, parts: [bool; LightPart::COUNT]) {
         for (sums, shown) in self.parts.iter_mut().zip(parts) {
             sums.resize(if shown { self.seen.len() } else { 0 }, Sum::default());
@@ -111,7 +111,7 @@ impl Picture {
         }
     }
 
-    /// Adds the added lights to the others; all pixels have as many samples of both.
+    /// Adds the added lights' sums to the other lights; all pixels must have the same number of samples of both.
     pub fn merge_added(&mut self) {
         let [.., direct, added] = &mut self.parts;
         direct.par_iter_mut().zip(added.par_iter()).for_each(|(sum, added)| {
@@ -120,8 +120,8 @@ impl Picture {
         });
     }
 
-    /// Adds one sample to those pixels of some rows that lack it. Each thread has a painter of its own. `patches` are
-    /// those of the vertices, where the pixels are to know them.
+    /// Adds one sample to those pixels of some rows that lack it. Each thread has its own painter. `patches` are the vertices'
+    /// patches, if pixels must know them.
     pub fn add_rows<'a>(
         &mut self,
         sampler: &PixelSampler<'a>,
@@ -162,7 +162,7 @@ impl Picture {
         !self.parts[part as usize].is_empty()
     }
 
-    /// Which parts of a pixel's light lack their first sample.
+    /// Parts of a pixel's light that lack their first sample.
     pub(super) fn lacks(&self, x: u32, y: u32) -> [bool; LightPart::COUNT] {
         let pixel = self.index(x, y);
         LightPart::ALL.map(|part| self.lacks_part(part, pixel))
@@ -176,7 +176,7 @@ impl Picture {
         LightPart::ALL.into_iter().any(|part| self.lacks_part(part, pixel))
     }
 
-    /// The mean of a part over a pixel's samples; `None` without one, and beyond the picture.
+    /// Mean of a part over a pixel's samples; `None` without samples and outside the picture.
     pub(super) fn value(&self, part: LightPart, x: u32, y: u32) -> Option<Vec3> {
         if x >= self.size[0] || y >= self.size[1] {
             return None;
@@ -185,13 +185,13 @@ impl Picture {
         (sum.samples > 0).then(|| sum.value / sum.samples as f32)
     }
 
-    /// Whether all samples of a pixel see a surface of one material: the mean of others tells nothing of their light.
+    /// Whether all samples of a pixel see a surface of one material; otherwise the mean does not represent the light.
     pub(super) fn sees_one_surface(&self, x: u32, y: u32) -> bool {
         let Seen { marks, samples, surfaces, .. } = self.seen[self.index(x, y)];
         samples < 2 || (surfaces == samples && marks.materials.count_ones() == 1)
     }
 
-    /// What a pixel shows of a part: the mean over its samples, or what stands in for it.
+    /// Displayed value of a part in a pixel: the mean over its samples, or its stand-in.
     pub(super) fn shown(&self, part: LightPart, x: u32, y: u32) -> Vec3 {
         self.shown_at(part, self.index(x, y))
     }
@@ -219,7 +219,7 @@ impl Picture {
         }
     }
 
-    /// Room for stand-ins of all pixels, with what was there before.
+    /// Buffers for stand-ins of all pixels, with their previous contents.
     pub(super) fn take_filled(&mut self, sampler: &PixelSampler) -> Filled {
         let mut filled = std::mem::take(&mut self.filled);
         for (values, sums) in filled.values.iter_mut().zip(&self.parts) {
@@ -231,22 +231,22 @@ impl Picture {
         filled
     }
 
-    /// Sets what pixels show that lack their first sample.
+    /// Sets the stand-ins of pixels that lack their first sample.
     pub(super) fn set_filled(&mut self, filled: Filled) {
         self.filled = filled;
     }
 
-    /// Whether something stands in for all pixels that lack their first sample.
+    /// Whether all pixels that lack their first sample have stand-ins.
     pub(super) fn is_filled(&self) -> bool {
         !self.filled.values[LightPart::Environment as usize].is_empty()
     }
 
-    /// Whether something stands in for a pixel's light.
+    /// Whether a pixel shows a stand-in.
     fn is_stand_in(&self, pixel: usize) -> bool {
         self.is_filled() && self.lacks_any(pixel)
     }
 
-    /// All parts of what a pixel shows, and its coverage.
+    /// Sum of all parts of a pixel as displayed, and its coverage.
     fn stand_in(&self, pixel: usize) -> (Vec3, f32) {
         let shown = LightPart::ALL.into_iter().map(|part| self.shown_at(part, pixel)).sum::<Vec3>();
         match self.filled.through.get(pixel) {
@@ -271,7 +271,7 @@ impl Picture {
         self.parts.iter().filter_map(|sums| sums.get(pixel)).map(mean).sum()
     }
 
-    /// Share of a pixel that hides what is behind it.
+    /// Share of a pixel that hides the background.
     fn coverage(&self, pixel: usize) -> f32 {
         let through = |sum: &Sum| sum.through / sum.samples.max(1) as f32;
         let through: f32 = self.parts.iter().filter_map(|sums| sums.get(pixel)).map(through).sum();
@@ -300,7 +300,7 @@ impl Picture {
         if alpha == 0.0 {
             return [0; 4];
         }
-        // The background must not show where the picture has no coverage, so the mean is over what is covered.
+        // The background must not show where the picture has no coverage, so the mean is over covered samples.
         let shown = display_pixel(view.mode, post, count_top, self.mean(pixel) / alpha);
         let [r, g, b] = wireframe::over(shown, seen.wire / (alpha * seen.samples as f32)).to_array();
         [r, g, b, alpha].map(|v| (255.0 * v + 0.5) as u8)
@@ -331,7 +331,7 @@ impl Sum {
     ) {
         self.samples += 1;
         match &sight.seen {
-            // The other modes show surfaces only: an environment is no count.
+            // Other modes show surfaces only: an environment is not a count.
             FirstHit::Background if part == LightPart::Environment && sampler.view.mode == ViewMode::Shaded => {
                 self.value += sampler.behind(sight.direction)
             }
@@ -354,7 +354,7 @@ impl Sum {
 }
 
 impl FirstSample {
-    /// What a pixel lacks of its first sample, with `sight`.
+    /// Missing parts of a pixel's first sample along `sight`.
     pub fn new(
         picture: &Picture,
         (sampler, painter): (&PixelSampler, &mut Painter),
@@ -379,7 +379,7 @@ impl FirstSample {
     }
 }
 
-/// What the surfaces of up to eight sights are known to see of the lights of parts that they lack.
+/// Known visibility of the missing parts' lights, for the surfaces of up to eight sights.
 pub(super) fn lights_seen(
     painter: &Painter,
     sights: &[Sight],

@@ -1,5 +1,5 @@
-//! The first sample of a picture on lattices: see [`crate::sketch`]. The pixels between are filled by a filter, and with
-//! what the last picture shows if the camera moves.
+//! The first sample of a picture on lattices; see [`crate::sketch`]. A filter fills the pixels between them, with help from the
+//! last picture if the camera moves.
 
 mod filter;
 mod history;
@@ -21,33 +21,33 @@ use lapidary_core::{camera::Camera, image::Region, ray::Hit};
 pub(crate) use moved::Moved;
 use rayon::prelude::*;
 
-/// What pixels see, kept while the camera stays, and how far the lattices of each tile are.
+/// Surfaces of the pixels, kept while the camera stays, and the lattice progress of each tile.
 #[derive(Default)]
 pub(crate) struct Sketch {
     seen_by: Option<(Camera, [u32; 2])>,
-    /// Those of one tile after another.
+    /// Guides of the pixels, tile by tile.
     guides: Vec<Guide>,
-    /// Whether they are to be looked up again, since something there was posed anew.
+    /// Whether each guide is out of date because a posed object touches its pixel.
     stale: Vec<bool>,
-    /// For each tile, the number of the last change of materials that its guides have; `None` before it was looked at.
+    /// Number of the last material change in each tile's guides; `None` before the first lookup.
     looked: Vec<Option<u64>>,
-    /// For each tile, the finest lattice that all of its pixels have; `None` before the first.
+    /// Finest lattice that all pixels of each tile have; `None` before the first.
     strides: Vec<Option<u32>>,
-    /// What is known of the last picture, if the camera alone has moved since.
+    /// Data of the last picture, if only the camera has moved since.
     history: Option<History>,
-    /// Number of the last change of materials.
+    /// Number of the last material change.
     changes: u64,
-    /// For each material, the number of its last change.
+    /// Number of each material's last change.
     changed: Vec<u64>,
 }
 
 impl Sketch {
-    /// Another scene.
+    /// Forgets the scene.
     pub fn forget(&mut self) {
         *self = Self { changes: self.changes, ..Self::default() };
     }
 
-    /// The scene with objects elsewhere: only pixels that saw one, or may see one now, look again.
+    /// Takes a scene with moved objects. Only pixels that saw one, or may see one now, are looked up again.
     pub fn pose(&mut self, moved: &Moved) {
         self.history = None;
         let Some((camera, size)) = &self.seen_by else { return };
@@ -69,7 +69,7 @@ impl Sketch {
         self.stale.par_iter_mut().zip(&self.guides).for_each(|(stale, guide)| *stale |= sees_moved(guide));
     }
 
-    /// Another appearance after `old`: what the pixels of changed materials look like is looked up again.
+    /// Takes a new appearance. Guides of pixels with changed materials are looked up again.
     pub fn set_appearance(&mut self, old: &Appearance, new: &Appearance) {
         self.changes += 1;
         let count = old.materials.len().max(new.materials.len());
@@ -78,8 +78,8 @@ impl Sketch {
         changed.into_iter().for_each(|material| self.changed[material] = self.changes);
     }
 
-    /// Another picture; what its pixels see is kept if the camera is the same. `last` is the picture before it, if nothing
-    /// but the camera and the size has changed since.
+    /// Starts a picture; guides are kept if the camera is the same. `last` is the previous picture, if only camera and size have
+    /// changed since.
     pub fn begin(&mut self, camera: &Camera, size: [u32; 2], last: Option<&Picture>) {
         let tiles = Tiles::of(size);
         let count = tiles.count() as usize;
@@ -94,7 +94,7 @@ impl Sketch {
         self.strides = vec![None; count];
     }
 
-    /// Keeps what the last picture shows. What was never shown tells less than the picture before it.
+    /// Keeps the last picture's data. An incomplete picture is worse than the one before it, which is kept instead.
     fn remember(&mut self, last: Option<&Picture>) {
         let history = self.history.take();
         let (Some(last), Some((camera, size))) = (last, &self.seen_by) else { return };
@@ -106,7 +106,7 @@ impl Sketch {
         };
     }
 
-    /// All pixels have their sample: nothing is filled any more.
+    /// Call when all pixels have their sample: no pixel needs filling any more.
     pub fn forget_last(&mut self) {
         self.history = None;
     }
@@ -125,7 +125,7 @@ impl Sketch {
         &self.guides[tile * Tiles::MOST_PIXELS + place]
     }
 
-    /// Gives the pixels of some tiles on a lattice their first sample, and those without a surface to shade.
+    /// Adds the first sample to pixels of some tiles on a lattice, and to those without a surface to shade.
     pub fn add_tiles<'a>(
         &mut self,
         picture: &mut Picture,
@@ -161,8 +161,8 @@ impl Sketch {
         tiles.iter().for_each(|&tile| self.strides[tile as usize] = Some(stride));
     }
 
-    /// Fills the pixels that have no sample yet. At most `most_shaded` of those that nothing around fits are shaded instead,
-    /// first those with no surface around them. All tiles must have a lattice. Returns how many were shaded.
+    /// Fills the pixels that have no sample yet. Shades at most `most_shaded` of the pixels that no neighbor fits, first those with
+    /// no surface around them. All tiles must have a lattice. Returns the number of shaded pixels.
     pub fn fill<'a>(
         &mut self,
         picture: &mut Picture,
@@ -196,33 +196,33 @@ impl Sketch {
     }
 }
 
-/// Which of the tiles are among `tiles`.
+/// Whether each tile is among `tiles`.
 fn mask(count: u32, tiles: &[u32]) -> Vec<bool> {
     let mut wanted = vec![false; count as usize];
     tiles.iter().for_each(|&tile| wanted[tile as usize] = true);
     wanted
 }
 
-/// At most so many holes, spread over the picture; first those without a guess.
+/// At most `most` holes, spread over the picture; first those without a guess.
 fn chosen(holes: &[Hole], most: usize) -> Vec<&Hole> {
     let (bare, guessed): (Vec<&Hole>, Vec<&Hole>) = holes.iter().partition(|hole| hole.is_bare);
     let left = most.saturating_sub(bare.len());
     [spread(bare, most), spread(guessed, left)].concat()
 }
 
-/// At most so many, evenly.
+/// At most `most` items, evenly spread.
 fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
     let step = all.len().div_ceil(most.max(1)).max(1);
     all.into_iter().step_by(step).take(most).collect()
 }
 
-/// When materials changed.
+/// Times of material changes.
 struct MaterialChanges<'a> {
     last: u64,
     of: &'a [u64],
 }
 
-/// A tile at work.
+/// A tile being worked on.
 struct TileWork<'t, 's, 'a> {
     tiles: Tiles,
     region: Region,
@@ -233,7 +233,7 @@ struct TileWork<'t, 's, 'a> {
 }
 
 impl TileWork<'_, '_, '_> {
-    /// Finds out what the pixels see, as far as that is not known or its material has changed since.
+    /// Updates guides that are unknown or whose material has changed since.
     fn look(&mut self, looked: Option<u64>, materials: &MaterialChanges) {
         let is_unknown = |&[x, y]: &[u32; 2]| looked.is_none() || self.stale[self.tiles.place(x, y).1];
         let near: Vec<[u32; 2]> = by_blocks(self.region).filter(is_unknown).collect();
@@ -252,7 +252,7 @@ impl TileWork<'_, '_, '_> {
         }
     }
 
-    /// The first sample of the pixels on a lattice, and with `unlit` of those without a surface to shade.
+    /// First samples of the pixels on a lattice; `unlit` includes those without a surface to shade.
     fn shade(&self, picture: &Picture, painter: &mut Painter, stride: u32, unlit: bool) -> Vec<FirstSample> {
         let guide = |[x, y]: [u32; 2]| &self.guides[self.tiles.place(x, y).1];
         let is_wanted = |&[x, y]: &[u32; 2]| {
@@ -272,7 +272,7 @@ fn pixels(region: Region) -> impl Iterator<Item = (u32, u32)> {
     region.rows().flat_map(move |y| region.columns().map(move |x| (x, y)))
 }
 
-/// The pixels of a region, by blocks of four by two.
+/// The pixels of a region in blocks of four by two.
 fn by_blocks(region: Region) -> impl Iterator<Item = [u32; 2]> {
     let part = |first: u32, side: u32, end: u32| first..(first + side).min(end);
     let (right, below) = (region.columns().end, region.rows().end);
@@ -280,7 +280,7 @@ fn by_blocks(region: Region) -> impl Iterator<Item = [u32; 2]> {
     blocks.flat_map(move |[x, y]| part(y, 2, below).flat_map(move |y| part(x, 4, right).map(move |x| [x, y])))
 }
 
-/// What steers the filter where the first sample of a pixel meets the mesh at `hit`.
+/// Filter guide of a pixel whose first sample hits the mesh at `hit`.
 fn looked_up(sampler: &PixelSampler, hit: Option<Hit>, x: u32, y: u32) -> Guide {
     let Some(hit) = hit else { return Guide::unlit(Guide::BACKGROUND) };
     match sampler.first_point(x, y, &hit) {
@@ -316,7 +316,7 @@ fn hit(guide: &Guide) -> Option<Hit> {
     (guide.material != Guide::BACKGROUND).then_some(hit)
 }
 
-/// Adds what up to eight pixels lack of their first sample, without their camera rays.
+/// Adds the missing parts of up to eight pixels' first samples, without their camera rays.
 fn add_first_samples<'g>(
     picture: &Picture,
     (sampler, painter): (&PixelSampler, &mut Painter),

@@ -1,4 +1,4 @@
-//! Properties of surfaces, without any light: pictures for compositing, all from one set of camera rays.
+//! Surface properties without light: pictures for compositing, all from one set of camera rays.
 
 use crate::{
     renderer::Renderer,
@@ -13,13 +13,12 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use rayon::prelude::*;
 
-/// Distance in meters where there is no surface: far beyond any scene, but finite, because filters could not handle
-/// infinity.
+/// Distance in meters without a surface: far beyond any scene, but finite, because filters cannot handle infinity.
 pub const NO_SURFACE: f32 = 1e10;
 
-/// Pictures of surface properties. `normal`, `albedo` and `roughness` are means over the samples of a pixel. As in
-/// premultiplied colors, a sample counts as zero if it hits no surface or the back of a one-sided one. `depth` and
-/// `position` are those of the nearest sample, because a mean would lie off the surface.
+/// Pictures of surface properties. `normal`, `albedo` and `roughness` are means over the samples of a pixel. As in premultiplied
+/// colors, a sample counts as zero if it hits no surface or the back of a one-sided one. `depth` and `position` come from the
+/// nearest sample, because a mean would lie off the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceLayers {
     /// Shading normal in world space after bump and normal map, -1 to 1.
@@ -28,9 +27,9 @@ pub struct SurfaceLayers {
     pub albedo: Image,
     /// Perceptual roughness after its texture, one value per pixel.
     pub roughness: Vec<f32>,
-    /// Place in the world in meters; zero where there is no surface.
+    /// World position in meters; zero without a surface.
     pub position: Image,
-    /// Distance along the optical axis in meters, one value per pixel; [`NO_SURFACE`] where there is none.
+    /// Distance along the optical axis in meters, one value per pixel; [`NO_SURFACE`] without a surface.
     pub depth: Vec<f32>,
     /// Share of the samples that hit a surface, back or front, one value per pixel.
     pub coverage: Vec<f32>,
@@ -48,7 +47,7 @@ struct Pixel {
 }
 
 impl Renderer {
-    /// Surface properties in a view, with the present appearance of the scene.
+    /// Surface properties in a view, with the current appearance.
     pub fn surface_layers(&self, view: &View) -> SurfaceLayers {
         let backdrop = Backdrop::black();
         let sampler = PixelSampler::new(self, view, &backdrop);
@@ -119,7 +118,7 @@ mod tests {
 
     const SIZE: [u32; 2] = [16, 12];
 
-    /// From above, with the edges of the floor in sight.
+    /// A view from above that includes the floor's edges.
     fn view(aa: u32) -> View {
         View { aa, ..View::new(Camera::look_at(Vec3::new(1.0, 3.0, 5.0), Vec3::ZERO, 60.0), SIZE) }
     }
@@ -128,7 +127,7 @@ mod tests {
         test_scenes::dataset(test_scenes::mesh(2, true), GgxParameters { roughness: 0.3, ..Default::default() })
     }
 
-    /// Picture of the CPU renderer in a mode.
+    /// Picture and coverage by the CPU renderer in a mode.
     fn shown(baked: &Baked, view: &View, mode: ViewMode) -> (Image, Vec<f32>) {
         let mut backend = CpuBackend::new();
         backend.set_scene(baked).unwrap();

@@ -1,7 +1,7 @@
-//! Bounced light from surface sources (paper, 4.1): local lights and environment on the sources, their radiosity under
-//! the current materials, means up their tree, and the illumination cut. The merge then gathers it at every pixel.
+//! Bounced light from surface sources (paper, 4.1): local lights and environment on the sources, their radiosity under the current
+//! materials, means up their tree, and the illumination cut. The merge then gathers it at every pixel.
 //!
-//! Each step keeps its result, so that a moved light casts rays for that light only and an edited material none.
+//! Each step keeps its result: a moved light casts rays for that light only, an edited material casts none.
 
 mod irradiance;
 mod light_groups;
@@ -25,7 +25,7 @@ use std::{f32::consts::FRAC_1_PI, sync::Arc};
 pub(crate) use lit_points::LitPoints;
 pub use meshless::{MeshlessRig, functions::MeshlessLight};
 
-/// Samples of an area light along each of its sides, at each of a source's parts.
+/// Samples of an area light along each of its sides, at each part of a source.
 const AREA_SAMPLES: u32 = 2;
 
 /// The light of a tree of surface sources.
@@ -40,7 +40,7 @@ impl SourceLighting {
     }
 }
 
-/// Lights the sources of a dataset repeatedly, and keeps what an edit does not change.
+/// Lights the sources of a dataset repeatedly and keeps results that an edit does not change.
 pub struct SourceRig {
     dataset: Arc<Dataset>,
     tree: Arc<SourceTree>,
@@ -49,7 +49,7 @@ pub struct SourceRig {
 }
 
 impl SourceRig {
-    /// For a dataset with the materials of its bake and without light; `None` if it has no sources.
+    /// Starts with the baked materials and no light; `None` if the dataset has no sources.
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let sources = &dataset.indirect.as_ref()?.sources;
@@ -74,10 +74,10 @@ impl SourceRig {
         self.lighting_with(&[], illum_cut)
     }
 
-    /// [`Self::lighting`] with irradiance of further bounces, one value per source or none.
+    /// [`Self::lighting`] with irradiance of further bounces: one value per source, or none.
     ///
     /// # Panics
-    /// If there are values, and not one per source.
+    /// If the number of values is neither zero nor the number of sources.
     pub fn lighting_with(&self, further: &[Vec3], illum_cut: u32) -> SourceLighting {
         assert!(further.is_empty() || further.len() == self.tree.len(), "one irradiance a source");
         let mut irradiance = self.lit.irradiance();

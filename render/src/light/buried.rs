@@ -1,4 +1,4 @@
-//! Lights inside an object, which light nothing visible.
+//! Lights inside an object, which light no visible surface.
 
 use glam::Vec3;
 use lapidary_core::{
@@ -8,10 +8,10 @@ use lapidary_core::{
     sphere::fibonacci_directions,
 };
 
-/// Directions that are tested: a light whose ray leaves the objects in any of these is in the open.
+/// Test directions: a light is in the open if its ray leaves the objects in any of them.
 const DIRECTIONS: usize = 64;
 
-/// Whether a light shines and sees only the inside of closed objects; `intersector` is made of the dataset's mesh.
+/// Whether a light lies inside closed objects and shines on their inner sides only; `intersector` is built from the dataset's mesh.
 pub fn is_buried(dataset: &Dataset, intersector: &Intersector, light: &Light) -> bool {
     let forward = light.forward().filter(|_| light.emission.is_aimed());
     let shines_into = |look: &Vec3| forward.is_none_or(|forward| forward.dot(*look) > 0.0);

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
-/// The parts of a picture's light. Pictures of single parts sum to the picture of all.
+/// Parts of a picture's light. Pictures of single parts sum to the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Components {
@@ -22,18 +22,18 @@ impl Default for Components {
 }
 
 impl Components {
-    /// Everything.
+    /// All components.
     pub const ALL: Self = Self { environment: true, direct: true, indirect: true };
-    /// Nothing.
+    /// No component.
     pub const NONE: Self = Self { environment: false, direct: false, indirect: false };
-    /// Everything but bounced light.
+    /// All but bounced light.
     pub const UNBOUNCED: Self = Self { indirect: false, ..Self::ALL };
 }
 
 impl FromStr for Components {
     type Err = String;
 
-    /// A comma list of `environment`, `direct` and `indirect`.
+    /// Parses a comma-separated list of `environment`, `direct` and `indirect`.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut components = Self::NONE;
         for name in text.split(',').map(str::trim) {
@@ -41,7 +41,7 @@ impl FromStr for Components {
                 "environment" => components.environment = true,
                 "direct" => components.direct = true,
                 "indirect" => components.indirect = true,
-                _ => return Err(format!("\"{name}\" is no component; list environment, direct or indirect")),
+                _ => return Err(format!("\"{name}\" is not a component; list environment, direct or indirect")),
             }
         }
         Ok(components)

@@ -1,5 +1,5 @@
-//! How far the bounced light has moved since the pixels that it shows in were shaded. An edited material changes
-//! the light of all that it shines on, most of it by less than a display can show.
+//! How far bounced light has changed since its pixels were shaded. An edited material changes all the light that it reflects,
+//! mostly by less than a display can show.
 
 use crate::{
     baked::Baked,
@@ -17,27 +17,27 @@ use lapidary_core::cut::{
 };
 use rayon::prelude::*;
 
-/// Largest change of the light at a point, as a share of it, that is left in the picture: half a step of 8 bits. The
-/// pixel's other light only makes it less.
+/// Largest change of the light at a point, as a share of that light, that pixels keep: half an 8-bit step. The pixel's other light
+/// only reduces the share.
 const NOT_SEEN: f32 = 1.0 / 512.0;
 
-/// The change of the bounced light at points of the surfaces since their pixels were shaded, as a share of it. Changes of
-/// many edits are added, so that small ones cannot creep.
+/// Relative change of bounced light at surface points since their pixels were shaded. Changes accumulate over edits, so small ones
+/// cannot creep.
 #[derive(Default)]
 pub(crate) struct Drift {
     changes: Vec<f32>,
-    /// Where light in a basis is compared; found at the first use.
+    /// Points at which light in a basis is compared; found at the first use.
     points: Option<ComparedPoints>,
 }
 
 impl Drift {
-    /// All pixels are shaded again.
+    /// Call after all pixels are shaded again.
     pub fn reset(&mut self) {
         self.changes.clear();
     }
 
-    /// Adds the change from one light to another. Returns the patches that are to be shaded again, one bit each; `None` for
-    /// all. It is always called for one scene.
+    /// Adds the change from one light to another. Returns the patches to shade again, one bit each; `None` means all. Every call
+    /// must be for the same scene.
     pub fn add(&mut self, baked: &Baked, old: &LocalLighting, new: &LocalLighting) -> Option<u64> {
         let (changes, patches) = match (old.shown_bounce()?, new.shown_bounce()?) {
             (BounceLight::Sources(old), BounceLight::Sources(new)) => {
@@ -55,13 +55,13 @@ impl Drift {
         Some(self.add_changes(changes, &patches))
     }
 
-    /// Adds changes at points, each of which is in some patches.
+    /// Adds changes at points; each point belongs to some patches.
     fn add_changes(&mut self, changes: Vec<f32>, patches: &[u64]) -> u64 {
         self.changes.resize(changes.len(), 0.0);
         let mut stale = 0;
         for ((drift, change), &patches) in self.changes.iter_mut().zip(changes).zip(patches) {
             *drift += change;
-            // NaN is a change.
+            // NaN counts as a change.
             stale |= if *drift <= NOT_SEEN { 0 } else { patches };
         }
         let shaded = self.changes.iter_mut().zip(patches).filter(|(_, patches)| stale & **patches != 0);
@@ -70,13 +70,13 @@ impl Drift {
     }
 }
 
-/// Of the light in its brightest channel.
+/// Share in the light's brightest channel.
 fn share(change: Vec3, light: Vec3) -> f32 {
     if change == Vec3::ZERO { 0.0 } else { change.max_element() / light.max_element() }
 }
 
-/// Sums over the nodes of each vertex's cut: the change of their radiance times their solid angle, whether brighter or
-/// darker, over the light that they send now.
+/// Relative change at each vertex: the absolute change of radiance times solid angle, summed over its cut, over the light that the
+/// cut sends now.
 fn gathered_changes(baked: &Baked, old: &SourceLighting, new: &SourceLighting) -> Option<Vec<f32>> {
     let cuts = &baked.dataset.indirect.as_ref()?.cuts;
     let height = new.height();

@@ -1,5 +1,4 @@
-//! The environment's light: radiance of the tree's nodes and the illumination cut, which an edit of the environment
-//! recomputes.
+//! Light of the environment: node radiance on its tree and the illumination cut. An edit of the environment recomputes both.
 
 use crate::light::{mirrored_map::MirroredMap, tree_light::TreeLight};
 use glam::{Quat, Vec3};
@@ -20,7 +19,7 @@ pub struct Illumination {
     pub rotation: f32,
     /// Scales radiance.
     pub intensity: f32,
-    /// What of the map becomes suns, with shadows of their own; `None` leaves all of it to the light samples.
+    /// How suns are taken from the map, with shadows of their own; `None` leaves all light to the light samples.
     pub sun: Option<SunSettings>,
 }
 
@@ -31,7 +30,7 @@ impl Illumination {
             && (self.rotation, self.intensity, self.sun) == (other.rotation, other.intensity, other.sun)
     }
 
-    /// The suns of the map, as it is turned and scaled.
+    /// Suns of the rotated and scaled map.
     pub fn suns(&self) -> Vec<Light> {
         let found = self.sun.map(|settings| self.environment.suns(settings));
         let turn = Quat::from_rotation_y(self.rotation);
@@ -46,7 +45,7 @@ impl Illumination {
         found.iter().flat_map(|found| &found.suns).map(light).filter(Light::shines).collect()
     }
 
-    /// The map that light samples stand for: without its suns.
+    /// The map of the light samples: without its suns.
     pub fn sampled(&self) -> Arc<Environment> {
         let rest = self.sun.and_then(|settings| self.environment.suns(settings).rest.clone());
         rest.unwrap_or_else(|| self.environment.clone())
@@ -61,7 +60,7 @@ pub type SceneLighting = TreeLight<Distant>;
 pub struct Distant {
     /// Solid angle of one sample in steradians.
     pub leaf_solid_angle: f32,
-    /// The map that they are samples of, for sharp lobes.
+    /// The sampled map, for sharp lobes.
     pub mirrored: Option<MirroredMap>,
 }
 
@@ -73,13 +72,13 @@ impl SceneLighting {
         Self::of(lights, NodeLight::distant(tree, leaf_radiance), tree.radii(), CutValues::Visibility, illum_cut)
     }
 
-    /// The same light for a scene of which some vertices have other visibility cuts.
+    /// The same light for a scene in which some vertices have new visibility cuts.
     pub fn with_replaced_cuts(&self, is_replaced: &[bool]) -> Self {
         Self { lit: self.lit.with_replaced(is_replaced), ..self.clone() }
     }
 }
 
-/// Lights a tree repeatedly, and keeps what does not depend on rotation and intensity.
+/// Lights a tree repeatedly and keeps results that do not depend on rotation and intensity.
 pub struct LightRig {
     tree: LightTree,
     sampler: EnvironmentSampler,
@@ -87,7 +86,7 @@ pub struct LightRig {
 }
 
 impl LightRig {
-    /// For a tree; some tenths of a second for 32,768 samples.
+    /// Prepares a tree; takes some tenths of a second for 32,768 samples.
     pub fn new(tree: &LightTree) -> Self {
         let sampler = EnvironmentSampler::new(tree.len());
         Self { tree: tree.clone(), sampler, resampled: None }

@@ -1,9 +1,9 @@
-//! What the poses of objects change of a picture, by implicit visibility (Dong et al. 2007): shadows and bounces follow at once, before
-//! anything is baked anew.
+//! Light changes of posed objects, by implicit visibility (Dong et al. 2007): shadows and bounces follow at once, without a new
+//! bake.
 //!
-//! What stays shows its baked light times `E(posed) / E(as baked)` of the environment, plus the difference of the bounces. Both come
-//! from the same bins, so that where nothing changed the picture is the baked one to the bit. What moved has visibility cuts made of
-//! its bins, and bounced light of its own.
+//! Unmoved surfaces show their baked light times `E(posed) / E(as baked)` of the environment, plus the difference of the bounces.
+//! Both come from the same bins, so the picture equals the baked one bit for bit where nothing changed. Moved surfaces have
+//! visibility cuts made from their bins, and their own bounced light.
 
 mod covered;
 mod cuts;
@@ -33,26 +33,26 @@ use sky::SkyGrid;
 use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use vertices::VertexLeaves;
 
-/// Most objects of a scene of which some are posed. Each has a tree of surfels, and every surfel looks at the root of each.
+/// Most objects in a posed scene. Each has a tree of surfels, and every surfel visits the root of each tree.
 pub const MOST_OBJECTS: usize = 65_536;
 
 /// Samples of an area light along each of its sides, at each leaf.
 const AREA_SAMPLES: u32 = 2;
 
-/// The most that the light of a vertex may grow.
+/// Upper limit of the growth of a vertex's light.
 const MOST_GROWTH: f32 = 2.0;
 
-/// A value for each side of the vertices.
+/// Values for both sides of the vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sides {
-    /// On the side of the normals.
+    /// Values on the side of the normals.
     pub front: Vec<Vec3>,
-    /// On the other.
+    /// Values on the opposite side.
     pub back: Vec<Vec3>,
 }
 
 impl Sides {
-    /// At a point of a triangle, by the weights of its vertices.
+    /// Value at a point of a triangle, by its vertices' weights.
     #[inline]
     pub fn at(&self, vertices: [u32; 3], weights: [f32; 3], from_behind: bool) -> Vec3 {
         let side = if from_behind { &self.back } else { &self.front };
@@ -63,14 +63,14 @@ impl Sides {
 /// The light of posed objects, for pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosedLight {
-    /// Per vertex: whether it is elsewhere than it was baked.
+    /// Whether each vertex is away from its baked position.
     pub is_moved: Arc<[bool]>,
-    /// What the environment's light of vertices grows by, `E(posed) / E(as baked) - 1`, -1 to 1. It is 0 for those that moved, whose
-    /// cuts are new; and between vertices that keep their light 0 to the bit.
+    /// Relative growth of the environment's light at the vertices, `E(posed) / E(as baked) - 1`, -1 to 1. It is 0 at moved
+    /// vertices, which have new cuts, and exactly 0 between vertices whose light is unchanged.
     pub growth: Sides,
-    /// Irradiance of the environment in W/m² beyond that: of what something lay on, which no ratio makes bright.
+    /// Additional irradiance of the environment in W/m², at uncovered vertices, which were dark and have no ratio.
     pub uncovered: Sides,
-    /// Irradiance in W/m²: what bounces more than as baked, or less; all of it for what moved.
+    /// Bounced irradiance in W/m²: its difference from the bake, or all of it for moved vertices.
     pub bounce: Sides,
 }
 
@@ -78,7 +78,7 @@ pub struct PosedLight {
 pub struct PoseRig {
     detail: ImplicitDetail,
     as_baked: Seen,
-    /// Light of the vertices as baked with some bounces: a drag does not change it.
+    /// Vertex light as baked with some bounces; a drag does not change it.
     lit_as_baked: Option<(u32, [Sides; 2])>,
     vertices: VertexLeaves,
     posed: Seen,
@@ -88,17 +88,17 @@ pub struct PoseRig {
     sky: SkyGrid,
 }
 
-/// A scene under one pose, and what its leaves see.
+/// A scene under one pose and the visibility of its leaves.
 struct Seen {
     forest: SurfelForest,
     sight: Box<dyn LeafSight>,
     points: LitPoints,
-    /// What nothing lies on.
+    /// Surfaces that nothing covers.
     open: Open,
 }
 
 impl Seen {
-    /// Irradiance of the vertices from the sky, and that of all bounces.
+    /// Irradiance of the vertices from the sky, and from all bounces.
     fn lit(&mut self, sky: &SkyGrid, bounces: u32, vertices: &VertexLeaves) -> [Sides; 2] {
         let lighting = Lighting {
             reflectance: self.points.albedo(),
@@ -107,7 +107,7 @@ impl Seen {
             sky: &|direction| sky.radiance(direction),
         };
         let SeenLight { of_sky, direct, bounced } = self.sight.light(self.forest.discs(), &lighting, bounces);
-        // Surfaces that shine are lamps to the bins, and bounces to the picture.
+        // The bins treat emissive surfaces as lamps; the picture counts them as bounced light.
         let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
         let others: Vec<Vec3> = others.collect();
         [of_sky, others].map(|leaves| self.open.at_vertices(vertices, &leaves))
@@ -115,8 +115,8 @@ impl Seen {
 }
 
 impl PoseRig {
-    /// For a scene as it was baked, whose leaves look by the cores or an adapter; takes some tenths of a second or, for
-    /// the finest, some seconds.
+    /// Creates a rig for a scene as baked. The cores or an adapter find visibility; this takes some tenths of a second, or some
+    /// seconds at the finest detail.
     pub fn new(baked: &Baked, compute: &Compute, detail: ImplicitDetail) -> Self {
         let dataset = &baked.dataset;
         let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, detail.surfels());
@@ -159,7 +159,7 @@ impl PoseRig {
         }
     }
 
-    /// A scene posed as the rig is, with visibility cuts for the vertices that are not where they were baked.
+    /// The scene in the rig's pose, with new visibility cuts for moved vertices.
     pub fn with_cuts(&mut self, scene: &Baked) -> Baked {
         let forest = self.posed.forest.discs();
         let views = self.posed.sight.views(forest, leaves_of(forest, &self.poses));
@@ -167,17 +167,17 @@ impl PoseRig {
         scene.clone().with_cuts(cuts)
     }
 
-    /// How finely it looks.
+    /// ImplicitDetail of the surfels, bins and bounces.
     pub fn detail(&self) -> ImplicitDetail {
         self.detail
     }
 
-    /// By vertex, whether it is elsewhere than it was baked.
+    /// Whether each vertex is away from its baked position.
     pub fn moved_vertices(&self) -> &[bool] {
         &self.is_moved
     }
 
-    /// The light of the posed scene, with as many bounces as the picture has, or as the detail follows.
+    /// Light of the posed scene. It has `bounces` bounces, or fewer if the detail follows fewer.
     pub fn light(&mut self, bounces: u32) -> PosedLight {
         let (sky, bounces) = (&self.sky, bounces.min(self.detail.bounces()));
         let [posed_sky, posed_bounce] = self.posed.lit(sky, bounces, &self.vertices);
@@ -221,7 +221,7 @@ impl Relight for PoseRig {
     }
 }
 
-/// From the first leaf of all objects that are elsewhere than they were baked to their last.
+/// The leaves from the first to the last of all moved objects.
 fn leaves_of(forest: &DiscForest, poses: &Poses) -> Range<u32> {
     let moved = poses.moved().map(|object| forest.leaves_of(object)).filter(|leaves| !leaves.is_empty());
     moved.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)

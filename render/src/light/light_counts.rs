@@ -1,28 +1,28 @@
-//! Which lights shine alike, and how many of them there are.
+//! Which lights shine alike, and how many.
 
 use lapidary_core::lights::{Emission, Light};
 use std::collections::HashMap;
 
-/// Bits of everything that the irradiance of a light depends on.
+/// Bits of every property that affects a light's irradiance.
 pub(crate) type LightKey = [u32; 12];
 
-/// How many lights of each kind there are; names make no difference.
+/// Number of lights of each kind, regardless of names.
 pub(crate) struct LightCounts(HashMap<LightKey, usize>);
 
 impl LightCounts {
-    /// Those of some lights.
+    /// Counts these lights.
     pub fn of<'a>(lights: impl Iterator<Item = &'a Light>) -> Self {
         let mut counts = HashMap::new();
         lights.for_each(|light| *counts.entry(light_key(light)).or_default() += 1);
         Self(counts)
     }
 
-    /// Whether all are taken.
+    /// Whether all lights are taken.
     pub fn is_empty(&self) -> bool {
         self.0.values().all(|&count| count == 0)
     }
 
-    /// Takes all of these or, if one is not there, none.
+    /// Takes all of `lights`, or none if one is missing.
     pub fn take(&mut self, lights: &[LightKey]) -> bool {
         for (i, light) in lights.iter().enumerate() {
             let Some(count) = self.0.get_mut(light).filter(|count| **count > 0) else {

@@ -13,20 +13,20 @@ use crate::{
 use lapidary_core::{lights::Light, transport::BounceEnergy};
 use std::sync::Arc;
 
-/// The light of a picture beside the environment, and the components that are shown.
+/// All light of a picture except the environment, and the components that are shown.
 #[derive(Clone, Debug, Default)]
 pub struct LocalLighting {
     /// Lights whose direct light is shown.
     pub lights: Arc<[Light]>,
     /// Suns, whose light belongs to the environment's.
     pub suns: Arc<[Light]>,
-    /// Bounced light, of these lights and of the environment.
+    /// Bounced light of these lights and of the environment.
     pub bounce: Option<BounceLight>,
-    /// What posed objects change of all that.
+    /// Changes of the light by posed objects.
     pub posed: Option<Arc<PosedLight>>,
     /// The parts that are shown.
     pub components: Components,
-    /// How the bounces in the picture decrease, if the solution has several.
+    /// Energy of the successive bounces, if the solution has several.
     pub energy: Option<BounceEnergy>,
 }
 
@@ -54,32 +54,32 @@ impl LocalLighting {
 /// Makes the [`LocalLighting`] of a picture.
 pub struct LocalRig {
     rigs: Rigs,
-    /// One for each solution that the dataset has, with the changes since its last step.
+    /// One solver per available solution, with the changes since its last step.
     solvers: Vec<(Solution, Box<dyn BounceSolver>, Changes)>,
 }
 
 impl LocalRig {
-    /// For a dataset.
+    /// Creates a rig for a dataset.
     pub fn new(baked: &Baked) -> Self {
         let solutions = Solution::of(baked.dataset.bounces()).into_iter();
         let solvers = solutions.map(|solution| (solution, solution.solver(), Changes::ALL)).collect();
         Self { rigs: Rigs::new(baked), solvers }
     }
 
-    /// Notes what has changed. Rays are cast when bounced light is needed.
+    /// Records changes. Rays are cast when bounced light is needed.
     pub fn note(&mut self, changes: Changes) {
         self.rigs.note(changes);
         self.solvers.iter_mut().for_each(|(.., since)| *since = *since | changes);
     }
 
-    /// Does the next step of bounced light by `solution`. Returns whether more is left to do.
+    /// Computes the next step of bounced light by `solution`. Returns whether more steps remain.
     pub fn advance(&mut self, situation: &Situation, solution: Solution) -> bool {
         let Self { rigs, solvers } = self;
         let solver = solvers.iter_mut().find(|(of, ..)| *of == solution);
         solver.is_some_and(|(_, solver, changes)| solver.advance(situation, std::mem::take(changes), rigs))
     }
 
-    /// The light of a picture that shows `components`, with bounced light by `solution` as far as it has advanced.
+    /// Light of a picture that shows `components`, with bounced light by `solution` as far as it has advanced.
     pub fn lighting(&self, situation: &Situation, components: Components, solution: Solution) -> LocalLighting {
         let solver = self.solvers.iter().find(|(of, ..)| *of == solution).filter(|_| components.indirect);
         LocalLighting {

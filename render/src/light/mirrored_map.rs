@@ -7,7 +7,7 @@ use lapidary_core::{
 };
 use std::sync::Arc;
 
-/// The map that sharp lobes read, turned and scaled.
+/// The rotated and scaled map that sharp lobes read.
 #[derive(Clone, Debug)]
 pub struct MirroredMap {
     pyramid: Arc<Pyramid>,
@@ -16,18 +16,18 @@ pub struct MirroredMap {
 }
 
 impl MirroredMap {
-    /// Of a map that is turned by `rotation` radians, counter-clockwise seen from +Y.
+    /// Prepares a map rotated by `rotation` radians, counter-clockwise seen from +Y.
     pub fn new(environment: &Environment, rotation: f32, intensity: f32) -> Self {
         let map_from_world = Mat3::from_quat(Quat::from_rotation_y(-rotation));
         Self { pyramid: environment.pyramid(), map_from_world, intensity }
     }
 
-    /// Its levels.
+    /// Levels of the map.
     pub(crate) fn pyramid(&self) -> &Arc<Pyramid> {
         &self.pyramid
     }
 
-    /// Mean radiance over patches of some solid angles around eight unit directions; nothing over none.
+    /// Mean radiance over patches of these solid angles around eight unit directions; zero for an empty patch.
     pub(crate) fn radiance_x8(&self, directions: Vec3x8, solid_angles: [f32; 8]) -> [Vec3; 8] {
         let mut radiance = [Vec3::ZERO; 8];
         for (lane, radiance) in radiance.iter_mut().enumerate().filter(|(lane, _)| solid_angles[*lane] > 0.0) {

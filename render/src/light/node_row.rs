@@ -1,4 +1,4 @@
-//! Nodes of a tree of lights, laid out for reading eight that lie anywhere.
+//! Nodes of a tree of lights, laid out so that any eight can be read at once.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -8,10 +8,10 @@ use lapidary_core::{
 };
 use wide::f32x8;
 
-/// What a pixel reads of a node that it sums: 32 bytes, half a line of the cache.
+/// Properties that a pixel reads of a summed node: 32 bytes, half a cache line.
 ///
-/// Eight rows are two loads each and a transposition in registers. From an array a property, each number was a load and
-/// a shuffle of its own.
+/// Eight rows are two loads each and a transposition in registers. With one array per property, each number was a load and a
+/// shuffle.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(crate) struct NodeRow {
@@ -21,23 +21,23 @@ pub(crate) struct NodeRow {
     pub spread: f32,
     /// Bytes 16 to 27: mean radiance.
     pub radiance: Vec3,
-    /// Bytes 28 to 31: length of the mean direction of a light of that inverse concentration.
+    /// Bytes 28 to 31: length of the mean direction at that inverse concentration.
     pub resultant: f32,
 }
 
-/// What the decision on refinement reads beside the place: 8 bytes.
+/// Properties that refinement reads besides the place: 8 bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeExtent {
     /// Half-angle in radians of the cone of directions, or radius in meters.
     pub radius: f32,
-    /// How bright the node is somewhere, over the mean of the whole tree: the root of the mean square of its leaves' intensities, and
-    /// at least 1. A lobe that hardly looks at a node still shows it, in proportion to its light.
+    /// Brightness relative to the mean of the whole tree, at least 1: the root mean square of the leaves' intensities. A lobe that
+    /// barely covers a node still shows it, in proportion to its light.
     pub brightness: f32,
 }
 
 /// Eight nodes, property by property.
 pub(crate) struct EightNodes<L> {
-    /// Places, see [`NodeRow`].
+    /// Places; see [`NodeRow`].
     pub place: Vec3x8<L>,
     /// Spreads.
     pub spread: L,
@@ -48,14 +48,14 @@ pub(crate) struct EightNodes<L> {
 }
 
 impl NodeRow {
-    /// Rows of all nodes, from an array a property.
+    /// Rows of all nodes, from one array per property.
     pub fn of_all(places: &[Vec3], spreads: &[f32], radiance: &[Vec3]) -> Vec<Self> {
         let resultants = resultants(spreads);
         let row = |i| Self { place: places[i], spread: spreads[i], radiance: radiance[i], resultant: resultants[i] };
         (0..places.len()).map(row).collect()
     }
 
-    /// Eight of `rows`.
+    /// Gathers eight of `rows`.
     #[inline(always)]
     pub fn eight<L: Lanes>(rows: &[Self], nodes: [usize; 8]) -> EightNodes<L> {
         let mut eight = [&[0.0; 8]; 8];
@@ -69,7 +69,7 @@ impl NodeRow {
 }
 
 impl NodeExtent {
-    /// Extents of all nodes, from their radii and the means of their leaves' intensities and of the squares.
+    /// Extents of all nodes, from their radii and the means of their leaves' intensities and squared intensities.
     pub fn of_all(radii: &[f32], means: &[f32], means_sq: &[f32]) -> Vec<Self> {
         let extent = |(&radius, sq): (&f32, &f32)| {
             let ratio = sq.sqrt() / means[1];

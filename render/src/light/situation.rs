@@ -1,5 +1,5 @@
-//! What lights a scene, and what of it an edit changes. [`Redo::between`](crate::Redo::between) finds the changes once; whatever is
-//! lit takes both.
+//! The light sources of a scene, and the part of them that an edit changes. [`Redo::between`](crate::Redo::between) finds the
+//! changes once; every rig and solver receives both.
 
 use super::environment::SceneLighting;
 use crate::{appearance::Appearance, baked::Baked};
@@ -10,12 +10,12 @@ use lapidary_core::{
 };
 use std::{ops::BitOr, sync::Arc};
 
-/// All that lights a scene. A copy shares everything but the poses.
+/// Everything that lights a scene. A copy shares everything but the poses.
 #[derive(Clone, Debug)]
 pub struct Situation {
-    /// The scene as its objects are posed, with its rays.
+    /// The posed scene with its rays.
     pub scene: Baked,
-    /// Objects that are not where they were baked.
+    /// Objects away from their baked place.
     pub poses: Poses,
     /// Materials and textures, one for each material of the scene.
     pub appearance: Arc<Appearance>,
@@ -29,17 +29,17 @@ pub struct Situation {
     pub gathering: Gathering,
 }
 
-/// How cuts gather light from the trees of solvers; the cuts over the environment are made alike.
+/// How cuts gather light from the solvers' trees; cuts over the environment use the same settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gathering {
-    /// Most nodes of an illumination cut.
+    /// Most nodes in an illumination cut.
     pub illum_cut: u32,
-    /// Of lit cuts, see [`SourceLighting::with_tau`](crate::SourceLighting::with_tau).
+    /// Threshold of lit cuts; see [`SourceLighting::with_tau`](crate::SourceLighting::with_tau).
     pub tau: f32,
 }
 
 impl Situation {
-    /// A scene as it was baked, without light.
+    /// A scene as baked, without light.
     pub fn unlit(baked: &Baked) -> Self {
         Self {
             scene: baked.clone(),
@@ -52,14 +52,14 @@ impl Situation {
         }
     }
 
-    /// The lights that bounce: of a sun the middle, for its penumbra is lost between the points that it lights.
+    /// Lights that bounce. A sun is reduced to its center, because the points it lights are too far apart for its penumbra.
     pub fn bouncing(&self) -> Vec<Light> {
         let middle = |sun: &Light| Light { emission: Emission::PARALLEL, ..sun.clone() };
         self.lights.iter().cloned().chain(self.suns.iter().map(middle)).collect()
     }
 }
 
-/// Parts of a [`Situation`] that differ from before.
+/// Parts of a [`Situation`] that differ from the previous one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
     /// The scene's vertices and rays.
@@ -75,7 +75,7 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// Everything, as after a scene was opened.
+    /// Everything, as after opening a scene.
     pub const ALL: Self = Self { poses: true, appearance: true, environment: true, lights: true, gathering: true };
     /// Nothing.
     pub const NONE: Self =
@@ -86,7 +86,7 @@ impl Changes {
         self != Self::NONE
     }
 
-    /// Whether surfaces of the scene as it was baked receive or send other light.
+    /// Whether surfaces of the scene as baked receive or send other light.
     pub fn relight(self) -> bool {
         self.appearance || self.environment || self.lights
     }
@@ -106,35 +106,35 @@ impl BitOr for Changes {
     }
 }
 
-/// What is lit: it takes a situation and what of it has changed since the last one.
+/// State that depends on the lighting. It takes a situation and its changes since the last one.
 pub trait Relight {
-    /// Redoes what the changes make stale.
+    /// Recomputes what the changes make stale.
     fn update(&mut self, situation: &Situation, changes: Changes);
 }
 
-/// Something that is lit only when it is used, with the changes until then.
+/// State that is lit on use, with the changes recorded until then.
 pub struct Pending<L> {
     lit: L,
     changes: Changes,
 }
 
 impl<L: Relight> Pending<L> {
-    /// One that has not been lit.
+    /// Wraps unlit state.
     pub fn new(lit: L) -> Self {
         Self { lit, changes: Changes::ALL }
     }
 
-    /// Notes changes.
+    /// Records changes.
     pub fn note(&mut self, changes: Changes) {
         self.changes = self.changes | changes;
     }
 
-    /// As it was before these changes.
+    /// The state before the recorded changes.
     pub fn before(&self) -> &L {
         &self.lit
     }
 
-    /// Lights it.
+    /// Applies the recorded changes.
     pub fn lit(&mut self, situation: &Situation) -> &mut L {
         let changes = std::mem::take(&mut self.changes);
         if changes.any() {
@@ -162,7 +162,7 @@ mod tests {
         let situation = Situation::unlit(&linked_floor_and_wall().into());
         let [lights, poses] = [Changes { lights: true, ..Changes::NONE }, Changes { poses: true, ..Changes::NONE }];
         let mut pending = Pending::new(Log(Vec::new()));
-        assert_eq!(pending.lit(&situation).0, [Changes::ALL], "the first time all is new");
+        assert_eq!(pending.lit(&situation).0, [Changes::ALL], "everything is new the first time");
         pending.note(Changes::NONE);
         assert_eq!(pending.lit(&situation).0.len(), 1, "nothing has changed");
         pending.note(lights);

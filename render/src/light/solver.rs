@@ -1,11 +1,10 @@
-//! How bounced light is computed: by one solver for each [`solutions::Solution`]. A new one is a file beside these and its line in
-//! [`solutions`].
+//! Bounced light: one solver for each [`solutions::Solution`]. Add a solver as a file beside these, with a line in [`solutions`].
 //!
-//! A solver takes the [`Situation`] and what has changed of it since its last step, and keeps the light that the changes leave. What
-//! pixels evaluate of it is one of few kinds ([`BounceLight`]), so that a renderer knows no solver.
+//! A solver takes the [`Situation`] and its changes since the last step, and keeps the light that they leave valid. Pixels evaluate
+//! one of a few kinds of light ([`BounceLight`]), so a renderer knows no solver.
 //!
-//! Implicit visibility ([`super::implicit`]) is none of them: it also changes the light of the environment, and what it changes of
-//! bounced light is added to that of any solver as it was baked.
+//! Implicit visibility ([`super::implicit`]) is not a solver: it also changes the environment's light, and it adds its change of
+//! bounced light to any solver's light as baked.
 
 mod cuts;
 mod cuts_over_meshless;
@@ -35,16 +34,16 @@ pub enum BounceLight {
     Functions(Arc<MeshlessLight>),
 }
 
-/// Computes bounced light. It works when it is asked to, so that a solver that is not shown costs nothing.
+/// Computes bounced light on request, so a solver that is not shown costs nothing.
 pub trait BounceSolver: Send {
-    /// Does the next step, such as one bounce, in a situation of which `changes` are new since the last step; the first time all
-    /// are. Returns whether more is left to do. Between steps a caller may look at the clock, and show what there is.
+    /// Computes the next step, such as one bounce. `changes` are all changes of `situation` since the last step; the first time
+    /// everything is new. Returns whether more steps remain. Between steps a caller may check the time and show the current light.
     fn advance(&mut self, situation: &Situation, changes: Changes, rigs: &mut Rigs) -> bool;
 
-    /// The light so far.
+    /// Light computed so far.
     fn light(&self) -> Option<BounceLight>;
 
-    /// How its bounces decrease, if it has several.
+    /// Energy of the successive bounces, if the solver has several.
     fn energy(&self) -> Option<BounceEnergy> {
         None
     }

@@ -1,4 +1,4 @@
-//! The light of a tree's nodes as pixels merge it, whatever its leaves are: samples of the environment or surface sources.
+//! Light of a tree's nodes as pixels merge it. Leaves are samples of the environment or surface sources.
 
 use super::node_row::{NodeExtent, NodeRow};
 use lapidary_core::{
@@ -13,13 +13,13 @@ use lapidary_core::{
 /// A tree of lights `L` under one illumination.
 #[derive(Clone, Debug)]
 pub struct TreeLight<L> {
-    /// The leaves, as far as merging asks for them.
+    /// Leaf data that the merge needs.
     pub lights: L,
     /// Radiance, places and spreads by heap index.
     pub nodes: NodeLight,
     /// Packed illumination cut.
     pub cut: Vec<u16>,
-    /// Most nodes that it was allowed.
+    /// Most nodes allowed in the illumination cut.
     pub max_nodes: u32,
     /// The vertices' lit cuts.
     pub lit: LitCuts,
@@ -30,7 +30,7 @@ pub struct TreeLight<L> {
 }
 
 impl<L> TreeLight<L> {
-    /// Of nodes that have these radii, with an illumination cut of at most `max_nodes` nodes. Cuts of vertices hold `values`.
+    /// Light on nodes with these radii, with an illumination cut of at most `max_nodes` nodes. Vertex cuts hold `values`.
     pub(super) fn of(lights: L, nodes: NodeLight, radii: &[f32], values: CutValues, max_nodes: u32) -> Self {
         let criterion = IlluminationCriterion::with_budget(max_nodes);
         let luminances = nodes.radiance.iter().map(|&radiance| luminance(radiance));
@@ -55,7 +55,7 @@ impl<L> TreeLight<L> {
         self.leaves().ilog2()
     }
 
-    /// The same light with lit cuts of another `tau`, see [`LitCuts`].
+    /// The same light with lit cuts of another `tau`; see [`LitCuts`].
     pub fn with_tau(self, tau: f32) -> Self {
         Self { lit: self.lit.with_tau(tau), ..self }
     }

@@ -1,5 +1,5 @@
-//! After an edit a picture is the one that is rendered from nothing, and only samples that the edit changes are shaded.
-//! Both renderers are tested by this.
+//! After an edit the picture equals one rendered from scratch, and only samples changed by the edit are shaded. Both renderers are
+//! tested with this.
 
 use crate::{
     Appearance, Assigned, Backend, Baked, Components, LitScene, Look, Renderer, ShadedSamples, View,
@@ -11,10 +11,10 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{camera::Camera, dataset::Dataset, image::Image, lights::Emission, scene::Mesh};
 
-/// Samples a pixel.
+/// Samples per pixel.
 const AA: u32 = 3;
 
-/// A floor of which one half is material 0 and the other 2, with a wall of material 1 beside it that sends light.
+/// A floor with material 0 on one half and 2 on the other, beside an emissive wall of material 1.
 fn baked() -> Baked {
     let mut dataset: Dataset = floor_and_wall(4);
     dataset.scene.materials.push(dataset.scene.materials[0].clone());
@@ -26,7 +26,7 @@ fn baked() -> Baked {
     dataset.into()
 }
 
-/// Half lit by a sky that is brighter on one side, half by a lamp in front of the wall.
+/// Lit half by a sky with one brighter side, half by a lamp in front of the wall.
 fn base(baked: &Baked, components: Components) -> Look {
     let camera = Camera::look_at(Vec3::new(1.0, 3.0, 4.0), Vec3::new(-0.5, 0.3, 0.0), 50.0);
     let view = View { aa: AA, ..View::new(camera, [40, 32]) };
@@ -48,14 +48,14 @@ impl<B: Backend> Shown<B> {
         Self { scene, look: base(baked, components) }
     }
 
-    /// The picture of a look, begun without any sample.
+    /// The picture of a look, rendered from scratch.
     fn anew(&mut self, look: &Look) -> Image {
         self.scene.light(look).unwrap();
         self.scene.begin(&look.view, look.sampling).unwrap();
         self.scene.show_whole(look).unwrap().image
     }
 
-    /// The picture after an edit, the samples that were shaded for it, and the bands that were rendered.
+    /// The picture after an edit, its shaded samples, and its rendered bands.
     fn edit(&mut self, edit: impl Fn(&mut Look)) -> (Image, ShadedSamples, u32) {
         edit(&mut self.look);
         let mut bands = 0;
@@ -68,7 +68,7 @@ impl<B: Backend> Shown<B> {
     }
 }
 
-/// Samples of surfaces, of all pixels and of those that show a material.
+/// Surface samples in all pixels, and in pixels that show a material.
 fn surfaces(baked: &Baked, view: &View, material: u32) -> [u64; 2] {
     let renderer = Renderer::new(baked.clone());
     let surfaces = Surfaces::of(&renderer);
@@ -95,8 +95,8 @@ fn difference(a: &Image, b: &Image) -> f32 {
     a.pixels.iter().zip(&b.pixels).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max) / largest
 }
 
-/// What each edit shades, and that it gives the picture rendered from nothing. `slack` is the share of samples at edges
-/// by which a rasterizer may differ.
+/// Checks the shading work of each edit, and that the picture equals one rendered from scratch. `slack` is the share of samples at
+/// edges by which a rasterizer may differ.
 pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64) {
     for components in [Components::UNBOUNCED, Components::ALL] {
         let baked = baked();
@@ -105,7 +105,7 @@ pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64
         assert!(floor > all / 5 && floor < all / 2);
         let bounce = if components.indirect { all } else { 0 };
         let of = |environment, bounce, direct, added| ShadedSamples { environment, bounce, direct, added };
-        // Spots have one shadow map each, so that a third leaves all maps as large as they are.
+        // Each spot has a shadow map, so a third spot leaves all maps' sizes unchanged.
         let cone = Emission::Spot { cone_degrees: 50.0, penumbra_degrees: 10.0 };
         let lamp = || light(cone, Vec3::new(-1.0, 1.5, -0.5), Vec3::new(-0.5, 0.0, 0.0), 3.0);
         let lights = |look: &mut Look, change: &dyn Fn(&mut Vec<_>)| {
@@ -148,19 +148,19 @@ pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64
             let fits = counts(shaded).into_iter().zip(counts(expected)).all(|(a, b)| near(a, b));
             assert!(fits, "{name}, {components}: {shaded:?} for {expected:?}");
             let whole = other.anew(&shown.look);
-            // Sums of lamps in two parts are rounded otherwise, and each leaves out what is negligible in it.
+            // Sums of lamps in two parts round differently, and each omits its own negligible light.
             let rounded = shown.look.lights.len() > 1;
             let off = difference(&image, &whole);
             assert!(if rounded { off < 2e-4 } else { image == whole }, "{name}, {components}: {off}");
-            assert!(difference(&image, &before) > 1e-2, "negative control: {name} is to be seen");
+            assert!(difference(&image, &before) > 1e-2, "negative control: {name} must be visible");
             before = image;
             let (same, _, bands) = shown.edit(|look| look.post.exposure += 1.0);
-            assert!(bands == 0 && same == before, "exposure is of the display alone");
+            assert!(bands == 0 && same == before, "exposure affects the display alone");
         }
     }
 }
 
-/// Pictures that were stopped, and then edited.
+/// Pictures that were stopped and then edited.
 pub fn unfinished_pictures_go_on<B: Backend>(make: impl Fn() -> B) {
     let baked = baked();
     let mut shown = Shown::new(make(), &baked, Components::ALL);
@@ -185,10 +185,10 @@ pub fn unfinished_pictures_go_on<B: Backend>(make: impl Fn() -> B) {
     let off = difference(&image, &Shown::new(make(), &baked, Components::ALL).anew(&shown.look));
     assert!(off < 2e-4, "{off}");
     let other = shown.edit(|look| look.view.camera.eye.x += 0.01).0;
-    assert!(difference(&other, &image) > 1e-2, "negative control: another view is begun anew");
+    assert!(difference(&other, &image) > 1e-2, "negative control: another view starts from scratch");
 }
 
-/// Bounced light that a material moves by less than can be seen stays, and does not creep.
+/// Bounced light that a material changes invisibly stays, and does not creep.
 pub fn unseen_changes_do_not_creep<B: Backend>(make: impl Fn() -> B) {
     let baked = baked();
     let components = Components { indirect: true, ..Components::NONE };
@@ -205,17 +205,16 @@ pub fn unseen_changes_do_not_creep<B: Backend>(make: impl Fn() -> B) {
     for _ in 0..12 {
         let (image, shaded, _) = shown.edit(brighter(1.0 + 0.3 / 512.0));
         let whole = other.anew(&shown.look);
-        // Brightness differs by at most the bound everywhere, relative to each pixel.
+        // Brightness differs everywhere by at most the bound, relative to each pixel.
         let near = |(a, b): (&Vec3, &Vec3)| (a - b).abs().cmple(1.01 / 512.0 * b + 1e-6).all();
         assert!(image.pixels.iter().zip(&whole.pixels).all(near));
         if shaded.bounce == all { redone += 1 } else { kept += 1 }
     }
     assert_eq!((kept, redone), (9, 3), "every fourth");
-    assert_eq!(shown.edit(brighter(1.1)).1.bounce, all, "negative control: a change to be seen");
+    assert_eq!(shown.edit(brighter(1.1)).1.bounce, all, "negative control: a visible change");
 }
 
-/// Triangles that get another material, and with it an emission, look as if the mesh said so, and only what shows them is shaded
-/// again.
+/// Triangles with another assigned, emissive material look as if the mesh had it, and only pixels that show them are shaded again.
 pub fn assigned_materials_look_as_those_of_the_mesh<B: Backend>(make: impl Fn() -> B, slack: f64) {
     let baked = baked();
     let mut shown = Shown::new(make(), &baked, Components::UNBOUNCED);
@@ -238,7 +237,7 @@ pub fn assigned_materials_look_as_those_of_the_mesh<B: Backend>(make: impl Fn() 
     });
     let expected = Shown::new(make(), &oracle, Components::UNBOUNCED).edit(|_| ()).0;
     assert!(image == expected, "{}", difference(&image, &expected));
-    assert!(difference(&image, &before) > 1e-2, "negative control: it is to be seen");
+    assert!(difference(&image, &before) > 1e-2, "negative control: the change must be visible");
     let near = |count: u64| count.abs_diff(half) as f64 <= slack * all as f64;
     assert!(near(shaded.environment) && near(shaded.direct), "{shaded:?} for {half} of {all}");
     let (back, ..) = shown.edit(|look| {
@@ -253,7 +252,7 @@ pub fn assigned_materials_look_as_those_of_the_mesh<B: Backend>(make: impl Fn() 
         look.appearance.materials.push(glow.clone());
         look.appearance.assigned = other.clone();
     });
-    assert!(image.0 == expected.edit(|_| ()).0, "what it reflects and sends lights other surfaces");
+    assert!(image.0 == expected.edit(|_| ()).0, "its reflected and emitted light reaches other surfaces");
 }
 
 mod on_the_cpu {

@@ -1,26 +1,26 @@
-//! The ladder of a look's light, from what a drag has time for to all there is: the steps of the solver of bounced light, then the
-//! finest detail of posed objects. Solvers know no clock; whoever shows pictures between the steps does.
+//! The ladder of a look's light, from a drag's time limit to full quality: steps of the solver of bounced light, then the finest
+//! detail of posed objects. Solvers do not check the time; the caller does, between steps.
 
 use super::LitScene;
 use crate::{Backend, BackendError, Look, Redo, light::implicit::detail::ImplicitDetail};
 
 impl<B: Backend + ?Sized> LitScene<B> {
-    /// Sets the detail of posed objects from the next look on; the finest if nothing is set.
+    /// Sets the detail of posed objects from the next look on; the default is the finest.
     pub fn set_detail(&mut self, detail: ImplicitDetail) {
         self.detail = detail;
     }
 
-    /// The detail of posed objects; `None` where nothing is posed.
+    /// The detail of posed objects; `None` if nothing is posed.
     pub fn detail(&self) -> Option<ImplicitDetail> {
         self.pose_rigs.detail().filter(|_| !self.situation.poses.is_empty())
     }
 
-    /// Lights a look by the first step of the ladder. [`Self::refine`] takes the next ones.
+    /// Lights a look by the first step of the ladder. [`Self::refine`] takes the others.
     ///
     /// # Errors
     /// As [`Self::light`].
     pub fn light_soon(&mut self, look: &Look) -> Result<(), BackendError> {
-        // Another view needs no other light.
+        // Another view needs no new light.
         if !self.is_lit_as(look) {
             self.detail = self.drag_detail;
         }
@@ -34,13 +34,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
         })
     }
 
-    /// Whether the light can be made finer.
+    /// Whether the light can be refined.
     pub fn is_coarse(&self) -> bool {
         self.is_unsolved || self.detail().is_some_and(|detail| detail != ImplicitDetail::FINEST)
     }
 
-    /// Takes the next step of the ladder for the look that is lit, if what it needs is prepared. Returns whether it did; pixels are
-    /// stale then.
+    /// Takes the next step of the ladder for the lit look, if its rig is prepared. Returns whether it did; pixels are stale then.
     ///
     /// # Errors
     /// As [`Self::light`].
@@ -57,8 +56,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(is_prepared)
     }
 
-    /// Chooses the detail of the next steps of a drag, by the milliseconds that the light of the last one took and may take. The
-    /// drag goes on as it is until what that needs is prepared.
+    /// Chooses the detail for the next steps of a drag, from the milliseconds that the last step's light took and may take. The
+    /// drag keeps its detail until the new rig is prepared.
     pub fn adapt(&mut self, millis: f64, budget: f64) {
         let Some(wanted) = self.detail().map(|detail| detail.within(millis, budget)) else { return };
         if self.prepare(wanted) {
@@ -66,12 +65,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
         }
     }
 
-    /// Begins to prepare, on a thread, what a drag needs, so that it does not wait.
+    /// Starts to prepare on a thread for drags, so that they need not wait.
     pub fn prepare_to_drag(&mut self) {
         self.prepare(self.drag_detail);
     }
 
-    /// Whether a drag does not wait.
+    /// Whether a drag can start without waiting.
     pub fn is_prepared_to_drag(&mut self) -> bool {
         self.pose_rigs.is_made(self.drag_detail)
     }

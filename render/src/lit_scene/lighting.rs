@@ -1,5 +1,5 @@
-//! From a look to its light on the renderer: the situation is brought up to date, the rigs take what changed of it, and the renderer
-//! gets what is new.
+//! From a look to its light on the renderer: updates the situation, passes its changes to the rigs, and gives new light to the
+//! renderer.
 
 use super::{LitLook, LitScene};
 use crate::{
@@ -46,7 +46,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Redo { light: Changes { poses: self.must_pose(&look.poses), ..redo.light }, ..redo }
     }
 
-    /// Brings the situation up to date. Where objects cannot be posed so, it stays as it is.
+    /// Updates the situation. If objects cannot be posed this way, it stays unchanged.
     fn arrange(&mut self, look: &Look, changes: Changes) -> Result<(), BackendError> {
         if changes.poses {
             self.situation.scene = self.posed(&look.poses).map_err(BackendError::Pose)?;
@@ -64,7 +64,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             let lighting = self.environment_rig.lighting(&look.illumination, look.illum_cut).with_tau(look.tau);
             situation.environment = Some(lighting.into());
             situation.gathering = Gathering { illum_cut: look.illum_cut, tau: look.tau };
-            // Suns belong to an environment whose visibility was baked.
+            // Suns need an environment with baked visibility.
             let suns = if dataset.settings.mode.environment() { look.illumination.suns() } else { Vec::new() };
             situation.suns = suns.into();
             self.light_revision += 1;
@@ -74,7 +74,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(())
     }
 
-    /// The pixels to redo, with those that the bounced light of changed materials reaches.
+    /// Pixels to redo, including those that bounced light of changed materials reaches.
     fn reached(&mut self, redo: Redo, before: Option<&LocalLighting>, now: &LocalLighting) -> Stale {
         let mut stale = redo.pixels;
         if redo.light.appearance && stale.bounce != Pixels::All && now.shown_bounce().is_some() {
@@ -84,14 +84,14 @@ impl<B: Backend + ?Sized> LitScene<B> {
             let reached = patches.map_or(Pixels::All, |patches| Pixels::Showing(Marks { materials: 0, patches }));
             stale.bounce = stale.bounce.and(reached);
         }
-        // Another view is rendered with the light of now.
+        // Another view is rendered with the current light.
         if redo.view || stale.bounce == Pixels::All {
             self.drift.reset();
         }
         stale
     }
 
-    /// Gives the renderer the light of the environment, for the visibility cuts that it has.
+    /// Gives the renderer the environment's light for its visibility cuts.
     fn give_environment(&mut self, look: &Look) -> Result<(), BackendError> {
         let Some(lighting) = self.situation.environment.clone() else { return Ok(()) };
         let lighting = match self.pose_rigs.used().filter(|_| !self.situation.poses.is_empty()) {
@@ -103,7 +103,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(())
     }
 
-    /// Prepares local lights, bounced light, and the shown components. Bounced light that is not shown is not computed.
+    /// Prepares local lights, bounced light, and the shown components. Hidden bounced light is not computed.
     fn light_locally(&mut self, look: &Look, redo: Redo) -> Result<LocalLighting, BackendError> {
         let (situation, solution) = (&self.situation, look.shown_solution());
         self.is_unsolved = look.components.indirect && self.local_rig.advance(situation, solution);

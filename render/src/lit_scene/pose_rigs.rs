@@ -1,4 +1,4 @@
-//! What lights a posed scene, at one detail or another.
+//! Rigs that light a posed scene, at several details.
 
 use crate::{
     baked::Baked,
@@ -10,7 +10,7 @@ use crate::{
 };
 use std::thread::JoinHandle;
 
-/// Rigs by detail, made on a thread before they are needed. The one used last and one beside it are kept.
+/// Rigs by detail, built on a thread in advance. The last used one and one more are kept.
 #[derive(Default)]
 pub struct PoseRigs {
     used: Option<Pending<PoseRig>>,
@@ -19,12 +19,12 @@ pub struct PoseRigs {
 }
 
 impl PoseRigs {
-    /// Notes what has changed.
+    /// Records changes.
     pub fn note(&mut self, changes: Changes) {
         [&mut self.used, &mut self.beside].into_iter().flatten().for_each(|rig| rig.note(changes));
     }
 
-    /// Begins to make one on a thread. One is made at a time: it does nothing while that is another.
+    /// Starts to build a rig on a thread. Only one is built at a time: the call does nothing while another is being built.
     pub fn prepare(&mut self, detail: ImplicitDetail, baked: &Baked, compute: impl FnOnce() -> Compute) {
         if !self.is_made(detail) && self.in_the_making.is_none() {
             let (baked, compute) = (baked.clone(), compute());
@@ -33,7 +33,7 @@ impl PoseRigs {
         }
     }
 
-    /// Whether one can be used at once.
+    /// Whether a rig is ready.
     pub fn is_made(&mut self, detail: ImplicitDetail) -> bool {
         if let Some((_, made)) = self.in_the_making.take_if(|(_, making)| making.is_finished()) {
             self.beside = Some(Pending::new(joined(made)));
@@ -41,7 +41,7 @@ impl PoseRigs {
         [&self.used, &self.beside].into_iter().flatten().any(|rig| rig.before().detail() == detail)
     }
 
-    /// The rig of a detail to use, which is made or awaited if it is not there.
+    /// The rig of a detail; built or awaited if missing.
     pub fn at(
         &mut self,
         detail: ImplicitDetail,
@@ -59,12 +59,12 @@ impl PoseRigs {
         self.used.as_mut().expect("one of them is of that detail")
     }
 
-    /// The detail of the one used last.
+    /// The detail of the last used rig.
     pub fn detail(&self) -> Option<ImplicitDetail> {
         self.used.as_ref().map(|rig| rig.before().detail())
     }
 
-    /// The one used last.
+    /// The last used rig.
     pub fn used(&mut self) -> Option<&mut Pending<PoseRig>> {
         self.used.as_mut()
     }
@@ -89,7 +89,7 @@ mod tests {
     }
 
     fn no_more() -> Compute {
-        panic!("it is made already")
+        panic!("it is built already")
     }
 
     #[test]
@@ -102,7 +102,7 @@ mod tests {
         assert!([a, b].into_iter().all(|detail| rigs.at(detail, &baked, no_more).before().detail() == detail));
         rigs.at(c, &baked, cores);
         let made = ImplicitDetail::LADDER.map(|detail| rigs.is_made(detail));
-        assert_eq!(made, [false, true, true, false, false], "the one that was not used last is gone");
+        assert_eq!(made, [false, true, true, false, false], "the rig that was not used last is gone");
     }
 
     #[test]
@@ -111,7 +111,7 @@ mod tests {
         let (mut rigs, detail) = (PoseRigs::default(), ImplicitDetail::LADDER[0]);
         rigs.prepare(detail, &baked, cores);
         rigs.prepare(detail, &baked, no_more);
-        assert!(rigs.detail().is_none(), "it is not used before it is asked for");
+        assert!(rigs.detail().is_none(), "no rig is used before it is requested");
         let poses = posed(Pose { translate: glam::Vec3::X, ..Pose::AS_BAKED });
         let situation = Situation { scene: baked.posed(&poses).unwrap(), poses, ..Situation::unlit(&baked) };
         let moved = |rig: &mut Pending<PoseRig>| rig.lit(&situation).moved_vertices().to_vec();

@@ -1,17 +1,17 @@
-//! Where the objects of a lit scene are.
+//! Poses of the objects in a lit scene.
 
 use super::{LitScene, pose_rigs::PoseRigs};
 use crate::{Backend, BackendError, Baked, Posing, light::implicit};
 use lapidary_core::scene::{MeshError, pose::Poses};
 
 impl<B: Backend + ?Sized> LitScene<B> {
-    /// Whether objects are elsewhere than a look has them, or lit at another detail.
+    /// Whether the look poses objects differently, or needs another detail.
     pub(super) fn must_pose(&self, poses: &Poses) -> bool {
         let is_as_fine = self.pose_rigs.detail() == Some(self.detail);
         !self.is_posed || self.situation.poses != *poses || !poses.is_empty() && !is_as_fine
     }
 
-    /// The scene as objects are posed.
+    /// The scene in these poses.
     pub(super) fn posed(&mut self, poses: &Poses) -> Result<Baked, MeshError> {
         if poses.is_empty() {
             return Ok(self.baked.clone());
@@ -20,8 +20,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.posing.get_or_insert_with(|| Posing::new(&self.baked)).posed(poses)
     }
 
-    /// Gives the renderer the posed scene, with cuts for the vertices that moved. Rigs light the scene as it was baked, and the
-    /// light of the pose rig is added.
+    /// Gives the renderer the posed scene, with cuts for moved vertices. Rigs light the scene as baked, and the pose rig's light is
+    /// added.
     pub(super) fn give_pose(&mut self) -> Result<(), BackendError> {
         let situation = &self.situation;
         let posed = match situation.poses.is_empty() {

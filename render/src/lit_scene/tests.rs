@@ -1,4 +1,4 @@
-//! Looks one after another: what is lit and rendered again.
+//! Sequences of looks: which light and pictures are recomputed.
 
 use super::*;
 use crate::{
@@ -25,7 +25,7 @@ fn base() -> Look {
 #[test]
 fn pictures_do_not_depend_on_those_before_them() {
     let mut looks = vec![base(); 8];
-    // Darker: the brightest pixels are clipped.
+    // Darker, because the brightest pixels are clipped.
     looks[1].post.exposure = -3.0;
     looks[2].illumination.intensity = 3.0;
     looks[3].lights = [].into();
@@ -132,7 +132,7 @@ fn a_look_from_another_camera_has_the_detail_of_the_last_picture() {
     }
 }
 
-/// Counts what a renderer is given, and renders nothing.
+/// Counts calls to a renderer, and renders nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Counting {
     appearances: u32,

@@ -1,11 +1,11 @@
-//! How far a test picture is from a reference: metrics and error maps.
+//! Differences of a test picture from a reference: metrics and error maps.
 //!
-//! Both pictures are scene-linear. RMSE and its relatives are computed on them as they are; PSNR, SSIM and
-//! FLIP on what a display shows of them ([`tonemap::display`]).
+//! Both pictures are scene-linear. RMSE and its relatives use these values; PSNR, SSIM and FLIP use the displayed colors
+//! ([`tonemap::display`]).
 //!
-//! Pixels that are not finite (NaN, infinite) in either picture are counted and left out of the metrics.
-//! SSIM and FLIP look at neighborhoods: there such a pixel takes the other picture's value, or black if
-//! neither has one, so that it hides no difference around it and adds none.
+//! Pixels that are not finite (NaN, infinite) in either picture are counted and left out of the metrics. For the neighborhoods of
+//! SSIM and FLIP such a pixel takes the other picture's value, or black if neither has one. It then hides no difference around it
+//! and adds none.
 
 use glam::Vec3;
 use lapidary_core::{color::LUMINANCE, image::Image};
@@ -67,14 +67,14 @@ pub struct Metrics {
     pub ssim: f64,
     /// Mean LDR-FLIP at 67 pixels per degree, 0 for equal pictures to 1 ([`flip`]).
     pub flip: f64,
-    /// Number of pixels that were compared.
+    /// Number of compared pixels.
     pub pixels: usize,
-    /// Number of pixels that were not, because a component is not finite in either picture.
+    /// Number of pixels left out because a component is not finite in either picture.
     pub non_finite_pixels: usize,
 }
 
 impl Metrics {
-    /// Names that [`Metrics::get`] knows, as in JSON.
+    /// Names accepted by [`Metrics::get`], as in JSON.
     pub const NAMES: [&str; 7] = ["rmse", "rel_rmse", "rel_mse", "psnr", "ssim", "flip", "non_finite_pixels"];
 
     /// A value by its name in JSON; `None` if there is no such metric.
@@ -95,7 +95,7 @@ impl Metrics {
 /// Compares a test picture with a reference, both scene-linear.
 ///
 /// # Errors
-/// Sizes that differ, pictures without pixels, or without a pixel that is finite in both.
+/// Different sizes, pictures without pixels, or no pixel that is finite in both.
 pub fn compare(test: &Image, reference: &Image) -> Result<Metrics, CompareError> {
     let pair = Pair::of(test, reference)?;
     let non_finite_pixels = pair.non_finite_pixels();
@@ -117,7 +117,7 @@ pub fn compare(test: &Image, reference: &Image) -> Result<Metrics, CompareError>
     })
 }
 
-/// `difference / reference`, where no difference from nothing is no error.
+/// `difference / reference`; 0 if both are 0.
 fn relative(difference: f64, reference: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / reference }
 }
@@ -133,7 +133,7 @@ fn rel_mse_term(a: f64, b: f64) -> f64 {
 struct Pair {
     test: Image,
     reference: Image,
-    /// Which pixels were finite in both pictures from the start.
+    /// Pixels that were finite in both pictures originally.
     finite: Vec<bool>,
 }
 
@@ -169,7 +169,7 @@ impl Pair {
         self.finite.iter().filter(|finite| !**finite).count()
     }
 
-    /// The values of those pixels that were finite in both pictures.
+    /// Values of the pixels that were finite in both pictures.
     fn of_finite<'a, T: Copy>(&'a self, values: &'a [T]) -> impl Iterator<Item = T> + 'a {
         values.iter().zip(&self.finite).filter(|(_, finite)| **finite).map(|(value, _)| *value)
     }

@@ -1,4 +1,4 @@
-//! The two kinds of light that cuts gather, for functions that take either.
+//! The two kinds of light that cuts gather.
 
 use crate::{
     light::{bounce::SourceLighting, environment::SceneLighting},
@@ -21,9 +21,9 @@ pub enum CutLight<'a> {
 /// A [`CutLight`] that owns its light.
 #[derive(Clone)]
 pub enum GatheredLight {
-    /// Of the environment.
+    /// Light of the environment.
     Environment(Arc<SceneLighting>),
-    /// Bounced by surface sources.
+    /// Light bounced by surface sources.
     Sources(Arc<SourceLighting>),
 }
 
@@ -37,7 +37,7 @@ impl GatheredLight {
     }
 }
 
-/// Which of the two.
+/// Kind of light tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TreeOf {
@@ -47,7 +47,7 @@ pub enum TreeOf {
     Sources,
 }
 
-/// Why nothing can be said about the cuts over a tree.
+/// Why a tree has no cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoCuts {
     /// Visibility of the environment was not baked.
@@ -57,7 +57,7 @@ pub enum NoCuts {
 }
 
 impl NoCuts {
-    /// In words, with remedies told by `wording`.
+    /// The message, with remedies in `wording`.
     pub fn text(self, wording: Wording) -> String {
         let (what, remedy) = match self {
             Self::Environment => ("visibility of the environment", Remedy::EnvironmentBake),
@@ -76,7 +76,7 @@ impl fmt::Display for NoCuts {
 impl Error for NoCuts {}
 
 impl<'a> CutLight<'a> {
-    /// Which light it is.
+    /// Tree of this light.
     pub fn tree(&self) -> TreeOf {
         match self {
             Self::Environment(_) => TreeOf::Environment,
@@ -87,7 +87,7 @@ impl<'a> CutLight<'a> {
     /// The vertices' cuts over its tree.
     ///
     /// # Errors
-    /// They were not baked.
+    /// The cuts were not baked.
     pub fn cuts_of(&self, dataset: &'a Dataset) -> Result<&'a PackedCuts, NoCuts> {
         match self {
             Self::Environment(_) if dataset.settings.mode.environment() => Ok(&dataset.cuts),
@@ -96,7 +96,7 @@ impl<'a> CutLight<'a> {
         }
     }
 
-    /// Hands the tree to something that works for both.
+    /// Passes the tree to a job that handles both kinds.
     pub(crate) fn with_field<T>(self, job: impl FieldJob<Output = T>) -> T {
         match self {
             Self::Environment(lighting) => job.run(lighting),
@@ -109,6 +109,6 @@ impl<'a> CutLight<'a> {
 pub(crate) trait FieldJob {
     /// Type of the result.
     type Output;
-    /// Does it.
+    /// Runs the job.
     fn run<F: NodeField + Sync>(self, field: F) -> Self::Output;
 }

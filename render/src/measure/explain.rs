@@ -1,8 +1,8 @@
 //! The origin of a pixel's radiance: its surface point, the cuts of the three vertices, and every node of the merged
 //! cut with its radiance, visibility and BRDF (paper, 4.2).
 //!
-//! The nodes are those of [`crate::shade::merge`], in the same traversal: with what a sharp lobe reads of the map in their
-//! place ([`crate::shade::mirror`]), their contributions sum to the rendered radiance.
+//! The nodes come from [`crate::shade::merge`], by the same traversal. Sharp lobes read the map in place of some nodes
+//! ([`crate::shade::mirror`]); with that light, the contributions sum to the rendered radiance.
 
 pub(crate) mod cut_map;
 
@@ -30,7 +30,7 @@ use thiserror::Error;
 /// Why a pixel cannot be explained.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum ExplainError {
-    /// There is no such pixel.
+    /// The pixel lies outside the picture.
     #[error(
         "pixel {},{} lies outside the picture of {} x {} pixels; columns and rows count from 0 at the top left",
         pixel[0], pixel[1], size[0], size[1]
@@ -41,13 +41,13 @@ pub enum ExplainError {
         /// Width and height of the picture.
         size: [u32; 2],
     },
-    /// Nothing is there.
-    #[error("pixel {},{} shows the background, which no cut is merged for; choose a pixel on a surface", pixel[0], pixel[1])]
+    /// The pixel shows the background.
+    #[error("pixel {},{} shows the background, where no cut is merged; choose a pixel on a surface", pixel[0], pixel[1])]
     Background {
         /// Column and row.
         pixel: [u32; 2],
     },
-    /// A one-sided surface from behind is there.
+    /// The pixel shows the back of a one-sided surface.
     #[error(
         "pixel {},{} shows the back of a one-sided surface, which is black; choose another, or make its material double-sided and bake again",
         pixel[0], pixel[1]
@@ -64,37 +64,37 @@ pub enum ExplainError {
 /// One of the three vertices whose cuts are interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExplainedVertex {
-    /// Its index in the mesh.
+    /// Index in the mesh.
     pub index: u32,
-    /// Where it is, in meters.
+    /// Position in meters.
     pub position: Vec3,
-    /// Its weight in the interpolation; zero if it is buried.
+    /// Weight in the interpolation; zero if the vertex is buried.
     pub weight: f32,
-    /// Nodes of its stored cut.
+    /// Nodes of the stored cut.
     pub cut_nodes: usize,
-    /// Nodes of its lit cut, if lit cuts are merged.
+    /// Nodes of the lit cut, if lit cuts are merged.
     pub lit_nodes: Option<usize>,
 }
 
-/// One term of the sum.
+/// One term of the radiance sum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExplainedNode {
     /// Heap index in the tree: the root is 1, the children of `i` are `2i` and `2i + 1`.
     pub heap_index: u32,
-    /// 0 for the root.
+    /// Depth in the tree; the root has 0.
     pub depth: u32,
-    /// Leaves below it.
+    /// Leaves below the node.
     pub leaves: u32,
-    /// Solid angle in steradians. For the environment it is that of the node, hidden or not. For surface sources it is
-    /// the interpolated solid angle that the vertices see, because their cuts hold that.
+    /// Solid angle in steradians. For the environment: the node's, hidden or not. For surface sources: the interpolated visible
+    /// solid angle, as the vertices' cuts hold it.
     pub solid_angle: f32,
-    /// Unit direction in world space that stands for the node's light.
+    /// Unit direction to the node's light, in world space.
     pub direction: Vec3,
-    /// Center of its light in meters; `None` if that is infinitely far.
+    /// Center of its light in meters; `None` if infinitely far.
     pub center: Option<Vec3>,
     /// Mean radiance.
     pub radiance: Vec3,
-    /// Whether it comes from lit cuts: its visibility is then a mean weighted by the light.
+    /// Whether it comes from lit cuts: its visibility is then a light-weighted mean.
     pub is_lit: bool,
     /// Interpolated visibility, 0 to 1; 1 for surface sources, whose solid angles include it.
     pub visibility: f32,
@@ -104,43 +104,43 @@ pub struct ExplainedNode {
     pub contribution: Vec3,
 }
 
-/// Light of a sun, which is no node: it is shadowed by rays from the pixel.
+/// Light of a sun. A sun is not a node: rays from the pixel find its shadow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExplainedSun {
-    /// Unit direction to its middle in world space.
+    /// Unit direction to its center in world space.
     pub direction: Vec3,
-    /// The angle that it is seen under, in degrees.
+    /// Angular diameter in degrees.
     pub angle_degrees: f32,
     /// Light reflected to the eye.
     pub contribution: Vec3,
 }
 
-/// Everything that decides the radiance at the center of a pixel.
+/// All terms of the radiance at the center of a pixel.
 #[derive(Clone, Debug, Serialize)]
 pub struct PixelExplanation {
     /// Column and row.
     pub pixel: [u32; 2],
-    /// Which light this is about.
+    /// Tree of the explained light.
     pub tree: TreeOf,
-    /// Where the surface is, in meters.
+    /// Surface position in meters.
     pub position: Vec3,
-    /// Its unit normal, after bump and normal map.
+    /// Unit normal after bump and normal map.
     pub normal: Vec3,
-    /// Corners of its triangle.
+    /// Vertices of the triangle.
     pub vertices: [ExplainedVertex; 3],
-    /// Nodes of the illumination cut; 0 if lit cuts are merged, which need none.
+    /// Nodes of the illumination cut; 0 with lit cuts, which need none.
     pub illumination_nodes: usize,
     /// Number of nodes of the merged cut before BRDF refinement, including nodes without visible light.
     pub merged_nodes: u64,
-    /// The terms, left to right in the tree: nodes of the merged cut with visible light, after BRDF refinement.
+    /// Nodes of the merged cut with visible light, after BRDF refinement, left to right in the tree.
     pub nodes: Vec<ExplainedNode>,
     /// Heap indices of the nodes of the merged cut without visible light, left to right.
     pub dark_nodes: Vec<u32>,
     /// Suns of the environment, see [`Renderer::explain_suns`].
     pub suns: Vec<ExplainedSun>,
-    /// What the map gives in the window of a sharp lobe, less what the nodes give there.
+    /// Light of the map in the window of a sharp lobe, minus the nodes' light there.
     pub mirror: Vec3,
-    /// The sum of the contributions.
+    /// Sum of the contributions.
     pub radiance: Vec3,
     /// The shaded surface point.
     #[serde(skip)]
@@ -154,7 +154,7 @@ impl PixelExplanation {
         &self.point
     }
 
-    /// Positions in [`Self::nodes`], the greatest contribution first.
+    /// Indices into [`Self::nodes`], by descending contribution.
     pub fn by_contribution(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.nodes.len()).collect();
         let share = |i: usize| luminance(self.nodes[i].contribution);
@@ -162,7 +162,7 @@ impl PixelExplanation {
         order
     }
 
-    /// For each of `leaves` leaves the position of its node in [`Self::nodes`]; `None` for nodes without visible light.
+    /// Index into [`Self::nodes`] for each of `leaves` leaves; `None` for nodes without visible light.
     #[cfg(test)]
     pub(crate) fn node_of_leaf(&self, leaves: usize) -> Vec<Option<u32>> {
         let mut nodes = vec![None; leaves];
@@ -184,7 +184,7 @@ impl Renderer {
     /// Explains the center of a pixel: its value for `light` in a picture with one sample per pixel.
     ///
     /// # Errors
-    /// A pixel outside the picture or on no surface, and a dataset without cuts for this light.
+    /// A pixel outside the picture or without a surface, or a dataset without cuts for this light.
     pub fn explain(
         &self,
         view: &View,
@@ -248,7 +248,7 @@ impl FieldJob for Explain<'_> {
         nodes.sort_by_key(|node: &ExplainedNode| leaves_below(node.heap_index, 1 << field.tree().height()).start);
         let of_nodes: Vec3 = nodes.iter().map(|node| node.contribution).sum();
         let rendered = Shader::new(field, self.cuts, self.sampling).shade(&self.point);
-        // The same sum in another order differs by rounding.
+        // Summing in another order differs by rounding.
         let is_mirror = !rendered.abs_diff_eq(of_nodes, 1e-5 * rendered.max_element());
         let mirror = if is_mirror { rendered - of_nodes } else { Vec3::ZERO };
         let is_lit = self.sampling == BrdfSampling::Lit;

@@ -3,7 +3,7 @@
 use ab_glyph::{Font, FontRef, Glyph, PxScale, PxScaleFont, ScaleFont, point};
 use epaint_default_fonts::UBUNTU_LIGHT;
 
-/// What stands for the end of a line that is too wide.
+/// Replaces the end of a line that is too wide.
 const ELLIPSIS: char = '…';
 
 /// Draws lines of one size.
@@ -15,7 +15,7 @@ impl Lettering {
     /// Letters whose em is `size` pixels high.
     ///
     /// # Panics
-    /// Never: the typeface is a part of the program.
+    /// Never: the typeface is part of the program.
     pub fn new(size: f32) -> Self {
         let font = FontRef::try_from_slice(UBUNTU_LIGHT).expect("the typeface is a part of the program");
         // A scale is the height of a line; an em is a fixed part of it.
@@ -34,9 +34,8 @@ impl Lettering {
         self.layout(line.chars()).1
     }
 
-    /// Hands each pixel of a line to `cover`, with the share of it that letters cover (0 to 1). Places are in pixels to the right
-    /// of and below the line's top left corner. A line that is wider than `width` pixels ends in an ellipsis; one with several
-    /// lines ends at the first.
+    /// Passes each pixel of a line to `cover`, with its coverage by letters (0 to 1). Positions are in pixels right of and below
+    /// the line's top left corner. A line wider than `width` pixels ends in an ellipsis; text of several lines ends at the first.
     pub fn draw(&self, line: &str, width: f32, mut cover: impl FnMut([u32; 2], f32)) {
         let line = line.lines().next().unwrap_or_default();
         for glyph in self.fitted(line, width) {
@@ -44,7 +43,7 @@ impl Lettering {
             let corner = outline.px_bounds().min;
             outline.draw(|x, y, share| {
                 let place = [corner.x + x as f32, corner.y + y as f32];
-                // Overhang to the left of or above the line has no pixel.
+                // Overhang to the left of or above the line has no pixels.
                 if share > 0.0 && place[0] >= 0.0 && place[1] >= 0.0 && place[0] < width {
                     cover(place.map(|p| p as u32), share.min(1.0));
                 }
@@ -52,7 +51,7 @@ impl Lettering {
         }
     }
 
-    /// As much of a line as fits.
+    /// The part of a line that fits.
     fn fitted(&self, line: &str, width: f32) -> Vec<Glyph> {
         let (glyphs, whole) = self.layout(line.chars());
         if whole <= width {
@@ -64,7 +63,7 @@ impl Lettering {
         fits.map_or_else(Vec::new, |(glyphs, _)| glyphs)
     }
 
-    /// Letters side by side with kerning, and where the next one would stand.
+    /// Letters side by side with kerning, and the position after the last.
     fn layout(&self, line: impl Iterator<Item = char>) -> (Vec<Glyph>, f32) {
         let (mut glyphs, mut x) = (Vec::<Glyph>::new(), 0.0);
         for character in line {
@@ -84,7 +83,7 @@ impl Lettering {
 mod tests {
     use super::*;
 
-    /// Covered area in pixels, and the right end of what is covered.
+    /// Covered area in pixels, and its right end.
     fn ink(line: &str, width: f32) -> (f32, u32) {
         let (mut area, mut right) = (0.0, 0);
         Lettering::new(14.0).draw(line, width, |[x, _], share| {

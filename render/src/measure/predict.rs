@@ -1,25 +1,24 @@
 //! The error of a picture, predicted from the variances within its clusters, without tracing a ray (paper, 3.3).
 //!
-//! On a node `C` of the merged cut the renderer multiplies means of radiance `l`, BRDF times cosine `ρ` and visibility
-//! `v`. The paper reduces the error of that to covariances (after Bohrnstedt and Goldberger 1969) and bounds each by
-//! Cauchy and Schwarz, as Eq. 8 does: `|C| (<l> σv σρ + <v> σl σρ + <ρ> σl σv)`, where σ² are the variances over the
-//! leaves of the node. That is [`PredictedError::printed`]. It lacks two terms, which [`PredictedError::bound`] adds:
+//! On a node `C` of the merged cut the renderer multiplies means of radiance `l`, BRDF times cosine `ρ` and visibility `v`. The
+//! paper reduces the product's error to covariances (after Bohrnstedt and Goldberger 1969) and bounds each by Cauchy and Schwarz,
+//! as in Eq. 8: `|C| (<l> σv σρ + <v> σl σρ + <ρ> σl σv)`, where σ² are the variances over the node's leaves. That is
+//! [`PredictedError::printed`]. It lacks two terms, which [`PredictedError::bound`] adds:
 //!
 //! - The third central moment, which the approximation leaves out: at most `|C| max(<v>, 1 - <v>) σl σρ`, because
 //!   visibility lies between 0 and 1.
 //! - The error of sampling the BRDF (Eq. 6) where Eq. 4 takes its mean: `|C| <l> <v> |ρ - <ρ>|`.
 //!
-//! With both, the sum over the nodes bounds the error, as far as the stored visibility is the mean of the pixel's. A
-//! node without stored cuts of its own (interpolation between vertices, a node inside a stored one) can have a larger
-//! error. The bound is reached only if all nodes have errors of the same sign. If their errors are independent, the
-//! root of the sum of squares is the expected error: [`PredictedError::expected`].
+//! With both, the sum over the nodes bounds the error, as far as the stored visibility is the mean at the pixel. A node without
+//! stored cuts of its own (interpolation between vertices, a node inside a stored one) can have a larger error. The error reaches
+//! the bound only if all nodes err with the same sign. For independent errors, the root of the sum of squares is the expected
+//! error: [`PredictedError::expected`].
 //!
-//! A node of a lit cut has a mean visibility that is weighted by the light, so that the product of radiance and visibility is
-//! exact. What is left is how that product varies with the BRDF: `|C| σlv σρ`, with `σlv² = <l²> <v> - <l>² <v>²`.
+//! The mean visibility in a node of a lit cut is weighted by the light, so the product of radiance and visibility is exact. The
+//! remaining error comes from variation of that product with the BRDF: `|C| σlv σρ`, with `σlv² = <l²> <v> - <l>² <v>²`.
 //!
-//! Variances of radiance are those of the tree's leaves, computed with the means when the light changes. Those of
-//! visibility are `<v> - <v>²`, because it is binary. Those of the BRDF are taken over eight leaves of each node, which
-//! is exact for nodes with at most eight.
+//! Radiance variances are taken over the tree's leaves, computed with the means when the light changes. Visibility is binary, so
+//! its variance is `<v> - <v>²`. BRDF variances use eight leaves of each node, which is exact for nodes with at most eight.
 
 mod calibration;
 mod moments;
@@ -55,15 +54,15 @@ use std::array::from_fn;
 /// Predicted errors of a picture, each as a gray picture of luminances; black where there is no surface.
 #[derive(Clone, Debug)]
 pub struct PredictedError {
-    /// The sum over the nodes of what the paper prints.
+    /// Sum of the paper's terms over the nodes.
     pub printed: Image,
-    /// The sum over the nodes, with the terms that the paper leaves out.
+    /// Sum over the nodes including the terms that the paper omits.
     pub bound: Image,
-    /// The root of the sum of the squares of the same terms.
+    /// Root of the sum of squares of the same terms.
     pub expected: Image,
 }
 
-/// Predicts the error of a picture by cuts against [`Renderer::samples_reference`] for every pixel; `None` if cancelled.
+/// Predicts the error of a picture by cuts against [`Renderer::samples_reference`], per pixel; `None` if cancelled.
 ///
 /// # Errors
 /// A dataset without visibility of the environment.
@@ -96,7 +95,7 @@ fn radiance_variance(lighting: &SceneLighting) -> Vec<Vec3> {
     means_up_the_tree(&squares).into_iter().zip(radiance).map(variance).collect()
 }
 
-/// Returns the three sums of a point as the components of a color.
+/// Returns the three sums at a point as color components.
 struct Predictor<'a> {
     shader: Shader<'a, &'a SceneLighting>,
     lighting: &'a SceneLighting,
@@ -160,7 +159,7 @@ fn brdf_moments(lighting: &SceneLighting, receiver: &ReceiverX8, point: &Surface
     let received = receiver.receives(direction).to_array().map(|mask| mask.to_bits() != 0);
     let value = |i: usize| if received[i] { values.lane(i) } else { Vec3::ZERO };
     let moments = Moments::of(from_fn::<_, 8, _>(value));
-    // The variance of eight leaves about their own mean is an eighth less than that of all leaves.
+    // The variance of eight leaves about their own mean is one eighth less than over all leaves.
     let scale = if leaves > 8 { 8.0 / 7.0 } else { 1.0 };
     Moments { variance: moments.variance * scale, ..moments }
 }

@@ -1,4 +1,4 @@
-//! Pictures of a part of a frame alone.
+//! Pictures of a region of a frame.
 
 use crate::{
     shade::{pixel_sampler::PixelSampler, point_shader::PointShader},
@@ -8,10 +8,10 @@ use glam::Vec3;
 use lapidary_core::image::{Image, Region};
 use rayon::prelude::*;
 
-/// Rows between which a picture of a region can be cancelled.
+/// Rows between checks for cancellation.
 const BAND: usize = 8;
 
-/// The part of a frame's picture that `region` is, each thread with a shader of its own; `None` if cancelled.
+/// The region's part of a frame. Each thread has its own shader; `None` if cancelled.
 pub(crate) fn picture_of<S: PointShader>(
     sampler: &PixelSampler,
     region: Region,

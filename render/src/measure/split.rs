@@ -1,8 +1,8 @@
-//! The error of a picture, split into its causes by exchanging one factor at a time for the truth.
+//! The error of a picture, split into its causes by replacing one factor at a time with its true value.
 //!
-//! A chain of pictures leads from the rendered one to light paths. All are computed at the same samples of the same
-//! pixels; none is estimated. They have a black background, so that an environment behind the scene is not part of any
-//! norm. Two neighbors differ in one factor only, and their difference is the error of that factor:
+//! A chain of pictures leads from the rendered one to light paths. All use the same samples of the same pixels; none is estimated.
+//! Their background is black, so an environment behind the scene does not enter any norm. Neighbors differ in one factor only, and
+//! their difference is that factor's error:
 //!
 //! | picture | sum over | radiance | visibility | BRDF | what the step to the next one shows |
 //! |---|---|---|---|---|---|
@@ -14,11 +14,11 @@
 //! | [`Samples`](SplitPicture::Samples) | all leaves | leaf | rays from the pixel | leaf | light samples |
 //! | [`Paths`](SplitPicture::Paths) | light paths | continuous | rays | continuous | |
 //!
-//! Where no lit cuts are merged, `StoredCuts` is the rendered picture and is left out. `MeanBrdf` is Eq. 4 of the paper, where the renderer samples by Eq. 6. `TracedVertices` needs a way to trace
-//! vertices as the bake did. Without one, and for surface sources, it is left out, and one step shows both errors of
-//! visibility. For surface sources the paths have one bounce, and the last step also shows the error of the sources'
-//! discs. Errors of steps are those of vectors: they may cancel, and do not sum to the whole. No lobe reads the map of the
-//! environment here ([`crate::shade::mirror`]): the light samples are what is split.
+//! Without lit cuts, `StoredCuts` is the rendered picture and is left out. `MeanBrdf` is Eq. 4 of the paper; the renderer samples
+//! by Eq. 6. `TracedVertices` needs a function that traces vertices as the bake did. Without one, and for surface sources, it is
+//! left out, and one step shows both visibility errors. For surface sources the paths have one bounce, and the last step includes
+//! the error of the sources' discs. Step errors are vectors: they may cancel and do not sum to the total. No lobe reads the
+//! environment's map here ([`crate::shade::mirror`]): only light samples are split.
 
 mod leaf_sum;
 pub(crate) mod vertices;
@@ -66,15 +66,15 @@ use vertices::{TraceVertex, TracedVertices};
 pub struct SplitJob<'a> {
     /// Camera, size and samples of the picture.
     pub view: &'a View,
-    /// Which of its pixels.
+    /// Pixels to split.
     pub region: Region,
-    /// The light that cuts gather, with its illumination cut.
+    /// Light gathered by cuts, with its illumination cut.
     pub light: CutLight<'a>,
-    /// How the BRDF is sampled on nodes.
+    /// BRDF sampling on nodes.
     pub sampling: BrdfSampling,
-    /// The continuous environment: the truth for the environment's tree, and for its bounced light.
+    /// The continuous environment: the true light of the environment's tree and of its bounces.
     pub illumination: &'a Illumination,
-    /// Local lights, whose bounce the sources hold.
+    /// Local lights whose bounce the sources hold.
     pub lights: &'a [Light],
     /// Paths per pixel; rounded up to whole sets of the pixel's samples for each of two halves.
     pub spp: u32,
@@ -82,15 +82,15 @@ pub struct SplitJob<'a> {
     pub trace_vertex: Option<TraceVertex<'a>>,
 }
 
-/// One of the pictures between the rendered one and the truth.
+/// One picture of the chain from the rendered one to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SplitPicture {
     /// As rendered.
     Rendered,
-    /// With the stored cuts and the illumination cut in place of lit cuts, refined.
+    /// Stored cuts and the illumination cut in place of lit cuts, refined.
     StoredCuts,
-    /// The same nodes, each with the mean of the BRDF over its leaves.
+    /// The same nodes, each with the mean BRDF over its leaves.
     MeanBrdf,
     /// All leaves, with the interpolated visibility of the stored cuts.
     AllLeaves,
@@ -103,7 +103,7 @@ pub enum SplitPicture {
 }
 
 impl SplitPicture {
-    /// Name of files and in JSON.
+    /// Name in file names and in JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rendered => "rendered",
@@ -120,52 +120,51 @@ impl SplitPicture {
 /// The difference of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SplitStep {
-    /// The factor in which the two differ.
+    /// The factor in which they differ.
     pub factor: &'static str,
-    /// The one that is farther from the truth.
+    /// The picture farther from the truth.
     pub from: SplitPicture,
-    /// The one that it is compared with.
+    /// The picture closer to the truth.
     pub to: SplitPicture,
     /// Root mean square of the difference.
     pub rmse: f64,
-    /// The same over the root mean square of `to`.
+    /// RMSE over the root mean square of `to`.
     pub rel_rmse: f64,
-    /// Mean FLIP.
+    /// Mean FLIP of the difference.
     pub flip: f64,
-    /// Share of `rel_rmse` that is noise of light paths, from the difference of two halves: squares of error and noise
-    /// add.
+    /// Share of `rel_rmse` that is noise of the light paths, from the difference of two halves; squares of error and noise add.
     pub noise: f64,
 }
 
-/// A picture's error by causes.
+/// A picture's error by cause.
 #[derive(Clone, Debug, Serialize)]
 pub struct ErrorSplit {
-    /// Which pixels.
+    /// Split pixels.
     pub region: Region,
     /// Paths per pixel.
     pub spp: u32,
-    /// Neighbors of the chain, from the rendered picture to the truth.
+    /// Steps between neighbors of the chain, from the rendered picture to the truth.
     pub steps: Vec<SplitStep>,
-    /// The rendered picture against the truth.
+    /// Difference of the rendered picture from the truth.
     pub total: SplitStep,
-    /// All pictures in order.
+    /// All pictures in chain order.
     #[serde(skip)]
     pub pictures: Vec<(SplitPicture, Image)>,
 }
 
-/// Why there is nothing to split.
+/// Why an error cannot be split.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum SplitError {
-    /// Not a region of the picture.
+    /// Invalid region.
     #[error(transparent)]
     Region(#[from] RegionError),
-    /// The background alone.
+    /// The region shows only background.
     #[error("no pixel of the region shows a surface; choose a region that does")]
     NoSurface,
     /// The dataset lacks the cuts.
     #[error(transparent)]
     NoCuts(#[from] NoCuts),
-    /// Pictures without finite pixels.
+    /// The pictures have no finite pixels.
     #[error(transparent)]
     Compare(#[from] CompareError),
 }
@@ -175,7 +174,7 @@ impl Renderer {
     /// chain as soon as it is complete.
     ///
     /// # Errors
-    /// A region without pixels or surfaces, a dataset without cuts for this light.
+    /// A region without pixels or surfaces, or a dataset without cuts for this light.
     pub fn split_error(&self, job: &SplitJob, progress: &dyn Progress) -> Result<Option<ErrorSplit>, SplitError> {
         job.region.check(job.view.size)?;
         let cuts = job.light.cuts_of(&self.dataset)?;
@@ -196,7 +195,7 @@ impl Renderer {
     }
 }
 
-/// The errors between the pictures; the last picture has `noise`.
+/// Errors between neighboring pictures; the last picture has `noise`.
 fn split_of(job: &SplitJob, pictures: Vec<(SplitPicture, Image)>, noise: f64) -> Result<ErrorSplit, CompareError> {
     let step = |factor, (from, a): &(SplitPicture, Image), (to, b): &(SplitPicture, Image)| {
         let metrics = compare(a, b)?;
@@ -223,12 +222,12 @@ fn factor(from: SplitPicture, to: SplitPicture) -> &'static str {
     }
 }
 
-/// Paths per pixel in each half: whole sets of the pixel's samples.
+/// Paths per pixel in each half: whole patterns of the pixel's samples.
 fn half_of(job: &SplitJob) -> u32 {
     job.spp.div_ceil(2).max(1).next_multiple_of(job.view.aa.max(1))
 }
 
-/// The pictures in the making.
+/// State of computing the pictures.
 struct Chain<'a> {
     renderer: &'a Renderer,
     sampler: PixelSampler<'a>,
@@ -247,12 +246,12 @@ impl Chain<'_> {
         self.job.region.rows().any(|y| self.job.region.columns().any(|x| is_surface(x, y)))
     }
 
-    /// All pictures and the noise of the last; `None` if cancelled.
+    /// All pictures and the noise of the last one; `None` if cancelled.
     fn pictures(&self) -> Option<(Vec<(SplitPicture, Image)>, f64)> {
         let mut pictures = Vec::new();
         let suns = self.suns();
         let mut push = |kind, mut image: Image| {
-            // Paths see suns in the map.
+            // Paths find suns in the map.
             suns.iter().filter(|_| kind != SplitPicture::Paths).for_each(|suns| image.add(suns));
             self.progress.preview(&Preview { image: &image, step: 1, noise: None });
             pictures.push((kind, image));
@@ -273,7 +272,7 @@ impl Chain<'_> {
         Some((pictures, noise))
     }
 
-    /// Direct light of the suns, by rays: no cut has a part in it.
+    /// Direct light of the suns, by rays; cuts do not contain it.
     fn suns(&self) -> Option<Image> {
         let suns = match self.job.light {
             CutLight::Environment(_) => self.job.illumination.suns(),
@@ -283,7 +282,7 @@ impl Chain<'_> {
         (!suns.is_empty()).then(|| self.renderer.direct_light(&view, &suns).crop(self.job.region))
     }
 
-    /// How the nodes of stored cuts are sampled.
+    /// BRDF sampling for nodes of stored cuts.
     fn stored_sampling(&self) -> BrdfSampling {
         match self.job.sampling {
             BrdfSampling::Lit | BrdfSampling::Refine => BrdfSampling::Refine,
@@ -291,12 +290,12 @@ impl Chain<'_> {
         }
     }
 
-    /// The picture as a renderer makes it.
+    /// The picture as rendered.
     fn merged(&self, sampling: BrdfSampling) -> Option<Image> {
         self.job.light.with_field(Merged { chain: self, sampling })
     }
 
-    /// Every leaf on its own: the nodes of an illumination cut of all leaves.
+    /// All leaves separately: the nodes of an illumination cut of all leaves.
     fn all_leaves(&self) -> Option<Image> {
         match self.job.light {
             CutLight::Environment(lighting) => {
@@ -346,17 +345,17 @@ impl Chain<'_> {
         picture_of(&self.sampler, self.job.region, shader, &self.part(number, 0, LEAVES_UNITS))
     }
 
-    /// Progress of picture `number`. `before` units precede it, and it takes `units` per pixel.
+    /// Progress of picture `number`, after `before` units of earlier pictures, with `units` per pixel.
     fn part(&self, number: u64, before: u64, units: u64) -> Part<'_> {
         let total = 5 * LEAVES_UNITS + 2 * u64::from(half_of(self.job));
         Part { whole: self.progress, before: number * LEAVES_UNITS + before, units, total }
     }
 }
 
-/// The picture of all nodes of the merged cut with their mean BRDF.
+/// Picture of the merged cut's nodes with their mean BRDF.
 struct MeanBrdf<'a> {
     chain: &'a Chain<'a>,
-    /// Its place in the chain.
+    /// Index in the chain.
     number: u64,
 }
 
@@ -369,7 +368,7 @@ impl FieldJob for MeanBrdf<'_> {
     }
 }
 
-/// A picture as a renderer makes it.
+/// A picture as rendered.
 struct Merged<'a> {
     chain: &'a Chain<'a>,
     sampling: BrdfSampling,

@@ -16,7 +16,7 @@ use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
 
 impl Renderer {
-    /// The direct light of local lights alone, over black; black outside of a view's region.
+    /// Direct light of local lights alone, on black; black outside the view's region.
     pub fn direct_light(&self, view: &View, lights: &[Light]) -> Image {
         self.direct_light_before(None, view, lights)
     }

@@ -1,9 +1,8 @@
 //! Reference (b): light paths of any number of bounces, from the continuous environment and from local lights.
 //!
-//! Every vertex of a path gathers direct light by multiple importance sampling (Veach 1997): of the environment by its
-//! texels and by the BRDF, of local lights by their area and, where they have one, by the BRDF, of surfaces that shine by
-//! their power and by the BRDF. It uses neither light
-//! samples nor cuts, so it shows the whole error. Random numbers are seeded by pixel and pass.
+//! Every path vertex gathers direct light by multiple importance sampling (Veach 1997): the environment by its texels and by the
+//! BRDF; local lights by their area and, if they have one, by the BRDF; emissive surfaces by their power and by the BRDF. It uses
+//! neither light samples nor cuts, so it shows the whole error. Random numbers are seeded by pixel and pass.
 
 mod emitters;
 mod environment_sampling;
@@ -31,7 +30,7 @@ use settings::{PathSettings, SamplePositions};
 use tracer::Tracer;
 
 impl Renderer {
-    /// The scene under the continuous environment and local lights, in passes of one path per pixel. If cancelled, the
+    /// The scene under the continuous environment and local lights, in passes of one path per pixel. After cancellation, the
     /// picture of the complete passes.
     pub fn path_reference(
         &self,
@@ -62,7 +61,7 @@ impl Renderer {
         }
         let tracer = Tracer::new(self, light, lights, settings);
         let mut halves = Halves::new(view.size, view.aa);
-        // At least one sample for each position of the pixel pattern.
+        // At least one sample per position of the pixel pattern.
         let wanted = settings.spp.max(view.aa).max(1);
         for pass in 0..wanted {
             if progress.abandoned() || (progress.cancelled() && pass > 0) {
@@ -84,7 +83,7 @@ impl Renderer {
     }
 }
 
-/// One path for every pixel. What is abandoned stays black.
+/// One path for every pixel. Abandoned pixels stay black.
 fn trace_pass(
     sampler: &PixelSampler,
     tracer: &Tracer,
@@ -118,9 +117,9 @@ fn trace_pass(
     image
 }
 
-/// Where a pixel's pattern begins.
+/// Random shift of a pixel's pattern.
 fn shift(pixel: usize, first_pass: u32) -> DVec2 {
-    // Other numbers than those of the pass's path.
+    // Random numbers other than the path's in this pass.
     let mut rng = fastrand::Rng::with_seed(!seed(pixel, first_pass));
     DVec2::new(rng.f64(), rng.f64())
 }

@@ -1,7 +1,7 @@
-//! Reference (a): all light samples, with visibility traced at the pixel. It isolates the error of the cuts, both for
-//! the environment, whose samples are directions, and for bounced light, whose samples are surface sources.
+//! Reference (a): all light samples, with visibility traced at the pixel. It isolates the error of the cuts, for the environment
+//! (samples are directions) and for bounced light (samples are surface sources).
 //!
-//! It is progressive in space: 16 passes over interleaved pixels, each exact at its pixels.
+//! It is progressive in space: 16 passes over interleaved pixels, exact at their pixels.
 
 pub(crate) mod distant;
 pub(crate) mod sources;
@@ -43,7 +43,7 @@ const PASSES: [(u32, u32); 16] = [
     (0, 3),
 ];
 
-/// Sums two kinds of samples, and what a point sends by itself. Each may be left out.
+/// Sums two kinds of samples and emission. Each may be left out.
 struct Sum<A, B>(Option<A>, Option<B>, bool);
 
 impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
@@ -57,31 +57,31 @@ impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
 /// The light of a picture without cuts.
 #[derive(Clone, Copy, Default)]
 pub struct SampledLight<'a> {
-    /// All light samples of it, and itself as the background.
+    /// Environment: all its light samples, and its map as the background.
     pub environment: Option<&'a Illumination>,
-    /// Their direct light.
+    /// Local lights, for direct light.
     pub lights: &'a [Light],
-    /// Whether what surfaces send by themselves is shown.
+    /// Whether emission of surfaces is shown.
     pub emission: bool,
-    /// All of them.
+    /// Surface sources, all of them.
     pub sources: Option<&'a SourceLighting>,
-    /// A picture of other light, which is added.
+    /// A picture of other light to add.
     pub base: Option<&'a Image>,
 }
 
 impl Renderer {
-    /// All light samples of the environment without cuts. If cancelled, unfinished pixels repeat a finished one of
-    /// their block.
+    /// All light samples of the environment, without cuts. After cancellation, unfinished pixels repeat a finished one of their
+    /// block.
     pub fn samples_reference(&self, view: &View, light: &Illumination, progress: &dyn Progress) -> Image {
         self.sampled(view, SampledLight { environment: Some(light), ..Default::default() }, progress)
     }
 
-    /// The light of all surface sources without cuts, on black; cancelled as [`Self::samples_reference`].
+    /// Light of all surface sources without cuts, on black; cancellation as in [`Self::samples_reference`].
     pub fn sources_reference(&self, view: &View, lighting: &SourceLighting, progress: &dyn Progress) -> Image {
         self.sampled(view, SampledLight { sources: Some(lighting), ..Default::default() }, progress)
     }
 
-    /// Light of all kinds without cuts; cancelled as [`Self::samples_reference`].
+    /// Light of all kinds without cuts; cancellation as in [`Self::samples_reference`].
     pub fn sampled(&self, view: &View, light: SampledLight, progress: &dyn Progress) -> Image {
         self.refine();
         let distant =
@@ -114,7 +114,7 @@ impl Renderer {
         let mut done = 0;
         for (pass, &(dx, dy)) in PASSES.iter().enumerate() {
             let rows: Vec<u32> = (dy..size[1]).step_by(4).collect();
-            // Some rows at a time, so that a large picture can be cancelled between them.
+            // A few rows at a time, so a large picture can be cancelled.
             for rows in rows.chunks(16) {
                 if progress.cancelled() || progress.abandoned() {
                     fill_blocks(&mut image, pass);
@@ -142,7 +142,7 @@ impl Renderer {
     }
 }
 
-/// Adds to the previews what the passes know nothing of.
+/// Adds the base pictures to the previews.
 struct OverBases<'a> {
     bases: [Option<&'a Image>; 2],
     inner: &'a dyn Progress,
@@ -168,7 +168,7 @@ impl Progress for OverBases<'_> {
     }
 }
 
-/// The grid of complete pixels after a number of passes, if it has changed.
+/// Spacing of complete pixels after a number of passes, if it has changed.
 fn step_after(passes: usize) -> Option<u32> {
     [(1, 4), (4, 2), (16, 1)].into_iter().find(|&(p, _)| p == passes).map(|(_, step)| step)
 }

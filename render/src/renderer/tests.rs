@@ -1,4 +1,4 @@
-//! Known answers for the CPU renderer and both references: furnace, a lone light's shadow, orientation, all leaves.
+//! Known answers for the CPU renderer and both references: furnace, shadow of a single light, orientation, all leaves.
 
 mod from_files;
 
@@ -40,7 +40,7 @@ fn a_white_floor_in_a_white_furnace_is_white_for_all_three() {
     assert!(darker.pixels.iter().all(|p| p.x < 0.99), "negative control: two percent less light is seen");
 }
 
-/// A lone bright texel casts the blocker's shadow where geometry says: shifted by height times the slope of the light.
+/// A single bright texel casts the blocker's shadow at its geometric place: shifted by height times the light's slope.
 #[test]
 fn the_shadow_of_a_single_bright_texel_is_where_geometry_says() {
     let dataset = dataset(mesh(64, true), white());
@@ -61,14 +61,14 @@ fn the_shadow_of_a_single_bright_texel_is_where_geometry_says() {
         let lit = picture.pixels.iter().map(|p| p.x).filter(|&x| x > 0.0);
         let brightest = 1.2 * lit.clone().sum::<f32>() / lit.count() as f32;
         let value = |x: f32, z: f32| {
-            // Where a floor point appears in the picture.
+            // Position of a floor point in the picture.
             let view_from_world = view.camera.world_from_view().transpose();
             let p = view_from_world * (Vec3::new(x, 0.0, z) - view.camera.eye);
             let tan = (0.5 * view.camera.fov_y).tan();
             let pixel = |v: f32| ((0.5 + 0.5 * v / (-p.z * tan)) * 96.0) as usize;
             picture.at(pixel(p.x), pixel(-p.y)).x / brightest
         };
-        // The shadow of the square [-0.5, 0.5]² at height 1, with a margin for the width of texel and light sample.
+        // Shadow of the square [-0.5, 0.5]² at height 1, with a margin for the width of texel and light sample.
         for (dx, dz) in [(0.0, 0.0), (0.35, 0.0), (-0.35, 0.35), (0.0, -0.35)] {
             assert!(value(dx - shift.x, dz - shift.z) < 0.1, "{name}: lit at {dx}, {dz} of the shadow's centre");
         }
@@ -79,7 +79,7 @@ fn the_shadow_of_a_single_bright_texel_is_where_geometry_says() {
     }
 }
 
-/// Rotating the map by 90 degrees and looking from 90 degrees further gives the same picture.
+/// Rotating the map by 90 degrees and the camera by 90 degrees gives the same picture.
 #[test]
 fn rotation_turns_the_light_and_not_the_camera() {
     let dataset = ggx(dataset(mesh(16, true), glossy(0.6)));
@@ -98,7 +98,7 @@ fn rotation_turns_the_light_and_not_the_camera() {
     assert!(rel_rmse(&not_turned, &straight) > 0.3, "negative control {}", rel_rmse(&not_turned, &straight));
 }
 
-/// Exact cuts with all leaves in the illumination cut are the samples reference, but for interpolation.
+/// Exact cuts with all leaves in the illumination cut equal the samples reference, up to interpolation.
 #[test]
 fn full_cuts_equal_brute_force_where_visibility_is_linear() {
     let dataset = ggx(dataset(mesh(8, false), glossy(0.5)));

@@ -1,4 +1,4 @@
-//! The environment with rotation and intensity, as the background, and other backgrounds.
+//! Backgrounds: the environment with rotation and intensity, and others.
 
 use crate::{
     light::environment::Illumination,
@@ -26,22 +26,22 @@ impl<'a> Sky<'a> {
         self.light.environment.radiance(self.to_environment(direction)) * self.light.intensity
     }
 
-    /// A world direction in the frame of the map.
+    /// Rotates a world direction into the frame of the map.
     pub fn to_environment(&self, direction: Vec3) -> Vec3 {
         self.environment_from_world * direction
     }
 
-    /// A direction of the map in the world.
+    /// Rotates a direction of the map into world space.
     pub fn to_world(&self, direction: Vec3) -> Vec3 {
         self.environment_from_world.inverse() * direction
     }
 }
 
-/// What lies behind the surfaces of a picture, and what the ground catches of it.
+/// The light behind a picture's surfaces, and the part of it that the ground catches.
 pub struct Backdrop {
-    /// What pixels without a surface show.
+    /// Radiance of pixels without a surface.
     behind: Behind,
-    /// For a ground that catches shadows; else it is a surface as any other.
+    /// `None` unless the ground catches shadows; it is then an ordinary surface.
     catcher: Option<Catcher>,
 }
 
@@ -50,12 +50,12 @@ enum Behind {
     /// An environment, sharp or blurred.
     Map {
         map: Arc<Environment>,
-        /// Turns world directions into the frame of the map.
+        /// Rotates world directions into the frame of the map.
         environment_from_world: Quat,
         /// Scales its radiance.
         intensity: f32,
     },
-    /// One radiance.
+    /// Uniform radiance.
     Flat(Vec3),
 }
 
@@ -86,27 +86,26 @@ impl Behind {
     }
 }
 
-/// A ground that shows the background times its own irradiance over that without anything in the way: a diffuse surface, the
-/// reflectance of which follows from what lies behind it. So all light that reaches it, and all that does not, is seen on the
-/// background.
+/// A ground that shows the background times its own irradiance over its unoccluded irradiance: a diffuse surface whose reflectance
+/// follows from the background. All light that reaches it, and all that is missing, shows on the background.
 struct Catcher {
-    /// What it catches; white for a picture with an alpha channel, which takes the share that the ground lets through.
+    /// The caught background; white for a picture with an alpha channel, which stores the transmitted share.
     caught: Behind,
     /// Reflectance for a radiance of 1 behind the ground.
     per_radiance: Vec3,
-    /// Weights of the channels in the share that it lets through.
+    /// Channel weights in the transmitted share.
     weights: Vec3,
 }
 
-/// Weights of the luminance of the channels in which light arrives, which sum to 1: the others tell no share.
+/// Luminance weights of the channels in which light arrives, with a sum of 1; the other channels give no share.
 pub(crate) fn share_weights(per_radiance: Vec3) -> Vec3 {
     let weights = LUMINANCE * per_radiance.map(|reflectance| f32::from(reflectance > 0.0));
     weights / weights.element_sum()
 }
 
-/// Reflectance, for a radiance of 1 behind it, of a ground that catches shadows; `None` where the view has no such ground. Under
-/// an environment that does not shine, or not from above, it is a surface as any other. `shown` tells whether the environment
-/// shines; in a part of a picture that hides its background it shines in the others.
+/// Reflectance of a ground that catches shadows, for a radiance of 1 behind it; `None` if the view has no such ground, or if the
+/// environment gives no light from above: the ground is then an ordinary surface. `shown` says whether the environment shines in
+/// this picture; in a partial picture that hides its background, it shines in the other parts.
 pub(crate) fn caught_per_radiance(view: &View, environment: &Environment, intensity: f32, shown: bool) -> Option<Vec3> {
     let shines = shown || view.hides_background;
     let catches = shines && view.ground() == Ground::Shadow && view.mode == ViewMode::Shaded;
@@ -116,8 +115,8 @@ pub(crate) fn caught_per_radiance(view: &View, environment: &Environment, intens
 }
 
 impl Backdrop {
-    /// For one picture under an environment, which pixels without a surface show if `shown`. View modes that show quantities other
-    /// than radiance have a black background.
+    /// Backdrop of one picture under an environment, which pixels without a surface show if `shown`. View modes other than radiance
+    /// have a black background.
     pub fn new(view: &View, light: Option<&Illumination>, shown: bool, blur: &mut BlurCache) -> Self {
         let behind = match (view.background, light) {
             _ if view.mode != ViewMode::Shaded || view.hides_background => Behind::BLACK,
@@ -136,7 +135,7 @@ impl Backdrop {
         Self { behind, catcher }
     }
 
-    /// Nothing at all; the ground is a surface as any other.
+    /// Black background; the ground is an ordinary surface.
     pub fn black() -> Self {
         Self { behind: Behind::BLACK, catcher: None }
     }
@@ -151,19 +150,18 @@ impl Backdrop {
         self.catcher.is_some()
     }
 
-    /// Share of the light behind it that a ground lets through, from what it shows of white.
+    /// Share of the light that a ground transmits, from its shown light over a white background.
     pub(super) fn share_let_through(&self, shown: Vec3) -> f32 {
         self.catcher.as_ref().map_or(0.0, |catcher| shown.dot(catcher.weights))
     }
 
-    /// Reflectance of a ground that catches shadows, seen along a world direction; `None` if it is a surface as any other.
+    /// Reflectance of a ground that catches shadows, seen along a world direction; `None` for an ordinary surface.
     pub(super) fn caught(&self, direction: Vec3) -> Option<Vec3> {
         self.catcher.as_ref().map(|catcher| catcher.caught.radiance(direction) * catcher.per_radiance)
     }
 }
 
-/// Keeps a blurred environment until another environment or width is asked for, because blurring takes longer than a
-/// frame.
+/// Caches one blurred environment until another environment or width is requested, because blurring takes longer than a frame.
 #[derive(Default)]
 pub struct BlurCache(Option<Blurred>);
 

@@ -1,8 +1,7 @@
-//! The normal after normal and bump map, and how far the normals within the footprint of a sample spread around it.
+//! The normal after normal map and bump map, and the spread of the normals within a sample's footprint.
 //!
-//! A map seen from afar has many normals in a sample. Their covariance widens the lobes of every model as the spread of a light
-//! does (Olano and Baker 2010): the normals of the facets are those of the map plus those of the model. Twin of
-//! `shaders/bumps.wgsl`.
+//! A map seen from afar has many normals in a sample. Their covariance widens the lobes of every model, as a light's spread does
+//! (Olano and Baker 2010): facet normals combine the map's normals with the model's. Twin of `shaders/bumps.wgsl`.
 
 use super::surface::{SurfacePlace, frame};
 use crate::appearance::Appearance;
@@ -12,21 +11,21 @@ use lapidary_core::{
     texture::{ColorSpace, SlopeMoments, TextureSlot, UvFootprint, covariance_mapped},
 };
 
-/// Slopes that move a normal: their covariance as xx, xy, yy, and how the normal moves with each.
+/// Slopes that tilt a normal: their covariance as xx, xy, yy, and the normal's change with each.
 #[derive(Clone, Copy, Default)]
 struct Moving {
     covariance: [f32; 3],
     axes: [Vec3; 2],
 }
 
-/// The mean normal, and what moves it.
+/// The mean normal and the slopes that tilt it.
 pub(crate) struct Bumped {
     pub normal: Vec3,
     moving: [Moving; 2],
 }
 
 impl SurfacePlace {
-    /// After normal map and bump map.
+    /// Mean normal after normal map and bump map.
     pub(super) fn bumped(&self, appearance: &Appearance, material: &ResolvedMaterial) -> Bumped {
         let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
         let mut bumped = Bumped { normal: smooth.z_axis, moving: [Moving::default(); 2] };
@@ -61,7 +60,7 @@ impl SurfacePlace {
 }
 
 impl Appearance {
-    /// See [`lapidary_core::texture::Texture::normal_moments`]. A pattern of normals is looked up as they are.
+    /// See [`lapidary_core::texture::Texture::normal_moments`]. A procedural pattern returns unfiltered normals.
     fn normal_moments(&self, slot: &TextureSlot, uv: &UvFootprint) -> Option<SlopeMoments> {
         self.textures[slot.image()?].normal_moments(uv, slot)
     }

@@ -1,21 +1,21 @@
-//! How far apart neighboring samples of a picture lie on a surface: the ray differentials of a pinhole camera (Igehy 1999),
-//! which on the plane of a triangle are exact to first order. Twin of `footprint_at` in `shaders/surface.wgsl`.
+//! Spacing of neighboring samples on a surface: ray differentials of a pinhole camera (Igehy 1999), exact to first order on a
+//! triangle's plane. Twin of `footprint_at` in `shaders/surface.wgsl`.
 
 use crate::view::View;
 use glam::{Vec2, Vec3};
 use lapidary_core::texture::UvFootprint;
 
-/// The distance of neighboring samples, for all pixels of a view.
+/// Spacing of neighboring samples, for all pixels of a view.
 #[derive(Clone, Copy, Debug)]
 pub struct Differentials {
     eye: Vec3,
     forward: Vec3,
-    /// How far a ray moves in a meter of depth from a sample to that on the right and to that below.
+    /// Ray displacement per meter of depth from a sample to the next on the right and below.
     per_depth: [Vec3; 2],
 }
 
 impl Differentials {
-    /// Of a view whose samples share their pixel evenly.
+    /// For a view whose samples divide their pixel evenly.
     pub fn of(view: &View) -> Self {
         let projection = view.projection();
         let axes = projection.world_from_view;
@@ -24,8 +24,8 @@ impl Differentials {
         Self { eye: projection.eye, forward: projection.forward(), per_depth }
     }
 
-    /// The footprint of a sample at `position` on the plane of a triangle of this normal, of any length, where coordinates
-    /// have these gradients along the surface.
+    /// The footprint of a sample at `position` on a triangle's plane. `normal` may have any length; `per_u` and `per_v` are the
+    /// gradients of u and v along the surface.
     pub fn at(&self, uv: Vec2, position: Vec3, normal: Vec3, [per_u, per_v]: [Vec3; 2]) -> UvFootprint {
         let away = position - self.eye;
         let depth = away.dot(self.forward);
@@ -51,14 +51,14 @@ mod tests {
             let direction = camera.direction_through(pixel, view.size);
             camera.eye - direction * (camera.eye.y / direction.y)
         };
-        // Two units of u in a meter of x, one of v in two meters of z.
+        // Two units of u per meter of x, one unit of v per two meters of z.
         let (per_u, per_v) = (2.0 * Vec3::X, 0.5 * Vec3::Z);
         let uv = |p: Vec3| Vec2::new(per_u.dot(p), per_v.dot(p));
         for pixel in [Vec2::new(100.0, 50.0), Vec2::new(20.0, 80.0)] {
             let seen = hit(pixel);
             let footprint = Differentials::of(&view).at(uv(seen), seen, 3.0 * Vec3::Y, [per_u, per_v]);
             for (change, step) in footprint.changes.into_iter().zip([Vec2::X, Vec2::Y]) {
-                // Four samples a pixel are half a pixel apart.
+                // Four samples per pixel are half a pixel apart.
                 let near = (uv(hit(pixel + 0.05 * step)) - uv(hit(pixel - 0.05 * step))) * 5.0;
                 assert!((change - near).length() < 2e-3 * near.length(), "{change} {near}");
                 assert!((change - 2.0 * near).length() > 0.5 * near.length(), "negative control");

@@ -1,10 +1,9 @@
 //! Direct light of local lights at a pixel, by shadow rays and without random numbers.
 //!
-//! One ray to a light without extent is exact; lights too faint to be visible cast none ([`brightest`]). A rectangle
-//! has a grid of 4 x 4 cells with one ray to each. Interleaved gradient noise (Jimenez 2014) shifts the grid per pixel,
-//! which the eye averages easily. If the BRDF's lobe is narrower than a cell, the one ray stands for several points of
-//! the cell. The lobe is filtered by the solid angle of each point, as on nodes of a cut, so that highlights of
-//! rectangles are free of spots.
+//! One ray to a light without extent is exact; lights too faint to be visible cast none ([`brightest`]). A rectangle has a grid of
+//! 4 x 4 cells with one ray each. Interleaved gradient noise (Jimenez 2014) shifts the grid per pixel, which the eye averages
+//! easily. If the BRDF's lobe is narrower than a cell, the ray stands for several points of the cell. The solid angle of each point
+//! filters the lobe, as on nodes of a cut, so highlights of rectangles have no spots.
 
 mod brightest;
 mod seen;
@@ -30,10 +29,10 @@ const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3);
 
 /// Cells along each edge of a light with an extent.
 const CELLS: u32 = 4;
-/// Its cells.
+/// Number of cells.
 const ALL_CELLS: usize = (CELLS * CELLS) as usize;
 
-/// Where rays go to in the cells, but for the shift.
+/// Ray targets in the cells, before the shift.
 const STEPS: [Vec2; ALL_CELLS] = {
     let (mut steps, mut cell) = ([Vec2::ZERO; ALL_CELLS], 0);
     while cell < ALL_CELLS {
@@ -47,21 +46,21 @@ const STEPS: [Vec2; ALL_CELLS] = {
 /// Most points along each edge of a cell.
 const FINEST: f32 = 8.0;
 
-/// Offset in the unit square of a pixel's light samples.
+/// Offset of a pixel's light samples in the unit square.
 pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
     let noise = |x: f32, y: f32| (52.982_918 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract();
     let (x, y) = (x as f32, y as f32);
-    // Far apart, the two numbers are independent of each other.
+    // Far apart, the two numbers are independent.
     let start = Vec2::new(noise(x, y), noise(y + 37.0, x + 91.0));
     (start + STEP * ((sample % 4096) * CELLS * CELLS) as f32).fract()
 }
 
-/// Share of the light of a light at `distance` meters that arrives at a point.
+/// Share of a light's radiance at `distance` meters that reaches a point.
 pub(crate) fn arriving_share(intersector: &Intersector, point: &SurfacePoint, direction: Vec3, distance: f32) -> f32 {
     intersector.transmittance_before(point.ray_origin, direction, offset::REACH_OF_SHADING * distance)
 }
 
-/// Lights, and what casts their shadow rays.
+/// Lights and the geometry that shadows them.
 #[derive(Clone, Copy)]
 pub(crate) struct DirectLights<'a> {
     /// The lights.
@@ -71,26 +70,26 @@ pub(crate) struct DirectLights<'a> {
 }
 
 impl<'a> DirectLights<'a> {
-    /// What shades points with them.
+    /// A shader for these lights.
     pub fn shader(&self) -> DirectShader<'a> {
         let samplers = self.lights.iter().filter(|light| light.shines()).map(Light::sampler).collect();
         DirectShader { lights: samplers, intersector: self.intersector }
     }
 }
 
-/// Shades points with the direct light of lights that shine.
+/// Shades points with the direct light of all lights that shine.
 pub(crate) struct DirectShader<'a> {
     lights: Vec<LightSampler<'a>>,
     intersector: &'a Intersector,
 }
 
 impl DirectShader<'_> {
-    /// Radiance that a point reflects; `shift` is that of [`pixel_shift`].
+    /// Reflected radiance at a point; `shift` comes from [`pixel_shift`].
     pub fn reflected(&self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
         self.reflected_beside(point, shift, LightsSeen::default(), &mut Vec::new())
     }
 
-    /// The same of a point of which something of [`Self::lights_seen`] is known, beside one with these blockers of each light.
+    /// [`Self::reflected`] for a point with known [`Self::lights_seen`], beside a point with these blockers for each light.
     pub fn reflected_beside(
         &self,
         point: &SurfacePoint,
@@ -117,7 +116,7 @@ impl DirectShader<'_> {
         arriving.reflected() + delta_light(point, delta, share)
     }
 
-    /// Adds a light that is a disc; `is_open` if nothing is before it.
+    /// Adds a disc light; `is_open` if nothing blocks it.
     fn add_sun(
         &self,
         (sun, disc): (&LightSampler, &Disc),
@@ -146,7 +145,7 @@ impl DirectShader<'_> {
         }
     }
 
-    /// Share of a sun's light that arrives from where its rays go.
+    /// Share of a sun's light that arrives along each of its rays.
     fn shares(&self, point: &SurfacePoint, disc: &Disc, aimed: &Aimed, blockers: &mut Blockers) -> [[f32; 8]; 2] {
         let Aimed { directions, received } = aimed;
         let cone = Cone { origin: point.ray_origin, axis: disc.axis, sine: disc.sine() };
@@ -177,7 +176,7 @@ impl DirectShader<'_> {
     }
 }
 
-/// The cells of a light with an extent: the corner of each, in cells, and where in it its ray goes to.
+/// The cells of a light with an extent: the corner of each in cells, and the target of its ray in it.
 fn cells(shift: Vec2) -> [(Vec2, Vec2); ALL_CELLS] {
     from_fn(|cell| {
         let corner = Vec2::new((cell % CELLS as usize) as f32, (cell / CELLS as usize) as f32);
@@ -185,7 +184,7 @@ fn cells(shift: Vec2) -> [(Vec2, Vec2); ALL_CELLS] {
     })
 }
 
-/// The cells by halves: where the corner of each is, in cells, and [`STEPS`], along both axes.
+/// The cells by halves: corners in cells, and [`STEPS`], along both axes.
 const EIGHTS: [[[[f32; 8]; 2]; 2]; 2] = {
     let (mut eights, mut cell) = ([[[[0.0; 8]; 2]; 2]; 2], 0);
     while cell < ALL_CELLS {
@@ -199,14 +198,14 @@ const EIGHTS: [[[[f32; 8]; 2]; 2]; 2] = {
     eights
 };
 
-/// Places in the unit square of eight of the [`cells`].
+/// Positions of eight of the [`cells`] in the unit square.
 #[inline(always)]
 fn cells_x8<L: Lanes>(shift: Vec2, half: usize) -> [L; 2] {
     let [corners, steps] = EIGHTS[half];
     [along_x8(corners[0], steps[0], shift.x), along_x8(corners[1], steps[1], shift.y)]
 }
 
-/// The same along one axis.
+/// The same positions along one axis.
 #[inline(always)]
 fn along_x8<L: Lanes>(corners: [f32; 8], steps: [f32; 8], shift: f32) -> L {
     let (one, moved) = (L::splat(1.0), L::new(steps) + L::splat(shift));
@@ -214,7 +213,7 @@ fn along_x8<L: Lanes>(corners: [f32; 8], steps: [f32; 8], shift: f32) -> L {
     (L::new(corners) + wrapped) * L::splat(1.0 / CELLS as f32)
 }
 
-/// Where the rays of a point to the cells of a sun go.
+/// Rays from a point to the cells of a sun.
 struct Aim<'a> {
     disc: &'a Disc,
     shift: Vec2,
@@ -224,7 +223,7 @@ struct Aim<'a> {
 struct Aimed {
     /// Unit directions in world space.
     directions: [Vec3x8; 2],
-    /// Those that the point receives, one bit each.
+    /// Directions that the point receives, one bit each.
     received: [u8; 2],
 }
 
@@ -244,9 +243,9 @@ impl Kernel for Aim<'_> {
     }
 }
 
-/// Inverse concentration of the part of a light that one of so many samples stands for.
+/// Inverse concentration of one of `samples` parts of a light.
 fn inv_kappa(sample: &LightSample, samples: u32) -> f32 {
-    // A cap of solid angle w has a mean resultant of 1 - w / 4π, and 1 / kappa tends to what is missing to one.
+    // A cap of solid angle w has a mean resultant of 1 - w / 4π; 1 / kappa tends to its difference from one.
     1.0 / (SPHERE * sample.pdf * samples as f32)
 }
 
@@ -260,13 +259,13 @@ struct EightLights {
 }
 
 impl EightLights {
-    /// What a point reflects of them; nothing from below the horizons of its normals.
+    /// Radiance that a point reflects of them; zero below the horizons of its normals.
     fn reflected(self, point: &SurfacePoint) -> Vec3 {
         InstructionSet::widest().run(Reflected { point, lights: self })
     }
 }
 
-/// [`EightLights::reflected`] in the instructions of the machine.
+/// [`EightLights::reflected`] in the machine's instruction set.
 struct Reflected<'a> {
     point: &'a SurfacePoint,
     lights: EightLights,
@@ -301,10 +300,10 @@ impl<L: Lanes> BrdfVisitor for Reflect<'_, L> {
     }
 }
 
-/// Light from up to eight directions that has not been reflected yet.
+/// Incoming light from up to eight directions, not yet reflected.
 struct Arriving<'a> {
     point: &'a SurfacePoint,
-    /// Width in radians of what its narrowest lobe reflects of a light.
+    /// Angular width in radians that the narrowest lobe reflects.
     lobe: f32,
     directions: [Vec3; 8],
     irradiance: [Vec3; 8],
@@ -322,7 +321,7 @@ impl<'a> Arriving<'a> {
         Self { point, lobe, directions, irradiance, inv_kappa: [0.0; 8], count: 0, sum: Vec3::ZERO }
     }
 
-    /// How many points along each edge a cell needs that `ray` goes to.
+    /// Points that the cell at the end of `ray` needs along each edge.
     fn points_of_cell(&self, ray: &LightSample) -> u32 {
         let cell_edge = (1.0 / ray.pdf).sqrt() / CELLS as f32;
         (cell_edge / self.lobe).ceil().clamp(1.0, FINEST) as u32

@@ -1,11 +1,10 @@
 //! The merge at one pixel (paper, 4.2): three cuts, interpolated and multiplied by light and BRDF.
 //!
-//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. The paper merges the stored cuts with an illumination
-//! cut, and samples the BRDF once per node or, refined, more finely. Lit cuts know the light already and need no illumination
-//! cut: where the pixel's lobe looks, the merge goes down into the stored cuts below them and on into the light tree.
-//! Nodes without visibility are dropped before the BRDF is evaluated; the others are evaluated eight at a time. One
-//! traversal serves the environment and the surface sources, see [`NodeField`]; [`super::merged`] finds the nodes. Twin of
-//! `shaders/merge_pass.wgsl`: the same terms.
+//! `B = Σ |C| <l> <ρ> (w1 <v1> + w2 <v2> + w3 <v3>)` over the merged cut. The paper merges the stored cuts with an illumination cut
+//! and samples the BRDF once per node or, refined, more finely. Lit cuts contain the light already and need no illumination cut:
+//! within the pixel's lobe, the merge descends into the stored cuts and on into the light tree. It drops nodes without visibility
+//! before the BRDF and evaluates the others eight at a time. One traversal serves the environment and the surface sources, see
+//! [`NodeField`]; [`super::merged`] finds the nodes. Twin of `shaders/merge_pass.wgsl`: the same terms.
 
 use crate::{
     light::mirrored_map::MirroredMap,
@@ -29,7 +28,7 @@ use std::{
 };
 use wide::f32x8;
 
-/// Work done for one pixel or many.
+/// Work for one or more pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
     /// Nodes of merged cuts.
@@ -60,19 +59,19 @@ impl AddAssign for Work {
 pub(crate) struct Term {
     /// Heap index.
     pub node: u32,
-    /// Leaves below it; zero in padding.
+    /// Leaves below the node; zero in padding.
     pub leaves: f32,
-    /// Interpolated value of the vertices' cuts; zero in padding, and for nodes that only a [`Mirror`] asks for.
+    /// Interpolated value of the vertices' cuts; zero in padding and for nodes that only a [`Mirror`] requests.
     pub visibility: f32,
-    /// Whether it comes from lit cuts: then the value is a mean weighted by the light.
+    /// Whether the node comes from lit cuts: its value is then a light-weighted mean.
     pub is_lit: bool,
 }
 
 impl Term {
-    /// What fills up eight: the root without leaves.
+    /// Padding for groups of eight: the root without leaves.
     pub(super) const PADDING: Self = Self { node: 1, leaves: 0.0, visibility: 0.0, is_lit: false };
 
-    /// Its two halves.
+    /// Both children.
     #[inline(always)]
     pub(super) fn halves(self) -> [Self; 2] {
         let half = Self { node: 2 * self.node, leaves: 0.5 * self.leaves, ..self };
@@ -85,7 +84,7 @@ pub(crate) struct EightTerms<'t, L = f32x8> {
     pub terms: &'t [Term],
     /// Unit directions to the nodes in world space.
     pub direction: Vec3x8<L>,
-    /// The same in the local frame.
+    /// The same directions in the local frame.
     pub wi: Vec3x8<L>,
     /// Mean radiance of the nodes.
     pub radiance: Vec3x8<L>,
@@ -104,19 +103,19 @@ impl<L: Lanes> EightTerms<'_, L> {
         self.brdf_cos.scale(self.radiance) * self.weight
     }
 
-    /// The same if all of the nodes were seen.
+    /// Reflected light if all nodes were visible.
     #[inline(always)]
     fn unshadowed(&self) -> Vec3x8<L> {
         self.brdf_cos.scale(self.radiance) * self.leaves
     }
 }
 
-/// Merges and evaluates; keeps its buffers between pixels.
+/// Merges and evaluates cuts; keeps its buffers between pixels.
 pub struct Shader<'a, F> {
     pub(super) field: F,
     pub(super) cuts: &'a PackedCuts,
     pub(super) sampling: BrdfSampling,
-    /// Whether the cuts know what is below the horizon of a surface: vertices do not see it.
+    /// Whether the cuts include the surface's horizon: vertices see nothing below it.
     knows_horizon: bool,
     found: Found,
     instructions: InstructionSet,
@@ -125,13 +124,13 @@ pub struct Shader<'a, F> {
 }
 
 impl<'a, F: NodeField> Shader<'a, F> {
-    /// For visibility `cuts` over the tree of `field`.
+    /// Creates a shader for visibility `cuts` over the tree of `field`.
     pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
         let (instructions, found, work) = (InstructionSet::widest(), Found::default(), Work::default());
         Self { field, cuts, sampling, knows_horizon: true, found, instructions, work }
     }
 
-    /// For `cuts` without any occlusion, not even by the surface itself.
+    /// Creates a shader for `cuts` without any occlusion, not even by the surface itself.
     pub fn unoccluded(field: F, cuts: &'a PackedCuts) -> Self {
         Self { knows_horizon: false, ..Self::new(field, cuts, BrdfSampling::Refine) }
     }
@@ -141,7 +140,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
         self.instructions.run(Shade { shader: self, point })
     }
 
-    /// The sharp lobes of a point that read the map of the light, if it has one.
+    /// Sharp lobes at a point that read the light's map, if it has one.
     fn mirror(&self, point: &SurfacePoint) -> Option<(Mirror, &'a MirroredMap)>
     where
         F: 'a,
@@ -150,8 +149,8 @@ impl<'a, F: NodeField> Shader<'a, F> {
         Some((Mirror::at(point, self.field.solid_angle())?, map))
     }
 
-    /// Visits the terms that are summed without a [`Mirror`], in any order, and before them the nodes of the merged cut
-    /// without visible light, left to right.
+    /// Visits the terms of the sum without a [`Mirror`], in any order, after the nodes of the merged cut without visible light,
+    /// left to right.
     #[inline(always)]
     pub fn traverse<L: Lanes>(
         &mut self,
@@ -162,7 +161,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
         self.traverse_with(point, None, dark, visit);
     }
 
-    /// As [`Self::traverse`], also with the nodes without visible light that reach into the window of a mirror.
+    /// [`Self::traverse`] including nodes without visible light that reach into the window of a mirror.
     #[inline(always)]
     fn traverse_with<L: Lanes>(
         &mut self,
@@ -249,7 +248,7 @@ impl<F: NodeField, L: Lanes, V: FnMut(&EightTerms<L>)> BrdfVisitor for Evaluate<
     }
 }
 
-/// [`Shader::shade`] in the instructions of the machine.
+/// [`Shader::shade`] in the machine's instruction set.
 struct Shade<'s, 'a, 'p, F> {
     shader: &'s mut Shader<'a, F>,
     point: &'p SurfacePoint,

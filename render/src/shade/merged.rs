@@ -1,8 +1,7 @@
-//! The nodes that a pixel sums: those of the merged cut, or parts of them where the BRDF needs more directions.
+//! The nodes that a pixel sums: nodes of the merged cut, or their descendants where the BRDF needs more directions.
 //!
-//! Cuts are merged one node after another; the lit cuts once for all pixels of a triangle that come after each other. What the
-//! nodes look like from the pixel is asked for eight at a time; what is too wide waits, halved, for the next eight. So the terms
-//! come in an order of their own.
+//! Cuts are merged node by node; lit cuts once for consecutive pixels of one triangle. Nodes are tested eight at a time from the
+//! pixel. Each node that is too wide is split, and its halves wait for the next eight, so the order of terms is not the tree's.
 
 use super::{
     merge::{Shader, Term},
@@ -22,20 +21,20 @@ use lapidary_core::{
     simd::{Lanes, Vec3x8},
 };
 
-/// What is found at a pixel; its memory is kept for the next.
+/// Nodes of one pixel; the buffers are reused for the next.
 #[derive(Default)]
 pub(super) struct Found {
     lit: LitNodes,
-    /// Nodes that have not been looked at.
+    /// Nodes still to be tested.
     open: Terms,
-    /// What is summed.
+    /// Terms of the sum.
     pub terms: Terms,
 }
 
-/// Terms one after another.
+/// A list of terms.
 #[derive(Default)]
 pub(super) struct Terms {
-    /// Those behind `len` are room for more.
+    /// Items after `len` are spare room.
     items: Vec<Term>,
     len: usize,
 }
@@ -46,13 +45,13 @@ impl Terms {
         self.len = 0;
     }
 
-    /// How many there are.
+    /// Number of terms.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Eight at a time, filled up with padding.
+    /// The terms in groups of eight, padded.
     #[inline(always)]
     pub fn eights(&mut self) -> &[[Term; 8]] {
         self.make_room(8);
@@ -67,7 +66,7 @@ impl Terms {
         }
     }
 
-    /// Adds a term that is kept, for which there is room. Without a branch, since what is kept is hard to predict.
+    /// Appends a term if `is_kept`; there must be room. It does not branch, because `is_kept` is hard to predict.
     #[inline(always)]
     fn put(&mut self, term: Term, is_kept: bool) {
         self.items[self.len] = term;
@@ -80,7 +79,7 @@ impl Terms {
         self.put(term, true);
     }
 
-    /// Takes up to eight from the end, filled up with padding, and tells how many they are.
+    /// Removes up to eight from the end, padded to eight, and returns their number.
     #[inline(always)]
     fn pop_eight(&mut self) -> ([Term; 8], usize) {
         let count = self.len.min(8);
@@ -94,19 +93,19 @@ impl Terms {
 /// The merged lit cuts of a triangle.
 #[derive(Default)]
 struct LitNodes {
-    /// Of which vertices; none at first.
+    /// Vertices of the triangle; `None` at first.
     vertices: Option<[u32; 3]>,
     eights: Vec<EightLitNodes>,
     count: usize,
 }
 
-/// Eight nodes of merged lit cuts, and where the cuts stand there. Padding has no leaves and no light.
+/// Eight nodes of merged lit cuts, with the positions of the cuts there. Padding has no leaves and no light.
 #[derive(Clone, Copy)]
 struct EightLitNodes {
     nodes: [usize; 8],
     firsts: [u32; 8],
     leaves: [u32; 8],
-    /// Values of the three vertices' nodes.
+    /// Values at the three vertices.
     values: [[f32; 8]; 3],
     places: [[CutPlace; 3]; 8],
 }
@@ -121,13 +120,13 @@ impl EightLitNodes {
     };
 }
 
-/// How eight nodes look: a bit each.
+/// Tests of eight nodes, one bit each.
 struct Looks {
-    /// Some lobe needs more directions than one.
+    /// Some lobe needs several directions.
     in_lobe: u32,
-    /// The lobe or the cosine does.
+    /// The lobe or the cosine needs several directions.
     too_wide: u32,
-    /// They reach into the window of a mirror.
+    /// The node reaches into the window of a mirror.
     in_window: u32,
 }
 
@@ -139,9 +138,9 @@ pub(super) struct Merged<'a, 'p, F> {
     sampling: BrdfSampling,
     point: &'p SurfacePoint,
     refinement: Refinement,
-    /// Direction in which the surface mirrors the eye, in world space.
+    /// Mirror direction of the eye, in world space.
     mirrored: Vec3,
-    /// What also needs nodes without visible light.
+    /// Mirror that also needs nodes without visible light.
     mirror: Option<&'p Mirror>,
 }
 
@@ -154,8 +153,8 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         Self { field, cuts, height: field.tree().height(), sampling, point, refinement, mirrored, mirror }
     }
 
-    /// Finds the terms, and hands the nodes without visible light to `dark`, left to right. Returns the number of nodes of the
-    /// merged cut.
+    /// Finds the terms, and passes nodes without visible light to `dark`, left to right. Returns the number of nodes in the merged
+    /// cut.
     #[inline(always)]
     pub fn find<L: Lanes>(&self, found: &mut Found, dark: impl FnMut(Interval)) -> u64 {
         found.terms.clear();
@@ -180,7 +179,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         1 << self.height
     }
 
-    /// Value of the three vertices' nodes, interpolated.
+    /// Interpolated value of the three vertices.
     #[inline(always)]
     fn interpolated(&self, codes: impl Fn(usize) -> u16) -> f32 {
         let value = |i: usize| self.point.weights[i] * self.field.cut_value(codes(i));
@@ -214,7 +213,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         count
     }
 
-    /// Adds a node of the merged stored cuts, or hands it to `dark`. The first three of `cursors` are those of the vertices.
+    /// Adds a node of the merged stored cuts, or passes it to `dark`. The first three of `cursors` are the vertices' cursors.
     #[inline(always)]
     fn add_stored(
         &self,
@@ -239,7 +238,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         self.point.vertices.map(|v| PackedCursor::new(self.height, lit.of(self.cuts, v)))
     }
 
-    /// Merges the lit cuts of the point's triangle, unless they are merged.
+    /// Merges the lit cuts of the point's triangle, unless already done.
     #[inline(always)]
     fn merge_lit(&self, lit: &mut LitNodes) {
         if lit.vertices == Some(self.point.vertices) {
@@ -269,7 +268,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         );
     }
 
-    /// Looks at the merged lit cuts, and merges the stored ones below a node that a lobe shows. Returns the number of nodes.
+    /// Tests the merged lit cuts, and merges the stored cuts below nodes within a lobe. Returns the number of nodes.
     #[inline(always)]
     fn lit<L: Lanes>(&self, found: &mut Found, mut dark: impl FnMut(Interval)) -> u64 {
         let Found { lit, open, terms } = found;
@@ -322,7 +321,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         count
     }
 
-    /// Merges the stored cuts of the leaves of one node.
+    /// Merges the stored cuts below one node.
     #[inline(always)]
     fn below(
         &self,
@@ -344,7 +343,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         count
     }
 
-    /// Looks at what waits, and at its halves, until nothing is too wide.
+    /// Tests waiting nodes and their halves until none is too wide.
     #[inline(always)]
     fn settle<L: Lanes>(&self, found: &mut Found) {
         let Found { open, terms, .. } = found;
@@ -372,7 +371,7 @@ impl<'a, 'p, F: NodeField> Merged<'a, 'p, F> {
         }
     }
 
-    /// Adds a node to what is summed, or its halves to what waits.
+    /// Adds a node to the sum, or its halves to the waiting nodes.
     #[inline(always)]
     fn add(&self, term: Term, is_too_wide: bool, open: &mut Terms, terms: &mut Terms) {
         if is_too_wide && term.node < self.leaves() {
@@ -408,7 +407,7 @@ fn nodes_of(eight: &[Term; 8]) -> [usize; 8] {
     nodes
 }
 
-/// The lanes of a mask, one after another.
+/// The set lanes of a mask.
 #[inline(always)]
 fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(

@@ -1,14 +1,14 @@
-//! Sharp lobes: below a few light samples in width, a lobe reads the map of the environment itself.
+//! Sharp lobes: a lobe narrower than a few light samples reads the environment's map itself.
 //!
-//! Light samples are too coarse for them: filtered, they blur a mirror by the distance between samples. Around the mirror's
-//! direction there is a window `w`, as wide as the lobe and a sample together. The light in it is replaced:
+//! Light samples are too coarse for sharp lobes: filtered samples blur a mirror by the sample spacing. A window `w` around the
+//! mirror direction, as wide as the lobe and a sample together, has its light replaced:
 //!
 //! `∫ f L V w  =  ∫ f L w · (Σ f̃ L V w / Σ f̃ L w)`
 //!
-//! The first factor has no visibility. It is read from the map by importance samples of the lobe and of one that fills the
-//! window, each from a level of the pyramid as coarse as the samples are apart (Krivanek and Colbert 2008, *Real-time Shading with Filtered Importance
-//! Sampling*). The second is the share of this light that is seen, over the nodes of the merged cut. Any model has both,
-//! since nothing of it but the widths of its lobes is asked for. Twin of `shaders/mirror.wgsl`.
+//! The first factor has no visibility. Importance samples of the lobe, and of one that fills the window, read it from the map, each
+//! from a pyramid level that matches the sample spacing (Krivanek and Colbert 2008, *Real-time Shading with Filtered Importance
+//! Sampling*). The second factor is the visible share of this light, over the nodes of the merged cut. Both need only the widths of
+//! a model's lobes. Twin of `shaders/mirror.wgsl`.
 
 use crate::{
     light::mirrored_map::MirroredMap,
@@ -22,26 +22,26 @@ use lapidary_core::{
 use std::f32::consts::PI;
 use wide::f32x8;
 
-/// A lobe below this many radii of a light sample in width is sharp, and reads the map alone.
+/// A lobe narrower than this many radii of a light sample is sharp, and reads the map alone.
 const SHARP: f32 = 3.0;
-/// A lobe above this many reads light samples alone.
+/// A lobe wider than this many radii reads light samples alone.
 const SOFT: f32 = 5.0;
-/// Half-width of the window in widths that a light sample adds: what is blurred by it lies inside.
+/// Half-width of the window in widths of a light sample's blur, which then lies inside.
 const WINDOW: f32 = 6.0;
 /// Half-width of the window in widths of the lobe.
 const OF_LOBE: f32 = 3.0;
-/// Directions that are read for each lobe.
+/// Directions per lobe.
 const SAMPLES: usize = 8;
-/// Most lobes that are sampled: three sharp ones, and one that fills the window.
+/// Most sampled lobes: three sharp ones and one that fills the window.
 const MOST_LOBES: usize = 4;
-/// Half-width of the window in widths of the lobe that fills it. It samples what is wide: a diffuse or a rough base.
+/// Half-width of the window in widths of the lobe that fills it. That lobe samples a diffuse or rough base.
 const FILLED: f32 = 2.5;
-/// Correlations of slopes between which a mirror fades: where they lie along neither axis, lobes of axes cannot sample them.
+/// Range of slope correlation over which a mirror fades: axis-aligned lobes cannot sample slopes off both axes.
 const CORRELATED: [f32; 2] = [0.1, 0.3];
-/// Turn from sample to sample, as cosine and sine: the golden section of a full turn, for which discs are filled evenly.
+/// Rotation between samples as cosine and sine: the golden section of a full turn, which fills discs evenly.
 const GOLDEN: Vec2 = Vec2::new(-0.737_368_8, -0.675_490_26);
 
-/// The shader's copies of these are compared with them in a test.
+/// A test compares the shader's copies with these.
 #[cfg(test)]
 pub(crate) const CONSTANTS: [(&str, f32); 10] = [
     ("SHARP", SHARP),
@@ -56,7 +56,7 @@ pub(crate) const CONSTANTS: [(&str, f32); 10] = [
     ("GOLDEN_SIN", GOLDEN.y),
 ];
 
-/// Angle in radians from the middle to the rim of a disc of a solid angle.
+/// Angular radius in radians of a disc with this solid angle.
 fn sample_radius(leaf_solid_angle: f32) -> f32 {
     (leaf_solid_angle / PI).sqrt()
 }
@@ -64,30 +64,30 @@ fn sample_radius(leaf_solid_angle: f32) -> f32 {
 /// The sharp lobes of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mirror {
-    /// How much of the window's light is replaced: less than all of it where lobes begin to be soft.
+    /// Share of the window's light that is replaced; below 1 for moderately soft lobes.
     share: f32,
-    /// The widths of what is sampled, the first `count`: the sharp lobes, and one that fills the window.
+    /// Widths of the sampled lobes, the first `count`: the sharp ones, and one that fills the window.
     lobes: [[f32; 2]; MOST_LOBES],
     count: usize,
     /// Inverse squares of the window's half-axes, in slopes of half vectors.
     axes: [f32; 2],
-    /// Largest angle in radians from the mirror's direction to the window's rim.
+    /// Largest angle in radians from the mirror direction to the window's rim.
     reach: f32,
     wo: Vec3,
 }
 
 impl Mirror {
-    /// Whether a lobe of this width may read the map among light samples of a solid angle in steradians.
+    /// Whether a lobe of this width may read the map, among light samples of this solid angle in steradians.
     pub fn may_be(narrowest: f32, leaf_solid_angle: f32) -> bool {
         sharpness(narrowest / sample_radius(leaf_solid_angle)) > 0.0
     }
 
-    /// Of the lobes of a point, among light samples of a solid angle in steradians.
+    /// Mirror for the lobes of a point, among light samples of this solid angle in steradians.
     pub fn at(point: &SurfacePoint, leaf_solid_angle: f32) -> Option<Self> {
         Self::of(point.brdf.as_brdf().lobes(), point.slopes, point.wo, leaf_solid_angle)
     }
 
-    /// Of a model's lobes, on a surface of these [slopes](SurfacePoint::slopes), seen from the local direction `wo`.
+    /// Mirror for a model's lobes, on a surface with these [slopes](SurfacePoint::slopes), seen from the local direction `wo`.
     fn of(lobes: Lobes, [xx, xy, yy]: [f32; 3], wo: Vec3, leaf_solid_angle: f32) -> Option<Self> {
         let sample_radius = sample_radius(leaf_solid_angle);
         let (mut sampled, mut count) = ([[MIN_ALPHA; 2]; MOST_LOBES], 0);
@@ -106,7 +106,7 @@ impl Mirror {
         if !(share > 0.0 && wo.z > 0.0) {
             return None;
         }
-        // What a sample adds to the width in the space of half vectors, more so at grazing angles.
+        // Width that a sample adds in the space of half vectors, larger at grazing angles.
         let added = sample_radius / wo.z.max(0.1);
         let blurred = WINDOW * WINDOW * 0.125 * added * added;
         let half_axes = widest.map(|width| (OF_LOBE * OF_LOBE * width * width + blurred).sqrt());
@@ -116,19 +116,19 @@ impl Mirror {
         Some(Self { share, lobes: sampled, count: count + 1, axes, reach, wo })
     }
 
-    /// How much eight local directions belong to the window: 1 around the mirror's direction, 0 outside.
+    /// Window weight of eight local directions: 1 around the mirror direction, 0 outside.
     #[inline(always)]
     pub fn window<L: Lanes>(&self, wi: Vec3x8<L>) -> L {
         let half = wi + Vec3x8::splat(self.wo);
         let slopes = half.x * half.x * L::splat(self.axes[0]) + half.y * half.y * L::splat(self.axes[1]);
         let distance = slopes / (half.z * half.z).at_least(1e-6);
-        // Smooth from the half of the half-axes to their ends.
+        // Smooth from half of the half-axes to their ends.
         let t = ((L::splat(1.0) - distance) * L::splat(4.0 / 3.0)).at_least(0.0).fast_min(L::splat(1.0));
         t * t * (L::splat(3.0) - t - t)
     }
 
-    /// The spread of eight lights that widens lobes: none but well inside the window. A lobe that is widened has too bright
-    /// tails, which would be added to what the window has.
+    /// Spread of eight lights for widening lobes: zero except well inside the window. A widened lobe has bright tails, which would
+    /// add light outside the window.
     #[inline(always)]
     pub fn spread<L: Lanes>(&self, wi: Vec3x8<L>, inv_kappa: L) -> L {
         inv_kappa * (L::splat(1.0) - (L::splat(1.0) - self.inside(wi)) * L::splat(self.share))
@@ -143,12 +143,12 @@ impl Mirror {
         fourth * fourth
     }
 
-    /// The spread that widens lobes for eight light samples, which are single directions for soft lobes.
+    /// Spread of eight light samples for widening lobes; zero for soft lobes, which take samples as single directions.
     pub fn sample_spread(&self, wi: Vec3x8, inv_kappa: f32x8) -> f32x8 {
         inv_kappa * (self.inside(wi) * f32x8::splat(self.share))
     }
 
-    /// Whether eight cones of `radius` at an angle of these cosines to the mirror's direction reach into the window, as a mask.
+    /// Mask of the cones of `radius` that reach into the window, from the cosine of their angle to the mirror direction.
     #[inline(always)]
     pub fn overlaps<L: Lanes>(&self, cos: L, radius: L) -> L {
         let angle = (L::splat(self.reach) + radius).fast_min(L::splat(PI));
@@ -158,7 +158,7 @@ impl Mirror {
         cos.simd_gt(least)
     }
 
-    /// `∫ f L w`: light of the window without any shadow.
+    /// `∫ f L w`: unoccluded light of the window.
     #[inline(always)]
     pub fn unshadowed<L: Lanes>(&self, point: &SurfacePoint, map: &MirroredMap) -> Vec3 {
         let (receiver, mut sum) = (ReceiverX8::<L>::new(point), Vec3::ZERO);
@@ -183,7 +183,7 @@ impl Mirror {
         sum.reduce_add()
     }
 
-    /// What eight local directions among those of [`Self::samples`] stand for; 0 below the horizon.
+    /// Solid angles of eight local directions among [`Self::samples`]; 0 below the horizon.
     #[inline(always)]
     fn solid_angles<L: Lanes>(&self, lobes: &[GgxLobe], local: Vec3x8<L>) -> L {
         let mut density = L::splat(0.0);
@@ -194,7 +194,7 @@ impl Mirror {
         solid_angles & local.z.simd_gt(L::splat(0.0))
     }
 
-    /// Local directions by the lobes, below the horizon too.
+    /// Local directions sampled from the lobes, including those below the horizon.
     fn samples(&self, lobes: &[GgxLobe]) -> [Vec3; MOST_LOBES * SAMPLES] {
         let mut samples = [Vec3::NEG_Z; MOST_LOBES * SAMPLES];
         let mut turn = Vec2::X;
@@ -209,8 +209,8 @@ impl Mirror {
         samples
     }
 
-    /// All light of a point with that of the window replaced: `reflected` of the nodes, `seen` of it in the window, `all` of the
-    /// window if everything were seen, and [`Self::unshadowed`], which is not asked for where nothing of the window is seen.
+    /// A point's light with the window's light replaced: `reflected` is the nodes' total, `seen` their visible light in the window,
+    /// `all` their unoccluded light there. [`Self::unshadowed`] is computed only if `seen` is not zero.
     #[inline(always)]
     pub fn sharpened(&self, reflected: Vec3, seen: Vec3, all: Vec3, unshadowed: impl FnOnce() -> Vec3) -> Vec3 {
         if seen == Vec3::ZERO {
@@ -238,7 +238,7 @@ impl<L: Lanes> BrdfVisitor for Unshadowed<'_, L> {
     }
 }
 
-/// 1 for lobes that are sharp, of a width in radii of a light sample; 0 for soft ones.
+/// 1 for sharp lobes, with the width in radii of a light sample; 0 for soft ones.
 fn sharpness(width: f32) -> f32 {
     falling(width, [SHARP, SOFT])
 }

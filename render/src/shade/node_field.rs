@@ -1,5 +1,5 @@
-//! The interface of the merge to a tree of lights: distant lights, whose directions are the same everywhere, or surface
-//! sources, whose directions depend on the point.
+//! The merge's interface to a tree of lights: distant lights with constant directions, or surface sources with directions that
+//! depend on the point.
 
 use crate::light::{
     bounce::SourceLighting,
@@ -25,23 +25,23 @@ pub(crate) trait NodeField: Copy {
 
     /// The tree.
     fn tree(&self) -> &TreeLight<Self::Lights>;
-    /// Value of a 12-bit code of a vertex's cut.
+    /// Value of a 12-bit code in a vertex's cut.
     fn cut_value(&self, code: u16) -> f32;
-    /// Solid angle of a leaf whose cut value is one, in steradians.
+    /// Solid angle in steradians of a leaf with a cut value of one.
     fn solid_angle(&self) -> f32;
-    /// Eight nodes as seen from a point, for the decision on refinement.
+    /// Cones of eight nodes from a point, for the refinement test.
     fn cones<L: Lanes>(&self, nodes: [usize; 8], from: Vec3) -> EightCones<L>;
-    /// The light of eight nodes at a point. With `spread`, that of each node; else none.
+    /// Light of eight nodes at a point, with each node's angular spread if `spread`, else with none.
     fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L>;
     /// Unit directions to eight nodes from a point.
     fn directions(&self, nodes: [usize; 8], from: Vec3) -> Vec3x8;
-    /// Angular spread of the light from eight nodes: inverse concentrations as von Mises-Fisher lobes.
+    /// Angular spread of the light from eight nodes, as inverse concentrations of von Mises-Fisher lobes.
     fn inv_kappas(&self, nodes: [usize; 8], from: Vec3) -> f32x8;
-    /// Angular spread that the references use for the light from eight leaves.
+    /// Angular spread of eight leaves, as the references use it.
     fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8;
-    /// Center of a node's light, if it is not infinitely far.
+    /// Center of a node's light, unless infinitely far.
     fn center(&self, node: usize) -> Option<Vec3>;
-    /// The map that its samples stand for, if there is one.
+    /// The map of its light samples, if any.
     fn mirrored<'m>(self) -> Option<&'m MirroredMap>
     where
         Self: 'm;
@@ -57,7 +57,7 @@ pub(crate) trait NodeField: Copy {
 pub(crate) struct EightLights<L> {
     /// Unit directions to them.
     pub direction: Vec3x8<L>,
-    /// Angular spread: inverse concentrations as von Mises-Fisher lobes.
+    /// Angular spread, as inverse concentrations of von Mises-Fisher lobes.
     pub inv_kappa: L,
     /// Moments of these lobes.
     pub moments: LobeMomentsX8<L>,
@@ -66,7 +66,7 @@ pub(crate) struct EightLights<L> {
 }
 
 impl<L: Lanes> EightLights<L> {
-    /// Without any spread.
+    /// Lights without angular spread.
     #[inline(always)]
     fn of_points(direction: Vec3x8<L>, radiance: Vec3x8<L>) -> Self {
         let (inv_kappa, moments) = (L::splat(0.0), LobeMomentsX8::known(L::splat(0.0), L::splat(1.0)));
@@ -74,13 +74,13 @@ impl<L: Lanes> EightLights<L> {
     }
 }
 
-/// The directions in which eight nodes lie.
+/// Directions of eight nodes.
 pub(crate) struct EightCones<L> {
-    /// Unit directions that stand for them.
+    /// Unit directions to the nodes.
     pub direction: Vec3x8<L>,
     /// Half-angles in radians.
     pub radius: L,
-    /// How bright the nodes are somewhere, see [`NodeExtent`].
+    /// Brightness of the nodes; see [`NodeExtent`].
     pub brightness: L,
 }
 
@@ -149,18 +149,18 @@ impl NodeField for &SceneLighting {
 #[derive(Clone, Copy)]
 pub(crate) struct SourceField<'a> {
     lighting: &'a SourceLighting,
-    /// Solid angle of every code.
+    /// Solid angle of each code.
     solid_angles: &'static [f32; 4096],
 }
 
 impl<'a> SourceField<'a> {
-    /// For sources under one illumination.
+    /// Wraps sources under one illumination.
     pub fn new(lighting: &'a SourceLighting) -> Self {
         Self { lighting, solid_angles: solid_angles() }
     }
 }
 
-/// Smallest distance in meters: a point on a source sees it in some direction.
+/// Smallest distance in meters: a point on a source still has a direction to it.
 pub(crate) const LEAST_DISTANCE: f32 = 1e-6;
 
 impl NodeField for SourceField<'_> {
@@ -188,7 +188,7 @@ impl NodeField for SourceField<'_> {
         let one = L::splat(1.0);
         let inv_distance = one / to_center.dot(to_center).sqrt().at_least(LEAST_DISTANCE);
         let tan = radius * inv_distance;
-        // Twice the tangent of half of the angle, which is close to the angle where it is small enough not to be halved.
+        // Twice the tangent of half the angle, close to the angle for angles that need no split.
         let radius = (tan + tan) / (one + (one + tan * tan).sqrt());
         EightCones { direction: to_center * inv_distance, radius, brightness }
     }
@@ -216,7 +216,7 @@ impl NodeField for SourceField<'_> {
         cap_inv_kappa(self.toward_centers(nodes, from), spread)
     }
 
-    /// A source is a disc.
+    /// The spread of a disc.
     #[inline(always)]
     fn leaf_inv_kappas(&self, leaves: [usize; 8], from: Vec3) -> f32x8 {
         self.inv_kappas(leaves, from)
@@ -246,7 +246,7 @@ fn normalized<L: Lanes>(to_center: Vec3x8<L>) -> Vec3x8<L> {
     to_center * (L::splat(1.0) / to_center.dot(to_center).sqrt().at_least(LEAST_DISTANCE))
 }
 
-/// Inverse concentrations of discs of radius `spread` in meters, seen face on.
+/// Inverse concentrations of discs with radius `spread` in meters, seen face on.
 #[inline(always)]
 fn cap_inv_kappa<L: Lanes>(to_center: Vec3x8<L>, spread: L) -> L {
     let one = L::splat(1.0);

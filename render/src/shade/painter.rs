@@ -1,4 +1,4 @@
-//! The value of a surface point in each view mode: radiance, or one of the quantities behind it.
+//! The value of a surface point in each view mode: radiance or an underlying quantity.
 
 use crate::{
     light::{
@@ -22,7 +22,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{dataset::Dataset, meshless::irradiance, ray::Blockers};
 use std::{array::from_fn, f32::consts::FRAC_1_PI};
 
-/// What the views of the meshless basis show of a surface that faces the eye, for its shape.
+/// Gray of a surface facing the eye in the views of the meshless basis, to show its shape.
 pub(crate) const BASIS_GREY: f32 = 0.4;
 
 /// The light of a picture.
@@ -30,22 +30,22 @@ pub(crate) const BASIS_GREY: f32 = 0.4;
 pub(crate) struct PictureLight<'a> {
     /// Direct light of the environment.
     pub environment: Option<&'a SceneLighting>,
-    /// Whether the light is shown that surfaces send by themselves.
+    /// Whether emitted light of surfaces is shown.
     pub emission: bool,
     /// Bounced light as baked.
     pub bounce: Option<&'a BounceLight>,
-    /// What posed objects change of the environment's light.
+    /// Changes of the environment's light by posed objects.
     pub posed: Option<&'a PosedLight>,
-    /// What they change of bounced light, if that is shown.
+    /// Changes of bounced light by posed objects, if shown.
     pub posed_bounce: Option<&'a PosedLight>,
     /// Local lights whose direct light is shown.
     pub local: Option<DirectLights<'a>>,
-    /// Those among the local lights whose light is summed by itself; [`Self::local`] has the others.
+    /// Local lights that are summed separately; [`Self::local`] has the others.
     pub added: Option<DirectLights<'a>>,
 }
 
 impl PictureLight<'_> {
-    /// The parts that a picture in a mode has. The first is never missing: it also has what needs no light.
+    /// Parts of a picture in a mode. The first part always exists: it also holds quantities without light.
     pub fn parts(&self, mode: ViewMode) -> [bool; LightPart::COUNT] {
         let shaded = mode == ViewMode::Shaded;
         LightPart::ALL.map(|part| match part {
@@ -69,7 +69,7 @@ enum Bounce<'a> {
 }
 
 impl<'a> Bounce<'a> {
-    /// `None` if the light is gathered by cuts that a dataset does not have.
+    /// `None` if the dataset lacks the cuts that gather this light.
     fn new(light: &'a BounceLight, dataset: &'a Dataset, sampling: BrdfSampling) -> Option<Self> {
         Some(match light {
             BounceLight::Vertices(sides) => Self::Vertices(sides),
@@ -81,7 +81,7 @@ impl<'a> Bounce<'a> {
         })
     }
 
-    /// Radiance toward the eye. All but cuts take the surface for a diffuse one of the same albedo.
+    /// Radiance toward the eye. All kinds but cuts treat the surface as diffuse with the same albedo.
     fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
         let received = match self {
             Self::Sources(shader) => return shader.shade(point),
@@ -95,7 +95,7 @@ impl<'a> Bounce<'a> {
     }
 }
 
-/// What a point is known to see of the lights of each part.
+/// Known visibility of each part's lights at a point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SeenOfParts {
     local: LightsSeen,
@@ -107,7 +107,7 @@ pub(crate) struct Painter<'a> {
     mode: ViewMode,
     basis: BasisView,
     dataset: &'a Dataset,
-    /// `None` without a light: values that depend on it are black.
+    /// `None` without an environment: values that depend on it are black.
     environment: Option<Shader<'a, &'a SceneLighting>>,
     emission: bool,
     bounce: Option<Bounce<'a>>,
@@ -115,9 +115,9 @@ pub(crate) struct Painter<'a> {
     posed_bounce: Option<&'a PosedLight>,
     local: Option<DirectShader<'a>>,
     added: Option<DirectShader<'a>>,
-    /// What stopped the rays of the last point to each of the local lights, and of those that are added.
+    /// Blockers of the last point's rays, for each local light and each added one.
     blockers: [Vec<Blockers>; 2],
-    /// Work that was shown and has not been taken.
+    /// Work not yet taken by [`Self::take_work`].
     shown: Work,
 }
 
@@ -141,9 +141,9 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// One part of a point's light as scene-linear radiance. The first part also has what the other modes show: an
-    /// albedo, a normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
-    /// [`crate::shade::direct::pixel_shift`]; `seen` is what is known of [`Self::lights_seen`].
+    /// One part of a point's light as scene-linear radiance. The first part also holds the quantities of other modes: an albedo, a
+    /// normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
+    /// [`crate::shade::direct::pixel_shift`]; `seen` comes from [`Self::lights_seen`].
     pub fn part(&mut self, part: LightPart, point: &SurfacePoint, shift: Vec2, seen: SeenOfParts) -> Vec3 {
         match part {
             LightPart::Environment => self.mode_value(point),
@@ -154,14 +154,13 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// How many points are best looked at together: eight where [`Self::lights_seen`] tells anything. Otherwise one after another,
-    /// which stay in the cache.
+    /// Number of points to process together: eight if [`Self::lights_seen`] gives results, else one, which stays in the cache.
     pub fn together(&self) -> usize {
         let may_know = |lights: &Option<DirectShader>| lights.as_ref().is_some_and(DirectShader::may_know);
         if may_know(&self.local) || may_know(&self.added) { 8 } else { 1 }
     }
 
-    /// What up to eight points are known to see of the lights of each part that they lack; the nearer the points, the faster it is.
+    /// Known visibility at up to eight points, for the lights of each part that they lack; faster the closer the points are.
     pub fn lights_seen(
         &self,
         points: &EightPoints,
@@ -184,7 +183,7 @@ impl<'a> Painter<'a> {
             ViewMode::VisibilityCut => Vec3::splat(self.visibility_nodes(point)),
             ViewMode::MergedCut => Vec3::splat(self.work_at(point).merged_nodes as f32),
             ViewMode::BrdfEvaluations => Vec3::splat(self.work_at(point).brdf_evaluations as f32),
-            // They are part of the bounced light.
+            // These modes belong to bounced light.
             ViewMode::BasisLevel | ViewMode::BasisFunction | ViewMode::BasisCoefficients => Vec3::ZERO,
         }
     }
@@ -215,7 +214,7 @@ impl<'a> Painter<'a> {
         environment.unwrap_or_default() + sources
     }
 
-    /// Bounced light: as baked, and what posed objects change of it.
+    /// Bounced light: as baked, plus its change by posed objects.
     fn bounced(&mut self, point: &SurfacePoint) -> Vec3 {
         let Some(posed) = self.posed_bounce else { return self.bounced_as_baked(point) };
         let has_moved = posed.is_moved[point.vertices[0] as usize];
@@ -228,7 +227,7 @@ impl<'a> Painter<'a> {
         self.bounce.as_mut().map(|bounce| bounce.reflected(point)).unwrap_or_default()
     }
 
-    /// What the views of the meshless basis show. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
+    /// Value in the views of the meshless basis. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
     fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
         let Some(Bounce::Functions(light)) = self.bounce else { return Vec3::ZERO };
         let (position, normal) = (point.position, point.face_normal);
@@ -253,7 +252,7 @@ impl<'a> Painter<'a> {
         work
     }
 
-    /// Sizes of the vertices' cuts, interpolated as their visibility is.
+    /// Sizes of the vertices' cuts, interpolated like their visibility.
     fn visibility_nodes(&self, point: &SurfacePoint) -> f32 {
         let (height, cuts) = visibility_cuts(self.dataset);
         let nodes = |vertex: u32| cuts.cut(height, vertex).len() as f32;

@@ -1,4 +1,4 @@
-//! Pixel sampling that all CPU renderers share: from a sample of a pixel to the surface or background seen there.
+//! Pixel sampling for all CPU renderers: from a sample of a pixel to the surface or background there.
 
 use crate::{
     renderer::Renderer,
@@ -20,12 +20,12 @@ use lapidary_core::{
 };
 use std::ops::Range;
 
-/// Casts camera rays through the samples of a view's pixels, and shades their hits.
+/// Casts camera rays through the samples of a view's pixels and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
     pub projection: Projection,
     backdrop: &'a Backdrop,
-    /// The mesh with its ground, if it has one.
+    /// The mesh, including its ground if any.
     mesh: &'a Mesh,
     surfaces: Surfaces<'a>,
     offsets: Vec<Vec2>,
@@ -42,7 +42,7 @@ pub(crate) struct Sight {
 }
 
 impl Sight {
-    /// The surface that is seen, if it can be shaded.
+    /// The visible surface, if it can be shaded.
     pub fn surface(&self) -> Option<&SurfacePoint> {
         match &self.seen {
             FirstHit::Surface(point) => Some(point),
@@ -51,11 +51,11 @@ impl Sight {
     }
 }
 
-/// Samples of a pixel whose thresholds are spread evenly.
+/// Samples of a pixel with evenly spread thresholds.
 const STRATA: u32 = 16;
 
-/// Opacities above which surfaces are seen by a sample of a pixel, another for each triangle: layers let each other show as often
-/// as they let light through. Twin of `threshold` in `shaders/opacity.wgsl`.
+/// Opacity thresholds for a pixel sample; surfaces above them are visible. Each triangle has its own, so layers pass light as often
+/// as their opacities say. Twin of `threshold` in `shaders/opacity.wgsl`.
 fn threshold([x, y]: [u32; 2], sample: u32) -> impl Fn(u32) -> f32 {
     move |triangle| {
         let order = (chance(&[x, y, sample / STRATA, triangle, STRATA]) * 4096.0) as u32;
@@ -72,12 +72,12 @@ impl<'a> PixelSampler<'a> {
         Self { view, projection: view.projection(), backdrop, mesh, surfaces, offsets: view.pixel_offsets() }
     }
 
-    /// With maps looked up at points: for so many positions in each pixel that they are filtered by these.
+    /// Uses point lookups in maps, for enough positions per pixel to filter them.
     pub fn unfiltered(self, renderer: &'a Renderer) -> Self {
         Self { surfaces: Surfaces::of(renderer), ..self }
     }
 
-    /// The pixels of a row that are wanted.
+    /// The requested pixels of a row.
     pub fn columns(&self, y: u32) -> Range<u32> {
         match self.view.region {
             None => 0..self.view.size[0],
@@ -86,17 +86,17 @@ impl<'a> PixelSampler<'a> {
         }
     }
 
-    /// Where a sample is in its pixel.
+    /// Position of a sample in its pixel.
     fn offset(&self, sample: usize) -> Vec2 {
         self.offsets[sample % self.offsets.len()]
     }
 
-    /// The view along one of a pixel's samples.
+    /// The view along one sample of a pixel.
     pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
         self.sight_at([x, y], self.offset(sample), threshold([x, y], sample as u32))
     }
 
-    /// The view from a position in the pixel's unit square, of surfaces above thresholds of opacity.
+    /// The view from a position in the pixel's unit square; only surfaces above the opacity thresholds are visible.
     fn sight_at(&self, [x, y]: [u32; 2], in_pixel: Vec2, threshold: impl Fn(u32) -> f32) -> Sight {
         let (position, ray @ (origin, direction)) = self.toward(x, y, in_pixel);
         let first = self.surfaces.hit_above(origin, direction, &threshold);
@@ -104,39 +104,38 @@ impl<'a> PixelSampler<'a> {
         Sight { position, direction, seen: self.seen(hit, direction) }
     }
 
-    /// A position in the picture, and origin and direction of its ray.
+    /// A position in the picture, and its ray's origin and direction.
     fn toward(&self, x: u32, y: u32, in_pixel: Vec2) -> (Vec2, (Vec3, Vec3)) {
         let position = Vec2::new(x as f32, y as f32) + in_pixel;
         (position, self.projection.ray(position, PINHOLE))
     }
 
-    /// Where the camera rays through one of the samples of each of some pixels meet the mesh. Eight at a time are traced
-    /// together, the faster the nearer they are.
+    /// Hits of the camera rays through one sample of each pixel. Rays are traced eight at a time, faster the closer they are.
     pub fn hits(&self, pixels: &[[u32; 2]], sample: usize) -> Vec<Option<Hit>> {
         let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1.1;
         let eights = in_eights(pixels.iter().map(direction));
-        // The last eight may be filled up with rays of no pixel.
+        // Padding rays of the last eight belong to no pixel.
         let of_ray = |ray: usize| threshold(pixels[ray.min(pixels.len() - 1)], sample as u32);
-        // Those that are traced together begin at one point: the rays of a pinhole do.
+        // Eight rays traced together share an origin; this holds for a pinhole camera.
         let eye = self.projection.eye;
         let hits = self.surfaces.hits_from(eye, &eights, |ray, triangle| of_ray(ray)(triangle)).into_flattened();
         let first = hits.into_iter().zip(eights.as_flattened()).take(pixels.len()).enumerate();
         first.map(|(ray, (hit, &direction))| self.past_hidden_ground(hit, (eye, direction), of_ray(ray))).collect()
     }
 
-    /// The view along one of a pixel's samples, whose hit is known.
+    /// The view along one sample of a pixel, from its known hit.
     pub fn sight_of(&self, [x, y]: [u32; 2], sample: usize, hit: Option<Hit>) -> Sight {
         let (position, (_, direction)) = self.toward(x, y, self.offset(sample));
         Sight { position, direction, seen: self.seen(hit, direction) }
     }
 
-    /// A hit of a camera ray, or the one behind a ground that is not seen. From below it never is.
+    /// A camera ray's hit, or the next one behind a hidden ground. The ground is always hidden from below.
     fn past_hidden_ground(&self, hit: Option<Hit>, ray: (Vec3, Vec3), threshold: impl Fn(u32) -> f32) -> Option<Hit> {
         let is_seen = self.view.ground() != Ground::Off;
         self.surfaces.past_ground(hit, ray, is_seen, threshold)
     }
 
-    /// What is seen at a hit. A ground that catches shadows reflects what is behind it.
+    /// The first hit as seen. A ground that catches shadows reflects the background.
     fn seen(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
         let seen = self.surfaces.seen_at(hit, direction);
         let is_ground = hit.is_some_and(|hit| self.mesh.is_ground(hit.triangle));
@@ -146,22 +145,22 @@ impl<'a> PixelSampler<'a> {
         }
     }
 
-    /// Whether the ground, if there is one, only tells the share of the light that it lets through.
+    /// Whether the picture stores only the ground's transmitted share.
     pub fn has_alpha_of_ground(&self) -> bool {
         self.view.background == Background::Transparent && self.backdrop.catches() && self.mesh.ground.is_some()
     }
 
-    /// Whether a material is that of the ground.
+    /// Whether a material belongs to the ground.
     pub fn is_of_ground(&self, material: u32) -> bool {
         self.mesh.ground_material() == Some(material)
     }
 
-    /// Whether a point is of a ground of which the picture has only the share of the light that it lets through.
+    /// Whether a point lies on a ground of which the picture stores only the transmitted share.
     pub fn lets_light_through(&self, point: &SurfacePoint) -> bool {
         point.is_catcher && self.view.background == Background::Transparent
     }
 
-    /// The surface that a pixel's first sample sees at `hit`; `None` for the back of a one-sided one.
+    /// The surface at `hit` for a pixel's first sample; `None` for the back of a one-sided surface.
     pub fn first_point(&self, x: u32, y: u32, hit: &Hit) -> Option<SurfacePoint> {
         let (_, (_, direction)) = self.toward(x, y, self.offset(0));
         match self.seen(Some(*hit), direction) {
@@ -175,18 +174,18 @@ impl<'a> PixelSampler<'a> {
         self.surfaces.material(triangle)
     }
 
-    /// Coverage of a sample on a triangle by the lines of a wireframe.
+    /// Wireframe coverage of a sample on a triangle.
     pub fn wire(&self, position: Vec2, corners: [Vec3; 3]) -> f32 {
         let corners = corners.map(|corner| self.projection.project(corner));
         wireframe::line_coverage(wireframe::edge_distance(position, corners))
     }
 
-    /// [`Self::wire`] of a pixel's first sample.
+    /// [`Self::wire`] for a pixel's first sample.
     pub fn first_wire(&self, x: u32, y: u32, triangle: u32) -> f32 {
         self.wire(Vec2::new(x as f32, y as f32) + self.offset(0), self.surfaces.corners(triangle))
     }
 
-    /// Share of the light behind it that a ground lets through, from what it shows of white.
+    /// Share of the light that a ground transmits, from its shown light over a white background.
     pub fn share_let_through(&self, shown: Vec3) -> f32 {
         self.backdrop.share_let_through(shown)
     }
@@ -196,12 +195,12 @@ impl<'a> PixelSampler<'a> {
         self.backdrop.radiance(direction)
     }
 
-    /// One of the pixel's samples: `shade` of its surface, or the background.
+    /// One sample of the pixel: `shade` of its surface, or the background.
     pub fn sample(&self, x: u32, y: u32, sample: usize, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         self.radiance(self.sight(x, y, sample), shade)
     }
 
-    /// [`Self::sample`] at any position in the pixel's unit square; thin surfaces are seen by chance.
+    /// [`Self::sample`] at any position in the pixel's unit square; thin surfaces are visible by chance.
     pub fn sample_at(&self, x: u32, y: u32, in_pixel: Vec2, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         let position = [in_pixel.x.to_bits(), in_pixel.y.to_bits()];
         let by_chance = |triangle| chance(&[x, y, position[0], position[1], triangle]);
@@ -210,7 +209,7 @@ impl<'a> PixelSampler<'a> {
 
     fn radiance(&self, sight: Sight, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         match sight.seen {
-            // Nothing of it is in a picture without a background.
+            // A picture without a background contains no light of it.
             FirstHit::Surface(point) if self.lets_light_through(&point) => Vec3::ZERO,
             FirstHit::Surface(point) => shade(&point),
             FirstHit::Back => Vec3::ZERO,

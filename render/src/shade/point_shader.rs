@@ -1,9 +1,9 @@
-//! Anything that gives the light of surface points.
+//! Anything that shades surface points.
 
 use crate::shade::surface::SurfacePoint;
 use glam::Vec3;
 
-/// Light of one surface point after another.
+/// Shades one surface point after another.
 pub(crate) trait PointShader {
     /// Reflected radiance toward the eye.
     fn shade(&mut self, point: &SurfacePoint) -> Vec3;

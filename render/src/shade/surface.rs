@@ -1,4 +1,4 @@
-//! The hit of a camera ray: position, frame after bump and normal map, and the BRDF with its textured parameters.
+//! The hit of a camera ray: position, frame after bump and normal map, and the BRDF with textured parameters.
 
 use crate::{appearance::ResolvedAppearance, renderer::Renderer, shade::differentials::Differentials};
 use glam::{Mat3, Vec2, Vec3};
@@ -19,23 +19,23 @@ use wide::f32x8;
 /// A point of a surface as seen along one ray.
 #[derive(Clone, Debug)]
 pub struct SurfacePoint {
-    /// Index of its material.
+    /// Index of the material.
     pub material: u32,
-    /// The vertices of its triangle.
+    /// Vertices of the triangle.
     pub vertices: [u32; 3],
-    /// Where they are.
+    /// Positions of the vertices.
     pub corners: [Vec3; 3],
     /// Weights of the vertices' visibility cuts; those of buried vertices are zero.
     pub weights: [f32; 3],
-    /// Whether the back of its triangle is seen.
+    /// Whether the back of the triangle is visible.
     pub from_behind: bool,
-    /// Where it is, in meters.
+    /// Position in meters.
     pub position: Vec3,
-    /// Origin of shadow rays: just off the face, on the visible side.
+    /// Origin of shadow rays: slightly off the face, on the visible side.
     pub ray_origin: Vec3,
-    /// Unit normal of its triangle, on the visible side.
+    /// Unit normal of the triangle, on the visible side.
     pub face_normal: Vec3,
-    /// Interpolated normal before bump and normal map, on the visible side. Light from below it is not received.
+    /// Interpolated normal before bump and normal map, on the visible side. The surface receives no light from below it.
     pub smooth_normal: Vec3,
     /// Tangent, bitangent and shading normal as columns.
     pub world_from_local: Mat3,
@@ -44,18 +44,18 @@ pub struct SurfacePoint {
     /// Base color and perceptual roughness after their textures; black and 1 in models without.
     pub base_color: Vec3,
     pub roughness: f32,
-    /// Reflectance with these parameters.
+    /// Reflectance with the textured parameters.
     pub brdf: SurfaceBrdf,
-    /// Radiance that it sends by itself.
+    /// Emitted radiance.
     pub emission: Vec3,
-    /// Twice the covariance of its slopes within the sample in the local frame, which widens all lobes: xx, xy, yy.
+    /// Twice the covariance of the slopes within the sample, in the local frame, which widens all lobes: xx, xy, yy.
     pub slopes: [f32; 3],
     /// Whether it belongs to a ground that catches shadows.
     pub is_catcher: bool,
 }
 
 impl SurfacePoint {
-    /// The point as one of a ground that catches shadows: flat, and diffuse with some reflectance, which may be above 1.
+    /// Turns the point into one of a ground that catches shadows: flat and diffuse. `reflectance` may exceed 1.
     pub fn catching(self, reflectance: Vec3) -> Self {
         let wo = self.world_from_local * self.wo;
         let world_from_local = frame(self.smooth_normal, Vec3::X, 1.0);
@@ -72,13 +72,13 @@ impl SurfacePoint {
         }
     }
 
-    /// Widths of its lobes, as [`lapidary_core::brdf::Brdf::lobes`] tells them, after its slopes have widened them.
+    /// Widths of the lobes as in [`lapidary_core::brdf::Brdf::lobes`], widened by the slopes.
     pub fn lobes(&self) -> Lobes {
         let lobes = self.brdf.as_brdf().lobes();
         if self.slopes == [0.0; 3] {
             return lobes;
         }
-        // Along each axis no more than any direction near it has, so that none is taken for wider than it is.
+        // The smallest width of nearby directions along each axis, so no lobe counts as wider than it is.
         let [xx, xy, yy] = self.slopes;
         let [along, across] = [xx, yy].map(|square| (square - xy.abs()).max(0.0));
         let widened = |[x, y]: [f32; 2]| [(x * x + along).sqrt(), (y * y + across).sqrt()];
@@ -91,9 +91,9 @@ impl SurfacePoint {
         self.brdf.spread_cos_x8(wi, self.wo, inv_kappa, self.slopes)
     }
 
-    /// With one of the normals that it has within its sample, by two numbers in [0, 1).
+    /// The point with one random normal of its sample's footprint, from two numbers in [0, 1).
     pub fn with_one_normal(&self, [u, v]: [f32; 2]) -> Self {
-        // Normally distributed slopes: Box and Muller's, through the root of the covariance (Cholesky).
+        // Normally distributed slopes (Box and Muller), through the root of the covariance (Cholesky).
         let [xx, xy, yy] = self.slopes.map(|twice| 0.5 * twice);
         let (radius, (sin, cos)) = ((-2.0 * (1.0 - u).max(1e-12).ln()).sqrt(), (TAU * v).sin_cos());
         let (x, y) = (xx.sqrt(), (yy - xy * xy / xx.max(1e-12)).max(0.0).sqrt());
@@ -105,20 +105,19 @@ impl SurfacePoint {
         Self { world_from_local, wo: world_from_local.transpose() * wo, slopes: [0.0; 3], ..self.clone() }
     }
 
-    /// Whether any of a disc may be above the horizons of both normals.
+    /// Whether any part of a disc may be above the horizons of both normals.
     pub fn may_receive(&self, disc: &Disc) -> bool {
         [self.smooth_normal, self.world_from_local.z_axis].iter().all(|&normal| disc.may_be_above(normal))
     }
 
-    /// Whether light from a direction can be reflected: it is above the horizons of the shading normal and of the
-    /// smooth normal.
+    /// Whether light from a direction can be reflected: above the horizons of the shading normal and of the smooth normal.
     #[inline(always)]
     pub fn receives(&self, direction: Vec3) -> bool {
         direction.dot(self.world_from_local.z_axis) > 0.0 && direction.dot(self.smooth_normal) > 0.0
     }
 }
 
-/// A surface position before its material: the coordinates for lookups in maps, and the frame that maps tilt.
+/// A surface position before its material: texture coordinates, and the frame that maps tilt.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePlace {
     /// In meters.
@@ -129,17 +128,17 @@ pub struct SurfacePlace {
     pub tangent: Vec3,
     /// 1, or -1 for mirrored textures, where v increases against `smooth_normal` x `tangent`.
     pub handedness: f32,
-    /// Texture coordinates, and what a sample covers of them.
+    /// Texture coordinates and a sample's footprint in them.
     pub uv: UvFootprint,
     /// Gradients of u and v along the surface, per meter, for bump maps; `None` if they are undefined.
     pub slopes: Option<[Vec3; 2]>,
 }
 
-/// How a place looks from one direction.
+/// Frame and material of a place seen from one direction.
 pub(crate) struct PlaceLook {
     /// Tangent, bitangent and shading normal as columns.
     pub world_from_local: Mat3,
-    /// Direction to the eye in this frame.
+    /// Direction to the eye in the local frame.
     pub wo: Vec3,
     /// See [`SurfacePoint::slopes`].
     pub slopes: [f32; 3],
@@ -148,7 +147,7 @@ pub(crate) struct PlaceLook {
 }
 
 impl SurfacePlace {
-    /// Frame and BRDF with `material`, one of those of `appearance`, from the world direction `wo`.
+    /// Frame and BRDF with `material` of `appearance`, from the world direction `wo`.
     pub(crate) fn under(&self, appearance: &ResolvedAppearance, material: &ResolvedMaterial, wo: Vec3) -> PlaceLook {
         let bumped = self.bumped(appearance, material);
         let world_from_local = frame(facing(bumped.normal, wo), self.tangent, self.handedness);
@@ -161,13 +160,13 @@ impl SurfacePlace {
 pub struct ReceiverX8<L = f32x8> {
     axes: [Vec3x8<L>; 3],
     smooth_normal: Vec3x8<L>,
-    /// Whether the shading normal is another than the smooth one.
+    /// Whether the shading normal differs from the smooth normal.
     is_bent: bool,
     slopes: [f32; 3],
 }
 
 impl<L: Lanes> ReceiverX8<L> {
-    /// Of `point`.
+    /// Creates the receiver of `point`.
     #[inline(always)]
     pub fn new(point: &SurfacePoint) -> Self {
         let Mat3 { x_axis, y_axis, z_axis } = point.world_from_local;
@@ -190,8 +189,8 @@ impl<L: Lanes> ReceiverX8<L> {
         x * local.x + y * local.y + z * local.z
     }
 
-    /// Lights of some extent as the surface receives them: with the mean cosine of their light that is above the horizons of
-    /// both normals. What a vertex does not see below its horizon is not in its cut's value either.
+    /// Received lights with an extent: their mean cosine is over the light above the horizons of both normals. A vertex's cut value
+    /// also excludes light below its horizon.
     #[inline(always)]
     pub fn lights(&self, direction: Vec3x8<L>, inv_kappa: L, moments: &LobeMomentsX8<L>) -> LightsX8<L> {
         let wi = self.local(direction);
@@ -207,7 +206,7 @@ impl<L: Lanes> ReceiverX8<L> {
         LightsX8 { wi, spread: SpreadX8::with_slopes(inv_kappa, self.slopes), cosine, above }
     }
 
-    /// Lights whose cosines are those of their centers; zero below the horizons.
+    /// Received lights with the cosines of their centers; zero below the horizons.
     #[inline(always)]
     pub fn lights_at_centers(&self, direction: Vec3x8<L>, inv_kappa: L) -> LightsX8<L> {
         let lights = LightsX8::spread(self.local(direction), SpreadX8::with_slopes(inv_kappa, self.slopes));
@@ -215,13 +214,13 @@ impl<L: Lanes> ReceiverX8<L> {
         LightsX8 { cosine: lights.cosine & seen, above: lights.above & seen, ..lights }
     }
 
-    /// A mask of the directions that are above the horizons of both normals, as [`SurfacePoint::receives`].
+    /// Mask of the directions above the horizons of both normals, as [`SurfacePoint::receives`].
     #[inline(always)]
     pub fn receives_by_both(&self, direction: Vec3x8<L>) -> L {
         direction.dot(self.axes[2]).simd_gt(L::splat(0.0)) & self.receives(direction)
     }
 
-    /// A mask of the directions that are above the smooth normal's horizon.
+    /// Mask of the directions above the smooth normal's horizon.
     #[inline(always)]
     pub fn receives(&self, direction: Vec3x8<L>) -> L {
         direction.dot(self.smooth_normal).simd_gt(L::splat(0.0))
@@ -231,7 +230,7 @@ impl<L: Lanes> ReceiverX8<L> {
 /// A one-sided surface seen from behind reflects nothing.
 #[derive(Clone, Debug)]
 pub enum FirstHit {
-    /// Nothing is there.
+    /// No surface.
     Background,
     /// The back of a one-sided surface.
     Back,
@@ -244,14 +243,14 @@ pub struct Surfaces<'a> {
     dataset: &'a Dataset,
     appearance: &'a ResolvedAppearance,
     intersector: &'a Intersector,
-    /// Largest distance in meters of shadow ray origins from a surface.
+    /// Largest offset in meters of shadow ray origins from a surface.
     largest_offset: f32,
-    /// Of camera rays whose footprints count.
+    /// Camera rays' footprints, if used.
     differentials: Option<Differentials>,
 }
 
 impl<'a> Surfaces<'a> {
-    /// For all points of a scene, as it looks now.
+    /// Looks up points with the scene's current appearance.
     pub fn of(renderer: &'a Renderer) -> Self {
         Self {
             dataset: &renderer.dataset,
@@ -262,7 +261,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// With maps filtered within the footprints of camera rays. Without them lookups see points.
+    /// Filters maps within the footprints of camera rays. The default is point lookups.
     pub fn filtered(self, differentials: Differentials) -> Self {
         Self { differentials: Some(differentials), ..self }
     }
@@ -272,7 +271,7 @@ impl<'a> Surfaces<'a> {
         self.seen_at(self.hit_along(origin, direction), direction)
     }
 
-    /// Where rays from one origin first meet the mesh, see [`Intersector::closest_hits_above`].
+    /// First hits of rays from one origin; see [`Intersector::closest_hits_above`].
     pub fn hits_from(
         &self,
         origin: Vec3,
@@ -282,12 +281,12 @@ impl<'a> Surfaces<'a> {
         self.intersector.closest_hits_above(origin, directions, threshold)
     }
 
-    /// Where a ray first meets the mesh; thin surfaces stop it by chance.
+    /// First hit of a ray; thin surfaces stop it by chance.
     pub fn hit_along(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         self.intersector.closest_hit(origin, direction)
     }
 
-    /// Where it first meets the mesh with an opacity above a threshold.
+    /// First hit with an opacity above a threshold.
     pub fn hit_above(&self, origin: Vec3, direction: Vec3, threshold: impl Fn(u32) -> f32) -> Option<Hit> {
         self.intersector.closest_above(origin, direction, threshold)
     }
@@ -303,12 +302,12 @@ impl<'a> Surfaces<'a> {
         self.intersector.past_ground(&self.dataset.scene.mesh, hit, ray, from_above, threshold)
     }
 
-    /// Share of the light that a point stops.
+    /// Share of the light that is blocked at a hit.
     pub fn opacity(&self, hit: &Hit) -> f32 {
         self.intersector.opacity_at(MeshPlace { triangle: hit.triangle, barycentric: hit.barycentric })
     }
 
-    /// What is seen along `direction` where a ray in that direction met the mesh. The distance of the hit is not read.
+    /// The first hit along `direction`, from a known hit of a parallel ray. Its distance is not read.
     pub fn seen_at(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
         match hit {
             None => FirstHit::Background,
@@ -327,12 +326,12 @@ impl<'a> Surfaces<'a> {
         self.appearance.material_of(&self.dataset.scene.mesh, triangle as usize)
     }
 
-    /// Where the corners of a triangle are.
+    /// Corner positions of a triangle.
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.dataset.scene.mesh.corners(triangle as usize)
     }
 
-    /// The surface at the hit of a ray from direction `wo`.
+    /// The surface at a ray's hit, seen from direction `wo`.
     pub fn point(&self, hit: &Hit, wo: Vec3) -> SurfacePoint {
         let mesh = &self.dataset.scene.mesh;
         let triangle = hit.triangle as usize;
@@ -383,8 +382,8 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// Gradients of u and v along a triangle: the surface gradient of a function is `per_u ∂f/∂u + per_v ∂f/∂v`.
-/// `None` where the texture coordinates are degenerate.
+/// Gradients of u and v along a triangle: the surface gradient of a function is `per_u ∂f/∂u + per_v ∂f/∂v`. `None` if the texture
+/// coordinates are degenerate.
 fn surface_slopes([a, b, c]: [Vec3; 3], uv: [Vec2; 3]) -> Option<[Vec3; 2]> {
     let (e1, e2) = (b - a, c - a);
     let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
@@ -400,7 +399,7 @@ fn surface_slopes([a, b, c]: [Vec3; 3], uv: [Vec2; 3]) -> Option<[Vec3; 2]> {
     (per_u.is_finite() && per_v.is_finite()).then_some([per_u, per_v])
 }
 
-/// A frame around `normal` with its first axis along `tangent` as far as that is possible.
+/// A frame around `normal`, with its first axis as close to `tangent` as possible.
 pub(super) fn frame(normal: Vec3, tangent: Vec3, handedness: f32) -> Mat3 {
     let t = (tangent - normal * normal.dot(tangent)).try_normalize();
     let t = t.unwrap_or_else(|| normal.any_orthonormal_vector());

@@ -1,7 +1,6 @@
 //! Shading without occlusion: a single convex surface.
 //!
-//! The merge is the renderer's. Full visibility is a cut of one node, the root, so the merged cut is the illumination
-//! cut.
+//! The merge is the renderer's. Full visibility is a cut with the root alone, so the merged cut is the illumination cut.
 
 use crate::{
     appearance::{Appearance, ResolvedAppearance},
@@ -15,7 +14,7 @@ use glam::Vec3;
 use lapidary_core::cut::packed::{PackedCuts, pack_node};
 use std::sync::LazyLock;
 
-/// One vertex that sees every light.
+/// A vertex that sees every light.
 static FULL_VISIBILITY: LazyLock<PackedCuts> = LazyLock::new(|| {
     let mut cuts = PackedCuts::default();
     let first = cuts.push_cut(&[pack_node(0, 1.0)]);
@@ -23,8 +22,7 @@ static FULL_VISIBILITY: LazyLock<PackedCuts> = LazyLock::new(|| {
     cuts
 });
 
-/// Shades surface positions with free view of every direction above their horizon, with BRDF refinement; keeps its
-/// buffers between them.
+/// Shades surface positions that see every direction above their horizon, with BRDF refinement; keeps its buffers between them.
 pub struct UnoccludedShader<'a> {
     appearance: ResolvedAppearance,
     shader: Shader<'a, &'a SceneLighting>,
@@ -37,11 +35,10 @@ impl<'a> UnoccludedShader<'a> {
         Self { appearance: appearance.into(), shader: Shader::unoccluded(lighting, &FULL_VISIBILITY) }
     }
 
-    /// Radiance that a surface position with the material of this index sends and reflects toward `wo`, a unit direction in world
-    /// space.
+    /// Radiance that a surface position with this material emits and reflects toward `wo`, a unit direction in world space.
     ///
     /// # Panics
-    /// If there is no such material.
+    /// If the material index is out of range.
     pub fn shade(&mut self, place: &SurfacePlace, material: usize, wo: Vec3) -> Vec3 {
         let PlaceLook { world_from_local, wo, slopes, material: look } =
             place.under(&self.appearance, self.appearance.material(material as u32), wo);

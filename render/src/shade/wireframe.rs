@@ -1,18 +1,18 @@
-//! Edges of triangles as lines of uniform width in pixels, drawn over the displayed picture after its tone curve, so
-//! that they look the same at any exposure.
+//! Triangle edges as lines of uniform width in pixels, drawn over the displayed picture after its tone curve, so they look the same
+//! at any exposure.
 //!
-//! Twin of `shaders/wireframe.wgsl`. Lines are computed from the projected corners in homogeneous coordinates, so that
-//! a corner behind the eye needs no clipping.
+//! Twin of `shaders/wireframe.wgsl`. Lines are computed from the projected corners in homogeneous coordinates, so corners behind
+//! the eye need no clipping.
 
 use glam::{Vec2, Vec3};
 
-/// Width of a line in pixels where it is full.
+/// Width of a line's opaque core in pixels.
 pub const LINE_WIDTH: f32 = 1.0;
-/// Width in pixels of the soft edge on each side of a line: one pixel.
+/// Width in pixels of the soft edge on each side of a line.
 pub const LINE_FADE: f32 = 1.0;
-/// Share of the line's color in the middle of a line.
+/// Opacity in the middle of a line.
 pub const LINE_OPACITY: f32 = 0.7;
-/// sRGB-encoded color of lines: a cyan that stands out from black, white, skin and wood, and from magma.
+/// sRGB-encoded line color: a cyan distinct from black, white, skin, wood and magma.
 pub const LINE_COLOR: Vec3 = Vec3::new(0.10, 0.75, 0.95);
 
 /// Distance in pixels from `pixel`, a position inside a projected triangle, to the nearest of its edges.
@@ -21,19 +21,19 @@ pub fn edge_distance(pixel: Vec2, corners: [Vec3; 3]) -> f32 {
     line_distance(a, b).min(line_distance(b, c)).min(line_distance(c, a))
 }
 
-/// Distance from the origin to the line through two homogeneous points; infinite if they are one.
+/// Distance from the origin to the line through two homogeneous points; infinite if they coincide.
 fn line_distance(a: Vec3, b: Vec3) -> f32 {
     let line = a.cross(b);
     let length = line.truncate().length();
     if length > 0.0 { line.z.abs() / length } else { f32::INFINITY }
 }
 
-/// How much of a sample at `distance` pixels from an edge is line, 0 to 1.
+/// Line coverage of a sample at `distance` pixels from an edge, 0 to 1.
 pub fn line_coverage(distance: f32) -> f32 {
     ((0.5 * LINE_WIDTH + LINE_FADE - distance) / LINE_FADE).clamp(0.0, 1.0)
 }
 
-/// A displayed color with lines of some coverage over it.
+/// A displayed color with lines drawn over it.
 pub fn over(shown: Vec3, coverage: f32) -> Vec3 {
     shown.lerp(LINE_COLOR, LINE_OPACITY * coverage)
 }
@@ -49,7 +49,7 @@ mod tests {
         let corners = [at(0.0, 0.0, 1.0), at(10.0, 0.0, 5.0), at(0.0, 10.0, 0.3)];
         assert!((edge_distance(Vec2::new(2.0, 3.0), corners) - 2.0).abs() < 1e-4);
         assert!((edge_distance(Vec2::new(4.5, 4.5), corners) - 0.5_f32.sqrt()).abs() < 1e-4);
-        // The edges from (0, 0) go on through the screen toward corners behind the eye.
+        // The edges from (0, 0) continue through the screen toward corners behind the eye.
         let behind = [at(0.0, 0.0, 1.0), at(-10.0, 0.0, -2.0), at(0.0, -10.0, -2.0)];
         assert!((edge_distance(Vec2::new(2.0, 3.0), behind) - 2.0).abs() < 1e-4);
         let point = [at(1.0, 1.0, 1.0); 3];

@@ -1,4 +1,4 @@
-//! The option that says what computes pictures, for the window and the commands alike.
+//! The option that selects the rendering device, for the window and all commands.
 
 use crate::terminal::remedy_option;
 use clap::ValueEnum;
@@ -7,7 +7,7 @@ use lapidary_render::{
     gpu::{GpuBackend, Room, ShaderSource},
 };
 
-/// What computes.
+/// Rendering device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum BackendOption {
     /// The graphics adapter; the CPU if there is none or only an emulated one
@@ -19,19 +19,19 @@ pub enum BackendOption {
     Cpu,
 }
 
-/// A folder of shaders to use in place of those of the program, for work on them: they are read again when they change.
+/// Environment variable with a folder of shaders that replaces the program's own, for shader work: they reload on change.
 const SHADERS: &str = "LAPIDARY_SHADERS";
 
 impl BackendOption {
     /// The renderer on the adapter, or `None` for the CPU.
     ///
     /// # Errors
-    /// No adapter, or a driver that refuses, where the adapter is asked for.
+    /// No adapter, or a refusing driver, if an adapter is required.
     pub fn gpu(self) -> Result<Option<GpuBackend>, BackendError> {
         match self {
             Self::Cpu => Ok(None),
             Self::Gpu => GpuBackend::new(Room::All, &shader_source()).map(Some),
-            // An emulated adapter would only be a slower way to the same cores.
+            // An emulated adapter would only use the same cores more slowly.
             Self::Auto => match GpuBackend::on_hardware(Room::All, &shader_source()) {
                 Ok(gpu) => Ok(Some(gpu)),
                 Err(BackendError::NoAdapter { .. }) => Ok(None),
@@ -55,7 +55,7 @@ impl BackendOption {
     }
 }
 
-/// The program's own shaders, or those of the folder that the variable names.
+/// The program's own shaders, or the folder in the environment variable.
 pub fn shader_source() -> ShaderSource {
     std::env::var_os(SHADERS).map_or(ShaderSource::Embedded, |folder| ShaderSource::Folder(folder.into()))
 }

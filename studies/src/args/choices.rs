@@ -1,4 +1,4 @@
-//! Choices of the libraries as options: their names are those of files, and each has its line of `--help`.
+//! Library enums as options: names match those in files, and each has a line of `--help`.
 
 use crate::values::{choice, choice_of};
 use clap::builder::TypedValueParser;
@@ -20,13 +20,13 @@ pub fn tree_kind() -> impl TypedValueParser<Value = TreeKind> {
 /// Surfaces of MaterialX documents.
 pub fn surface() -> impl TypedValueParser<Value = Surface> {
     choice(&[
-        ("open-pbr", "open_pbr_surface: all that the model openpbr has"),
-        ("standard-surface", "standard_surface, which most programs read"),
+        ("open-pbr", "open_pbr_surface: all parameters of the openpbr model"),
+        ("standard-surface", "standard_surface: read by most programs"),
         ("gltf-pbr", "gltf_pbr: what glTF has"),
     ])
 }
 
-/// Settings of a bake to start from.
+/// Starting settings of a bake.
 pub fn preset() -> impl TypedValueParser<Value = Preset> {
     choice(&[
         (
@@ -39,7 +39,7 @@ pub fn preset() -> impl TypedValueParser<Value = Preset> {
     ])
 }
 
-/// Ways of sampling the BRDF where an illumination cut is merged.
+/// Ways of sampling the BRDF under an illumination cut.
 const STORED_SAMPLINGS: [(&str, &str); 2] = [
     ("refine", "Merge the stored cuts and the illumination cut; split nodes that are too wide for the lobe"),
     ("once", "Merge the same cuts, and sample the BRDF once per node, as in the paper"),
@@ -55,12 +55,12 @@ pub fn brdf_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
     choice(&ALL)
 }
 
-/// How the BRDF is sampled where an illumination cut is merged.
+/// How the BRDF is sampled under an illumination cut.
 pub fn stored_sampling() -> impl TypedValueParser<Value = BrdfSampling> {
     choice(&STORED_SAMPLINGS)
 }
 
-/// What pixels show.
+/// Quantity shown in the pixels.
 pub fn view_mode() -> impl TypedValueParser<Value = ViewMode> {
     choice(&[
         ("shaded", "The lit picture"),
@@ -70,9 +70,9 @@ pub fn view_mode() -> impl TypedValueParser<Value = ViewMode> {
         ("visibility-cut", "Nodes of the visibility cuts"),
         ("merged-cut", "Nodes of the merged cut"),
         ("brdf-evaluations", "BRDF evaluations"),
-        ("basis-level", "What one level of the meshless basis adds to bounced light, red, and takes from it, blue"),
+        ("basis-level", "Contribution of one level of the meshless basis to bounced light: red adds, blue subtracts"),
         ("basis-function", "One function of the meshless basis, red where it is 1"),
-        ("basis-coefficients", "Functions of the meshless basis with a coefficient that is not zero, by level"),
+        ("basis-coefficients", "Functions of the meshless basis with nonzero coefficients, by level"),
     ])
 }
 
@@ -85,10 +85,10 @@ pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SunOption {
-    /// They are.
+    /// Small bright parts are suns.
     #[default]
     On,
-    /// They are left to the light samples.
+    /// All light is left to the light samples.
     Off,
 }
 
@@ -99,11 +99,11 @@ pub fn sun() -> impl TypedValueParser<Value = SunOption> {
             "on",
             "Parts of the map smaller than 8 degrees and 30 times as bright as its mean shine as directional lights",
         ),
-        ("off", "All of the map is left to the light samples"),
+        ("off", "Light samples represent the whole map"),
     ])
 }
 
-/// What the ground of a scene is.
+/// How the ground of a scene is shown.
 pub fn ground() -> impl TypedValueParser<Value = Ground> {
     choice(&[
         ("off", "None"),
@@ -127,17 +127,14 @@ pub fn error_map() -> impl TypedValueParser<Value = ErrorMap> {
     ])
 }
 
-/// Where in the pixels light paths begin.
+/// Start positions of light paths in the pixels.
 pub fn sample_positions() -> impl TypedValueParser<Value = SamplePositions> {
     choice(&[
         (
             "shared",
-            "At the --aa sample positions of `render`, the same in all pixels: its pictures differ by light alone",
+            "The --aa sample positions of `render`, the same in all pixels: pictures of both differ by light alone",
         ),
-        (
-            "shifted",
-            "Anywhere, different in each pixel and for each --seed: the mean over whole pixels, as in other renderers",
-        ),
+        ("shifted", "Random positions for each pixel and --seed: the mean over whole pixels, as in other renderers"),
     ])
 }
 
@@ -154,7 +151,7 @@ mod tests {
     };
     use std::fmt::Debug;
 
-    /// Leaves the names of an enum's variants behind as the text of its error.
+    /// Reports an enum's variant names through its error.
     struct Variants;
 
     impl<'de> Deserializer<'de> for Variants {
@@ -192,7 +189,7 @@ mod tests {
         Command::new("test").arg(Arg::new("choice").value_parser(clap::builder::ValueParser::new(parser)))
     }
 
-    /// What is wrong with the list: a name that does not parse, or a variant without a name.
+    /// Names that do not parse, or variants without a name.
     fn gaps<T>(parser: impl TypedValueParser<Value = T>) -> Vec<String>
     where
         T: for<'de> Deserialize<'de> + Clone + Debug + PartialEq + Send + Sync + 'static,

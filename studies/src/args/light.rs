@@ -1,4 +1,4 @@
-//! The options about light: the environment, local lights, and what of them is in the picture.
+//! Options for light: the environment, local lights, and the components shown.
 
 use super::choices::{self, SunOption};
 use crate::{terminal::Console, values};
@@ -13,7 +13,7 @@ use lapidary_interchange::environment;
 use lapidary_render::{Components, Illumination, Renderer, Solution, is_buried};
 use std::path::{Path, PathBuf};
 
-/// Without an environment nothing shines from afar.
+/// Name for no environment.
 const NONE: &str = "none";
 const DARK: &str = "constant:0,0,0";
 
@@ -36,11 +36,11 @@ pub(super) struct EnvironmentArgs {
     sun: SunOption,
 }
 
-/// Local lights, and what of all light is in the picture.
+/// Local lights and the components of all light.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Local lights")]
 pub struct LocalLightArgs {
-    // The brackets are of JSON, no links.
+    // The brackets are JSON, not links.
     #[allow(rustdoc::broken_intra_doc_links)]
     /// Local lights: a JSON file, or none. The file holds {"lights": [{"kind": "point|spot|directional|rectangle",
     /// "position": [x,y,z], "target": [x,y,z], "intensity": [r,g,b], ...}]}. Spots have cone_degrees (axis to edge)
@@ -59,24 +59,24 @@ pub struct LocalLightArgs {
     solution: Option<Solution>,
 }
 
-/// Local lights as asked for.
+/// Requested local lights.
 #[derive(Clone, Debug, Default)]
 pub struct LocalLights {
-    /// The lights, checked.
+    /// The validated lights.
     pub lights: Vec<Light>,
-    /// What of the light is asked for, if anything is named.
+    /// Requested components, if any.
     pub components: Option<Components>,
-    /// How bounced light is computed, if that is asked for.
+    /// Requested solution of bounced light, if any.
     pub solution: Option<Solution>,
 }
 
 impl EnvironmentArgs {
-    /// The file, where it is one and no name of a built-in map.
+    /// The environment file, unless a built-in map is named.
     pub fn input(&self) -> Option<&Path> {
         self.env.as_deref().map(Path::new).filter(|path| path.is_file())
     }
 
-    /// `studio` where no environment is named, unless that is for `local` lights to do.
+    /// The environment; `studio` by default, or none if `local` names lights.
     pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<Illumination> {
         let default = if local.has_file() { NONE } else { "studio" };
         let spec = match self.env.as_deref().unwrap_or(default) {
@@ -93,7 +93,7 @@ impl EnvironmentArgs {
         })
     }
 
-    /// No environment where none was baked, unless one is named: it would light nothing, but a reference would have its light.
+    /// Drops an unnamed environment if none was baked: it would light nothing, but a reference would show its light.
     pub fn of_bake(&self, light: Illumination, mode: BakeParts, console: Console) -> Illumination {
         let dark = || environment::from_spec(DARK).map(|(environment, _)| environment.into());
         match self.env.as_deref() {
@@ -112,12 +112,12 @@ impl EnvironmentArgs {
 }
 
 impl LocalLightArgs {
-    /// The file, if one is named.
+    /// The lights file, if named.
     pub fn input(&self) -> Option<&Path> {
         self.lights.as_deref().filter(|path| *path != Path::new(NONE))
     }
 
-    /// Reads the lights file, so that a bad one is told before the dataset is read.
+    /// Reads the lights file early, so that errors appear before the dataset is read.
     pub(super) fn read(&self) -> Result<Option<Vec<Light>>> {
         match &self.lights {
             None => Ok(None),
@@ -126,14 +126,14 @@ impl LocalLightArgs {
         }
     }
 
-    /// What was asked for; `lights` was read before, and the scene's lights serve where there was no file.
+    /// The requested lights; the scene's own lights if `lights`, read earlier, is `None`.
     pub(super) fn resolve(&self, lights: Option<Vec<Light>>, dataset: &Dataset, path: &Path) -> Result<LocalLights> {
         let file = LightsFile { lights: lights.unwrap_or_else(|| dataset.scene.lights.clone()) };
         file.validate(path)?;
         Ok(LocalLights { lights: file.lights, components: self.components, solution: self.solution })
     }
 
-    /// Whether the parts of the light are asked for by name.
+    /// Whether components are named.
     pub fn names_components(&self) -> bool {
         self.components.is_some()
     }
@@ -144,10 +144,10 @@ impl LocalLightArgs {
 }
 
 impl LocalLights {
-    /// What a picture from a dataset holds, and how its bounced light is computed: what was asked for, or all that there is.
+    /// Components of a picture and its solution of bounced light: as requested, or all that the dataset has.
     ///
     /// # Errors
-    /// Bounced light was asked for, and the dataset has none of that kind.
+    /// Bounced light was requested, and the dataset has none of that kind.
     pub fn bounces_of(&self, dataset: &Dataset) -> Result<(Components, Solution)> {
         let bounces = dataset.bounces();
         let wanted = self.solution.or(Solution::closest_to(Solution::default(), bounces)).unwrap_or_default();
@@ -163,10 +163,10 @@ impl LocalLights {
     }
 }
 
-/// Most lights that are told one by one.
+/// Most lights named in separate warnings.
 const MOST_NAMED: usize = 5;
 
-/// Tells which lights are inside an object.
+/// Warns of lights inside objects.
 pub fn warn_of_buried(renderer: &Renderer, lights: &[Light], console: Console) {
     let is_inside = |light: &&Light| is_buried(renderer.dataset(), renderer.intersector(), light);
     let buried: Vec<&Light> = lights.iter().filter(is_inside).collect();

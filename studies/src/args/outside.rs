@@ -6,8 +6,8 @@ use lapidary_interchange::import::ImportOptions;
 /// Whether files outside the folder are read.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct OutsideArgs {
-    /// Allow files outside the folder: also read pictures, buffers and material libraries that the scene or the material
-    /// file names outside its own folder; a dataset holds what they hold. Without this they are named and not read
+    /// Allow files outside the folder: also read pictures, buffers and material libraries that the scene or material file names
+    /// outside its own folder; their contents go into the dataset. Without this they are listed and not read
     #[arg(long)]
     allow_outside: bool,
 }

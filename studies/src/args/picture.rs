@@ -1,4 +1,4 @@
-//! The options about how finished pictures are made and shown, which `render` and `sequence` share.
+//! Picture options shared by `render` and `sequence`.
 
 use super::{BackendOption, ViewedScene, choices};
 use crate::values;
@@ -7,14 +7,14 @@ use clap::Args;
 use lapidary_core::cut::lit::DEFAULT_TAU;
 use lapidary_render::{BrdfSampling, Look, Post, ToneMap};
 
-/// How pictures are made and shown.
+/// How pictures are rendered and displayed.
 #[derive(Args, Clone, Debug)]
 pub struct PictureArgs {
     /// Most nodes of the illumination cut, 1 to 32768; more nodes resolve small lights better and take longer. Only --brdf
     /// refine and once merge it
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: u32,
-    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1; 0 leaves the stored cuts as they are
+    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1; 0 keeps the stored cuts
     #[arg(long, value_name = "TAU", default_value_t = DEFAULT_TAU, value_parser = values::share)]
     lit_cuts: f32,
     /// Which cuts are merged, and how the BRDF is sampled
@@ -26,16 +26,16 @@ pub struct PictureArgs {
     /// Tone curve of png files
     #[arg(long, default_value = "standard", value_parser = choices::tone_map())]
     tone_map: ToneMap,
-    /// What renders
+    /// Rendering device
     #[arg(long, value_enum, default_value_t)]
     pub backend: BackendOption,
 }
 
 impl PictureArgs {
-    /// Everything that decides the picture of a viewed scene.
+    /// The complete look of a viewed scene.
     ///
     /// # Errors
-    /// Bounced light was asked for, and the dataset has none of that kind.
+    /// Bounced light was requested, and the dataset has none of that kind.
     pub fn look(&self, viewed: &ViewedScene) -> Result<Look> {
         Ok(Look {
             illum_cut: self.illum_cut,

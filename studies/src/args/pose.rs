@@ -1,4 +1,4 @@
-//! The options that pose objects: each by itself, and by the animation of a file.
+//! Options that pose objects: individually, and by the animation in a file.
 
 use crate::values;
 use crate::{
@@ -15,11 +15,11 @@ use lapidary_core::{
 use lapidary_interchange::{animation, import::ImportOptions};
 use std::{path::PathBuf, str::FromStr};
 
-/// Where objects are.
+/// Poses of objects.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Pose")]
 pub struct PoseArgs {
-    /// Time of the animation at which objects are posed, in seconds; before its beginning and after its end it stays
+    /// Time of the animation at which objects are posed, in seconds, clamped to its beginning and end
     #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_hyphen_values = true)]
     time: Option<f32>,
     #[command(flatten)]
@@ -28,18 +28,18 @@ pub struct PoseArgs {
     clip: ClipArgs,
 }
 
-/// Where objects are from frame to frame.
+/// Poses of objects over the frames.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Pose")]
 pub struct MotionArgs {
-    /// Time of the animation in seconds: FROM..TO plays it from the first frame to the last in equal steps; one number is the time of
-    /// all frames, or with --fps of the first
+    /// Time of the animation in seconds: FROM..TO plays it from the first frame to the last in equal steps; one number is the time
+    /// of all frames, or of the first frame with --fps
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     time: Option<TimeSpan>,
-    /// Frames in a second of the animation [default: as many as --time FROM..TO says]
+    /// Frames per second of the animation [default: from --time FROM..TO]
     #[arg(long, value_name = "N", value_parser = values::positive)]
     fps: Option<f32>,
-    /// Begin the animation again after its end, in place of its last pose
+    /// Repeat the animation after its end instead of holding its last pose
     #[arg(long = "loop")]
     looped: bool,
     #[command(flatten)]
@@ -52,25 +52,25 @@ pub struct MotionArgs {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Pose")]
 struct ObjectArgs {
-    /// Objects that are not where they were baked: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees": [X,Y,Z],
-    /// "scale": S}}}, each turned about its center in the order X, Y, Z; on top of an animation
+    /// Objects moved from where they were baked: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees": [X,Y,Z], "scale":
+    /// S}}}, each turned about its center in the order X, Y, Z; applied on top of an animation
     #[arg(long, value_name = "FILE.json")]
     pose: Option<PathBuf>,
 }
 
-/// Which animation of which file.
+/// An animation in a file.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Pose")]
 struct ClipArgs {
-    /// glTF file that the scene was baked of, whose animation poses it
+    /// glTF file from which the scene was baked; its animation poses the scene
     #[arg(long, value_name = "FILE.gltf")]
     animation: Option<PathBuf>,
-    /// Animation of the file by its name [default: the first]
+    /// Name of an animation in the file [default: the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 }
 
-/// Times in seconds: one, or from the first frame to the last.
+/// A time in seconds, or a range from the first frame to the last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TimeSpan {
     from: f32,
@@ -89,15 +89,15 @@ impl FromStr for TimeSpan {
 }
 
 impl PoseArgs {
-    /// The files that are read beside others.
+    /// Adds the files that these options read.
     pub fn files(&self, files: CommandFiles) -> CommandFiles {
         self.clip.files(self.objects.files(files))
     }
 
-    /// The poses of a scene's objects; none without a file.
+    /// Poses of a scene's objects; none without a file.
     ///
     /// # Errors
-    /// A file that cannot be read, or that poses what is not there.
+    /// A file that cannot be read, or poses of missing objects.
     pub fn read(&self, scene: &Scene, options: &ImportOptions, console: Console) -> Result<Poses> {
         let poses = self.objects.read(scene)?;
         match self.time {
@@ -111,15 +111,15 @@ impl PoseArgs {
 }
 
 impl MotionArgs {
-    /// The files that are read beside others.
+    /// Adds the files that these options read.
     pub fn files(&self, files: CommandFiles) -> CommandFiles {
         self.clip.files(self.objects.files(files))
     }
 
-    /// The poses that all frames have, and the animation that plays.
+    /// Poses shared by all frames, and the animation.
     ///
     /// # Errors
-    /// A file that cannot be read, or that poses what is not there; options that contradict each other.
+    /// A file that cannot be read, poses of missing objects, or contradictory options.
     pub fn read(&self, scene: &Scene, options: &ImportOptions, console: Console) -> Result<(Poses, Option<Motion>)> {
         let poses = self.objects.read(scene)?;
         let Some(times) = self.times()? else { return self.clip.must_be_absent().map(|()| (poses, None)) };
@@ -174,7 +174,7 @@ impl ClipArgs {
         Ok(Motion { animation: BoundAnimation::new(animation, scene)?.into(), clip, times, playback })
     }
 
-    /// Refuses options of an animation at no time.
+    /// Rejects animation options without a time.
     fn must_be_absent(&self) -> Result<()> {
         if self.animation.is_some() || self.clip.is_some() {
             bail!("an animation poses at a time; add --time SECONDS, or leave out --animation and --clip");

@@ -9,33 +9,33 @@ use lapidary_core::{
     shot::{DEFAULT_ASPECT, Shot, WIDEST},
 };
 
-/// Vertical field of view in degrees where none is given; that of `render` with `--eye` and `--target`.
+/// Default vertical field of view in degrees, as for `render` with `--eye` and `--target`.
 const DEFAULT_FOV: f32 = 40.0;
 
-/// A shot as it was asked for.
+/// A requested shot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShotOption {
-    /// By a camera of the scene that has this name.
+    /// A camera of the scene by name.
     Camera(String),
-    /// By a camera of its own.
+    /// A free camera.
     Free(Shot),
 }
 
 impl ShotOption {
-    /// From `X,Y,Z:X,Y,Z[:DEG[:ASPECT]]`, or else a name.
+    /// Parses `X,Y,Z:X,Y,Z[:DEG[:ASPECT]]`, or else a camera name.
     ///
     /// # Errors
-    /// What to give, if the text is no shot.
+    /// The expected form, if the text is not a shot.
     pub fn parse(text: &str) -> Result<Self, String> {
         let parts: Vec<&str> = text.split(':').collect();
         let (&[eye, target, ref rest @ ..], Ok(_)) = (&parts[..], vector(parts[0])) else {
             return Ok(Self::Camera(text.to_owned()));
         };
         if rest.len() > 2 {
-            return Err("give EYE:TARGET:DEGREES:ASPECT; the last two can be left out".into());
+            return Err("give EYE:TARGET:DEGREES:ASPECT; the last two are optional".into());
         }
         let number = |i: usize, default: f32| match rest.get(i) {
-            Some(text) => text.trim().parse().map_err(|_| format!("\"{text}\" is no number")),
+            Some(text) => text.trim().parse().map_err(|_| format!("\"{text}\" is not a number")),
             None => Ok(default),
         };
         let camera = Camera::look_at(vector(eye)?, vector(target)?, number(0, DEFAULT_FOV)?);
@@ -50,10 +50,10 @@ impl ShotOption {
         }
     }
 
-    /// The shot; `scene` has the cameras that have names.
+    /// The shot; named cameras come from `scene`.
     ///
     /// # Errors
-    /// A name that no camera has.
+    /// No camera has the name.
     pub fn of(&self, scene: &Scene) -> Result<Shot> {
         match self {
             Self::Camera(name) => Ok(Shot { camera: scene.camera(name)?.clone(), aspect: DEFAULT_ASPECT }),

@@ -1,4 +1,4 @@
-//! The options about what is shown, which all commands that make pictures share, and what they resolve to.
+//! View options shared by all commands that make pictures, and their resolved form.
 
 use super::{
     OutsideArgs, choices,
@@ -31,7 +31,7 @@ use std::{
 /// Dataset, light, material and view.
 #[derive(Args, Clone, Debug)]
 pub struct ViewArgs {
-    /// Dataset that `lapidary bake` wrote
+    /// Dataset written by `lapidary bake`
     #[arg(value_name = "FILE.cuts")]
     pub file: PathBuf,
     #[command(flatten)]
@@ -57,27 +57,27 @@ struct MaterialArgs {
     #[arg(long, value_name = "M", value_parser = values::fraction)]
     metalness: Option<f32>,
     /// Material of any model, with textures, as a JSON file or a MaterialX document (FILE.mtlx, or FILE.mtlx#NAME for one of
-    /// several); or preset:NAME, which `lapidary models` lists. With a name before it, in place of the scene's material of that
-    /// name; may be given several times
+    /// several); or preset:NAME, as listed by `lapidary models`. NAME= in front replaces the scene's material of that name only;
+    /// may be given several times
     #[arg(long, value_name = "[NAME=]FILE", conflicts_with_all = ["roughness", "base_color", "metalness"])]
     material: Vec<MaterialChoice>,
     #[command(flatten)]
     outside: OutsideArgs,
 }
 
-/// A material that replaces others.
+/// A replacement material.
 #[derive(Clone, Debug)]
 struct MaterialChoice {
-    /// Which it replaces; all without a name.
+    /// Name of the replaced material; `None` replaces all.
     of: Option<String>,
-    /// Its file, or a preset.
+    /// Its file or preset.
     file: PathBuf,
 }
 
 impl FromStr for MaterialChoice {
     type Err = Infallible;
 
-    /// What stands before `=` is a name unless it is the folder of a path.
+    /// Text before `=` is a material name unless it is part of a path.
     fn from_str(text: &str) -> Result<Self, Infallible> {
         let named = text.split_once('=').filter(|(name, _)| !name.contains(['/', '\\']) && !Path::new(text).exists());
         let (of, file) = named.map_or((None, text), |(name, file)| (Some(name.to_owned()), file));
@@ -92,13 +92,13 @@ struct CameraArgs {
     /// else the first camera of the scene, else a view of the whole scene]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
-    /// Position of the eye in meters [default: that of the camera]
+    /// Position of the eye in meters [default: the camera's]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::place, allow_hyphen_values = true)]
     eye: Option<Vec3>,
-    /// Point to look at in meters [default: that of the camera]
+    /// Point to look at in meters [default: the camera's]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::place, allow_hyphen_values = true)]
     target: Option<Vec3>,
-    /// Vertical field of view in degrees, 1 to 170 [default: that of the camera; 40 with --eye and --target]
+    /// Vertical field of view in degrees, 1 to 170 [default: the camera's; 40 with --eye and --target]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
     fov: Option<f32>,
     /// Width and height in pixels
@@ -115,7 +115,7 @@ struct CameraArgs {
     ground: Option<Ground>,
 }
 
-/// What is seen where there is no surface, as an option.
+/// Background option.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum BackgroundOption {
     /// The environment
@@ -143,26 +143,26 @@ impl From<BackgroundOption> for Background {
     }
 }
 
-/// What to make a picture of.
+/// A resolved scene and view.
 #[derive(Debug)]
 pub struct ViewedScene {
-    /// The baked scene, with the materials asked for.
+    /// The baked scene, with the requested materials.
     pub baked: Baked,
-    /// Where its objects are.
+    /// Poses of its objects.
     pub poses: Poses,
     /// Camera and picture size.
     pub view: View,
-    /// The environment as it is turned and scaled; black if there is none.
+    /// The rotated and scaled environment; black if there is none.
     pub light: Illumination,
-    /// Local lights, and what of all light is asked for.
+    /// Local lights and requested components.
     pub local: LocalLights,
 }
 
 impl ViewedScene {
-    /// The look of its picture, with an illumination cut of 256 nodes.
+    /// The look of the picture, with an illumination cut of 256 nodes.
     ///
     /// # Errors
-    /// Bounced light was asked for, and the dataset has none of that kind.
+    /// Bounced light was requested, and the dataset has none of that kind.
     pub fn look(&self) -> Result<Look> {
         let (components, solution) = self.local.bounces_of(&self.baked.dataset)?;
         let lights = self.local.lights.clone().into();
@@ -172,12 +172,12 @@ impl ViewedScene {
 }
 
 impl ViewArgs {
-    /// What may be read for a scene.
+    /// Import options for scenes and materials.
     pub fn import_options(&self) -> ImportOptions {
         self.material.outside.into()
     }
 
-    /// The files that are read, together with those of `local`.
+    /// Files that are read, including those of `local`.
     pub fn files(&self, local: &LocalLightArgs) -> CommandFiles {
         let files = CommandFiles::default().reads([&self.file]).reads(self.light.input()).reads(local.input());
         let chosen = self.material.material.iter().map(|choice| &choice.file);
@@ -187,10 +187,10 @@ impl ViewArgs {
             .reads(materials.iter().flat_map(|path| pictures_of_material(path)))
     }
 
-    /// Reads the files and settles all defaults, with the local lights that `local` asks for; warnings go to `console`.
+    /// Reads the files and resolves all defaults, with the local lights of `local`; warnings go to `console`.
     ///
     /// # Errors
-    /// A file that cannot be read, options that contradict the scene, or a picture that does not fit in memory.
+    /// A file that cannot be read, options that contradict the scene, or a picture too large for memory.
     pub fn resolve(&self, local: &LocalLightArgs, console: Console) -> Result<ViewedScene> {
         self.check_memory(1)?;
         let light = self.light.resolve(local, console)?;
@@ -209,18 +209,18 @@ impl ViewArgs {
         Ok(ViewedScene { baked: dataset.into(), poses: Poses::default(), view, light, local })
     }
 
-    /// Checks that as many pictures of the size asked for fit in memory at once. Layers of a file count as pictures.
+    /// Checks that this many pictures of the requested size fit in memory at once. Layers of a file count as pictures.
     ///
     /// # Errors
-    /// Both numbers, and what to do.
+    /// Needed and available memory, with a remedy.
     pub fn check_memory(&self, pictures: usize) -> Result<()> {
         check_room(self.camera.size, pictures, memory::available())
     }
 }
 
-/// Bytes per pixel of the first picture: samples, sum, coverage, depth, a copy to write and the encoded file.
+/// Bytes per pixel of the first picture: samples, sum, coverage, depth, an output copy and the encoded file.
 const BYTES_OF_PICTURE: u64 = 64;
-/// Bytes per pixel of each further picture: itself and a copy to write.
+/// Bytes per pixel of each further picture: itself and an output copy.
 const BYTES_OF_FURTHER: u64 = 16;
 
 fn check_room([width, height]: [u32; 2], pictures: usize, available: Option<u64>) -> Result<()> {
@@ -242,7 +242,7 @@ fn preset_name(path: &Path) -> Option<&str> {
     path.to_str()?.strip_prefix("preset:")
 }
 
-/// A preset by its name, in any case of letters.
+/// A preset by name, ignoring case.
 fn preset(name: &str) -> Result<Material> {
     let found = PRESETS.iter().find(|preset| preset.name.eq_ignore_ascii_case(name.trim()));
     let names = || PRESETS.iter().map(|preset| preset.name).collect::<Vec<_>>().join(", ");
@@ -250,7 +250,7 @@ fn preset(name: &str) -> Result<Material> {
 }
 
 impl MaterialArgs {
-    /// Replaces the materials that were asked for.
+    /// Replaces materials as requested.
     fn apply(&self, scene: &mut Scene, console: Console) -> Result<()> {
         for MaterialChoice { of, file } in &self.material {
             let material = self.read(file, scene, console)?;
@@ -290,7 +290,7 @@ fn replace_all(scene: &mut Scene, material: &Material) {
     replace_materials(&mut scene.materials, ground, material);
 }
 
-/// Replaces the materials of one name.
+/// Replaces the materials with this name.
 fn replace_named(materials: &mut [Material], name: &str, material: &Material) -> Result<()> {
     if !materials.iter().any(|old| old.name == name) {
         let names: Vec<&str> = materials.iter().map(|old| old.name.as_str()).collect();
@@ -302,14 +302,14 @@ fn replace_named(materials: &mut [Material], name: &str, material: &Material) ->
     Ok(())
 }
 
-/// Gives all of a scene one material, but for that of its ground. What is seen from both sides stays so: that was baked.
+/// Gives a whole scene one material, except for its ground. Surfaces baked as two-sided stay two-sided.
 pub fn replace_materials(materials: &mut [Material], ground: Option<u32>, material: &Material) {
     for (_, old) in (0..).zip(materials).filter(|(index, _)| Some(*index) != ground) {
         *old = Material { double_sided: old.double_sided, ..material.clone() };
     }
 }
 
-/// Field of view in degrees where only positions are given.
+/// Field of view in degrees when only positions are given.
 const DEFAULT_FOV: f32 = 40.0;
 
 impl CameraArgs {
@@ -335,7 +335,7 @@ impl CameraArgs {
                 ..base.clone()
             },
             (None, None, None) => {
-                // Without a camera it is all of the scene.
+                // Without a camera the whole scene is shown.
                 let camera = scene.first_view();
                 Camera { fov_y: fov(camera.fov_y.to_degrees()).to_radians(), ..camera }
             }
@@ -349,7 +349,7 @@ impl CameraArgs {
     }
 
     fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
-        // A shot may be one of the scene's own cameras.
+        // A shot may equal one of the scene's own cameras.
         let mut cameras = shots.iter().chain(scene.cameras.iter().filter(|camera| !shots.contains(camera)));
         match &self.camera {
             Some(name) => Ok(Some(camera_named(cameras, name)?)),
@@ -434,7 +434,7 @@ mod tests {
         let layers = message([1000, 1000], 13);
         assert!(layers.starts_with("13 pictures or layers") && layers.contains("about 244 MB"), "{layers}");
         assert!(message([32_768, 8192], usize::MAX).contains("lower --size"));
-        assert!(check_room([32_768, 8192], usize::MAX, None).is_ok(), "the system does not tell");
+        assert!(check_room([32_768, 8192], usize::MAX, None).is_ok(), "the system does not report its memory");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Visibility of distant light. Other parts use its light tree and pilot as well.
+//! Visibility of distant light. Other parts also use its light tree and pilot.
 
 use super::StudiedPart;
 use crate::args::choices;
@@ -9,13 +9,13 @@ use lapidary_core::{
     light_tree::TreeKind,
 };
 
-/// The entry.
+/// The environment part.
 pub struct Environment;
 
-/// Its options.
+/// Options of the environment part.
 #[derive(Args, Clone, Debug)]
 pub struct EnvironmentOptions {
-    /// Light samples of the environment: a power of two up to 32768 [default: that of the preset]
+    /// Light samples of the environment: a power of two up to 32768 [default: from the preset]
     #[arg(long, value_name = "N")]
     lights: Option<usize>,
     /// Metric that clusters the light tree [default: mixed]
@@ -24,8 +24,8 @@ pub struct EnvironmentOptions {
     /// Weight of the geometric metric in a mixed tree, 0 to 1 [default: 0.5]
     #[arg(long, value_name = "B")]
     beta: Option<f32>,
-    /// Error bound of a cluster of lights: split while |C| var > sigma² (Eq. 5); 0 to 1000, usually 1.5 to 3, smaller
-    /// is finer [default: that of the preset]
+    /// Error bound of a cluster of lights: split while |C| var > sigma² (Eq. 5); 0 to 1000, usually 1.5 to 3, smaller is finer
+    /// [default: from the preset]
     #[arg(long, value_name = "S")]
     sigma: Option<f32>,
     /// Most nodes in the cut of one vertex, 1 or more [default: no limit]
@@ -38,13 +38,13 @@ pub struct EnvironmentOptions {
     /// limit leaves out surface sources and the meshless basis [default: no limit]
     #[arg(long, value_name = "BYTES")]
     max_bytes: Option<u64>,
-    /// Vertex clusters of the pilot visibility, 1 to 65536 [default: that of the preset]
+    /// Vertex clusters of the pilot visibility, 1 to 65536 [default: from the preset]
     #[arg(long, value_name = "M")]
     pilot_clusters: Option<usize>,
 }
 
 impl EnvironmentOptions {
-    /// Changes what was asked for.
+    /// Applies the options to `s`.
     pub fn apply(&self, s: &mut BakeSettings) {
         s.lights = self.lights.unwrap_or(s.lights);
         s.tree = self.tree.unwrap_or(s.tree);
@@ -82,10 +82,10 @@ impl StudiedPart for Environment {
         )
     }
 
-    /// What is sharp in the light of an environment are suns, which have shadows without a bake; for the rest few lights do.
+    /// Suns are the sharp part of an environment's light, and their shadows need no bake. Few lights suffice for the rest.
     fn coarsen(&self, draft: &mut BakeSettings, wanted: &BakeSettings) {
         let lights = (draft.lights / 16).min(wanted.lights);
-        // A quarter of the lights at half the sigma is the same error in solid angle.
+        // A quarter of the lights at half the sigma has the same error in solid angle.
         let as_fine_as = |other: &BakeSettings| other.criterion.sigma * (lights as f32 / other.lights as f32).sqrt();
         let sigma = as_fine_as(draft).max(as_fine_as(wanted));
         draft.criterion = CutCriterion { sigma, max_nodes: wanted.criterion.max_nodes, ..draft.criterion };

@@ -4,33 +4,33 @@ use super::StudiedPart;
 use clap::Args;
 use lapidary_core::dataset::{BakeReport, BakeSettings, MeshlessReport, MeshlessSettings};
 
-/// The entry.
+/// The meshless part.
 pub struct Meshless;
 
-/// Its options.
+/// Options of the meshless part.
 #[derive(Args, Clone, Debug)]
 pub struct MeshlessOptions {
-    /// Levels of the meshless basis, 1 to 8 [default: that of the preset]
+    /// Levels of the meshless basis, 1 to 8 [default: from the preset]
     #[arg(long, value_name = "L")]
     levels: Option<usize>,
-    /// First levels of the meshless basis that send light [default: that of the preset: 4, draft 3]
+    /// First levels of the meshless basis that send light [default: from the preset: 4, draft 3]
     #[arg(long, value_name = "L")]
     sender_levels: Option<usize>,
-    /// Distance between the coarsest points of the meshless basis in meters, at least 1/10000 of the scene's diagonal
-    /// [default: one that gives about 300 points]
+    /// Distance between the coarsest points of the meshless basis in meters, at least 1/10000 of the scene's diagonal [default:
+    /// about 300 points]
     #[arg(long, value_name = "R")]
     coarse_radius: Option<f32>,
-    /// Rays by which each point of the meshless basis gathers light, 16 to 65536 [default: that of the preset]
+    /// Gather rays per point of the meshless basis, 16 to 65536 [default: from the preset]
     #[arg(long, value_name = "N")]
     gather_rays: Option<usize>,
-    /// Smallest link between functions of the meshless basis that is kept, as a share of the light of a sender of
-    /// reflectance 0.38; 0 to 1, smaller is finer [default: 0.025]
+    /// Smallest link between functions of the meshless basis to keep, as a share of the light of a sender of reflectance 0.38; 0 to
+    /// 1, smaller is finer [default: 0.025]
     #[arg(long, value_name = "E")]
     epsilon: Option<f32>,
 }
 
 impl MeshlessOptions {
-    /// Changes what was asked for.
+    /// Applies the options to `settings`.
     pub fn apply(&self, settings: &mut BakeSettings) {
         let s = &mut settings.meshless;
         s.levels = self.levels.unwrap_or(s.levels);
@@ -66,7 +66,7 @@ impl StudiedPart for Meshless {
         few.levels < many.levels || few.rays < many.rays
     }
 
-    /// The basis would spread over all of a ground, and be coarse on what stands on it.
+    /// The basis would spread over the whole ground and be coarse on the objects.
     fn suits_a_ground(&self) -> bool {
         false
     }

@@ -9,28 +9,27 @@ use lapidary_core::{
     dataset::{BakeReport, BakeSettings, IndirectReport, IndirectSettings, sigma_text},
 };
 
-/// The entry.
+/// The surface source part.
 pub struct Sources;
 
-/// Its options.
+/// Options of the surface source part.
 #[derive(Args, Clone, Debug)]
 pub struct SourceOptions {
-    /// Number of surface sources: a power of two up to 32768 [default: that of the preset]
+    /// Number of surface sources: a power of two up to 32768 [default: from the preset]
     #[arg(long, value_name = "N")]
     sources: Option<usize>,
     /// Error bound of a cluster of sources: split while |C| var > sigma², in units of a source's share of the
     /// hemisphere; 0 to 1000, smaller is finer [default: 2]
     #[arg(long, value_name = "S")]
     source_sigma: Option<f32>,
-    /// Bounced light is baked for one enclosed space: that around this point, in meters. Surfaces that light from
-    /// there cannot reach get no sources [default: the space chosen from shots, cameras and lights, else the largest
-    /// found]
+    /// Bounced light is baked for the enclosed space around this point, in meters. Surfaces that light from there cannot reach get
+    /// no sources [default: the space chosen from shots, cameras and lights, else the largest found]
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
     viewpoint: Option<Vec3>,
 }
 
 impl SourceOptions {
-    /// Changes what was asked for.
+    /// Applies the options to `settings`.
     pub fn apply(&self, settings: &mut BakeSettings) {
         let s = &mut settings.indirect;
         s.sources = self.sources.unwrap_or(s.sources);

@@ -7,7 +7,7 @@ use lapidary_studies::{
 };
 use std::process::ExitCode;
 
-/// Bake what surfaces see of the environment and of each other, and inspect and verify the result
+/// Bake visibility and bounced light of scenes, and inspect and verify the result
 #[derive(Parser)]
 #[command(name = "precompute", version, arg_required_else_help = true)]
 struct Cli {
@@ -22,11 +22,11 @@ struct Cli {
 enum Command {
     /// Bake a scene's visibility, and its bounced light with --mode
     Bake(Box<BakeArgs>),
-    /// Make a dataset of the shares that machines baked with --shard
+    /// Merge the shares of machines that baked with --shard into a dataset
     Merge(MergeArgs),
     /// Describe a dataset
     Info(InfoArgs),
-    /// Trace random vertices and surface sources of a dataset and make random links again, and compare
+    /// Retrace random vertices, surface sources and links of a dataset, and compare
     Verify(VerifyArgs),
 }
 

@@ -1,4 +1,4 @@
-//! Light paths as the truth, and what their noise adds to a measured error.
+//! Light paths as the reference, and the effect of their noise on a measured error.
 
 use anyhow::Result;
 use lapidary_core::{color::luminance, image::Image};
@@ -9,14 +9,14 @@ use serde::Serialize;
 pub struct LightPaths {
     /// The mean of all paths.
     pub image: Image,
-    /// Relative RMSE of [`Self::image`] against one without noise, as far as its halves tell.
+    /// Relative RMSE of [`Self::image`] against a noise-free picture, estimated from its halves.
     pub noise: f64,
 }
 
-/// How far a picture is from the truth.
+/// Error of a picture against light paths.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Figures {
-    /// Relative RMSE with the noise taken off.
+    /// Relative RMSE without the paths' noise.
     pub error: f64,
     /// Relative RMSE as measured.
     pub rel_rmse: f64,
@@ -27,14 +27,14 @@ pub struct Figures {
 }
 
 impl From<PathPicture> for LightPaths {
-    /// Without noise if it was not found.
+    /// Takes zero noise if it is unknown.
     fn from(picture: PathPicture) -> Self {
         Self { image: picture.image, noise: picture.noise.unwrap_or(0.0) }
     }
 }
 
 impl LightPaths {
-    /// A picture of the same size against this one. The noise does not depend on the picture, so its square is part of the
+    /// Compares a picture of the same size with this one. Noise is independent of the picture, so its square is part of the
     /// measured square.
     ///
     /// # Errors
@@ -52,9 +52,9 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// A gradient with noise of `sigma` a component.
+    /// A gradient with noise of `sigma` per component.
     fn noisy(rng: &mut fastrand::Rng, sigma: f32) -> Image {
-        // Of a variance of one.
+        // Unit variance.
         let mut noise = || 12.0_f32.sqrt() * (rng.f32() - 0.5);
         let pixels = (0..6400).map(|i| Vec3::splat(1.0 + (i % 80) as f32 / 80.0 + sigma * noise())).collect();
         Image { size: [80, 80], pixels }
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn noise_is_taken_off() {
         let mut rng = fastrand::Rng::with_seed(1);
-        // The root mean square of the gradient is 1.521, and the noise adds to that of the picture.
+        // The root mean square of the gradient is 1.521, and the noise adds to the picture's.
         let noise = 0.2 / 1.521_f64.hypot(0.2);
         let truth = LightPaths { image: noisy(&mut rng, 0.2), noise };
         let exact = truth.against(&noisy(&mut rng, 0.0)).unwrap();

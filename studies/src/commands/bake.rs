@@ -12,7 +12,7 @@ use anyhow::Result;
 use lapidary_core::dataset::BakeReport;
 use std::path::Path;
 
-/// Bakes and says what came of it.
+/// Bakes and reports the result.
 ///
 /// # Errors
 /// See [`BakeArgs::run`].
@@ -31,7 +31,7 @@ pub fn run(args: &BakeArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Says what came of a bake or a merge.
+/// Reports the result of a bake or a merge.
 pub(super) fn summarize(report: &BakeReport, output: &Path, console: Console) -> Result<()> {
     let parts: Vec<String> = bake_parts::all().filter_map(|part| part.summary(report)).collect();
     console.summary(format_args!(

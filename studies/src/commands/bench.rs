@@ -1,5 +1,5 @@
-//! `lapidary bench`: how long each pass of a frame takes, each step of implicit visibility, or all that is
-//! measured of the bundled scenes beside another program.
+//! `lapidary bench`: times of each pass of a frame, of each step of implicit visibility, or of all measurements of the bundled
+//! scenes beside another program.
 
 mod against;
 mod drag;
@@ -20,7 +20,7 @@ use json::JsonArgs;
 use passes::PassesArgs;
 use std::time::Duration;
 
-/// Options about the picture of a dataset, by name or by group.
+/// Options for the picture of a dataset, by name or by group.
 const PICTURE: [&str; 8] = [
     "EnvironmentArgs",
     "LocalLightArgs",
@@ -53,16 +53,16 @@ pub struct BenchArgs {
     local: LocalLightArgs,
     #[command(flatten)]
     view: ViewUnlessAgainst,
-    // Last, since its heading would stand over what follows.
+    // Last, because its heading would otherwise apply to the following options.
     #[command(flatten)]
     against: AgainstArgs,
 }
 
-/// A view of a dataset; nothing beside another program, where the scenes are given.
+/// A view of a dataset; `None` beside another program, which uses given scenes.
 #[derive(Clone, Debug)]
 struct ViewUnlessAgainst(Option<ViewArgs>);
 
-/// By hand, because an optional group with groups in it has no members for clap.
+/// Written by hand, because clap sees no members in an optional group of groups.
 impl Args for ViewUnlessAgainst {
     fn augment_args(command: Command) -> Command {
         ViewArgs::augment_args(command).mut_arg("file", |file| file.required(false).required_unless_present("against"))
@@ -85,7 +85,7 @@ impl FromArgMatches for ViewUnlessAgainst {
 }
 
 impl BenchArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let files = self.view.0.as_ref().map_or_else(|| self.against.files(), |view| view.files(&self.local));
         files.writes(self.json.output())
@@ -95,7 +95,7 @@ impl BenchArgs {
 /// Measures and prints.
 ///
 /// # Errors
-/// Files that cannot be read, or no adapter where one is asked for.
+/// Unreadable files, or no adapter if one is required.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
     let Some(view) = &args.view.0 else {
         return against::run(&args.against, &args.json, console);
@@ -108,7 +108,7 @@ pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// In milliseconds; of an even number the larger of the two in the middle.
+/// Median in milliseconds; the upper one of an even number.
 fn median(mut times: Vec<Duration>) -> f64 {
     times.sort_unstable();
     1e3 * times[times.len() / 2].as_secs_f64()

@@ -1,4 +1,4 @@
-//! `lapidary bounces`: how far each solution of bounced light is from light paths, side by side.
+//! `lapidary bounces`: errors of each solution of bounced light against light paths, side by side.
 
 use crate::{
     args::{LocalLightArgs, PoseArgs, ViewArgs, ViewedScene, warn_of_buried},
@@ -29,10 +29,10 @@ pub struct BouncesArgs {
     /// Light paths per pixel, a multiple of twice --aa; the difference of their halves gives the noise
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     spp: u32,
-    /// Merge the stored cuts with an illumination cut of at most so many nodes, in place of lit cuts
+    /// Merge the stored cuts with an illumination cut of at most this many nodes, instead of lit cuts
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cut: Option<u32>,
-    /// Leave out the pictures with a ray from every pixel to every source, which take the longest
+    /// Leave out the slowest pictures, with a ray from every pixel to every source
     #[arg(long)]
     no_samples: bool,
     #[command(flatten)]
@@ -44,7 +44,7 @@ pub struct BouncesArgs {
 }
 
 impl BouncesArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let of = |solution: &Solution| PICTURES.map(|picture| format!("{solution}{picture}"));
         let names = Solution::ALL.iter().flat_map(of).chain([REPORT.into()]);
@@ -52,12 +52,12 @@ impl BouncesArgs {
     }
 }
 
-/// The file of all figures.
+/// File name of the report.
 const REPORT: &str = "bounces.json";
-/// Ends of the names of a solution's pictures: light paths, the solution, rays to every source, and all side by side.
+/// Suffixes of a solution's pictures: light paths, the solution, rays to every source, and all side by side.
 const PICTURES: [&str; 4] = ["-paths.exr", ".exr", "-every-source.exr", ".png"];
 
-/// What `bounces.json` says.
+/// Contents of `bounces.json`.
 #[derive(Serialize)]
 struct Report {
     size: [u32; 2],
@@ -67,7 +67,7 @@ struct Report {
     solutions: Vec<Row>,
 }
 
-/// One solution against its truth.
+/// One solution against its reference.
 #[derive(Serialize)]
 struct Row {
     solution: Solution,
@@ -75,20 +75,20 @@ struct Row {
     bounces: u32,
     #[serde(flatten)]
     figures: Figures,
-    /// Of the picture alone, on the CPU.
+    /// Time of the picture alone, on the CPU.
     seconds: f64,
     mean_merged_nodes: f64,
-    /// The same light with rays from every pixel to every source in place of the cuts.
+    /// The same light with rays from every pixel to every source instead of cuts.
     every_source: Option<Figures>,
 }
 
-/// Pictures held at once: both halves of the reference and their mean, the solution, its error, and the sheet of all.
+/// Pictures in memory at once: both halves of the reference and their mean, the solution, its error, and the sheet.
 const PICTURES_AT_ONCE: usize = 8;
 
-/// Renders, traces, compares, and writes what was found.
+/// Renders, traces, compares, and writes the results.
 ///
 /// # Errors
-/// Files that cannot be read or written, a dataset without bounced light, and interruption.
+/// Unreadable or unwritable files, a dataset without bounced light, or interruption.
 pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     if args.local.names_components() {
         bail!("bounces shows bounced light only; leave out --components");
@@ -113,7 +113,7 @@ pub fn run(args: &BouncesArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The one asked for, or all that the dataset has.
+/// The requested solution, or all that the dataset has.
 fn solutions(viewed: &ViewedScene) -> Result<Vec<Solution>> {
     if viewed.local.solution.is_some() {
         return Ok(vec![viewed.local.bounces_of(&viewed.baked.dataset)?.1]);
@@ -151,7 +151,7 @@ impl<'a> Comparison<'a> {
         let cuts = args.illum_cut.map_or(Cuts::Lit(look.tau), Cuts::Refine);
         let bounced = BouncedLight::new(baked.clone(), cuts.shown(&look))?;
         warn_of_buried(&bounced.renderer, &local.lights, console);
-        // The sources know where they were baked.
+        // Sources stay at their baked places.
         let no_samples = args.no_samples || !poses.is_empty();
         Ok(Self { args, cuts, bounced, no_samples, interrupt, console })
     }

@@ -39,8 +39,7 @@ pub struct CompareArgs {
     /// Draw this error of each pixel to --out
     #[arg(long, requires = "out", value_parser = choices::error_map())]
     map: Option<ErrorMap>,
-    /// Error at the upper end of the map's colors, above 0 [default: 1 for flip, else such that 99 % of the pixels
-    /// fit]
+    /// Error at the upper end of the map's colors, above 0 [default: 1 for flip, else large enough for 99 % of the pixels]
     #[arg(long, value_name = "ERROR", requires = "map", value_parser = values::positive)]
     map_top: Option<f32>,
     /// Error map to write
@@ -55,17 +54,17 @@ pub struct CompareArgs {
 }
 
 impl CompareArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     ///
     /// # Errors
-    /// A picture of no known format.
+    /// A picture of unknown format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(self.out.as_slice())?;
         Ok(CommandFiles::default().reads([&self.test, &self.reference]).writes(&self.out).writes(&self.json))
     }
 }
 
-/// A metric and the value that it is held against.
+/// A metric with its limit.
 #[derive(Clone, Debug, PartialEq)]
 struct Bound {
     metric: String,
@@ -81,10 +80,10 @@ fn bound(text: &str) -> Result<Bound, String> {
     Ok(Bound { metric: metric.into(), value })
 }
 
-/// Compares, and says so if a bound is exceeded.
+/// Compares pictures and reports exceeded bounds.
 ///
 /// # Errors
-/// Files that cannot be read or written, pictures of different sizes.
+/// Unreadable or unwritable files, or pictures of different sizes.
 pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
     warn_of_literal_bounds(args, console);
     let test = read(&args.test, args.layer.as_deref())?;
@@ -113,7 +112,7 @@ fn read(path: &Path, layer: Option<&str>) -> Result<Image> {
     })
 }
 
-/// The bounds of PSNR and SSIM read the wrong way round by many.
+/// Warns of bounds on PSNR and SSIM in the wrong direction.
 fn warn_of_literal_bounds(args: &CompareArgs, console: Console) {
     for Bound { metric, value } in args.fail_above.iter().filter(|b| b.metric == "psnr" || b.metric == "ssim") {
         console.warning(format_args!(
@@ -135,7 +134,7 @@ fn exceeded(args: &CompareArgs, metrics: &Metrics) -> Vec<String> {
 fn table(metrics: &Metrics) -> String {
     let rows = [
         ("rmse", metrics.rmse, "root mean square error, scene-linear"),
-        ("rel_rmse", metrics.rel_rmse, "the same over that of the reference"),
+        ("rel_rmse", metrics.rel_rmse, "the same over the root mean square of the reference"),
         ("rel_mse", metrics.rel_mse, "mean of squared errors relative to each pixel"),
         ("psnr", metrics.psnr, "decibels, as displayed; larger is better"),
         ("ssim", metrics.ssim, "1 for equal pictures, as displayed"),

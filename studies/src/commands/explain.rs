@@ -1,4 +1,4 @@
-//! `lapidary explain`: why a pixel looks as it does, and which of its causes the error of a picture has.
+//! `lapidary explain`: the origin of a pixel's light, and the error of a picture by cause.
 
 mod report;
 mod sheet;
@@ -27,8 +27,8 @@ pub struct ExplainArgs {
     /// Pixel to explain: its column and row, counted from 0 at the top left
     #[arg(long, value_name = "X,Y", value_parser = values::pixel)]
     pixel: Option<[u32; 2]>,
-    /// Region whose error is split: left column, top row, width and height [default: 64 x 64 pixels around the pixel;
-    /// the whole picture without a pixel]
+    /// Region whose error is split: left column, top row, width and height [default: 64 x 64 pixels around the pixel; the whole
+    /// picture without a pixel]
     #[arg(long, value_name = "X,Y,W,H", value_parser = values::region)]
     region: Option<Region>,
     /// Explain the pixel only
@@ -56,7 +56,7 @@ pub struct ExplainArgs {
 }
 
 impl ExplainArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let names = ["explain.json", "cut.png", "traced.png", "visibility.png", "split.png", "split-*.exr"];
         self.view.files(&self.local).fills(&self.out, names)
@@ -71,29 +71,29 @@ enum TreeOption {
     Sources,
 }
 
-/// Side in pixels of the square whose error is split around a pixel.
+/// Side in pixels of the split square around a pixel.
 const AROUND: u32 = 64;
 /// Width in pixels of the maps of a merged cut.
 const MAP_WIDTH: u32 = 1024;
 
-/// What `explain.json` says.
+/// Contents of `explain.json`.
 #[derive(Serialize)]
 struct Report<'a> {
     size: [u32; 2],
     illum_cut: u32,
-    /// Nodes left to right in the tree; `by_contribution` are positions among them, the greatest first.
+    /// Nodes left to right in the tree; `by_contribution` holds indices into them, in descending order.
     pixel: Option<&'a PixelExplanation>,
     by_contribution: Option<Vec<usize>>,
     split: Option<ErrorSplit>,
 }
 
-/// Pictures that the split of an error holds at once: those of its series, and the sheet of all.
+/// Pictures in memory during a split: the chain and the sheet.
 const PICTURES_OF_SPLIT: usize = 12;
 
-/// Explains, splits, and writes what was found.
+/// Explains, splits, and writes the results.
 ///
 /// # Errors
-/// Files that cannot be read or written, pixels and regions without a surface, a dataset without the cuts.
+/// Unreadable or unwritable files, pixels and regions without a surface, or a dataset without the cuts.
 pub fn run(args: &ExplainArgs, console: Console) -> Result<Outcome> {
     if args.local.names_components() {
         bail!("explain shows one light at a time; choose it with --tree and leave out --components");
@@ -128,19 +128,19 @@ pub fn run(args: &ExplainArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The region to split, if any: checked before the work.
+/// The region to split, if any; checked before the work.
 fn region_of(args: &ExplainArgs, viewed: &ViewedScene) -> Result<Option<Region>> {
     let size = viewed.view.size;
     Ok(match (args.region, args.pixel) {
         _ if args.no_split => None,
         (Some(region), _) => Some(region.check(size)?),
-        // A pixel outside is refused when it is explained, which comes first.
+        // A pixel outside is rejected by the explanation, which comes first.
         (None, Some(pixel)) if pixel[0] < size[0] && pixel[1] < size[1] => Some(Region::around(pixel, AROUND, size)),
         (None, _) => Some(Region::whole(size)),
     })
 }
 
-/// A picture whose pixels are explained, with the light that is gathered in it.
+/// Explains pixels of a picture and the light gathered in it.
 struct Explainer<'a> {
     args: &'a ExplainArgs,
     viewed: &'a ViewedScene,
@@ -176,7 +176,7 @@ impl<'a> Explainer<'a> {
         }
     }
 
-    /// Explains a pixel, says so, and draws its merged cut.
+    /// Explains a pixel, prints it, and draws its merged cut.
     fn explain(&self, pixel: [u32; 2], console: Console) -> Result<PixelExplanation> {
         let light = self.light()?;
         let mut explanation = self.renderer.explain(&self.viewed.view, pixel, light, self.args.brdf)?;
@@ -190,7 +190,7 @@ impl<'a> Explainer<'a> {
         Ok(explanation)
     }
 
-    /// Splits the error of a region, says so, and writes the pictures; `None` if interrupted.
+    /// Splits the error of a region, prints it, and writes the pictures; `None` if interrupted.
     fn split(&self, region: Region, interrupt: &ProgressReporter, console: Console) -> Result<Option<ErrorSplit>> {
         let sampler = VertexSampler::new(&self.viewed.baked.dataset, self.renderer.intersector());
         let trace = |vertex: u32, visible: &mut [u8]| sampler.sample(vertex, visible);

@@ -21,18 +21,17 @@ use std::path::{Path, PathBuf};
 /// Options of `export`.
 #[derive(Args, Clone, Debug)]
 pub struct ExportArgs {
-    /// Folder for a Mitsuba 3 scene: scene.xml, materials.xml, meshes, textures and environment; files of these names
-    /// are replaced
+    /// Folder for a Mitsuba 3 scene: scene.xml, materials.xml, meshes, textures and environment; existing files are replaced
     #[arg(long, value_name = "DIR", required_unless_present = "materials")]
     mitsuba: Option<PathBuf>,
-    /// File for the materials alone: .mtlx (MaterialX), .mtl, .gltf or .glb. Pictures of a .mtlx or .mtl go into a folder
-    /// beside it. A .gltf or .glb has the meshes, too, unless --original says otherwise
+    /// File for the materials alone: .mtlx (MaterialX), .mtl, .gltf or .glb. Pictures of a .mtlx or .mtl go into a folder beside
+    /// it. A .gltf or .glb also has the meshes, unless --original is given
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
     /// Surface of a MaterialX document
     #[arg(long, value_name = "SURFACE", default_value = "open-pbr", value_parser = choices::surface(), requires = "materials")]
     surface: Surface,
-    /// glTF file that the scene was baked from: --materials is a copy of it with its materials written anew
+    /// glTF file that the scene was baked from: --materials is a copy of it with new materials
     #[arg(long, value_name = "FILE.gltf", requires = "materials")]
     original: Option<PathBuf>,
     /// Most bounces of light between surfaces, 0 to 1000; 1 is direct light and one indirect bounce [default: 0; 1 if
@@ -46,7 +45,7 @@ pub struct ExportArgs {
 }
 
 impl ExportArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let mut files = self.view.files(&self.local);
         if let Some(folder) = &self.mitsuba {
@@ -64,7 +63,7 @@ impl ExportArgs {
 /// Writes the scene, its materials, or both.
 ///
 /// # Errors
-/// Files that cannot be read or written, parts of the light that Mitsuba cannot show alone, or no light at all.
+/// Unreadable or unwritable files, light components that Mitsuba cannot show alone, or no light.
 pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
     let _taken = args.mitsuba.as_deref().map(take_folder).transpose()?;
     let viewed = with_settled_parts(args.view.resolve(&args.local, console)?);
@@ -79,7 +78,7 @@ pub fn run(args: &ExportArgs, console: Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Other formats know no parts that let through other light than their material.
+/// Bakes parts' own opacity into their materials: other formats have no such override.
 fn with_settled_parts(viewed: ViewedScene) -> ViewedScene {
     if viewed.baked.dataset.scene.part_opacities.is_empty() {
         return viewed;
@@ -98,7 +97,7 @@ fn write_mitsuba(viewed: &ViewedScene, bounces: Option<u32>, folder: &Path, cons
         .summary(format_args!("{}: {triangles} triangles in {meshes} meshes, {materials} materials", scene.display()))
 }
 
-/// The part of the light that is asked for, as lights and a number of bounces.
+/// The requested light, as lights and a number of bounces.
 fn scene(viewed: &ViewedScene, bounces: Option<u32>) -> Result<MitsubaScene<'_>> {
     let components = viewed.local.components.unwrap_or(Components::ALL);
     let default = u32::from(viewed.local.components.is_some_and(|c| c.indirect));

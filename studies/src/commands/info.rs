@@ -1,4 +1,4 @@
-//! The `info` command: what a dataset holds, or a scene that can be baked.
+//! The `info` command: contents of a dataset or of a scene.
 
 use crate::{
     bake_parts,
@@ -27,15 +27,15 @@ pub struct InfoArgs {
 }
 
 impl InfoArgs {
-    /// What it reads.
+    /// Files that it reads.
     pub fn files(&self) -> CommandFiles {
         CommandFiles::default().reads([&self.file])
     }
 
-    /// Prints what a dataset or a scene holds.
+    /// Prints the contents of a dataset or scene.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// An unreadable file.
     pub fn run(&self) -> Result<()> {
         if SceneFormat::of(&self.file).is_some() {
             let imported = import(&self.file)?;

@@ -1,4 +1,4 @@
-//! `lapidary ladder`: which size of the illumination cut is enough for a picture, and what lit cuts make of it.
+//! `lapidary ladder`: the sufficient size of the illumination cut for a picture, and a comparison with lit cuts.
 
 use crate::{
     args::{BackendOption, LocalLightArgs, ViewArgs, choices, warn_of_buried},
@@ -29,7 +29,7 @@ pub struct LadderArgs {
     /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1, for the picture of lit cuts
     #[arg(long, value_name = "TAU", default_value_t = DEFAULT_TAU, value_parser = values::share)]
     lit_cuts: f32,
-    /// What renders the pictures; the reference is traced on the CPU
+    /// Rendering device for the pictures; the reference is traced on the CPU
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
     #[command(flatten)]
@@ -39,7 +39,7 @@ pub struct LadderArgs {
 }
 
 impl LadderArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let names =
             ["ladder.json", "ladder.html", "sheet.png", "reference.png", "reference.exr", "cut-*.png", "cut-*.exr"];
@@ -47,10 +47,10 @@ impl LadderArgs {
     }
 }
 
-/// Renders, traces, compares and writes.
+/// Renders, traces, compares and writes the results.
 ///
 /// # Errors
-/// Files that cannot be read or written, options that contradict each other.
+/// Unreadable or unwritable files, or contradictory options.
 pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     let _taken = take_folder(&args.out)?;
     let interrupt = ProgressReporter::interruptible(console);

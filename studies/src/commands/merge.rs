@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Options of `merge`.
 #[derive(Args, Clone, Debug)]
 pub struct MergeArgs {
-    /// Dataset to write; the shares of all shards lie beside it
+    /// Dataset to write; the shares must be beside it
     #[arg(value_name = "FILE.cuts")]
     pub file: PathBuf,
     /// How progress is shown on standard error
@@ -24,7 +24,7 @@ pub struct MergeArgs {
 }
 
 impl MergeArgs {
-    /// What it writes.
+    /// Files that it writes.
     pub fn files(&self) -> CommandFiles {
         CommandFiles::default().writes([&self.file])
     }
@@ -32,7 +32,7 @@ impl MergeArgs {
     /// Merges, with progress on standard error.
     ///
     /// # Errors
-    /// Shares that are missing, not complete or of different bakes, and an output that cannot be written.
+    /// Missing, incomplete or unrelated shares, or an unwritable output.
     pub fn run(&self, quiet: bool) -> Result<BakeReport> {
         let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
         progress.cancel_on_interrupt();
@@ -42,7 +42,7 @@ impl MergeArgs {
     }
 }
 
-/// Merges and says what came of it.
+/// Merges and reports the result.
 ///
 /// # Errors
 /// See [`MergeArgs::run`].

@@ -21,7 +21,7 @@ pub struct ModelsArgs {
 }
 
 impl ModelsArgs {
-    /// It reads nothing.
+    /// Files: none.
     pub fn files(&self) -> CommandFiles {
         CommandFiles::default()
     }
@@ -29,13 +29,13 @@ impl ModelsArgs {
     /// Prints all BRDF models with their parameters.
     ///
     /// # Errors
-    /// None but those of the terminal.
+    /// Standard output cannot be written.
     pub fn run(&self) -> Result<()> {
         if self.json { print_out(&json_text(&models_json())?) } else { print_out(&models_text()) }
     }
 }
 
-/// All parameters of a model, and whether they are rendered or only stored.
+/// All parameters of a model, and whether each is rendered or only stored.
 fn listed(model: BrdfModel) -> impl Iterator<Item = (&'static Parameter, bool)> {
     let rendered = model.parameters().iter().map(|p| (p, true));
     rendered.chain(model.stored_parameters().iter().map(|p| (p, false)))

@@ -1,4 +1,4 @@
-//! `lapidary predict`: the error of a picture before any ray is traced, and how far that can be trusted.
+//! `lapidary predict`: the error of a picture before tracing any ray, and its reliability.
 
 use crate::{
     args::{BackendOption, LocalLightArgs, ViewArgs, ViewedScene, choices},
@@ -26,7 +26,7 @@ use std::{
 /// Options of `predict`.
 #[derive(Args, Clone, Debug)]
 pub struct PredictArgs {
-    /// Prediction to write and to summarize
+    /// Prediction to write and summarize
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
     /// Trace the samples reference and compare the predictions with the true error
@@ -49,10 +49,10 @@ pub struct PredictArgs {
 }
 
 impl PredictArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     ///
     /// # Errors
-    /// Pictures of no known format.
+    /// A picture of unknown format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(&self.out)?;
         Ok(self.view.files(&LocalLightArgs::default()).writes(&self.out).writes(&self.json))
@@ -70,7 +70,7 @@ enum Kind {
     Expected,
 }
 
-/// What the JSON file says.
+/// Contents of the JSON file.
 #[derive(Serialize)]
 struct Report {
     size: [u32; 2],
@@ -80,13 +80,13 @@ struct Report {
     expected: Calibration,
 }
 
-/// Groups of pixels of about equal predicted error.
+/// Groups of pixels with similar predicted error.
 const BINS: usize = 10;
 
-/// Predicts, writes the map, and tells how it is calibrated if asked to.
+/// Predicts, writes the map, and reports the calibration if requested.
 ///
 /// # Errors
-/// Files that cannot be read or written, and a dataset without visibility of the environment.
+/// Unreadable or unwritable files, or a dataset without visibility of the environment.
 pub fn run(args: &PredictArgs, console: Console) -> Result<Outcome> {
     let interrupt = ProgressReporter::interruptible(console);
     let viewed = args.view.resolve(&LocalLightArgs::default(), console)?;
@@ -155,7 +155,7 @@ impl Kind {
     }
 }
 
-/// The numbers themselves, or a map of them in false colors.
+/// Writes the numbers themselves, or a false-color map of them.
 fn write_map(predicted: &Image, path: &Path) -> Result<()> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         let nothing = Image::filled(predicted.size, Vec3::ZERO);

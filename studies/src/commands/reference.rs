@@ -1,4 +1,4 @@
-//! `lapidary reference`: the picture by ray tracing.
+//! `lapidary reference`: a picture by ray tracing.
 
 use crate::{
     args::{LocalLightArgs, PoseArgs, ViewArgs, ViewedScene, choices, warn_of_buried},
@@ -17,7 +17,7 @@ use std::{path::PathBuf, time::Instant};
 /// Options of `reference`.
 #[derive(Args, Clone, Debug)]
 pub struct ReferenceArgs {
-    /// What to trace
+    /// Kind of reference
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
     /// Samples per pixel of --kind path, 1 to 1000000 [default: 64]
@@ -27,7 +27,7 @@ pub struct ReferenceArgs {
     /// [default: 0; 1 if --components names indirect]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
     bounces: Option<u32>,
-    /// Which random light paths --kind path follows, 0 to 4000; each number gives other noise [default: 0]
+    /// Seed of the random light paths of --kind path, 0 to 4000; each gives other noise [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4000))]
     seed: Option<u32>,
     /// Where in a pixel the light paths of --kind path start [default: shared]
@@ -45,10 +45,10 @@ pub struct ReferenceArgs {
 }
 
 impl ReferenceArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     ///
     /// # Errors
-    /// Pictures of no known format.
+    /// A picture of unknown format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(&self.out)?;
         Ok(self.pose.files(self.view.files(&self.local)).writes(&self.out))
@@ -65,13 +65,13 @@ enum Kind {
     Path,
 }
 
-/// Samples a pixel by default: noise about that of a clean preview.
+/// Default samples per pixel: as noisy as a clean preview.
 const DEFAULT_SPP: u32 = 64;
 
-/// Traces and writes the picture, or as much of it as there is at Ctrl-C.
+/// Traces and writes the picture, or its finished part at Ctrl-C.
 ///
 /// # Errors
-/// Files that cannot be read or written, options that contradict each other.
+/// Unreadable or unwritable files, or contradictory options.
 pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     if args.kind == Kind::Samples && args.spp.is_some() {
         bail!("--spp goes with --kind path; --kind samples traces every light sample once");
@@ -88,7 +88,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     let interrupt = ProgressReporter::interruptible(console);
     let mut viewed = args.view.resolve(&args.local, console)?;
     viewed.poses = args.pose.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
-    let posed = viewed.baked.posed(&viewed.poses).context("the objects cannot be posed so")?;
+    let posed = viewed.baked.posed(&viewed.poses).context("the objects cannot be posed this way")?;
     if args.kind == Kind::Samples && viewed.local.components.is_some_and(|c| c.indirect) {
         if !viewed.poses.is_empty() {
             bail!("{BOUNCES_AS_BAKED}; use --kind path");
@@ -138,13 +138,13 @@ fn trace(args: &ReferenceArgs, viewed: &ViewedScene, interrupt: &ProgressReporte
     }
 }
 
-/// The look without bounced light, unless that is asked for: it takes a ray from every pixel to every source.
+/// The look without bounced light, unless requested: it takes a ray from every pixel to every source.
 fn unbounced(viewed: &ViewedScene) -> Result<Look> {
     let components = viewed.local.components.unwrap_or(Components::UNBOUNCED);
     Ok(Look { components, ..viewed.look()? })
 }
 
-/// Bounces where they are asked for, by their number or as a component.
+/// Path settings; they include bounces if requested by number or as a component.
 fn path_settings(args: &ReferenceArgs, viewed: &ViewedScene) -> PathSettings {
     let components = viewed.local.components.unwrap_or(Components::ALL);
     let default = u32::from(viewed.local.components.is_some_and(|c| c.indirect));

@@ -20,18 +20,18 @@ pub struct RenderArgs {
     /// Picture to write: .exr or .hdr (scene-linear), .png (as displayed); may be given several times
     #[arg(long, value_name = "FILE")]
     out: Vec<PathBuf>,
-    /// Layers of exr files beside the picture, separated by commas: environment, direct and indirect (light, which
-    /// sums to the picture), normal, albedo, roughness, position, depth, coverage (surfaces), visibility-nodes,
-    /// merged-nodes and brdf-evaluations (work), or all
+    /// Layers of exr files beside the picture, separated by commas: environment, direct and indirect (light, which sums to the
+    /// picture), normal, albedo, roughness, position, depth, coverage (surfaces), visibility-nodes, merged-nodes and
+    /// brdf-evaluations (work), or all
     #[arg(long, value_name = "LIST")]
     layers: Option<LayerList>,
-    /// What the pixels show
+    /// Quantity to show
     #[arg(long, value_name = "QUANTITY", default_value = "shaded", value_parser = choices::view_mode())]
     show: ViewMode,
-    /// Level that --show basis-level shows, from 0, the coarsest
+    /// Level for --show basis-level; 0 is the coarsest
     #[arg(long, value_name = "L", default_value_t = 0)]
     level: u32,
-    /// Function that --show basis-function shows, from 0, coarsest first
+    /// Function for --show basis-function, counted from 0, coarsest first
     #[arg(long, value_name = "N", default_value_t = 0)]
     function: u32,
     /// Write times and counts as JSON
@@ -46,7 +46,7 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// The look of a picture that shows what is wanted.
+    /// The look for the requested quantity.
     fn shown(&self, mut look: Look, dataset: &Dataset) -> Result<Look> {
         if self.show.is_of_basis() && dataset.meshless.is_none() {
             bail!("the dataset has no meshless basis to show; bake it with --mode meshless");
@@ -57,10 +57,10 @@ impl RenderArgs {
         Ok(look)
     }
 
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     ///
     /// # Errors
-    /// Pictures of no known format.
+    /// A picture of unknown format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(&self.out)?;
         Ok(self.pose.files(self.view.files(&self.local)).writes(&self.out).writes(&self.stats))
@@ -70,7 +70,7 @@ impl RenderArgs {
 /// Renders and writes the picture.
 ///
 /// # Errors
-/// Files that cannot be read or written, options that contradict each other.
+/// Unreadable or unwritable files, or contradictory options.
 pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     if args.layers.is_some() && !args.out.iter().any(|path| is_exr(path)) {
         bail!("only exr files hold layers; add --out FILE.exr, or leave --layers out");

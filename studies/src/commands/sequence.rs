@@ -18,18 +18,18 @@ use std::{path::PathBuf, time::Instant};
 /// Options of `sequence`.
 #[derive(Args, Clone, Debug)]
 pub struct SequenceArgs {
-    /// What turns about the vertical through the camera's target
+    /// Turn this about the vertical through the camera's target
     #[arg(long, value_enum)]
     turn: Option<Turn>,
-    /// Angle of the turn in degrees, counter-clockwise seen from above. After whole turns the last frame is one step
-    /// before the first, so that the sequence loops
+    /// Angle of the turn in degrees, counter-clockwise seen from above. For whole turns the last frame is one step before the
+    /// first, so the sequence loops
     #[arg(long, value_name = "DEG", default_value = "360", value_parser = crate::values::finite, allow_hyphen_values = true, requires = "turn")]
     degrees: f32,
-    /// Parameter to vary from the first frame to the last: NAME=FROM..TO in equal steps, or NAME=log:FROM..TO in
-    /// equal ratios; may be given several times. NAME is a parameter of a BRDF model, as roughness, base-color or coat-weight
-    /// (`lapidary models` lists them, with _ for -), bump or normal (of all materials, or of one with @MATERIAL), rotation, intensity, exposure, illum-cut
-    /// (with --brdf refine or once), lit-cuts, light-intensity (a factor; of all lights, or of one with @LIGHT), light-position, light-target (X,Y,Z..X,Y,Z),
-    /// eye, target or fov
+    /// Parameter to vary from the first frame to the last: NAME=FROM..TO in equal steps, or NAME=log:FROM..TO in equal ratios; may
+    /// be given several times. NAME is a parameter of a BRDF model, as roughness, base-color or coat-weight (`lapidary models`
+    /// lists them, with _ for -), bump or normal (of all materials, or of one with @MATERIAL), rotation, intensity, exposure,
+    /// illum-cut (with --brdf refine or once), lit-cuts, light-intensity (a factor; of all lights, or of one with @LIGHT),
+    /// light-position, light-target (X,Y,Z..X,Y,Z), eye, target or fov
     #[arg(long, value_name = "SWEEP", allow_hyphen_values = true)]
     sweep: Vec<Sweep>,
     /// Number of frames
@@ -51,10 +51,10 @@ pub struct SequenceArgs {
     /// Frames per row of the contact sheet [default: about as many as rows]
     #[arg(long, value_name = "N", requires = "contact_sheet", value_parser = clap::value_parser!(u32).range(1..=100))]
     columns: Option<u32>,
-    /// Continue, and keep frames that exist
+    /// Continue and keep existing frames
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Replace frames that exist
+    /// Replace existing frames
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
@@ -67,10 +67,10 @@ pub struct SequenceArgs {
     motion: MotionArgs,
 }
 
-/// Renders the sequence, or as much of it as there is at Ctrl-C.
+/// Renders the sequence, or its first part at Ctrl-C.
 ///
 /// # Errors
-/// Files that cannot be read or written, options that contradict each other.
+/// Unreadable or unwritable files, or contradictory options.
 pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let outputs = args.outputs()?;
     let interrupt = ProgressReporter::interruptible(console);
@@ -114,10 +114,10 @@ fn tell(task: &SequenceTask, end: SequenceEnd, start: Instant, console: Console)
 }
 
 impl SequenceArgs {
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     ///
     /// # Errors
-    /// Names that are none of a sequence.
+    /// Names that do not form a sequence.
     pub fn files(&self) -> Result<CommandFiles> {
         let outputs = self.outputs()?;
         let files = self.motion.files(self.view.files(&self.local));
@@ -129,7 +129,7 @@ impl SequenceArgs {
         if self.layers.is_some() && !self.out.iter().any(|path| is_exr(path)) {
             bail!("only exr files hold layers; add --out DIR/frame.####.exr, or leave --layers out");
         }
-        // Its folder may be that of the frames, which is made later.
+        // The sheet's folder may be the frames' folder, which is created later.
         if let Some(sheet) = self.contact_sheet.as_ref().filter(|sheet| !has_extension(sheet, "png")) {
             bail!("a contact sheet is a png file; end its name in .png ({})", sheet.display());
         }

@@ -16,8 +16,8 @@ use std::path::PathBuf;
 pub struct VerifyArgs {
     /// Dataset to verify
     pub file: PathBuf,
-    /// Vertices to trace again, 1 or more, and as many surface sources and functions of the meshless basis (64 at
-    /// most); the random choice is always the same
+    /// Vertices to retrace, 1 or more, and as many surface sources and functions of the meshless basis (64 at most); the random
+    /// choice is always the same
     #[arg(long, value_name = "K", default_value_t = 256, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     pub vertices: usize,
     /// Print JSON
@@ -26,15 +26,15 @@ pub struct VerifyArgs {
 }
 
 impl VerifyArgs {
-    /// What it reads.
+    /// Files that it reads.
     pub fn files(&self) -> CommandFiles {
         CommandFiles::default().reads([&self.file])
     }
 
-    /// Traces random vertices and functions again and prints the difference.
+    /// Retraces random vertices and functions and prints the difference.
     ///
     /// # Errors
-    /// A dataset that cannot be read, or that does not agree with what was traced.
+    /// An unreadable dataset, or one that disagrees with the retraced rays.
     pub fn run(&self) -> Result<()> {
         let result = verify(&Dataset::read(&self.file, image::decode)?, self.vertices);
         if self.json {

@@ -1,4 +1,4 @@
-//! The bake of the still life, sized for two minutes in all.
+//! The bake of the still life, sized to keep the demonstration under two minutes.
 
 use crate::{bundled::DataFolder, terminal::Steps};
 use anyhow::Result;
@@ -10,13 +10,13 @@ use std::{path::Path, time::Instant};
 /// The baked still life.
 pub const DATASET: &str = "still-life.cuts";
 
-/// Most vertices: the scene's own, and some for the shadows on the backdrop.
+/// Most vertices: the scene's own plus some for shadows on the backdrop.
 const MAX_VERTICES: usize = 60_000;
 
-/// Imports and bakes into the output folder; goes on with an interrupted bake.
+/// Imports and bakes into the output folder; resumes an interrupted bake.
 ///
 /// # Errors
-/// Data that cannot be read, a folder that cannot be written, or Ctrl-C.
+/// Unreadable data, an unwritable folder, or Ctrl-C.
 pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<Dataset> {
     steps.begin("baking the still life: visibility of every light sample from every vertex");
     let start = Instant::now();
@@ -30,7 +30,7 @@ pub fn bake_still_life(data: &DataFolder, out: &Path, steps: &Steps) -> Result<D
         ..BakeJob::new(settings, out.join(DATASET))
     };
     let dataset = match bake(scene.clone(), &job, &steps.reporter) {
-        // A checkpoint of an older version or other data.
+        // The checkpoint belongs to an older version or other data.
         Err(BakeError::Checkpoint(_)) => bake(scene, &BakeJob { resume: false, ..job }, &steps.reporter)?,
         result => result?,
     };

@@ -1,4 +1,4 @@
-//! Pictures to look at: the hero, environments, rotations and materials. All of one bake.
+//! Gallery pictures from one bake: the hero, environments, rotations and materials.
 
 use super::pictures::{Picture, StillLife};
 use crate::{args::replace_materials, terminal::Steps};
@@ -12,29 +12,29 @@ use serde::Serialize;
 /// The pictures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Gallery {
-    /// The largest.
+    /// The largest picture.
     pub hero: Picture,
     /// One for each environment.
     pub environments: Vec<Picture>,
-    /// The hero's environment, turned.
+    /// The hero's environment, rotated.
     pub rotations: Vec<Picture>,
     /// Other materials for the whole scene.
     pub materials: Vec<Picture>,
 }
 
-/// How far the environment is turned, in degrees.
+/// Rotations of the environment in degrees.
 const ROTATIONS: [f32; 3] = [60.0, 160.0, 260.0];
 
 /// Width and height of all pictures but the hero.
 const SIZE: [u32; 2] = [400, 300];
 
-/// Pictures in all, for the progress bar.
+/// Total number of pictures, for the progress bar.
 const PICTURES: u64 = 10;
 
-/// Takes all pictures.
+/// Renders all pictures.
 ///
 /// # Errors
-/// A folder that cannot be written, or Ctrl-C.
+/// An unwritable folder, or Ctrl-C.
 pub fn take<'a>(
     still_life: &mut StillLife,
     environments: impl Iterator<Item = &'a str>,
@@ -89,7 +89,7 @@ pub fn take<'a>(
     Ok(gallery)
 }
 
-/// Wide and close, with smooth edges.
+/// A wide close view with smooth edges.
 fn hero(still_life: &StillLife) -> Look {
     let mut look = still_life.look("main", "studio", [1024, 576]);
     look.view.camera.fov_y = 27.5_f32.to_radians();
@@ -97,7 +97,7 @@ fn hero(still_life: &StillLife) -> Look {
     look
 }
 
-/// "sun-and-sky" as words.
+/// "sun-and-sky" with spaces.
 fn spaced(name: &str) -> String {
     name.replace('-', " ")
 }

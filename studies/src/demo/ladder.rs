@@ -1,4 +1,4 @@
-//! The ladder of the still life, with the BRDF once and refined and with lit cuts, and a close-up against light paths.
+//! The ladder of the still life with the BRDF sampled once, refined, and with lit cuts, and a close-up against light paths.
 
 use super::pictures::{Picture, StillLife};
 use crate::{
@@ -20,10 +20,10 @@ use std::time::Instant;
 /// Sizes of the illumination cut.
 pub const CUT_SIZES: [u32; 5] = [32, 64, 128, 256, 512];
 
-/// Errors at the upper end of all maps, so that they can be compared.
+/// Error at the upper end of all maps, which makes them comparable.
 pub const MAP_TOP: f32 = 0.5;
 
-/// Samples a pixel of the path-traced reference.
+/// Samples per pixel of the path-traced reference.
 pub const PATH_SAMPLES: u32 = 64;
 
 /// One picture of some cuts.
@@ -37,22 +37,22 @@ pub struct Rung {
     pub error_map: String,
 }
 
-/// Pictures of the knot and the vase, close.
+/// Close-up pictures of the knot and the vase.
 #[derive(Clone, Debug, Serialize)]
 pub struct Detail {
     /// BRDF once per node.
     pub once: Picture,
     /// BRDF refined.
     pub refined: Picture,
-    /// By path tracing.
+    /// Path-traced reference.
     pub path_reference: Picture,
-    /// Differences of the first from the last.
+    /// Errors of `once`.
     pub metrics_once: Metrics,
-    /// Differences of the second from the last.
+    /// Errors of `refined`.
     pub metrics_refined: Metrics,
 }
 
-/// All rungs and what they are held against.
+/// All rungs and their references.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ladder {
     /// All light samples, visibility traced at the pixel.
@@ -70,9 +70,9 @@ pub struct Ladder {
 /// Renders, traces and compares.
 ///
 /// # Errors
-/// A folder that cannot be written, or Ctrl-C.
+/// An unwritable folder, or Ctrl-C.
 pub fn climb(still_life: &mut StillLife, steps: &Steps) -> Result<Ladder> {
-    // Small, for each pixel of the reference takes thousands of rays.
+    // Small, because each pixel of the reference takes thousands of rays.
     let look = still_life.look("main", "studio", [240, 180]);
     steps.begin("tracing the reference: every light sample from every pixel");
     let progress = steps.progress("reference", "pixels");
@@ -106,7 +106,7 @@ fn rungs<const N: usize>(
     Ok(rungs.try_into().expect("a ladder has one step for each of the cuts"))
 }
 
-/// Writes picture and error map of a step.
+/// Writes the picture and error map of a step.
 fn kept(still_life: &StillLife, look: &Look, Step { rung, metrics }: Step, truth: &Truth) -> Result<Rung> {
     let stem = match rung.cuts {
         Cuts::Once(size) => format!("{size}-once"),

@@ -268,7 +268,7 @@ fn bake_contents(report: &Report) -> Markup {
         (row("Visibility RMS", &thousandths(b.rms_visibility), "stored against traced, over vertices and lights"))
         (row("Cuts", &megabytes(b.bytes_cuts), &whole))
         (row("Pairs", &pairs, "of vertex and light"))
-        (row("Buried points", &grouped(b.buried_points as u64), "lie inside other geometry and have no say"))
+        (row("Buried points", &grouped(b.buried_points as u64), "lie inside other geometry and are not used"))
         (row("Traced again", &grouped(v.environment.vertices as u64), &again))
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures of the still life: a look in, files and figures out.
+//! Pictures of the still life: from a look to files and figures.
 
 use crate::{args::BackendOption, bundled::Environments, export::settings};
 use anyhow::Result;
@@ -22,10 +22,10 @@ pub const NAMES: [&str; 9] = [
     "detail-refine",
 ];
 
-/// A picture that was taken.
+/// A rendered picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct Picture {
-    /// What it shows, in a few words.
+    /// Short description.
     pub title: String,
     /// File in the report's folder, as displayed.
     pub png: String,
@@ -33,18 +33,18 @@ pub struct Picture {
     pub exr: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// What else decided it.
+    /// Other settings of the picture.
     pub settings: Map<String, Value>,
-    /// What decided it.
+    /// The complete look.
     #[serde(skip)]
     pub look: Look,
-    /// How it was made; nothing for references.
+    /// Render statistics; `None` for references.
     pub stats: Option<RenderStats>,
     /// Wall-clock seconds.
     pub seconds: f64,
 }
 
-/// The baked still life on a renderer, lights and a folder for pictures.
+/// The baked still life on a renderer, with environments and an output folder.
 pub struct StillLife<'a> {
     pub scene: LitScene,
     environments: &'a Environments,
@@ -65,7 +65,7 @@ impl<'a> StillLife<'a> {
         &self.scene.baked().dataset
     }
 
-    /// The scene as it was baked, seen by one of its cameras under one of the environments.
+    /// The scene as baked, seen by one of its cameras under one of the environments.
     pub fn look(&self, camera: &str, environment: &str, size: [u32; 2]) -> Look {
         let scene = &self.dataset().scene;
         let camera = scene.cameras.iter().find(|c| c.name == camera);
@@ -78,7 +78,7 @@ impl<'a> StillLife<'a> {
         )
     }
 
-    /// What traces rays for a look.
+    /// A ray tracer for a look.
     pub fn renderer(&self, look: &Look) -> Renderer {
         look.renderer(self.scene.baked())
     }
@@ -86,9 +86,9 @@ impl<'a> StillLife<'a> {
     /// Renders with cuts and writes the files.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn render(&mut self, name: &str, title: &str, look: &Look) -> Result<(Picture, Image)> {
-        // Times of pictures under the same light are compared.
+        // Times of pictures under the same light are compared, so each picture computes its light.
         self.scene.forget_light();
         let FinishedPicture { image, stats, .. } = self.scene.show_whole(look)?;
         let picture = self.keep(name, title, look, &image, stats.seconds)?;
@@ -98,7 +98,7 @@ impl<'a> StillLife<'a> {
     /// Writes the files of a picture that took `seconds`.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn keep(&self, name: &str, title: &str, look: &Look, image: &Image, seconds: f64) -> Result<Picture> {
         let [png, exr] = ["png", "exr"].map(|extension| format!("{name}.{extension}"));
         image::write(image, &self.out.join(&png))?;

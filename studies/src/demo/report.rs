@@ -1,31 +1,31 @@
-//! Every figure of the demonstration; `report.json` is this.
+//! All figures of the demonstration, written as `report.json`.
 
 use super::{gallery::Gallery, ladder::Ladder};
 use lapidary_core::dataset::{BakeReport, Dataset};
 use lapidary_precompute::Verification;
 use serde::Serialize;
 
-/// Every figure of the demonstration.
+/// All figures of the demonstration.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Version of the program.
     pub version: &'static str,
-    /// Threads that worked.
+    /// Number of threads.
     pub threads: usize,
-    /// Wall-clock seconds in all.
+    /// Total wall-clock seconds.
     pub seconds: f64,
     /// The report of the bake.
     pub bake: BakeReport,
-    /// What tracing some vertices again gave.
+    /// Result of retracing some vertices.
     pub verification: Verification,
-    /// Pictures to look at.
+    /// Gallery pictures.
     pub gallery: Gallery,
-    /// Pictures to measure.
+    /// Measured pictures.
     pub ladder: Ladder,
 }
 
 impl Report {
-    /// Collects what the steps gave.
+    /// Collects the results of all steps.
     pub fn new(dataset: &Dataset, verification: Verification, gallery: Gallery, ladder: Ladder, seconds: f64) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),

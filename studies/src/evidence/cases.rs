@@ -1,4 +1,4 @@
-//! The scenes that are measured: read, tessellated and baked once for all figures.
+//! The measured scenes: read, tessellated and baked once for all figures.
 
 use super::{
     Measurement,
@@ -23,22 +23,22 @@ use std::{
     sync::Arc,
 };
 
-/// Share of the sky that a scene's points must see in the mean for its light to be measured: less is a closed box.
+/// Least mean share of the sky that a scene's points must see to be measured under it: less is a closed box.
 const LEAST_SKY: f64 = 0.005;
-/// Points and directions by which that is found out.
+/// Points and directions for this test.
 const SKY_POINTS: usize = 256;
 const SKY_DIRECTIONS: usize = 1024;
 
-/// Trees of Fig. 5 and 6b, by growing weight of the geometric metric.
+/// Trees of Fig. 5 and 6b, by increasing weight of the geometric metric.
 pub const TREES: [(TreeKind, f32); 3] =
     [(TreeKind::DataDriven, 0.0), (TreeKind::Mixed, 0.5), (TreeKind::Geometric, 1.0)];
 
-/// Vertices that a scene gets where `most` are meant: large triangles without any have no shadows.
+/// Vertex limit of a scene: `most`, or more if the mesh already has as many. Large triangles need added vertices for shadows.
 fn room_in(scene: &Scene, most: usize) -> usize {
     precompute::with_room(most, scene.mesh.positions.len())
 }
 
-/// A scene as it was read.
+/// An imported scene.
 pub struct Plan {
     /// The file's name without extension.
     pub name: String,
@@ -48,7 +48,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Reads a scene, so that one that cannot be read is told before anything is baked.
+    /// Reads a scene early, so that errors appear before anything is baked.
     ///
     /// # Errors
     /// See [`import_with`].
@@ -59,7 +59,7 @@ impl Plan {
     }
 }
 
-/// Numbers scenes of one name, which would overwrite each other's pictures.
+/// Numbers scenes with the same name, whose pictures would overwrite each other.
 pub fn named_apart(mut plans: Vec<Plan>) -> Vec<Plan> {
     let mut taken = HashSet::new();
     for plan in &mut plans {
@@ -75,13 +75,13 @@ pub fn named_apart(mut plans: Vec<Plan>) -> Vec<Plan> {
 
 /// A scene and its bakes.
 pub struct Case {
-    /// What it is called in all figures.
+    /// Name in all figures.
     pub name: String,
-    /// As imported.
+    /// The imported scene.
     pub scene: Scene,
-    /// Its bakes for distant light, unless it is closed to it.
+    /// Its bakes for distant light, unless it is closed.
     pub environment: Option<Bakes>,
-    /// Its bake for the bounce of its local lights, if it has any.
+    /// Its bake for the bounce of its local lights, if any.
     pub bounces: Option<Arc<Dataset>>,
 }
 
@@ -94,22 +94,22 @@ pub struct Bakes {
 }
 
 impl Bakes {
-    /// The tree that bakes have unless asked otherwise.
+    /// The default tree of bakes.
     pub fn mixed(&self) -> &Arc<Dataset> {
         &self.datasets[1]
     }
 
-    /// The tree of the samples' distances alone.
+    /// The tree of geometric distances alone.
     pub fn geometric(&self) -> &Arc<Dataset> {
         &self.datasets[2]
     }
 }
 
 impl Measurement<'_> {
-    /// Bakes what a scene has light for.
+    /// Bakes for the kinds of light that a scene has.
     ///
     /// # Errors
-    /// A bake that fails, or Ctrl-C.
+    /// A failed bake, or Ctrl-C.
     pub fn bake(&self, plan: Plan) -> Result<Case> {
         self.steps.begin(&format!("baking {}", plan.name));
         let context = || format!("cannot measure the scene {}", plan.path.display());
@@ -167,14 +167,14 @@ impl Measurement<'_> {
         Ok(precompute::bake(plan.scene.clone(), &job, &self.steps.reporter)?.into())
     }
 
-    /// A scene under the environment alone, seen in black.
+    /// The look of a scene under the environment alone, on black.
     pub fn lit_from_afar(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Look {
         let environment = self.environment.clone();
         let light = Illumination { environment, rotation: 0.0, intensity: 1.0, sun: None };
         Look::under_environment(&dataset.scene, view(&dataset.scene, size), light)
     }
 
-    /// A scene under its local lights and their bounce.
+    /// The look of a scene under its local lights and their bounce.
     pub fn lit_by_lamps(&self, dataset: &Arc<Dataset>, size: [u32; 2]) -> Look {
         Look {
             lights: dataset.scene.lights.clone().into(),
@@ -185,7 +185,7 @@ impl Measurement<'_> {
     }
 }
 
-/// The scene's first camera, or all of it. The background is black: errors are on surfaces alone.
+/// The scene's first camera, or a view of the whole scene. The background is black, so errors are on surfaces alone.
 pub fn view(scene: &Scene, size: [u32; 2]) -> View {
     View { background: Background::Flat(Vec3::ZERO), ..View::new(scene.first_view(), size) }
 }

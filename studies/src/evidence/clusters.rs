@@ -18,7 +18,7 @@ use maud::{Markup, html};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Depth of the nodes that are shown; the paper's "9th level".
+/// Depth of the shown nodes; the paper's "9th level".
 const DEPTH: u32 = 9;
 /// Side of a hemisphere's picture in pixels.
 const DISC: u32 = 320;
@@ -30,9 +30,9 @@ struct Clusters {
     beta: f32,
     depth: u32,
     clusters: usize,
-    /// Half-angle of the cone that holds most of a cluster's samples, averaged.
+    /// Half-angle of the cone that contains most of a cluster's samples, averaged.
     mean_radius_degrees: f64,
-    /// Median ratio of a cluster's length and width.
+    /// Median ratio of a cluster's length to its width.
     median_elongation: f64,
     mean_visibility_cut: f64,
     png: String,
@@ -41,7 +41,7 @@ struct Clusters {
 /// Draws and measures the clusters of all trees of a scene.
 ///
 /// # Errors
-/// A folder that cannot be written.
+/// An unwritable folder.
 pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &mut Notebook) -> Result<()> {
     let nearest = nearest_samples(measurement.scale.lights);
     let mut all = Vec::new();
@@ -88,7 +88,7 @@ fn caption(clusters: &Clusters) -> Markup {
     }
 }
 
-/// A metric in words.
+/// Display name of a metric.
 pub fn label(tree: TreeKind) -> &'static str {
     match tree {
         TreeKind::Geometric => "geometric",
@@ -97,7 +97,7 @@ pub fn label(tree: TreeKind) -> &'static str {
     }
 }
 
-/// How wide and how long clusters are.
+/// Sizes and elongations of clusters.
 struct Shape {
     mean_radius_degrees: f64,
     median_elongation: f64,
@@ -115,8 +115,8 @@ impl Shape {
     }
 }
 
-/// Length of a cluster over its width: roots of the variances of its directions along its principal axes. One where there are too
-/// few of them for a width.
+/// Length of a cluster over its width: square roots of the variances of its directions along the principal axes. One if there are
+/// too few directions for a width.
 fn elongation(directions: &[Vec3]) -> f64 {
     let mean = directions.iter().sum::<Vec3>().normalize_or(Vec3::Y);
     let frame = frame_around(mean);
@@ -158,7 +158,7 @@ fn hemisphere(x: u32, y: u32, upper: bool) -> Option<Vec3> {
     (r_sq < 1.0).then(|| Vec3::new(u * stretch, height, v * stretch))
 }
 
-/// Each pixel in the color of its cluster, clusters parted by dark lines.
+/// Each pixel in its cluster's color, with dark lines between clusters.
 fn picture(nearest: &[Option<u32>], tree: &LightTree, depth: u32) -> Image {
     let mut cluster_of_sample = vec![0_u32; tree.len()];
     let shift = tree.height() - depth;
@@ -171,7 +171,7 @@ fn picture(nearest: &[Option<u32>], tree: &LightTree, depth: u32) -> Image {
     })
 }
 
-/// Colors far apart for neighbors in the tree's order.
+/// Very different colors for neighbors in the tree's order.
 fn color(cluster: u32) -> Vec3 {
     let hue = (cluster as f32 * GOLDEN_TURN).fract();
     let wave = |shift: f32| 0.5 + 0.5 * (std::f32::consts::TAU * (hue + shift)).cos();
@@ -187,7 +187,7 @@ mod tests {
     fn long_clusters_are_told_from_round_ones() {
         let geometric = LightTree::geometric(4096).unwrap();
         let round = Shape::of(&geometric, 6);
-        // Bands of equal height: 64 samples around the whole sphere each.
+        // Bands of equal height: 64 samples each around the whole sphere.
         let bands = Shape::of(&LightTree::from_order((0..4096).collect()).unwrap(), 6);
         assert!(round.median_elongation < 2.0, "{}", round.median_elongation);
         assert!(bands.mean_radius_degrees > 3.0 * round.mean_radius_degrees, "negative control");

@@ -12,7 +12,7 @@ pub fn directions(side: usize) -> Vec<Vec3> {
     (0..FACES).flat_map(texels).collect()
 }
 
-/// Through a place of a face, each coordinate from -1 to 1.
+/// Direction through a point of a face, each coordinate from -1 to 1.
 fn direction(face: usize, u: f32, v: f32) -> Vec3 {
     let sign = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
     let place = match face / 2 {

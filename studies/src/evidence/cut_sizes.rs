@@ -1,4 +1,4 @@
-//! Fig. 6b: mean visibility cut by weight of the geometric metric, scene by scene.
+//! Fig. 6b: mean visibility cut by weight of the geometric metric, for each scene.
 
 use super::{
     cases::{Bakes, Case, TREES},
@@ -17,11 +17,11 @@ use serde::Serialize;
 struct Row {
     scene: String,
     points: usize,
-    /// By growing beta.
+    /// Steps by increasing beta.
     steps: Vec<Step>,
-    /// Share by which the data-driven tree's cuts are smaller than the geometric tree's.
+    /// Relative reduction of cuts by the data-driven tree over the geometric tree.
     gain_data_driven: f64,
-    /// The same of the mixed tree.
+    /// Relative reduction by the mixed tree.
     gain_mixed: f64,
 }
 
@@ -51,10 +51,10 @@ impl Row {
     }
 }
 
-/// Puts the figures of all scenes side by side.
+/// Collects the figures of all scenes.
 ///
 /// # Errors
-/// A folder that cannot be written.
+/// An unwritable folder.
 pub fn record(cases: &[(&Case, &Bakes)], notebook: &mut Notebook) -> Result<()> {
     let rows: Vec<Row> = cases.iter().map(|(case, bakes)| Row::new(case, bakes)).collect();
     let line = |row: &Row| Line {

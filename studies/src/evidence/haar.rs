@@ -1,14 +1,14 @@
-//! Haar wavelets on squares, to compare cuts with (paper, section 5 and Fig. 6a).
+//! Haar wavelets on squares, for comparison with cuts (paper, section 5 and Fig. 6a).
 //!
-//! The nonstandard two-dimensional basis (Stollnitz, DeRose and Salesin, *Wavelets for Computer Graphics*, 1996), orthonormal:
-//! squared differences of functions are those of their coefficients, so that the best approximation by a number of terms
+//! The nonstandard two-dimensional basis (Stollnitz, DeRose and Salesin, *Wavelets for Computer Graphics*, 1996). It is
+//! orthonormal: squared differences of functions equal those of their coefficients, so the best approximation by a number of terms
 //! keeps the largest.
 
-/// Replaces the `side * side` values of a square, row by row, by their coefficients; `side` is a power of two. Means of the
-/// whole come first, then the details of ever smaller squares in the quarters around them.
+/// Replaces the `side * side` values of a square, row by row, by their coefficients; `side` is a power of two. The mean of the
+/// whole comes first, then details of ever smaller squares in the quarters around it.
 ///
 /// # Panics
-/// If the number of values is another, or `side` no power of two.
+/// If the number of values differs, or `side` is not a power of two.
 pub fn forward(values: &mut [f32], side: usize) {
     check(values, side);
     let mut size = side;
@@ -26,13 +26,12 @@ fn check(values: &[f32], side: usize) {
     assert_eq!(values.len(), side * side, "a square of values");
 }
 
-/// Where mean and details of the square at (x, y) of a level lie.
+/// Indices of the mean and details of the square at (x, y) of a level.
 fn quarters(half: usize, x: usize, y: usize) -> [[usize; 2]; 4] {
     [[x, y], [half + x, y], [x, half + y], [half + x, half + y]]
 }
 
-/// One level: `places` says of each square of two by two which four values are read, and where the results go. The matrix is
-/// its own inverse.
+/// One level: `places` returns, for each square of two by two, the indices to read and write. The matrix is its own inverse.
 fn step(
     values: &mut [f32],
     side: usize,
@@ -54,15 +53,15 @@ fn step(
     }
 }
 
-/// What is lost by keeping only the largest coefficients.
+/// Error from keeping only the largest coefficients.
 #[derive(Clone, Debug)]
 pub struct Nonlinear {
-    /// Squared error with the `k` largest coefficients, for each `k`; falls to 0.
+    /// Squared error with the `k` largest coefficients, for each `k`; decreases to 0.
     squared_errors: Vec<f64>,
 }
 
 impl Nonlinear {
-    /// For the coefficients of one function, in any order.
+    /// Prepares the coefficients of one function, in any order.
     pub fn new(coefficients: &[f32]) -> Self {
         let mut squares: Vec<f64> = coefficients.iter().map(|&c| f64::from(c) * f64::from(c)).collect();
         squares.sort_unstable_by(f64::total_cmp);
@@ -82,7 +81,7 @@ impl Nonlinear {
         self.squared_errors.get(terms).copied().unwrap_or(0.0)
     }
 
-    /// Fewest coefficients whose squared error is at most this.
+    /// Fewest coefficients with at most this squared error.
     pub fn terms(&self, squared_error: f64) -> usize {
         self.squared_errors.partition_point(|&error| error > squared_error)
     }
@@ -92,7 +91,7 @@ impl Nonlinear {
 mod tests {
     use super::*;
 
-    /// Replaces coefficients by the values that [`forward`] made them of.
+    /// Inverse of [`forward`].
     fn inverse(coefficients: &mut [f32], side: usize) {
         check(coefficients, side);
         let mut size = 2;

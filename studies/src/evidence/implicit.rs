@@ -17,14 +17,14 @@ use lapidary_core::{
 };
 use lapidary_render::{Baked, Look, PathPicture, PathSettings};
 
-/// What is dragged in the color box.
+/// The dragged object in the color box.
 const SHORT_BLOCK: &str = "Short block";
 const COLOR_BOX: &str = "color-box";
 
-/// Measures all figures. Those of pictures are of the color box, or else of the first scene that has several objects.
+/// Measures all figures. Pictures show the color box, or else the first scene with several objects.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(measurement: &Measurement, cases: &[Case], notebook: &mut Notebook) -> Result<()> {
     measurement.steps.begin("implicit visibility: links");
     links::record(measurement, notebook)?;
@@ -41,16 +41,16 @@ fn dragged(cases: &[Case]) -> Option<(&Case, Dragged)> {
     color_box.chain(cases).find_map(|case| Some((case, Dragged::of(&case.scene)?)))
 }
 
-/// An object that is moved by half its width.
+/// An object dragged by half its width.
 struct Dragged {
     object: u32,
     name: String,
-    /// Along X, in meters.
+    /// Width along X in meters.
     width: f32,
 }
 
 impl Dragged {
-    /// The short block, or else the last object that has a width. `None` for a scene of one object.
+    /// The short block, or else the last object with a width. `None` for a scene with one object.
     fn of(scene: &Scene) -> Option<Self> {
         let objects = Objects::of(scene);
         let width = |object: u32| {
@@ -69,7 +69,7 @@ impl Dragged {
         wide.into_iter().nth(at)
     }
 
-    /// Where it is after a share of its way.
+    /// Pose after a share of the drag.
     fn poses(&self, share: f32) -> Poses {
         let mut poses = Poses::default();
         poses.set(self.object, Pose { translate: Vec3::NEG_X * 0.5 * self.width * share, ..Pose::AS_BAKED });
@@ -78,11 +78,11 @@ impl Dragged {
 }
 
 impl Measurement<'_> {
-    /// Light paths, `spp` a pixel, over the scene of a look as it is posed.
+    /// `spp` light paths per pixel through the posed scene of a look.
     fn posed_paths(&self, baked: &Baked, look: &Look, bounces: u32, spp: u32) -> Result<PathPicture> {
         self.steps.check()?;
         let progress = self.steps.progress("light paths", "passes");
-        let posed = baked.posed(&look.poses).context("the object cannot be posed so")?;
+        let posed = baked.posed(&look.poses).context("the object cannot be posed this way")?;
         let settings = PathSettings { bounces, components: look.components, ..PathSettings::direct(spp) };
         let renderer = Look { poses: Poses::default(), ..look.clone() }.renderer(&posed);
         let picture = renderer.path_picture(&look.view, &look.illumination, &look.lights, settings, &progress);

@@ -1,4 +1,4 @@
-//! Fig. 7: pictures and errors at growing illumination cuts and with lit cuts, of each scene under each kind of light that it has.
+//! Fig. 7: pictures and errors at growing illumination cuts and with lit cuts, for each scene under each kind of light.
 
 use super::{Measurement, cases::Case, notebook::Notebook};
 use crate::{
@@ -12,7 +12,7 @@ use lapidary_render::{Baked, LitScene, Look, Post};
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// Where the light of a picture comes from; as in the paper's table.
+/// Origin of a picture's light, as in the paper's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LightKind {
@@ -29,7 +29,7 @@ pub struct SceneLadder {
     pub light: LightKind,
     /// Its figures.
     pub summary: Summary,
-    /// What the pictures were held against.
+    /// The reference of the pictures.
     pub truth: Truth,
 }
 
@@ -43,12 +43,12 @@ struct Entry<'a> {
 }
 
 impl SceneLadder {
-    /// Whether it is of a case under the environment.
+    /// Whether it belongs to a case under the environment.
     pub fn of_environment_of(&self, case: &Case) -> bool {
         self.is_of(case, LightKind::Environment)
     }
 
-    /// Whether it is of a case under a kind of light.
+    /// Whether it belongs to a case under this kind of light.
     pub fn is_of(&self, case: &Case, light: LightKind) -> bool {
         self.scene == case.name && self.light == light
     }
@@ -56,15 +56,15 @@ impl SceneLadder {
 
 /// A baked case under one kind of light.
 pub struct LitCase {
-    /// Which light.
+    /// Kind of light.
     pub light: LightKind,
-    /// What was baked for it.
+    /// The scene with its bake for this light.
     pub baked: Baked,
-    /// How it is shown.
+    /// The look of its pictures.
     pub look: Look,
 }
 
-/// A case under each kind of light that it has.
+/// A case under each of its kinds of light.
 pub fn lit_cases(measurement: &Measurement, case: &Case, size: [u32; 2]) -> Vec<LitCase> {
     let environment = case.environment.as_ref().map(|bakes| {
         let (baked, look) = (bakes.mixed().clone().into(), measurement.lit_from_afar(bakes.mixed(), size));
@@ -77,10 +77,10 @@ pub fn lit_cases(measurement: &Measurement, case: &Case, size: [u32; 2]) -> Vec<
     environment.into_iter().chain(bounce).collect()
 }
 
-/// Climbs all ladders; each is written when it is done.
+/// Climbs all ladders; each is written when complete.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(measurement: &Measurement, cases: &[Case], notebook: &mut Notebook) -> Result<Vec<SceneLadder>> {
     let mut ladders = Vec::new();
     for case in cases {

@@ -1,4 +1,4 @@
-//! What has been measured so far, as a page and as a file of figures: both are whole after each figure.
+//! Figures measured so far, as a page and as a file of figures; both are complete documents after each figure.
 
 use super::scale::MeasurementScale;
 use crate::{
@@ -17,7 +17,7 @@ pub const PAGE: &str = "evidence.html";
 /// Name of the file of figures.
 pub const FIGURES: &str = "evidence.json";
 
-/// What the figures were made with.
+/// Conditions of the measurements.
 #[derive(Clone, Debug, Serialize)]
 pub struct Head {
     version: &'static str,
@@ -44,14 +44,14 @@ impl Head {
 struct Contents<'a> {
     #[serde(flatten)]
     head: &'a Head,
-    /// Whether all figures are there.
+    /// Whether all figures are present.
     complete: bool,
     /// Wall-clock seconds so far.
     seconds: f64,
     figures: &'a Map<String, Value>,
 }
 
-/// Keeps figures and writes them.
+/// Collects figures and writes them.
 pub struct Notebook<'a> {
     out: &'a Path,
     head: Head,
@@ -62,10 +62,10 @@ pub struct Notebook<'a> {
 }
 
 impl<'a> Notebook<'a> {
-    /// Begins an empty one in a folder; what an earlier one left there is replaced.
+    /// Starts an empty notebook in a folder and replaces an earlier one.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn new(out: &'a Path, head: Head) -> Result<Self> {
         let (figures, sections) = (Map::new(), Vec::new());
         let notebook = Self { out, head, start: Instant::now(), complete: false, figures, sections };
@@ -76,17 +76,17 @@ impl<'a> Notebook<'a> {
     /// Adds a figure: its name in the file of figures, its heading and markup on the page, and its numbers.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn record(&mut self, key: &str, heading: &str, body: Markup, numbers: &impl Serialize) -> Result<()> {
         self.figures.insert(key.into(), serde_json::to_value(numbers)?);
         self.sections.push(section(heading, body));
         self.write()
     }
 
-    /// Says that no figure is missing.
+    /// Marks the notebook as complete.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn finish(&mut self) -> Result<()> {
         self.complete = true;
         self.write()

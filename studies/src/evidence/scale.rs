@@ -1,35 +1,35 @@
-//! How large the measurements are.
+//! Sizes of the measurements.
 
 use serde::Serialize;
 
-/// Sizes of everything that is measured.
+/// Sizes of all measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MeasurementScale {
-    /// Samples of the environment, but where their number is swept.
+    /// Samples of the environment, unless swept.
     pub lights: usize,
     /// Vertex clusters of pilot visibility.
     pub pilot_clusters: usize,
-    /// Most vertices after tessellation, but where they are swept; a mesh that has as many gets a quarter more.
+    /// Most vertices after tessellation, unless swept; a mesh that already has as many gets a quarter more.
     pub max_vertices: usize,
     /// Surface sources of scenes with local lights.
     pub sources: usize,
-    /// Most vertices of scenes with local lights, likewise.
+    /// Most vertices of scenes with local lights; as for `max_vertices`.
     pub bounce_vertices: usize,
-    /// Pictures that are held against references, in pixels.
+    /// Pixels of pictures compared with references.
     pub view: [u32; 2],
-    /// Pictures whose time is taken, in pixels; the paper's are 640 x 480.
+    /// Pixels of timed pictures; the paper's are 640 x 480.
     pub frame: [u32; 2],
-    /// Frames to take the median of.
+    /// Frames in the median.
     pub frames: usize,
     /// Side in texels of the cube map's faces.
     pub cube_side: usize,
-    /// Points whose visibility is approximated by wavelets and cuts.
+    /// Points whose visibility wavelets and cuts approximate.
     pub cube_points: usize,
-    /// Nodes of the illumination cut where other things are swept: many, so that theirs is not the error.
+    /// Nodes of the illumination cut in sweeps of other settings: many, so that their error does not dominate.
     pub sweep_cut: u32,
-    /// Samples a pixel of light paths; even.
+    /// Light paths per pixel; even.
     pub spp: u32,
-    /// Vertex clusters of pilot visibility there: fewer, for each point of a sweep samples its own.
+    /// Vertex clusters of pilot visibility in sweeps: fewer, because each point of a sweep samples its own.
     pub sweep_pilot_clusters: usize,
     /// Weights of the geometric metric.
     pub betas: &'static [f32],
@@ -37,20 +37,20 @@ pub struct MeasurementScale {
     pub sigmas: &'static [f32],
     /// Numbers of light samples.
     pub light_counts: &'static [usize],
-    /// Vertex budgets, as multiples of what the mesh has; 1 leaves it as it is.
+    /// Vertex budgets as multiples of the mesh's vertices; 1 adds none.
     pub vertex_budgets: &'static [f64],
-    /// Squares along the walls of rooms whose links are timed: 6 (side + 1)² vertices.
+    /// Squares along the walls of rooms with timed links: 6 (side + 1)² vertices.
     pub room_sides: &'static [u32],
-    /// The same of the room whose links are held against all pairs.
+    /// Squares along the walls of the room whose links are compared with all pairs.
     pub refined_room_side: u32,
     /// Steps of a drag.
     pub drag_steps: u32,
-    /// Samples a pixel of light paths of posed scenes; even.
+    /// Light paths per pixel in posed scenes; even.
     pub drag_spp: u32,
 }
 
 impl MeasurementScale {
-    /// What the documented figures are made with: some tens of minutes on two cores.
+    /// Scale of the documented figures: some tens of minutes on two cores.
     pub const FULL: &'static Self = &Self {
         lights: 32_768,
         pilot_clusters: 1024,
@@ -75,7 +75,7 @@ impl MeasurementScale {
         drag_spp: 128,
     };
 
-    /// To see that it works.
+    /// Scale of a quick check.
     pub const QUICK: &'static Self = &Self {
         lights: 1024,
         pilot_clusters: 32,
@@ -100,8 +100,7 @@ impl MeasurementScale {
         drag_spp: 16,
     };
 
-    /// The error bound that means as much as sigma 2 at the paper's 32,768 lights: Eq. 5 bounds the number of lights times
-    /// their variance.
+    /// The error bound equivalent to sigma 2 at the paper's 32,768 lights: Eq. 5 bounds the number of lights times their variance.
     pub fn sigma_for(lights: usize) -> f32 {
         2.0 * (lights as f32 / 32_768.0).sqrt()
     }

@@ -1,5 +1,5 @@
-//! Error of the picture against what a bake is set to: the weight of the metrics, the error bound of cuts, the number of lights
-//! and of vertices. Only what the picture shows is baked, and points are traced once for all trees and bounds.
+//! Error of the picture by bake setting: weight of the metrics, error bound of cuts, number of lights, number of vertices. Only
+//! points in the picture are baked, and they are traced once for all trees and bounds.
 
 use super::{
     Measurement,
@@ -32,13 +32,13 @@ use std::sync::Arc;
 /// One point of a sweep.
 #[derive(Serialize)]
 struct Point {
-    /// Of what is swept.
+    /// Value of the swept setting.
     value: f64,
-    /// Against the sweep's reference; with the reference's noise taken off if it has any.
+    /// Error against the sweep's reference, without the reference's noise if it has any.
     rel_rmse: f64,
-    /// Mean over the points that the picture shows.
+    /// Mean over the points in the picture.
     mean_cut: f64,
-    /// Of their stored visibility.
+    /// Error of their stored visibility.
     rms_visibility: f64,
     vertices: usize,
 }
@@ -54,10 +54,10 @@ struct Sweep {
     points: Vec<Point>,
 }
 
-/// Measures all sweeps of one scene; each is written when it is done. `truth` is the picture by all light samples, if known.
+/// Measures all sweeps of one scene; each is written when complete. `truth` is the picture by all light samples, if known.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(
     measurement: &Measurement,
     case: &Case,
@@ -87,7 +87,7 @@ const LIGHTS: &str = "Samples of the environment, each with its own tree, and si
 const VERTICES: &str = "Vertices after tessellation, from the mesh as it is: linear interpolation of visibility needs them where \
                         shadows fall. Each against its own surfaces, for splits also turn the normals between vertices a little.";
 
-/// All light samples on the surfaces of a dataset.
+/// Traces all light samples on the surfaces of a dataset.
 fn traced(measurement: &Measurement, dataset: &Arc<Dataset>) -> Result<Truth> {
     let progress = measurement.steps.progress("reference", "pixels");
     let look = measurement.lit_from_afar(dataset, measurement.scale.view);
@@ -161,7 +161,7 @@ impl Sweeper<'_> {
         })
     }
 
-    /// Datasets with cuts for what the picture shows.
+    /// Datasets with cuts for the points in the picture.
     fn bake(&self, baker: &VariantBaker, lights: usize, variants: &[Variant]) -> Result<Vec<Arc<Dataset>>> {
         let Measurement { scale, steps, .. } = self.measurement;
         let Geometry { scene, intersector, .. } = &baker.geometry;
@@ -172,7 +172,7 @@ impl Sweeper<'_> {
         Ok(made.into_iter().map(Arc::new).collect())
     }
 
-    /// The errors of datasets that differ in one value and have the same surfaces.
+    /// Errors of datasets that differ in one value and have the same surfaces.
     fn points(&self, values: &[f32], datasets: &[Arc<Dataset>]) -> Result<Vec<Point>> {
         let point = |(&value, dataset): (&f32, &Arc<Dataset>)| {
             Ok(Point::new(value.into(), self.picture(dataset, &self.truth)?.1, dataset))
@@ -199,7 +199,7 @@ impl Sweeper<'_> {
     }
 }
 
-/// The tree of this weight: the ends of the range are trees of their own.
+/// The tree with this weight; at the ends of the range it is not mixed.
 fn weighted(beta: f32) -> Variant {
     let tree = match beta {
         0.0 => TreeKind::DataDriven,
@@ -209,7 +209,7 @@ fn weighted(beta: f32) -> Variant {
     Variant { tree, beta, criterion: CutCriterion::default() }
 }
 
-/// Corners of the triangles that a picture with one sample a pixel shows.
+/// Triangle corners in a picture with one sample per pixel.
 fn shown_vertices(scene: &Scene, intersector: &Intersector, view: &View) -> Vec<u32> {
     let [width, height] = view.size;
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));

@@ -1,4 +1,4 @@
-//! Fig. 10: the table of scenes, ours beside the paper's own rows as they are printed there.
+//! Fig. 10: the table of scenes, beside the paper's own rows as printed.
 
 use super::{
     Measurement,
@@ -20,9 +20,9 @@ use lapidary_render::LitScene;
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// Sizes of the illumination cut whose frames are timed, as the paper's.
+/// Sizes of the illumination cut for timed frames, as in the paper.
 const CUT_SIZES: [u32; 3] = [128, 256, 512];
-/// The one whose error and whose gain over brute force stand in the table.
+/// Size used for the error and for the gain over brute force.
 const TYPICAL: u32 = 256;
 
 /// Figures of one scene under one kind of light.
@@ -34,16 +34,16 @@ struct Row {
     triangles: usize,
     /// Directions of the environment, or surface sources.
     lights: usize,
-    /// Absent where only one tree is baked.
+    /// Absent if only one tree is baked.
     geometric: Option<Bake>,
-    /// Over the mixed tree of a bake.
+    /// Bake over the mixed tree.
     data_driven: Bake,
-    /// Share by which the data-driven tree makes cuts smaller, in bytes.
+    /// Relative reduction of cut bytes by the data-driven tree.
     gain_over_geometric: Option<f64>,
     frames: Vec<FrameTimes>,
-    /// Relative RMSE of pictures of the ladder at [`TYPICAL`] nodes.
+    /// Relative RMSE of ladder pictures at [`TYPICAL`] nodes.
     picture_rel_rmse: f64,
-    /// Seconds of the reference over those of the picture, of the same view.
+    /// Seconds of the reference over seconds of the picture, in the same view.
     gain_over_brute_force: f64,
 }
 
@@ -53,7 +53,7 @@ struct Bake {
     precompute_seconds: f64,
     bytes_cuts: u64,
     mean_cut: f64,
-    /// Of visibility, absolute; of the solid angles of sources, relative to their norm.
+    /// Absolute RMS of visibility; for solid angles of sources relative to their norm.
     rms: f64,
 }
 
@@ -92,10 +92,10 @@ fn total_seconds(dataset: &Dataset) -> f64 {
     dataset.report.seconds("total").unwrap_or_default()
 }
 
-/// Times frames and puts the table together.
+/// Times frames and builds the table.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(
     measurement: &Measurement,
     cases: &[Case],
@@ -209,8 +209,8 @@ const HEAD: [&str; 15] = [
     "Over brute force",
 ];
 
-/// Rows of Fig. 10 as printed: scene, vertices, type, precomputation (of the geometric tree for the first three scenes, else of
-/// the data-driven one), storage, mean cut and RMS of both trees, gain, frames a second at 128, 256 and 512.
+/// Rows of Fig. 10 as printed: scene, vertices, type, precomputation (of the geometric tree for the first three scenes, else of the
+/// data-driven one), storage, mean cut and RMS of both trees, gain, frames per second at 128, 256 and 512.
 const PAPER: [[&str; 12]; 6] = [
     ["Hebe", "68K", "Env.", "13 min", "59 MB", "260", "0.074", "45 MB", "200", "0.057", "24 %", "8 / 6.4 / 5"],
     ["Motobike", "112K", "Env.", "40 min", "93 MB", "190", "0.059", "65 MB", "133", "0.051", "30 %", "4 / 3.5 / 2.5"],

@@ -1,8 +1,8 @@
-//! Many bakes of one scene that share what they have in common, to compare trees, bounds and numbers of lights.
+//! Many bakes of one scene that share their common work, to compare trees, bounds and numbers of lights.
 //!
-//! A scene is tessellated once. Every point is traced once for a number of lights, whatever the number of trees and bounds: what
-//! it sees does not depend on how the lights are clustered; only rearranging and selecting are done for each.
-//! Some points alone may be baked, as those that a picture shows.
+//! A scene is tessellated once. Every point is traced once for a number of lights, because its visibility does not depend on the
+//! clustering; only reordering and cut selection differ between variants. A bake may be limited to some points, such as those in a
+//! picture.
 
 mod datasets;
 
@@ -16,7 +16,7 @@ use lapidary_core::{
 use lapidary_precompute::{BakeError, Event, Geometry, Observer, Phase, Stored, tessellation_units};
 use std::time::Instant;
 
-/// A tree and how fine its cuts are.
+/// A tree and the precision of its cuts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variant {
     /// Clustering metric.
@@ -27,7 +27,7 @@ pub struct Variant {
     pub criterion: CutCriterion,
 }
 
-/// A tessellated scene of which variants are baked.
+/// A tessellated scene for baking variants.
 pub struct VariantBaker {
     /// The scene and its bake points.
     pub geometry: Geometry,
@@ -37,7 +37,7 @@ pub struct VariantBaker {
 }
 
 impl VariantBaker {
-    /// Tessellates for distant light within a budget of vertices; `None` leaves the mesh as it is.
+    /// Tessellates for distant light within a budget of vertices; `None` adds no vertices.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
@@ -51,14 +51,14 @@ impl VariantBaker {
         Ok(Self { geometry, hash, max_vertices, tessellate_secs: start.elapsed().as_secs_f64() })
     }
 
-    /// All bake points, or `count` of them evenly through the mesh if there are more.
+    /// All bake points, or `count` of them spread evenly over the mesh if there are more.
     pub fn some_points(&self, count: usize) -> Vec<u32> {
         let all = self.geometry.bake_points();
         let count = count.min(all);
         (0..count).map(|i| ((2 * i + 1) * all / (2 * count)) as u32).collect()
     }
 
-    /// The bake points of these vertices, each once.
+    /// The distinct bake points of these vertices.
     pub fn points_of(&self, vertices: impl IntoIterator<Item = u32>) -> Vec<u32> {
         let mut points: Vec<u32> = vertices.into_iter().map(|vertex| self.geometry.bake_point_of(vertex)).collect();
         points.sort_unstable();
@@ -66,7 +66,7 @@ impl VariantBaker {
         points
     }
 
-    /// What `each` makes of the visibility (0 or 1) of `directions` from each of `points`.
+    /// Applies `each` to the visibility (0 or 1) of `directions` from each of `points`.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].

@@ -1,9 +1,9 @@
-//! Fig. 6a: how many terms wavelets and cuts need for the same visibility at the same total error.
+//! Fig. 6a: terms that wavelets and cuts need for the same visibility at the same total error.
 //!
-//! Both approximate one function, visibility of the texels of a cube map, which the paper's are of as well: 6 x 128 x 128. Haar
-//! wavelets keep the largest coefficients of all faces. A cut needs a complete binary tree, which the faces together have not:
-//! it is a cut of six trees, one over the texels of each face, by the same metrics as the light tree. For each point and sigma
-//! the wavelets get the fewest terms whose squared error, summed over all texels, is that of the cut.
+//! Both approximate one function: visibility of the texels of a cube map, as in the paper: 6 x 128 x 128. Haar wavelets keep the
+//! largest coefficients of all faces. A cut needs a complete binary tree, which six faces do not form: it is a cut of six trees,
+//! one per face, by the same metrics as the light tree. For each point and sigma the wavelets get the fewest terms whose squared
+//! error, summed over all texels, is at most the cut's.
 
 use super::{
     Measurement,
@@ -28,7 +28,7 @@ use lapidary_core::{
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// Clusters of pilot visibility: a quarter of a bake's, for a cube map has three times its directions.
+/// Divisor of a bake's pilot clusters: a cube map has three times as many directions.
 const PILOT_PART: usize = 4;
 
 /// Figures of the comparison.
@@ -56,7 +56,7 @@ struct Matched {
     rms: f64,
     cut_terms: f64,
     wavelet_terms: f64,
-    /// Terms of cuts over those of wavelets, less one.
+    /// Terms of cuts over terms of wavelets, minus one.
     excess: f64,
 }
 
@@ -71,7 +71,7 @@ struct Terms {
 /// Measures the points of a scene.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(measurement: &Measurement, case: &Case, bakes: &Bakes, notebook: &mut Notebook) -> Result<()> {
     let (scale, reporter) = (measurement.scale, &measurement.steps.reporter);
     let side = scale.cube_side;
@@ -107,14 +107,14 @@ fn forest(directions: &[Vec3], pilot: &PilotVisibility, tree: TreeKind, beta: f3
     (0..FACES).map(of_face).collect()
 }
 
-/// What is lost by keeping only the largest coefficients of all faces.
+/// Error from keeping only the largest coefficients of all faces.
 fn wavelets(visible: &[u8], side: usize) -> Nonlinear {
     let mut coefficients: Vec<f32> = visible.iter().map(|&v| f32::from(v) / f32::from(OPEN)).collect();
     coefficients.chunks_mut(side * side).for_each(|face| haar::forward(face, side));
     Nonlinear::new(&coefficients)
 }
 
-/// The cut of a forest, and as good wavelets.
+/// The cut of a forest and equally accurate wavelets.
 fn terms(visible: &[u8], forest: &[Vec<u32>], wavelets: &Nonlinear, sigma: f32) -> Terms {
     let texels = visible.len() / FACES;
     let mut selector = CutSelector::new(texels.ilog2(), CutCriterion { sigma, ..Default::default() });
@@ -125,7 +125,7 @@ fn terms(visible: &[u8], forest: &[Vec<u32>], wavelets: &Nonlinear, sigma: f32) 
         squared_error += selector.select(&leaves, &mut cut);
         nodes += cut.len();
     }
-    // What rounding of the stored means leaves of an exact cut is no error that a coefficient could be spared for.
+    // Rounding of the stored means can leave a tiny error in an exact cut; no coefficient may be saved for it.
     Terms { squared_error, cut: nodes, wavelets: wavelets.terms(squared_error.max(0.0)) }
 }
 
@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(open, Terms { squared_error: 0.0, cut: 6, wavelets: 6 }, "a node and a coefficient a face");
         let half = upper_half();
         let exact = wavelets(&half, SIDE);
-        // The top face is one coefficient, the bottom one none, and each side two: a mean and an edge.
+        // The top face needs one coefficient, the bottom none, and each side two: a mean and an edge.
         assert_eq!(exact.terms(0.0), 1 + 4 * 2);
         let cut = terms(&half, &forest, &exact, 0.0);
         assert!(cut.squared_error < 1e-9 && cut.cut >= 2 + 4 * 2 && cut.wavelets == 9, "{cut:?}");

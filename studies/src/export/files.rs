@@ -1,4 +1,4 @@
-//! Pictures to write: checked before the work, written after it.
+//! Output pictures: checked before the work, written after it.
 
 use crate::export::{LayerKind, LayerList, Studio, Taken, layered, take_layers};
 use anyhow::Result;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Checks that each path names a picture format.
 ///
 /// # Errors
-/// The first path that does not.
+/// The first path that does not name one.
 pub fn check_pictures(paths: &[PathBuf]) -> Result<()> {
     for path in paths {
         if !PictureFormat::of(path).is_some_and(PictureFormat::is_written) {
@@ -31,15 +31,15 @@ pub fn is_exr(path: &Path) -> bool {
     has_extension(path, "exr")
 }
 
-/// Whether a file's name ends in an extension, in letters of any case.
+/// Whether a file name ends in an extension, ignoring case.
 pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// Writes one picture to all paths, with its coverage as alpha channel if there is one.
+/// Writes one picture to all paths, with its coverage as alpha channel if given.
 ///
 /// # Errors
-/// The first path that cannot be written to; a file that was there before is kept then.
+/// The first unwritable path; an existing file there is kept.
 pub fn write_pictures(image: &Image, coverage: Option<&[f32]>, paths: &[PathBuf]) -> Result<()> {
     for path in paths {
         image::write_with(image, coverage, path)?;
@@ -47,15 +47,15 @@ pub fn write_pictures(image: &Image, coverage: Option<&[f32]>, paths: &[PathBuf]
     Ok(())
 }
 
-/// The layers of a look that are asked for; the picture alone if none are.
+/// The requested layers of a look; the picture alone if none are requested.
 ///
 /// # Errors
-/// A part of the light that is not in the picture.
+/// A light component that is not in the picture.
 pub fn wanted_layers(list: Option<&LayerList>, look: &Look) -> Result<Vec<LayerKind>> {
     list.map_or_else(|| Ok(vec![LayerKind::Beauty]), |list| list.of(look))
 }
 
-/// A picture and its layers, to be written.
+/// A picture and its layers, ready to write.
 pub struct Finished {
     /// The picture.
     pub taken: Taken,
@@ -63,7 +63,7 @@ pub struct Finished {
 }
 
 impl Finished {
-    /// Renders them.
+    /// Renders the picture and its layers.
     ///
     /// # Errors
     /// As [`Studio::take`].
@@ -72,11 +72,11 @@ impl Finished {
         Ok(Self { taken, layers })
     }
 
-    /// Writes to each path what its extension asks for: an exr gets all layers and says how it was made, a png is as a display
-    /// shows it, and an hdr is scene-linear. Where nothing lies behind the scene, exr and png have an alpha channel.
+    /// Writes each path by its extension: exr with all layers and metadata, png as displayed, hdr scene-linear. With a transparent
+    /// background, exr and png have an alpha channel.
     ///
     /// # Errors
-    /// The first path that cannot be written to; a file that was there before is kept then.
+    /// The first unwritable path; an existing file there is kept.
     pub fn write(self, look: &Look, dataset: &Dataset, paths: &[PathBuf]) -> Result<()> {
         let Self { taken, layers } = self;
         let transparent = look.view.background == Background::Transparent;
@@ -90,7 +90,7 @@ impl Finished {
         let exr: Vec<&PathBuf> = paths.iter().filter(|path| is_exr(path)).collect();
         let Some((last, others)) = exr.split_last() else { return Ok(()) };
         let image = layered(look, dataset, &taken, layers);
-        // Layers may take much memory: only a second file needs a copy.
+        // Layers may take much memory, so only a second file gets a copy.
         others.iter().try_for_each(|path| image.clone().write(path))?;
         Ok(image.write(last)?)
     }

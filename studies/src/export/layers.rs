@@ -1,4 +1,4 @@
-//! The layers of a picture: its parts by where the light came from, what its surfaces are, and the work that was done.
+//! Layers of a picture: its light by origin, its surface properties, and the work done.
 
 use super::{Studio, Taken};
 use anyhow::{Result, bail};
@@ -11,13 +11,13 @@ use std::{fmt, str::FromStr};
 /// A layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerKind {
-    /// The picture itself, which is the layer that programs show first.
+    /// The picture itself, which other programs show first.
     Beauty,
-    /// Direct light of the environment, and whatever lies behind the scene.
+    /// Direct light of the environment, and the background.
     Environment,
     /// Direct light of local lights.
     Direct,
-    /// All light that bounced.
+    /// All bounced light.
     Indirect,
     /// Shading normals in world space.
     Normal,
@@ -25,7 +25,7 @@ pub enum LayerKind {
     Albedo,
     /// Perceptual roughness.
     Roughness,
-    /// Places in the world in meters.
+    /// World positions in meters.
     Position,
     /// Distance along the optical axis in meters.
     Depth,
@@ -40,7 +40,7 @@ pub enum LayerKind {
 }
 
 impl LayerKind {
-    /// All of them, in the order of files.
+    /// All layers in file order.
     pub const ALL: [Self; 13] = [
         Self::Beauty,
         Self::Environment,
@@ -57,7 +57,7 @@ impl LayerKind {
         Self::BrdfEvaluations,
     ];
 
-    /// Its name, as options have it.
+    /// Name in options.
     pub fn name(self) -> &'static str {
         match self {
             Self::Beauty => "beauty",
@@ -76,12 +76,12 @@ impl LayerKind {
         }
     }
 
-    /// Its name in files: Nuke takes no hyphens.
+    /// Name in files: Nuke does not allow hyphens.
     fn file_name(self) -> String {
         self.name().replace('-', "_")
     }
 
-    /// The part of the light that it shows, if it shows one.
+    /// The light component that it shows, if any.
     fn component(self) -> Option<Components> {
         const NONE: Components = Components { environment: false, direct: false, indirect: false };
         match self {
@@ -92,7 +92,7 @@ impl LayerKind {
         }
     }
 
-    /// The count that it shows, if it shows one.
+    /// The count that it shows, if any.
     fn count(self) -> Option<ViewMode> {
         match self {
             Self::VisibilityNodes => Some(ViewMode::VisibilityCut),
@@ -102,7 +102,7 @@ impl LayerKind {
         }
     }
 
-    /// Whether it is a part of the picture of a look, or no part of any.
+    /// Whether the look's picture contains it; true for layers other than light components.
     fn is_in(self, look: &Look) -> bool {
         let shown = look.components;
         match self {
@@ -114,18 +114,18 @@ impl LayerKind {
     }
 }
 
-/// A flat background is seen whether there is an environment or not.
+/// A flat background shows without an environment too.
 fn has_flat_background(look: &Look) -> bool {
     matches!(look.view.background, Background::Flat(radiance) if radiance != Vec3::ZERO)
 }
 
-/// The layers that are asked for.
+/// The requested layers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum LayerList {
-    /// All that the picture has.
+    /// All layers that the picture has.
     #[default]
     All,
-    /// These.
+    /// These layers.
     These(Vec<LayerKind>),
 }
 
@@ -140,7 +140,7 @@ impl FromStr for LayerList {
             let found = LayerKind::ALL.into_iter().find(|kind| kind.name() == name.trim().replace('_', "-"));
             found.ok_or_else(|| {
                 let known: Vec<&str> = LayerKind::ALL.iter().map(|kind| kind.name()).collect();
-                format!("\"{}\" is no layer; list {}, or all", name.trim(), known.join(", "))
+                format!("\"{}\" is not a layer; list {}, or all", name.trim(), known.join(", "))
             })
         };
         text.split(',').map(kind).collect::<Result<_, _>>().map(Self::These)
@@ -157,7 +157,7 @@ impl fmt::Display for LayerList {
 }
 
 impl LayerList {
-    /// Most layers that there can be beside the picture.
+    /// Most layers possible beside the picture.
     pub fn most(&self) -> usize {
         match self {
             Self::All => LayerKind::ALL.len() - 1,
@@ -165,10 +165,10 @@ impl LayerList {
         }
     }
 
-    /// The layers for the picture of a look, each once, in the order of files, and always the picture itself.
+    /// Layers for the picture of a look, each once in file order, always including the picture.
     ///
     /// # Errors
-    /// A part of the light that is not in the picture.
+    /// A light component that is not in the picture.
     pub fn of(&self, look: &Look) -> Result<Vec<LayerKind>> {
         let wanted = |kind: &LayerKind| match self {
             Self::All => kind.is_in(look),
@@ -187,8 +187,8 @@ impl LayerList {
     }
 }
 
-/// Renders a picture and its layers: the parts of its light and the counts by passes of their own, what its surfaces are by
-/// camera rays. The parts of the light sum to the picture.
+/// Renders a picture and its layers: light components and counts by separate passes, surface properties by camera rays. The light
+/// components sum to the picture.
 ///
 /// # Errors
 /// As [`Studio::take`].
@@ -219,20 +219,20 @@ pub fn take_layers(
     Ok((beauty, layers))
 }
 
-/// One part of the light; what lies behind the scene belongs to that of the environment, so that it is counted once.
+/// One light component; the background belongs to the environment's, so it is counted once.
 fn only(look: &Look, part: Components) -> Look {
     let mut alone = look.clone();
     let shown = look.components;
     alone.components = Components { environment: part.environment && shown.environment, ..part };
     alone.view.hides_background = !part.environment;
     if !look.catches_shadows() && look.view.ground() == Ground::Shadow {
-        // As in the picture, where no environment shines.
+        // As in the picture without an environment.
         alone.view.ground = Ground::On;
     }
     alone
 }
 
-/// The picture, with its coverage as alpha channel where nothing lies behind the scene.
+/// The picture, with its coverage as alpha channel if the background is transparent.
 fn beauty_layer(look: &Look, beauty: &Taken) -> Layer {
     let layer = Layer::color("", &beauty.image);
     if look.view.background == Background::Transparent { layer.with_alpha(&beauty.coverage) } else { layer }

@@ -1,4 +1,4 @@
-//! Materials of a scene for other programs, from the window and the command line alike.
+//! Exports a scene's materials for other programs, from the window and the command line.
 
 use crate::outputs::CommandFiles;
 use anyhow::Result;
@@ -9,10 +9,10 @@ use lapidary_interchange::{
 };
 use std::path::{Path, PathBuf};
 
-/// A file of materials that is to be written.
+/// A file of materials to write.
 #[derive(Clone, Debug)]
 pub struct MaterialExport {
-    /// The file; its ending names the format.
+    /// The file; its extension selects the format.
     pub path: PathBuf,
     /// The surface of a MaterialX document.
     pub surface: Surface,
@@ -21,7 +21,7 @@ pub struct MaterialExport {
 }
 
 impl MaterialExport {
-    /// What it reads and writes beside `files`.
+    /// Adds the files that it reads and writes to `files`.
     #[must_use]
     pub fn files(&self, files: CommandFiles) -> CommandFiles {
         files.reads(&self.original).writes([&self.path]).completes(&pictures_beside(&self.path), ["*"])
@@ -30,14 +30,14 @@ impl MaterialExport {
     /// Writes the materials of a scene.
     ///
     /// # Errors
-    /// A format that is none, an original that cannot be read or holds other materials, or a file that cannot be written.
+    /// An unknown format, an original that cannot be read or has other materials, or an unwritable file.
     pub fn write(&self, scene: &Scene) -> Result<Exported> {
         let options = ExportOptions { surface: self.surface, original: self.original.as_deref() };
         Ok(write_materials(scene, &self.path, &options)?)
     }
 }
 
-/// What was written, in a line.
+/// A one-line summary of the written files.
 pub fn summary(exported: &Exported, path: &Path) -> String {
     let others = exported.files.len().saturating_sub(1);
     format!("{}: {} materials, {others} files beside it", path.display(), exported.materials)

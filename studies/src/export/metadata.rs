@@ -1,4 +1,4 @@
-//! What files say about their picture: everything that it takes to make it again, and what it took.
+//! Metadata of picture files: everything needed to reproduce the picture, and the work done.
 
 use super::Taken;
 use lapidary_core::{
@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 /// The program with its version.
 pub const SOFTWARE: &str = concat!("Lapidary ", env!("CARGO_PKG_VERSION"));
 
-/// Everything that decides a picture but its size, by names that are those of attributes without their prefix.
+/// All settings of a picture except its size, by attribute names without their prefix.
 pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
     let camera = &look.view.camera;
     let lights: Vec<_> = look.lights.iter().filter(|light| light.shines()).collect();
@@ -49,8 +49,8 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
     settings
 }
 
-/// Where objects are by themselves, and the time of the animation that deforms them: nothing if all are as they were. The poses of a
-/// bake are relative to its file, those of a look to the bake.
+/// Poses of objects and the animation time that deforms them; empty if nothing moved. A bake's poses are relative to its file, a
+/// look's poses to the bake.
 fn posed(prefix: &str, poses: &Poses, time: Option<&ClipTime>, scene: &Scene) -> Vec<(String, Value)> {
     let name = |object: u32| scene.objects.get(object as usize).map_or("", |object| &object.name);
     let by_themselves = poses.without_deformed();
@@ -63,12 +63,12 @@ fn posed(prefix: &str, poses: &Poses, time: Option<&ClipTime>, scene: &Scene) ->
     entries.map(|(name, value)| (format!("{prefix}{name}"), value)).collect()
 }
 
-/// A number with the digits that it has as a float of 32 bits, and no more.
+/// A number with the digits of its 32-bit float and no more.
 fn number(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::NAN)
 }
 
-/// A file of layers that says how it was made.
+/// A file of layers with metadata.
 pub fn layered(look: &Look, dataset: &Dataset, taken: &Taken, layers: Vec<Layer>) -> LayeredImage {
     let mut entries = settings(look, dataset);
     entries.append(&mut work(&taken.stats));
@@ -81,7 +81,7 @@ pub fn layered(look: &Look, dataset: &Dataset, taken: &Taken, layers: Vec<Layer>
     LayeredImage { size: look.view.size, layers, metadata }
 }
 
-/// What a picture took.
+/// The work for a picture.
 fn work(stats: &RenderStats) -> Map<String, Value> {
     let entries = [
         ("backend", json!(stats.adapter.as_ref().unwrap_or(&stats.backend))),
@@ -93,7 +93,7 @@ fn work(stats: &RenderStats) -> Map<String, Value> {
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// Three numbers are a vector; what attributes cannot hold is written as JSON.
+/// Writes three numbers as a vector, and other values that attributes cannot hold as JSON.
 fn attribute(value: Value) -> MetaValue {
     match value {
         Value::String(words) => MetaValue::Text(words),

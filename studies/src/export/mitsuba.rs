@@ -1,4 +1,4 @@
-//! A dataset's scene as Mitsuba 3 reads it, so that an independent renderer can make the same picture.
+//! A dataset's scene for Mitsuba 3, so that an independent renderer can render the same picture.
 //!
 //! | file | |
 //! |---|---|
@@ -9,7 +9,7 @@
 //! | `textures/*.exr` | maps of the materials, multiplied by their parameters, linear |
 //! | `environment.exr` | the map on the grid on which Mitsuba interpolates as this program does |
 //!
-//! Each file tells what differs by definition: `bsdf`, `emitters` and `sensor`.
+//! The modules `bsdf`, `emitters` and `sensor` describe the differences by definition.
 
 mod bsdf;
 mod emitters;
@@ -27,27 +27,27 @@ use meshes::Part;
 use std::{collections::BTreeSet, path::Path};
 use textures::TextureFolder;
 
-/// What is written into the folder; `*` stands for any text.
+/// File names in the folder; `*` stands for any text.
 pub const FILES: [&str; 6] =
     ["scene.xml", "materials.xml", "materials-exact.xml", "environment.exr", "meshes/*.ply", "textures/*.exr"];
 
-/// What is exported.
+/// The exported scene.
 pub struct MitsubaScene<'a> {
-    /// Mesh, sides and materials.
+    /// Mesh, sidedness and materials.
     pub dataset: &'a Dataset,
-    /// Camera, picture size, and whether the environment is seen.
+    /// Camera, picture size, and visibility of the environment.
     pub view: &'a View,
     /// The environment, if it gives light.
     pub environment: Option<&'a Illumination>,
-    /// Local lights; dark ones are left out.
+    /// Local lights; dark ones are omitted.
     pub lights: Vec<&'a Light>,
-    /// Whether surfaces shine, of which there are some.
+    /// Whether to export emission of surfaces, if there are emissive surfaces.
     pub emission: bool,
     /// Bounces of light between surfaces before the one toward the eye.
     pub bounces: u32,
 }
 
-/// What was written.
+/// Summary of the export.
 pub struct Exported {
     /// PLY files.
     pub meshes: usize,
@@ -55,15 +55,15 @@ pub struct Exported {
     pub triangles: usize,
     /// Materials in use.
     pub materials: usize,
-    /// What Mitsuba shows otherwise, in sentences.
+    /// Differences in Mitsuba's picture, in sentences.
     pub remarks: Vec<String>,
 }
 
 impl MitsubaScene<'_> {
-    /// Writes everything into `folder`, which is made if it is not there; files of the same names are replaced.
+    /// Writes all files into `folder`, which is created if missing; existing files are replaced.
     ///
     /// # Errors
-    /// A folder or file that cannot be written.
+    /// An unwritable folder or file.
     pub fn write(&self, folder: &Path) -> Result<Exported> {
         for part in ["", "meshes", "textures"] {
             create_folder(&folder.join(part))?;
@@ -85,12 +85,12 @@ impl MitsubaScene<'_> {
         Ok(Exported { meshes: parts.len(), triangles, materials: used.len(), remarks })
     }
 
-    /// Whether any surface lets light through.
+    /// Whether any surface transmits light.
     fn lets_through(&self) -> bool {
         self.dataset.scene.materials.iter().any(bsdf::lets_through)
     }
 
-    /// Whether surfaces of a material send light.
+    /// Whether surfaces of a material emit light.
     fn shines(&self, material: u32) -> bool {
         self.emission && self.dataset.scene.materials[material as usize].shines()
     }

@@ -1,34 +1,34 @@
-//! Takes finished pictures of one scene, one look after another, for files.
+//! Renders finished pictures of one scene for files, look by look.
 
 use crate::{missing_light, sheet::DisplayPicture, terminal::Interrupted};
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
 use lapidary_render::{Backend, Baked, LitScene, Look, RenderStats, SurfaceLayers};
 
-/// A lit scene that pictures are taken of, and what is to be told of them.
+/// A lit scene for pictures, with the remarks about them.
 pub struct Studio {
     scene: LitScene,
-    /// What had to be done to make something fit, and what the light lacks, each once.
+    /// Remarks on adjustments and missing light, each once.
     told: Vec<String>,
-    /// How many of them were handed out.
+    /// Number of remarks already returned.
     handed_out: usize,
 }
 
 /// A finished picture.
 #[derive(Clone, Debug)]
 pub struct Taken {
-    /// Scene-linear radiance, or what the view's mode shows.
+    /// Scene-linear radiance, or the quantity of the view's mode.
     pub image: Image,
-    /// How much of each pixel is covered by surfaces, 0 to 1.
+    /// Surface coverage of each pixel, 0 to 1.
     pub coverage: Vec<f32>,
     /// As a display shows it.
     pub shown: DisplayPicture,
-    /// How it was made.
+    /// Render statistics.
     pub stats: RenderStats,
 }
 
 impl Studio {
-    /// Gives the scene to the renderer; some tenths of a second, and more with surface sources.
+    /// Gives the scene to the renderer; takes some tenths of a second, or more with surface sources.
     ///
     /// # Errors
     /// A dataset larger than the adapter's limits.
@@ -44,7 +44,7 @@ impl Studio {
     /// Renders a picture.
     ///
     /// # Errors
-    /// A lost device, a picture beyond the adapter's limits, or [`Interrupted`] soon after `cancelled` says so.
+    /// A lost device, a picture beyond the adapter's limits, or [`Interrupted`] soon after `cancelled` returns true.
     pub fn take(&mut self, look: &Look, cancelled: &dyn Fn() -> bool) -> Result<Taken> {
         let picture = self.scene.show(look, &mut || !cancelled())?;
         self.tell();
@@ -53,12 +53,12 @@ impl Studio {
         Ok(Taken { image: picture.image, coverage: picture.coverage, shown, stats: picture.stats })
     }
 
-    /// What the surfaces of a look are, without light.
+    /// Surface properties in a look, without light.
     pub fn surfaces(&self, look: &Look) -> SurfaceLayers {
         self.scene.surfaces(look)
     }
 
-    /// What is to be told since the last call, in sentences; none is told twice.
+    /// New remarks since the last call, in sentences; each appears once.
     pub fn remarks(&mut self) -> Vec<String> {
         let new = self.told[self.handed_out..].to_vec();
         self.handed_out = self.told.len();

@@ -1,5 +1,5 @@
-//! Bakes on a worker: progress, cancellation, resuming from a checkpoint, and a draft to show meanwhile. Commands bake on
-//! their own thread instead; both give the same [`BakeJob`] to [`bake`].
+//! Bakes on a worker: progress, cancellation, resuming from a checkpoint, and a draft shown meanwhile. Commands bake on their own
+//! thread; both give the same [`BakeJob`] to [`bake`].
 
 mod draft;
 mod pace;
@@ -28,42 +28,42 @@ use std::{
 };
 use tempfile::TempDir;
 
-/// A bake that is asked for.
+/// A requested bake.
 #[derive(Clone, Debug)]
 pub struct BakeTask {
-    /// As imported. Copied by the thread that bakes, not by the window's.
+    /// The imported scene. The baking thread copies it, not the window's thread.
     pub scene: Arc<Scene>,
-    /// Settings and where the dataset goes.
+    /// Settings and output path.
     pub job: BakeJob,
-    /// Bakes a draft first, unless the job is one or goes on from a checkpoint.
+    /// Bakes a draft first, unless the job is a draft or resumes from a checkpoint.
     pub progressive: bool,
-    /// Begins afresh if the checkpoint to go on from is of another scene or other settings.
+    /// Starts afresh if the checkpoint has another scene or other settings.
     pub or_afresh: bool,
-    /// Held while it works: a cancelled bake ends before the next begins, which may write the same files.
+    /// Held during work: a cancelled bake ends before the next begins, which may write the same files.
     pub turn: Arc<Mutex<()>>,
-    /// Folder in which the draft is written and removed again.
+    /// Folder in which the draft is written and then removed.
     pub cache: PathBuf,
-    /// What the user calls a setting.
+    /// User-visible name of a setting.
     pub name_of: fn(Setting) -> &'static str,
 }
 
-/// How far a bake is.
+/// Progress of a bake.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BakeProgress {
-    /// Whether it is at the draft.
+    /// Whether the draft is baking.
     pub draft: bool,
-    /// The phase, once there is one.
+    /// The current phase, once started.
     pub phase: Option<Phase>,
     /// The unit of `done` and `total`.
     pub unit: &'static str,
-    /// Units that are complete.
+    /// Completed units.
     pub done: u64,
-    /// All units of the phase, 0 if unknown.
+    /// Total units of the phase, 0 if unknown.
     pub total: u64,
 }
 
 impl BakeProgress {
-    /// Share of the phase that is complete, if its length is known.
+    /// Completed share of the phase, if its length is known.
     pub fn fraction(&self) -> Option<f32> {
         (self.total > 0).then(|| (self.done as f64 / self.total as f64).min(1.0) as f32)
     }
@@ -74,17 +74,17 @@ impl BakeProgress {
 pub enum BakeMessage {
     /// Something was repaired or left out.
     Warning(String),
-    /// A first dataset to look at.
+    /// A first dataset to show.
     Draft(Baked),
-    /// The dataset, which was also written.
+    /// The dataset, already written.
     Done(Baked),
     /// It was cancelled; its checkpoint stays.
     Cancelled,
-    /// Why there is no dataset.
+    /// Reason why there is no dataset.
     Failed(String),
 }
 
-/// A bake at work. Dropping it cancels.
+/// A running bake. Dropping it cancels.
 pub struct BakeRun {
     messages: Receiver<BakeMessage>,
     progress: Arc<Mutex<BakeProgress>>,
@@ -128,22 +128,22 @@ impl BakeRun {
         self.messages.try_iter().collect()
     }
 
-    /// How far it is.
+    /// Current progress.
     pub fn progress(&self) -> BakeProgress {
         *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes it wait, or go on.
+    /// Pauses or resumes it.
     pub fn hold(&self, hold: bool) {
         self.door.hold(hold);
     }
 
-    /// Seconds since it began.
+    /// Seconds since the start.
     pub fn elapsed_secs(&self) -> f64 {
         self.since.elapsed().as_secs_f64()
     }
 
-    /// Seconds that the present phase will still take, if that is known.
+    /// Estimated seconds left in the phase, if known.
     pub fn left_secs(&self) -> Option<f64> {
         let BakeProgress { done, total, .. } = self.progress();
         self.pace.left(done, total)
@@ -154,7 +154,7 @@ impl BakeRun {
         self.cancel.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it was asked to stop, and may not have noticed yet.
+    /// Whether a stop was requested; it may still be running.
     pub fn is_cancelling(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }
@@ -166,7 +166,7 @@ impl Drop for BakeRun {
     }
 }
 
-/// Tells the window what the bake says.
+/// Sends the bake's messages to the window.
 #[derive(Clone)]
 struct Teller {
     sender: Sender<BakeMessage>,
@@ -182,12 +182,12 @@ struct Teller {
 
 impl Teller {
     fn tell(&self, message: BakeMessage) {
-        // Nobody is left to tell if the window is gone.
+        // The receiver is gone if the window is closed.
         let _ = self.sender.send(message);
         (self.wake)();
     }
 
-    /// Shows progress. A window that is drawn for each point takes a core.
+    /// Shows progress, but rarely: redrawing the window for each point takes a core.
     fn wake_now_and_then(&self) {
         const BETWEEN: Duration = Duration::from_millis(250);
         let mut woken = self.woken.lock().unwrap_or_else(PoisonError::into_inner);
@@ -232,12 +232,12 @@ impl Observer for Teller {
     }
 }
 
-/// The draft, if one is wanted, and then the bake itself.
+/// Bakes the draft, if wanted, and then the dataset.
 fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
-    // A bake that failed badly has left its turn as well.
+    // A panicked bake has released its turn too.
     let turn = task.turn.clone();
     let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
-    // All of them: the picture comes first.
+    // Use all cores: the picture has priority.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let draft_settings = first_draft(&task.job.settings, task.scene.mesh.positions.len());
     if task.progressive && !task.job.resume && *task.job.settings != draft_settings {
@@ -273,7 +273,7 @@ fn bake_whole(task: BakeTask, teller: &Teller) -> Result<Dataset, BakeError> {
     }
 }
 
-/// A folder in the cache for the draft, which is removed with all it holds. Its name is random, and nothing was there.
+/// A folder in the cache for the draft, removed with its contents. Its name is random and new.
 fn scratch(cache: &Path) -> Result<TempDir, OutputError> {
     let made =
         std::fs::create_dir_all(cache).and_then(|()| tempfile::Builder::new().prefix("draft-").tempdir_in(cache));

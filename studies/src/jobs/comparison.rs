@@ -1,5 +1,5 @@
-//! The thread that makes what the live picture is compared with: the same picture with cuts in the reference's size, and then
-//! the reference, better and better. Whatever the picture depends on begins it anew; exposure does not.
+//! The thread that renders the comparison for the live picture: the same picture with cuts at the reference's size, then an
+//! improving reference. Any change of the picture's inputs restarts it; exposure does not.
 
 mod control;
 mod worker;
@@ -16,42 +16,42 @@ use std::{
     },
 };
 
-/// What is taken for the truth.
+/// Kind of reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReferenceKind {
-    /// All light samples, with visibility traced at the pixel: shows what the cuts lose.
+    /// All light samples, with visibility traced at the pixel: shows the error of the cuts.
     Samples,
-    /// Light paths: the whole error, and some noise.
+    /// Light paths: show the whole error, with some noise.
     Paths {
-        /// Paths a pixel.
+        /// Paths per pixel.
         spp: u32,
     },
     /// A picture of another renderer.
     File(PathBuf),
 }
 
-/// What is to be compared.
+/// A requested comparison.
 #[derive(Clone, Debug)]
 pub struct ComparisonRequest {
-    /// The scene of the live picture; `None` while nothing is open.
+    /// The scene of the live picture; `None` if none is open.
     pub baked: Option<Baked>,
-    /// The look of the live picture, in its size.
+    /// The look of the live picture, at its size.
     pub look: Look,
-    /// With what.
+    /// Kind of reference.
     pub kind: ReferenceKind,
-    /// The comparison has one pixel for so many of the live picture along each axis; a file has its own size.
+    /// Live pixels per comparison pixel along each axis; a file keeps its own size.
     pub scale: u32,
-    /// The only part that is traced, in pixels of the comparison.
+    /// The only region to trace, in comparison pixels.
     pub region: Option<Region>,
 }
 
 impl ComparisonRequest {
-    /// Width and height of the comparison in pixels, unless it is with a file.
+    /// Width and height of the comparison in pixels, except with a file.
     pub fn size(&self) -> [u32; 2] {
         self.look.view.size.map(|side| side.div_ceil(self.scale.max(1)))
     }
 
-    /// Whether pictures made for `other` are those of `self`.
+    /// Whether pictures made for `other` are valid for `self`.
     fn is_same(&self, other: &Self) -> bool {
         self.kind == other.kind
             && self.scale == other.scale
@@ -66,46 +66,45 @@ impl ComparisonRequest {
 pub struct TestPicture {
     /// Scene-linear.
     pub image: Image,
-    /// How much of each pixel is covered by surfaces, 0 to 1.
+    /// Surface coverage of each pixel, 0 to 1.
     pub coverage: Vec<f32>,
-    /// Luminance of the error that is expected of the environment's light, where it is gathered by cuts
-    /// ([`lapidary_render::PredictedError::expected`]).
+    /// Expected luminance error of the environment's light, if cuts gather it ([`lapidary_render::PredictedError::expected`]).
     pub predicted: Option<Image>,
-    /// Work done for it.
+    /// Work for the picture.
     pub stats: PictureStats,
     /// Milliseconds of rendering.
     pub millis: f64,
 }
 
-/// The reference as far as it is.
+/// The reference so far.
 #[derive(Clone, Debug)]
 pub struct ReferencePicture {
     /// Scene-linear.
     pub image: Arc<Image>,
     /// See [`lapidary_render::Preview::step`].
     pub step: u32,
-    /// Relative RMSE by noise, where it is known.
+    /// Relative RMSE by noise, if known.
     pub noise: Option<f64>,
-    /// Whether it gets no better.
+    /// Whether it is final.
     pub finished: bool,
     /// Seconds of tracing.
     pub seconds: f64,
 }
 
-/// What has happened.
+/// An event of the comparison.
 #[derive(Clone, Debug)]
 pub enum ComparisonEvent {
-    /// The picture with cuts is there.
+    /// The picture with cuts is ready.
     Test(Arc<TestPicture>),
-    /// The reference, or a better one.
+    /// The reference, or an improved one.
     Reference(ReferencePicture),
-    /// There is no comparison, and why.
+    /// The reason why there is no comparison.
     Failed(String),
-    /// What had to be done to make something fit.
+    /// An adjustment made to fit limits.
     Remark(String),
 }
 
-/// The window's end of the thread.
+/// The window's handle of the thread.
 pub struct ComparisonThread {
     requests: Option<Sender<(u64, Box<ComparisonRequest>)>>,
     events: Receiver<(u64, ComparisonEvent)>,
@@ -114,7 +113,7 @@ pub struct ComparisonThread {
 }
 
 impl ComparisonThread {
-    /// Starts the thread. Its renderer is made when there is something to compare.
+    /// Starts the thread. Its renderer is created at the first comparison.
     pub fn start(factory: BackendFactory, wake: Wake) -> Self {
         let (requests, inbox) = channel();
         let (sender, events) = channel();
@@ -125,7 +124,7 @@ impl ComparisonThread {
         Self { requests: Some(requests), events, control, last: None }
     }
 
-    /// Asks for a comparison. Returns whether one begins: it is another than before.
+    /// Requests a comparison. Returns whether a new one starts.
     pub fn request(&mut self, request: ComparisonRequest) -> bool {
         if self.is_current(&request) {
             return false;
@@ -134,49 +133,49 @@ impl ComparisonThread {
         self.last = Some(request.clone());
         let number = self.control.begin();
         if let Some(requests) = &self.requests {
-            // The thread only ends when it is told to.
+            // The thread only ends with this handle.
             let _ = requests.send((number, request));
         }
         true
     }
 
-    /// Whether a request would begin nothing.
+    /// Whether a request equals the current comparison.
     pub fn is_current(&self, request: &ComparisonRequest) -> bool {
         self.last.as_ref().is_some_and(|last| request.is_same(last))
     }
 
-    /// Gives up what is being traced. The next request begins anew.
+    /// Abandons the current tracing. The next request starts anew.
     pub fn stop(&mut self) {
         self.last = None;
         self.control.begin();
     }
 
-    /// Stops for a while, within a pass, or goes on.
+    /// Pauses, even within a pass, or resumes.
     pub fn pause(&self, paused: bool) {
         self.control.pause(paused);
     }
 
-    /// Whether it was told to pause.
+    /// Whether it is paused.
     pub fn is_paused(&self) -> bool {
         self.control.is_paused()
     }
 
-    /// Gives the cores to other work, within a pass, or goes on.
+    /// Yields the cores to other work, even within a pass, or resumes.
     pub fn hold(&self, held: bool) {
         self.control.hold(held);
     }
 
-    /// Whether it gives the cores to other work.
+    /// Whether it yields the cores.
     pub fn is_held(&self) -> bool {
         self.control.is_held()
     }
 
-    /// Share of the reference that is done, 0 to 1.
+    /// Completed share of the reference, 0 to 1.
     pub fn progress(&self) -> f32 {
         self.control.progress()
     }
 
-    /// What happened since the last call to what was asked for last.
+    /// New events of the latest request since the last call.
     pub fn events(&mut self) -> Vec<ComparisonEvent> {
         let wanted = self.control.wanted();
         self.events.try_iter().filter(|(number, _)| *number == wanted).map(|(_, event)| event).collect()

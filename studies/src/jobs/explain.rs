@@ -1,4 +1,4 @@
-//! Explains pixels of the live picture, and splits its error by causes, on threads of their own.
+//! Explains pixels of the live picture and splits its error by cause, on their own threads.
 
 use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use anyhow::Result;
@@ -12,17 +12,17 @@ use std::sync::{
 
 /// Width in pixels of the map of directions.
 const MAP_WIDTH: u32 = 512;
-/// Light paths a pixel, rounded up to whole sets of the pixel's samples.
+/// Light paths per pixel, rounded up to whole patterns of the pixel's samples.
 const SPLIT_SPP: u32 = 256;
 
-/// A picture whose pixels are explained.
+/// A picture to explain.
 #[derive(Clone)]
 pub struct ExplainedPicture {
     /// The scene.
     pub baked: Baked,
-    /// What decides the picture.
+    /// The look of the picture.
     pub look: Look,
-    /// The light whose cuts are explained, as the picture has it.
+    /// The light to explain, as in the picture.
     pub gathered: GatheredLight,
 }
 
@@ -53,7 +53,7 @@ impl ExplainedPicture {
     }
 }
 
-/// A pixel that was explained.
+/// Explanation of a pixel.
 pub struct ExplainedPixel {
     /// Its cuts and nodes.
     pub explanation: PixelExplanation,
@@ -61,7 +61,7 @@ pub struct ExplainedPixel {
     pub map: Arc<CutMap>,
 }
 
-/// Work on its way; dropping it cancels.
+/// A running job; dropping it cancels.
 pub struct ExplainJob<T> {
     answer: Receiver<Result<T, String>>,
     progress: Arc<SharedProgress>,
@@ -87,7 +87,7 @@ impl<T: Send + 'static> ExplainJob<T> {
         let progress = Arc::new(SharedProgress::new(wake));
         let theirs = progress.clone();
         spawn("explain", move || {
-            // Nobody is left to tell if the window is gone.
+            // The receiver is gone if the window is closed.
             let _ = sender.send(guarded("the explanation", || work(&theirs)));
             theirs.wake();
         });
@@ -99,7 +99,7 @@ impl<T: Send + 'static> ExplainJob<T> {
         self.answer.try_recv().ok()
     }
 
-    /// Share that is done, 0 to 1.
+    /// Completed share, 0 to 1.
     pub fn progress(&self) -> f32 {
         self.progress.share()
     }

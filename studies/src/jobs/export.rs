@@ -1,4 +1,4 @@
-//! Exports on a worker with a renderer of its own: sequences and layered pictures, with progress and cancelling.
+//! Exports on a worker with its own renderer: sequences and layered pictures, with progress and cancellation.
 
 use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use crate::{
@@ -19,38 +19,38 @@ use std::{
 
 /// What to export.
 pub enum ExportTask {
-    /// An image sequence that was prepared.
+    /// A prepared image sequence.
     Sequence {
-        /// What it is.
+        /// The sequence.
         task: SequenceTask,
-        /// What [`SequenceTask::prepare`] gave.
+        /// Result of [`SequenceTask::prepare`].
         prepared: Prepared,
     },
     /// A picture with its layers.
     Layers {
-        /// What decides it.
+        /// The look of the picture.
         look: Box<Look>,
-        /// Which layers.
+        /// Layers to write.
         layers: Vec<LayerKind>,
         /// The exr file.
         path: PathBuf,
     },
 }
 
-/// What happened in an export. The last three end it.
+/// An event of an export. The last three end it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ExportMessage {
-    /// What had to be done to make something fit.
+    /// An adjustment made to fit limits.
     Remark(String),
-    /// All was written, in words.
+    /// Summary of a finished export.
     Done(String),
-    /// It was cancelled; what is there, in words.
+    /// Summary of a cancelled export.
     Cancelled(String),
-    /// Why it ended.
+    /// Reason for a failure.
     Failed(String),
 }
 
-/// An export at work. Dropping it cancels.
+/// A running export. Dropping it cancels.
 pub struct ExportRun {
     messages: Receiver<ExportMessage>,
     progress: Arc<SharedProgress>,
@@ -64,19 +64,19 @@ impl ExportRun {
         let theirs = progress.clone();
         spawn("export", move || {
             let end = guarded("the export", || run(task, baked, &factory, &theirs, &sender));
-            // Nobody is left to tell if the window is gone.
+            // The receiver is gone if the window is closed.
             let _ = sender.send(end.unwrap_or_else(ExportMessage::Failed));
             theirs.wake();
         });
         Self { messages, progress }
     }
 
-    /// What happened since the last call.
+    /// Messages since the last call.
     pub fn messages(&mut self) -> Vec<ExportMessage> {
         self.messages.try_iter().collect()
     }
 
-    /// Pictures that are done, and all of them; 0 before it is known.
+    /// Completed and total pictures; 0 while unknown.
     pub fn progress(&self) -> (u64, u64) {
         self.progress.counts()
     }

@@ -1,35 +1,35 @@
-//! Work that is a guest beside the picture: it runs at a low priority, and waits while something is dragged.
+//! Background work beside the picture: it runs at low priority and waits during drags.
 
 use std::{
     sync::{Arc, Condvar, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
-/// Priority of guests, from -20 to 19: two of them take 2 % of the core that a picture is rendered on.
+/// Nice value, from -20 to 19: two such threads take 2 % of the core that renders a picture.
 #[cfg(target_os = "linux")]
 const NICE: i32 = 19;
 
-/// Gives this thread, and all that it starts, a low priority. Where that cannot be done it stays as it is.
+/// Lowers the priority of this thread and its children, if the system allows it.
 pub fn lower_priority() {
-    // Linux counts threads as processes here.
+    // Linux sets priority per thread.
     #[cfg(target_os = "linux")]
     let _ = rustix::process::setpriority_process(None, NICE);
 }
 
-/// A door that work passes often, and at which it waits while the door is held.
+/// A checkpoint that work passes often; while held, work waits there.
 #[derive(Clone, Default)]
 pub struct Door(Arc<(Mutex<State>, Condvar)>);
 
 #[derive(Default)]
 struct State {
-    /// Since when it is held.
+    /// Start of the current hold.
     held: Option<Instant>,
-    /// How long it was held before.
+    /// Duration of earlier holds.
     waited: Duration,
 }
 
 impl Door {
-    /// Holds it, or lets all go on.
+    /// Holds or releases the door.
     pub fn hold(&self, hold: bool) {
         let (state, changed) = &*self.0;
         let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -43,7 +43,7 @@ impl Door {
         changed.notify_all();
     }
 
-    /// Waits while it is held, and `go_on` does not say otherwise.
+    /// Waits while it is held and `go_on` returns true.
     pub fn pass(&self, go_on: impl Fn() -> bool) {
         const LOOK: Duration = Duration::from_millis(50);
         let (state, changed) = &*self.0;
@@ -53,7 +53,7 @@ impl Door {
         }
     }
 
-    /// How long it has been held in all.
+    /// Total time it has been held.
     pub fn waited(&self) -> Duration {
         let state = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
         state.waited + state.held.map_or(Duration::ZERO, |since| since.elapsed())

@@ -1,4 +1,4 @@
-//! The ladder of cut sizes of the live picture, climbed on a thread of its own.
+//! The ladder of cut sizes for the live picture, on its own thread.
 
 use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use crate::{
@@ -18,22 +18,22 @@ use std::{
     thread::available_parallelism,
 };
 
-/// Seconds that the reference should take at most.
+/// Target limit of the reference's duration in seconds.
 const PATIENCE_SECS: f64 = 30.0;
-/// Rays that a core traces in a second, measured in scenes of a hundred thousand triangles.
+/// Rays per second of one core, measured in scenes of a hundred thousand triangles.
 const RAYS_A_SECOND: f64 = 4e6;
-/// Longest side of the pictures in pixels, however few lights there are.
+/// Longest side of the pictures in pixels, even with few lights.
 const LONGEST_SIDE: f64 = 480.0;
 
-/// How often each picture is rendered: whatever else was at work has a moment to come to rest.
+/// Renderings per picture; the median ignores brief load from other work.
 const FRAMES: usize = 3;
 
-/// What has been found.
+/// A result of the ladder.
 #[derive(Debug)]
 pub enum LadderEvent {
     /// A picture; its error is not known yet.
     Picture {
-        /// What was merged.
+        /// The merged cuts.
         cuts: Cuts,
         /// As a display shows it.
         shown: DisplayPicture,
@@ -44,23 +44,23 @@ pub enum LadderEvent {
         shown: DisplayPicture,
         /// Seconds of tracing.
         seconds: f64,
-        /// What was traced.
+        /// Description of the traced light.
         what: String,
     },
-    /// A picture's figures. They come again as more of the reference is traced, and are final after [`Self::Truth`].
+    /// A picture's figures. They improve as more of the reference is traced, and are final after [`Self::Truth`].
     Step(StepFigures),
-    /// There is nothing more, but for a reason if it failed.
+    /// The end, with a reason if it failed.
     Ended(Result<(), String>),
 }
 
 /// Figures of one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct StepFigures {
-    /// What was merged.
+    /// The merged cuts.
     pub cuts: Cuts,
-    /// Seconds of the picture.
+    /// Render time in seconds.
     pub seconds: f64,
-    /// Nodes of the merged cut a pixel.
+    /// Mean nodes of the merged cut per pixel.
     pub mean_merged_nodes: f64,
     /// Differences from the reference.
     pub metrics: Metrics,
@@ -73,14 +73,14 @@ impl StepFigures {
     }
 }
 
-/// The window's end of the thread, which ends with it.
+/// The window's handle of the thread; dropping it ends the thread.
 pub struct LadderJob {
     events: Receiver<LadderEvent>,
     progress: Arc<SharedProgress>,
 }
 
 impl LadderJob {
-    /// Climbs the sizes, and lit cuts, for the look of the live picture, in a size of its own.
+    /// Renders all sizes, and lit cuts, for the look of the live picture at a size of its own.
     pub fn start(factory: BackendFactory, baked: Option<Baked>, look: Look, wake: Wake) -> Self {
         let (sender, events) = channel();
         let progress = Arc::new(SharedProgress::new(wake));
@@ -92,12 +92,12 @@ impl LadderJob {
         Self { events, progress }
     }
 
-    /// What was found since the last call.
+    /// Results since the last call.
     pub fn events(&self) -> Vec<LadderEvent> {
         self.events.try_iter().collect()
     }
 
-    /// Share of the reference that is traced.
+    /// Traced share of the reference.
     pub fn progress(&self) -> f32 {
         self.progress.share()
     }
@@ -110,7 +110,7 @@ impl Drop for LadderJob {
 }
 
 fn tell(sender: &Sender<LadderEvent>, progress: &SharedProgress, event: LadderEvent) {
-    // Nobody is left to tell if the window is gone.
+    // The receiver is gone if the window is closed.
     let _ = sender.send(event);
     progress.wake();
 }
@@ -138,8 +138,8 @@ fn climbed(
     Ok(())
 }
 
-/// Measures the pictures by what of the reference is traced: every fourth pixel along each axis is there after a sixteenth of
-/// the time, and says nearly as much.
+/// Measures the pictures against the partial reference: every fourth pixel along each axis is ready after a sixteenth of the time,
+/// and gives nearly the same figures.
 struct Climbing<'a> {
     progress: &'a SharedProgress,
     sender: &'a Sender<LadderEvent>,
@@ -153,12 +153,12 @@ impl Progress for Climbing<'_> {
 
     fn preview(&self, preview: &Preview) {
         if preview.step == 1 {
-            // All of it is compared as soon as the reference is known to be whole.
+            // The complete reference is compared at the end.
             return;
         }
         let traced = preview.image.every(preview.step);
         for rung in locked(&self.rungs).iter() {
-            // Pictures that cannot be compared are an error of the ladder's end.
+            // Pictures that cannot be compared cause an error at the end.
             if let Ok(metrics) = compare(&rung.image.every(preview.step), &traced) {
                 tell(self.sender, self.progress, LadderEvent::Step(StepFigures::new(rung, metrics)));
             }
@@ -192,7 +192,7 @@ fn event_of(found: Found, post: &Post) -> LadderEvent {
     }
 }
 
-/// The live picture in a size whose reference takes no longer than anyone waits.
+/// The live picture's look at a size whose reference traces within [`PATIENCE_SECS`].
 fn affordable_look(baked: &Baked, look: &Look) -> Look {
     let sources = baked.dataset.indirect.as_ref().filter(|_| look.components.indirect);
     let lights = baked.dataset.tree.len() + sources.map_or(0, |indirect| indirect.sources.len());
@@ -203,7 +203,7 @@ fn affordable_look(baked: &Baked, look: &Look) -> Look {
     Look { view, ..look.clone() }
 }
 
-/// `size`, smaller if a ray from each pixel to each light would take too long.
+/// `size`, reduced if a ray from each pixel to each light would take too long.
 fn affordable(size: [u32; 2], lights: usize, cores: usize) -> [u32; 2] {
     let [width, height] = size.map(f64::from);
     let pixels = PATIENCE_SECS * RAYS_A_SECOND * cores as f64 / lights.max(1) as f64;

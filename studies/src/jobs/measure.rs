@@ -1,5 +1,5 @@
-//! The thread that measures what the picture with cuts differs from the reference by, and makes what is shown of it: the
-//! reference as a display shows it, metrics, the map of errors and their histogram. The latest request wins.
+//! The thread that measures the difference of the picture with cuts from the reference and prepares its display: the displayed
+//! reference, metrics, the error map and its histogram. The latest request wins.
 
 use super::{
     Wake,
@@ -22,36 +22,36 @@ use std::sync::{
     mpsc::{Receiver, Sender, channel},
 };
 
-/// Two pictures, and what is wanted of them.
+/// Two pictures to measure, and options.
 #[derive(Clone, Debug)]
 pub struct MeasureRequest {
     /// The picture with cuts.
     pub test: Arc<TestPicture>,
-    /// The truth.
+    /// The reference.
     pub reference: ReferencePicture,
-    /// Pixels without surfaces count as equal, so that no background hides an error.
+    /// Treats pixels without surfaces as equal, so that no background hides an error.
     pub surfaces_only: bool,
-    /// The only part that is measured, in pixels of the comparison.
+    /// The only region to measure, in comparison pixels.
     pub region: Option<Region>,
-    /// Which error is mapped.
+    /// Error to map.
     pub map: ShownMap,
-    /// The error at the end of the map's colors, if it is not to be found.
+    /// The error at the end of the map's colors; `None` to find it.
     pub top: Option<f32>,
-    /// How the reference is shown.
+    /// Display settings of the reference.
     pub post: Post,
 }
 
-/// What a map shows.
+/// Quantity of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShownMap {
-    /// How far the picture is from the reference.
+    /// The picture's difference from the reference.
     Error(ErrorMap),
-    /// How far it is expected to be, by the variances of what its clusters average.
+    /// Its predicted error, from the variances within its clusters.
     Predicted,
 }
 
 impl ShownMap {
-    /// All of them, in the order of menus.
+    /// All maps in menu order.
     pub const ALL: [Self; 5] = [
         Self::Error(ErrorMap::Relative),
         Self::Error(ErrorMap::Absolute),
@@ -60,7 +60,7 @@ impl ShownMap {
         Self::Predicted,
     ];
 
-    /// Name for people.
+    /// Display name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Error(map) => map.title(),
@@ -69,37 +69,37 @@ impl ShownMap {
     }
 }
 
-/// What the pictures differ by.
+/// Measured differences.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// Of the pixels that are traced and, if so wanted, inside the region.
+    /// Metrics of the traced pixels, inside the region if given.
     pub metrics: Metrics,
-    /// Error of each of them.
+    /// Error of each of these pixels.
     pub field: ErrorField,
-    /// The errors in colors.
+    /// The errors as colors.
     pub map: DisplayPicture,
-    /// What of the picture the map shows, as shares of its width and height: left, top, right, bottom.
+    /// Part of the picture in the map, as shares of its width and height: left, top, right, bottom.
     pub part: [f32; 4],
-    /// Relative RMSE of the reference by its own noise, of the same pixels.
+    /// Relative RMSE of the reference by its own noise, over the same pixels.
     pub noise: Option<f64>,
-    /// The reference that was measured.
+    /// The measured reference.
     pub reference: ReferencePicture,
-    /// The picture that was measured.
+    /// The measured picture.
     pub test: Arc<TestPicture>,
 }
 
-/// What has been made.
+/// A result of the thread.
 #[derive(Debug)]
 pub enum MeasureEvent {
-    /// The reference as a display shows it.
+    /// The reference as displayed.
     Shown(DisplayPicture),
-    /// What it is measured by.
+    /// The measurement.
     Measured(Box<Measured>),
-    /// The pictures cannot be compared, and why.
+    /// Reason why the pictures cannot be compared.
     Failed(String),
 }
 
-/// The window's end of the thread.
+/// The window's handle of the thread.
 pub struct MeasureThread {
     requests: Sender<(u64, MeasureRequest)>,
     events: Receiver<(u64, MeasureEvent)>,
@@ -114,7 +114,7 @@ impl MeasureThread {
             while let Ok(first) = inbox.recv() {
                 let (number, request) = inbox.try_iter().last().unwrap_or(first);
                 let tell = |event| {
-                    // Nobody is left to tell if the window is gone.
+                    // The receiver is gone if the window is closed.
                     let _ = outbox.send((number, event));
                     wake();
                 };
@@ -129,13 +129,13 @@ impl MeasureThread {
         Self { requests, events }
     }
 
-    /// Asks for the measures of two pictures, which come with the number.
+    /// Requests the measurement of two pictures; the result carries `number`.
     pub fn request(&self, number: u64, request: MeasureRequest) {
-        // The thread only ends when the window does.
+        // The thread only ends with the window.
         let _ = self.requests.send((number, request));
     }
 
-    /// What was made since the last call.
+    /// Results since the last call.
     pub fn events(&self) -> Vec<(u64, MeasureEvent)> {
         self.events.try_iter().collect()
     }
@@ -173,7 +173,7 @@ fn measure(request: &MeasureRequest) -> Result<Measured> {
     Ok(Measured { metrics, field, map, part, noise, reference: reference.clone(), test: test.clone() })
 }
 
-/// Over the finite pixels. Background has no noise, so that noise over all of a picture is that of its surfaces.
+/// Over the finite pixels. The background has no noise, so the noise of the whole picture belongs to its surfaces.
 fn root_of_squares(image: &Image) -> f64 {
     let finite = image.pixels.iter().filter(|pixel| pixel.is_finite());
     finite.map(|pixel| pixel.as_dvec3().length_squared()).sum::<f64>().sqrt()
@@ -185,7 +185,7 @@ fn shares(region: Region, [width, height]: [u32; 2]) -> [f32; 4] {
     [columns.start as f32 / across, rows.start as f32 / down, columns.end as f32 / across, rows.end as f32 / down]
 }
 
-/// The picture, black where no surface is seen.
+/// The picture, black where there is no surface.
 fn on_surfaces(image: &Image, coverage: &[f32]) -> Image {
     let pixel = |(&p, &covered): (&Vec3, &f32)| if covered > 0.0 { p } else { Vec3::ZERO };
     Image { size: image.size, pixels: image.pixels.iter().zip(coverage).map(pixel).collect() }

@@ -1,10 +1,10 @@
-//! What the window and a worker share while the worker is at it: how far it is, and whether anyone still wants it.
+//! State shared by the window and a worker: progress and cancellation.
 
 use super::Wake;
 use lapidary_render::Progress;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::SeqCst};
 
-/// Shared by both; to be kept in an `Arc`.
+/// Shared by both; keep it in an `Arc`.
 pub struct SharedProgress {
     wake: Wake,
     cancelled: AtomicBool,
@@ -13,12 +13,12 @@ pub struct SharedProgress {
 }
 
 impl SharedProgress {
-    /// With nothing done; `wake` makes the window look.
+    /// Starts at zero; `wake` notifies the window.
     pub fn new(wake: Wake) -> Self {
         Self { wake, cancelled: false.into(), done: 0.into(), total: 0.into() }
     }
 
-    /// Makes the window look.
+    /// Notifies the window.
     pub fn wake(&self) {
         (self.wake)();
     }
@@ -28,12 +28,12 @@ impl SharedProgress {
         self.cancelled.store(true, SeqCst);
     }
 
-    /// Units of work that are done, and all of them; 0 before it is known.
+    /// Completed and total units of work; 0 while unknown.
     pub fn counts(&self) -> (u64, u64) {
         (self.done.load(SeqCst), self.total.load(SeqCst))
     }
 
-    /// Share that is done, 0 to 1.
+    /// Completed share, 0 to 1.
     pub fn share(&self) -> f32 {
         let (done, total) = self.counts();
         if total == 0 { 0.0 } else { done as f32 / total as f32 }

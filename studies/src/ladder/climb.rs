@@ -1,4 +1,4 @@
-//! Pictures at growing illumination cuts and with lit cuts, then the truth, then the errors.
+//! Pictures at growing illumination cuts and with lit cuts, then the reference, then the errors.
 
 use super::{Cuts, SIZES, Truth};
 use anyhow::Result;
@@ -8,36 +8,36 @@ use lapidary_render::{
     compare::{Metrics, compare},
 };
 
-/// How the ladder is climbed.
+/// Settings of the ladder.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Those of each picture, in this order.
+    /// Cuts of each picture, in this order.
     pub cuts: Vec<Cuts>,
-    /// How often each picture is rendered, for its time is the median.
+    /// Renderings per picture; its time is their median.
     pub frames: usize,
 }
 
 impl Settings {
-    /// The usual sizes, with the look's way of sampling the BRDF, and lit cuts as the look has them.
+    /// The usual sizes with the look's BRDF sampling, and lit cuts with the look's threshold.
     pub fn of(look: &Look) -> Self {
         Self::sizes(&SIZES, look)
     }
 
-    /// The same with other `sizes`.
+    /// [`Self::of`] with other `sizes`.
     pub fn sizes(sizes: &[u32], look: &Look) -> Self {
         let stored = sizes.iter().map(|&size| Cuts::stored(size, look.sampling));
         Self { cuts: stored.chain([Cuts::Lit(look.tau)]).collect(), frames: 1 }
     }
 }
 
-/// A picture of some cuts.
+/// A picture with some cuts.
 #[derive(Clone, Debug)]
 pub struct Rung {
-    /// What was merged.
+    /// The merged cuts.
     pub cuts: Cuts,
     /// The picture, scene-linear.
     pub image: Image,
-    /// How it was made; the seconds are those from the light to the last pixel.
+    /// Statistics; the seconds are from the light to the last pixel.
     pub stats: RenderStats,
 }
 
@@ -46,35 +46,35 @@ pub struct Rung {
 pub struct Step {
     /// The picture.
     pub rung: Rung,
-    /// Its differences from the truth.
+    /// Differences from the reference.
     pub metrics: Metrics,
 }
 
-/// All pictures and what they are held against.
+/// All pictures and their reference.
 #[derive(Clone, Debug)]
 pub struct Ladder {
     /// The reference.
     pub truth: Truth,
-    /// In the order of the cuts asked for.
+    /// In the order of the requested cuts.
     pub steps: Vec<Step>,
 }
 
-/// What is known so far.
+/// One result.
 #[derive(Clone, Copy, Debug)]
 pub enum Found<'a> {
-    /// A picture, not compared yet.
+    /// A picture, not yet compared.
     Picture(&'a Rung),
-    /// The reference, finished.
+    /// The complete reference.
     Truth(&'a Truth),
     /// A picture with its error.
     Step(&'a Step),
 }
 
-/// Renders a look with each of the cuts, traces the truth unless it is `known`, and compares; hands each result to `found` as it comes.
-/// `progress` hears of the truth, which takes longest, and may stop all of it: `None` then.
+/// Renders a look with each of the cuts, traces the reference unless it is `known`, and compares; passes each result to `found`.
+/// `progress` follows the reference, which takes longest, and may cancel everything, which returns `None`.
 ///
 /// # Errors
-/// A renderer that fails, or what `found` says.
+/// A failing renderer, or an error of `found`.
 pub fn climb(
     scene: &mut LitScene,
     look: &Look,
@@ -107,10 +107,10 @@ pub fn climb(
     Ok(Some(Ladder { truth, steps }))
 }
 
-/// Seconds of pictures, `count` with each of the cuts, from the light to the last pixel.
+/// Seconds per picture, `count` with each of the cuts, from the light to the last pixel.
 ///
 /// # Errors
-/// A renderer that fails.
+/// A failing renderer.
 pub fn time_frames(scene: &mut LitScene, look: &Look, cuts: &[Cuts], count: usize) -> Result<Vec<Vec<f64>>> {
     warm_up(scene, look)?;
     let mut times = |cuts: Cuts| {
@@ -120,7 +120,7 @@ pub fn time_frames(scene: &mut LitScene, look: &Look, cuts: &[Cuts], count: usiz
     Ok(cuts.iter().map(|&cuts| times(cuts)).collect::<Result<_, _>>()?)
 }
 
-/// Does what is done once for all pictures, so that no picture's time has it: shadow rays from sources to lights, the resampled
+/// Does the shared work of all pictures, so that no picture's time includes it: shadow rays from sources to lights, the resampled
 /// environment, shaders.
 fn warm_up(scene: &mut LitScene, look: &Look) -> Result<(), BackendError> {
     scene.light(&Look { illum_cut: 1, ..look.clone() })?;
@@ -128,7 +128,7 @@ fn warm_up(scene: &mut LitScene, look: &Look) -> Result<(), BackendError> {
     scene.render_rows(0, 0..1)
 }
 
-/// The picture whose time is the median.
+/// The picture with the median time.
 fn median_rung(scene: &mut LitScene, look: &Look, cuts: Cuts, frames: usize) -> Result<Rung, BackendError> {
     let frame = |_| rung(scene, look, cuts);
     let mut rungs = (0..frames.max(1)).map(frame).collect::<Result<Vec<_>, _>>()?;
@@ -136,7 +136,7 @@ fn median_rung(scene: &mut LitScene, look: &Look, cuts: Cuts, frames: usize) -> 
     Ok(rungs.swap_remove(rungs.len() / 2))
 }
 
-/// A picture that is lit anew: the time of lit cuts has their making.
+/// A picture with recomputed light: the time of lit cuts includes making them.
 fn rung(scene: &mut LitScene, look: &Look, cuts: Cuts) -> Result<Rung, BackendError> {
     scene.forget_light();
     let picture = scene.show_whole(&cuts.shown(look))?;

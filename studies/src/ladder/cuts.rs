@@ -1,22 +1,22 @@
-//! Which cuts a picture of the ladder merges.
+//! The cuts that a picture of the ladder merges.
 
 use lapidary_render::{BrdfSampling, Look};
 use serde::Serialize;
 
-/// Cuts and their one setting. As JSON they are `brdf`, and `illum_cut` or `lit_cuts`, like the options.
+/// Cuts with their setting. In JSON they are `brdf`, and `illum_cut` or `lit_cuts`, like the options.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cuts {
-    /// The stored cuts and an illumination cut of at most so many nodes; the BRDF once per node.
+    /// The stored cuts and an illumination cut of at most this many nodes; one BRDF sample per node.
     Once(u32),
-    /// The same cuts; nodes too wide for the BRDF are halved.
+    /// The same cuts; nodes too wide for the BRDF are split.
     Refine(u32),
-    /// Lit cuts, whose nodes move at most this share of a vertex's light.
+    /// Lit cuts whose nodes move at most this share of a vertex's light.
     Lit(f32),
 }
 
 impl Cuts {
-    /// Stored cuts and an illumination cut of at most `size` nodes, for a BRDF sampled as by `sampling`. Lit cuts know no size:
-    /// the stored ones are then refined.
+    /// Stored cuts and an illumination cut of at most `size` nodes, for a BRDF sampled as by `sampling`. Lit cuts have no size:
+    /// stored cuts are then refined.
     pub fn stored(size: u32, sampling: BrdfSampling) -> Self {
         match sampling {
             BrdfSampling::Once => Self::Once(size),
@@ -24,7 +24,7 @@ impl Cuts {
         }
     }
 
-    /// Those of pictures with these settings.
+    /// The cuts of pictures with these settings.
     pub fn of(sampling: BrdfSampling, illum_cut: u32, tau: f32) -> Self {
         match sampling {
             BrdfSampling::Once => Self::Once(illum_cut),
@@ -43,7 +43,7 @@ impl Cuts {
         }
     }
 
-    /// How the BRDF is sampled.
+    /// The BRDF sampling.
     pub fn sampling(self) -> BrdfSampling {
         match self {
             Self::Once(_) => BrdfSampling::Once,
@@ -52,7 +52,7 @@ impl Cuts {
         }
     }
 
-    /// Most nodes of the illumination cut, where there is one.
+    /// Most nodes of the illumination cut, if there is one.
     pub fn size(self) -> Option<u32> {
         match self {
             Self::Once(size) | Self::Refine(size) => Some(size),
@@ -60,12 +60,12 @@ impl Cuts {
         }
     }
 
-    /// Largest share of a vertex's light that a node of lit cuts moves.
+    /// Largest share of a vertex's light that a node of lit cuts moves, if lit cuts are merged.
     pub fn tau(self) -> Option<f32> {
         if let Self::Lit(tau) = self { Some(tau) } else { None }
     }
 
-    /// In a word or two, as a heading below a picture.
+    /// Short heading below a picture.
     pub fn label(self) -> String {
         match self.size() {
             Some(1) => "1 node".into(),
@@ -74,13 +74,13 @@ impl Cuts {
         }
     }
 
-    /// End of the names of its files.
+    /// Suffix of its file names.
     pub fn stem(self) -> String {
         self.size().map_or_else(|| "lit".into(), |size| size.to_string())
     }
 }
 
-/// Cuts by the names of options.
+/// Cuts under the options' names.
 #[derive(Serialize)]
 struct Figures {
     brdf: BrdfSampling,

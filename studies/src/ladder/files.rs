@@ -1,4 +1,4 @@
-//! The ladder as files: pictures, a contact sheet, `ladder.json`.
+//! Files of the ladder: pictures, a contact sheet, `ladder.json`.
 
 use super::{Cuts, Ladder, Rung, Step, Truth};
 use crate::{
@@ -16,23 +16,23 @@ use std::path::Path;
 const COLUMNS: usize = 4;
 /// Longest side of a tile's picture in pixels.
 const TILE: u32 = 480;
-/// Narrowest column in pixels: what captions need.
+/// Narrowest column in pixels that fits the captions.
 const MIN_COLUMN: u32 = 210;
 
-/// Every figure of a ladder; `ladder.json` is this.
+/// All figures of a ladder, written as `ladder.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Version of the program.
     pub version: &'static str,
-    /// Name of the environment, as it was given.
+    /// Name of the environment, as given.
     pub environment: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub aa: u32,
-    /// What computed: `cpu`, or the name of the graphics adapter.
+    /// Renderer: `cpu`, or the name of the graphics adapter.
     pub renderer: String,
-    /// What the pictures are held against.
+    /// The reference of the pictures.
     pub reference: ReferenceFigures,
     /// One for each size of the illumination cut, and one of lit cuts.
     pub steps: Vec<StepFigures>,
@@ -43,7 +43,7 @@ pub struct Summary {
 pub struct ReferenceFigures {
     /// `samples`: the lights of the pictures, without cuts.
     pub kind: &'static str,
-    /// What was traced.
+    /// Description of the traced light.
     pub what: String,
     /// Wall-clock seconds.
     pub seconds: f64,
@@ -56,7 +56,7 @@ pub struct ReferenceFigures {
 /// Figures of one picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct StepFigures {
-    /// What was merged.
+    /// The merged cuts.
     #[serde(flatten)]
     pub cuts: Cuts,
     /// `||picture - reference|| / ||reference||`.
@@ -82,7 +82,7 @@ pub struct StepFigures {
 }
 
 impl Summary {
-    /// The figures of a ladder whose pictures were written by [`write_picture`] as `cut-SIZE`, `cut-lit` and `reference`, after `prefix`.
+    /// Figures of a ladder with pictures written by [`write_picture`] as `cut-SIZE`, `cut-lit` and `reference`, after `prefix`.
     pub fn new(look: &Look, ladder: &Ladder, prefix: &str) -> Self {
         let first = ladder.steps.first().map(|step| &step.rung.stats);
         let renderer = first.map(|stats| stats.adapter.clone().unwrap_or_else(|| stats.backend.clone()));
@@ -119,10 +119,10 @@ impl StepFigures {
     }
 }
 
-/// Writes what is known of a ladder as it comes: a picture, or the reference.
+/// Writes a picture or the reference as soon as it is known.
 ///
 /// # Errors
-/// A folder that cannot be written.
+/// An unwritable folder.
 pub fn write_picture(found: super::Found, folder: &Path, prefix: &str) -> Result<()> {
     let write = |name: &str, image: &Image| {
         files(prefix, name).iter().try_for_each(|file| image::write(image, &folder.join(file)))
@@ -143,7 +143,7 @@ fn files(prefix: &str, name: &str) -> [String; 2] {
     ["png", "exr"].map(|extension| format!("{prefix}{name}.{extension}"))
 }
 
-/// The contact sheet: all pictures as `post` shows them, with error and time under each, the reference last.
+/// The contact sheet: all pictures as displayed with `post`, error and time under each, the reference last.
 pub fn sheet(ladder: &Ladder, post: &Post) -> DisplayPicture {
     let tile =
         |image: &Image, caption: Vec<String>| Tile { image: DisplayPicture::shown(image, post).shrunk(TILE), caption };
@@ -155,7 +155,7 @@ pub fn sheet(ladder: &Ladder, post: &Post) -> DisplayPicture {
     contact_sheet(&tiles, COLUMNS, &SheetStyle { min_column: MIN_COLUMN, ..Default::default() })
 }
 
-/// What is said under a picture.
+/// Caption of a picture.
 fn caption(Step { rung, metrics }: &Step) -> Vec<String> {
     vec![
         rung.cuts.label(),

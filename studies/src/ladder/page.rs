@@ -1,4 +1,4 @@
-//! The ladder as a page, and as a part of others.
+//! The ladder as a page, and as a section of other pages.
 
 use super::files::{StepFigures, Summary};
 use crate::report::{
@@ -9,7 +9,7 @@ use crate::report::{
 };
 use maud::{Markup, html};
 
-/// The whole page; pictures lie beside it.
+/// The whole page; pictures are files beside it.
 pub fn page(summary: &Summary) -> String {
     let [width, height] = summary.size;
     let head = format!("lapidary ladder, version {}, {width} x {height}, on {}", summary.version, summary.renderer);
@@ -67,8 +67,7 @@ fn caption(step: &StepFigures) -> Markup {
     }
 }
 
-/// Error against cut size, and against time. Lit cuts have no size: their errors are level lines there, and points of their own
-/// in time.
+/// Error against cut size, and against time. Lit cuts have no size: their errors are horizontal lines by size and points by time.
 pub fn charts(summary: &Summary) -> Markup {
     let chart =
         |title, x_label, lines: &[Line]| Chart { title, x_label, x: AxisScale::Log, y: AxisScale::Log, lines }.svg();
@@ -77,11 +76,11 @@ pub fn charts(summary: &Summary) -> Markup {
     html! { div.grid.two { (by_size) (by_time) } }
 }
 
-/// What is drawn of an error: points by the steps with an illumination cut, and by those without.
+/// Points of an error: steps with an illumination cut, and steps without.
 type Drawn = fn(&Summary, Error) -> [Vec<(f64, f64)>; 2];
 type Error = fn(&StepFigures) -> f64;
 
-/// A line for each error of the illumination cuts, then one for each of the lit cuts if there are any.
+/// A line per error for the illumination cuts, then one for the lit cuts if there are any.
 fn lines(summary: &Summary, drawn: Drawn) -> Vec<Line> {
     let errors: [(&str, Error); 2] = [("rel. RMSE", |s| s.rel_rmse), ("FLIP", |s| s.flip)];
     let of = |which: usize, of: &str| {

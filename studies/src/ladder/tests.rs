@@ -8,8 +8,8 @@ use lapidary_render::{
 };
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A diffuse triangle seen from above, under a light that differs by direction. A highlight narrower than 64 samples are apart would
-/// read the map in the truth, but not where the BRDF is sampled once a node.
+/// A diffuse triangle from above, under directional light. A highlight narrower than the spacing of 64 samples would read the map
+/// in the reference, but not where the BRDF is sampled once per node.
 fn look() -> Look {
     let camera = Camera::look_at(Vec3::new(0.4, 2.0, 0.5), Vec3::new(0.4, 0.0, 0.3), 30.0);
     let view = View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [16, 12]) };
@@ -23,7 +23,7 @@ fn scene() -> LitScene {
     LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), test_scenes::dataset(&["a"], &[]).into()).unwrap()
 }
 
-/// Pictures of `sizes` with the BRDF once per node, then one of lit cuts.
+/// Pictures of `sizes` with one BRDF sample per node, then one with lit cuts.
 fn settings(sizes: &[u32]) -> Settings {
     Settings::sizes(sizes, &Look { sampling: BrdfSampling::Once, ..look() })
 }

@@ -1,4 +1,4 @@
-//! What the pictures are held against: the same lights without cuts.
+//! The reference of the pictures: the same lights without cuts.
 
 use crate::report::text::grouped;
 use anyhow::{Result, bail};
@@ -11,17 +11,17 @@ use std::time::Instant;
 pub struct Truth {
     /// The picture, scene-linear.
     pub image: Image,
-    /// What was traced, as a sentence's end: "every one of ...".
+    /// Description of the traced light, as the end of a sentence: "every one of ...".
     pub what: String,
     /// Wall-clock seconds.
     pub seconds: f64,
 }
 
 impl Truth {
-    /// Traces every sample of all lights of a look. Unfinished if `progress` was cancelled.
+    /// Traces every sample of all lights of a look. Incomplete if `progress` was cancelled.
     ///
     /// # Errors
-    /// None on this machine's cores; a renderer's where one is asked.
+    /// None on this machine's cores; a renderer's if one is used.
     pub fn trace(baked: &Baked, look: &Look, progress: &dyn Progress) -> Result<Self> {
         let start = Instant::now();
         let image = every_sample(baked, look, &look.renderer(baked), progress)?;
@@ -29,11 +29,11 @@ impl Truth {
     }
 }
 
-/// Why there is no picture by all samples.
+/// Why a picture by all samples is impossible.
 pub const BOUNCES_AS_BAKED: &str = "the sources of bounced light are where they were baked; compare posed objects with light paths, or without bounced light";
 
-/// All light samples of the environment, shadow rays to local lights, and a ray from every pixel to every surface source. The
-/// bounces of the meshless basis, which has no such samples, are as in any picture. `renderer` has the scene as the look has it.
+/// All light samples of the environment, shadow rays to local lights, and a ray from every pixel to every surface source. Bounces
+/// of the meshless basis, which has no such samples, are as in any picture. `renderer` must have the look's scene.
 ///
 /// # Errors
 /// As [`Truth::trace`].
@@ -54,8 +54,7 @@ pub fn every_sample(baked: &Baked, look: &Look, renderer: &Renderer, progress: &
     Ok(renderer.sampled(&look.view, light, progress))
 }
 
-/// Bounced light of a look and nothing else. All samples of the environment shine on the sources: no illumination cut has a part
-/// in it.
+/// Bounced light of a look alone. All samples of the environment light the sources, without an illumination cut.
 struct Bounced {
     scene: LitScene<CpuBackend>,
     look: Look,
@@ -74,7 +73,7 @@ impl Bounced {
         Ok(Self { scene, look })
     }
 
-    /// Its picture, where the basis holds the light: `None` where sources send it.
+    /// Its picture if the basis holds the light; `None` if sources send it.
     fn of_basis(&mut self) -> Result<Option<Image>, BackendError> {
         if self.scene.local().is_some_and(|local| local.sources().is_some()) {
             return Ok(None);
@@ -83,7 +82,7 @@ impl Bounced {
     }
 }
 
-/// What [`every_sample`] traces for a look.
+/// Description of what [`every_sample`] traces for a look.
 fn what(dataset: &Dataset, look: &Look) -> String {
     let Components { environment, direct, indirect } = look.components;
     let mut parts = Vec::new();

@@ -8,15 +8,15 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder, and what is written into it.
+/// A folder and the names written into it.
 #[derive(Clone, Debug)]
 pub struct FilledFolder {
     path: PathBuf,
-    /// Relative to the folder, with `/`.
+    /// Names relative to the folder, with `/`.
     names: HashSet<String>,
     /// Names with a `*`.
     patterns: HashSet<String>,
-    /// Whether what is there stays.
+    /// Whether existing files are kept.
     keeps: bool,
 }
 
@@ -27,7 +27,7 @@ impl FilledFolder {
         Self { path: path.into(), names, patterns, keeps: false }
     }
 
-    /// With what is there kept, so that it may be read-only.
+    /// Keeps existing files, so the folder may be read-only.
     pub fn keeping(self) -> Self {
         Self { keeps: true, ..self }
     }
@@ -36,7 +36,7 @@ impl FilledFolder {
         &self.path
     }
 
-    /// Checks that it is a folder or can be made, and that what is written into it is no input and takes the place of files only.
+    /// Checks that it is or can become a folder, and that the written files are not inputs and replace only files.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
         if let Some(input) = inputs.iter().find(|input| self.is(input) || self.holds(input)) {
             bail!(
@@ -48,7 +48,7 @@ impl FilledFolder {
             check_writable(&self.path)?;
             return self.check_there(inputs);
         }
-        // A link to nowhere is there, too.
+        // A dangling link exists too.
         if fs::symlink_metadata(&self.path).is_ok() {
             bail!(
                 "the output must be a folder, but something that is no folder has its name; choose another name ({})",
@@ -69,12 +69,12 @@ impl FilledFolder {
         })
     }
 
-    /// Checks what is there of what is written. The folder itself is checked before, once for all files.
+    /// Checks existing files that would be written. The folder itself is checked before, once for all files.
     fn check_there(&self, inputs: &[&Path]) -> Result<()> {
         let inputs: Vec<&Path> = inputs.iter().copied().filter(|input| input.is_file()).collect();
         for file in self.there() {
             check_kind(&file)?;
-            // An input of another name or in another folder may be the same file.
+            // An input under another name or folder may be the same file.
             if inputs.iter().any(|input| is_same_output(&file, input)) {
                 return Err(OutputError::Input { path: file }.into());
             }
@@ -85,7 +85,7 @@ impl FilledFolder {
         Ok(())
     }
 
-    /// Checks that nothing is written both here and by one of the `others`.
+    /// Checks that no file is written both here and by one of the `others`.
     pub fn check_apart(&self, others: &[Self]) -> Result<()> {
         let same: Vec<&Self> = others.iter().filter(|other| other.path == self.path || other.is(&self.path)).collect();
         match self.names.iter().find(|name| same.iter().any(|other| other.writes(name))) {
@@ -97,7 +97,7 @@ impl FilledFolder {
         }
     }
 
-    /// Whether a file is one of those that are written into the folder, by its name or by what its name leads to.
+    /// Whether a file is among those written into the folder, by name or through links.
     pub fn holds(&self, file: &Path) -> bool {
         let by_name = file.file_name().and_then(|name| Some(canonical(folder_of(file))?.join(name)));
         let Some(folder) = canonical(&self.path) else { return false };
@@ -119,7 +119,7 @@ impl FilledFolder {
         path.is_dir() && canonical(path).is_some_and(|path| Some(path) == canonical(&self.path))
     }
 
-    /// What is there of what is written.
+    /// Existing files that would be written.
     fn there(&self) -> Vec<PathBuf> {
         let names = self.names.iter().chain(&self.patterns);
         let parts: HashSet<&Path> = names.map(|name| folder_of(Path::new(name))).collect();

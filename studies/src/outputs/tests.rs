@@ -93,14 +93,13 @@ fn an_input_is_known_behind_a_link() {
     assert!(refused(&files.fills(folder.path(), ["input"])).contains("another folder"));
 }
 
-/// Options that an option needs beside it.
+/// Options that require another option.
 const COMPANIONS: [(&str, &str, &str); 2] = [("compare", "out", "--map flip"), ("predict", "json", "--calibrate")];
 
-/// Options of a command that are only taken together, and in place of its other paths.
+/// Options of a command that go together and replace its other paths.
 const ALTERNATIVE: (&str, &[&str]) = ("bench", &["against", "data"]);
 
-/// A command line of each command with all its paths; what is no path is left at its default. A command with an alternative
-/// has two.
+/// A command line of each command with all its paths; other options keep their defaults. A command with an alternative has two.
 fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {
     let commands = Command::augment_subcommands(clap::Command::new("lapidary"));
     let line = |command: &clap::Command, is_alternative: bool| {
@@ -133,7 +132,7 @@ fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {
     commands.get_subcommands().flat_map(both).flatten().collect()
 }
 
-/// Whoever adds an option that names a file has to say whether it is read or written.
+/// Every new option that names a file must be declared as read or written.
 #[test]
 fn every_path_of_every_command_is_an_input_or_an_output() {
     let lines = lines();

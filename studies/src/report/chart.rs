@@ -6,33 +6,33 @@ use maud::{Markup, html};
 /// A named line.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// What stands at its end.
+    /// Label at its end.
     pub name: String,
-    /// (x, y) by growing x.
+    /// (x, y) by increasing x.
     pub points: Vec<(f64, f64)>,
 }
 
-/// How numbers are spread over an axis.
+/// Spacing of numbers on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisScale {
-    /// Evenly, from zero.
+    /// Linear from zero.
     Linear,
-    /// By their ratios; values of zero and below stand at the low end.
+    /// By ratio; values of zero and below are at the low end.
     Log,
 }
 
 /// Lines over one pair of axes.
 #[derive(Clone, Debug)]
 pub struct Chart<'a> {
-    /// What is drawn.
+    /// Title of the chart.
     pub title: &'a str,
-    /// What the horizontal axis counts.
+    /// Label of the horizontal axis.
     pub x_label: &'a str,
-    /// How the horizontal axis is spread. It has ticks at the points of the first line if they are few and round.
+    /// Scale of the horizontal axis. Its ticks are the points of the first line if they are few and round.
     pub x: AxisScale,
-    /// How the vertical axis is spread.
+    /// Scale of the vertical axis.
     pub y: AxisScale,
-    /// In the order of their colors.
+    /// The lines in color order.
     pub lines: &'a [Line],
 }
 
@@ -42,9 +42,9 @@ const LEFT: f64 = 46.0;
 const RIGHT: f64 = 92.0;
 const TOP: f64 = 34.0;
 const BOTTOM: f64 = 46.0;
-/// Ticks at the points themselves if there are no more.
+/// Most points that become ticks themselves.
 const MOST_POINT_TICKS: usize = 9;
-/// Least distance of the numbers at the horizontal axis.
+/// Least spacing of numbers on the horizontal axis.
 const TICK_ROOM: f64 = 40.0;
 
 impl Chart<'_> {
@@ -65,7 +65,7 @@ impl Chart<'_> {
 
     fn x_ticks(&self, x: &Axis) -> Markup {
         let own: Vec<f64> = self.lines.first().map(|l| l.points.iter().map(|p| p.0).collect()).unwrap_or_default();
-        // Measured times and errors are no numbers to read off an axis.
+        // Measured times and errors are not round enough for ticks.
         let round = |v: &f64| short(*v).parse() == Ok(*v);
         let at = if own.len() <= MOST_POINT_TICKS && own.iter().all(round) { own } else { x.ticks() };
         let mut right = f64::NEG_INFINITY;
@@ -81,7 +81,7 @@ impl Chart<'_> {
     }
 }
 
-/// An `svg` element of a chart's size under a title; `label` is read aloud in its place.
+/// An `svg` element of chart size with a title; screen readers read `label`.
 fn svg(label: &str, title: &str, body: Markup) -> Markup {
     html! {
         svg viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } role="img" aria-label=(label) {
@@ -91,22 +91,22 @@ fn svg(label: &str, title: &str, body: Markup) -> Markup {
     }
 }
 
-/// Text around a place.
+/// Text centered at a position.
 fn centered(x: f64, y: f64, text: &str) -> Markup {
     html! { text x=(tenths(x)) y=(tenths(y)) text-anchor="middle" { (text) } }
 }
 
-/// A coordinate to a tenth of a unit.
+/// A coordinate rounded to a tenth of a unit.
 fn tenths(coordinate: f64) -> String {
     format!("{coordinate:.1}")
 }
 
-/// Numbers to places.
+/// Maps numbers to positions.
 struct Axis {
     scale: AxisScale,
-    /// Least and greatest number.
+    /// Smallest and largest number.
     range: [f64; 2],
-    /// Where they stand.
+    /// Their positions.
     place: [f64; 2],
 }
 
@@ -134,7 +134,7 @@ impl Axis {
         self.place[0] + (self.place[1] - self.place[0]) * part.clamp(0.0, 1.0)
     }
 
-    /// Round numbers: three to six of them, or the 1, 2 and 5 of each decade, or decades where there are many.
+    /// Round numbers: three to six of them, or the 1, 2 and 5 of each decade, or decades if there are many.
     fn ticks(&self) -> Vec<f64> {
         let [low, high] = self.range;
         if self.scale == AxisScale::Linear {
@@ -174,7 +174,7 @@ impl Line {
     }
 }
 
-/// The lines' names at their ends, moved apart where they would overlap.
+/// Line names at their ends, moved apart to avoid overlaps.
 fn labels(lines: &[Line], y: &Axis) -> Markup {
     const LINE: f64 = 15.0;
     let end = |(i, line): (usize, &Line)| line.points.last().map(|p| (y.place(p.1), i));
@@ -191,7 +191,7 @@ fn labels(lines: &[Line], y: &Axis) -> Markup {
     }
 }
 
-/// A round distance of ticks that gives three to six of them.
+/// A round tick spacing that gives three to six ticks.
 pub fn tick_step(largest: f64) -> f64 {
     let decade = 10_f64.powf(largest.max(1e-9).log10().floor());
     [0.2, 0.5, 1.0, 2.0].into_iter().map(|s| s * decade).find(|s| largest / s <= 6.0).unwrap_or(2.0 * decade)

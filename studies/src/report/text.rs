@@ -1,4 +1,4 @@
-//! Numbers and words for the page.
+//! Numbers and text for the page.
 
 /// A whole number in groups of three digits.
 pub fn grouped(number: u64) -> String {
@@ -19,7 +19,7 @@ pub fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
 
-/// A number with three significant digits, without needless ones.
+/// A number with three significant digits, without trailing zeros.
 pub fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

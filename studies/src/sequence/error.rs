@@ -1,79 +1,79 @@
-//! Why a sweep cannot be.
+//! Errors of sweeps.
 
 use thiserror::Error;
 
-/// What keeps a sweep from being read, or from being applied to a look.
+/// Why a sweep cannot be parsed or applied to a look.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SweepError {
-    /// Not of the form that is needed.
-    #[error("\"{0}\" is no sweep; write NAME=FROM..TO or NAME=log:FROM..TO, as in roughness=0.05..0.8")]
+    /// The form is wrong.
+    #[error("\"{0}\" is not a sweep; write NAME=FROM..TO or NAME=log:FROM..TO, as in roughness=0.05..0.8")]
     Form(String),
-    /// A parameter that does not exist.
+    /// The parameter does not exist.
     #[error("there is no parameter \"{name}\" to sweep; there are {known}")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// The existing names.
         known: String,
     },
-    /// An end that is no value.
-    #[error("\"{text}\" is no value of {parameter}: {reason}")]
+    /// An end is not a valid value.
+    #[error("\"{text}\" is not a value of {parameter}: {reason}")]
     Value {
-        /// Which parameter.
+        /// Name of the parameter.
         parameter: String,
-        /// What was given.
+        /// The given text.
         text: String,
-        /// What is wrong.
+        /// Why it is invalid.
         reason: String,
     },
-    /// Logarithms of what has none.
-    #[error("a logarithmic sweep goes between numbers above 0; leave log: out of {0}, or give others")]
+    /// A logarithmic sweep of a non-positive or non-numeric value.
+    #[error("a logarithmic sweep goes between numbers above 0; leave log: out of {0}, or give other values")]
     Logarithm(String),
-    /// `@NAME` where there are no names.
+    /// `@NAME` on a parameter of the whole picture.
     #[error("{0} belongs to the whole picture; leave out the name after @")]
     NoName(String),
-    /// An illumination cut where none is merged.
+    /// The look merges no illumination cut.
     #[error("lit cuts have no illumination cut to sweep; choose --brdf refine or once (View > Cuts in the window)")]
     NoIllumCut,
-    /// Lit cuts where none are merged.
+    /// The look merges no lit cuts.
     #[error("there are no lit cuts to sweep; choose --brdf lit (View > Cuts in the window)")]
     NoLitCuts,
-    /// No material of that name.
+    /// No material has this name.
     #[error("the scene has no material \"{wanted}\"; it has {names}")]
     NoMaterial {
-        /// What was asked for.
+        /// The requested name.
         wanted: String,
-        /// What there is.
+        /// The existing names.
         names: String,
     },
-    /// No material has the map.
+    /// No swept material has the map.
     #[error("no material that is swept has a {map} map; load one first")]
     NoMap {
-        /// Which map.
+        /// Kind of map.
         map: &'static str,
     },
-    /// A parameter that no model of the materials has.
+    /// No material's model has the parameter.
     #[error(
         "no material has a model with the parameter \"{parameter}\"; `lapidary models` lists the parameters of each"
     )]
     NotRead {
-        /// Which.
+        /// Name of the parameter.
         parameter: String,
     },
-    /// No light, or none of that name.
+    /// There is no light, or none with this name.
     #[error("there is no local light \"{wanted}\" to sweep; there are {names}")]
     NoLight {
-        /// What was asked for.
+        /// The requested name.
         wanted: String,
-        /// What there is.
+        /// The existing names.
         names: String,
     },
-    /// Several lights where one is moved.
+    /// Several lights for a parameter of a single one.
     #[error("{parameter} moves one light; name it after @, as in {parameter}@NAME=...: there are {names}")]
     WhichLight {
-        /// Which parameter.
+        /// Name of the parameter.
         parameter: String,
-        /// What there is.
+        /// The existing names.
         names: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The animation of a file, played over the frames of a sequence.
+//! A file's animation, played over the frames of a sequence.
 
 use lapidary_core::{
     animation::{AnimationError, BoundAnimation, Playback},
@@ -6,16 +6,16 @@ use lapidary_core::{
 };
 use std::sync::Arc;
 
-/// A clip, and how it plays.
+/// A clip and its playback.
 #[derive(Clone, Debug)]
 pub struct Motion {
-    /// Bound to the scene.
+    /// The animation, bound to the scene.
     pub animation: Arc<BoundAnimation>,
     /// Index of the clip.
     pub clip: usize,
-    /// When frames are.
+    /// Times of the frames.
     pub times: Times,
-    /// What follows its end.
+    /// Behavior after its end.
     pub playback: Playback,
 }
 
@@ -24,16 +24,16 @@ pub struct Motion {
 pub enum Times {
     /// From the first frame to the last in equal steps.
     Span {
-        /// Of the first frame.
+        /// Time of the first frame.
         from: f32,
-        /// Of the last.
+        /// Time of the last frame.
         to: f32,
     },
-    /// So many frames a second.
+    /// A constant frame rate.
     Rate {
-        /// Of the first frame.
+        /// Time of the first frame.
         from: f32,
-        /// Frames a second, above 0.
+        /// Frames per second, above 0.
         fps: f32,
     },
 }
@@ -45,11 +45,11 @@ impl Times {
     }
 }
 
-/// The animation at one of the frames.
+/// The animation at one frame.
 #[derive(Clone, Debug)]
 pub struct Moment {
     motion: Motion,
-    /// Of the clip, in seconds.
+    /// Time in the clip, in seconds.
     pub seconds: f32,
 }
 
@@ -61,17 +61,17 @@ impl PartialEq for Motion {
 }
 
 impl Motion {
-    /// Whether frames are at different times.
+    /// Whether frames have different times.
     pub fn plays(&self) -> bool {
         !matches!(self.times, Times::Span { from, to } if from == to)
     }
 
-    /// What its time is called in files and captions.
+    /// Name of the time in files and captions.
     pub fn label(&self) -> String {
         format!("time@{}", self.clip().name)
     }
 
-    /// The moment of a frame among so many.
+    /// The moment of a frame in a sequence of `frames` frames.
     pub fn moment(&self, index: u32, frames: u32) -> Moment {
         let seconds = match self.times {
             Times::Span { from, to } => from + (to - from) * (index as f32 / frames.saturating_sub(1).max(1) as f32),
@@ -86,10 +86,10 @@ impl Motion {
 }
 
 impl Moment {
-    /// `poses` with what the animation deforms.
+    /// `poses` with the animation's deformations.
     ///
     /// # Errors
-    /// Vertices out of reach.
+    /// Vertices out of range.
     pub fn poses(&self, poses: &Poses) -> Result<Poses, AnimationError> {
         self.motion.animation.poses_at(self.motion.clip, self.seconds, poses)
     }

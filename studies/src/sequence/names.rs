@@ -1,4 +1,4 @@
-//! Names of frames: `####` in a path stands for the number.
+//! File names of frames: `####` in a path stands for the number.
 
 use anyhow::{Result, bail};
 use lapidary_interchange::formats::{FileFormat, PictureFormat};
@@ -10,15 +10,15 @@ pub struct FrameNames {
     folder: PathBuf,
     before: String,
     digits: usize,
-    /// With the extension.
+    /// Text after the number, including the extension.
     after: String,
 }
 
 impl FrameNames {
-    /// From a path whose file name has one run of `#`, as `shots/frame.####.png`.
+    /// From a path whose file name has one run of `#`, such as `shots/frame.####.png`.
     ///
     /// # Errors
-    /// A name without such a run, or with several, or that ends in no format that can be written.
+    /// A name without such a run or with several, or with the extension of no writable format.
     pub fn new(path: &Path) -> Result<Self> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let (Some(first), Some(last)) = (name.find('#'), name.rfind('#')) else {
@@ -31,7 +31,7 @@ impl FrameNames {
         if name[first..=last].contains(|c| c != '#') {
             bail!("the name of a sequence has one place for the frame's number, not several ({})", path.display());
         }
-        // The whole path, as the extension alone counts as a name.
+        // Test the whole path, because an extension alone counts as a name.
         if !after.contains('.') || !PictureFormat::of(path).is_some_and(PictureFormat::is_written) {
             bail!("frames are png, exr or hdr files; end the name in one of these ({})", path.display());
         }
@@ -44,13 +44,13 @@ impl FrameNames {
         &self.folder
     }
 
-    /// The file of a frame, its number filled up with zeros.
+    /// The file of a frame, with a zero-padded number.
     pub fn path(&self, frame: u32) -> PathBuf {
         let Self { before, after, digits, .. } = self;
         self.folder.join(format!("{before}{frame:0digits$}{after}"))
     }
 
-    /// The file that says what each frame shows.
+    /// The file that describes each frame.
     pub fn record_path(&self) -> PathBuf {
         let stem = self.before.trim_end_matches(['.', '_', '-', ' ']);
         self.folder.join(format!("{}.json", if stem.is_empty() { "sequence" } else { stem }))

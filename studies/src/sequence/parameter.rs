@@ -1,4 +1,4 @@
-//! What sweeps can change, by name.
+//! Sweepable parameters, by name.
 
 use super::{Value, error::SweepError};
 use glam::Vec3;
@@ -13,17 +13,17 @@ use std::{collections::BTreeSet, sync::Arc};
 /// A parameter of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
-    /// A parameter that BRDF models declare, by its name.
+    /// A parameter declared by BRDF models, by name.
     Brdf(&'static str),
     /// Strength of the bump map.
     Bump,
     /// Strength of the normal map.
     Normal,
-    /// Turn of the environment in degrees.
+    /// Rotation of the environment in degrees.
     Rotation,
     /// Scale of the environment's radiance.
     Intensity,
-    /// Stops.
+    /// Exposure in stops.
     Exposure,
     /// Most nodes of the illumination cut.
     IllumCut,
@@ -31,42 +31,42 @@ pub enum Parameter {
     LitCuts,
     /// Scale of the intensity of local lights.
     LightIntensity,
-    /// Place of a local light.
+    /// Position of a local light.
     LightPosition,
-    /// What a local light points at.
+    /// Target point of a local light.
     LightTarget,
-    /// Place of the camera.
+    /// Position of the camera.
     Eye,
-    /// What the camera looks at.
+    /// Target point of the camera.
     Target,
     /// Vertical field of view in degrees.
     Fov,
 }
 
-/// What a parameter belongs to.
+/// Owner of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// One material by name, or all.
     Material,
-    /// One local light by name; all, or the only one, without.
+    /// One local light by name; without a name all, or the only one.
     Light,
-    /// There is one.
+    /// The whole picture.
     Picture,
 }
 
-/// What values a parameter has.
+/// Values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Domain {
     /// A number in a range.
     Number(f32, f32),
     /// Three numbers from 0 to 1.
     Color,
-    /// A place in meters.
+    /// A position in meters.
     Place,
 }
 
 impl Parameter {
-    /// All of them, in the order of lists.
+    /// All parameters in list order.
     pub fn all() -> impl Iterator<Item = Self> {
         let declared = BrdfModel::all_declared().map(|p| p.name);
         let mut known = BTreeSet::new();
@@ -89,7 +89,7 @@ impl Parameter {
         Self::Fov,
     ];
 
-    /// Its name, as options and files have it.
+    /// Name in options and files.
     pub fn name(self) -> String {
         let name = match self {
             Self::Brdf(name) => return name.replace('_', "-"),
@@ -110,7 +110,7 @@ impl Parameter {
         name.into()
     }
 
-    /// What it belongs to.
+    /// Its owner.
     pub fn target(self) -> Target {
         match self {
             Self::Brdf(_) | Self::Bump | Self::Normal => Target::Material,
@@ -119,7 +119,7 @@ impl Parameter {
         }
     }
 
-    /// What values it has.
+    /// Its values.
     pub fn domain(self) -> Domain {
         match self {
             Self::Brdf(name) => match BrdfModel::declared(name) {
@@ -137,10 +137,10 @@ impl Parameter {
         }
     }
 
-    /// Gives it a value, of its domain, in a look; `of` names one of the materials or lights.
+    /// Sets it in a look to a value of its domain; `of` names a material or light.
     ///
     /// # Errors
-    /// No such material, map or light, several where one has to be named, or cuts that the look does not merge.
+    /// No such material, map or light, several where one must be named, or cuts that the look does not merge.
     pub fn set(self, look: &mut Look, of: Option<&str>, value: Value) -> Result<(), SweepError> {
         let (number, vector) = (value.number(), value.vector());
         match self {
@@ -162,14 +162,13 @@ impl Parameter {
         }
     }
 
-    /// Whether a sweep of it changes pictures of a look: a material must read it, and they must merge the cuts whose setting
-    /// it is.
+    /// Whether a sweep of it changes pictures of a look: a material must read it, or the picture must merge the cuts that it sets.
     pub fn applies_to(self, look: &Look) -> bool {
         let is_read = |name| look.appearance.materials.iter().any(|m| read_by(m, name).is_some());
         self.check_cuts(look.sampling).is_ok() && !matches!(self, Self::Brdf(name) if !is_read(name))
     }
 
-    /// A setting of cuts that are not merged would be swept through equal pictures.
+    /// Rejects settings of cuts that are not merged, whose sweep would give equal pictures.
     fn check_cuts(self, sampling: BrdfSampling) -> Result<(), SweepError> {
         match (self, sampling == BrdfSampling::Lit) {
             (Self::IllumCut, true) => Err(SweepError::NoIllumCut),
@@ -203,13 +202,13 @@ fn each_material(look: &mut Look, of: Option<&str>, mut change: impl FnMut(&mut 
     if found { Ok(()) } else { Err(SweepError::NoMaterial { wanted: of.unwrap_or_default().into(), names: names() }) }
 }
 
-/// The parameter of a material's model by this name, or for the same quantity.
+/// The parameter of a material's model with this name, or for the same quantity.
 fn read_by(material: &Material, name: &str) -> Option<&'static brdf::Parameter> {
     let quantity = BrdfModel::declared(name).map_or(name, |parameter| parameter.quantity);
     material.parameter(name).or_else(|| material.parameter_for(quantity))
 }
 
-/// Materials whose model has the quantity under another name change that.
+/// In materials whose model has the quantity under another name, that parameter is set.
 fn each_brdf(look: &mut Look, of: Option<&str>, name: &'static str, value: brdf::Value) -> Result<(), SweepError> {
     let mut found = false;
     each_material(look, of, |material| {
@@ -247,7 +246,7 @@ fn each_light(look: &mut Look, of: Option<&str>, change: impl Fn(&mut Light)) ->
     Ok(())
 }
 
-/// Lights that all moved to one place would be no sweep that anyone meant.
+/// Selects a single light: moving all lights to one place is hardly intended.
 fn one_light(
     parameter: Parameter,
     look: &mut Look,

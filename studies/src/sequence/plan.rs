@@ -1,68 +1,68 @@
-//! What each frame of a sequence shows, decided before any is rendered.
+//! Contents of each frame of a sequence, decided before any is rendered.
 
 use super::{Moment, Motion, Sweep, Turn, Value, error::SweepError};
 use lapidary_core::{animation::AnimationError, lights::LightProblem};
 use lapidary_render::Look;
 use thiserror::Error;
 
-/// Most frames of a sequence: an hour at 30 a second.
+/// Most frames of a sequence: an hour at 30 per second.
 pub const MAX_FRAMES: u32 = 108_000;
 
-/// What a turn is called in files and captions.
+/// Name of a turn in files and captions.
 const TURN: &str = "turn";
 
-/// Why there is no sequence.
+/// Why a sequence cannot be planned.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlanError {
-    /// Nothing to render.
+    /// No frames.
     #[error("a sequence needs at least one frame; ask for 1 or more")]
     NoFrames,
-    /// More than anyone renders.
+    /// Too many frames.
     #[error("{0} frames are more than the limit of {MAX_FRAMES}; give fewer")]
     TooMany(u32),
-    /// All frames would be one.
+    /// All frames would be equal.
     #[error(
         "nothing changes from frame to frame; turn something (--turn in a command), sweep a parameter (--sweep) or play an animation (--time FROM..TO or --fps)"
     )]
     Still,
-    /// A sweep of something twice.
+    /// A quantity is swept twice.
     #[error("{0} is swept twice; leave one of the sweeps out")]
     Twice(String),
-    /// Lights that are not there.
+    /// There are no lights to turn.
     #[error("there are no local lights to turn; add some, or turn something else")]
     NoLights,
-    /// A sweep that does not fit the scene.
+    /// A sweep does not fit the scene.
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    /// A camera without a direction.
+    /// A camera has no direction.
     #[error("in frame {0} the camera's eye and target are the same point; change the sweep")]
     NoDirection(u32),
-    /// A light that cannot shine.
+    /// A light cannot shine.
     #[error("in frame {frame} the light \"{name}\" cannot shine: {source}")]
     Light {
-        /// Which frame.
+        /// Frame number.
         frame: u32,
-        /// What it is called.
+        /// Name of the light.
         name: String,
-        /// What is wrong.
+        /// The light's problem.
         source: LightProblem,
     },
 }
 
-/// A sequence as it is asked for.
+/// A requested sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceSettings {
-    /// How many frames.
+    /// Number of frames.
     pub frames: u32,
-    /// Number of the first one.
+    /// Number of the first frame.
     pub first: u32,
-    /// What turns, if anything does.
+    /// What turns, if anything.
     pub turn: Option<Turn>,
-    /// How far in degrees, counter-clockwise seen from above. After whole turns the last frame is one step before the first.
+    /// Angle in degrees, counter-clockwise seen from above. After whole turns the last frame is one step before the first.
     pub degrees: f32,
-    /// What goes from one value to another, from the first frame to the last.
+    /// Parameters that change from the first frame to the last.
     pub sweeps: Vec<Sweep>,
-    /// An animation that plays.
+    /// The animation, if any.
     pub motion: Option<Motion>,
 }
 
@@ -75,20 +75,20 @@ impl Default for SequenceSettings {
 /// A frame.
 #[derive(Clone, Debug)]
 pub struct SequenceFrame {
-    /// Its number, which its files are called by.
+    /// Frame number, as in its file names.
     pub number: u32,
-    /// What differs from frame to frame, by name.
+    /// Varying values by name.
     pub values: Vec<(String, Value)>,
-    /// Everything that decides its picture, but for what is deformed at its moment: see [`Self::posed`].
+    /// The look of the frame, without deformations at its moment: see [`Self::posed`].
     pub look: Look,
-    /// When it is in an animation.
+    /// Its moment in an animation.
     pub moment: Option<Moment>,
 }
 
 /// The frames of a sequence that varies a look.
 ///
 /// # Errors
-/// Settings that make no sequence, or do not fit the scene in some frame.
+/// Settings that give no sequence or do not fit the scene in some frame.
 pub fn plan(base: &Look, settings: &SequenceSettings) -> Result<Vec<SequenceFrame>, PlanError> {
     check(base, settings)?;
     (0..settings.frames).map(|index| frame(base, settings, index)).collect()
@@ -121,7 +121,7 @@ fn frame(base: &Look, settings: &SequenceSettings, index: u32) -> Result<Sequenc
     let (mut look, mut values) = (base.clone(), Vec::new());
     let number = settings.first.saturating_add(index);
     let share = if settings.frames > 1 { index as f32 / (settings.frames - 1) as f32 } else { 0.0 };
-    // Sweeps place things, which the turn then takes along.
+    // Sweeps first; the turn then moves their results.
     for sweep in &settings.sweeps {
         sweep.apply(&mut look, share)?;
         values.push((sweep.label(), sweep.value(share)));
@@ -141,7 +141,7 @@ fn frame(base: &Look, settings: &SequenceSettings, index: u32) -> Result<Sequenc
 }
 
 impl SequenceSettings {
-    /// How far frame `index` is turned.
+    /// Angle of the turn in frame `index`.
     fn turned(&self, index: u32) -> f32 {
         let whole = self.degrees != 0.0 && self.degrees % 360.0 == 0.0;
         let steps = if whole { self.frames } else { self.frames.saturating_sub(1).max(1) };
@@ -149,7 +149,7 @@ impl SequenceSettings {
     }
 }
 
-/// What single values allow may not go together.
+/// Rejects combinations of individually valid values.
 fn validate(number: u32, look: &Look) -> Result<(), PlanError> {
     if look.view.camera.eye == look.view.camera.target {
         return Err(PlanError::NoDirection(number));
@@ -162,16 +162,16 @@ fn validate(number: u32, look: &Look) -> Result<(), PlanError> {
 }
 
 impl SequenceFrame {
-    /// The look with its objects as an animation has them; thousands of frames would not fit in memory so.
+    /// The look with objects posed by the animation; thousands of such frames would not fit in memory.
     ///
     /// # Errors
-    /// Vertices out of reach.
+    /// Vertices out of range.
     pub fn posed(&self) -> Result<Look, AnimationError> {
         let posed = self.moment.as_ref().map(|moment| moment.poses(&self.look.poses)).transpose()?;
         Ok(Look { poses: posed.unwrap_or_else(|| self.look.poses.clone()), ..self.look.clone() })
     }
 
-    /// What a contact sheet says of it.
+    /// Caption on a contact sheet.
     pub fn caption(&self) -> Vec<String> {
         let value = |(name, value): &(String, Value)| match name.strip_prefix(TURN).and_then(|t| t.strip_prefix('-')) {
             Some(turned) => format!("{turned} {value}°"),

@@ -1,5 +1,5 @@
-//! The JSON file beside the frames that says what each of them shows, and by which going on finds out whether the frames that
-//! are there belong to the same sequence.
+//! The JSON file beside the frames that describes each of them. Resuming uses it to check that existing frames belong to the same
+//! sequence.
 
 use super::{FrameNames, SequenceFrame, Value};
 use crate::{export::settings, terminal::write_json};
@@ -10,32 +10,32 @@ use serde::{Deserialize, Serialize};
 use serde_json::Map;
 use std::{collections::BTreeMap, path::Path};
 
-/// What the file holds.
+/// Contents of the file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Record {
     /// Width and height of the frames in pixels.
     size: [u32; 2],
-    /// Everything that decides the first frame's picture.
+    /// All settings of the first frame's picture.
     settings: Map<String, serde_json::Value>,
-    /// The frames, in their order.
+    /// The frames in order.
     frames: Vec<FrameRecord>,
 }
 
-/// What it says of a frame.
+/// Description of a frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct FrameRecord {
     frame: u32,
     files: Vec<String>,
-    /// What differs from frame to frame.
+    /// Varying values.
     values: BTreeMap<String, Value>,
-    /// Wall-clock seconds of rendering, once it is there.
+    /// Wall-clock seconds of rendering, once rendered.
     seconds: Option<f64>,
     /// Nodes of the merged cut, averaged over its pixels.
     mean_merged_nodes: Option<f64>,
 }
 
 impl Record {
-    /// Of frames that are planned, none of them rendered.
+    /// Creates a record of planned frames, none of them rendered.
     pub fn new(frames: &[SequenceFrame], outputs: &[FrameNames], dataset: &Dataset) -> Self {
         let file = |names: &FrameNames, number| {
             names.path(number).file_name().unwrap_or_default().to_string_lossy().into_owned()
@@ -55,25 +55,25 @@ impl Record {
         }
     }
 
-    /// Reads the file of a sequence that was begun.
+    /// Reads the record of an existing sequence.
     ///
     /// # Errors
-    /// A file that cannot be read or is no such record.
+    /// An unreadable file, or one that is not a record.
     pub fn read(path: &Path) -> Result<Self> {
-        let begun = || format!("cannot tell what the frames that are there show; use --overwrite ({})", path.display());
+        let begun = || format!("cannot determine what the existing frames show; use --overwrite ({})", path.display());
         let text = input::read(path).with_context(begun)?;
         serde_json::from_slice(&text).with_context(begun)
     }
 
-    /// Writes it.
+    /// Writes the record.
     ///
     /// # Errors
-    /// What the file system says.
+    /// The file system's error.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_json(path, self)
     }
 
-    /// What differs between two sequences, in a word or two; `None` if one goes on with the other.
+    /// The difference between two sequences in a word or two; `None` if one continues the other.
     pub fn difference(&self, other: &Self) -> Option<String> {
         if self.size != other.size {
             return Some("size".into());
@@ -89,14 +89,14 @@ impl Record {
         (values(self) != values(other)).then(|| "frames, turn or sweep".into())
     }
 
-    /// Takes over what another says of frames that are there.
+    /// Takes over another record's data on rendered frames.
     pub fn keep(&mut self, other: &Self) {
         for (frame, known) in self.frames.iter_mut().zip(&other.frames) {
             (frame.seconds, frame.mean_merged_nodes) = (known.seconds, known.mean_merged_nodes);
         }
     }
 
-    /// A frame is there.
+    /// Marks a frame as rendered.
     pub fn finished(&mut self, index: usize, stats: &RenderStats) {
         let frame = &mut self.frames[index];
         (frame.seconds, frame.mean_merged_nodes) = (Some(stats.seconds), Some(stats.mean_merged_nodes));

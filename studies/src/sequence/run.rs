@@ -1,5 +1,5 @@
-//! Renders the frames of a plan one by one to files, each under a temporary name that is renamed when it is complete: whatever
-//! stops it, finished frames stay, and it can go on from them.
+//! Renders planned frames one by one to files, each under a temporary name until complete. Finished frames survive any interruption
+//! and can be resumed from.
 
 use super::{FrameNames, SequenceFrame, record::Record};
 use crate::{
@@ -20,15 +20,15 @@ use std::{
 /// Longest side in pixels of a frame in a contact sheet.
 const TILE: u32 = 240;
 
-/// What becomes of frames that are there already.
+/// Treatment of existing frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Existing {
-    /// Nothing is rendered.
+    /// Stop if any exists.
     #[default]
     Refuse,
-    /// They stay, and the others are rendered.
+    /// Keep them and render the others.
     Resume,
-    /// They are replaced.
+    /// Replace them.
     Overwrite,
 }
 
@@ -37,44 +37,44 @@ pub enum Existing {
 pub struct SheetTask {
     /// The png file.
     pub path: PathBuf,
-    /// Frames in a row; about as many as rows without.
+    /// Frames per row; by default about as many as rows.
     pub columns: Option<usize>,
 }
 
 /// A sequence to render.
 #[derive(Clone, Debug)]
 pub struct SequenceTask {
-    /// What it shows.
+    /// Its frames.
     pub frames: Vec<SequenceFrame>,
-    /// Where it goes, in each format.
+    /// File names in each format.
     pub outputs: Vec<FrameNames>,
     /// Layers of exr files.
     pub layers: Vec<LayerKind>,
-    /// What becomes of frames that are there.
+    /// Treatment of existing frames.
     pub existing: Existing,
-    /// A contact sheet, if one is wanted.
+    /// A contact sheet, if wanted.
     pub sheet: Option<SheetTask>,
 }
 
-/// A sequence that may begin. No other process writes its files until it is dropped.
+/// A checked sequence. No other process writes its files until it is dropped.
 #[derive(Debug)]
 pub struct Prepared {
     record: Record,
     _locks: Vec<OutputLock>,
 }
 
-/// How a sequence ended.
+/// The end of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SequenceEnd {
-    /// Frames that were rendered.
+    /// Rendered frames.
     pub rendered: usize,
-    /// Frames that were there.
+    /// Existing frames that were kept.
     pub kept: usize,
-    /// Whether it was stopped before all were there.
+    /// Whether it stopped early.
     pub cancelled: bool,
 }
 
-/// `files` with those of a sequence.
+/// Adds a sequence's files to `files`.
 pub fn sequence_files(
     files: CommandFiles,
     outputs: &[FrameNames],
@@ -96,17 +96,17 @@ pub fn sequence_files(
 }
 
 impl SequenceTask {
-    /// `files` with those that it writes.
+    /// Adds the files that it writes to `files`.
     pub fn command_files(&self, files: CommandFiles) -> CommandFiles {
         let numbers = self.frames.iter().map(|frame| frame.number);
         let sheet = self.sheet.as_ref().map(|sheet| sheet.path.as_path());
         sequence_files(files, &self.outputs, numbers, self.existing, sheet)
     }
 
-    /// Checks folders and what is there, before anything slow, and takes the files for this process.
+    /// Checks folders and existing files before anything slow, and locks the files for this process.
     ///
     /// # Errors
-    /// Folders that cannot be made or written to; frames that are there and may not be replaced, or are of another sequence.
+    /// Folders that cannot be created or written; existing frames that may not be replaced or belong to another sequence.
     pub fn prepare(&self, dataset: &Dataset) -> Result<Prepared> {
         for folder in self.folders() {
             create_folder(folder)?;
@@ -125,7 +125,7 @@ impl SequenceTask {
                 let begun = Record::read(&self.record_path())?;
                 if let Some(what) = record.difference(&begun) {
                     bail!(
-                        "the frames that are there are of another sequence: their {what} differs; use --overwrite to replace \
+                        "the existing frames belong to another sequence: their {what} differs; use --overwrite to replace \
                          them, or another name ({})",
                         self.record_path().display()
                     );
@@ -137,10 +137,10 @@ impl SequenceTask {
         Ok(Prepared { record, _locks: locks })
     }
 
-    /// Renders what is not there yet, after [`Self::prepare`]. `progress` counts frames, also those that are there.
+    /// Renders the missing frames after [`Self::prepare`]. `progress` counts frames, including existing ones.
     ///
     /// # Errors
-    /// A renderer that fails, or files that cannot be written; the frames before stay.
+    /// A failing renderer, or unwritable files; earlier frames are kept.
     pub fn run(&self, prepared: Prepared, studio: &mut Studio, progress: &dyn Progress) -> Result<SequenceEnd> {
         let dataset = studio.baked().dataset.clone();
         let Prepared { mut record, _locks } = prepared;
@@ -148,7 +148,7 @@ impl SequenceTask {
         let mut tiles = Vec::new();
         record.write(&self.record_path())?;
         let all = self.frames.len() as u64;
-        // Those that are there first: from then on progress tells the pace.
+        // Existing frames first: from then on the progress shows the pace.
         let mut done = self.frames.iter().filter(|frame| self.is_there(frame)).count() as u64;
         for (index, frame) in self.frames.iter().enumerate() {
             progress.advanced(done, all);
@@ -177,11 +177,11 @@ impl SequenceTask {
         Ok(end)
     }
 
-    /// The records of all formats, which have a place in each folder, and the sheet.
+    /// Locks the records of all formats, each in its folder, and the sheet.
     fn lock(&self) -> Result<Vec<OutputLock>> {
         let records = self.outputs.iter().map(FrameNames::record_path);
         let files = records.chain(self.sheet.iter().map(|sheet| sheet.path.clone()));
-        // Two formats in one folder have one record, by whatever name the folder goes.
+        // Two formats in one folder share one record, under any name of the folder.
         let place = |file: PathBuf| Ok(folder_of(&file).canonicalize()?.join(file.file_name().unwrap_or_default()));
         let places = files.map(place).collect::<Result<BTreeSet<PathBuf>>>()?;
         places.iter().map(|place| Ok(OutputLock::acquire(place)?)).collect()
@@ -189,10 +189,10 @@ impl SequenceTask {
 
     fn so_far(&self, end: SequenceEnd) -> String {
         let done = end.rendered + end.kept;
-        format!("{done} of {} frames are written and stay; --resume goes on from there", self.frames.len())
+        format!("{done} of {} frames are written and kept; --resume continues", self.frames.len())
     }
 
-    /// Where the record is.
+    /// Path of the record.
     pub fn record_path(&self) -> PathBuf {
         self.outputs[0].record_path()
     }
@@ -206,12 +206,12 @@ impl SequenceTask {
         self.outputs.iter().map(|names| names.path(frame.number)).collect()
     }
 
-    /// Whether a frame is there in all formats and stays.
+    /// Whether a frame exists in all formats and is kept.
     fn is_there(&self, frame: &SequenceFrame) -> bool {
         self.existing == Existing::Resume && self.files(frame).iter().all(|file| file.exists())
     }
 
-    /// A frame that was rendered before.
+    /// Reads an existing frame.
     fn read_tile(&self, frame: &SequenceFrame) -> Result<Tile> {
         let files = self.files(frame);
         let is_png = |file: &&PathBuf| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));

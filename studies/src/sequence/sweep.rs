@@ -1,4 +1,4 @@
-//! Sweeps: a parameter that goes from one value to another over the frames.
+//! Sweeps: parameters that change from one value to another over the frames.
 
 use super::{
     error::SweepError,
@@ -16,12 +16,12 @@ use std::{fmt, str::FromStr};
 pub enum Value {
     /// A number.
     Number(f32),
-    /// A color, or a place in meters.
+    /// A color, or a position in meters.
     Vector(Vec3),
 }
 
 impl Value {
-    /// As a number; the first part of a vector.
+    /// As a number; the first component of a vector.
     pub fn number(self) -> f32 {
         match self {
             Self::Number(number) => number,
@@ -29,7 +29,7 @@ impl Value {
         }
     }
 
-    /// As a vector; a number three times.
+    /// As a vector; a number is repeated three times.
     pub fn vector(self) -> Vec3 {
         match self {
             Self::Number(number) => Vec3::splat(number),
@@ -53,18 +53,18 @@ impl fmt::Display for Value {
     }
 }
 
-/// A parameter that goes from one value to another.
+/// A parameter that changes from one value to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Which parameter.
+    /// The parameter.
     pub parameter: Parameter,
-    /// The material or light that it is of, by name; all of them, or the only one, without.
+    /// Name of its material or light; without it all, or the only one.
     pub of: Option<String>,
     /// Value of the first frame.
     pub from: Value,
     /// Value of the last frame.
     pub to: Value,
-    /// In equal ratios instead of equal steps.
+    /// Equal ratios instead of equal steps.
     pub logarithmic: bool,
 }
 
@@ -104,7 +104,7 @@ fn parsed(parameter: Parameter, text: &str) -> Result<Value, SweepError> {
 }
 
 impl Sweep {
-    /// What its values are called in files and captions.
+    /// Name of its values in files and captions.
     pub fn label(&self) -> String {
         let name = self.parameter.name();
         self.of.as_ref().map_or(name.clone(), |of| format!("{name}@{of}"))
@@ -113,7 +113,7 @@ impl Sweep {
     /// Checks ranges, logarithms and the name.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first problem.
     pub fn check_form(&self) -> Result<(), SweepError> {
         let name = self.parameter.name();
         if self.of.is_some() && self.parameter.target() == super::Target::Picture {
@@ -149,7 +149,7 @@ impl Sweep {
             (Value::Number(from), Value::Number(to)) => Value::Number(from + share * (to - from)),
             (from, to) => Value::Vector(from.vector().lerp(to.vector(), share)),
         };
-        // The ends are met exactly, whatever the rounding between.
+        // Return the ends exactly, despite rounding in between.
         match share {
             0.0 => self.from,
             1.0 => self.to,
@@ -158,7 +158,7 @@ impl Sweep {
         }
     }
 
-    /// Gives the parameter its value at `share` of the way.
+    /// Sets the parameter to its value at `share` of the way.
     ///
     /// # Errors
     /// As [`Parameter::set`].
@@ -268,7 +268,7 @@ mod tests {
             }
             sweep.apply(&mut changed, 1.0).unwrap();
             let shown = shown(&changed);
-            assert!(!seen.contains(&shown), "{text} changes nothing, or what another does");
+            assert!(!seen.contains(&shown), "{text} changes nothing, or the same as another");
             seen.push(shown);
         }
     }

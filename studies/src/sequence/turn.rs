@@ -1,4 +1,4 @@
-//! Turntables: what turns about the vertical through the point that the camera looks at.
+//! Turntables: rotation about the vertical through the camera's target.
 
 use clap::ValueEnum;
 use glam::{Quat, Vec3};
@@ -8,23 +8,22 @@ use lapidary_render::Look;
 /// What turns, counter-clockwise seen from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Turn {
-    /// The whole scene, in front of the camera and under its lights. Visibility was baked for the scene as it stands,
-    /// so camera, environment and lights turn the other way together, which shows the same; single objects cannot
-    /// turn
+    /// The whole scene, in front of the camera and under its lights. Visibility was baked for the unturned scene, so camera,
+    /// environment and lights turn the other way together, with the same result; single objects cannot turn
     Object,
-    /// The camera, about the point that it looks at
+    /// The camera, about its target
     Camera,
     /// The environment
     Environment,
-    /// The local lights, about the point that the camera looks at
+    /// The local lights, about the camera's target
     Lights,
 }
 
 impl Turn {
-    /// All of them.
+    /// All turns.
     pub const ALL: [Self; 4] = [Self::Object, Self::Camera, Self::Environment, Self::Lights];
 
-    /// Its name, as options and files have it.
+    /// Name in options and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Object => "object",
@@ -34,7 +33,7 @@ impl Turn {
         }
     }
 
-    /// The look after a turn of some degrees.
+    /// Applies a turn by `degrees` to the look.
     pub fn apply(self, look: &mut Look, degrees: f32) {
         let degrees = if self == Self::Object { -degrees } else { degrees };
         let axis = Axis { center: look.view.camera.target, turn: Quat::from_rotation_y(degrees.to_radians()) };
@@ -50,7 +49,7 @@ impl Turn {
     }
 }
 
-/// The vertical through a point, and a turn about it.
+/// The vertical through a point, and a rotation about it.
 struct Axis {
     center: Vec3,
     turn: Quat,
@@ -62,7 +61,7 @@ impl Axis {
     }
 
     fn turned_camera(&self, camera: &Camera) -> Camera {
-        // The direction that is upward in the picture, which a camera that looks straight down has to turn as well.
+        // The picture's upward direction, which must turn too for a camera that looks straight down.
         let up = camera.world_from_view().y_axis;
         Camera { eye: self.place(camera.eye), target: self.place(camera.target), up: self.turn * up, ..camera.clone() }
     }
@@ -83,7 +82,7 @@ mod tests {
         look
     }
 
-    /// A direction of the world in the picture, and in the map.
+    /// A world direction in the picture and in the map.
     fn seen(look: &Look, direction: Vec3) -> (Vec3, Vec3) {
         let view = look.view.camera.world_from_view().transpose() * direction;
         (view, Quat::from_rotation_y(-look.illumination.rotation) * direction)
@@ -92,7 +91,7 @@ mod tests {
     #[test]
     fn an_object_that_turns_leaves_light_and_background_where_they_are_in_the_picture() {
         let (before, after) = (look(), turned(Turn::Object, 40.0));
-        // What is seen at a place of the picture, in the frame of the map.
+        // Map direction seen at a position of the picture.
         let map_at = |look: &Look, view: Vec3| seen(look, look.view.camera.world_from_view() * view).1;
         for view in [Vec3::X, Vec3::Y, Vec3::NEG_Z] {
             assert!((map_at(&before, view) - map_at(&after, view)).length() < 1e-5);
@@ -112,7 +111,7 @@ mod tests {
 
     #[test]
     fn an_object_turns_counter_clockwise_seen_from_above() {
-        // A point of the scene toward the camera goes to its right.
+        // A scene point toward the camera moves to its right.
         let (before, after) = (look(), turned(Turn::Object, 20.0));
         let camera = &before.view.camera;
         let point = camera.target + 0.5 * (camera.eye - camera.target).with_y(0.0);
@@ -121,7 +120,7 @@ mod tests {
             (camera.world_from_view().transpose() * (point - camera.eye)).x
         };
         assert!(right(&before).abs() < 1e-5 && right(&after) > 0.1, "{}", right(&after));
-        // And the camera itself, counter-clockwise, shows it on the left.
+        // Turning the camera counter-clockwise shows it on the left.
         assert!(right(&turned(Turn::Camera, 20.0)) < -0.1);
     }
 

@@ -1,4 +1,4 @@
-//! A picture as a display shows it.
+//! A picture as displayed.
 
 use anyhow::{Context, Result};
 use glam::Vec3;
@@ -11,7 +11,7 @@ use lapidary_interchange::image::encode_png_pixels;
 use lapidary_render::Post;
 use std::{ops::Range, path::Path};
 
-/// sRGB-encoded pixels with an alpha that colors are not multiplied by, row by row from the top left.
+/// sRGB-encoded pixels with straight (not premultiplied) alpha, row by row from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DisplayPicture {
     /// Width and height in pixels.
@@ -40,7 +40,7 @@ impl DisplayPicture {
         Self { size, pixels: values.map(pixel).collect() }
     }
 
-    /// Lays `over` on this one with its top left corner at `at`, blended by its alpha; what lies outside is cut off.
+    /// Draws `over` on this picture with its top left corner at `at`, blended by its alpha and clipped.
     pub fn paste(&mut self, over: &Self, [left, top]: [u32; 2]) {
         for y in 0..over.size[1].min(self.size[1].saturating_sub(top)) {
             for x in 0..over.size[0].min(self.size[0].saturating_sub(left)) {
@@ -50,7 +50,7 @@ impl DisplayPicture {
         }
     }
 
-    /// Mixes `color` into one pixel, as much as `alpha` says; a place outside is left alone.
+    /// Mixes `color` into one pixel with weight `alpha`; positions outside are ignored.
     pub fn blend(&mut self, [x, y]: [u32; 2], color: [u8; 3], alpha: u8) {
         if x >= self.size[0] || y >= self.size[1] {
             return;
@@ -64,8 +64,8 @@ impl DisplayPicture {
         self.pixels[place] = [mix(0), mix(1), mix(2), below.max(alpha)];
     }
 
-    /// The picture no larger than `most` pixels a side: means, in linear light, of the pixels that each new one covers. A
-    /// picture that is small enough stays as it is.
+    /// The picture shrunk to at most `most` pixels per side: means, in linear light, of the pixels that each new one covers. A
+    /// smaller picture is unchanged.
     pub fn shrunk(&self, most: u32) -> Self {
         let longest = self.size[0].max(self.size[1]);
         if longest <= most.max(1) {
@@ -98,10 +98,10 @@ impl DisplayPicture {
         y as usize * self.size[0] as usize + x as usize
     }
 
-    /// Writes a png under a temporary name that is renamed when complete.
+    /// Writes a png under a temporary name until complete.
     ///
     /// # Errors
-    /// What the file system says; a file that was there before is kept then.
+    /// The file system's error; an existing file is kept then.
     pub fn write_png(&self, path: &Path) -> Result<()> {
         write_atomically(path, &encode_png_pixels(self.size, &self.pixels)).with_context(|| {
             format!("cannot write the picture; check the free space and permissions ({})", path.display())
@@ -109,7 +109,7 @@ impl DisplayPicture {
     }
 }
 
-/// Which of `from` pixels the `i`-th of `to` covers; at least one.
+/// The range of `from` pixels that the `i`-th of `to` covers; at least one.
 fn covered(i: u32, to: u32, from: u32) -> Range<u32> {
     let at = |i: u32| (u64::from(i) * u64::from(from) / u64::from(to)) as u32;
     at(i)..at(i + 1).max(at(i) + 1)

@@ -1,13 +1,13 @@
-//! Pictures side by side: the truth, then each test with the map of its error.
+//! Pictures side by side: the reference, then each test with its error map.
 
 use anyhow::Result;
 use glam::Vec3;
 use lapidary_core::{color::luminance, image::Image};
 use lapidary_render::compare::map::{ErrorMap, error_map};
 
-/// Luminance of this share of the pixels is shown below white.
+/// Share of the pixels whose luminance is displayed below white.
 const SHOWN: f32 = 0.98;
-/// That luminance as it is shown.
+/// Displayed value of that luminance.
 const BRIGHT: f32 = 0.8;
 /// Pixels between pictures.
 pub const GAP: u32 = 4;
@@ -27,7 +27,7 @@ pub fn strip(truth: &Image, tests: &[Option<&Image>]) -> Result<Image> {
     Ok(side_by_side(&pictures))
 }
 
-/// What maps all but the brightest pixels below white.
+/// Scale that brings all but the brightest pixels below white.
 pub fn exposure(image: &Image) -> f32 {
     let mut values: Vec<f32> = image.pixels.iter().map(|&p| luminance(p)).collect();
     values.sort_unstable_by(f32::total_cmp);
@@ -35,7 +35,7 @@ pub fn exposure(image: &Image) -> f32 {
     if bright > 0.0 { BRIGHT / bright } else { 1.0 }
 }
 
-/// From left to right, a gap between each two.
+/// The pictures from left to right with gaps between them.
 pub fn side_by_side(pictures: &[Image]) -> Image {
     let height = pictures.iter().map(|p| p.size[1]).max().unwrap_or_default();
     let width = pictures.iter().map(|p| p.size[0] + GAP).sum::<u32>().saturating_sub(GAP);

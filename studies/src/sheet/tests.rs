@@ -12,7 +12,7 @@ fn at(picture: &DisplayPicture, x: u32, y: u32) -> [u8; 3] {
     [r, g, b]
 }
 
-/// Pixels of a part of the sheet that are not its background.
+/// Pixels of a part of the sheet that differ from its background.
 fn ink(sheet: &DisplayPicture, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> usize {
     let background = SheetStyle::default().background;
     rows.flat_map(|y| columns.clone().map(move |x| (x, y))).filter(|&(x, y)| at(sheet, x, y) != background).count()
@@ -87,7 +87,7 @@ fn shrinking_keeps_the_shape_and_the_mean_in_linear_light() {
     let checks = DisplayPicture { size: [64, 32], pixels: checks.collect() };
     let small = checks.shrunk(16);
     assert_eq!(small.size, [16, 8]);
-    // Half of the light is 188 of 255 in sRGB; a mean of the encoded values would be 128.
+    // Half of the light is 188 of 255 in sRGB; a mean of encoded values would be 128.
     assert!(small.pixels.iter().all(|pixel| *pixel == [188, 188, 188, 255]), "{:?}", small.pixels[0]);
     assert_eq!(checks.shrunk(64), checks);
     assert_eq!(DisplayPicture::filled([1000, 1], RED).shrunk(10), DisplayPicture::filled([10, 1], RED));

@@ -1,35 +1,35 @@
-//! What is said besides results: warnings and notes on standard error, summaries on standard output.
+//! Output besides results: warnings and notes on standard error, summaries on standard output.
 
 use super::print_out;
 use anyhow::Result;
 use std::fmt::Display;
 
-/// Says something unless it is to be quiet.
+/// Prints unless quiet.
 #[derive(Clone, Copy, Debug)]
 pub struct Console {
-    /// Say nothing.
+    /// Print nothing.
     pub quiet: bool,
 }
 
 impl Console {
-    /// Something was repaired or left out.
+    /// Reports a repair or omission.
     pub fn warning(self, message: impl Display) {
         if !self.quiet {
             eprintln!("warning: {message}");
         }
     }
 
-    /// Something worth knowing.
+    /// Reports other information.
     pub fn note(self, message: impl Display) {
         if !self.quiet {
             eprintln!("note: {message}");
         }
     }
 
-    /// What was done.
+    /// Reports the result.
     ///
     /// # Errors
-    /// Standard output that cannot be written.
+    /// Standard output cannot be written.
     pub fn summary(self, text: impl Display) -> Result<()> {
         if self.quiet { Ok(()) } else { print_out(&format!("{text}\n")) }
     }

@@ -1,9 +1,9 @@
-//! How a command ended, as scripts see it.
+//! Exit codes of commands.
 
 use lapidary_precompute::BakeError;
 use std::{error::Error, fmt, process::ExitCode};
 
-/// Ctrl-C, where there is nothing to keep.
+/// Ctrl-C without anything to keep.
 #[derive(Debug)]
 pub struct Interrupted;
 
@@ -15,16 +15,16 @@ impl fmt::Display for Interrupted {
 
 impl Error for Interrupted {}
 
-/// How a command ended; 2 is clap's, for options that make no sense.
+/// How a command ended; 2 is clap's, for invalid options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// All was done.
+    /// Success.
     Done = 0,
-    /// Something could not be read, written or computed.
+    /// A failure to read, write or compute.
     Failed = 1,
     /// `compare` or `bench --against` found a figure outside the given bounds.
     OutOfBounds = 3,
-    /// Ctrl-C; the number is 128 and the signal's, as shells have it.
+    /// Ctrl-C; 128 plus the signal number, as in shells.
     Interrupted = 130,
 }
 

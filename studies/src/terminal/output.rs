@@ -1,13 +1,13 @@
-//! What commands print and write: text, errors in one line, JSON.
+//! Output of commands: text, one-line errors, JSON.
 
 use super::with_options;
 use anyhow::{Context, Result};
 use std::io::Write;
 
-/// Prints to standard output. A reader that left early is no error, a full disk is.
+/// Prints to standard output. A closed reader is not an error, a full disk is.
 ///
 /// # Errors
-/// Standard output that cannot be written.
+/// Standard output cannot be written.
 pub fn print_out(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -16,8 +16,7 @@ pub fn print_out(text: &str) -> Result<()> {
     }
 }
 
-/// An error and its causes in one line, with the options that would help. Most of our errors tell their cause themselves;
-/// it is not said twice.
+/// An error and its causes in one line, with helpful options. Most of our errors include their cause, which is not repeated.
 pub fn error_text(error: &anyhow::Error) -> String {
     let mut causes = error.chain().map(with_options);
     let mut text = causes.next().unwrap_or_default();
@@ -29,10 +28,10 @@ pub fn error_text(error: &anyhow::Error) -> String {
     text
 }
 
-/// A value as indented JSON and a line's end.
+/// A value as indented JSON with a newline.
 ///
 /// # Errors
-/// A value that JSON cannot hold.
+/// A value that JSON cannot represent.
 pub fn json_text(value: &impl serde::Serialize) -> Result<String> {
     Ok(serde_json::to_string_pretty(value)? + "\n")
 }
@@ -40,7 +39,7 @@ pub fn json_text(value: &impl serde::Serialize) -> Result<String> {
 /// Writes a value as indented JSON, atomically.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// An unwritable file.
 pub fn write_json(path: &std::path::Path, value: &impl serde::Serialize) -> Result<()> {
     lapidary_core::output::write_atomically(path, json_text(value)?.as_bytes())
         .with_context(|| format!("cannot write {}; check the folder and the free space", path.display()))

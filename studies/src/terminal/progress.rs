@@ -1,4 +1,4 @@
-//! Progress: a bar with rate and time left or JSON lines on standard error, lines for a farm on standard output, or nothing.
+//! Progress: a bar with rate and time left or JSON lines on standard error, lines for a farm on standard output, or none.
 
 use super::{Console, option_name};
 use clap::ValueEnum;
@@ -18,15 +18,15 @@ pub enum ProgressStyle {
     /// A bar with rate and time left
     #[default]
     Bar,
-    /// One JSON object a line
+    /// One JSON object per line
     Json,
-    /// Lines on standard output by which a worker of Open Job Description knows percentage, phase and warnings
+    /// Lines on standard output that report percentage, phase and warnings to an Open Job Description worker
     Openjd,
     /// Nothing
     None,
 }
 
-/// Shows the messages of a job and cancels it on Ctrl-C.
+/// Shows a job's messages and cancels it on Ctrl-C.
 pub struct ProgressReporter {
     style: ProgressStyle,
     bar: Mutex<ProgressBar>,
@@ -47,7 +47,7 @@ impl ProgressReporter {
         reporter
     }
 
-    /// Cancels at Ctrl-C; a second one ends the process at once.
+    /// Cancels on Ctrl-C; a second one ends the process at once.
     pub fn cancel_on_interrupt(&self) {
         let flag = Arc::clone(&self.cancelled);
         let handler = move || {
@@ -56,7 +56,7 @@ impl ProgressReporter {
             }
             eprintln!("\nstopping after the current step; press Ctrl-C again to stop at once");
         };
-        // Only fails if there is a handler already, which then serves as well.
+        // Fails only if a handler exists, which then serves as well.
         let _ = ctrlc::set_handler(handler);
     }
 
@@ -102,7 +102,7 @@ impl ProgressReporter {
     }
 }
 
-/// How much of a bake is done: each phase is as much as any other, and it never falls.
+/// Percentage of a bake: all phases count equally, and it never decreases.
 #[derive(Default)]
 struct Percentage {
     phase: usize,
@@ -111,7 +111,7 @@ struct Percentage {
 }
 
 impl Percentage {
-    /// The percentage after a message, if it has risen.
+    /// The percentage after a message, if it has increased.
     fn after(&mut self, event: &Event) -> Option<u64> {
         let done = match *event {
             Event::Started { phase, total, .. } => {
@@ -143,7 +143,7 @@ pub fn phase_bar(name: &str, total: u64, unit: &str) -> ProgressBar {
         bar.set_style(style.progress_chars("=> "));
     }
     if total == 0 {
-        // Nothing advances it, but its seconds should.
+        // No unit advances it, but its seconds should tick.
         bar.enable_steady_tick(Duration::from_millis(250));
     }
     bar

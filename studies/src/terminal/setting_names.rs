@@ -1,10 +1,10 @@
-//! What the command line calls the settings of a bake, and how remedies against errors are set there.
+//! Command-line names of bake settings, and options that remedy errors.
 
 use lapidary_precompute::{BakeError, CheckpointError, PointsError, Setting, SettingsError};
 use lapidary_render::{BackendError, ExplainError, NoCuts, Remedy, SplitError};
 use std::error::Error;
 
-/// The option that sets it, or its plain name where none does.
+/// The option that sets it, or its plain name without one.
 pub fn option_name(setting: Setting) -> &'static str {
     match setting {
         Setting::Lights => "--lights",
@@ -31,7 +31,7 @@ pub fn option_name(setting: Setting) -> &'static str {
     }
 }
 
-/// The options that set it.
+/// The options that apply a remedy.
 pub fn remedy_option(remedy: Remedy) -> &'static str {
     match remedy {
         Remedy::Cpu => "use --backend cpu",
@@ -44,7 +44,7 @@ pub fn remedy_option(remedy: Remedy) -> &'static str {
     }
 }
 
-/// An error in words, with the options that would help.
+/// An error with helpful options.
 pub fn with_options(error: &(dyn Error + 'static)) -> String {
     let bake = error.downcast_ref().map(|e: &BakeError| e.text(option_name));
     let settings = || error.downcast_ref().map(|e: &SettingsError| e.text(option_name));
@@ -56,7 +56,7 @@ pub fn with_options(error: &(dyn Error + 'static)) -> String {
     told.unwrap_or_else(|| error.to_string())
 }
 
-/// Which cuts are missing, if that is the error.
+/// The missing cuts, if that is the error.
 fn no_cuts(error: &(dyn Error + 'static)) -> Option<NoCuts> {
     let explained = match error.downcast_ref() {
         Some(ExplainError::NoCuts(cuts)) => Some(*cuts),

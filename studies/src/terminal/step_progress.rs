@@ -6,7 +6,7 @@ use lapidary_precompute::Observer;
 use lapidary_render::Progress;
 use std::io::IsTerminal;
 
-/// A bar with rate and time left, and the flag that Ctrl-C sets.
+/// A bar with rate and time left, and the flag set by Ctrl-C.
 pub struct StepProgress<'a> {
     bar: ProgressBar,
     interrupt: &'a ProgressReporter,

@@ -1,13 +1,13 @@
-//! What a command of many steps is doing, on standard error, and whether it should stop.
+//! Step messages of a long command on standard error, and its interruption.
 
 use super::{Console, Interrupted, ProgressReporter, StepProgress};
 use anyhow::Result;
 use lapidary_precompute::Observer;
 
-/// Names the steps and watches for Ctrl-C.
+/// Prints steps and watches for Ctrl-C.
 pub struct Steps {
     console: Console,
-    /// Shows the bake, and holds the flag of Ctrl-C.
+    /// Shows the bake and holds the Ctrl-C flag.
     pub reporter: ProgressReporter,
 }
 

@@ -9,14 +9,14 @@ pub struct Chunk {
     pub nodes: Vec<u16>,
     /// Number of nodes of each cut.
     pub lengths: Vec<u32>,
-    /// Squared error of each cut. They are summed in the order of the points, however these are divided into chunks.
+    /// Squared error of each cut. Errors are summed in point order, regardless of the division into chunks.
     pub squared_errors: Vec<f64>,
     /// Rays traced.
     pub rays: u64,
 }
 
 impl Chunk {
-    /// Adds the cut of one more point, its squared error, and the rays that were traced for it.
+    /// Adds the cut of one more point, with its squared error and traced rays.
     pub fn push(&mut self, cut: &[u16], squared_error: f64, rays: u64) {
         self.lengths.push(cut.len() as u32);
         self.nodes.extend_from_slice(cut);
@@ -35,7 +35,7 @@ impl Chunk {
         bytes
     }
 
-    /// The chunk of `count` cuts over a tree of `height`, if these bytes are one.
+    /// The chunk of `count` cuts over a tree of `height`, if the bytes are valid.
     pub(super) fn decoded(bytes: &[u8], count: usize, height: u32) -> Option<Self> {
         let (rays, rest) = bytes.split_first_chunk()?;
         let (cuts, rest) = rest.split_first_chunk()?;
@@ -53,7 +53,7 @@ impl Chunk {
         chunk.is_valid(height).then_some(chunk)
     }
 
-    /// Whether each cut divides the leaves, none is left over, and errors are numbers.
+    /// Whether each cut partitions the leaves, no nodes are left over, and errors are finite.
     fn is_valid(&self, height: u32) -> bool {
         let mut rest = &self.nodes[..];
         let are_cuts = self.lengths.iter().all(|&length| {
@@ -65,7 +65,7 @@ impl Chunk {
     }
 }
 
-/// Bytes as values, if they are a whole number of them.
+/// Bytes as values, if their number fits.
 fn values<T: bytemuck::AnyBitPattern>(bytes: &[u8]) -> Option<Vec<T>> {
     let chunks = bytes.chunks_exact(size_of::<T>());
     chunks.remainder().is_empty().then(|| chunks.map(bytemuck::pod_read_unaligned).collect())

@@ -1,4 +1,4 @@
-//! The files of a checkpoint's folder, and what is not one of them.
+//! The files in a checkpoint's folder, and foreign files.
 
 use super::{Series, io_error, manifest, share};
 use crate::errors::CheckpointError;
@@ -7,10 +7,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Whether the folder is there. A symbolic link is none: it may lead anywhere.
+/// Whether the folder exists. A symbolic link does not count: it may lead anywhere.
 ///
 /// # Errors
-/// Something else in its place.
+/// Another file in its place.
 pub fn is_there(folder: &Path) -> Result<bool, CheckpointError> {
     match fs::symlink_metadata(folder) {
         Ok(found) if found.is_dir() => Ok(true),
@@ -22,9 +22,9 @@ pub fn is_there(folder: &Path) -> Result<bool, CheckpointError> {
 
 /// The files in a checkpoint's folder.
 pub struct Contents {
-    /// What bakes and file managers put there.
+    /// Files of bakes and file managers.
     pub ours: Vec<PathBuf>,
-    /// The first of all else.
+    /// The first foreign file.
     pub foreign: Option<PathBuf>,
 }
 
@@ -44,10 +44,10 @@ impl Contents {
         Ok(Self { ours, foreign })
     }
 
-    /// The files, if all are ours.
+    /// The files, if none is foreign.
     ///
     /// # Errors
-    /// The first thing that is not.
+    /// The first foreign file.
     pub fn all_ours(self) -> Result<Vec<PathBuf>, CheckpointError> {
         self.foreign.map_or(Ok(self.ours), |path| Err(CheckpointError::Foreign { path }))
     }
@@ -63,7 +63,7 @@ fn is_name_of_ours(name: &str) -> bool {
         let number = name.strip_prefix(series.prefix()).and_then(|rest| rest.strip_suffix(".bin"));
         number.is_some_and(|n| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit()))
     };
-    // What a killed bake was about to write, and what earlier versions wrote.
+    // Temporary files of a killed bake, and files of earlier versions.
     let is_temporary = name.starts_with(".lapidary-") && name.ends_with(".tmp");
     let is_earlier = ["places-sources.txt", "places-transport.txt"].contains(&name);
     let is_of_file_manager = [".DS_Store", "desktop.ini", "Thumbs.db"].contains(&name);

@@ -1,6 +1,6 @@
-//! What a file of a checkpoint belongs to. It is read as nothing else, wherever it lies.
+//! Identity of a checkpoint's file. The file is never read as another one, wherever it lies.
 //!
-//! A file holds the BLAKE3 of all that follows, then that of its bake, series and number, then that of its points, 32
+//! A file holds the BLAKE3 of everything after it, then the hash of its bake, series and number, then the hash of its points, 32
 //! bytes each, and then its body.
 
 use lapidary_core::surfel::Surfel;
@@ -8,18 +8,18 @@ use lapidary_core::surfel::Surfel;
 /// Bytes of a hash.
 const HASH: usize = 32;
 
-/// Hash of the points that files are about. Surface sources and points of the meshless basis are placed from a
-/// viewpoint. Cameras and lights are hints for it, and may move between an interrupted bake and its resumption.
+/// Hash of the points in a file. Surface sources and meshless points are placed from a viewpoint. Cameras and lights are hints for
+/// it, and may move between an interrupted bake and its resumption.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Places([u8; HASH]);
 
 impl Places {
-    /// Those of the bake points, which scene and settings determine.
+    /// Hash of the bake points, which scene and settings determine.
     pub fn of_scene() -> Self {
         Self([0; HASH])
     }
 
-    /// Those of points and of the numbers that belong to them.
+    /// Hash of points and their associated numbers.
     pub fn of(points: &[Surfel], numbers: &[f32]) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&(points.len() as u64).to_le_bytes());
@@ -34,7 +34,7 @@ impl Places {
     }
 }
 
-/// The bake and the series of a file.
+/// Bake and series of a file.
 pub struct Identity {
     /// Fingerprint of the bake.
     pub bake: [u8; HASH],
@@ -42,25 +42,25 @@ pub struct Identity {
     pub series: &'static str,
 }
 
-/// What a file turned out to be.
+/// Result of checking a file.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Seal<'a> {
-    /// It is the file that was asked for, with this body.
+    /// The requested file, with this body.
     Fits(&'a [u8]),
-    /// It is, but about other points.
+    /// The requested file, but for other points.
     OtherPlaces,
     /// It is damaged, or another file.
     Broken,
 }
 
 impl Identity {
-    /// A body as the file of this number about these points.
+    /// Seals a body as the file with this number for these points.
     pub fn sealed(&self, body: &[u8], places: Places, index: usize) -> Vec<u8> {
         let rest = [&self.of(index)[..], &places.0, body].concat();
         [blake3::hash(&rest).as_bytes(), &rest[..]].concat()
     }
 
-    /// The body of the file of this number about these points.
+    /// The body of the file with this number for these points.
     pub fn unsealed<'a>(&self, bytes: &'a [u8], places: Places, index: usize) -> Seal<'a> {
         self.split(bytes, places, index).unwrap_or(Seal::Broken)
     }

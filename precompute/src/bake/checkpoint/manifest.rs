@@ -4,7 +4,7 @@ use crate::errors::ManifestError;
 use lapidary_core::{dataset::BakeSettings, light_tree::is_permutation};
 use serde::{Deserialize, Serialize};
 
-/// What a bake is of.
+/// Content of a bake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Content {
     /// See [`lapidary_core::dataset::bake_hash`].
@@ -15,16 +15,16 @@ pub struct Content {
 
 #[cfg(test)]
 impl Content {
-    /// Of a scene without an animation.
+    /// Content of a scene without an animation.
     pub fn still(scene_hash: &str) -> Self {
         Self { scene_hash: scene_hash.into(), deformed_hash: None }
     }
 }
 
-/// Name of its file.
+/// File name.
 pub const FILE: &str = "bake.json";
 
-/// Changes whenever the same settings would give different chunks, or chunks are stored otherwise.
+/// Changes whenever the same settings would give different chunks, or the storage of chunks changes.
 const VERSION: u32 = 15;
 
 /// The bake that a checkpoint belongs to.
@@ -44,7 +44,7 @@ pub struct Manifest {
     pub tree_order: Vec<u32>,
 }
 
-/// The manifest as it is written.
+/// The manifest in its file.
 #[derive(Serialize, Deserialize)]
 struct Sealed {
     /// BLAKE3 of the manifest's JSON, hexadecimal.
@@ -53,7 +53,7 @@ struct Sealed {
 }
 
 impl Manifest {
-    /// That of a bake. The number of chunks is brought into its range.
+    /// The manifest of a bake. The number of chunks is clamped to its range.
     pub fn new(content: Content, settings: &BakeSettings, points: usize, chunks: usize, tree_order: &[u32]) -> Self {
         Self {
             version: VERSION,
@@ -66,31 +66,31 @@ impl Manifest {
         }
     }
 
-    /// Whether it is of a bake of this content with these settings.
+    /// Whether it belongs to a bake of this content with these settings.
     pub fn is_of(&self, content: &Content, settings: &BakeSettings) -> bool {
         self.is_of_scene(&content.scene_hash, settings) && self.deformed_hash == content.deformed_hash
     }
 
-    /// Whether it is of a bake of this scene with these settings, whatever an animation made of it.
+    /// Whether it belongs to a bake of this scene with these settings, regardless of animation.
     pub fn is_of_scene(&self, scene_hash: &str, settings: &BakeSettings) -> bool {
         self.version == VERSION && self.scene_hash == scene_hash && self.settings == settings.of_content()
     }
 
-    /// BLAKE3 of its JSON. Equal bakes have equal ones.
+    /// BLAKE3 of its JSON; equal for equal bakes.
     pub fn fingerprint(&self) -> [u8; 32] {
         blake3::hash(&serde_json::to_vec(self).unwrap_or_default()).into()
     }
 
-    /// Its file.
+    /// Contents of its file.
     pub fn sealed(&self) -> Vec<u8> {
         let sealed = Sealed { checksum: self.checksum(), manifest: self.clone() };
         serde_json::to_vec(&sealed).unwrap_or_default()
     }
 
-    /// The manifest of a file, checked.
+    /// Reads and checks a manifest.
     ///
     /// # Errors
-    /// A file that is damaged or contradicts itself.
+    /// A damaged or inconsistent file.
     pub fn unsealed(bytes: &[u8]) -> Result<Self, ManifestError> {
         let Sealed { checksum, manifest } = serde_json::from_slice(bytes)?;
         if manifest.checksum() != checksum {
@@ -133,7 +133,7 @@ mod tests {
         for at in 0..whole.len() {
             let mut damaged = whole.clone();
             damaged[at] ^= 1;
-            // Spaces between tokens are no contents.
+            // Whitespace between tokens does not matter.
             assert!(Manifest::unsealed(&damaged).map_or(true, |read| read == manifest()), "byte {at}");
             assert!(Manifest::unsealed(&whole[..at]).is_err(), "cut to {at}");
         }

@@ -23,13 +23,13 @@ impl KeepsRows for Kept<'_> {
     }
 }
 
-/// Whether the senders ascend and are there, and the vectors are numbers.
+/// Whether the senders are in range and ascending, and the vectors are finite.
 fn is_valid(row: &Row, senders: usize) -> bool {
     row.is_sorted_by(|a, b| a.0 < b.0)
         && row.iter().all(|(sender, vector)| (*sender as usize) < senders && vector.is_finite())
 }
 
-/// For each row the number of its links (u32) and for each link sender and vector (u32, three f32).
+/// For each row: the number of links (u32), then sender and vector of each link (u32, three f32).
 fn encode(rows: &[Row]) -> Vec<u8> {
     let mut words: Vec<u32> = Vec::new();
     for row in rows {

@@ -1,5 +1,5 @@
-//! What the folder of a share has beside its chunks: `shard.json` says which shard it is, and `scene.cuts` of the first holds
-//! the tessellated scene, with cuts that see nothing, once its share is complete.
+//! Additional files in the folder of a share: `shard.json` names its shard, and `scene.cuts` in the first one's folder holds the
+//! tessellated scene with fully occluded cuts, once that share is complete.
 
 use super::{Checkpoint, Content, Work, io_error, manifest};
 use crate::{
@@ -13,15 +13,15 @@ use lapidary_core::{
 };
 use std::path::Path;
 
-/// Name of the file that says which shard a share is of.
+/// Name of the file that names a share's shard.
 pub const SHARD: &str = "shard.json";
 /// Name of the file of the tessellated scene.
 pub const SCENE: &str = "scene.cuts";
 
-/// Whether a folder holds the share of a shard: `None` if it does not say.
+/// Checks that a folder holds the share of a shard: `None` if it does not say.
 ///
 /// # Errors
-/// It holds that of another.
+/// The share of another shard.
 pub fn check_signature(shard: Shard, folder: &Path) -> Result<Option<()>, ShardError> {
     match shard_in(folder) {
         Some(found) if found != shard => Err(ShardError::Renamed { shard, found, path: folder.into() }),
@@ -34,7 +34,7 @@ fn shard_in(folder: &Path) -> Option<Shard> {
     Shard::new(index, of).ok()
 }
 
-/// What is wrong with a share whose checkpoint is.
+/// The error of a share with an unusable checkpoint.
 pub fn of_no_use(shard: Shard, folder: &Path, reason: CheckpointError) -> BakeError {
     let reason = match reason {
         CheckpointError::Mismatch { .. } => "it was made with another scene or other settings".into(),
@@ -45,17 +45,17 @@ pub fn of_no_use(shard: Shard, folder: &Path, reason: CheckpointError) -> BakeEr
 }
 
 impl Checkpoint {
-    /// Writes which shard's share this is, if it is one.
+    /// Writes the name of this share's shard, if it is a share.
     pub(super) fn sign(&self) -> Result<(), CheckpointError> {
         let Work::Share(shard) = self.work else { return Ok(()) };
         let text = serde_json::json!([shard.index(), shard.count()]).to_string();
         self.write(SHARD, text.as_bytes())
     }
 
-    /// Opens the share that a shard has begun, if any.
+    /// Opens the share that a shard has started, if any.
     ///
     /// # Errors
-    /// A share that is of no use, or that of another shard.
+    /// An unusable share, or another shard's share.
     pub fn open_share(
         output: &Path,
         shard: Shard,
@@ -71,18 +71,18 @@ impl Checkpoint {
         Ok(Some(share))
     }
 
-    /// The right to read and remove the shares that are merged, which no shard writes meanwhile.
+    /// Locks the shares to be merged for reading and removal.
     ///
     /// # Errors
-    /// A shard is at work.
+    /// A shard is still being baked.
     pub fn lock_shares(&self) -> Result<Vec<OutputLock>, LockError> {
         self.known.iter().map(|(folder, _)| OutputLock::acquire(folder)).collect()
     }
 
-    /// Keeps the scene of a complete share, which any of the shards could; the first does.
+    /// Stores the scene of a complete share. Any shard could do it; the first one does.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// An unwritable file.
     pub fn keep_scene(&self, scene: &Dataset) -> Result<(), BakeError> {
         match self.work {
             Work::Share(shard) if shard.index() == 1 => Ok(scene.write(&self.folder.join(SCENE))?),
@@ -90,7 +90,7 @@ impl Checkpoint {
         }
     }
 
-    /// What is wrong with shares whose scene is that of another bake.
+    /// The error of shares with the scene of another bake.
     pub fn foreign_scene(&self) -> BakeError {
         let (path, first) = (self.folder.join(SCENE), self.folder.join(manifest::FILE));
         ShardError::OfAnother { shard: Shard::first(self.known.len()), path, first }.into()
@@ -99,7 +99,7 @@ impl Checkpoint {
     /// The scene of the shares. `decode` decodes its pictures.
     ///
     /// # Errors
-    /// The first share is not complete, or its scene cannot be read.
+    /// The first share is incomplete, or its scene cannot be read.
     pub fn scene(&self, decode: DecodePicture) -> Result<Dataset, BakeError> {
         let path = self.folder.join(SCENE);
         match path.try_exists() {

@@ -14,7 +14,7 @@ fn created(output: &Path) -> Checkpoint {
     Checkpoint::create(output, &Work::All, content(), &settings(), 10, 3, &[0, 1]).unwrap()
 }
 
-/// A checkpoint of ten points in three chunks, opened to be resumed.
+/// A checkpoint of ten points in three chunks, opened for resuming.
 pub fn reopened(output: &Path) -> Checkpoint {
     created(output);
     Checkpoint::open(output, &Work::All, &content(), &settings()).unwrap().unwrap()

@@ -1,16 +1,16 @@
-//! Which chunks a bake makes: all, the share of a shard, or none where shares are merged.
+//! Chunks that a bake computes: all, the share of a shard, or none in a merge.
 //!
-//! Each shard makes geometry, light tree and surface sources for itself, which takes little, and its share of the chunks. Its
-//! share is a folder like that of a checkpoint, beside the output.
+//! Each shard computes geometry, light tree and surface sources, which takes little time, and its share of the chunks. The share is
+//! a folder like a checkpoint's, beside the output.
 
 use super::Checkpoint;
 use crate::{errors::ShardError, shard::Shard};
 use std::path::{Path, PathBuf};
 
-/// The shards whose shares lie beside an output: all of one bake.
+/// The shards with shares beside an output; they must be all shards of one bake.
 ///
 /// # Errors
-/// No share, a missing one, or shares of different numbers of shards.
+/// No share, a missing one, or shares of different divisions.
 pub fn shards_beside(output: &Path) -> Result<Vec<Shard>, ShardError> {
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let entries = std::fs::read_dir(folder).map_err(|source| ShardError::Io { path: folder.into(), source })?;
@@ -26,14 +26,14 @@ pub fn shards_beside(output: &Path) -> Result<Vec<Shard>, ShardError> {
     if missing.is_empty() { Ok(found) } else { Err(ShardError::Missing { path, missing }) }
 }
 
-/// What a bake makes of the chunks.
+/// Chunks that a bake computes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// All of them.
+    /// All chunks.
     All,
     /// The share of a shard.
     Share(Shard),
-    /// None: all are in the shares beside the output.
+    /// None: the shares beside the output have them.
     Merge(Vec<Shard>),
 }
 
@@ -46,7 +46,7 @@ impl Work {
         }
     }
 
-    /// The number of chunks: at least `least`, and as many for each shard.
+    /// The number of chunks: at least `least`, and equally many for each shard.
     pub fn chunks(&self, least: usize) -> usize {
         match self {
             Self::All | Self::Merge(_) => least,
@@ -54,7 +54,7 @@ impl Work {
         }
     }
 
-    /// Whether the chunk of an index is part of it.
+    /// Whether the chunk of an index is included.
     pub fn has(&self, chunk: usize) -> bool {
         match self {
             Self::All | Self::Merge(_) => true,

@@ -1,4 +1,4 @@
-//! The part of distant light. Its phases are those of every bake.
+//! The part of distant light. Every bake has its phases.
 
 use super::{PartBake, buffers, cuts, within};
 use crate::{errors::SettingsError, setting::Setting};
@@ -9,7 +9,7 @@ pub struct EnvironmentBake;
 
 impl PartBake for EnvironmentBake {
     fn draft(&self, settings: &mut BakeSettings) {
-        // Eq. 5 bounds |C| var: a quarter of the lights at half the sigma is the same error in solid angle.
+        // Eq. 5 bounds |C| var: a quarter of the lights at half the sigma has the same error in solid angle.
         settings.lights = 8192;
         settings.criterion = CutCriterion { sigma: 1.5, ..CutCriterion::default() };
     }

@@ -8,7 +8,7 @@ use crate::{
 };
 use lapidary_core::{bounds::MOST_COORDINATE, dataset::BakeSettings, light_tree::height_of};
 
-/// Surface sources, and what the vertices see of them.
+/// Surface sources, and the vertices' cuts over them.
 pub struct SourcesBake;
 
 impl PartBake for SourcesBake {
@@ -42,8 +42,8 @@ impl PartBake for SourcesBake {
     }
 }
 
-/// The mean of the scene with the longest cuts, of 32,768 sources at sigma 2. Other scenes have 500 and more. Finer
-/// bounds give longer cuts.
+/// Mean nodes in the scene with the longest cuts, for 32,768 sources at sigma 2. Other scenes have 500 and more. Finer bounds give
+/// longer cuts.
 fn source_nodes(settings: &BakeSettings) -> u64 {
     let finer = (2.0 / settings.indirect.criterion.sigma.max(1e-3)).max(1.0);
     ((1340.0 * finer) as u64).min(settings.indirect.sources as u64)

@@ -1,7 +1,7 @@
-//! The audit: how few lights, or sources, need a probe, so that cuts are as good as those of an exhaustive bake.
+//! The audit: how many lights, or sources, one probe may stand for without making cuts worse than an exhaustive bake's.
 //!
-//! It comes before the visibility of all points, whose results do not depend on each other: what it finds of some of them is
-//! what the bake will make of them. So no work is done in vain, and the parts of a bake that is shared among machines agree.
+//! It precedes the visibility of all points. Points are independent, so the bake will reproduce the audit's results for them. No
+//! work is wasted, and shards on several machines agree.
 
 use crate::{
     bake::settings::ResolvedBake,
@@ -25,14 +25,14 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// One bake point of so many is audited.
+/// One in this many bake points is audited.
 const ONE_OF: usize = 100;
-/// Least number of points that are audited, if there are as many.
+/// Least number of audited points, if there are as many.
 const LEAST: usize = 64;
-/// Largest root mean square of stored minus traced values, as a multiple of that of an exhaustive bake.
+/// Largest root mean square of stored minus traced values, relative to an exhaustive bake's.
 const MOST_ERROR: f64 = 1.01;
 
-/// The audit that decides how the environment is traced; `None` if every light is to be traced anyway.
+/// The audit that decides how the environment is traced; `None` if every light is traced anyway.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
@@ -67,7 +67,7 @@ pub fn audit_environment(
     })
 }
 
-/// The same for the surface sources, in tree order; segments to them end `offset` meters off their surface.
+/// The audit for the surface sources, in tree order; segments to them end `offset` meters off their surface.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
@@ -103,7 +103,7 @@ pub fn audit_sources(
     })
 }
 
-/// The audit of the fewest probes that are good enough, or of none; `None` for a bake that is exhaustive anyway.
+/// The audit of the fewest probes that suffice, or of exhaustive tracing; `None` if the bake is exhaustive anyway.
 fn coarsest_good(
     settings: &ResolvedBake,
     audit: impl Fn(usize) -> Result<BakeAudit, BakeError>,
@@ -122,23 +122,23 @@ fn coarsest_good(
     Ok(Some(found))
 }
 
-/// Whether cuts are hardly worse than those of an exhaustive bake.
+/// Whether cuts are hardly worse than an exhaustive bake's.
 fn is_good(audit: &BakeAudit) -> bool {
     audit.rms_error <= MOST_ERROR * audit.rms_exhaustive
 }
 
-/// Sums over the leaves of a point.
+/// Sums over the leaves at a point.
 #[derive(Clone, Copy)]
 struct Sums {
     leaves: usize,
     wrong: usize,
-    /// What squared errors are shares of.
+    /// Reference for relative squared errors.
     norm: f64,
     squared_error: f64,
     squared_error_exhaustive: f64,
 }
 
-/// What `compare` finds of some of the points. `scratch` makes buffers that are kept.
+/// Sums of `compare` over some of the points. `scratch` creates buffers that are reused.
 fn audit<S>(
     points: &[BakePoint],
     leaves_per_probe: usize,
@@ -151,7 +151,7 @@ fn audit<S>(
         cancelled(observer)?;
         Ok(compare(scratch, point))
     };
-    // Collected in order: sums do not depend on which thread was first.
+    // Collected in order: sums must not depend on thread timing.
     let sums = points.par_iter().map_init(scratch, one).collect::<Result<Vec<Sums>, BakeError>>()?;
     let sum = |of: fn(&Sums) -> usize| sums.iter().map(of).sum::<usize>() as f64;
     let rms = |of: fn(&Sums) -> f64| relative_rms(&sums.iter().map(|s| (of(s), s.norm)).collect::<Vec<_>>());
@@ -164,7 +164,7 @@ fn audit<S>(
     })
 }
 
-/// Points spread evenly over all.
+/// Points spread evenly over all points.
 fn audited(points: &[BakePoint]) -> Vec<&BakePoint> {
     let count = (points.len() / ONE_OF).max(LEAST).min(points.len());
     (0..count).map(|i| &points[(2 * i + 1) * points.len() / (2 * count)]).collect()

@@ -1,4 +1,4 @@
-//! The parts of a bake that bounce light, from one viewpoint.
+//! The parts of a bake that bounce light, for one viewpoint.
 
 use super::geometry::Geometry;
 use crate::{
@@ -18,15 +18,14 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{camera::Camera, light_tree::LightTree, scene::Scene, surfel::Surfel};
 
-/// Largest share of directions that may miss the scene around a viewpoint without a warning: in a court without a roof
-/// a third miss.
+/// Largest share of directions around a viewpoint that may miss the scene without a warning: in a court without a roof a third do.
 const MOST_OPEN: f32 = 0.4;
 
-/// Mean reflectance of a closed space above which a warning says that bounces hardly lose light. At 0.95 the fourteenth
-/// bounce carries half of the first.
+/// Mean reflectance of a closed space above which a warning says that bounces hardly lose light. At 0.95 the fourteenth bounce has
+/// half the light of the first.
 const MOST_REFLECTANCE: f32 = 0.95;
 
-/// What the parts that bounce light are baked from.
+/// Inputs of the parts that bounce light.
 pub struct Bouncing<'a> {
     pub geometry: &'a Geometry,
     pub surface: &'a MeshSurface<'a>,
@@ -50,7 +49,7 @@ pub fn bake_bounces(
     if !settings.mode.bounces() {
         return Ok(Vec::new());
     }
-    // Reflectance stays out of everything baked, so that materials remain free to change.
+    // Reflectance is not baked, so that materials can change.
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
@@ -58,7 +57,7 @@ pub fn bake_bounces(
     parts::of(settings.mode).map(|part| part.bake(&bouncing, clock)).collect()
 }
 
-/// The viewpoint that was asked for, or the one found, preferably at a shot's camera. Warns if light is lost around it.
+/// The requested or found viewpoint, preferably at a shot's camera. Warns if light is lost around it.
 fn viewpoint(
     surface: &MeshSurface,
     scene: &Scene,
@@ -78,7 +77,7 @@ fn viewpoint(
     Ok(viewpoint)
 }
 
-/// Largest channel of the mean albedo of the surfaces seen, without textures.
+/// Largest channel of the mean albedo of the visible surfaces, without textures.
 fn mean_reflectance(scene: &Scene, seen: &[Surfel]) -> f32 {
     let reflectance = |at: &Surfel| {
         let material = scene.mesh.triangle_material[at.place.triangle as usize];

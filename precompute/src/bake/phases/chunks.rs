@@ -15,23 +15,23 @@ use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSe
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Points between two looks at the observer.
+/// Points between checks for cancellation.
 pub(super) const POINTS_PER_STEP: usize = 256;
 
 /// The cut of a point, its squared error, and the rays traced for it.
 pub type MadeCut = (Vec<u16>, f64, u64);
 
-/// Makes the cuts of points.
+/// Computes the cuts of points.
 pub trait CutMaker {
     fn points(&self) -> &[BakePoint];
 
-    /// Height of the tree that the cuts are over.
+    /// Height of the tree below the cuts.
     fn height(&self) -> u32;
 
-    /// The cuts of some of the points, in their order, made on all cores.
+    /// The cuts of some points in order, computed on all cores.
     ///
     /// # Errors
-    /// What is wrong with a device.
+    /// A device error.
     fn make(&self, points: &[BakePoint]) -> Result<Vec<MadeCut>, BakeError>;
 }
 
@@ -63,7 +63,7 @@ impl CutMaker for EnvironmentCuts<'_> {
     }
 }
 
-/// Solid angles of the surface sources. Squared errors are relative to the squared norm of what was traced.
+/// Solid angles of the surface sources. Squared errors are relative to the squared norm of the traced values.
 pub struct SourceCuts<'a> {
     pub points: &'a [BakePoint],
     pub sampler: SourceSampler<'a>,
@@ -96,8 +96,7 @@ impl CutMaker for SourceCuts<'_> {
     }
 }
 
-/// The cuts of all points; chunks that a checkpoint has kept are not made again. Cuts of chunks that other shards make see
-/// nothing.
+/// The cuts of all points; chunks in the checkpoint are not recomputed. Cuts in other shards' chunks are fully occluded.
 pub fn bake_chunks<'a, M: CutMaker>(
     maker: &M,
     kept: &'a Kept<'a>,

@@ -1,4 +1,4 @@
-//! The phase of distant light: how it is traced, what the bake points see of it, and their cuts.
+//! The phase of distant light: its tracing method, the bake points' visibility, and their cuts.
 
 use super::{
     audit::audit_environment,
@@ -27,14 +27,13 @@ pub struct EnvironmentVisibility<'a> {
 }
 
 impl EnvironmentVisibility<'_> {
-    /// How it was traced, see [`Tracing`].
+    /// Lights per probe, see [`Tracing`].
     pub fn lights_per_probe(&self) -> usize {
         self.audit.map_or(EXHAUSTIVE, |audit| audit.leaves_per_probe)
     }
 }
 
-/// Visibility of distant light from the bake points, if it is asked for; `kept` has the chunks that are finished. An audit that
-/// is known is not made again.
+/// Visibility of distant light from the bake points, if requested; `kept` has the finished chunks. A known audit is reused.
 pub fn bake_environment<'a>(
     geometry: &Geometry,
     tree: &LightTree,

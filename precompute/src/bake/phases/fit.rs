@@ -1,4 +1,4 @@
-//! Coarsens cuts until they fit into a texture, and cuts over the environment until they fit into the byte budget.
+//! Coarsens cuts to fit a texture, and cuts over the environment to fit the byte budget.
 
 use super::point_cuts::{PointCuts, texel_bytes};
 use crate::{
@@ -18,13 +18,13 @@ use rayon::prelude::*;
 /// Capacity of a texture in bytes.
 pub const TEXTURE_BYTES: u64 = (TEXTURE_WIDTH * TEXTURE_WIDTH * TEXEL_BYTES) as u64;
 
-/// How cuts are made to fit: the factor by which their error bounds are raised.
+/// Factor on the error bounds with which cuts fit; `None` if they fit without.
 pub type Factor = Option<f32>;
 
-/// The factor with which the vertices' cuts over the environment fit the byte budget and a texture, and their final sigma.
+/// The factor with which the vertices' cuts over the environment fit the byte budget and a texture, and the final sigma.
 ///
 /// # Errors
-/// Cuts that can no longer be read; [`BakeError::Cancelled`].
+/// Cuts that can no longer be read, or [`BakeError::Cancelled`].
 pub fn fit_environment(
     cuts: &PointCuts,
     settings: &ResolvedBake,
@@ -42,12 +42,12 @@ pub fn fit_environment(
     Ok((factor, sigma))
 }
 
-/// A cut over the environment whose bound is raised by a factor.
+/// A cut over the environment with its bound raised by a factor.
 pub fn coarser_environment(height: u32, asked: f32, factor: f32, cut: &[u16]) -> Vec<u16> {
     prune(height, factor * least_sigma(asked), cut)
 }
 
-/// From which a sigma is raised: zero would stay zero.
+/// Least sigma to raise: zero would stay zero.
 fn least_sigma(asked: f32) -> f32 {
     asked.max(0.25)
 }
@@ -55,7 +55,7 @@ fn least_sigma(asked: f32) -> f32 {
 /// The factor with which the vertices' cuts over the surface sources take at most `most` bytes.
 ///
 /// # Errors
-/// Cuts that can no longer be read; [`BakeError::Cancelled`].
+/// Cuts that can no longer be read, or [`BakeError::Cancelled`].
 pub fn fit_sources(
     cuts: &PointCuts,
     asked: SourceCriterion,
@@ -93,7 +93,7 @@ fn fit(
         })?;
         Ok::<bool, BakeError>(bytes <= most)
     };
-    // Coarser cuts are no longer. All chunks are read in each round, so that these must be few.
+    // Coarser cuts are never longer. Each round reads all chunks, so rounds must be few.
     let (mut too_few, mut enough) = (0, LARGEST);
     while enough - too_few > 1 {
         let middle = (too_few + enough) / 2;
@@ -114,12 +114,12 @@ mod tests {
     };
     use lapidary_core::cut::{packed::VALUE_MAX, solid_angle_code};
 
-    /// Nodes that alternate between visible and hidden, which any sigma below a half keeps.
+    /// Nodes alternating between visible and hidden, which any sigma below a half keeps.
     fn alternating(height: u32, seen: u16) -> Vec<u16> {
         (0..1_u16 << height).map(|i| ((height as u16) << 12) | ((i & 1) * seen)).collect()
     }
 
-    /// Ten of the same, in two chunks.
+    /// Ten equal cuts in two chunks.
     fn ten(cut: &[u16], height: u32) -> PointCuts<'static> {
         let mut cuts = PointCuts::new(height);
         for count in [3, 7] {
@@ -139,7 +139,7 @@ mod tests {
         assert_eq!((whole, fit(&cuts, whole, by_sigma, &Silent).unwrap()), (10 * 2 * 64, None));
         let factor = fit(&cuts, whole - 1, by_sigma, &Silent).unwrap().expect("they did not fit");
         assert!(by_sigma(factor, &cut).len() < cut.len());
-        assert_eq!(by_sigma(factor / 1.05, &cut), cut, "negative control: a step less");
+        assert_eq!(by_sigma(factor / 1.05, &cut), cut, "negative control: one step less");
         let factor = fit(&cuts, 0, by_sigma, &Silent).unwrap().expect("nothing fits into nothing, and the search ends");
         assert_eq!(by_sigma(factor, &cut).len(), 1);
     }

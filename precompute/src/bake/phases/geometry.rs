@@ -1,4 +1,4 @@
-//! The tessellated scene that a bake works on.
+//! The tessellated scene of a bake.
 
 use super::chunks::POINTS_PER_STEP;
 use crate::{
@@ -28,12 +28,12 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The tessellated scene with its bake points. [`crate::bake()`] makes its own; bakes of one scene that differ in tree and error
-/// bound alone may share one, and what its points see: see [`Self::visibility`] and [`Self::environment_dataset`].
+/// The tessellated scene with its bake points. [`crate::bake()`] creates its own; bakes of one scene that differ only in tree and
+/// error bound may share one with its visibility: see [`Self::visibility`] and [`Self::environment_dataset`].
 pub struct Geometry {
     /// The scene with its tessellated mesh.
     pub scene: Scene,
-    /// Casts rays on it.
+    /// Casts rays on the scene.
     pub intersector: Intersector,
     pub(crate) source_vertices: usize,
     pub(crate) sides: Sidedness,
@@ -42,8 +42,8 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Tessellates for what vertices will store within a budget of vertices, most finely where `shots` look; `None` leaves the mesh
-    /// as it is. A ground gets its vertices beside the budget.
+    /// Tessellates for the vertices' stored functions within a budget of vertices, most finely in the view of `shots`; `None` adds
+    /// no vertices. A ground gets additional vertices.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
@@ -81,7 +81,7 @@ impl Geometry {
         Ok(Self { scene, intersector, source_vertices, sides, points, buried })
     }
 
-    /// That of a dataset, whose mesh is tessellated.
+    /// The geometry of a dataset with a tessellated mesh.
     pub(crate) fn of_dataset(dataset: Dataset) -> Self {
         let intersector = Intersector::of_scene(&dataset.scene);
         let points = bake_points(&dataset);
@@ -98,7 +98,7 @@ impl Geometry {
         }
     }
 
-    /// Number of bake points: vertices that agree in position and normal share one.
+    /// Number of bake points: vertices with equal position and normal share one.
     pub fn bake_points(&self) -> usize {
         self.points.points.len()
     }
@@ -113,8 +113,8 @@ impl Geometry {
         self.points.of_vertex.iter().map(|&p| !self.buried[p as usize]).collect()
     }
 
-    /// What `each` makes of the visibility (0 to [`lapidary_core::ray::OPEN`]), traced exhaustively, of `directions` from each of `points`, and of the number of rays that were
-    /// traced for it; on all cores, in the order of the points. `scratch` makes what is kept from point to point.
+    /// Applies `each` to the visibility (0 to [`lapidary_core::ray::OPEN`]), traced exhaustively, of `directions` from each of
+    /// `points`, and to the number of traced rays; on all cores, in point order. `scratch` creates buffers that are reused.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
@@ -163,12 +163,12 @@ impl Geometry {
     }
 }
 
-/// Units of progress of [`Geometry::new`] for at most so many vertices: points that the pilot traces.
+/// Units of progress of [`Geometry::new`] for at most this many vertices: points that the pilot traces.
 pub fn tessellation_units(vertices: usize) -> u64 {
     POINTS_PER_VERTEX * vertices as u64
 }
 
-/// Vertices of the ground under a scene with this many: at most a fifth as many, if that is enough for a ground at all.
+/// Vertices of the ground under a scene with this many: at most a fifth as many, but enough for a ground at all.
 pub(crate) fn ground_budget(vertices: usize) -> usize {
     (vertices / 5).max(LEAST_VERTICES)
 }

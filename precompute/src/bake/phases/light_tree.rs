@@ -1,5 +1,4 @@
-//! The phases of the light tree: pilot visibility and clustering. An interrupted bake has left its tree, which is used
-//! again.
+//! The phases of the light tree: pilot visibility and clustering. A resumed bake reuses its tree.
 
 use super::geometry::Geometry;
 use crate::{
@@ -24,10 +23,10 @@ use lapidary_core::{
     sphere::fibonacci_directions,
 };
 
-/// Default number of bake points per chunk: a second or two of work to lose.
+/// Default number of bake points per chunk, so that at most a second or two of work is lost.
 const POINTS_PER_CHUNK: usize = 4096;
 
-/// The light tree and the checkpoint: those of the interrupted bake that is resumed, or new ones.
+/// The light tree and the checkpoint, from the interrupted bake or new.
 pub fn checkpoint_and_tree(
     geometry: &Geometry,
     job: &BakeJob,
@@ -71,7 +70,7 @@ fn build_tree(
 ) -> Result<LightTree, BakeError> {
     let observer = clock.observer;
     let directions = fibonacci_directions(settings.lights);
-    // A tree that nothing is baked over needs no pilot.
+    // A tree without baked cuts needs no pilot.
     let kind = if settings.mode.environment() { settings.tree } else { TreeKind::Geometric };
     let pilot = if kind == TreeKind::Geometric {
         PilotVisibility { lights: settings.lights, fractions: Vec::new() }
@@ -79,7 +78,7 @@ fn build_tree(
         let diagonal = geometry.scene.mesh.bounds().diagonal();
         let clusters = settings.pilot_clusters;
         clock.time(Phase::Pilot, clusters as u64, "clusters", || {
-            // By the finest probes, for there is no audit yet. What is missed makes the tree a little worse, and no cut wrong.
+            // Uses the finest probes, because there is no audit yet. Missed light makes the tree slightly worse, and no cut wrong.
             let lights_per_probe = if settings.exhaustive { EXHAUSTIVE } else { FINEST };
             let tracing = Tracing { lights_per_probe, devices };
             let sampler = ManySampler::new(&geometry.intersector, &directions, tracing)?;

@@ -14,8 +14,8 @@ use crate::{
 use lapidary_core::{dataset::MeshlessReport, meshless::MeshlessBake};
 
 impl Bouncing<'_> {
-    /// Both phases of the basis, each timed. A resumed bake places the points again. If they are the same, it takes the finished links
-    /// from the checkpoint.
+    /// Both phases of the basis, each timed. A resumed bake places the points again. If they are unchanged, it takes the finished
+    /// links from the checkpoint.
     pub fn bake_meshless(&self, clock: &mut Clock) -> Result<(MeshlessBake, MeshlessReport), BakeError> {
         let Self { surface, viewpoint, settings, checkpoint, .. } = *self;
         let settings = &settings.meshless;

@@ -1,4 +1,4 @@
-//! Cuts of points to packed cuts of vertices.
+//! Packs cuts of points for vertices.
 
 use super::point_cuts::PointCuts;
 use crate::errors::{BakeError, CutsOf};
@@ -29,11 +29,11 @@ impl Packed {
     }
 }
 
-/// Makes a coarser cut of a cut.
+/// Coarsens a cut.
 pub type Coarsening<'a> = &'a (dyn Fn(&[u16]) -> Vec<u16> + Sync);
 
-/// Packs the cuts of points for vertices, each of which has the cut of one of the points. `coarsened` makes them of those that
-/// were stored, unless they stay as they are.
+/// Packs the cuts of points for vertices, each of which has the cut of one point. `coarsened` coarsens the stored cuts; without it
+/// they stay unchanged.
 pub fn pack(
     cuts: &PointCuts,
     coarsened: Option<Coarsening>,

@@ -1,5 +1,5 @@
-//! The cuts of many points. Nodes of finished chunks stay in the checkpoint until they are asked for, one chunk at a time: memory
-//! holds a bake's cuts once, when they are packed.
+//! The cuts of many points. Nodes of finished chunks stay in the checkpoint until needed, one chunk at a time: memory holds a
+//! bake's cuts only once, when packed.
 
 use crate::{
     bake::checkpoint::{Chunk, Kept},
@@ -10,12 +10,12 @@ use std::borrow::Cow;
 
 /// Cuts of points, chunk by chunk.
 pub struct PointCuts<'a> {
-    /// Height of the tree that they are over.
+    /// Height of the tree below the cuts.
     height: u32,
     parts: Vec<Part<'a>>,
 }
 
-/// A chunk, in memory or where it is kept.
+/// A chunk, in memory or in a checkpoint.
 struct Part<'a> {
     lengths: Cow<'a, [u32]>,
     squared_errors: Cow<'a, [f64]>,
@@ -25,7 +25,7 @@ struct Part<'a> {
 
 enum Nodes<'a> {
     Here(Cow<'a, [u16]>),
-    /// In a checkpoint, under the number of the chunk.
+    /// In a checkpoint, under the chunk's number.
     Kept(&'a Kept<'a>, usize),
 }
 
@@ -35,12 +35,12 @@ pub fn unbaked(points: usize) -> Chunk {
 }
 
 impl<'a> PointCuts<'a> {
-    /// Of no point yet, over a tree of `height`.
+    /// Starts without points, over a tree of `height`.
     pub fn new(height: u32) -> Self {
         Self { height, parts: Vec::new() }
     }
 
-    /// One-node cuts of zero, for a part that is not baked.
+    /// One-node cuts of zero, for an unbaked part.
     pub fn unbaked(points: usize) -> Self {
         let mut cuts = Self::new(0);
         cuts.push(unbaked(points));
@@ -54,19 +54,19 @@ impl<'a> PointCuts<'a> {
         self.parts.push(Part { lengths: lengths.into(), squared_errors: squared_errors.into(), rays, nodes });
     }
 
-    /// Appends a chunk that is held elsewhere.
+    /// Appends a chunk by reference.
     pub fn push_borrowed(&mut self, Chunk { nodes, lengths, squared_errors, rays }: &'a Chunk) {
         let nodes = Nodes::Here(nodes.into());
         self.parts.push(Part { lengths: lengths.into(), squared_errors: squared_errors.into(), rays: *rays, nodes });
     }
 
-    /// Appends a chunk that is in a checkpoint under `index`, without its nodes.
+    /// Appends a chunk stored in a checkpoint under `index`, without its nodes.
     pub fn push_kept(&mut self, Chunk { lengths, squared_errors, rays, .. }: Chunk, kept: &'a Kept<'a>, index: usize) {
         let nodes = Nodes::Kept(kept, index);
         self.parts.push(Part { lengths: lengths.into(), squared_errors: squared_errors.into(), rays, nodes });
     }
 
-    /// Height of the tree that they are over.
+    /// Height of the tree below the cuts.
     pub fn height(&self) -> u32 {
         self.height
     }
@@ -91,10 +91,10 @@ impl<'a> PointCuts<'a> {
         self.parts.iter().map(|part| part.rays).sum()
     }
 
-    /// Calls `each` with the cuts of one chunk after the other.
+    /// Calls `each` with the cuts of each chunk in order.
     ///
     /// # Errors
-    /// A chunk that can no longer be read, and what `each` returns.
+    /// A chunk that can no longer be read, or an error of `each`.
     pub fn each_chunk(&self, mut each: impl FnMut(&[&[u16]]) -> Result<(), BakeError>) -> Result<(), BakeError> {
         for part in &self.parts {
             let nodes = match &part.nodes {

@@ -1,7 +1,7 @@
 //! The phases of the surface sources: points, their tree, the bake points' cuts over them, and their cuts over the
 //! environment.
 //!
-//! A resumed bake makes sources and tree again. Chunks about other sources are not used.
+//! A resumed bake recomputes sources and tree. Chunks for other sources are not used.
 
 use super::{
     audit::audit_sources,
@@ -128,7 +128,7 @@ impl Bouncing<'_> {
     }
 }
 
-/// What the bake points see of the sources.
+/// The bake points' cuts over the sources.
 struct SeenSources {
     packed: Packed,
     /// See [`IndirectReport::coarsened`].
@@ -136,7 +136,7 @@ struct SeenSources {
     audit: Option<BakeAudit>,
 }
 
-/// What chunks about these sources belong to.
+/// Hash for the chunks of these sources.
 fn places_of(sources: &[Source]) -> Places {
     let surfels: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
     let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();

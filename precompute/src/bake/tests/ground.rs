@@ -1,4 +1,4 @@
-//! Bakes of a lone object over a ground.
+//! Bakes of a single object on a ground.
 
 use super::{job, settings, with};
 use crate::{
@@ -26,14 +26,14 @@ fn baked(ground: Ground, mode: BakeParts) -> Result<Dataset, BakeError> {
     bake(cube(), &job, &Silent)
 }
 
-/// Part of all directions that a vertex sees.
+/// Share of all directions visible from a vertex.
 fn seen(dataset: &Dataset, vertex: u32) -> f32 {
     let height = dataset.tree.height();
     let share = |&node: &u16| (0.5_f32).powi(depth(node) as i32) * value(node);
     dataset.cuts.cut(height, vertex).iter().map(share).sum()
 }
 
-/// Vertices that hold a place and a normal.
+/// Vertices whose position and normal satisfy `holds`.
 fn vertices(dataset: &Dataset, holds: impl Fn(Vec3, Vec3) -> bool) -> Vec<u32> {
     let mesh = &dataset.scene.mesh;
     let is_wanted = |&v: &u32| holds(mesh.positions[v as usize], mesh.normals[v as usize]);

@@ -1,4 +1,4 @@
-//! Bakes of surfaces that let light through.
+//! Bakes of transparent surfaces.
 
 use super::*;
 use crate::{test_scenes::quad, verify};
@@ -8,7 +8,7 @@ use lapidary_core::{
     parts::Part,
 };
 
-/// A floor with a pane over one of its corners, which stops this share of the light.
+/// A floor with a pane over one corner that blocks this share of the light.
 fn pane(opacity: f32) -> Scene {
     let mut triangles = floor(2.0, 0.0).to_vec();
     let corner = |x: f32, z: f32| Vec3::new(x, 0.5, z);
@@ -20,13 +20,13 @@ fn pane(opacity: f32) -> Scene {
     scene
 }
 
-/// A few large triangles, as they are.
+/// A few large triangles without tessellation.
 fn as_it_is(folder: &Path, name: &str, exhaustive: bool) -> BakeJob {
     let untouched = |s: &mut BakeSettings| (s.max_vertices, s.exhaustive, s.lights) = (None, exhaustive, 4096);
     with(job(folder, name), untouched)
 }
 
-/// Part of all directions that each vertex of the floor sees.
+/// Share of all directions visible from each floor vertex.
 fn seen(dataset: &Dataset) -> Vec<f32> {
     let share = |&node: &u16| (0.5_f32).powi(depth(node) as i32) * value(node);
     let of_vertex = |v: u32| dataset.cuts.cut(dataset.tree.height(), v).iter().map(share).sum();
@@ -55,7 +55,7 @@ fn vertices_see_through_in_proportion_and_their_cuts_hold_it() {
     }
 }
 
-/// The pane with the opacity of a part of its own, whose material stops all light.
+/// The pane with an opacity on its part, whose material is opaque.
 fn pane_of_a_part(opacity: f32, object: u32) -> Scene {
     let mut scene = pane(1.0);
     scene.mesh.triangle_object[2..].fill(1);

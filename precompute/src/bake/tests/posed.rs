@@ -1,4 +1,4 @@
-//! Bakes of scenes whose objects are not where their file has them.
+//! Bakes of scenes with objects moved from their place in the file.
 
 use super::*;
 use crate::{
@@ -17,7 +17,7 @@ use lapidary_interchange::{
     import::{ImportOptions, import},
 };
 
-/// A floor and a block, an object of its own.
+/// A floor and a block as a separate object.
 fn of_two() -> Scene {
     let mut scene = scene();
     scene.mesh.triangle_object[2..].fill(1);
@@ -65,7 +65,7 @@ fn a_bake_goes_on_only_with_the_poses_that_it_began_with() {
     assert!(out_of_reach.to_string().contains("cannot be posed"), "{out_of_reach}");
 }
 
-/// The block where keyframes of an animation have it.
+/// The block posed by an animation's keyframes.
 fn slid(x: f32) -> Poses {
     let (mesh, objects) = (of_two().mesh, Objects::of(&of_two()));
     let block = || objects.vertices(1).iter().map(|&vertex| vertex as usize);
@@ -79,7 +79,7 @@ fn slid(x: f32) -> Poses {
     poses
 }
 
-/// At one time of a clip that slides the block so far.
+/// At one time of a clip that slides the block by `x`.
 fn sliding(x: f32, job: BakeJob) -> BakeJob {
     BakeJob { poses: slid(x), clip_time: Some(ClipTime { clip: "slide".into(), seconds: 0.5 }), ..job }
 }

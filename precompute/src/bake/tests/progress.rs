@@ -1,4 +1,4 @@
-//! Progress of a bake: each phase that takes long tells how far it is, in steps.
+//! Progress of a bake: each long phase reports in steps.
 
 use super::{job, with};
 use crate::{
@@ -10,7 +10,7 @@ use glam::Vec3;
 use lapidary_core::dataset::BakeParts;
 use std::sync::Mutex;
 
-/// Phases with their totals and what they told.
+/// Phases with their totals and reports.
 #[derive(Default)]
 struct Heard(Mutex<Vec<(Phase, u64, Vec<u64>)>>);
 

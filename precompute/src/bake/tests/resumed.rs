@@ -1,4 +1,4 @@
-//! Bakes that go on from a checkpoint.
+//! Bakes resumed from a checkpoint.
 
 use super::*;
 use crate::errors::CheckpointError;
@@ -46,7 +46,7 @@ fn the_operator_resumes_within_its_steps_to_the_same_bits() {
     let resume = BakeJob { resume: true, ..job.clone() };
     assert_eq!(parts(&bake(interior(), &resume, &Silent).unwrap()), parts(&whole));
 
-    // Negative control: what was kept is used.
+    // Negative control: kept chunks are used.
     interrupted();
     let content = Content::still(&whole.scene_hash);
     let checkpoint = Checkpoint::open(&job.output, &Work::All, &content, &job.settings).unwrap().unwrap();

@@ -1,4 +1,4 @@
-//! Bakes that machines share.
+//! Bakes divided among machines.
 
 use super::*;
 use crate::{
@@ -19,7 +19,7 @@ fn shared(folder: &Path) -> BakeJob {
     job
 }
 
-/// What merging says, which changes no file.
+/// The error of a merge, which changes no file.
 fn refusal(output: &Path) -> ShardError {
     let listed = || {
         let entries = fs::read_dir(output.parent().unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! Which space light is baked for, and what is remarked about it.
+//! The space for which light is baked, and warnings about it.
 
 use super::*;
 use crate::errors::PointsError;
@@ -56,7 +56,7 @@ fn backs_of_walls_are_no_opening_and_only_what_is_seen_reflects() {
         let job = with(job, |settings| settings.indirect.viewpoint = Some(Vec3::new(0.0, 0.1, -0.2)));
         bake(scene, &job, &Silent).unwrap().report.warnings.join("\n")
     };
-    // Half of the walls are turned about: their backs are seen, and nothing of the outside.
+    // Half of the walls are reversed: their backs are visible, and nothing of the outside.
     let mut turned = room(Vec3::ZERO, Vec3::new(1.0, 0.7, 0.8));
     turned.iter_mut().filter(|t| t.iter().all(|p| p.x > 0.9 || p.y > 0.6)).for_each(|t| t.swap(1, 2));
     let mut scene = scene_of(&turned);

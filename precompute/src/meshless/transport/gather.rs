@@ -12,21 +12,21 @@ use std::f32::consts::{PI, TAU};
 /// Senders of a receiver in ascending order, and the vector irradiance from each.
 pub type Row = Vec<(u32, Vec3)>;
 
-/// The scene and the basis, as gathering needs them.
+/// Scene and basis for gathering.
 pub struct Gatherer<'a> {
     surface: &'a dyn Surface,
     basis: &'a Basis,
-    /// The rays of a receiver by their number, neighbors in direction one after the other.
+    /// A receiver's ray indices, ordered so that neighbors in direction are consecutive.
     rays: Vec<usize>,
     offset: f32,
 }
 
-/// Memory of one thread.
+/// Buffers of one thread.
 pub struct Scratch {
     /// Vector irradiance from each sender; zero between gathers.
     sums: Vec<Vec3>,
     touched: Vec<bool>,
-    /// The senders that were touched.
+    /// Senders with nonzero sums.
     senders: Vec<u32>,
     values: Vec<(u32, f32)>,
 }
@@ -73,7 +73,7 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// Links to a receiver of `level`, given the rows of all coarser ones, and whether none of these reaches it.
+    /// Links to a receiver of `level`, given the rows of all coarser ones, and whether no coarser one reaches it.
     pub fn gather(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> (Row, bool) {
         self.gather_rays(scratch, receiver);
         let parents = self.subtract_parents(scratch, receiver, level, rows);
@@ -101,7 +101,7 @@ impl<'a> Gatherer<'a> {
         }
     }
 
-    /// Subtracts what all parents carry to the receiver's point. Returns the number of parents.
+    /// Subtracts the contribution of all parents at the receiver's point. Returns the number of parents.
     fn subtract_parents(&self, scratch: &mut Scratch, receiver: usize, level: usize, rows: &[Row]) -> usize {
         let point = &self.basis.points()[receiver];
         let mut parents = Vec::new();

@@ -7,8 +7,8 @@ use super::{
 use lapidary_core::{dataset::MeshlessSettings, meshless::Basis, surfel::Surface};
 use rayon::prelude::*;
 
-/// Recomputes the links of some receivers with new rays, and those of all their ancestors, on which they depend. The
-/// result is bit for bit that of a bake.
+/// Recomputes the links of some receivers with new rays, including all their ancestors, on which they depend. The result equals a
+/// bake's bit for bit.
 pub fn recompute_links(
     surface: &dyn Surface,
     basis: &Basis,
@@ -36,8 +36,7 @@ pub fn recompute_links(
     needed.into_iter().map(|receiver| (receiver, std::mem::take(&mut rows[receiver]))).collect()
 }
 
-/// The functions with their ancestors: all functions of coarser levels that reach their points or those of their
-/// parents.
+/// The functions with their ancestors: all functions of coarser levels that reach their points or their parents' points.
 fn with_ancestors(basis: &Basis, functions: &[usize]) -> Vec<usize> {
     let mut needed = vec![false; basis.len()];
     functions.iter().for_each(|&i| needed[i] = true);

@@ -1,4 +1,4 @@
-//! Which links are kept, and which receivers are examined next (meshless paper, Fig. 5).
+//! Selection of kept links and of receivers for the next level (meshless paper, Fig. 5).
 
 use super::gather::Row;
 use glam::Vec3;
@@ -10,26 +10,24 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// The paper's links contain the reflectance of the scene and ours do not; the paper's threshold is about equal to ours
-/// at this reflectance.
+/// Reflectance at which the paper's threshold about equals ours: the paper's links contain the scene's reflectance, ours do not.
 const TYPICAL_REFLECTANCE: f32 = 0.38;
-/// Receivers of this level and finer ones have the full threshold. Each coarser level has a fixed fraction of that of
-/// the next.
+/// Receivers of this level and finer ones have the full threshold. The threshold of each coarser level is a fixed fraction of the
+/// next level's.
 const FULL_THRESHOLD_LEVEL: usize = 3;
 const THRESHOLD_FALLOFF: f32 = 0.18;
-/// Largest part of the threshold that the sum of dropped links may reach where no coarser receiver carries the rest.
+/// Largest sum of dropped links, as a share of the threshold, where no coarser receiver carries the rest.
 const ROOT_THRESHOLD_SHARE: f32 = 0.1;
 
-/// The paper's criteria, and a rule that preserves the energy of dropped links.
+/// The paper's criteria, with a rule that preserves the energy of dropped links.
 ///
-/// Coarsest senders carry values, and so do finer ones that no coarser one reaches: both are roots. Where there are
-/// many distant roots, each of their links is below the threshold, and yet together they are most of the light. So a
-/// receiver visits its roots along a space-filling curve and sums links until the sum is above the threshold. The
-/// largest of these links is kept and stands for all of them. The last sum goes to the link that was kept last. It is
-/// dropped only where none was kept: uniform light is right within the threshold.
+/// Coarsest senders carry values, and so do finer ones that no coarser one reaches: both are roots. Links to many distant roots may
+/// each be below the threshold and yet together carry most of the light. So a receiver visits its roots along a space-filling curve
+/// and sums links until the sum exceeds the threshold. The largest of these links is kept and stands for all of them. The last sum
+/// goes to the last kept link. It is dropped only if no link was kept: uniform light is right within the threshold.
 ///
-/// The coefficients of all other senders are deviations from local averages, so that neighbors with similar links
-/// cancel. They are kept where they are above the threshold and also vary between neighbors, as in the paper.
+/// The coefficients of all other senders are deviations from local averages, so neighbors with similar links cancel. Such links are
+/// kept if they exceed the threshold and also vary between neighbors, as in the paper.
 ///
 /// A level has about four times as many receivers as the one before, and all of them repeat its error. Dropped links
 /// are more often positive than negative: deviations are positive where light falls, and rays hit such surfaces more
@@ -39,10 +37,9 @@ const ROOT_THRESHOLD_SHARE: f32 = 0.1;
 /// 0.63 from the finest level on, and 0.97 if by a quarter with full thresholds a fifth smaller. It has 0.986 with this
 /// rule. The number of links is about the same in all three.
 pub struct Criterion {
-    /// Smallest length of a vector, `π ε / TYPICAL_REFLECTANCE`: a hemisphere of unit radiance has the vector
-    /// irradiance `π`.
+    /// Smallest length of a vector, `π ε / TYPICAL_REFLECTANCE`: a hemisphere of unit radiance has the vector irradiance `π`.
     least: f32,
-    /// Which senders carry values and not deviations: those that a constant function needs.
+    /// Whether each sender carries values rather than deviations: a constant function needs exactly these.
     roots: Vec<bool>,
     /// Neighbors of the senders of each level, and the first of them.
     neighbours: Vec<(usize, SparseRows)>,
@@ -63,8 +60,7 @@ impl Criterion {
         }
     }
 
-    /// Drops links of a receiver of `level` that are not significant. `is_root` says that no coarser receiver reaches
-    /// it.
+    /// Drops insignificant links of a receiver of `level`. `is_root` means that no coarser receiver reaches it.
     pub fn prune(&self, row: &mut Row, is_root: bool, level: usize) {
         let least = self.least * THRESHOLD_FALLOFF.powi(FULL_THRESHOLD_LEVEL.saturating_sub(level) as i32);
         let (roots, others): (Row, Row) = row.iter().partition(|link| self.roots[link.0 as usize]);
@@ -76,8 +72,8 @@ impl Criterion {
         *row = kept;
     }
 
-    /// Sums links along the curve. Each sum longer than `bound` goes to the sender of its largest link, and the rest to
-    /// the last of these.
+    /// Sums links along the curve. Each sum longer than `bound` goes to the sender of its largest link, and the rest to the last of
+    /// these.
     fn merge(&self, mut links: Row, bound: f32) -> Row {
         links.sort_unstable_by_key(|link| (self.order[link.0 as usize], link.0));
         let mut kept = Row::new();
@@ -113,7 +109,7 @@ impl Criterion {
     }
 }
 
-/// The receivers of the next level that are examined, in ascending order.
+/// Receivers of the next level to examine, in ascending order.
 pub fn children_of(basis: &Basis, level: usize, rows: &[Row]) -> Vec<usize> {
     if level + 1 == basis.levels() {
         return Vec::new();
@@ -122,7 +118,7 @@ pub fn children_of(basis: &Basis, level: usize, rows: &[Row]) -> Vec<usize> {
     basis.level(level + 1).into_par_iter().filter(is_child).collect()
 }
 
-/// Whether a receiver is a child of one with links in the level before, or of none at all.
+/// Whether a receiver is a child of one with links in the previous level, or has no parent.
 pub fn is_examined(basis: &Basis, receiver: usize, level: usize, rows: &[Row]) -> bool {
     let Some(coarser) = level.checked_sub(1) else { return true };
     let (point, mut parents) = (&basis.points()[receiver], Vec::new());

@@ -1,31 +1,31 @@
-//! Keeps finished rows of the operator, so that an interrupted computation can resume.
+//! Storage of finished rows of the operator, for resuming an interrupted computation.
 
 use super::gather::Row;
 use crate::errors::{BakeError, CheckpointError, ShardError};
 
-/// Keeps the rows of finished steps.
+/// Stores the rows of finished steps.
 pub trait KeepsRows {
-    /// The rows of a step, if it was finished with this number of rows. They link to `senders` functions.
+    /// The rows of a step, if it was finished with this number of rows, over `senders` functions.
     fn load_rows(&self, step: usize, rows: usize, senders: usize) -> Option<Vec<Row>>;
 
-    /// Stores them.
+    /// Stores the rows of a step.
     fn store_rows(&self, step: usize, rows: &[Row]) -> Result<(), CheckpointError>;
 
-    /// Whether a step of the finest level is needed here, to be made or read. Finer levels follow from all coarser ones.
+    /// Whether a step of the finest level is needed here, computed or read. Coarser levels are always needed in full.
     fn has(&self, _step: usize) -> bool {
         true
     }
 
-    /// Whether a step may be made that is not kept.
+    /// Checks that a missing step may be computed.
     ///
     /// # Errors
-    /// What should have kept it.
+    /// The share that should have it.
     fn may_make(&self, _step: usize) -> Result<(), ShardError> {
         Ok(())
     }
 }
 
-/// Keeps nothing.
+/// Stores nothing.
 pub struct Forget;
 
 impl KeepsRows for Forget {
@@ -38,7 +38,7 @@ impl KeepsRows for Forget {
     }
 }
 
-/// The rows of a step over `senders` functions: those kept, else made and stored.
+/// The rows of a step over `senders` functions: stored ones, or computed and then stored.
 pub fn kept_or_made(
     kept: &dyn KeepsRows,
     step: usize,

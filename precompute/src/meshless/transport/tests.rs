@@ -1,4 +1,4 @@
-//! The operator where the answer is known: inside a sphere, whose irradiance is the same everywhere.
+//! The operator for a known answer: inside a sphere, irradiance is uniform.
 
 use super::*;
 use crate::observer::Silent;
@@ -47,7 +47,7 @@ fn operator(epsilon: f32) -> (Transport, MeshlessReport) {
     transport_operator(&Hollow, &basis(), &MeshlessSettings { epsilon, ..Default::default() }, &Silent).unwrap()
 }
 
-/// RMS over random points of irradiance minus `expected`, when direct irradiance is `1 + z` and everything is half gray.
+/// RMS over random points of irradiance minus `expected`, with direct irradiance `1 + z` and half-gray surfaces.
 fn error(transport: Transport, expected: f32) -> f32 {
     let bake = MeshlessBake { basis: basis(), transport };
     let senders = bake.basis.sender_points();

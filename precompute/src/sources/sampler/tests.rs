@@ -1,4 +1,4 @@
-//! Solid angles in rooms of known form factors.
+//! Solid angles in rooms with known form factors.
 
 use super::*;
 use crate::{
@@ -16,7 +16,7 @@ fn sources_of(prepared: &Prepared) -> Vec<Source> {
     place_sources(&prepared.surface(), Vec3::new(0.1, 0.7, 0.15), COUNT, &[], &Silent).unwrap()
 }
 
-/// In the order of their tree, so that neighbors follow each other.
+/// Sources in tree order, so that neighbors are consecutive.
 fn ordered_sources_of(prepared: &Prepared) -> Vec<Source> {
     let settings = BakeSettings { tree: TreeKind::Geometric, ..BakeSettings::default() };
     let points = BakePoints::new(&prepared.scene.mesh, &prepared.sides);
@@ -49,7 +49,7 @@ fn a_closed_room_fills_the_hemisphere_over_any_wall() {
         let total: f32 = seen.iter().sum();
         // In the corner rays count by their cosine.
         assert!((total / (2.0 * PI) - 1.0).abs() < 0.04 || x > 0.9, "{total} sr at {x}, {z}");
-        // With the cosine at the receiver the integral is that of a white furnace.
+        // With the receiver's cosine the integral is a white furnace's.
         let weighted: f32 = seen
             .iter()
             .zip(&sources)

@@ -49,7 +49,7 @@ fn areas_add_up_to_what_light_reaches() {
     assert!((of_faces / 48.0 - 1.0).abs() < 0.02, "negative control: {of_faces} of all faces");
 }
 
-/// Sources 20 cm apart on a floor, and in one square of it 2 cm: a point a draw for each of these.
+/// Sources 20 cm apart on a floor, and 2 cm apart in one square of it, which get one point per draw.
 #[test]
 fn fine_samples_have_their_area_as_well() {
     let prepared = Prepared::new(&floor(1.0, 0.0));
@@ -73,7 +73,7 @@ fn fine_samples_have_their_area_as_well() {
     assert!((areas.iter().sum::<f32>() / 4.0 - 1.0).abs() < 0.02);
 }
 
-/// A tile of 1.6 m stands 5 mm out of a wall, whose hidden part faces as the tile does: radii are ten times as far.
+/// A tile of 1.6 m stands 5 mm out of a wall, whose hidden part faces the same way; radii are ten times as large.
 #[test]
 fn a_wall_close_behind_a_tile_has_no_part_in_the_tiles_area() {
     let mut triangles = room(Vec3::ZERO, Vec3::ONE);
@@ -82,11 +82,11 @@ fn a_wall_close_behind_a_tile_has_no_part_in_the_tiles_area() {
     let points = even_points(&tiled, 2048);
     assert!(points[0].1 > 0.05, "{}", points[0].1);
     let total: f32 = sample_areas(&tiled.surface(), &points, 2, &Silent).unwrap().iter().sum();
-    // The tile's face for the wall behind it, and its narrow sides.
+    // The tile's face replaces the wall behind it; its narrow sides are added.
     assert!((total / (24.0 + 4.0 * 1.6 * 0.005) - 1.0).abs() < 0.02, "{total}; 26.5 with the wall");
 }
 
-/// Nine screens of 1 cm stand on the floor: many a point at the foot of one lies nearest to a sample behind it.
+/// Nine screens of 1 cm stand on the floor: many points at their feet are nearest to a sample behind the screen.
 #[test]
 fn a_point_whose_nearest_sample_is_hidden_belongs_to_the_next() {
     let mut triangles = room(Vec3::ZERO, Vec3::ONE);
@@ -97,7 +97,7 @@ fn a_point_whose_nearest_sample_is_hidden_belongs_to_the_next() {
     let mut candidates = Candidates::new(&surface, INSIDE + Vec3::Y * 0.5, 1, &Silent).unwrap();
     let points = poisson_count(&mut candidates, 512, |_, factor| 0.05 * factor).unwrap();
     let total: f32 = sample_areas(&surface, &points, 2, &Silent).unwrap().iter().sum();
-    // Tops take the place of the floor beneath; two faces and two edges each are new.
+    // Tops replace the floor beneath; two faces and two edges of each are added.
     let expected = 24.0 + 9.0 * 2.0 * (1.2 + 0.01) * 0.6;
     assert!((total / expected - 1.0).abs() < 0.02, "{total} for {expected}");
 }

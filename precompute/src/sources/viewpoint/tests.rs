@@ -20,7 +20,7 @@ fn furnished() -> Prepared {
     Prepared::new(&triangles)
 }
 
-/// Walls that face outward, and within them a room: what a building is.
+/// A building: walls that face outward, with a room inside.
 fn building(center: Vec3, half: Vec3) -> Vec<[Vec3; 3]> {
     [cuboid(center, half + 0.05), room(center, half)].concat()
 }
@@ -85,7 +85,7 @@ fn a_camera_tells_that_walls_which_face_outward_are_those_of_a_room() {
 
 #[test]
 fn a_court_without_a_roof_is_lit_from_within() {
-    // Walls with two sides: from outside they are seen as well.
+    // Two-sided walls: visible from outside as well.
     let walls = room(Vec3::ZERO, Vec3::new(2.0, 1.0, 1.5));
     let open: Vec<_> = walls.into_iter().filter(|t| !t.iter().all(|p| p.y > 0.9)).collect();
     assert_eq!(open.len(), 10);
@@ -115,7 +115,7 @@ fn of_two_rooms_the_larger_is_lit_and_no_place_outside() {
 
 #[test]
 fn a_low_attic_does_not_win_over_the_hall_below() {
-    // A hall whose roof has a hole, under a closed attic of the same ground.
+    // A hall with a hole in its roof, under a closed attic of the same floor area.
     let hall: Vec<_> =
         room(Vec3::ZERO, Vec3::new(2.0, 1.0, 2.0)).into_iter().filter(|t| !t.iter().all(|p| p.y > 0.9)).collect();
     let p = |x: f32, z: f32| Vec3::new(x, 1.0, z);
@@ -144,7 +144,7 @@ fn open_country_is_seen_from_above() {
     let terrain: Vec<_> = tiles.collect();
     let over = found(&terrain);
     assert!(over.y > height(over.x, over.z) && over.abs().max_element() < 9.0, "above the ground: {over}");
-    // A shed is closed, but the country around it is the larger space.
+    // A shed is closed, but the surrounding country is the larger space.
     let shed = building(Vec3::new(0.0, 0.9, 0.0), Vec3::splat(0.4));
     let with_shed = found(&[terrain, shed].concat());
     assert!(!is_within(with_shed, Vec3::new(0.0, 0.9, 0.0), Vec3::splat(0.5)), "{with_shed}");

@@ -1,7 +1,7 @@
-//! Where bake points in concave edges sample light from surfaces close to them.
+//! Sample positions of bake points in concave edges, for light from close surfaces.
 //!
-//! At the foot of a wall the floor is seen edge on and fills no solid angle; just above, it fills half of the view.
-//! Interpolation between vertices uses such a point for the strip of wall around it, so it samples within that strip.
+//! At the foot of a wall the floor is seen edge on and fills no solid angle; just above, it fills half of the view. Interpolation
+//! uses such a point for the strip of wall around it, so it samples within that strip.
 
 use super::{BakePoint, BakePoints};
 use crate::vertices::side::Side;
@@ -9,14 +9,14 @@ use glam::Vec3;
 use lapidary_core::{ray::Intersector, scene::Mesh};
 use rayon::prelude::*;
 
-/// A point stays if it is closer to the middle of its triangles than this many offsets.
+/// A point stays if it is closer to the center of its triangles than this many offsets.
 const LEAST_SHIFT: f32 = 4.0;
-/// Smallest cosine between a point's normal and a triangle that counts: for a smaller one the point would rise too far.
+/// Smallest cosine between a point's normal and a triangle that counts: below it the point would rise too far.
 const LEAST_LEAN: f32 = 0.2;
 
 impl BakePoints {
-    /// The points. Those in concave edges move to the centroid of the area that interpolation uses them for. An edge of
-    /// a sheet is concave from one of its sides.
+    /// The points. Those in concave edges move to the centroid of their interpolation area. An edge of a sheet is concave on one
+    /// side.
     pub fn off_creases(&self, mesh: &Mesh, scene: &Intersector) -> Vec<BakePoint> {
         let centroids = self.hat_centroids(mesh);
         let rises = self.rises(mesh, &centroids);
@@ -32,9 +32,9 @@ impl BakePoints {
         self.points.par_iter().zip(&centroids).zip(&rises).map(moved).collect()
     }
 
-    /// Distances by which each centroid must rise along its point's normal, and sink against it, to lie on one side of
-    /// all its triangles. Around a vertex of a ball the centroid lies inside the ball, and where the normal leans,
-    /// beside the surface. The distance is at most that between centroid and point.
+    /// Distances by which each centroid must rise along its point's normal, and sink against it, to lie on one side of all its
+    /// triangles. Around a vertex of a ball the centroid lies inside the ball, and with a leaning normal beside the surface. The
+    /// distance is at most the one between centroid and point.
     fn rises(&self, mesh: &Mesh, centroids: &[Vec3]) -> Vec<[f32; 2]> {
         let mut rises = vec![[0.0_f32; 2]; self.points.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -99,7 +99,8 @@ mod tests {
         for (before, after) in points.points.iter().zip(&moved) {
             let at_foot = before.position.y == 0.0 && before.normal.y == 0.0;
             assert_eq!(before.position != after.place(Side::Front), at_foot, "{before:?} {after:?}");
-            // A square of two triangles: a corner of one has its centroid at a quarter of the side, of two at three eighths.
+            // A square of two triangles: the centroid of a corner is at a quarter of the side with one triangle, at three eighths
+            // with two.
             let height = after.place(Side::Front).y;
             assert!(!at_foot || (0.24..0.38).contains(&height), "{height}");
             assert!((after.place(Side::Front) - before.position).dot(before.normal).abs() < 1e-6, "in its own surface");
@@ -108,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_fold_of_a_sheet_is_a_crease_from_one_side() {
-        // A sheet along x that goes down to a valley at z = 0 and up again.
+        // A sheet along x that descends to a valley at z = 0 and rises again.
         let at = |x: f32, z: f32| Vec3::new(x, z.abs(), z);
         let strip = |from: f32, to: f32| {
             [[at(-1.0, from), at(-1.0, to), at(1.0, to)], [at(-1.0, from), at(1.0, to), at(1.0, from)]]
@@ -136,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_normal_that_leans_along_a_ridge_leaves_points_outside() {
-        // Long strips bent by 20 degrees, and normals that lean along them, as smoothing leaves them on mouldings.
+        // Long strips bent by 20 degrees, with normals that lean along them, as smoothing leaves them on moldings.
         let at = |x: f32, z: f32| Vec3::new(x, -0.3 * z.abs(), z);
         let strip = |from: f32, to: f32| {
             [[at(-9.0, from), at(-9.0, to), at(9.0, to)], [at(-9.0, from), at(9.0, to), at(9.0, from)]]

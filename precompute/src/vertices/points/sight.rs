@@ -1,8 +1,7 @@
-//! Where bake points sample that are hidden from the shots, while some of the surface around them is visible.
+//! Sample positions of bake points that are hidden from the shots while part of the surrounding surface is visible.
 //!
-//! A ceiling continues above its cornice, a wall behind its pictures. The vertices there receive no light from the
-//! room, and at the visible edge interpolation uses them for the visible part of their triangles. So they sample in the
-//! middle of that part.
+//! A ceiling continues above its cornice, a wall behind its pictures. Vertices there receive no light from the room, but
+//! interpolation uses them for the visible part of their triangles. So they sample in the middle of that part.
 
 use crate::vertices::spread::on_triangle;
 use glam::Vec3;
@@ -15,7 +14,7 @@ use lapidary_core::{
 /// Points tested in each triangle around a hidden point.
 const PLACES: u32 = 16;
 
-/// The parts of a mesh around its points that shots see.
+/// Parts of a mesh around its points that are visible in shots.
 pub(super) struct Sight<'a> {
     mesh: &'a Mesh,
     scene: &'a Intersector,
@@ -35,10 +34,9 @@ impl<'a> Sight<'a> {
         Self { mesh, scene, frustums: shots.iter().map(Shot::frustum).collect(), around }
     }
 
-    /// A better point to sample than `position`, on the side of a unit normal, where rays start `offset` meters off. It
-    /// is the middle of the visible part of its triangles, weighted as in interpolation. `None` if the point is visible
-    /// to an eye that it faces, within the picture or beside it, if it faces no eye, or if everything around it is
-    /// hidden.
+    /// A better sample position than `position`, on the side of a unit normal, where rays start `offset` meters off. It is the
+    /// middle of the visible part of its triangles, weighted as in interpolation. `None` if the point is visible to an eye that it
+    /// faces (inside or outside the picture), if it faces no eye, or if everything around it is hidden.
     pub fn better_place(&self, point: usize, position: Vec3, normal: Vec3, offset: f32) -> Option<Vec3> {
         let place = position + normal * offset;
         let mut facing = self.frustums.iter().filter(|f| faces(f, place, normal)).peekable();
@@ -77,7 +75,7 @@ fn faces(frustum: &Frustum, place: Vec3, normal: Vec3) -> bool {
     (frustum.eye - place).dot(normal) > 0.0
 }
 
-/// The one of weighted points that is closest to their mean.
+/// The weighted point closest to the mean.
 fn middle(places: &[(Vec3, f32)]) -> Option<Vec3> {
     let weight: f32 = places.iter().map(|p| p.1).sum();
     let mean = places.iter().map(|&(place, weight)| place * weight).sum::<Vec3>() / weight;
@@ -90,11 +88,11 @@ mod tests {
     use super::*;
     use lapidary_core::camera::Camera;
 
-    /// Half a meter between vertices.
+    /// Distance of vertices in meters.
     const CELL: f32 = 0.5;
     const SIDE: i32 = 6;
 
-    /// A floor in cells, and a plate over the half of it where x is negative.
+    /// A floor in cells, and a plate over its half with negative x.
     fn floor_under_plate() -> Mesh {
         let mut mesh = Mesh::default();
         let width = 2 * SIDE + 1;

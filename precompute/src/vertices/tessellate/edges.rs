@@ -1,4 +1,4 @@
-//! The edges of a mesh by position, and which of them are split together.
+//! The edges of a mesh by position, and edges that are split together.
 
 use crate::vertices::sidedness::weld_positions;
 use lapidary_core::scene::Mesh;
@@ -13,7 +13,7 @@ pub(super) struct Edges {
     pub of_triangle: Vec<[u32; 3]>,
     /// Triangles of each edge.
     pub triangles: Vec<Vec<u32>>,
-    /// Number of vertices that a split of each edge makes: one, or at a seam one per pair of vertices at its ends.
+    /// Number of vertices added by splitting each edge: one, or at a seam one per pair of end vertices.
     pub copies: Vec<usize>,
 }
 
@@ -52,7 +52,7 @@ impl Edges {
         key
     }
 
-    /// The longest edge of a triangle; ties go by index, alike on both sides of an edge.
+    /// The longest edge of a triangle; ties are broken by index, consistently on both sides of an edge.
     pub fn longest(&self, triangle: u32) -> u32 {
         let edges = self.of_triangle[triangle as usize];
         let longer = |a: u32, b: u32| {
@@ -62,8 +62,7 @@ impl Edges {
         longer(longer(edges[0], edges[1]), edges[2])
     }
 
-    /// Edges to split: `wanted` in order of urgency with the edges that conformity adds to each, within a budget of new
-    /// vertices.
+    /// Edges to split: `wanted` in order of urgency, each with the edges that conformity requires, within a budget of new vertices.
     pub fn within_budget(&self, wanted: &[u32], budget: usize) -> FxHashSet<u32> {
         let mut chosen = FxHashSet::default();
         let mut left = budget;
@@ -80,7 +79,7 @@ impl Edges {
         chosen
     }
 
-    /// `edge`, and the longest edges of all triangles that splitting it touches.
+    /// Adds `edge` and the longest edges of all triangles that splitting it touches.
     fn close(&self, edge: u32, chosen: &FxHashSet<u32>, added: &mut Vec<u32>) {
         let mut stack = vec![edge];
         while let Some(edge) = stack.pop() {

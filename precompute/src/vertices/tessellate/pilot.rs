@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// with 256, which take half as long again.
 const DIRECTIONS: usize = 128;
 
-/// The functions that vertices store, which must therefore be linear along edges.
+/// Functions that vertices store, which must be linear along edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stored {
     /// Visibility of distant light.
@@ -36,15 +36,15 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Those of a bake.
+    /// The functions of a bake.
     pub fn of(mode: BakeParts) -> Option<Self> {
         Some(Self { environment: mode.environment(), bounces: mode.bounces() })
     }
 }
 
-/// Light from surfaces changes along an edge as their nearness does: `1 / (1 + t / r)` for a distance `t`, where `r` is
-/// this many units of the edge length. A surface at a much larger distance hides other light from the whole edge alike.
-/// In the color box 8, 24 and 64 units leave errors of 0.037, 0.032 and 0.035.
+/// Nearness of surfaces, along which their light varies over an edge: `1 / (1 + t / r)` for a distance `t`, where `r` is this many
+/// units of the edge length. A surface much farther away hides other light equally from the whole edge. In the color box 8, 24 and
+/// 64 units leave errors of 0.037, 0.032 and 0.035.
 const HALF_DISTANCE: f32 = 24.0;
 
 /// Visibility and nearness from single points over few directions.
@@ -54,19 +54,19 @@ pub(super) struct Pilot<'a> {
     stored: Stored,
     /// Distance in meters at which nearness is a half.
     half_distance: f32,
-    /// Errors at the midpoints of edges, kept between rounds: most edges are not split.
+    /// Errors at edge midpoints, kept between rounds: most edges are not split.
     pub errors: FxHashMap<EdgeKey, f32>,
-    /// Samples of vertices. A midpoint that becomes a vertex in its first round is not traced again.
+    /// Samples of vertices. A midpoint that becomes a vertex in its first round is not retraced.
     samples: FxHashMap<PointKey, PilotSample>,
-    /// Asked before each point whether to continue: a round traces millions of rays. It hears of the points that were traced.
+    /// Checked for cancellation before each point, because a round traces millions of rays, and informed of the traced points.
     observer: &'a dyn Observer,
     traced: &'a AtomicU64,
 }
 
-/// What a point sees in each direction.
+/// Visibility from a point in each direction.
 #[derive(Clone)]
 struct PilotSample {
-    /// Whether light arrives from far away, a bit each.
+    /// Whether distant light arrives, one bit per direction.
     open: [u64; DIRECTIONS / 64],
     /// Nearness of a surface as a fraction of 255, if light from surfaces is stored.
     nearness: Option<Box<[u8; DIRECTIONS]>>,
@@ -78,8 +78,8 @@ impl PilotSample {
     }
 }
 
-/// Place, normal and sides of a point. Its offset and horizon change a little as the triangles around it are split; a sample is
-/// kept all the same.
+/// Position, normal and sides of a point. Its offset and horizon change slightly as adjacent triangles are split; its sample is
+/// kept anyway.
 type PointKey = ([u32; 3], [u32; 3], bool);
 
 fn key_of(point: &BakePoint) -> PointKey {
@@ -87,7 +87,7 @@ fn key_of(point: &BakePoint) -> PointKey {
 }
 
 impl<'a> Pilot<'a> {
-    /// `unit` is the edge length in meters that equal triangles would have.
+    /// `unit` is the edge length of equal triangles, in meters.
     pub fn new(
         scene: &'a Intersector,
         stored: Stored,
@@ -99,7 +99,7 @@ impl<'a> Pilot<'a> {
         Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors, samples, observer, traced }
     }
 
-    /// Samples of the points, in their order. Neighbors are traced together: their rays in one direction lie side by side.
+    /// Samples of the points in order. Neighbors are traced together, because their rays in one direction are close.
     fn seen_from(&self, points: &[BakePoint]) -> Result<Vec<PilotSample>, BakeError> {
         let order = z_order(points);
         let eights = order.par_chunks(8).map(|members| {
@@ -142,7 +142,7 @@ impl<'a> Pilot<'a> {
         seen
     }
 
-    /// Traces those points that are not known yet, and forgets all others.
+    /// Traces unknown points and forgets unneeded ones.
     fn learn_points(&mut self, points: &[BakePoint], needed: &[u32]) -> Result<(), BakeError> {
         let mut known = std::mem::take(&mut self.samples);
         for key in points.iter().map(key_of) {
@@ -157,7 +157,7 @@ impl<'a> Pilot<'a> {
         Ok(())
     }
 
-    /// Traces the ends and midpoints of those edges whose error is not known yet.
+    /// Traces the ends and midpoints of edges with unknown error.
     pub fn learn_errors(
         &mut self,
         mesh: &Mesh,
@@ -190,7 +190,7 @@ impl<'a> Pilot<'a> {
     }
 }
 
-/// Core seconds in which the pilot samples points, on a pool of one thread.
+/// Core seconds for sampling points by the pilot, on a pool of one thread.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
@@ -207,7 +207,7 @@ pub fn trace_seconds(
     Ok(start.secs())
 }
 
-/// Rays of one to eight points in one direction, each from the side that samples it.
+/// Rays of one to eight points in one direction, each from the side that faces it.
 fn rays_in_direction(points: &[&BakePoint], direction: Vec3) -> EightRays {
     let (mut origins, mut active) = ([points[0].position; 8], 0);
     for (lane, point) in points.iter().enumerate() {
@@ -232,11 +232,11 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
     }
 }
 
-/// Mean over directions of the difference between the midpoint and the mean of the ends, for visibility or nearness,
-/// whichever is larger.
+/// Mean over directions of the difference between the midpoint and the mean of the ends, for visibility or nearness, whichever is
+/// larger.
 fn midpoint_error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32 {
     let words = (0..middle.open.len()).map(|i| (middle.open[i], a.open[i], b.open[i]));
-    // Where the ends differ, the midpoint is wrong by a half whatever it sees.
+    // Where the ends differ, the midpoint is wrong by one half either way.
     let halves = words.map(|(m, a, b)| (a ^ b).count_ones() + 2 * (!(a ^ b) & (a ^ m)).count_ones());
     let open = halves.sum::<u32>() as f32 / (2 * DIRECTIONS) as f32;
     let [Some(middle), Some(a), Some(b)] = [middle, a, b].map(|sample| sample.nearness.as_ref()) else { return open };

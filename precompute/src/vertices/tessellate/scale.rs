@@ -1,9 +1,8 @@
-//! Length of an edge, in units of the length that is wanted where it lies.
+//! Edge length in units of the wanted length at its place.
 //!
-//! Without shots the unit is the same all over the surface. With shots it is the same all over their pictures: the
-//! surfaces in them get most of the vertices, and the rest is spread over all surfaces, for views from elsewhere.
-//! On the ground around a scene the unit grows with the distance, so that all of it has the same angle for who looks at the
-//! scene.
+//! Without shots the unit is constant over the surface. With shots it is constant over their pictures: visible surfaces get most of
+//! the vertices, and the rest is spread over all surfaces, for views from elsewhere. On the ground around a scene the unit grows
+//! with distance, so that it has a constant angle from the scene.
 
 use super::Wanted;
 use crate::{
@@ -21,16 +20,15 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Part of the vertices that is meant for the pictures.
+/// Share of the vertices for the pictures.
 const PICTURES: f32 = 0.8;
-/// Least and greatest number of points of a triangle that are searched for in the pictures.
+/// Limits of the number of points per triangle that are looked up in the pictures.
 const PLACES: std::ops::RangeInclusive<f32> = 4.0..=4096.0;
-/// Points of a triangle of the ground over which its share of the vertices is averaged.
+/// Points per ground triangle over which its density is averaged.
 const PLACES_OF_MEAN: u32 = 16;
-/// Segments from an eye end before a point, by this share of their length, so that the point's own surface does not
-/// hide it.
+/// Segments from an eye end before a point by this share of their length, so that the point's own surface does not hide it.
 const GAP_AT_END: f32 = 1e-4;
-/// Rows of rays through a picture that measure how much of it surfaces fill.
+/// Rows of rays through a picture that measure its share of surfaces.
 const ROWS: u32 = 96;
 
 /// Converts meters to units.
@@ -41,41 +39,41 @@ pub(super) struct EdgeScale<'a> {
     frustums: Vec<Frustum>,
     /// Edge length in meters at which equal triangles over the whole surface would use up the budget.
     pub unit: f32,
-    /// Units per meter of a surface that no shot sees.
+    /// Units per meter on surfaces outside all shots.
     unseen: f32,
     /// Units per height of a picture.
     seen: f32,
     falloff: Option<Falloff>,
 }
 
-/// How the unit grows around a scene.
+/// Growth of the unit around a scene.
 struct Falloff {
     center: Vec3,
-    /// Within it, in meters, it does not grow.
+    /// Radius in meters within which it does not grow.
     radius: f32,
 }
 
 impl Falloff {
-    /// Units per meter at a place, as a share of those at the scene.
+    /// Units per meter at a place, relative to the scene.
     fn at(&self, place: Vec3) -> f32 {
         let distance = (place - self.center).with_y(0.0).length();
         self.radius / distance.max(self.radius)
     }
 
-    /// Mean over a triangle of its square, which is the part of the area that counts.
+    /// Mean square over a triangle, which scales its effective area.
     fn mean_square(&self, [a, b, c]: [Vec3; 3]) -> f32 {
         let place = |[u, v]: [f32; 2]| a + (b - a) * u + (c - a) * v;
         (0..PLACES_OF_MEAN).map(|i| self.at(place(on_triangle(i))).powi(2)).sum::<f32>() / PLACES_OF_MEAN as f32
     }
 
-    /// The largest within a triangle.
+    /// Largest value within a triangle.
     fn of_triangle(&self, corners: [Vec3; 3]) -> f32 {
         corners.map(|corner| self.at(corner)).into_iter().fold(0.0, f32::max)
     }
 }
 
 impl<'a> EdgeScale<'a> {
-    /// For a mesh. Warns of shots that see nothing.
+    /// Measures a mesh. Warns of shots that see no surface.
     pub fn new(
         mesh: &Mesh,
         scene: &'a Intersector,
@@ -124,7 +122,7 @@ impl<'a> EdgeScale<'a> {
         (0..mesh.triangles.len()).into_par_iter().map(of_triangle).collect()
     }
 
-    /// Largest magnification, summed over the shots, of any point of a triangle; 0 where it is hidden.
+    /// Largest magnification of any point of a triangle, summed over the shots; 0 where hidden.
     fn largest_magnification(&self, mesh: &Mesh, triangle: usize) -> f32 {
         let [a, b, c] = mesh.corners(triangle);
         let normal = mesh.area_vector(triangle).normalize_or_zero();
@@ -144,7 +142,7 @@ impl<'a> EdgeScale<'a> {
     }
 }
 
-/// Part of a picture that shows surfaces.
+/// Share of a picture covered by surfaces.
 fn filled_part(shot: &Shot, scene: &Intersector) -> f32 {
     let size = [((ROWS as f32 * shot.aspect).ceil() as u32).clamp(1, 64 * ROWS), ROWS];
     let projection = shot.camera.projection(size);
@@ -157,7 +155,7 @@ fn filled_part(shot: &Shot, scene: &Intersector) -> f32 {
     (0..rays).into_par_iter().filter(|&pixel| hits(pixel)).count() as f32 / rays as f32
 }
 
-/// Edge length of equal triangles that share `area`, twice as many as vertices.
+/// Edge length of equal triangles that fill `area`, twice as many as vertices.
 fn edge_length(area: f32, vertices: f32) -> f32 {
     (1.15 * area / vertices.max(1.0)).sqrt()
 }

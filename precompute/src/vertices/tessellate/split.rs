@@ -6,8 +6,7 @@ use glam::Vec3;
 use lapidary_core::scene::Mesh;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Splits the chosen edges at their midpoints. For every triangle with a chosen edge, its longest edge must be chosen
-/// too.
+/// Splits the chosen edges at their midpoints. For every triangle with a chosen edge, its longest edge must also be chosen.
 pub(super) fn split_edges(mesh: &mut Mesh, sides: &mut Sidedness, edges: &Edges, chosen: &FxHashSet<u32>) {
     let mut midpoints = FxHashMap::default();
     for t in 0..edges.of_triangle.len() {
@@ -19,7 +18,7 @@ pub(super) fn split_edges(mesh: &mut Mesh, sides: &mut Sidedness, edges: &Edges,
         let corner = |i: usize| mesh.triangles[t][(apex + i) % 3];
         let (a, b, c) = (corner(0), corner(1), corner(2));
         let middle = midpoint_vertex(mesh, &mut midpoints, b, c);
-        // The halves, each with the edge that it shares with the whole triangle.
+        // The halves, each with the edge it shares with the whole triangle.
         let half = |mesh: &mut Mesh, midpoints: &mut _, edge: u32, [p, q, m]: [u32; 3]| {
             if !chosen.contains(&edge) {
                 return vec![[p, q, m]];
@@ -46,13 +45,13 @@ fn replace_triangle(mesh: &mut Mesh, sides: &mut Sidedness, t: usize, parts: &[[
     }
 }
 
-/// The vertex between two vertices, made at the first call for them.
+/// The vertex between two vertices, created at the first call for them.
 pub(super) fn midpoint_vertex(mesh: &mut Mesh, midpoints: &mut FxHashMap<(u32, u32), u32>, a: u32, b: u32) -> u32 {
     let key = (a.min(b), a.max(b));
     if let Some(&known) = midpoints.get(&key) {
         return known;
     }
-    // In the order of the key, so that both triangles of a seam compute the same bits.
+    // In key order, so that both triangles at a seam compute the same bits.
     let (a, b) = (key.0 as usize, key.1 as usize);
     let (pa, pb) = (mesh.positions[a], mesh.positions[b]);
     mesh.positions.push(0.5 * (pa + pb));

@@ -1,4 +1,4 @@
-//! Whole tessellations of a box over a floor.
+//! Complete tessellations of a box over a floor.
 
 use super::{edges::end_vertices, split::midpoint_vertex, *};
 use crate::{
@@ -60,7 +60,7 @@ fn even_vertices_bound_all_edges_and_follow_no_shadow() {
     assert!(4 * even.mesh.positions.len() < adaptive.mesh.positions.len(), "{} vertices", even.mesh.positions.len());
 }
 
-/// No vertex lies inside an edge of a triangle that does not have it as a corner.
+/// Whether no vertex lies inside an edge of a triangle that lacks it as a corner.
 fn is_conforming(mesh: &Mesh) -> bool {
     let edges = Edges::new(mesh);
     let positions: HashSet<[u32; 3]> = mesh.positions.iter().map(|p| p.to_array().map(f32::to_bits)).collect();
@@ -88,7 +88,7 @@ fn the_result_is_valid_conforming_and_has_the_same_surface() {
     assert!(!is_conforming(&cracked), "negative control: a hanging vertex is noticed");
 }
 
-/// Vertices a square meter of the plane y = `height` between two distances from (0.3, 0.2).
+/// Vertices per square meter of the plane y = `height` between two distances from (0.3, 0.2).
 fn density(mesh: &Mesh, height: f32, near: f32, far: f32) -> f32 {
     let in_ring = |p: &&Vec3| {
         let r = Vec3::new(p.x - 0.3, 0.0, p.z - 0.2).length();
@@ -163,7 +163,7 @@ fn a_shot_that_sees_nothing_is_remarked_and_changes_nothing() {
     assert!(remarks.len() == 1 && remarks[0].contains("shot 1 sees no surface"), "{remarks:?}");
 }
 
-/// Keeps what is remarked.
+/// Keeps remarks.
 struct Remarks(Mutex<Vec<String>>);
 
 impl Observer for Remarks {
@@ -178,7 +178,7 @@ impl Observer for Remarks {
 fn no_budget_leaves_the_mesh_alone() {
     assert_eq!(tessellated(3).mesh, box_over_floor().mesh);
 }
-/// Asks to stop when it has been asked `limit` times.
+/// Requests a stop after `limit` checks.
 struct Impatient {
     asked: AtomicUsize,
     limit: usize,
@@ -192,7 +192,7 @@ impl Observer for Impatient {
     }
 }
 
-/// Whether tessellation was cancelled, how often it asked, and the vertices that there were then.
+/// Whether tessellation was cancelled, the number of checks, and the number of vertices by then.
 fn asked_until(limit: usize) -> (bool, usize, usize) {
     let mut scene = box_over_floor();
     let mut sides = classify(&scene);

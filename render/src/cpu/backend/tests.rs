@@ -1,4 +1,4 @@
-//! The backend gives what the renderer gives, in any number of bands, and its other modes show known values.
+//! The backend matches the renderer in any number of bands, and its other modes show known values.
 
 use super::*;
 use crate::{
@@ -21,7 +21,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 const ILLUM_CUT: u32 = 64;
 
-/// A backend that has everything it needs for pictures of a dataset.
+/// A backend with everything it needs for pictures of a dataset.
 fn lit(dataset: &Arc<Dataset>, light: &Illumination) -> CpuBackend {
     let mut backend = CpuBackend::new();
     backend.set_scene(&dataset.clone().into()).unwrap();
@@ -36,7 +36,7 @@ fn scene() -> (Arc<Dataset>, Illumination) {
     (dataset.into(), light)
 }
 
-/// Renders all samples in bands of some rows.
+/// Renders all samples in bands of `rows` rows.
 fn picture(backend: &mut CpuBackend, view: &View, rows: u32) -> Image {
     backend.begin(view, BrdfSampling::Refine).unwrap();
     for sample in 0..view.aa {
@@ -121,7 +121,7 @@ fn lit_cuts_of_tau_zero_give_the_stored_cuts_picture_and_coarser_ones_nearly() {
         let (coarse, _) = lit_picture(&dataset, &light, 1.0, BrdfSampling::Lit);
         let error = |image: &Image| compare(image, &stored).unwrap().rel_rmse;
         assert!(error(&lit) < 0.02 && lit != stored && coarse != lit, "{} {}", error(&lit), error(&coarse));
-        // A narrow lobe goes down to the stored nodes, however coarse the lit ones are.
+        // A narrow lobe descends to the stored nodes, however coarse the lit ones are.
         assert!(
             !is_broad || error(&coarse) > 2.0 * error(&lit),
             "negative control: {} {}",
@@ -160,7 +160,7 @@ fn modes_show_known_values() {
     assert!((mean(ViewMode::Normals) - Vec3::new(0.5, 1.0, 0.5)).length() < 1e-5);
     assert!((mean(ViewMode::Albedo) - parameters.base_color).length() < 1e-5);
     assert!((mean(ViewMode::Roughness) - 0.3).length() < 1e-5);
-    // Nothing but the horizon divides the sky of a bare floor, and all of its vertices see the same.
+    // Only the horizon divides the sky of a bare floor, and all vertices see the same.
     let cut = dataset.cuts.cut(dataset.tree.height(), 0).len() as f32;
     assert!((mean(ViewMode::VisibilityCut).x / cut - 1.0).abs() < 1e-4);
     let (merged, evaluations) = (mean(ViewMode::MergedCut).x, mean(ViewMode::BrdfEvaluations).x);
@@ -222,7 +222,7 @@ fn wires_run_along_edges_and_change_neither_values_nor_the_rest() {
     let wired = View { wireframe: true, ..plain };
     assert!(picture(&mut backend, &wired, 64) == expected);
     let with = backend.display(&Post::default(), 1).unwrap();
-    // Edges of the eight triangles as seen from above, +X to the right and +Z down: x = 0, z = 0 and z = x + {-2, 0, 2}.
+    // Edges of the eight triangles from above, +X right and +Z down: x = 0, z = 0 and z = x + {-2, 0, 2}.
     let metres_per_pixel = 2.0 * 6.0 * 15.0_f32.to_radians().tan() / 64.0;
     let reach = 0.5 * LINE_WIDTH + LINE_FADE;
     for (i, (a, b)) in with.iter().zip(&without).enumerate() {

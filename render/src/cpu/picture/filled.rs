@@ -6,27 +6,27 @@ use glam::Vec3;
 /// Stand-ins for pixels that lack their first sample.
 #[derive(Default)]
 pub struct Filled {
-    /// Radiance, or the quantity of the view's mode, by [`LightPart`]; empty where the light has no such part.
+    /// Radiance, or the quantity of the view's mode, by [`LightPart`]; empty for parts that the light lacks.
     pub values: [Vec<Vec3>; LightPart::COUNT],
-    /// Coverage by the lines of a wireframe; empty without one.
+    /// Wireframe coverage; empty without a wireframe.
     pub(super) wire: Vec<f32>,
-    /// Whether the value is the share of the light behind it that a ground lets through; empty without such a ground.
+    /// Whether the value is the share of light that a ground transmits; empty without such a ground.
     pub(super) through: Vec<bool>,
 }
 
 /// The stand-ins of a row.
 pub struct FilledRow<'f> {
     pub y: u32,
-    /// By [`LightPart`].
+    /// Values by [`LightPart`].
     pub values: [&'f mut [Vec3]; LightPart::COUNT],
-    /// Empty without a wireframe.
+    /// Wireframe coverage; empty without a wireframe.
     pub wire: &'f mut [f32],
-    /// Empty without a ground that lets light through.
+    /// Empty without a ground that transmits light.
     pub through: &'f mut [bool],
 }
 
 impl Filled {
-    /// The rows of a picture of some width.
+    /// The rows of a picture of this width.
     pub fn rows(&mut self, width: u32) -> Vec<FilledRow<'_>> {
         let width = width.max(1) as usize;
         let count = self.values[LightPart::Environment as usize].len().div_ceil(width) as u32;

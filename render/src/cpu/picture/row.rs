@@ -1,4 +1,4 @@
-//! Samples that are added to a row.
+//! Adding samples to a row.
 
 use super::{Seen, Sum, lights_seen};
 use crate::{
@@ -20,7 +20,7 @@ pub struct Row<'p> {
 }
 
 impl Row<'_> {
-    /// Adds a sample to each pixel that lacks it. Returns the samples of surfaces that were shaded, by part.
+    /// Adds a sample to each pixel that lacks it. Returns the number of shaded surface samples by part.
     pub(super) fn add(
         mut self,
         sampler: &PixelSampler,
@@ -49,12 +49,12 @@ impl Row<'_> {
         shaded
     }
 
-    /// Which parts of a pixel lack a sample.
+    /// Parts of a pixel that lack a sample.
     fn lacks(&self, x: usize, sample: u32) -> [bool; LightPart::COUNT] {
         LightPart::ALL.map(|part| self.parts[part as usize].get(x).is_some_and(|sum| sum.samples == sample))
     }
 
-    /// Whether a pixel lacks a sample of any part, or of what it shows.
+    /// Whether a pixel lacks a sample of any part or its surface.
     fn lacks_any(&self, x: usize, sample: u32) -> bool {
         self.lacks(x, sample).contains(&true) || self.seen[x].samples == sample
     }

@@ -1,4 +1,4 @@
-//! The joint bilateral filter between the points of a lattice. It fills each part of the light for itself.
+//! The joint bilateral filter between lattice points. It fills each part of the light separately.
 
 use super::{Sketch, history::Detail};
 use crate::{
@@ -11,17 +11,17 @@ use crate::{
 use glam::{IVec2, Vec3};
 use rayon::prelude::*;
 
-/// Pixels on each side of a hole along which several holes lie that one shaded pixel stands for.
+/// Radius in pixels around a hole within which one shaded pixel stands in for several holes.
 const BESIDE: i32 = 3;
 
-/// A pixel that nothing around it fits.
+/// A pixel that no neighbor fits.
 pub(super) struct Hole {
     pub pixel: [u32; 2],
-    /// Whether no surface is near that would tell anything of it.
+    /// Whether no nearby surface gives a guess.
     pub is_bare: bool,
 }
 
-/// A sketch and its picture, to fill what the picture lacks.
+/// A sketch and its picture with missing pixels.
 pub(super) struct Filter<'a> {
     sketch: &'a Sketch,
     picture: &'a Picture,
@@ -29,7 +29,7 @@ pub(super) struct Filter<'a> {
     pixel_angle: f32,
 }
 
-/// The points of a lattice around a pixel that tell of it, with their weights.
+/// Fitting lattice points around a pixel, with their weights.
 struct Taps {
     cells: i32,
     points: [([u32; 2], f32); 16],
@@ -42,7 +42,7 @@ impl<'a> Filter<'a> {
         Self { sketch, picture, sampler, pixel_angle }
     }
 
-    /// Fills the pixels without a sample, and returns those that nothing fits.
+    /// Fills pixels without a sample and returns those that no neighbor fits.
     pub fn fill(&self, filled: &mut Filled) -> Vec<Hole> {
         filled.rows(self.sampler.view.size[0]).into_par_iter().flat_map_iter(|row| self.fill_row(row)).collect()
     }
@@ -76,14 +76,14 @@ impl<'a> Filter<'a> {
         holes
     }
 
-    /// What a pixel shows of the mean around it, in units of its divisor.
+    /// Displayed value of a pixel from the mean around it, in units of its divisor.
     fn value(&self, guide: &Guide, mean: Vec3) -> Vec3 {
         let shown = mean * self.divisor(guide);
         let is_share = self.sampler.has_alpha_of_ground() && self.sampler.is_of_ground(guide.material);
         if is_share { Vec3::splat(self.sampler.share_let_through(shown)) } else { shown }
     }
 
-    /// Fills holes beside holes that were shaded: thin things are shaded in part.
+    /// Fills holes next to shaded holes: thin objects are shaded only in part.
     pub fn fill_beside(&self, holes: &[Hole], filled: &mut Filled) {
         let beside = |hole: &Hole| self.beside(hole.pixel);
         let values: Vec<_> = holes.par_iter().map(beside).collect();
@@ -107,15 +107,14 @@ impl<'a> Filter<'a> {
         })
     }
 
-    /// The mean of the lattice points around a pixel, or of those around these, as far as they fit; or what the last
-    /// picture tells alone.
+    /// Mean of the lattice points around a pixel, or of the next ring, as far as they fit; else the last picture's value.
     fn fitting(&self, part: LightPart, pixel: [u32; 2], guide: &Guide, near: &Taps) -> Option<Vec3> {
         self.interpolated(part, pixel, near)
             .or_else(|| self.interpolated(part, pixel, &self.taps(pixel, 2, |other, reach| guide.fit(other, reach))))
             .or_else(|| self.predicted(part, pixel))
     }
 
-    /// The mean over the nearest surfaces, with those of the same material far ahead.
+    /// Mean over the nearest surfaces, with a strong preference for the same material.
     fn guess(&self, part: LightPart, pixel: [u32; 2], guide: &Guide) -> Option<Vec3> {
         let fit = |other: &Guide| if other.material == guide.material { 1.0 } else { OTHER };
         let mut mean = Mean::default();
@@ -136,7 +135,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// The lattice points around a pixel that fit.
+    /// The fitting lattice points around a pixel.
     fn taps(&self, pixel: [u32; 2], cells: i32, fit: impl Fn(&Guide, f32) -> f32) -> Taps {
         let stride = self.stride(pixel);
         let reach = self.reach(self.sketch.guide(pixel[0], pixel[1]), stride);
@@ -157,7 +156,7 @@ impl<'a> Filter<'a> {
         taps
     }
 
-    /// The mean of taps, with the detail of the last picture, if enough of their weight fits.
+    /// Weighted mean of taps, with detail from the last picture, if enough of their weight fits.
     fn interpolated(&self, part: LightPart, pixel: [u32; 2], taps: &Taps) -> Option<Vec3> {
         let (mut mean, mut detail) = (Mean::default(), self.predicted(part, pixel).map(Detail::of));
         for &([x, y], weight) in &taps.points[..taps.count] {
@@ -172,12 +171,12 @@ impl<'a> Filter<'a> {
         mean.fitting(taps.cells).map(|mean| (mean + detail).max(Vec3::ZERO))
     }
 
-    /// What the last picture tells of a pixel.
+    /// The last picture's value for a pixel.
     fn predicted(&self, part: LightPart, [x, y]: [u32; 2]) -> Option<Vec3> {
         self.sketch.history.as_ref()?.predicted(part, x, y)
     }
 
-    /// Distance of a lattice in meters at a pixel.
+    /// Lattice spacing in meters at a pixel.
     fn reach(&self, guide: &Guide, stride: u32) -> f32 {
         stride as f32 * self.pixel_angle * guide.position.distance(self.sampler.view.camera.eye)
     }

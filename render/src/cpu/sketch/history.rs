@@ -1,11 +1,10 @@
-//! What the last picture tells of one from another camera: reverse reprojection (Nehab et al., Accelerating Real-Time Shading
-//! with Reverse Reprojection Caching, 2007).
+//! Reuse of the last picture under a new camera: reverse reprojection (Nehab et al., Accelerating Real-Time Shading with Reverse
+//! Reprojection Caching, 2007).
 //!
-//! A surface point that the last picture also shows is found in it, with the light that it reflected there. That light is
-//! only the detail between the points of a lattice, whose light is computed anew: what the last picture shows at a pixel, less
-//! what its own filter would make of it. It is trusted as far as the last picture agrees with the lattice, so that a
-//! reflection that moves with the eye is dropped. Twin of `history_pass.wgsl`, `past.wgsl` and `predict_pass.wgsl`, and of
-//! `detail` in `sketch_pass.wgsl`.
+//! A surface point that the last picture also shows is found there, with its reflected light. Only the detail between lattice
+//! points is reused: the last picture's value minus its own filtered value. Light at the lattice points is computed anew. The
+//! detail is trusted as far as the last picture agrees with the lattice, so a reflection that moves with the eye is dropped. Twin
+//! of `history_pass.wgsl`, `past.wgsl` and `predict_pass.wgsl`, and of `detail` in `sketch_pass.wgsl`.
 
 use crate::{
     cpu::picture::Picture,
@@ -16,11 +15,11 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{camera::Projection, color::luminance};
 use rayon::prelude::*;
 
-/// A pixel of the last picture: what it saw.
+/// The surface in a pixel of the last picture.
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
     material: u32,
-    /// In meters.
+    /// Position in meters.
     position: Vec3,
     /// Unit normal after bump and normal map.
     normal: Vec3,
@@ -32,16 +31,16 @@ pub(super) struct History {
     projection: Option<Projection>,
     size: [u32; 2],
     points: Vec<Past>,
-    /// Radiance over albedo, by [`LightPart`]; empty where the light had no such part.
+    /// Radiance over albedo by [`LightPart`]; empty for parts that the light lacked.
     values: [Vec<Vec3>; LightPart::COUNT],
-    /// What it tells of the pixels of the new picture, by [`LightPart`]; empty before [`Self::predict`].
+    /// Predicted values of the new picture's pixels by [`LightPart`]; empty before [`Self::predict`].
     predicted: [Vec<Option<Vec3>>; LightPart::COUNT],
     /// Pixels in a row of the new picture.
     width: u32,
 }
 
 impl History {
-    /// Of a picture that is shown, whose pixels see what `guide` tells. The room of `former` is used again.
+    /// Takes a displayed picture whose pixels have these guides. Reuses the buffers of `former`.
     pub fn new<'g>(
         projection: Projection,
         picture: &Picture,
@@ -58,25 +57,25 @@ impl History {
             let of_part = if picture.has_part(part) { size } else { [0, 0] };
             by_rows(&mut values[part as usize], of_part, |x, y| picture.shown(part, x, y) / guide(x, y).albedo);
         }
-        // A new picture has all of its local lights in one part.
+        // A new picture has all its local lights in one part.
         let [.., direct, added] = &mut values;
         direct.iter_mut().zip(added.drain(..)).for_each(|(direct, added)| *direct += added);
         predicted.iter_mut().for_each(Vec::clear);
         Self { projection: Some(projection), size, points, values, predicted, width: 0 }
     }
 
-    /// Finds the pixels of a picture of `size`, which see what `guide` tells, unless that is done.
+    /// Predicts the pixels of a picture of `size` with these guides, unless already done.
     pub fn predict<'g>(&mut self, guide: impl Fn(u32, u32) -> &'g Guide + Sync, size: [u32; 2]) {
         let Some(projection) = self.projection.take() else { return };
         let Self { points, values, predicted, size: from, .. } = self;
         for (values, predicted) in values.iter().zip(predicted).filter(|(values, _)| !values.is_empty()) {
-            // Found anew for each part: to keep where it was found would take longer.
+            // Points are found again for each part, which is faster than storing them.
             by_rows(predicted, size, |x, y| Found::of(guide(x, y), &projection, points, *from)?.mean(values));
         }
         self.width = size[0];
     }
 
-    /// What it tells of a pixel of the new picture: radiance over albedo.
+    /// Predicted radiance over albedo of a pixel in the new picture.
     pub fn predicted(&self, part: LightPart, x: u32, y: u32) -> Option<Vec3> {
         *self.predicted[part as usize].get((y * self.width + x) as usize)?
     }
@@ -90,11 +89,11 @@ fn by_rows<T: Send + Default + Clone>(to: &mut Vec<T>, size: [u32; 2], value: im
     });
 }
 
-/// A surface point in the last picture.
+/// A surface point located in the last picture.
 struct Found {
-    /// Pixels of the last picture around it.
+    /// Surrounding pixels of the last picture.
     pixels: [usize; 4],
-    /// Their weights; zero for those that show something else.
+    /// Pixel weights; zero for pixels of another surface.
     weights: [f32; 4],
 }
 
@@ -110,7 +109,7 @@ impl Found {
         for (i, (pixel, weight)) in pixels.iter_mut().zip(&mut weights).enumerate() {
             let corner = Vec2::new((i % 2) as f32, (i / 2) as f32);
             let Vec2 { x, y } = first + corner;
-            // Compared as floats: a place near the eye's plane may lie beyond all integers.
+            // Compared as floats: a place near the eye's plane may exceed all integers.
             if !(x >= 0.0 && y >= 0.0 && x < size[0] as f32 && y < size[1] as f32) {
                 continue;
             }
@@ -131,23 +130,23 @@ impl Found {
     }
 }
 
-/// What the last picture shows at a pixel beyond what its filter would make of it, and how far to trust that.
+/// Difference of the last picture from its own filtered value at a pixel, and its reliability.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Detail {
     value: Vec3,
     filtered: Mean,
-    /// Sums of the smaller and of the larger of each pair of luminances before and now.
+    /// Sums of the smaller and of the larger luminance of each pair before and now.
     least: f32,
     most: f32,
 }
 
 impl Detail {
-    /// With what the last picture shows at the pixel.
+    /// Starts with the last picture's value at the pixel.
     pub fn of(value: Vec3) -> Self {
         Self { value, filtered: Mean::default(), least: 0.0, most: 0.0 }
     }
 
-    /// Adds a point of the lattice: its value in the last picture and in this one.
+    /// Adds a lattice point: its value in the last picture and in this one.
     pub fn add(&mut self, before: Vec3, now: Vec3, weight: f32) {
         self.filtered.add(before, weight);
         let (before, now) = (luminance(before), luminance(now));

@@ -1,4 +1,4 @@
-//! Which pixels see something else when objects are posed anew.
+//! Pixels whose surface changes when objects are posed.
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -9,18 +9,18 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Pixels around the box of an object that count as it does: samples lie beside the middles of pixels.
+/// Margin in pixels around an object's box: samples are not at pixel centers.
 const MARGIN: f32 = 2.0;
 
-/// What is elsewhere in one mesh than in another that has the same triangles.
+/// Differences of two meshes with the same triangles.
 pub struct Moved {
     is_moved: Vec<bool>,
-    /// Around the moved triangles of each object, where they are now.
+    /// Boxes around the moved triangles of each object, at their current place.
     boxes: Vec<Bounds>,
 }
 
 impl Moved {
-    /// Between two poses of a scene.
+    /// Compares two poses of a scene.
     pub fn between(before: &Mesh, now: &Mesh) -> Self {
         let is_vertex_moved = |v: &u32| {
             let v = *v as usize;
@@ -36,19 +36,19 @@ impl Moved {
         Self { is_moved, boxes: boxes.into_values().collect() }
     }
 
-    /// Whether a triangle is elsewhere, or is new.
+    /// Whether a triangle has moved or is new.
     pub fn contains(&self, triangle: u32) -> bool {
         self.is_moved.get(triangle as usize).copied().unwrap_or(true)
     }
 
-    /// Rectangles of pixels, from and up to columns and rows, outside of which nothing is seen that has moved there.
+    /// Pixel rectangles (inclusive start, exclusive end in columns and rows) that contain all moved objects now.
     pub fn rectangles(&self, camera: &Camera, size: [u32; 2]) -> Vec<[[u32; 2]; 2]> {
         let projection = camera.projection(size);
         self.boxes.iter().map(|bounds| rectangle(&projection, bounds, size)).collect()
     }
 }
 
-/// Around a box; the whole picture if part of it is beside or behind the eye.
+/// Rectangle around a box; the whole picture if part of the box is beside or behind the eye.
 fn rectangle(projection: &Projection, bounds: &Bounds, size: [u32; 2]) -> [[u32; 2]; 2] {
     let corner = |i: u32| {
         let pick = |bit: u32, axis: usize| if i >> bit & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
@@ -59,7 +59,7 @@ fn rectangle(projection: &Projection, bounds: &Bounds, size: [u32; 2]) -> [[u32;
     let places = || corners.iter().map(|&(place, _)| place);
     let low = places().fold(Vec2::INFINITY, Vec2::min) - MARGIN;
     let high = places().fold(Vec2::NEG_INFINITY, Vec2::max) + MARGIN;
-    // Conversions clamp: what lies outside of the picture makes an empty rectangle.
+    // Conversions clamp: a box outside the picture gives an empty rectangle.
     let within = |place: Vec2| [(place.x as u32).min(size[0]), (place.y as u32).min(size[1])];
     [within(low), within(high.ceil())]
 }

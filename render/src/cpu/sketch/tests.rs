@@ -1,4 +1,4 @@
-//! Sketches come close to the picture, keep its edges, and end as the picture.
+//! Sketches are close to the picture, keep its edges, and end as the picture.
 
 use super::by_blocks;
 use crate::{
@@ -67,7 +67,7 @@ fn whole(backend: &mut CpuBackend, view: &View) -> Image {
     backend.read(1).unwrap().0
 }
 
-/// A picture of another size, stretched to one of `size`.
+/// A picture stretched to `size`.
 fn stretched(image: &Image, size: [u32; 2]) -> Image {
     let [from, to] = [image.size, size].map(|[x, y]| Vec2::new(x as f32, y as f32));
     let at = |p: Vec2| {
@@ -190,7 +190,7 @@ fn lit_with(dataset: &Arc<Dataset>, appearance: &Appearance) -> CpuBackend {
 
 #[test]
 fn a_thin_object_is_shaded_itself() {
-    // Half a pixel to the right of a lattice column, and less than a cell wide.
+    // Half a pixel to the right of a lattice column and narrower than a cell.
     let narrow = |mesh: &mut Mesh| {
         let first = mesh.positions.len() - 8;
         mesh.positions[first..].iter_mut().for_each(|p| p.x = 0.05 + 0.03 * p.x);
@@ -227,14 +227,14 @@ fn without_light_and_in_the_smallest_pictures_nothing_is_undefined() {
     }
 }
 
-/// The view from an eye that has gone a little to the side.
+/// The view after the eye has moved slightly sideways.
 fn moved(view: &View) -> View {
     let mut moved = view.clone();
     moved.camera.eye.x += 0.1;
     moved
 }
 
-/// A sketch of the coarsest lattice after a whole sketch of another view, with edits between.
+/// A sketch of the coarsest lattice after a complete sketch of another view, with edits between.
 fn sketched_after(backend: &mut CpuBackend, before: &View, view: &View, stale: &Stale) -> Image {
     sketched(backend, before, 1);
     coarse(backend, view, stale)
@@ -258,7 +258,7 @@ fn after_a_small_move_a_sketch_has_the_detail_of_the_last_picture() {
     let after = sketched_after(&mut backend, &view, &moved, &Stale::NOTHING);
     let errors = [rel_rmse(&after, &full), rel_rmse(&alone, &full)];
     assert!(errors[0] < 0.4 * errors[1], "{errors:?}");
-    // From a smaller picture too, as when one rests.
+    // Also from a smaller picture, as at the end of a drag.
     let reduced = View { size: view.size.map(|side| side / 2), ..moved.clone() };
     let rested = rel_rmse(&sketched_after(&mut backend, &reduced, &moved, &Stale::NOTHING), &full);
     assert!(rested < 0.7 * errors[1], "{rested} {errors:?}");
@@ -299,7 +299,7 @@ fn a_sketch_knows_nothing_of_pictures_of_another_light_or_material() {
     backend.resume(&moved, BrdfSampling::Once, &Stale::NOTHING).unwrap();
     assert!(coarse(&mut backend, &moved, &Stale::NOTHING) == alone, "another way to merge was between");
     assert!(!after(&mut backend, &view, &Stale::NOTHING), "negative control");
-    // Nor of the scene before.
+    // Nothing of the previous scene remains either.
     sketched(&mut backend, &view, 1);
     let lighting = Renderer::new(dataset.clone()).lighting(&light(), 64);
     backend.set_scene(&dataset.clone().into()).unwrap();

@@ -19,11 +19,11 @@ use std::array::from_fn;
 pub struct ShadowRays {
     /// Samples along each side of an area light; averages over neighboring points reduce their error.
     pub area_samples: u32,
-    /// Distance in meters that they start off a surface.
+    /// Distance in meters of ray origins from the surface.
     pub offset: f32,
 }
 
-/// Irradiance of each point from `lights`, by one normal per point. Points that lie close together in `order` send their rays
+/// Irradiance of each point from `lights`, by one normal per point. Points that are close together in `order` trace their rays
 /// through the same boxes.
 pub fn light_irradiance(
     points: &[Surfel],
@@ -55,13 +55,13 @@ pub fn light_irradiance(
 
 fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
     let side = if light.is_delta() { 1 } else { area_samples };
-    // The middles of equal parts, moved apart so that their spread is that of the whole side.
+    // Centers of equal parts, moved apart so that they have the variance of the whole side.
     let apart = 1.0 / (1.0 - 1.0 / (side * side).max(2) as f32).sqrt();
     let middle = |i: u32| 0.5 + ((i as f32 + 0.5) / side as f32 - 0.5) * apart;
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
 }
 
-/// What up to eight points with their normals receive of a light's sample.
+/// Light of one light sample at up to eight points with their normals.
 fn light_sample(
     points: &[(&Surfel, Vec3)],
     light: &LightSampler,

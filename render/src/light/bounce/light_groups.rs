@@ -1,6 +1,5 @@
-//! Groups of lights with stored irradiance on some points, so that an edit casts rays only for lights that have
-//! changed. The first edit of a light casts rays for all lights of its group. Edited lights then have groups of their
-//! own.
+//! Groups of lights with stored irradiance at some points, so that an edit casts rays only for changed lights. The first edit of a
+//! light casts rays for all lights of its group. Edited lights then have groups of their own.
 
 use crate::light::light_counts::{LightCounts, LightKey, light_key};
 use glam::Vec3;
@@ -10,7 +9,7 @@ use std::collections::HashSet;
 /// Largest number of groups; each takes 12 bytes per point.
 pub(super) const LIGHT_GROUPS: usize = 64;
 
-/// Groups that edited lights may take up.
+/// Most groups of edited lights.
 const EDITED_GROUPS: usize = LIGHT_GROUPS / 2;
 
 /// Some lights and their joint irradiance at each point, visibility included.
@@ -26,7 +25,7 @@ pub(super) struct LightGroups {
 }
 
 impl LightGroups {
-    /// Replaces the lights; `cast` computes the irradiance of some of them.
+    /// Replaces the lights; `cast` computes the joint irradiance of a few.
     pub fn update(&mut self, lights: &[Light], cast: impl Fn(&[Light]) -> Vec<Vec3>) {
         let on: Vec<&Light> = lights.iter().filter(|light| light.enabled).collect();
         let mut wanted = LightCounts::of(on.iter().copied());
@@ -77,7 +76,7 @@ mod tests {
         (0..count).map(|i| point_light(Vec3::new(i as f32, 0.0, 0.0), 1.0)).collect()
     }
 
-    /// Groups that tell how many lights cast rays at each update.
+    /// Groups that count the lights that cast rays at each update.
     #[derive(Default)]
     struct Counted {
         groups: LightGroups,
@@ -94,7 +93,7 @@ mod tests {
             });
             let sum = groups.groups.iter().map(|group| group.irradiance[0]).sum::<Vec3>();
             let on: Vec<Light> = lights.iter().filter(|l| l.enabled).cloned().collect();
-            assert_eq!(sum, irradiance(&on).first().copied().unwrap_or_default(), "whatever was cast again");
+            assert_eq!(sum, irradiance(&on).first().copied().unwrap_or_default(), "however many were cast again");
             assert!(groups.groups.len() <= LIGHT_GROUPS);
             last.get()
         }
@@ -112,9 +111,9 @@ mod tests {
             assert!(cast > 0 && cast <= most, "step {step}: {cast}");
         }
         lights[700].enabled = false;
-        assert_eq!(counted.update(&lights), 0, "it has a group of its own");
+        assert_eq!(counted.update(&lights), 0, "the edited light has its own group");
         lights.remove(3);
-        assert!(counted.update(&lights) <= 64, "those behind a removed light are the same");
+        assert!(counted.update(&lights) <= 64, "the lights after a removed one are unchanged");
         lights.insert(0, point_light(Vec3::splat(0.5), 1.0));
         assert_eq!(counted.update(&lights), 1);
         lights[5].name = "renamed".into();
@@ -139,7 +138,7 @@ mod tests {
         }
         assert!(cast < 200 * 60, "{cast}, where all lights each time are 60,000");
         lights.iter_mut().for_each(|light| light.intensity *= 2.0);
-        assert!(counted.update(&lights) > 100, "negative control: all have changed");
+        assert!(counted.update(&lights) > 100, "negative control: all lights changed");
         assert_eq!((counted.update(&[]), counted.groups.groups.len()), (0, 0));
     }
 }

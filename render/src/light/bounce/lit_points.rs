@@ -1,4 +1,4 @@
-//! Surface points under changing lights, with stored results of what an edit does not change.
+//! Surface points under changing lights, with stored results that an edit does not change.
 
 use super::{
     irradiance::{ShadowRays, light_irradiance},
@@ -17,9 +17,9 @@ use rayon::prelude::*;
 pub(crate) struct LitPoints {
     baked: Baked,
     pub(super) points: Vec<Surfel>,
-    /// Their numbers, in the order in which they cast rays.
+    /// Point indices in the order of ray casting.
     order: Vec<u32>,
-    /// Shading normals, one per point, so that the bounce is as bright as the visible surface.
+    /// Shading normals, one per point: the bounce is then as bright as the visible surface.
     normals: Vec<Vec3>,
     area_samples: u32,
     albedo: Vec<Vec3>,
@@ -31,8 +31,7 @@ pub(crate) struct LitPoints {
 }
 
 impl LitPoints {
-    /// Points of a dataset with the materials of its bake and without light. Area lights cast `area_samples` rays along
-    /// each of their sides.
+    /// Points of a dataset with the baked materials and no light. Area lights cast `area_samples` rays along each side.
     pub fn new(baked: &Baked, points: Vec<Surfel>, area_samples: u32) -> Self {
         let dataset = baked.dataset.clone();
         let (albedo, emission, lights) = (Vec::new(), Vec::new(), LightGroups::default());
@@ -44,14 +43,14 @@ impl LitPoints {
         lit
     }
 
-    /// Casts the rays of points that lie together one after another, of points that do not follow each other like that.
+    /// Casts rays in spatial order. Use it for points whose own order is not spatial.
     #[must_use]
     pub fn in_spatial_order(self) -> Self {
         let positions: Vec<Vec3> = self.points.iter().map(|point| point.position).collect();
         Self { order: spatial_order(&positions), ..self }
     }
 
-    /// Takes the same points to where the scene is posed; no light shines on them then.
+    /// Moves the points to the posed scene and removes their light.
     pub fn pose(&mut self, posed: &Baked, points: Vec<Surfel>) {
         self.normals = points.par_iter().map(|point| posed.dataset.scene.mesh.shading_normal(point)).collect();
         (self.baked, self.points) = (posed.clone(), points);
@@ -63,12 +62,12 @@ impl LitPoints {
         &self.albedo
     }
 
-    /// Radiance in W/(m² sr) that the points send by themselves.
+    /// Radiance in W/(m² sr) that the points emit.
     pub fn emission(&self) -> &[Vec3] {
         &self.emission
     }
 
-    /// Gives the points other materials, and shines lights on them. Rays are cast for lights that have changed.
+    /// Updates materials and lights. Casts rays only for changed lights.
     pub fn update(&mut self, appearance: &Appearance, lights: &[Light], changes: Changes) {
         if changes.appearance {
             self.take_appearance(appearance);
@@ -95,7 +94,7 @@ impl LitPoints {
         sum
     }
 
-    /// Distance in meters of shadow ray origins from a surface.
+    /// Distance in meters of shadow ray origins from the surface.
     fn ray_offset(&self) -> f32 {
         offset::BOUNCE * self.baked.dataset.scene.mesh.bounds().diagonal()
     }

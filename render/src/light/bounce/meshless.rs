@@ -1,6 +1,5 @@
-//! Bounced light through the meshless basis. Direct light on the senders is sampled at points under them and sent
-//! through the operator for some bounces. The result is evaluated at the points of pixels, for display, or at the surface
-//! sources, for the bounce that cuts gather.
+//! Bounced light through the meshless basis. Direct light is sampled at the senders' points, and the transport operator adds
+//! bounces. The result is evaluated at pixels for display, or at the surface sources as input of the bounce that cuts gather.
 
 pub(crate) mod compared;
 pub(crate) mod functions;
@@ -26,25 +25,25 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Samples of an area light along each of its sides; senders have several points.
+/// Samples of an area light along each of its sides; a sender has several points.
 const AREA_SAMPLES: u32 = 2;
 
-/// Solves for the bounces of a dataset repeatedly, and keeps what an edit does not change.
+/// Solves for the bounces of a dataset repeatedly and keeps results that an edit does not change.
 pub struct MeshlessRig {
     dataset: Arc<Dataset>,
     solver: Solver,
     samples: SenderSamples,
-    /// Their points under local lights.
+    /// Sender points under local lights.
     lit: LitPoints,
     /// Irradiance of the senders from the environment.
     environment: Option<Vec<Vec3>>,
-    /// Weights of the sources, if there are any; computed at the first use.
+    /// Weights of the surface sources, if the dataset has any; computed at the first use.
     at_sources: Option<Flattening>,
     solved: Option<Solution>,
 }
 
 impl MeshlessRig {
-    /// For a dataset with the materials of its bake and without light; `None` if it has no meshless basis.
+    /// Starts with the baked materials and no light; `None` if the dataset has no meshless basis.
     pub fn new(baked: &Baked) -> Option<Self> {
         let dataset = baked.dataset.clone();
         let bake = dataset.meshless.as_deref()?;
@@ -61,7 +60,7 @@ impl MeshlessRig {
         Some(Self { dataset, solver, samples, lit, environment, at_sources, solved })
     }
 
-    /// The light of all bounces, for any point.
+    /// Light of all bounces, for any point.
     pub fn light(&mut self) -> MeshlessLight {
         let coefficients = self.solved().coefficients.clone();
         MeshlessLight::new(&self.dataset, coefficients).expect("the dataset has a basis")
@@ -82,7 +81,7 @@ impl MeshlessRig {
         vectors.par_iter().zip(sources).map(received).collect()
     }
 
-    /// Energy of each bounce of the last solution; `None` after a change that has not been solved for.
+    /// Energy of each bounce of the last solution; `None` if a change has not been solved for.
     pub fn energy(&self) -> Option<BounceEnergy> {
         self.solved.as_ref().map(Solution::energy)
     }
@@ -144,7 +143,7 @@ mod tests {
         Edited::new(baked, MeshlessRig::new(baked).expect("it has a basis"))
     }
 
-    /// Vector irradiance on the front of a vertex that faces up.
+    /// Vector irradiance on the upper side of a floor vertex.
     fn on_floor(rig: &mut Edited<MeshlessRig>) -> Mat3A {
         let light = rig.light();
         let mesh = &light.dataset().scene.mesh;
@@ -214,7 +213,7 @@ mod tests {
             * FRAC_1_PI
             * LINK.dot(Vec3::Y);
         let found = super::irradiance(&on_floor(&mut rig), Vec3::Y).x;
-        // They count by what they see beyond a quarter of the functions' radius.
+        // Only light from beyond a quarter of the functions' radius counts.
         let reach = 0.25 * baked.dataset.meshless.as_ref().unwrap().basis.radii()[0];
         let open = finer.map(|p| {
             let free = |i: &u32| {
@@ -241,7 +240,7 @@ mod tests {
             rig.set_environment(Some(Renderer::new(baked.clone()).lighting(light, 256)));
             super::irradiance(&on_floor(&mut rig), Vec3::Y)
         };
-        // What the floor does not hide of it from the vertices around, by cosine.
+        // Cosine-weighted light at the surrounding vertices that the floor does not block.
         let free = |vertex: u32, i: u32| {
             let direction = cosine_direction((i as f32 + 0.5) / 1024.0, (i as f32 * 0.618_034).fract());
             let origin = mesh.positions[vertex as usize] + 1e-4 * (wall.normal + Vec3::Y);
@@ -253,7 +252,7 @@ mod tests {
         let expected = open * albedo * radiance * LINK.dot(Vec3::Y);
         let found = under(&illumination([64, 32], |_, _| radiance));
         assert!((found / expected - 1.0).abs().max_element() < 0.05, "{found} for {expected}, {open}");
-        // The wall faces +X, whose directions are on the left of the map.
+        // The wall faces +X; those directions are in the left half of the map.
         let behind = under(&illumination([64, 32], |x, _| radiance * f32::from(u8::from(x >= 32))));
         assert!(behind.max_element() < 0.02 * expected.max_element(), "negative control, from behind: {behind}");
         rig.set_environment(None);
@@ -263,8 +262,8 @@ mod tests {
     #[test]
     fn further_bounces_arrive_by_smooth_normals() {
         const BACK: Vec3 = Vec3::new(0.3, -0.2, 0.1);
-        // Both send. The light stands behind the wall and shines over it on the floor, so that the wall receives only
-        // what the floor sends.
+        // Both surfaces send. The light stands behind the wall and shines over it on the floor, so the wall receives only light
+        // from the floor.
         let over_the_wall = Light { position: Vec3::new(-3.0, 5.0, 0.0), ..lamp(3.0)[0].clone() };
         let means = |wall_normal: Vec3| {
             let mut dataset = linked(Vec3::Y, LINK);

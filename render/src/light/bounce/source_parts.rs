@@ -1,5 +1,5 @@
-//! Points spread over the surface that each source represents. The edge of a shadow, a close lamp or a pattern may
-//! cross it, and the source sends the mean.
+//! Points spread over the surface that each source represents. A shadow edge, a close lamp or a pattern may cross that surface, and
+//! the source sends the mean.
 
 use glam::Vec3;
 use lapidary_core::{
@@ -10,10 +10,10 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 
-/// Points a source.
+/// Points per source.
 pub(super) const PARTS: usize = 4;
 
-/// [`PARTS`] points of the surface for each source. Rays start `offset` meters off it.
+/// [`PARTS`] surface points for each source. Rays start `offset` meters off the surface.
 pub(super) fn source_parts(sources: &[Source], intersector: &Intersector, offset: f32) -> Vec<Surfel> {
     let parts = |(i, source): (usize, &Source)| {
         let place = move |part| place_of_part((i, source), part, intersector, offset);
@@ -22,8 +22,8 @@ pub(super) fn source_parts(sources: &[Source], intersector: &Intersector, offset
     sources.par_iter().enumerate().with_min_len(64).flat_map_iter(parts).collect()
 }
 
-/// A point of the surface beneath a position in the source's disc. It is the source itself if that position is behind a
-/// wall, above another surface, or above none.
+/// The surface point beneath a position in the source's disc. It is the source's own point if the position is behind a wall, above
+/// another surface, or above none.
 fn place_of_part(
     (source_index, source): (usize, &Source),
     part: usize,
@@ -33,7 +33,7 @@ fn place_of_part(
     let Surfel { position, normal, .. } = source.surfel;
     let radius = (source.area * FRAC_1_PI).sqrt();
     let (u, v) = normal.any_orthonormal_pair();
-    // A square with the same spread as the disc, rotated per source so that neighbors do not line up.
+    // A square with the variance of the disc, rotated per source so that neighbors do not align.
     let golden_angle = PI * (3.0 - 5.0_f32.sqrt());
     let (sin, cos) = (golden_angle * (source_index % 4096) as f32 + 0.5 * PI * part as f32).sin_cos();
     let lift = normal * (0.5 * radius + offset);

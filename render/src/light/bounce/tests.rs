@@ -1,5 +1,5 @@
-//! Known answers of a bounce: a wall of known radiosity lights a floor as Lambert's formula for polygons says, and the
-//! sources on it receive what lights and environment give by hand. Each with a negative control.
+//! Known answers for one bounce: a wall of known radiosity lights a floor by Lambert's formula for polygons, and the sources on it
+//! receive the computed light of lamps and environment. Each test has a negative control.
 
 use super::*;
 use crate::{
@@ -55,7 +55,7 @@ fn rel_rmse(a: &Image, b: &Image) -> f32 {
     (error / b.pixels.iter().map(|b| b.length_squared()).sum::<f32>()).sqrt()
 }
 
-/// The floor's points that a picture shows.
+/// The floor points that a picture shows.
 fn floor_image(view: &View, f: impl Fn(Vec3) -> Vec3) -> Image {
     Image::from_fn(view.size, |x, y| {
         let direction = view.camera.direction_through(Vec2::new(x as f32, y as f32) + 0.5, view.size);
@@ -83,7 +83,7 @@ fn the_bounce_of_a_wall_is_that_of_its_form_factor() {
     assert!(rel_rmse(&brighter, &expected) > 0.08, "negative control");
 }
 
-/// The floor of this scene is white, so that the wall's radiance alone decides.
+/// The floor of this scene is white, so only the wall's radiance counts.
 #[test]
 fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
     let dataset = Arc::new(floor_and_wall(2 * SIDE_LOG2));
@@ -189,7 +189,7 @@ fn lights_give_sources_what_geometry_says_and_only_changed_ones_are_cast_again()
     assert!(rig.lit.lights.groups.len() <= light_groups::LIGHT_GROUPS && rig.irradiance()[0].x > 100.0);
 }
 
-/// The wall's vertices lean by 60 degrees, so that it looks as if it did; what it sends is what is seen of it.
+/// The wall's vertex normals lean by 60 degrees, so the wall looks tilted. It sends the light of its shaded look.
 #[test]
 fn light_is_received_by_the_normals_that_are_seen_on_either_side() {
     let sun = |toward: Vec3| light(Emission::PARALLEL, -3.0 * toward, Vec3::ZERO, 2.0);
@@ -244,7 +244,7 @@ fn a_constant_environment_gives_a_free_source_pi() {
     };
     let full = shine(&illumination([64, 32], |_, _| Vec3::new(1.0, 2.0, 0.5)));
     assert!(full.iter().all(|e| (*e / PI - Vec3::new(1.0, 2.0, 0.5)).abs().max_element() < 0.02), "{}", full[0]);
-    // The wall faces +X, whose directions are on the left of the map.
+    // The wall faces +X; those directions are in the left half of the map.
     let half = shine(&illumination([64, 32], |x, _| Vec3::splat(f32::from(u8::from(x >= 32)))));
     assert!(half.iter().all(|e| e.x < 0.02 * PI), "{}", half[0]);
     rig.set_environment(None);
@@ -323,7 +323,7 @@ fn the_view_of_visibility_cuts_shows_those_over_sources_where_the_environment_wa
         let view = View { mode: ViewMode::VisibilityCut, ..from_above(8) };
         backend.begin(&view, BrdfSampling::Refine).unwrap();
         backend.render_rows(0, 0..8).unwrap();
-        // Every vertex of the floor has a cut of all nodes of one depth.
+        // Every floor vertex has a cut of all nodes of one depth.
         let nodes = backend.read(1).unwrap().0.pixels[27].x;
         assert_eq!((nodes - (1 << depth) as f32).abs() < 1e-3, is_over_sources, "{mode:?}: {nodes}");
     }

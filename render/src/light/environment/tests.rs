@@ -16,10 +16,10 @@ use std::f32::consts::PI;
 
 const SIZE: [u32; 2] = [1024, 512];
 
-/// Radiance of the sky: little, for it is interpolated over the few vertices of these scenes.
+/// Radiance of the sky: small, because the few vertices of these scenes interpolate it.
 const SKY: f32 = 0.05;
 
-/// A gray sky with a sun of `degrees` across, whose light on a surface that faces it is `irradiance`.
+/// A gray sky with a sun `degrees` wide that gives a surface facing it this `irradiance`.
 fn sunny(toward: Vec3, degrees: f32, irradiance: f32) -> Illumination {
     let radius = (0.5 * degrees).to_radians();
     let radiance = irradiance / (PI * radius.sin().powi(2));
@@ -60,7 +60,7 @@ fn a_rotation_keeps_the_light() {
     let all: Vec<f64> = (0..360).step_by(7).map(|degrees| at(&mut rig, degrees, &light)).collect();
     let (least, most) = all.iter().fold((f64::MAX, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
     assert!(most / least - 1.0 < 1e-3, "{least} to {most}");
-    // Samples alone move with the sun between them.
+    // Samples alone change as the sun moves between them.
     let plain = without_suns(&light);
     let all: Vec<f64> = (0..360).step_by(7).map(|degrees| at(&mut rig, degrees, &plain)).collect();
     let (least, most) = all.iter().fold((f64::MAX, 0.0_f64), |(a, b), &x| (a.min(x), b.max(x)));
@@ -74,7 +74,7 @@ fn the_whole_light_is_that_of_the_map() {
     let [sun] = &light.suns()[..] else { panic!("one sun") };
     let turned = Quat::from_rotation_y(1.0) * Vec3::new(-0.5, 0.8, 0.1).normalize();
     assert!((-sun.forward().unwrap()).angle_between(turned) < 2e-3);
-    // The map's disc has steps.
+    // The disc in the map has steps.
     assert!((sun.intensity.x / 6.0 - 1.0).abs() < 0.04, "{}", sun.intensity);
     assert!(without_suns(&light).suns().is_empty() && Arc::ptr_eq(&without_suns(&light).sampled(), &light.environment));
     assert!(!light.is_same(&without_suns(&light)));
@@ -89,13 +89,13 @@ fn the_whole_light_is_that_of_the_map() {
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} of {expected}");
 }
 
-/// The wall of the plates shades half of their floor; what is lit and what is dark follows from the height of the wall.
+/// The wall shades half of the floor; its height decides which points are lit.
 #[test]
 fn shadows_are_as_sharp_as_the_sun() {
     let data = dataset(plates(), white());
     let camera = Camera::look_at(Vec3::new(1.0, 8.0, 0.01), Vec3::new(1.0, 0.0, 0.0), 14.0);
     let view = View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [64, 64]) };
-    // From over the wall at 45 degrees: its shadow ends in the middle of the floor.
+    // Light from above the wall at 45 degrees: the shadow ends in the middle of the floor.
     let light = sunny(Vec3::new(-1.0, 1.0, 0.0).normalize(), 2.0, 3.0);
     let settings =
         PathSettings { components: Components { environment: true, ..Components::NONE }, ..PathSettings::direct(256) };

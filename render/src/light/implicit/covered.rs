@@ -1,4 +1,4 @@
-//! What something lies on. Bins do not tell: they skip the backs of what a leaf is inside. A bake has found the vertices.
+//! Surfaces that another object lies on. Bins do not show this: they skip back faces around a leaf. The baked vertices do.
 
 use super::{Sides, vertices::VertexLeaves};
 use glam::Vec3;
@@ -13,28 +13,28 @@ use lapidary_core::{
     surfel::{MeshPlace, Surfel},
 };
 
-/// Share of open leaves beside a vertex below which their light says nothing of it.
+/// Least open share of the leaves beside a vertex that can give it light.
 const LEAST_OPEN: f32 = 0.05;
 
-/// How much of leaves and vertices nothing lies on, as baked.
+/// How far leaves and vertices are uncovered, as baked.
 pub struct Covered {
-    /// By leaf, 0 to 1.
+    /// Open share by leaf, 0 to 1.
     leaves: Vec<f32>,
     leaf_positions: Vec<Vec3>,
-    /// By vertex, 0 or 1.
+    /// Openness by vertex, 0 or 1.
     vertices: Vec<f32>,
     vertex_positions: Vec<Vec3>,
     objects: Objects,
 }
 
-/// The box of an object that moved.
+/// Boxes of an object that moved, as baked and now.
 pub struct Left {
     as_baked: Bounds,
     now: Bounds,
 }
 
 impl Left {
-    /// Whether it was at a place that it has left.
+    /// Whether the object covered a place and has left it.
     fn uncovers(&self, place: Vec3) -> bool {
         self.as_baked.contains(place) && !self.now.contains(place)
     }
@@ -58,7 +58,7 @@ impl Covered {
         }
     }
 
-    /// What the objects of `poses` have left in the mesh that is `posed` so.
+    /// Boxes of the moved objects of `poses`; `posed` is the mesh in these poses.
     pub fn left(&self, poses: &Poses, posed: &Mesh) -> Vec<Left> {
         let margin = 1e-3 * Bounds::around(self.vertex_positions.iter().copied()).diagonal();
         let of_object = |object: u32| {
@@ -71,7 +71,7 @@ impl Covered {
         poses.moved().filter(|&object| (object as usize) < self.objects.len()).map(of_object).collect()
     }
 
-    /// What lies open where objects have left.
+    /// Open leaves and vertices after the objects in `left` have moved away.
     pub fn open(&self, beside: &VertexLeaves, left: &[Left]) -> Open {
         let leaves = uncovered(&self.leaves, &self.leaf_positions, left);
         let vertices = uncovered(&self.vertices, &self.vertex_positions, left);
@@ -79,18 +79,18 @@ impl Covered {
     }
 }
 
-/// How much of leaves and vertices nothing lies on.
+/// How far leaves and vertices are uncovered.
 pub struct Open {
-    /// By leaf, 0 to 1.
+    /// Open share by leaf, 0 to 1.
     leaves: Vec<f32>,
-    /// By vertex, 0 or 1.
+    /// Openness by vertex, 0 or 1.
     vertices: Vec<f32>,
-    /// Means of the leaves beside the vertices, on both sides.
+    /// Mean open shares of the leaves beside the vertices, on both sides.
     shares: [Vec<f32>; 2],
 }
 
 impl Open {
-    /// Values of vertices from those of leaves: of what lies open. Covered vertices are dark.
+    /// Values at the vertices from the open leaves' values. Covered vertices are dark.
     pub fn at_vertices(&self, beside: &VertexLeaves, leaves: &[Vec3]) -> Sides {
         let values: Vec<Vec3> = leaves.iter().zip(&self.leaves).map(|(&leaf, &open)| leaf * open).collect();
         let [front, back] = beside.apply(&values);
@@ -104,7 +104,7 @@ impl Open {
     }
 }
 
-/// How much of places nothing lies on.
+/// Open shares of places after some objects have left.
 fn uncovered(as_baked: &[f32], positions: &[Vec3], left: &[Left]) -> Vec<f32> {
     let open = |(&open, &position): (&f32, &Vec3)| {
         if open < 1.0 && left.iter().any(|object| object.uncovers(position)) { 1.0 } else { open }

@@ -1,4 +1,4 @@
-//! Visibility cuts of vertices that moved, from the bins of the leaves beside them.
+//! Visibility cuts of moved vertices, from the bins of the leaves beside them.
 
 use super::vertices::VertexLeaves;
 use glam::Vec3;
@@ -11,10 +11,10 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Directions that are looked up for each bin at least.
+/// Least number of directions per bin.
 const DIRECTIONS_OF_A_BIN: usize = 4;
 
-/// What a leaf sees along each direction.
+/// Visibility of one leaf along each direction.
 struct Sight {
     /// 1 where it sees the sky, else 0.
     sky: Vec<f32>,
@@ -77,7 +77,8 @@ impl Sight {
     }
 }
 
-/// Share of the sky that leaves see in a direction, in units of [`OPEN`], from the sums of their weights. Those count that face it.
+/// Share of the sky that leaves see in a direction, in units of [`OPEN`], from their summed weights. Only leaves that face the
+/// direction count.
 fn share_of_sky(sky: f32, above: f32) -> u8 {
     if above > 0.0 { (sky / above * f32::from(OPEN) + 0.5) as u8 } else { 0 }
 }

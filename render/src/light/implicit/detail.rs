@@ -1,22 +1,20 @@
-//! How finely the light of posed objects is found.
+//! ImplicitDetail levels for the light of posed objects.
 
 use lapidary_core::implicit::BinLayout;
 
-/// Surfels, bins and bounces of implicit visibility, from what a slow machine finds while an object is dragged to what a picture at
-/// rest has.
+/// Surfels, bins and bounces of implicit visibility: from a drag on a slow machine to a picture at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ImplicitDetail {
     /// Leaves of the surfel forest.
     surfels: u32,
-    /// Bins along an edge of the square of a leaf.
+    /// Bins along one edge of a leaf's square.
     side: u16,
-    /// Most bounces that are followed.
+    /// Most bounces to follow.
     bounces: u16,
 }
 
 impl ImplicitDetail {
-    /// From the coarsest to the finest. Each is less exact than the next and takes less time, measured in the color box
-    /// (`docs/results.md`).
+    /// Levels from coarsest to finest, each less exact and faster than the next, as measured in the color box (`docs/results.md`).
     pub const LADDER: [Self; 5] = [
         Self { surfels: 4096, side: 14, bounces: 1 },
         Self { surfels: 8192, side: 14, bounces: 2 },
@@ -24,9 +22,9 @@ impl ImplicitDetail {
         Self { surfels: 16_384, side: 20, bounces: 3 },
         Self { surfels: 32_768, side: 20, bounces: 3 },
     ];
-    /// Of the first drag, before any was measured.
+    /// Level of the first drag, before any measurement.
     pub const OF_A_DRAG: Self = Self::LADDER[1];
-    /// Of pictures that nobody waits for.
+    /// Level for pictures at rest.
     pub const FINEST: Self = Self::LADDER[4];
 
     /// Leaves of the surfel forest.
@@ -34,19 +32,19 @@ impl ImplicitDetail {
         self.surfels
     }
 
-    /// The bins of each leaf.
+    /// Bin layout of each leaf.
     pub fn layout(self) -> BinLayout {
         BinLayout::new(self.side.into())
     }
 
-    /// Most bounces that are followed.
+    /// Most bounces to follow.
     pub fn bounces(self) -> u32 {
         self.bounces.into()
     }
 
-    /// The finest that takes at most `budget` milliseconds where this one takes `millis`, or the coarsest. Time is taken to grow
-    /// with the number of bins. Part of it does not: so what is coarser may take longer than foretold, but never what is finer, and
-    /// the choice does not go to and fro.
+    /// The finest level that takes at most `budget` milliseconds if this one takes `millis`, else the coarsest. Time is assumed
+    /// proportional to the number of bins. Actual growth is sub-linear: a coarser level may take longer than predicted, a finer one
+    /// never does, and the choice does not oscillate.
     pub fn within(self, millis: f64, budget: f64) -> Self {
         let bins = |detail: &Self| f64::from(detail.surfels) * f64::from(detail.side).powi(2);
         let fits = |detail: &Self| bins(detail) / bins(&self) * millis <= budget;

@@ -1,4 +1,4 @@
-//! [`LeafSight`] on an adapter. Where that fails, the cores go on.
+//! [`LeafSight`] on an adapter. If the adapter fails, the cores take over.
 
 use super::seen::{CoreSight, LeafSight};
 use crate::{
@@ -9,15 +9,15 @@ use glam::Vec3;
 use lapidary_core::implicit::{BinLayout, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest};
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
-/// What leaves see, found by an adapter.
+/// Leaf visibility, computed by an adapter.
 pub struct GpuSight {
-    /// `None` after it failed.
+    /// `None` after a failure.
     gpu: Option<GpuForest>,
     cores: CoreSight,
 }
 
 impl GpuSight {
-    /// `None` for a forest that the adapter does not take.
+    /// `None` if the adapter cannot hold the forest.
     pub fn new(device: &SharedDevice, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Option<Self> {
         if forest.discs().discs().is_empty() {
             return None;
@@ -26,7 +26,7 @@ impl GpuSight {
         Some(Self { gpu: Some(gpu), cores: CoreSight::new(layout) })
     }
 
-    /// What the adapter answers; `None` from its first failure on. The cores then see what it saw.
+    /// Result from the adapter; `None` from its first failure on. The cores then recompute the adapter's last result.
     fn on_gpu<T>(
         &mut self,
         forest: &DiscForest,

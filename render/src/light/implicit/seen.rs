@@ -1,4 +1,4 @@
-//! What leaves see, and their light by it, under one pose after another: on the cores here, on a graphics adapter in
+//! Visibility of leaves and the light they receive, in one pose after another: on the cores here, on a graphics adapter in
 //! [`super::gpu_sight`].
 
 use super::gpu_sight::GpuSight;
@@ -9,20 +9,20 @@ use lapidary_core::implicit::{
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
-/// What the leaves of a forest see.
+/// Visibility of the leaves of a forest.
 pub trait LeafSight: Send {
-    /// Looks anew. `positions` are those of the vertices in meters, to which the forest was updated, and `changed` the objects that
-    /// moved since the last call. While they are always the same, what is seen of the others is kept.
+    /// Recomputes visibility. The forest was updated to `positions`, the vertices in meters; `changed` are the objects moved since
+    /// the last call. Visibility of the others is kept as long as `changed` stays the same.
     fn look(&mut self, forest: &SurfelForest, positions: &[Vec3], changed: &BTreeSet<u32>);
 
-    /// What some leaves see, and maybe more. The forest is as it was at the last look.
+    /// Visibility of at least these leaves. The forest must not have changed since the last look.
     fn views(&mut self, forest: &DiscForest, leaves: Range<u32>) -> Cow<'_, Views>;
 
-    /// Their light with so many bounces. The forest is as it was at the last look.
+    /// Light of the leaves with `bounces` bounces. The forest must not have changed since the last look.
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight;
 }
 
-/// What looks for the leaves of a forest on a mesh of so many vertices.
+/// Visibility by the cores or an adapter, for a forest on a mesh with `vertices` vertices.
 pub fn sight(compute: &Compute, forest: &SurfelForest, vertices: usize, layout: BinLayout) -> Box<dyn LeafSight> {
     let Compute::Device(device) = compute else { return Box::new(CoreSight::new(layout)) };
     match GpuSight::new(device, forest, vertices, layout) {
@@ -31,21 +31,21 @@ pub fn sight(compute: &Compute, forest: &SurfelForest, vertices: usize, layout: 
     }
 }
 
-/// What leaves see, found by the cores.
+/// Leaf visibility, computed by the cores.
 pub struct CoreSight {
     layout: BinLayout,
     views: Views,
-    /// While the same objects move: what is seen of the others.
+    /// Stored visibility of unmoved objects while the same objects move.
     drag: Option<Drag>,
 }
 
 impl CoreSight {
-    /// Before the first look.
+    /// Creates the state before the first look.
     pub fn new(layout: BinLayout) -> Self {
         Self { layout, views: Views::of_nodes(layout, 0, Vec::new()), drag: None }
     }
 
-    /// Looks anew, as [`LeafSight::look`].
+    /// Recomputes visibility, as [`LeafSight::look`].
     pub fn see(&mut self, forest: &DiscForest, changed: &BTreeSet<u32>) {
         let known = self.drag.take().filter(|drag| drag.objects() == changed);
         self.views = if changed.is_empty() {
@@ -68,7 +68,7 @@ impl LeafSight for CoreSight {
 
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight {
         let of_sky = self.views.irradiance_of_sky(forest, lighting.sky);
-        // The sky is looked at once.
+        // The sky's light is found once.
         let received: Vec<Vec3> = lighting.received.iter().zip(&of_sky).map(|(light, sky)| *light + *sky).collect();
         let without_sky = Lighting { received: &received, sky: &|_| Vec3::ZERO, ..*lighting };
         let LeafLight { direct, bounced, .. } = LeafLight::new(forest, &self.views, &without_sky, bounces);

@@ -1,10 +1,10 @@
-//! The radiance of an environment in cells of directions, for bins that are far coarser than its light samples.
+//! Radiance of an environment in cells of directions, for bins far coarser than its light samples.
 
 use crate::light::environment::SceneLighting;
 use glam::Vec3;
 use lapidary_core::sphere::octahedron::{CELLS, cell_of, direction_of};
 
-/// Mean radiance by cell of an octahedron, in which kernels find the same; black without an environment.
+/// Mean radiance by cell of an octahedron, with the same cells in the kernels; black without an environment.
 pub struct SkyGrid {
     cells: Vec<Vec3>,
 }
@@ -19,7 +19,7 @@ impl SkyGrid {
             let (sum, count) = &mut sums[cell_of(direction)];
             (*sum, *count) = (*sum + radiance, *count + 1.0);
         }
-        // Few light samples leave cells empty.
+        // A sparse set of light samples leaves cells empty.
         let nearest = |cell: usize| {
             let direction = direction_of(cell);
             let closeness = |leaf: &(Vec3, Vec3)| leaf.0.dot(direction);
@@ -30,7 +30,7 @@ impl SkyGrid {
         Self { cells: sums.iter().enumerate().map(mean).collect() }
     }
 
-    /// In W/(m² sr), by unit direction.
+    /// Radiance in W/(m² sr) by unit direction.
     #[inline]
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         self.cells.get(cell_of(direction)).copied().unwrap_or_default()

@@ -1,4 +1,4 @@
-//! Pictures of posed objects, against scenes that were baked so.
+//! Pictures of posed objects, against bakes of the posed scenes.
 
 use super::*;
 use crate::{
@@ -21,7 +21,7 @@ use lapidary_core::{
 
 const BLOCKER: u32 = 1;
 
-/// A floor with a blocker above it, an object of its own.
+/// A floor with a blocker above it as a separate object.
 pub(crate) fn blocked(parameters: impl Into<Parameters>, cells: u32) -> Dataset {
     let mut mesh = mesh(cells, true);
     let blocker = mesh.triangles.len() - 4..;
@@ -37,20 +37,20 @@ pub(crate) fn posed(pose: Pose) -> Poses {
     poses
 }
 
-/// A rig for a drag, as baked.
+/// A rig at the detail of a drag, in the baked pose.
 fn under_the_sky(baked: &Baked) -> Edited<PoseRig> {
     let mut rig = Edited::new(baked, PoseRig::new(baked, &Compute::Cores, ImplicitDetail::OF_A_DRAG));
     rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     rig
 }
 
-/// As a bake of the posed scene.
+/// The dataset of a bake of the posed scene.
 fn baked_so(as_baked: &Dataset, poses: &Poses, parameters: impl Into<Parameters>) -> Dataset {
     let mesh = poses.pose(&as_baked.scene.mesh, &Objects::of(&as_baked.scene)).unwrap();
     Dataset { scene: Scene { mesh: mesh.clone(), ..as_baked.scene.clone() }, ..dataset(mesh, parameters) }
 }
 
-/// A sky that is brighter on one side.
+/// A sky with one brighter side.
 pub(crate) fn sky() -> crate::Illumination {
     illumination([16, 8], |x, y| Vec3::splat(if y < 5 && (4..8).contains(&x) { 6.0 } else { 1.0 }))
 }

@@ -9,12 +9,12 @@ use lapidary_core::{
 /// Weights of leaves at vertices.
 pub struct VertexLeaves {
     front: VertexWeights,
-    /// Nothing for vertices of one-sided surfaces.
+    /// Empty for vertices of one-sided surfaces.
     back: VertexWeights,
 }
 
 impl VertexLeaves {
-    /// For the vertices of a dataset, on its forest as baked.
+    /// Weights for the vertices of a dataset on its forest as baked.
     pub fn new(forest: &DiscForest, dataset: &Dataset) -> Self {
         let mesh = &dataset.scene.mesh;
         let mut is_two_sided = vec![false; mesh.positions.len()];
@@ -34,12 +34,12 @@ impl VertexLeaves {
         Self { front, back }
     }
 
-    /// The leaves beside a vertex, of all sides that receive light, and their weights.
+    /// The leaves beside a vertex on all lit sides, with their weights.
     pub fn of(&self, vertex: u32) -> impl Iterator<Item = (u32, f32)> + Clone {
         [&self.front, &self.back].into_iter().flat_map(move |side| side.row(vertex as usize)).copied()
     }
 
-    /// Values of the vertices from those of the leaves, on both sides.
+    /// Values at the vertices from values at the leaves, on both sides.
     pub fn apply<T: Coefficient>(&self, leaves: &[T]) -> [Vec<T>; 2] {
         [self.front.apply(leaves), self.back.apply(leaves)]
     }

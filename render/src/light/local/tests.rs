@@ -1,4 +1,4 @@
-//! Which edits compute bounced light anew.
+//! Which edits recompute bounced light.
 
 use super::*;
 use crate::test_scenes::{Edited, linked_floor_and_wall, point_light};
@@ -9,7 +9,7 @@ fn lamp(intensity: f32) -> Arc<[Light]> {
     [point_light(Vec3::new(-1.0, 1.2, 0.1), intensity)].into()
 }
 
-/// The floor lights the wall, too, on which the sources are.
+/// The floor also lights the wall, where the sources are.
 fn linked_both_ways() -> Dataset {
     let mut dataset = linked_floor_and_wall();
     let rows = [vec![(1, Vec3::new(0.3, -0.2, 0.0))], vec![(0, Vec3::new(-0.3, 0.2, 0.05))]];

@@ -8,7 +8,7 @@ use crate::light::{
 use lapidary_core::dataset::BakeParts;
 use std::sync::Arc;
 
-/// Gathers the sources.
+/// Gathers directly lit surface sources by cuts.
 #[derive(Default)]
 pub struct CutsSolver {
     light: Option<Arc<SourceLighting>>,

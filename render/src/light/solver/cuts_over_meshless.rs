@@ -1,5 +1,5 @@
-//! Many bounces in the meshless basis, added to the surface sources, which cuts gather: the last bounce is as sharp as one bounce
-//! by cuts.
+//! Many bounces in the meshless basis, added to the surface sources, which cuts gather: the last bounce is as sharp as a single
+//! bounce by cuts.
 
 use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
 use crate::light::{
@@ -10,7 +10,7 @@ use glam::Vec3;
 use lapidary_core::{dataset::BakeParts, meshless::SolveSettings, transport::BounceEnergy};
 use std::sync::Arc;
 
-/// Gathers the sources under all bounces of the basis.
+/// Gathers surface sources lit by all bounces of the basis.
 #[derive(Default)]
 pub struct CutsOverMeshless {
     further: Further,
@@ -20,9 +20,9 @@ pub struct CutsOverMeshless {
 /// Bounces beyond the direct light of the sources.
 #[derive(Default)]
 struct Further {
-    /// Of each source, in W/m².
+    /// Irradiance of each source in W/m².
     irradiance: Vec<Vec3>,
-    /// With the bounce that is gathered.
+    /// Energy, including the gathered bounce.
     energy: Option<BounceEnergy>,
 }
 

@@ -1,5 +1,5 @@
-//! The least solver: irradiance that is the same everywhere. It shows that a solver is added by its file and its line in the list
-//! of solutions, and it takes its time.
+//! A minimal solver: the same irradiance everywhere. It shows that a file and a line in the list of solutions add a solver. It
+//! takes several steps.
 
 use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
 use crate::light::{
@@ -10,7 +10,7 @@ use glam::Vec3;
 use lapidary_core::{dataset::BakeParts, transport::BounceEnergy};
 use std::sync::Arc;
 
-/// Gives all surfaces the intensities of the lights as irradiance, a half of what is missing in each step.
+/// Lights all surfaces evenly with the summed intensities of the lights; each step adds half of the remaining light.
 #[derive(Default)]
 pub struct Even {
     wanted: Vec3,
@@ -18,12 +18,12 @@ pub struct Even {
     light: Option<Arc<Sides>>,
 }
 
-/// Steps until the light is whole.
+/// Steps to the full light.
 const STEPS: u32 = 3;
 
 impl Described for Even {
     const LABEL: &'static str = "Even";
-    const SUMMARY: &'static str = "As much light everywhere.";
+    const SUMMARY: &'static str = "The same light everywhere.";
     const METHOD: &'static str = "Irradiance of the lights' intensities";
     const BOUNCES: u32 = STEPS;
     const NEEDS: BakeParts = BakeParts::INDIRECT.with(BakeParts::MESHLESS);

@@ -8,7 +8,7 @@ use crate::light::{
 use lapidary_core::{dataset::BakeParts, meshless::SolveSettings, transport::BounceEnergy};
 use std::sync::Arc;
 
-/// Solves in the basis.
+/// Solves bounced light in the meshless basis.
 #[derive(Default)]
 pub struct MeshlessSolver {
     light: Option<Arc<MeshlessLight>>,

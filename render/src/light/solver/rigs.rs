@@ -8,30 +8,30 @@ use crate::{
     },
 };
 
-/// What solvers stand on.
+/// Shared inputs of the solvers.
 pub struct Rigs {
     sources: Option<Pending<SourceRig>>,
     meshless: Option<Pending<MeshlessRig>>,
 }
 
 impl Rigs {
-    /// Those of a dataset.
+    /// Creates the rigs of a dataset.
     pub fn new(baked: &Baked) -> Self {
         Self { sources: SourceRig::new(baked).map(Pending::new), meshless: MeshlessRig::new(baked).map(Pending::new) }
     }
 
-    /// Notes what has changed.
+    /// Records changes.
     pub fn note(&mut self, changes: Changes) {
         self.sources.iter_mut().for_each(|rig| rig.note(changes));
         self.meshless.iter_mut().for_each(|rig| rig.note(changes));
     }
 
-    /// The surface sources under direct light; `None` for a dataset without any.
+    /// Surface sources under direct light; `None` for a dataset without sources.
     pub fn sources(&mut self, situation: &Situation) -> Option<&mut SourceRig> {
         Some(self.sources.as_mut()?.lit(situation))
     }
 
-    /// The meshless basis under direct light; `None` for a dataset without one.
+    /// Meshless basis under direct light; `None` for a dataset without a basis.
     pub fn meshless(&mut self, situation: &Situation) -> Option<&mut MeshlessRig> {
         Some(self.meshless.as_mut()?.lit(situation))
     }

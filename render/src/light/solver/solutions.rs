@@ -1,4 +1,4 @@
-//! The list of all solutions. A new one is a file beside this one, and its line here.
+//! The list of all solutions. Add one as a file beside this one and a line here.
 
 use super::{BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver};
 use lapidary_core::dataset::BakeParts;
@@ -8,17 +8,17 @@ use std::fmt;
 #[cfg(test)]
 use super::even::Even;
 
-/// A solver with what lists say of it.
+/// A solver with its texts for lists.
 pub trait Described: BounceSolver + Default + 'static {
-    /// Name for people.
+    /// Display name.
     const LABEL: &'static str;
-    /// What it is good for, in a sentence.
+    /// Summary of its strength, in one sentence.
     const SUMMARY: &'static str;
-    /// How it computes, for the command line.
+    /// Method, for the command line.
     const METHOD: &'static str;
-    /// Bounces between surfaces that its pictures contain.
+    /// Bounces between surfaces in its pictures.
     const BOUNCES: u32;
-    /// What a dataset must have for it.
+    /// Dataset parts that it needs.
     const NEEDS: BakeParts;
 }
 
@@ -31,40 +31,40 @@ macro_rules! solutions {
         }
 
         impl Solution {
-            /// All of them, in the order of lists. The first is the default.
+            /// All solutions in list order. The first is the default.
             pub const ALL: &'static [Self] = &[$($(#[$attribute])* Self::$variant,)*];
 
-            /// Its name in files and on the command line.
+            /// Name in files and on the command line.
             pub const fn key(self) -> &'static str {
                 match self { $($(#[$attribute])* Self::$variant => $key,)* }
             }
 
-            /// Its name for people.
+            /// Display name.
             pub const fn label(self) -> &'static str {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::LABEL,)* }
             }
 
-            /// What it is good for, in a sentence.
+            /// Summary of its strength, in one sentence.
             pub const fn summary(self) -> &'static str {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::SUMMARY,)* }
             }
 
-            /// How it computes, for the command line.
+            /// Method, for the command line.
             pub const fn method(self) -> &'static str {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::METHOD,)* }
             }
 
-            /// Bounces between surfaces that a picture by this solution contains.
+            /// Bounces between surfaces in its pictures.
             pub const fn bounces(self) -> u32 {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::BOUNCES,)* }
             }
 
-            /// What a dataset must have for it.
+            /// Dataset parts that it needs.
             pub const fn needs(self) -> BakeParts {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::NEEDS,)* }
             }
 
-            /// Its solver, before the first step.
+            /// Its solver before the first step.
             pub(crate) fn solver(self) -> Box<dyn BounceSolver> {
                 match self { $($(#[$attribute])* Self::$variant => Box::new(<$solver>::default()),)* }
             }
@@ -81,12 +81,12 @@ solutions! {
 }
 
 impl Solution {
-    /// Those that can be chosen where these parts are baked.
+    /// Solutions available with these baked parts.
     pub fn of(baked: BakeParts) -> Vec<Self> {
         Self::ALL.iter().copied().filter(|solution| baked.has_all(solution.needs())).collect()
     }
 
-    /// The wanted solution, or else one that there is.
+    /// The wanted solution if available, else another available one.
     pub fn closest_to(wanted: Self, baked: BakeParts) -> Option<Self> {
         let solutions = Self::of(baked);
         solutions.iter().find(|&&s| s == wanted).or(solutions.first()).copied()

@@ -1,13 +1,12 @@
 //! The LDR-FLIP difference of two pictures, as seen when they alternate on one display.
 //!
-//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, *FLIP: A
-//! Difference Evaluator for Alternating Images* (HPG 2020); section and equation numbers refer to it. The
-//! filters are separated and normalized as in version 1.2 of the authors' program, whose results the tests
-//! hold. It is written here because the maintained binding (`nv-flip`) needs a C++ compiler, and this project
-//! builds with nothing but the Rust toolchain.
+//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild, *FLIP: A Difference Evaluator for
+//! Alternating Images* (HPG 2020); section and equation numbers refer to it. The filters are separated and normalized as in version
+//! 1.2 of the authors' program; the tests hold its results. The maintained binding (`nv-flip`) needs a C++ compiler, and this
+//! project builds with the Rust toolchain alone.
 //!
-//! Two pipelines meet at the end (Fig. 2): the colors that are left after the eye's blur, and the edges and
-//! points of the lightness, each compared between test and reference.
+//! Two pipelines meet at the end (Fig. 2): the colors after the eye's blur, and the edges and points of the lightness, each
+//! compared between test and reference.
 
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{color::linear_from_srgb, image::Image};
@@ -21,9 +20,9 @@ pub const PIXELS_PER_DEGREE: f32 = 67.0;
 
 /// Exponent of the color difference, `q_c` (section 4.1.4).
 const COLOR_EXPONENT: f32 = 0.7;
-/// Fraction of the largest color difference that is stretched over most of the range, `p_c`.
+/// Fraction of the largest color difference that is stretched, `p_c`.
 const SMALL_COLOR_DIFFERENCE: f32 = 0.4;
-/// How far it is stretched, `p_t`.
+/// Upper end of the stretched range, `p_t`.
 const SMALL_COLOR_RANGE: f32 = 0.95;
 /// Exponent of the feature difference, `q_f` (Eq. 4).
 const FEATURE_EXPONENT: f32 = 0.5;

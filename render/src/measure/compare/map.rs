@@ -37,25 +37,25 @@ pub enum ErrorMap {
 /// A displayable error map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorMapImage {
-    /// The map in the top left corner, at the size of the pictures, and the legend below it. Colors are linear: what
-    /// writes a picture as sRGB (PNG) shows those of the color map.
+    /// The map in the top left corner, at the size of the pictures, with the legend below. Colors are linear: an sRGB file (PNG)
+    /// shows the colors of the color map.
     pub image: Image,
-    /// The errors at the two ends of the color bar; errors above have the color of the end.
+    /// The errors at both ends of the color bar; larger errors have the end color.
     pub range: [f32; 2],
 }
 
 /// sRGB-encoded magenta, for pixels that are not finite in either picture.
 const NOT_FINITE: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 
-/// Share of the pixels within the range of the bar, so that a few outliers do not darken the rest.
+/// Share of pixels within the range of the bar, so that outliers do not darken the rest.
 const SHARE_IN_RANGE: f32 = 0.99;
 
 /// The error of each pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorField {
-    /// Which error.
+    /// Kind of error.
     pub kind: ErrorMap,
-    /// Its name.
+    /// Title of the error.
     pub title: &'static str,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -63,17 +63,16 @@ pub struct ErrorField {
     pub errors: Vec<f32>,
     /// Which pixels are finite in both pictures; the errors of others are meaningless.
     pub finite: Vec<bool>,
-    /// The error at the upper end of the colors. The range of signed errors begins at its negative, other ranges at 0.
+    /// The error at the upper end of the colors. Signed errors start at its negative, others at 0.
     pub top: f32,
 }
 
 impl ErrorField {
-    /// The errors of `test` against `reference`. The colors end at `top`, which makes several maps comparable. Without
-    /// `top` they end at 1 for FLIP. For other errors they end at the 99th percentile, rounded up to 1, 2 or 5 times a
-    /// power of ten.
+    /// The errors of `test` against `reference`. The colors end at `top`, which makes several maps comparable. Without `top` they
+    /// end at 1 for FLIP, and at the 99th percentile for other errors, rounded up to 1, 2 or 5 times a power of ten.
     ///
     /// # Errors
-    /// Sizes that differ, pictures without pixels, and a `top` that is not positive.
+    /// Different sizes, pictures without pixels, or a `top` that is not positive.
     pub fn new(test: &Image, reference: &Image, kind: ErrorMap, top: Option<f32>) -> Result<Self, CompareError> {
         let pair = Pair::of(test, reference)?;
         let errors = kind.errors(&pair);
@@ -86,11 +85,11 @@ impl ErrorField {
         Ok(Self { kind, title: kind.title(), size: test.size, errors, finite: pair.finite, top })
     }
 
-    /// Errors in scene-linear units that were predicted without a reference, one per pixel for all its components. They
-    /// have the colors of absolute errors; `top` as in [`Self::new`].
+    /// Predicted errors in scene-linear units, one value per pixel for all components. They have the colors of absolute errors;
+    /// `top` as in [`Self::new`].
     ///
     /// # Errors
-    /// A picture without pixels, or none that is finite, and a `top` that is not positive.
+    /// A picture without pixels or without a finite one, or a `top` that is not positive.
     pub fn predicted(errors: &Image, top: Option<f32>) -> Result<Self, CompareError> {
         let black = Image::filled(errors.size, Vec3::ZERO);
         Ok(Self { title: "Predicted error", ..Self::new(errors, &black, ErrorMap::Absolute, top)? })
@@ -102,13 +101,12 @@ impl ErrorField {
         self.errors.par_iter().zip(&self.finite).map(color).collect()
     }
 
-    /// Errors at both ends of the colors and at evenly spaced positions that divide them into `parts`, as short texts.
+    /// Errors as short texts, at both ends of the colors and at even steps that divide them into `parts`.
     pub fn ticks(&self, parts: usize) -> Vec<String> {
         (0..=parts).map(|i| legend::short_number(self.top * self.kind.error_at(i as f32 / parts as f32))).collect()
     }
 
-    /// Number of pixels with errors in each of `bins` equal parts of the range; errors beyond the range are in the
-    /// outer ones.
+    /// Number of pixels in each of `bins` equal parts of the range; the outer bins include errors beyond the range.
     pub fn histogram(&self, bins: usize) -> Vec<u32> {
         let mut counts = vec![0; bins];
         for error in self.finite_errors() {
@@ -151,10 +149,10 @@ pub fn error_map(
 }
 
 impl ErrorMap {
-    /// All of them, in the order of menus.
+    /// All kinds in menu order.
     pub const ALL: [Self; 4] = [Self::Relative, Self::Absolute, Self::Signed, Self::Flip];
 
-    /// Name for people.
+    /// Display name.
     pub fn title(self) -> &'static str {
         match self {
             Self::Relative => "Relative error",
@@ -204,7 +202,7 @@ fn root_mean(a: Vec3, b: Vec3, squared_error: fn(f64, f64) -> f64) -> f32 {
     (sum / 3.0).sqrt() as f32
 }
 
-/// A round number above most errors; the largest error if most are zero, 1 if all are.
+/// A round number above most errors; the largest error if most are zero, or 1 if all are.
 fn top_of_range(mut errors: Vec<f32>) -> f32 {
     errors.sort_unstable_by(f32::total_cmp);
     let Some(last) = errors.len().checked_sub(1) else { return 1.0 };
@@ -307,7 +305,7 @@ mod tests {
         test.pixels[5] += 100.0;
         test.pixels[7].x = f32::NAN;
         let field = ErrorField::new(&test, &reference, ErrorMap::Absolute, Some(0.3)).unwrap();
-        assert_eq!(field.histogram(4), [0, 798, 0, 1], "what is beyond the range lies in the last part");
+        assert_eq!(field.histogram(4), [0, 798, 0, 1], "errors beyond the range lie in the last bin");
         assert_eq!(field.non_finite(), 1);
     }
 

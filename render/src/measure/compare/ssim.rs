@@ -1,9 +1,9 @@
 //! Structural similarity: Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, *Image Quality Assessment: From
 //! Error Visibility to Structural Similarity* (2004), with their window and constants.
 //!
-//! The mean runs over the pixels whose window lies inside the picture, as in the authors' program and in scikit-image
-//! (`gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=1`), whose results the tests hold. Where
-//! a picture is smaller than the window, all its pixels count, and it is mirrored beyond its border.
+//! The mean includes the pixels whose window lies inside the picture, as in the authors' program and in scikit-image
+//! (`gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=1`); the tests hold its results. If a picture is
+//! smaller than the window, all its pixels count, and it is mirrored beyond its border.
 
 use rayon::prelude::*;
 
@@ -34,14 +34,14 @@ pub fn ssim(a: &[f64], b: &[f64], width: usize) -> f64 {
     sum / count as f64
 }
 
-/// Eq. 13.
+/// Similarity of two windows (Eq. 13).
 fn similarity(&[a, b, aa, bb, ab]: &Moments) -> f64 {
     let (variance_a, variance_b, covariance) = (aa - a * a, bb - b * b, ab - a * b);
     let luminance = (2.0 * a * b + C1) / (a * a + b * b + C1);
     luminance * (2.0 * covariance + C2) / (variance_a + variance_b + C2)
 }
 
-/// The positions along one axis whose window lies inside the picture; all if there are none.
+/// Positions along one axis whose window lies inside the picture; all positions if there are none.
 fn inside(length: usize) -> std::ops::Range<usize> {
     if length > 2 * RADIUS { RADIUS..length - RADIUS } else { 0..length }
 }
@@ -72,7 +72,7 @@ fn weights() -> [f64; 2 * RADIUS + 1] {
     weights.map(|w| w / sum)
 }
 
-/// The index that a position beyond the border mirrors, the border's pixel being repeated.
+/// The index mirrored from a position beyond the border; the border pixel repeats.
 fn mirrored(position: isize, length: usize) -> usize {
     let period = 2 * length as isize;
     let folded = position.rem_euclid(period);
@@ -95,7 +95,7 @@ mod tests {
         (0..width * height).map(|i| value((i % width) as f64, (i / width) as f64)).collect()
     }
 
-    /// From scikit-image 0.26 on the same formulas.
+    /// Values from scikit-image 0.26 for the same formulas.
     #[test]
     fn values_are_those_of_scikit_image() {
         for (size, expected) in [

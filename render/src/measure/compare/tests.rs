@@ -1,4 +1,4 @@
-//! Analytic values of the metrics, and what must not go unnoticed.
+//! Analytic values of the metrics, and errors that they must notice.
 
 use super::*;
 use lapidary_core::color::linear_from_srgb;
@@ -44,7 +44,7 @@ fn an_error_in_one_channel_counts_a_third() {
 fn displayed_errors_of_constant_pictures_are_known() {
     let metrics = compare(&gray(linear_from_srgb(0.6)), &gray(linear_from_srgb(0.4))).unwrap();
     assert_near(metrics.psnr, -20.0 * 0.2_f64.log10());
-    // Without variance only the means are left.
+    // Without variance only the means count.
     let c1 = 0.01_f64.powi(2);
     assert_near(metrics.ssim, (2.0 * 0.6 * 0.4 + c1) / (0.36 + 0.16 + c1));
 }

@@ -1,14 +1,13 @@
-//! The tone map that metrics and previews share: exposure 1, clamped, sRGB, no curve.
+//! The tone map shared by metrics and previews: exposure 1, clamped, sRGB, no curve.
 //!
-//! A curve would make the metrics depend on its design; without one they can be recomputed from a PNG by
-//! any other tool.
+//! Metrics under a curve would depend on its design. Without one, any other tool can recompute them from a PNG.
 
 use lapidary_core::{color::srgb_from_linear, image::Image};
 use rayon::prelude::*;
 
 /// The sRGB-encoded values, 0 to 1, that a display shows for a scene-linear picture; NaN becomes black.
 ///
-/// The pixels of the result are *encoded*: writing it as PNG would encode them a second time.
+/// The result holds *encoded* pixels: writing it as PNG would encode them again.
 pub fn display(image: &Image) -> Image {
     let pixels = image.pixels.par_iter().map(|rgb| rgb.map(srgb_from_linear)).collect();
     Image { size: image.size, pixels }

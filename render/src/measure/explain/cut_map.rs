@@ -1,8 +1,8 @@
-//! A merged cut drawn on the map of directions around the point: the light that the renderer uses from each direction,
-//! and the traced light.
+//! A merged cut drawn on the map of directions around a point: the light that the renderer uses from each direction, and the traced
+//! light.
 //!
-//! All pictures are latitude-longitude maps in world space, like environments, with +Z in the middle. Directions keep
-//! their position when an environment is rotated.
+//! All pictures are latitude-longitude maps in world space, as for environments, with +Z in the middle. Directions keep their
+//! position when an environment is rotated.
 
 use super::{PixelExplanation, leaves_below};
 use crate::{
@@ -26,23 +26,22 @@ use rayon::prelude::*;
 /// Pictures of a merged cut; scene-linear, of one size.
 #[derive(Clone, Debug)]
 pub struct CutMap {
-    /// Every cluster filled with its mean radiance times its interpolated visibility, darkened where the surface does
-    /// not receive light. Without borders.
+    /// Every cluster filled with its mean radiance times interpolated visibility, dark where the surface receives no light. Without
+    /// borders.
     pub cut: Image,
     /// The light of each sample that rays find visible.
     pub traced: Image,
-    /// Interpolated and traced visibility of the samples whose light is received. Where they agree, the color is gray,
-    /// from hidden to visible. It is red where the renderer lets blocked light through, and blue where it holds visible
-    /// light back. Only for the environment: the cuts over surface sources hold solid angles, which are not fractions
-    /// of one.
+    /// Interpolated and traced visibility of the samples whose light is received. Gray where both agree, from hidden to visible;
+    /// red where the renderer passes blocked light; blue where it blocks visible light. `None` for surface sources, because their
+    /// cuts hold solid angles instead of visibility.
     pub visibility: Option<Image>,
-    /// The cluster of each pixel, a heap index; 0 where nothing sends light.
+    /// The cluster of each pixel, a heap index; 0 where no light comes from.
     pub cluster: Vec<u32>,
 }
 
-/// Linear grays of the borders of bright and of dark clusters.
+/// Linear grays of borders on bright and on dark clusters.
 const BORDERS: [Vec3; 2] = [Vec3::splat(0.02), Vec3::splat(0.35)];
-/// Factor of light from below the horizon: it is in the cuts of vertices that see it, and not in the pixel.
+/// Factor of light from below the horizon, which the vertices' cuts contain and the pixel does not receive.
 const NOT_RECEIVED: f32 = 0.1;
 /// Distance in diagonals of the scene within which rays look for sources.
 const FAR: f32 = 2.0;
@@ -64,7 +63,7 @@ impl CutMap {
         Image { size: self.cut.size, pixels: self.cut.pixels.iter().enumerate().map(pixel).collect() }
     }
 
-    /// A scale at which all but the brightest twentieth of the light in both pictures is below white.
+    /// A scale that brings all but the brightest twentieth of the light in both pictures below white.
     pub fn exposure(&self) -> f32 {
         const IN_RANGE: f32 = 0.95;
         let lit = self.cut.pixels.iter().chain(&self.traced.pixels).map(|p| p.max_element()).filter(|&v| v > 0.0);
@@ -75,13 +74,12 @@ impl CutMap {
 }
 
 impl Renderer {
-    /// Draws the merged cut of an explained pixel, `width` pixels wide and half as high. `light` must be the light that
-    /// was explained.
+    /// Draws the merged cut of an explained pixel, `width` pixels wide and half as high. `light` must be the explained light.
     ///
     /// # Panics
     /// If `light` is on the other tree.
     pub fn cut_map(&self, explanation: &PixelExplanation, light: CutLight, width: u32) -> CutMap {
-        assert_eq!(explanation.tree, light.tree(), "the light that was explained");
+        assert_eq!(explanation.tree, light.tree(), "the light must be the explained one");
         let size = [width.max(2), width.max(2) / 2];
         match light {
             CutLight::Environment(lighting) => self.environment_map(explanation, lighting, size),
@@ -133,7 +131,7 @@ fn directions(size: [u32; 2]) -> impl Iterator<Item = Vec3> {
     (0..size[1]).flat_map(move |y| (0..size[0]).map(move |x| texel_direction(x, y, size)))
 }
 
-/// Light and cluster of every leaf in the merged cut.
+/// Light and cluster of every leaf under the merged cut.
 struct Shown {
     /// Mean radiance times visibility.
     light: Vec<Vec3>,
@@ -168,11 +166,11 @@ fn visibility_color(pair: Option<(f32, f32)>) -> Vec3 {
     both + Vec3::new(0.9, 0.08, 0.02) * leak + Vec3::new(0.02, 0.12, 0.9) * loss
 }
 
-/// Which source stands for what a ray meets.
+/// Finds the sources near a ray's hit.
 struct SourcesAround<'a> {
     renderer: &'a Renderer,
     owners: GradedGrid,
-    /// Which sources the points of the grid are.
+    /// Source index of each point in the grid.
     members: Vec<u32>,
     far: f32,
 }

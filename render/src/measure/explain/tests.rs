@@ -1,4 +1,4 @@
-//! Explanations against the renderer that they explain, for both trees; each with a negative control.
+//! Explanations against the renderer, for both trees; each with a negative control.
 
 use super::{cut_map::CutMap, *};
 use crate::{
@@ -27,7 +27,7 @@ fn prepared() -> (Renderer, View, SceneLighting, Illumination) {
     (renderer, from_the_side(SIZE), lighting, light)
 }
 
-/// Greatest difference of explained and rendered pixels relative to the brightest, and the number of pixels.
+/// Largest difference of explained and rendered pixels relative to the brightest, and the number of pixels.
 fn difference(
     renderer: &Renderer,
     view: &View,
@@ -50,7 +50,7 @@ fn difference(
     (worst, count)
 }
 
-/// A node's contribution from its factors.
+/// A node's contribution as the product of its factors.
 fn product(node: &ExplainedNode) -> Vec3 {
     node.radiance * node.brdf_cos * node.visibility * node.solid_angle
 }
@@ -119,7 +119,7 @@ fn surface_sources_are_explained_with_their_places() {
     assert!(wall.count() > 20 && map.visibility.is_none(), "the wall is seen");
 }
 
-/// Only the bounce, by the backend of the window.
+/// The bounce alone, by the interactive backend.
 fn rendered(renderer: &Renderer, view: &View, lighting: &Arc<SourceLighting>) -> Image {
     let mut backend = CpuBackend::new();
     backend.set_scene(&renderer.dataset.clone().into()).unwrap();
@@ -155,7 +155,7 @@ fn pixels_that_have_no_cut_are_refused_with_a_reason() {
 #[test]
 fn the_map_shows_exact_visibility_at_a_vertex_and_leaks_beside_the_shadow() {
     let mut dataset = dataset(mesh(4, true), white());
-    // The blocker of this floor is one meter up and one meter wide; its vertices are a meter apart.
+    // The blocker of this floor is one meter up and one meter wide; the vertices are one meter apart.
     dataset.scene.materials[0].double_sided = false;
     let renderer = Renderer::new(dataset);
     let light = illumination([64, 32], |_, _| Vec3::ONE);
@@ -169,7 +169,7 @@ fn the_map_shows_exact_visibility_at_a_vertex_and_leaks_beside_the_shadow() {
         let coloured = |p: &&Vec3| (p.x - p.z).abs() > 0.2;
         map.visibility.unwrap().pixels.iter().filter(coloured).count()
     };
-    // A hair off the vertex, where rays know which triangle they meet.
+    // Slightly off the vertex, where rays find a definite triangle.
     let (at_vertex, between) = (mismatch(Vec3::new(1e-4, 0.0, 2e-4)), mismatch(Vec3::new(0.5, 0.0, 0.25)));
     assert!(at_vertex < 60, "{at_vertex} pixels are off at a vertex with an exact cut");
     assert!(between > 4 * at_vertex.max(30), "negative control: interpolation is off between vertices, {between}");
@@ -185,7 +185,7 @@ fn borders_part_clusters_and_nothing_else() {
     };
     let bordered = map.with_borders(0.1);
     let is_border: Vec<bool> = bordered.pixels.iter().map(|p| (p.x - 0.2).abs() > 1e-6).collect();
-    // Right of column 1 the cluster changes, and around the seam.
+    // The cluster changes to the right of column 1 and at the seam.
     assert_eq!(is_border, [false, true, false, true, false, true, false, true]);
     assert!((map.exposure() - 0.4).abs() < 1e-6);
 }

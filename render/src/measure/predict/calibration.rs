@@ -1,32 +1,32 @@
-//! How far a predicted error can be trusted, by comparison with the true one, pixel by pixel.
+//! Comparison of a predicted error with the true one, pixel by pixel.
 
 use lapidary_core::{color::luminance, image::Image};
 use serde::Serialize;
 use thiserror::Error;
 
-/// Pixels of about equal predicted error.
+/// Pixels of similar predicted error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bin {
-    /// Least and greatest predicted error.
+    /// Smallest and largest predicted error.
     pub predicted: [f32; 2],
-    /// Pixels.
+    /// Number of pixels.
     pub pixels: usize,
-    /// True errors that 10, 50 and 90 % of them do not exceed.
+    /// True errors not exceeded by 10, 50 and 90 % of the pixels.
     pub quantiles: [f32; 3],
-    /// Share of them whose true error is not above the predicted one.
+    /// Share of the pixels whose true error is at most the predicted one.
     pub within: f64,
 }
 
 /// A predicted error against the true one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Pixels that were compared: those with a predicted or true error.
+    /// Number of compared pixels: those with a predicted or true error.
     pub pixels: usize,
-    /// As many pixels each, by rising predicted error.
+    /// Equally filled bins by ascending predicted error.
     pub bins: Vec<Bin>,
-    /// Share of the pixels whose true error is not above the predicted one.
+    /// Share of the pixels whose true error is at most the predicted one.
     pub within: f64,
-    /// Spearman's rank correlation: 1 if a greater prediction always means a greater error, 0 if they are unrelated.
+    /// Spearman's rank correlation: 1 if a larger prediction always means a larger error, 0 if unrelated.
     pub rank_correlation: f64,
     /// Predicted over true error, both as root mean squares.
     pub ratio: f64,
@@ -35,7 +35,7 @@ pub struct Calibration {
 /// Why errors cannot be compared.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum CalibrationError {
-    /// Pictures of different views.
+    /// The pictures show different views.
     #[error(
         "the predicted error has {} x {} pixels and the true one {} x {}; both must be of one view",
         predicted[0], predicted[1], truth[0], truth[1]
@@ -46,16 +46,16 @@ pub enum CalibrationError {
         /// Width and height of the true error.
         truth: [u32; 2],
     },
-    /// Nothing to calibrate by.
+    /// No pixel has an error.
     #[error("no pixel has a finite error, predicted or true; choose a view that shows a lit surface")]
     NoPixels,
 }
 
-/// Compares `predicted` luminance errors with the true luminance error of `test` from `reference`, in `bins` bins.
-/// Pixels that are not finite in any picture, and pixels without error, are left out.
+/// Compares `predicted` luminance errors with the true luminance error of `test` from `reference`, in `bins` bins. Pixels without
+/// error or not finite in any picture are left out.
 ///
 /// # Errors
-/// Pictures of different sizes, or no pixel to compare.
+/// Pictures of different sizes, or no pixels to compare.
 pub fn calibrate(
     predicted: &Image,
     test: &Image,
@@ -94,7 +94,7 @@ fn within(pairs: &[[f32; 2]]) -> f64 {
     count as f64 / pairs.len() as f64
 }
 
-/// Of pairs in order of their predicted errors.
+/// One bin of pairs sorted by predicted error.
 fn bin(pairs: &[[f32; 2]]) -> Bin {
     let mut truth: Vec<f32> = pairs.iter().map(|pair| pair[1]).collect();
     truth.sort_unstable_by(f32::total_cmp);
@@ -107,7 +107,7 @@ fn bin(pairs: &[[f32; 2]]) -> Bin {
     }
 }
 
-/// Correlation of the ranks; equal values share the mean of theirs. 0 if either has one value only.
+/// Correlation of the ranks; equal values share their mean rank. 0 if either side has one value only.
 fn rank_correlation(pairs: &[[f32; 2]]) -> f64 {
     let [a, b] = [0, 1].map(|i| ranks(pairs.iter().map(|pair| pair[i]).collect()));
     let middle = 0.5 * (pairs.len() as f64 - 1.0);
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(first.pixels, 10);
         assert!(first.quantiles.iter().zip([0.02, 0.06, 0.09]).all(|(q, e)| (q - e).abs() < 0.006), "{first:?}");
         assert_eq!(of(0.5).within, 0.0, "negative control");
-        assert_eq!(of(1.0).within, 1.0, "equal is within");
+        assert_eq!(of(1.0).within, 1.0, "equal errors count as within");
     }
 
     #[test]

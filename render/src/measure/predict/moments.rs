@@ -1,22 +1,22 @@
-//! Bounds of a node's error from the variances over its leaves (paper, Eq. 7 to 9).
+//! Bounds of a node's error from variances over its leaves (paper, Eq. 7 to 9).
 
 use glam::Vec3;
 
-/// Mean and variance over the leaves of a node, by color.
+/// Mean and variance over a node's leaves, per color channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// Mean.
     pub mean: Vec3,
-    /// Mean squared distance from it.
+    /// Mean squared distance from the mean.
     pub variance: Vec3,
 }
 
 impl Moments {
-    /// Moments of these values.
+    /// Moments of `values`.
     pub fn of<const N: usize>(values: [Vec3; N]) -> Self {
         let scale = 1.0 / N as f32;
         let mean = values.iter().sum::<Vec3>() * scale;
-        // Squares of the distances, and no difference of squares: equal values have no variance, not even by rounding.
+        // Squared distances rather than a difference of squares: equal values have exactly no variance.
         let variance = values.iter().map(|&v| (v - mean) * (v - mean)).sum::<Vec3>() * scale;
         Self { mean, variance }
     }
@@ -29,29 +29,29 @@ impl Moments {
 /// A node of the merged cut.
 #[derive(Clone, Copy, Debug)]
 pub struct NodeMoments {
-    /// Leaves below it, `|C|`.
+    /// Number of leaves, `|C|`.
     pub leaves: f32,
-    /// Of its leaves.
+    /// Radiance of the leaves.
     pub radiance: Moments,
-    /// BRDF times cosine toward its leaves.
+    /// BRDF times cosine toward the leaves.
     pub brdf: Moments,
-    /// The renderer's estimate of that mean.
+    /// The renderer's estimate of the mean BRDF.
     pub sampled_brdf: Vec3,
     /// Mean visibility, 0 to 1.
     pub visibility: f32,
-    /// Whether that mean is weighted by the light, as in lit cuts. Then the product of radiance and visibility has no error of
-    /// its own.
+    /// Whether the mean visibility is weighted by the light, as in lit cuts. The product of radiance and visibility then has no
+    /// error of its own.
     pub is_lit: bool,
 }
 
 impl NodeMoments {
-    /// Standard deviation of a binary function of this mean.
+    /// Standard deviation of the binary visibility with this mean.
     fn visibility_deviation(&self) -> f32 {
         (self.visibility * (1.0 - self.visibility)).max(0.0).sqrt()
     }
 
-    /// Standard deviation of visible radiance, for a mean visibility that is weighted by the light. Of two leaves of equal
-    /// light one is hidden as often as the other.
+    /// Standard deviation of visible radiance under a light-weighted mean visibility. It assumes that leaves of equal light are
+    /// hidden equally often.
     fn visible_deviation(&self) -> Vec3 {
         let (mean, v) = (self.radiance.mean, self.visibility);
         let mean_sq = mean * mean + self.radiance.variance;
@@ -67,8 +67,8 @@ impl NodeMoments {
         self.leaves * (self.radiance.mean * rho * v + self.brdf.mean * l * v + l * rho * self.visibility)
     }
 
-    /// Largest contribution of the third central moment: `|C| max(<v>, 1 - <v>) σl σρ`. Lit nodes have none, but what is
-    /// hidden may be darker than what is seen: then visible radiance varies by as much as all radiance and more.
+    /// Largest contribution of the third central moment: `|C| max(<v>, 1 - <v>) σl σρ`. Lit nodes have none, but if hidden leaves
+    /// are darker than visible ones, visible radiance varies at least as much as all radiance.
     pub fn third_moment(&self) -> Vec3 {
         if self.is_lit {
             let mean = self.radiance.mean;
@@ -90,7 +90,7 @@ impl NodeMoments {
 mod tests {
     use super::*;
 
-    /// A node's moments, and the difference of `|C| <l> <ρ> <v>` from the sum of the products.
+    /// A node's moments, and the difference of `|C| <l> <ρ> <v>` from the sum of products.
     fn node<const N: usize>(l: [f32; N], rho: [f32; N], v: [bool; N]) -> (NodeMoments, f32) {
         let moments = |values: [f32; N]| Moments::of(values.map(Vec3::splat));
         let v = v.map(|v| f32::from(u8::from(v)));
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn two_leaves_have_the_covariance_of_their_differences() {
-        // A constant BRDF: |C| <ρ> |cov(l, v)| with cov = (l1 - l0)(v1 - v0) / 4, and the bound is met exactly.
+        // For a constant BRDF the bound is exact: |C| <ρ> |cov(l, v)| with cov = (l1 - l0)(v1 - v0) / 4.
         let (node, error) = node([1.0, 3.0], [0.5, 0.5], [false, true]);
         assert!((error - 2.0 * 0.5 * 0.5).abs() < 1e-6, "{error}");
         assert!((node.printed().x - error).abs() < 1e-6 && node.third_moment().x == 0.0);
@@ -142,7 +142,7 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(11);
         let (mut beyond_half, mut beyond_print) = (0, 0);
         for _ in 0..20_000 {
-            // Powers make rare bright leaves, which are what errs most.
+            // Powers create rare bright leaves, which cause the largest errors.
             let power = 1 + rng.i32(0..8);
             let l = std::array::from_fn::<f32, 4, _>(|_| rng.f32().powi(power));
             let rho = std::array::from_fn(|_| rng.f32().powi(power));
@@ -153,7 +153,7 @@ mod tests {
             beyond_print += usize::from(error > node.printed().x * (1.0 + 1e-4) + 1e-6);
         }
         assert!(beyond_half > 100, "negative control: half of the bound holds for all but {beyond_half}");
-        assert!(beyond_print > 0, "what the paper prints is an approximation, and no bound");
+        assert!(beyond_print > 0, "the paper's terms are an approximation, not a bound");
     }
 
     #[test]

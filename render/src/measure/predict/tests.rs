@@ -1,4 +1,4 @@
-//! The predicted error of whole pictures against the true one.
+//! Predicted errors of whole pictures against the true ones.
 
 use super::*;
 use crate::{
@@ -25,7 +25,7 @@ fn mean(image: &Image) -> f32 {
 
 #[test]
 fn where_visibility_is_exact_the_bound_holds_and_a_hundredth_of_it_does_not() {
-    // Without a blocker interpolation errs at no pixel: a floor sees the upper half everywhere.
+    // Without a blocker no pixel has an interpolation error: the floor sees the upper half everywhere.
     let mut open = dataset(mesh(4, false), glossy(0.5));
     open.scene.materials[0].model = BrdfModel::Ggx;
     let (renderer, view, light) = (Renderer::new(open), from_the_side(SIZE), uneven_sky());
@@ -54,7 +54,7 @@ fn where_visibility_is_exact_the_bound_holds_and_a_hundredth_of_it_does_not() {
 fn constant_light_leaves_only_the_covariance_of_visibility_and_brdf() {
     let (renderer, view) = (prepared(2.0), from_the_side(SIZE));
     let constant = illumination([8, 4], |_, _| Vec3::ONE);
-    // The leaves of a constant map differ by 0.2 %: a light without any variance is made by hand.
+    // The leaves of a constant map differ by 0.2 %, so a light without variance is made by hand.
     let tree = &renderer.dataset.tree;
     let even = SceneLighting::new(tree, &vec![Vec3::ONE; LIGHTS], 64);
     assert!(radiance_variance(&even).iter().all(|&v| v == Vec3::ZERO));
@@ -92,7 +92,7 @@ fn finer_light_and_finer_cuts_are_predicted_to_err_less() {
 
 #[test]
 fn lit_cuts_that_move_more_light_are_predicted_to_err_more() {
-    // Without a lobe no merge goes down into the stored cuts.
+    // Without a lobe no merge descends into the stored cuts.
     let (renderer, view) = (Renderer::new(dataset(mesh(24, true), white())), from_the_side(SIZE));
     let bound = |tau: f32| {
         let lighting = renderer.lighting(&uneven_sky(), 1).with_tau(tau);

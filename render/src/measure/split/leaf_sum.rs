@@ -1,4 +1,4 @@
-//! Sums over all leaves, each with a BRDF of its own.
+//! Sums over all leaves, each with its own BRDF value.
 
 use crate::{
     measure::explain::leaves_below,
@@ -13,15 +13,15 @@ use glam::Vec3;
 use lapidary_core::simd::Vec3x8;
 use std::array::from_fn;
 
-/// Light that arrives from every leaf, as radiance times visibility; leaves of a solid angle of one.
+/// Light from every leaf, as radiance times visibility, for leaves of unit solid angle.
 pub struct LeafSum<F> {
     field: F,
-    /// One a leaf in tree order.
+    /// One value per leaf in tree order.
     pub lit: Vec<Vec3>,
 }
 
 impl<F: NodeField> LeafSum<F> {
-    /// In the dark.
+    /// Starts with all leaves dark.
     pub fn new(field: F) -> Self {
         Self { lit: vec![Vec3::ZERO; 1 << field.tree().height()], field }
     }
@@ -35,7 +35,7 @@ impl<F: NodeField> LeafSum<F> {
             if lit.iter().all(|&l| l == Vec3::ZERO) {
                 continue;
             }
-            // What the last group lacks repeats its last leaf in the dark.
+            // The last group is padded with dark copies of its last leaf.
             let index = from_fn(|i| leaves + first + i.min(lit.len() - 1));
             let arriving = Vec3x8::from_array(from_fn(|i| lit.get(i).copied().unwrap_or(Vec3::ZERO)));
             let direction = self.field.directions(index, point.position);
@@ -48,14 +48,14 @@ impl<F: NodeField> LeafSum<F> {
     }
 }
 
-/// The nodes that a shader visits, with the mean of the BRDF over their leaves.
+/// Nodes visited by a shader, with the mean BRDF over their leaves.
 pub struct NodesByLeaves<'a, F> {
     shader: Shader<'a, F>,
     sum: LeafSum<F>,
 }
 
 impl<'a, F: NodeField> NodesByLeaves<'a, F> {
-    /// For the nodes of `shader` over the tree of `field`.
+    /// Wraps `shader` over the tree of `field`.
     pub fn new(shader: Shader<'a, F>, field: F) -> Self {
         Self { shader, sum: LeafSum::new(field) }
     }

@@ -1,5 +1,5 @@
-//! Every factor's fault appears in its own step, the pictures are those of the renderer and the references, and cuts and
-//! references without a fault leave nothing.
+//! Each factor's fault appears in its own step, the pictures match the renderer and the references, and exact cuts and references
+//! leave no error.
 
 use super::*;
 use crate::{
@@ -22,7 +22,7 @@ use std::sync::{
 
 const SIZE: u32 = 24;
 
-/// A glossy floor with a blocker; `sigma` 0 stores what the vertices see exactly.
+/// A glossy floor with a blocker; `sigma` 0 stores the vertices' visibility exactly.
 fn floor(cells: u32, sigma: f32) -> Dataset {
     let parameters = GgxParameters { base_color: Vec3::splat(0.5), ..glossy(0.4) };
     let mut dataset = dataset_of_sigma(mesh(cells, true), parameters, sigma);
@@ -30,7 +30,7 @@ fn floor(cells: u32, sigma: f32) -> Dataset {
     dataset
 }
 
-/// A smooth sky with a broad bright patch: samples do it justice.
+/// A smooth sky with a broad bright patch, well represented by samples.
 fn sky() -> Illumination {
     illumination([64, 32], |x, y| {
         let (dx, dy) = ((x as f32 - 33.0) / 5.0, (y as f32 - 10.0) / 3.0);
@@ -83,13 +83,13 @@ fn steps(dataset: &Dataset, faults: &Faults) -> [f64; 5] {
 #[test]
 fn each_fault_appears_in_its_own_step() {
     let fine = steps(&floor(24, 0.0), &Faults::default());
-    // Few nodes of light: clusters that are wider than the lobe, sampled once or not.
+    // Few light nodes: clusters wider than the lobe, sampled once or refined.
     let few = || Faults { illum_cut: 24, ..Faults::default() };
     let once = steps(&floor(24, 0.0), &few());
     let refined = steps(&floor(24, 0.0), &Faults { sampling: BrdfSampling::Refine, ..few() });
     let coarse_cuts = steps(&floor(24, 4.0), &Faults::default());
     let far_apart = steps(&floor(5, 0.0), &Faults::default());
-    // A lamp smaller than the distance of samples, in a floor that is almost a mirror.
+    // A lamp smaller than the sample spacing, above a nearly mirror-like floor.
     let lamp = illumination([256, 128], |x, y| Vec3::splat(if (x, y) == (131, 40) { 3000.0 } else { 0.3 }));
     let mut mirror = floor(24, 0.0);
     mirror.scene.materials[0].parameters.set("roughness", 0.2);
@@ -103,13 +103,13 @@ fn each_fault_appears_in_its_own_step() {
     assert_eq!(once[cuts..], fine[cuts..], "what comes after does not change");
     assert!(coarse_cuts[cuts] > 0.003 && coarse_cuts[interpolation..] == fine[interpolation..], "{told}");
     assert!(far_apart[interpolation] > 1.5 * fine[interpolation] && far_apart[cuts] < 1e-5, "{told}");
-    // Rays start a little farther off larger triangles.
+    // Rays start slightly farther off larger triangles.
     assert!((far_apart[samples] / fine[samples] - 1.0).abs() < 0.1, "{told}");
-    // Both hold the noise of the paths, which is the same for the same seeds.
+    // Both contain the paths' noise, identical for equal seeds.
     assert!(small_lamp[samples] > 1.2 * fine[samples] && small_lamp[brdf].max(small_lamp[cuts]) < 1e-5, "{told}");
 }
 
-/// Paths of the environment's light alone, as of the split.
+/// Paths with the environment's light alone, as in the split.
 fn environment_paths(spp: u32) -> PathSettings {
     PathSettings { components: Components { environment: true, ..Components::NONE }, ..PathSettings::direct(spp) }
 }
@@ -220,7 +220,7 @@ fn bounced_light_is_split_without_a_step_of_vertices() {
     let split = renderer.split_error(&job, &Quiet).unwrap().unwrap();
     let names: Vec<&str> = split.steps.iter().map(|step| step.factor).collect();
     assert_eq!(names, ["BRDF sampling", "light clusters", "visibility", "light samples"]);
-    // No light shines on the wall that these sources say is bright.
+    // No light reaches the wall, although these sources are bright there.
     assert!(split.steps[2].rel_rmse < 0.1 && split.pictures[4].1.pixels.iter().all(|p| *p == Vec3::ZERO));
     let samples = renderer.sources_reference(&view, &lighting, &Quiet);
     assert_eq!(split.pictures[3].1.at(3, 3), samples.at(11, 15));

@@ -1,4 +1,4 @@
-//! Visibility by rays from the vertices, interpolated: the result that exact cuts would give.
+//! Visibility by rays from the vertices, interpolated: the result of exact cuts.
 
 use super::leaf_sum::LeafSum;
 use crate::{
@@ -12,14 +12,13 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-/// Sets the visibility of all leaves of the environment's tree (0 or 1) as a vertex sees them.
+/// Sets the visibility (0 or 1) of all leaves of the environment's tree at a vertex.
 pub type TraceVertex<'a> = &'a (dyn Fn(u32, &mut [u8]) + Sync);
 
-/// Number of vertices in the cache, at one byte per leaf: half a gigabyte for 32,768 leaves. Neighboring pixels share
-/// vertices.
+/// Vertices in the cache, at one byte per leaf: half a gigabyte for 32,768 leaves. Neighboring pixels share vertices.
 const KEPT: usize = 16_384;
 
-/// Visibility of vertices, traced when it is first asked for.
+/// Visibility of vertices, traced at first use.
 pub struct TracedVertices<'a> {
     trace: TraceVertex<'a>,
     leaves: usize,
@@ -27,12 +26,12 @@ pub struct TracedVertices<'a> {
 }
 
 impl<'a> TracedVertices<'a> {
-    /// Of all leaves of the tree of `lighting`.
+    /// Creates an empty cache for the tree of `lighting`.
     pub fn new(lighting: &SceneLighting, trace: TraceVertex<'a>) -> Self {
         Self { trace, leaves: lighting.leaves(), known: Mutex::default() }
     }
 
-    /// Shades points by them.
+    /// A shader that uses the traced visibility.
     pub fn shader<'b>(&'b self, lighting: &'b SceneLighting) -> impl PointShader {
         VertexShader { vertices: self, lighting, sum: LeafSum::new(lighting) }
     }

@@ -1,4 +1,4 @@
-//! Surfaces that send light by themselves, sampled by the power of their constants.
+//! Emissive surfaces, sampled by the power of their materials' constants.
 
 use crate::{
     appearance::Appearance,
@@ -7,7 +7,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::{brdf::SurfaceParameters, color::luminance, ray::Hit, scene::Mesh};
 
-/// The triangles of a scene that shine.
+/// Emissive triangles of a scene.
 pub struct Emitters {
     triangles: Vec<u32>,
     /// Running sums of area times luminance.
@@ -16,11 +16,11 @@ pub struct Emitters {
     luminance: Vec<f32>,
 }
 
-/// A point of a surface that shines, as another point sees it.
+/// A point of an emissive surface, seen from another point.
 pub struct EmitterSample {
     /// Unit direction to it.
     pub direction: Vec3,
-    /// In meters.
+    /// Distance in meters.
     pub distance: f32,
     /// Radiance toward the other point.
     pub radiance: Vec3,
@@ -29,7 +29,7 @@ pub struct EmitterSample {
 }
 
 impl Emitters {
-    /// Of a mesh whose materials are those of `appearance`.
+    /// Finds the emitters of a mesh with the materials of `appearance`.
     pub fn new(mesh: &Mesh, appearance: &Appearance) -> Self {
         let of = |parameters| luminance(SurfaceParameters::from(parameters).emission());
         let luminance: Vec<f32> = appearance.materials.iter().map(|m| of(&m.parameters)).collect();
@@ -47,12 +47,12 @@ impl Emitters {
         Self { triangles, running, luminance }
     }
 
-    /// Whether there are none.
+    /// Whether there are no emitters.
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
 
-    /// A point by three numbers in [0, 1), seen from `origin`; `None` if it sends nothing there.
+    /// A point from three numbers in [0, 1), seen from `origin`; `None` if it sends no light there.
     pub fn sample(&self, surfaces: &Surfaces, mesh: &Mesh, origin: Vec3, u: Vec3) -> Option<EmitterSample> {
         let target = f64::from(u.x) * self.running.last()?;
         let chosen = self.running.partition_point(|&sum| sum <= target).min(self.triangles.len() - 1);
@@ -76,8 +76,8 @@ impl Emitters {
         })
     }
 
-    /// Density per solid angle of [`Self::sample`] at a point of a material at this distance in meters, whose normal has this
-    /// cosine to the direction.
+    /// Density per solid angle of [`Self::sample`], for a point of a material at this distance in meters, with this cosine between
+    /// normal and direction.
     pub fn pdf(&self, material: u32, distance: f32, cosine: f32) -> f32 {
         let per_area = self.luminance[material as usize] / self.running.last().map_or(1.0, |&sum| sum as f32);
         per_area * distance * distance / cosine.abs()

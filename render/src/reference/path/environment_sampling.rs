@@ -17,7 +17,7 @@ pub struct EnvironmentDistribution {
 }
 
 impl EnvironmentDistribution {
-    /// For the texels of `map`.
+    /// Builds the distribution over the texels of `map`.
     pub fn new(map: &Image) -> Self {
         let solid_angle: Vec<f32> = (0..map.size[1]).map(|row| texel_solid_angle(row, map.size)).collect();
         let mut sum = 0.0;
@@ -48,11 +48,11 @@ impl EnvironmentDistribution {
         let target = f64::from(u) * self.total();
         let texel = self.running.partition_point(|&r| r <= target).min(self.running.len() - 1);
         let before = if texel == 0 { 0.0 } else { self.running[texel - 1] };
-        // What is left of the first number is uniform inside the texel.
+        // The remainder of the first number is uniform inside the texel.
         let within = ((target - before) / (self.running[texel] - before).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0) as f32;
         let [width, height] = self.size.map(|s| s as f32);
         let (column, row) = (texel % self.size[0] as usize, texel / self.size[0] as usize);
-        // Uniform in the cosine of the polar angle, so that the density is constant in solid angle.
+        // Uniform in the cosine of the polar angle: the density is constant in solid angle.
         let edge = |r: f32| (std::f32::consts::PI * r / height).cos();
         let cos = edge(row as f32) + (edge(row as f32 + 1.0) - edge(row as f32)) * v;
         let uv = Vec2::new((column as f32 + within) / width, cos.clamp(-1.0, 1.0).acos() / std::f32::consts::PI);
@@ -72,8 +72,8 @@ impl EnvironmentDistribution {
     }
 }
 
-/// Mean luminance over a texel of the bilinear interpolation between texel centers: a bright texel reaches into its
-/// neighbors, which must be sampled accordingly or they give fireflies.
+/// Mean luminance over a texel of the bilinear interpolation between texel centers. A bright texel reaches into its neighbors;
+/// without this they would give fireflies.
 fn mean_luminance(map: &Image, x: usize, y: usize) -> f32 {
     const TENT: [(isize, f32); 3] = [(-1, 0.125), (0, 0.75), (1, 0.125)]; // integrals of the tent over three texels
     let (width, height) = (map.width() as isize, map.height() as isize);

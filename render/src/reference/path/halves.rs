@@ -1,4 +1,4 @@
-//! The mean of many passes, and how noisy it still is.
+//! The mean of many passes and its remaining noise.
 
 use lapidary_core::image::Image;
 
@@ -7,19 +7,19 @@ use lapidary_core::image::Image;
 pub struct PathPicture {
     /// Mean of all passes.
     pub image: Image,
-    /// Passes that it is the mean of.
+    /// Number of averaged passes.
     pub passes: u32,
-    /// Relative RMSE of [`Self::image`] against a picture without noise, estimated from the difference of two halves of
-    /// the passes; `None` while there is only one half.
+    /// Relative RMSE of [`Self::image`] against a noise-free picture, estimated from two halves of the passes; `None` while there
+    /// is only one half.
     pub noise: Option<f64>,
 }
 
-/// Sums over the passes of both halves. Passes alternate by whole patterns of the pixel's samples; otherwise the halves
-/// would see different parts of the pixels.
+/// Sums over the passes of both halves. Passes alternate in whole patterns of the pixel's samples; otherwise the halves would see
+/// different parts of the pixels.
 pub(super) struct Halves {
     sums: [Image; 2],
     passes: [u32; 2],
-    /// Passes that see all of a pixel.
+    /// Passes that cover a whole pixel.
     pattern: u32,
 }
 
@@ -29,7 +29,7 @@ impl Halves {
         Self { sums: [black.clone(), black], passes: [0; 2], pattern: pattern.max(1) }
     }
 
-    /// All passes so far.
+    /// Number of passes so far.
     pub fn passes(&self) -> u32 {
         self.passes[0] + self.passes[1]
     }
@@ -40,7 +40,7 @@ impl Halves {
         self.passes[half] += 1;
     }
 
-    /// The picture so far; black if there is no pass.
+    /// The picture so far; black before the first pass.
     pub fn picture(&self) -> PathPicture {
         let [a, b] = &self.sums;
         let scale = 1.0 / self.passes().max(1) as f32;
@@ -49,7 +49,7 @@ impl Halves {
         PathPicture { noise: self.noise(&image), image, passes: self.passes() }
     }
 
-    /// The variance of a pass, estimated from the difference of the halves' means, over the number of passes.
+    /// Variance of a pass, estimated from the difference of the halves' means, over the number of passes.
     fn noise(&self, mean: &Image) -> Option<f64> {
         let [m, n] = self.passes.map(f64::from);
         if !(m > 0.0 && n > 0.0) {
@@ -71,7 +71,7 @@ mod tests {
 
     /// A gradient with gray noise of `sigma`.
     fn noisy(rng: &mut fastrand::Rng, sigma: f32) -> Image {
-        // Of a variance of one.
+        // Unit variance.
         let mut noise = || 12.0_f32.sqrt() * (rng.f32() - 0.5);
         Image::from_fn([80, 80], |x, _| Vec3::splat(1.0 + x as f32 / 80.0 + sigma * noise()))
     }
@@ -83,7 +83,7 @@ mod tests {
             let mut halves = Halves::new([80, 80], pattern);
             (0..passes).for_each(|_| halves.add(&noisy(&mut rng, 0.3)));
             let picture = halves.picture();
-            // The root mean square of the gradient is 1.521, and the noise adds to that of the picture.
+            // The root mean square of the gradient is 1.521, and the noise adds to the picture's.
             let sigma = 0.3 / f64::from(passes).sqrt();
             let (expected, found) = (sigma / 1.521_f64.hypot(sigma), picture.noise.unwrap());
             assert!((found / expected - 1.0).abs() < 0.05, "{passes}: {found} for {expected}");

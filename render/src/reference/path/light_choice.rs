@@ -1,24 +1,24 @@
-//! Which local lights one vertex of a path asks: all of a few, one of many.
+//! Local lights that a path vertex samples: all of a few, or one of many.
 
 use lapidary_core::lights::Light;
 
-/// Up to as many lights are asked one by one.
+/// Up to this many lights are all sampled.
 const ALL_OF: usize = 8;
 
-/// Share of the choice that ignores power: bounds of power may be far off, and no light may be left out.
+/// Share of the choice that ignores power: power bounds may be far off, and every light needs a chance.
 const UNIFORM: f64 = 0.1;
 
-/// The lights that shine, and how often each is asked.
+/// The lights that shine, with their sampling probabilities.
 pub struct LightChoice<'a> {
     lights: Vec<&'a Light>,
-    /// Probability of each light; one each for a few.
+    /// Probability of each light; 1 for each of a few.
     probability: Vec<f32>,
     /// Running sums of the probabilities.
     running: Vec<f64>,
 }
 
 impl<'a> LightChoice<'a> {
-    /// For a scene that fits in a sphere of `radius` meters.
+    /// For a scene within a sphere of `radius` meters.
     pub fn new(lights: &'a [Light], radius: f32) -> Self {
         let lights: Vec<&Light> = lights.iter().filter(|light| light.shines()).collect();
         let count = lights.len() as f64;
@@ -44,7 +44,7 @@ impl<'a> LightChoice<'a> {
         self.lights.iter().copied().zip(self.probability.iter().copied())
     }
 
-    /// The lights to ask for a number `u` in [0, 1), with their probabilities.
+    /// The lights to sample for a number `u` in [0, 1), with their probabilities.
     pub fn asked(&self, u: f32) -> impl Iterator<Item = (&'a Light, f32)> {
         let count = self.lights.len();
         let range = if count <= ALL_OF {

@@ -1,4 +1,4 @@
-//! Light paths against closed forms: the integrating sphere, form factors, Lambert's formula; components that add up.
+//! Light paths against closed forms: the integrating sphere, form factors, Lambert's formula; components sum to the whole.
 
 use super::*;
 use crate::{
@@ -28,7 +28,7 @@ fn only(components: &str, bounces: u32, spp: u32) -> PathSettings {
     PathSettings { bounces, components: components.parse().unwrap(), ..PathSettings::direct(spp) }
 }
 
-/// Jacquez and Kuppenheim 1955: each bounce in a sphere spreads evenly, so that irradiance follows the geometric series.
+/// Jacquez and Kuppenheim 1955: each bounce in a sphere spreads evenly, so irradiance follows the geometric series.
 #[test]
 fn bounces_in_a_closed_sphere_follow_the_geometric_series() {
     let albedo = 0.6_f32;
@@ -61,7 +61,7 @@ fn walls_that_absorb_nothing_end_and_stay_finite() {
     assert!(mean(&picture) > 10.0, "{}", mean(&picture));
 }
 
-/// A lamp lights the wall and not the floor, so that the floor shows the wall's form factor.
+/// A lamp lights only the wall, so the floor shows the wall's form factor.
 #[test]
 fn one_bounce_from_a_wall_is_its_form_factor() {
     let albedo = 0.8;
@@ -86,7 +86,7 @@ fn one_bounce_from_a_wall_is_its_form_factor() {
     assert_eq!(mean(&direct), 0.0, "the light grazes the floor");
 }
 
-/// A black wall that shines by itself, so that the floor shows its form factor: found by samples of it, and by the BRDF.
+/// The floor shows the form factor of an emissive black wall, by samples of the wall and of the BRDF.
 #[test]
 fn a_wall_that_shines_lights_the_floor_by_its_form_factor() {
     let (albedo, shines) = (0.8, 3.0);
@@ -164,7 +164,7 @@ fn components_sum_to_the_whole() {
     assert!((of("direct,indirect") + parts[0] - whole).abs().max_element() < 0.02 * whole.max_element());
 }
 
-/// The mean over samples of light and BRDF is the integral over the rectangle, for mirrors as for chalk.
+/// The mean over samples of light and BRDF is the integral over the rectangle, for mirrors and for diffuse surfaces.
 #[test]
 fn rectangles_in_highlights_are_integrated_exactly() {
     let rectangle = Emission::Rectangle { width: 1.2, height: 0.6 };
@@ -209,8 +209,8 @@ fn one_of_many_lights_at_a_time_gives_the_mean_of_all() {
     assert!((fewer / expected - 1.0).abs() > 0.04, "negative control: {fewer}");
 }
 
-/// A sunlit sheet before black, whose edges four shared positions per pixel place wrongly, in all pictures alike; shifted ones
-/// find its share of the pixels, and pictures of other first paths say how well.
+/// A sunlit sheet on black. Four shared positions per pixel misplace its edges alike in all pictures; shifted ones find its share
+/// of the pixels, and pictures with other first paths show the error.
 #[test]
 fn shifted_places_see_whole_pixels_and_their_misses_are_noise() {
     let renderer = Renderer::new(dataset(plates(), gray(0.5)));

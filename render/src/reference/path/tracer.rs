@@ -16,11 +16,10 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::lights::Light;
 
-/// From this bounce on, Russian roulette ends paths of low throughput and gives the others more weight (Arvo and Kirk
-/// 1990).
+/// From this bounce on, Russian roulette ends paths of low throughput and gives the others more weight (Arvo and Kirk 1990).
 const SAFE_BOUNCES: u32 = 3;
 
-/// Highest chance to go on, so that a path between white walls ends.
+/// Highest survival probability, so that a path between white walls ends.
 const MOST_LIKELY: f32 = 0.95;
 
 /// Estimates of reflected radiance.
@@ -34,14 +33,14 @@ pub struct Tracer<'a> {
     settings: PathSettings,
 }
 
-/// Which direct light a vertex gathers.
+/// Kinds of direct light to gather at a vertex.
 #[derive(Clone, Copy)]
 struct Gathered {
     environment: bool,
     lights: bool,
 }
 
-/// A reflection that the BRDF chose.
+/// A reflection sampled from the BRDF.
 struct Scattered {
     world: Vec3,
     /// Density of the direction per solid angle.
@@ -64,7 +63,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// One estimate of the radiance that a point sends to the eye.
+    /// One estimate of the radiance from a point toward the eye.
     pub fn radiance(&self, seen: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
         let wanted = self.settings.components;
         let bounces = if wanted.indirect { self.settings.bounces } else { 0 };
@@ -148,7 +147,7 @@ impl<'a> Tracer<'a> {
         sum
     }
 
-    /// Light of surfaces that shine, by a sample of them.
+    /// Light from emissive surfaces, by sampling them.
     fn by_emitters(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
         if self.emitters.is_empty() {
             return Vec3::ZERO;
@@ -166,7 +165,7 @@ impl<'a> Tracer<'a> {
             * (power_heuristic(sample.pdf, other) / sample.pdf)
     }
 
-    /// What the surface at the end of a reflection sends by itself, weighted against its samples.
+    /// Emission of the surface that a reflection hits, weighted against samples of emitters.
     fn emission_along(&self, point: &SurfacePoint, scattered: &Scattered, next: &SurfacePoint) -> Vec3 {
         if next.emission == Vec3::ZERO {
             return Vec3::ZERO;
@@ -177,7 +176,7 @@ impl<'a> Tracer<'a> {
         next.emission * power_heuristic(scattered.pdf, self.emitters.pdf(next.material, distance, cosine))
     }
 
-    /// A reflection by importance; `None` if it leads nowhere.
+    /// A reflection by importance; `None` without a valid direction.
     fn scatter(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Option<Scattered> {
         let brdf = point.brdf.as_brdf();
         let wi = brdf.sample(point.wo, Vec3::new(rng.f32(), rng.f32(), rng.f32()));
@@ -232,7 +231,7 @@ fn reflection(point: &SurfacePoint, world: Vec3) -> (Vec3, f32) {
     (brdf.brdf_cos(wi, point.wo), brdf.pdf(wi, point.wo))
 }
 
-/// Whether a direction leaves the visible side of the triangle; below it a ray would hit the triangle itself.
+/// Whether a direction leaves the visible side of the triangle; otherwise a ray would hit the triangle itself.
 fn leaves_face(point: &SurfacePoint, world: Vec3) -> bool {
     let [a, b, c] = point.corners;
     let normal = (b - a).cross(c - a);

@@ -1,4 +1,4 @@
-//! Samples of the environment: a direction each.
+//! Samples of the environment: one direction each.
 
 use crate::{
     light::{environment::SceneLighting, mirrored_map::MirroredMap},
@@ -22,14 +22,14 @@ pub(crate) struct LightSamples {
     directions: DirectionSet,
     wi: Vec<Vec3x8>,
     radiance: Vec<Vec3x8>,
-    /// Spread of the directions that a sample stands for, for sharp lobes.
+    /// Directional spread of each sample, for sharp lobes.
     inv_kappa: Vec<f32x8>,
     mirrored: Option<MirroredMap>,
     solid_angle: f32,
 }
 
 impl LightSamples {
-    /// Of a tree that is lit; its illumination cut does not matter.
+    /// Samples of a lit tree; its illumination cut does not matter.
     pub fn of(tree: &LightTree, lighting: &SceneLighting) -> Self {
         let leaf_radiance = &lighting.nodes.radiance[tree.len()..];
         let eight = |values: &[Vec3]| -> Vec<Vec3x8> {
@@ -53,7 +53,7 @@ impl LightSamples {
     }
 }
 
-/// Sets `visible` to the share of each light that a point sees, in units of 1 / [`OPEN`], and to 0 for those whose light it does
+/// Sets `visible` to the visible share of each light at a point, in units of 1 / [`OPEN`], and to 0 for lights that the point does
 /// not receive.
 pub(crate) fn trace_lights(renderer: &Renderer, lights: &DirectionSet, point: &SurfacePoint, visible: &mut [u8]) {
     visible.fill(0);
@@ -62,7 +62,7 @@ pub(crate) fn trace_lights(renderer: &Renderer, lights: &DirectionSet, point: &S
     renderer.intersector().attenuate(point.ray_origin, lights, receives, visible);
 }
 
-/// Traces and sums; keeps its buffer between points.
+/// Traces and sums samples; keeps its buffer between points.
 struct DistantShader<'a> {
     samples: &'a LightSamples,
     renderer: &'a Renderer,
@@ -82,13 +82,13 @@ impl PointShader for DistantShader<'_> {
 }
 
 impl DistantShader<'_> {
-    /// Shares of eight samples that are seen.
+    /// Visible shares of eight samples.
     fn seen(&self, i: usize) -> f32x8 {
         let seen = |k| self.visible.get(8 * i + k).map_or(0.0, |&v| f32::from(v) / f32::from(OPEN));
         f32x8::new(std::array::from_fn(seen))
     }
 
-    /// The light of all samples that are seen.
+    /// Light of all visible samples.
     fn sum(&self, point: &SurfacePoint) -> Vec3 {
         let Self { samples, visible, .. } = self;
         let receiver = ReceiverX8::new(point);
@@ -100,7 +100,7 @@ impl DistantShader<'_> {
         sum.reduce_add() * samples.solid_angle
     }
 
-    /// The same where sharp lobes read the map, with the visibility of the samples around the mirror's direction.
+    /// The same sum if sharp lobes read the map, with the visibility of the samples around the mirror direction.
     fn mirrored(&self, point: &SurfacePoint, mirror: &Mirror, map: &MirroredMap) -> Vec3 {
         let samples = self.samples;
         let receiver = ReceiverX8::new(point);

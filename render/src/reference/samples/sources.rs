@@ -1,5 +1,4 @@
-//! Samples of bounced light: a segment to every surface source that sends light, and rays in all directions for near
-//! sources.
+//! Samples of bounced light: a segment to every surface source that sends light, and rays in all directions for near sources.
 
 use crate::{
     light::bounce::SourceLighting,
@@ -48,7 +47,7 @@ impl<'a> SourceSamples<'a> {
     }
 }
 
-/// Traces and sums; keeps its buffers between points.
+/// Traces and sums sources; keeps its buffers between points.
 struct SourceShader<'a> {
     samples: &'a SourceSamples<'a>,
     field: SourceField<'a>,
@@ -59,7 +58,7 @@ struct SourceShader<'a> {
 }
 
 impl SourceShader<'_> {
-    /// Sets the solid angles of visible sources, and lists these and others.
+    /// Sets the solid angles of visible sources, and lists candidate sources.
     fn trace(&mut self, point: &SurfacePoint) {
         let receives = |direction: Vec3| point.receives(direction);
         let has_near = self.trace_far(point, receives);
@@ -129,7 +128,7 @@ impl PointShader for SourceShader<'_> {
         let leaves = self.samples.lighting.lights.len();
         let mut sum = Vec3x8::splat(Vec3::ZERO);
         for group in self.wanted.chunks(8) {
-            // Padding repeats the first source without a solid angle.
+            // Padding repeats the first source with zero solid angle.
             let member = |k: usize| group.get(k).map_or(group[0], |&i| i) as usize;
             let nodes = from_fn(|k| leaves + member(k));
             let direction = self.field.directions(nodes, point.position);

@@ -1,4 +1,4 @@
-//! BRDFs of files: refinement finds their lobes, as those of models with a formula.
+//! BRDFs from files: refinement finds their lobes as it does for analytic models.
 
 use super::*;
 use lapidary_core::{
@@ -6,7 +6,7 @@ use lapidary_core::{
     material::Material,
 };
 
-/// A measured material that is a tabulated metal.
+/// A measured material with the tabulated values of a metal.
 fn measured(roughness: f32) -> Material {
     let ggx = Ggx::new(&GgxParameters { roughness, metalness: 1.0, ..Default::default() });
     let table = Measured::tabulated(|wi, wo| ggx.brdf_cos(wi, wo) / wi.z);
@@ -14,7 +14,7 @@ fn measured(roughness: f32) -> Material {
     Material { model: BrdfModel::Merl, file: Some(file), ..Default::default() }
 }
 
-/// A highlight that is written in WGSL.
+/// A highlight written in WGSL.
 fn written(exponent: f32) -> Material {
     let text = include_str!("../../../../data/brdfs/gloss.wgsl");
     let file =

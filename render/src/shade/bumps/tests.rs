@@ -1,5 +1,5 @@
-//! Bumps seen from afar, against the mean of all their normals, against light paths through whole pixels, and as the map slides
-//! below the pixels.
+//! Bumps seen from afar, against the mean over all their normals, against light paths through whole pixels, and while the map moves
+//! under the pixels.
 
 use super::*;
 use crate::{
@@ -30,7 +30,7 @@ use wide::f32x8;
 
 const SIZE: u32 = 128;
 
-/// Heights of waves whose directions and phases are fixed; they repeat, and slope by about 0.2 with a height of 1 and a width of 1.
+/// Heights of waves with fixed directions and phases. They repeat, and slope by about 0.2 at a height of 1 and a width of 1.
 fn height(x: f32, y: f32) -> f32 {
     let wave =
         |a: f32, b: f32, phase: f32| (std::f32::consts::TAU * (a * x + b * y) + phase).sin() / (a * a + b * b).sqrt();
@@ -54,7 +54,7 @@ fn normals() -> Texture {
     Texture::new("normals", [SIZE; 2], Texels::F32((0..SIZE * SIZE).map(texel).collect()))
 }
 
-/// A place on the plane z = 0, a unit of u and v in a meter.
+/// A place on the plane z = 0, with one unit of u and v per meter.
 fn place(uv: UvFootprint) -> SurfacePlace {
     let (smooth_normal, tangent, slopes) = (Vec3::Z, Vec3::X, Some([Vec3::X, Vec3::Y]));
     SurfacePlace { position: Vec3::ZERO, smooth_normal, tangent, handedness: 1.0, uv, slopes }
@@ -81,7 +81,7 @@ fn a_footprint_reflects_as_the_mean_of_all_its_normals_do() {
     let whole = UvFootprint { uv: Vec2::splat(0.5), changes: [2.0 * Vec2::X, 2.0 * Vec2::Y] };
     let texels = || (0..SIZE * SIZE).map(|i| (Vec2::new((i % SIZE) as f32, (i / SIZE) as f32) + 0.5) / SIZE as f32);
     let wo = Vec3::new(0.4, 0.1, 1.0).normalize();
-    // The sum of the waves is nearly Gaussian, as Beckmann's facets are; the tails of GGX are longer.
+    // The sum of the waves is nearly Gaussian, like Beckmann's facets; GGX has longer tails.
     for (model, bound) in [(BrdfModel::Beckmann, 0.12), (BrdfModel::Ggx, 0.25)] {
         for map in [NORMAL, BUMP] {
             let appearance = look(model, 0.35, map, TextureSlot::default()).into();
@@ -129,7 +129,7 @@ fn drawn_normals_have_the_covariance_that_they_are_drawn_from() {
     assert_eq!(point.with_one_normal([0.5, 0.5]).slopes, [0.0; 3]);
 }
 
-/// A floor with the map under a small bright light, seen `distance` times as far away as the map was made for.
+/// A floor with the map under a small bright light, seen from `distance` times the map's design distance.
 fn scene(mut appearance: Appearance, distance: f32) -> (Renderer, Illumination) {
     for slot in appearance.materials[0].maps.slots_mut() {
         slot.scale = Vec2::splat(0.75 * distance);
@@ -152,11 +152,11 @@ fn view() -> View {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Filter {
-    /// Lookups at points.
+    /// Point lookups.
     None,
     /// Mean normals.
     Means,
-    /// Mean normals, and lobes that are as wide as the normals spread.
+    /// Mean normals, and lobes widened by the spread of the normals.
     Slopes,
 }
 
@@ -190,10 +190,10 @@ fn by_paths(renderer: &Renderer, light: &Illumination, view: &View, spp: u32) ->
 
 const FILTERS: [Filter; 3] = [Filter::None, Filter::Means, Filter::Slopes];
 
-/// Relative RMSE of each filter against paths, and RMS change as a share of the mean from frame to frame as the camera moves
-/// by thirds of a pixel.
+/// Relative RMSE of each filter against paths, and RMS change between frames as a share of the mean while the camera moves by
+/// thirds of a pixel.
 fn errors(map: &'static str, roughness: f32, distance: f32, spp: u32) -> ([f64; 3], [f64; 3]) {
-    // Heights shrink with the map, so that slopes stay.
+    // Heights shrink with the map, so slopes stay the same.
     let strength = if map == BUMP { 1.0 / (0.75 * distance) } else { 1.0 };
     let slot = TextureSlot { strength, ..Default::default() };
     let (renderer, light) = scene(look(BrdfModel::Ggx, roughness, map, slot), distance);

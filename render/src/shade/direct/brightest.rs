@@ -1,5 +1,5 @@
-//! Lights without extent, from the brightest at a point to the faintest. Shadow rays end once the remaining lights
-//! could not change the sum, even if nothing blocked them.
+//! Lights without extent, from the brightest at a point to the faintest. Shadow rays stop once the remaining lights, even
+//! unblocked, could not change the sum.
 
 use crate::shade::surface::SurfacePoint;
 use glam::Vec3;
@@ -9,22 +9,22 @@ use lapidary_core::{
 };
 use wide::f32x8;
 
-/// Largest neglected share of the light that arrives from lights without extent, in each channel.
+/// Largest neglected share of the light from lights without extent, in each channel.
 pub(crate) const NEGLIGIBLE: f32 = 1e-4;
 
-/// The light that a point would reflect toward the eye if nothing blocked it.
+/// Unoccluded light of one lamp, reflected toward the eye.
 struct Unshadowed {
-    /// Among all lights.
+    /// Index among all lights.
     number: usize,
     radiance: Vec3,
     direction: Vec3,
     distance: f32,
-    /// Radiance of it and of all that are fainter.
+    /// Radiance of this and all fainter lights.
     with_fainter: Vec3,
 }
 
-/// Radiance that a point reflects of `lights`, within [`NEGLIGIBLE`]. `arriving` tells by number, direction and
-/// distance the share of the light that arrives.
+/// Radiance that a point reflects of `lights`, within [`NEGLIGIBLE`]. `arriving` returns the share of the light that arrives, by
+/// index, direction and distance.
 pub(super) fn delta_light<'a>(
     point: &SurfacePoint,
     lights: impl Iterator<Item = (usize, &'a LightSampler<'a>)>,
@@ -63,7 +63,7 @@ fn unshadowed<'a>(
     out
 }
 
-/// Sorts the lights and leaves out dark ones. Sums start at the faintest, so that rounding loses none of them.
+/// Sorts the lights and drops dark ones. Sums start at the faintest, so rounding loses none of them.
 fn from_brightest(mut lights: Vec<Unshadowed>) -> Vec<Unshadowed> {
     lights.retain(|light| light.radiance.max_element() > 0.0);
     lights.sort_unstable_by(|a, b| b.radiance.element_sum().total_cmp(&a.radiance.element_sum()));
@@ -88,7 +88,7 @@ mod tests {
         lights::{Emission, Light},
     };
 
-    /// Lamps above the plates and below them, of which some are far brighter than others.
+    /// Lamps above and below the plates, with very different brightness.
     fn lamps(count: usize, spread: i32) -> Vec<Light> {
         let mut random = fastrand::Rng::with_seed(5);
         let mut lamp = || {
@@ -100,7 +100,7 @@ mod tests {
         (0..count).map(|_| lamp()).collect()
     }
 
-    /// Radiance, and how many rays it took.
+    /// Radiance and number of rays.
     fn counted(renderer: &Renderer, point: &SurfacePoint, lights: &[Light]) -> (Vec3, usize) {
         let mut rays = 0;
         let samplers: Vec<LightSampler> = lights.iter().map(Light::sampler).collect();
@@ -139,8 +139,8 @@ mod tests {
                 light(Emission::Point, point.position + Vec3::new(1e-3 * (i % 7) as f32, 1.0, 0.0), Vec3::ZERO, 1.0)
             })
             .collect();
-        assert_eq!(counted(&renderer, &point, &equal).1, 500, "none of them is negligible");
-        // The brightest stands behind the wall over the edge of the floor, the faint one is seen.
+        assert_eq!(counted(&renderer, &point, &equal).1, 500, "no light is negligible");
+        // The brightest light is behind the wall beyond the floor's edge; the faint one is visible.
         let behind = light(Emission::Point, Vec3::new(-0.5, 0.3, 0.0), Vec3::ZERO, 1e6);
         let faint = light(Emission::Point, point.position + Vec3::Y, Vec3::ZERO, 1e-3);
         let both = [behind, faint.clone()];

@@ -1,4 +1,4 @@
-//! Lights that points are known to see wholly or not at all, found for eight points side by side at once.
+//! Lights that are wholly visible or hidden at a point, found for eight adjacent points at once.
 
 use super::DirectShader;
 use crate::shade::surface::SurfacePoint;
@@ -10,7 +10,7 @@ use lapidary_core::{
 };
 use std::array::from_fn;
 
-/// What a point is known to see of lights, one bit for each of the first 64. Of others rays tell.
+/// Known visibility of lights at a point, one bit for each of the first 64. Other lights need rays.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LightsSeen {
     whole: u64,
@@ -18,31 +18,31 @@ pub(crate) struct LightsSeen {
 }
 
 impl LightsSeen {
-    /// Whether a light is seen wholly, or else not at all, if that is known.
+    /// Whether a light is wholly visible (`true`) or hidden (`false`); `None` if unknown.
     pub fn of(self, light: usize) -> Option<bool> {
         let has = |bits: u64| light < 64 && bits >> light & 1 == 1;
         if has(self.whole) { Some(true) } else { has(self.none).then_some(false) }
     }
 }
 
-/// Among more lights without extent, only those cast rays that are bright at a point.
+/// Above this number of lights without extent, only those that are bright at a point cast rays.
 const MOST_DELTA: usize = 8;
 
-/// Points side by side; fewer at the end of a row.
+/// Adjacent points; fewer at the end of a row.
 pub(crate) type EightPoints<'p> = [Option<&'p SurfacePoint>; 8];
 
 impl DirectShader<'_> {
-    /// Whether anything may be known of its lights before rays.
+    /// Whether visibility can be known before casting rays.
     pub fn may_know(&self) -> bool {
         self.lights.iter().any(|light| light.disc().is_some()) || (1..=MOST_DELTA).contains(&self.delta())
     }
 
-    /// How many lights have no extent.
+    /// Number of lights without extent.
     fn delta(&self) -> usize {
         self.lights.iter().filter(|light| light.light().is_delta()).count()
     }
 
-    /// What eight points are known to see of lights; the nearer the points, the faster it is. Of rectangles nothing is known.
+    /// Known visibility of lights at eight points; faster the closer the points are. Always unknown for rectangles.
     pub fn lights_seen(&self, points: &EightPoints) -> [LightsSeen; 8] {
         let mut seen = [LightsSeen::default(); 8];
         if points.iter().all(Option::is_none) {
@@ -63,14 +63,14 @@ impl DirectShader<'_> {
         seen
     }
 
-    /// Cones toward a disc.
+    /// Visibility of a disc, by cones.
     fn disc_seen(&self, disc: &Disc, points: &EightPoints) -> SeenThrough {
         let active = bits(|i| points[i].is_some_and(|point| point.may_receive(disc)));
         let origins = from_fn(|i| points[i].map_or(Vec3::ZERO, |point| point.ray_origin));
         self.intersector.seen_through(&EightCones { origins, axis: disc.axis, sine: disc.sine(), active })
     }
 
-    /// Rays toward a light without extent.
+    /// Visibility of a light without extent, by rays.
     fn delta_seen(&self, light: &LightSampler, points: &EightPoints) -> SeenThrough {
         let rays = points.map(|point| {
             let point = point?;

@@ -57,7 +57,7 @@ fn a_rectangle_gives_lamberts_irradiance_also_in_the_surface_of_its_lamp() {
     let corners = RectangleShape::of(&lamp).unwrap().corners();
     let expected = 2.0 * polygon_irradiance(&corners, Vec3::ZERO, Vec3::Y) as f32;
     let lamps = [lamp];
-    // The underside of the blocker lies in the plane of the lamp.
+    // The underside of the blocker lies in the lamp's plane.
     for blocker in [false, true] {
         let found = irradiance_below(&lamps, blocker);
         assert!((found / expected - 1.0).abs() < 0.02, "blocker {blocker}: {found} of {expected}");
@@ -75,7 +75,7 @@ fn shifts_of_pixels_fill_the_square_and_differ_between_samples() {
     let quarter = shifts.iter().filter(|s| s.max_element() < 0.5).count() as f32 / shifts.len() as f32;
     assert!((quarter - 0.25).abs() < 0.06, "{quarter}");
     assert!(shifts.iter().all(|s| s.min_element() >= 0.0 && s.max_element() < 1.0));
-    // The next sample of a pixel goes on where the cells of the one before end.
+    // A pixel's next sample continues after the cells of the previous one.
     let next = (pixel_shift(3, 5, 0) + STEP * (CELLS * CELLS) as f32).fract();
     assert!((pixel_shift(3, 5, 1) - next).abs().max_element() < 1e-5, "{next}");
 }
@@ -90,7 +90,7 @@ fn a_lambert_floor_reflects_a_third_of_its_irradiance_as_radiance() {
     assert!((radiance - FRAC_1_PI).abs().max_element() < 1e-4, "{radiance}");
 }
 
-/// Points of the rows of a view, side by side.
+/// Adjacent points in the rows of a view.
 fn eights(renderer: &Renderer, view: &View) -> Vec<Vec<SurfacePoint>> {
     let backdrop = Backdrop::new(view, None, false, &mut BlurCache::default());
     let sampler = PixelSampler::new(renderer, view, &backdrop);

@@ -1,4 +1,4 @@
-//! The merge in every instruction set, and its steps over the tree.
+//! The merge in every instruction set, and its traversal of the tree.
 
 use super::*;
 use crate::{
@@ -15,7 +15,7 @@ use lapidary_core::{
     sources::SourceTree,
 };
 
-/// The bits of one point in each instruction set, under each model and sampling.
+/// Bits of the radiance at one point in each instruction set, for each model and sampling.
 fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePoint) -> Vec<Vec<[u32; 3]>> {
     let shaded = |instructions: InstructionSet| {
         let mut bits = Vec::new();
@@ -35,7 +35,7 @@ fn bits_in_each_set<F: NodeField>(field: F, cuts: &PackedCuts, point: &SurfacePo
     InstructionSet::available().map(shaded).collect()
 }
 
-/// All sets have the bits of the first, which is not dark.
+/// Asserts that all sets agree with the first, and that it is not dark.
 fn assert_same(bits: &[Vec<[u32; 3]>]) {
     assert!(bits.iter().all(|of_set| of_set == &bits[0]), "{bits:?}");
     assert!(bits[0].iter().all(|color| f32::from_bits(color[2]) > 0.0), "{bits:?}");
@@ -67,7 +67,7 @@ fn all_instruction_sets_gather_sources_to_the_same_bits() {
     assert_same(&bits_in_each_set(SourceField::new(&lighting), &indirect.cuts, &point));
 }
 
-/// A shader keeps the merged cuts of the last triangle: after points of others it gives what a new one does.
+/// A shader caches the merged cuts of the last triangle. Points of other triangles in between must not change its results.
 #[test]
 fn a_shader_may_go_to_and_fro_between_triangles() {
     let renderer = Renderer::new(dataset(mesh(16, true), glossy(0.4)));

@@ -15,7 +15,7 @@ use lapidary_core::{
     scene::Mesh,
 };
 
-/// Bright stripes, three to a light sample.
+/// Bright stripes, three per light sample.
 fn stripes() -> Illumination {
     illumination([512, 256], |x, y| Vec3::splat(if (x / 2 + y / 2) % 2 == 0 { 1.5 } else { 0.1 }))
 }
@@ -39,7 +39,7 @@ fn view() -> View {
     View { aa: 4, ..from_the_side(32) }
 }
 
-/// Against paths in the same places of the pixels.
+/// Error against paths at the same positions in the pixels.
 fn error(renderer: &Renderer, light: &Illumination, shown: &Image) -> f64 {
     let settings = PathSettings {
         positions: crate::reference::path::settings::SamplePositions::Shared,
@@ -72,7 +72,7 @@ fn the_reference_by_samples_has_the_same_mirrors() {
     assert!(error < 0.1, "{error}");
 }
 
-/// In even light all widths show what paths show: of metals, of plastics, and of coats over wide and narrow bases.
+/// In even light all widths match the paths: metals, plastics, and coats over wide and narrow bases.
 #[test]
 fn no_energy_is_lost_or_won_and_there_is_no_seam() {
     let light = illumination([64, 32], |_, _| Vec3::ONE);
@@ -123,7 +123,7 @@ fn only_sharp_lobes_are_mirrors() {
     assert!(Mirror::of([[0.01; 2]; 3], [0.0; 3], -wo, leaf).is_none(), "seen from below");
 }
 
-/// The window is whole around the mirror's direction, empty where [`Mirror::overlaps`] says so, and falls between.
+/// The window is 1 around the mirror direction, 0 where [`Mirror::overlaps`] is false, and falls in between.
 #[test]
 fn windows_lie_around_the_direction_of_the_mirror() {
     let wo = Vec3::new(0.6, 0.0, 0.8);
@@ -147,7 +147,7 @@ fn samples_fill_the_window_and_follow_the_lobe() {
     let wo = Vec3::new(0.3, 0.2, 0.93).normalize();
     for lobe in [[0.02, 0.02], [0.005, 0.03]] {
         let mirror = Mirror::of([lobe, NO_LOBE, NO_LOBE], [0.0; 3], wo, 4.0 * PI / 32_768.0).unwrap();
-        // The density integrates to one, of the lobe and of something even in the window.
+        // The density integrates to one, for the lobe and for a uniform function in the window.
         let lobes = mirror.lobes.map(GgxLobe::new);
         let lobes = &lobes[..mirror.count];
         let directions = mirror.samples(lobes);

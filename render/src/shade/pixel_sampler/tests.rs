@@ -1,4 +1,4 @@
-//! What the camera sees through surfaces.
+//! Camera rays through transparent surfaces.
 
 use super::*;
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
 };
 use lapidary_core::{dataset::Dataset, parts::Part};
 
-/// A green floor below two red panes, one just above the other, that let light through.
+/// A green floor below two transparent red panes, one just above the other.
 pub(crate) fn panes(opacity: f32) -> Dataset {
     let mut dataset = dataset(mesh(4, true), white());
     let scene = &mut dataset.scene;
@@ -21,7 +21,7 @@ pub(crate) fn panes(opacity: f32) -> Dataset {
     dataset
 }
 
-/// The same where a part of the scene lets light through, whose material stops it.
+/// The panes with transparency set on a part of the scene instead of the opaque material.
 pub(crate) fn panes_of_a_part(opacity: f32) -> Dataset {
     let mut dataset = panes(1.0);
     let scene = &mut dataset.scene;
@@ -32,7 +32,7 @@ pub(crate) fn panes_of_a_part(opacity: f32) -> Dataset {
     dataset
 }
 
-/// What pixels in the middle of the panes show.
+/// Pixels in the middle of the panes.
 fn middle(renderer: &Renderer, samples: u32) -> Vec<Vec3> {
     let view = View { aa: samples, ..from_above(48) };
     let backdrop = Backdrop::black();
@@ -55,7 +55,7 @@ fn layers_let_each_other_show_as_often_as_they_let_light_through() {
         let error = mean(&seen) - expected;
         assert!(error.abs().max_element() < 0.015, "{opacity}: {error}");
         let spread = seen.iter().map(|pixel| (pixel.x - expected.x).abs()).sum::<f32>() / seen.len() as f32;
-        // Thresholds by chance alone would leave 0.086 for two panes of one half.
+        // Random thresholds alone would give 0.086 for two panes of opacity one half.
         assert!(spread < 0.075, "{opacity}: {spread}");
         let one_pane = (1.0 - opacity - mean(&seen).y).abs();
         assert!(opacity.fract() == 0.0 || one_pane > 0.05, "negative control: a single pane");

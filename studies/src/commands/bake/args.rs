@@ -31,10 +31,10 @@ use std::{
     time::Instant,
 };
 
-/// Most worker threads: more take memory and bring nothing.
+/// Most worker threads: more use memory without benefit.
 const MOST_THREADS: u64 = 1024;
 
-/// Who traces rays.
+/// Device that traces rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum DeviceChoice {
     /// A graphics card if there is one, else the processor
@@ -47,8 +47,8 @@ pub enum DeviceChoice {
 }
 
 impl DeviceChoice {
-    /// The adapter that traces, if one does. Shards are traced by processors unless it is asked for: the merged file is then
-    /// that of one bake to the last bit.
+    /// The tracing adapter, if any. Shards use the CPU unless an adapter is requested: the merged file then equals a single bake
+    /// bit for bit.
     fn rays(self, shard: Option<Shard>) -> Result<Option<GpuRays>, BackendError> {
         match self {
             Self::Cpu => Ok(None),
@@ -66,24 +66,24 @@ pub struct BakeArgs {
     pub scene: PathBuf,
     #[command(flatten)]
     outside: OutsideArgs,
-    /// Variant of a glTF scene's materials (KHR_materials_variants); `lapidary info SCENE` lists them [default: what the file
-    /// shows first]
+    /// Variant of a glTF scene's materials (KHR_materials_variants); `lapidary info SCENE` lists them [default: the file's default
+    /// materials]
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
-    /// Objects that are not where the scene file has them: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees":
-    /// [X,Y,Z], "scale": S}}}, each turned about its center in the order X, Y, Z
+    /// Objects to move from their place in the scene file: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees": [X,Y,Z],
+    /// "scale": S}}}, each turned about its center in the order X, Y, Z
     #[arg(long, value_name = "FILE.json")]
     pose: Option<PathBuf>,
     /// Bake the scene at this time of its animation, in seconds; a .gltf or .glb scene has one [default: at rest]
     #[arg(long, value_name = "SECONDS", value_parser = values::finite, allow_hyphen_values = true)]
     time: Option<f32>,
-    /// Animation of the scene by its name [default: the first]
+    /// Name of an animation of the scene [default: the first]
     #[arg(long, value_name = "NAME", requires = "time")]
     clip: Option<String>,
     /// Dataset to write
     #[arg(short, long, value_name = "FILE.cuts")]
     pub output: PathBuf,
-    /// Settings to start from; the options below change them
+    /// Preset to start from; the options below change its settings
     #[arg(long, default_value = "normal", value_parser = choices::preset())]
     pub preset: Preset,
     /// Parts to bake, separated by commas: environment (its visibility), indirect (surface sources, which gather one
@@ -93,19 +93,18 @@ pub struct BakeArgs {
     pub mode: BakeParts,
     #[command(flatten)]
     parts: PartOptions,
-    /// Trace every light and surface source from every vertex. Otherwise boundaries of visibility are followed, and an
-    /// audit of one vertex in a hundred keeps the error within 1 % of an exhaustive bake's
+    /// Trace every light and surface source from every vertex. By default, boundaries of visibility are followed, and an audit of
+    /// one vertex in a hundred keeps the error within 1 % of an exhaustive bake's
     #[arg(long)]
     pub exhaustive: bool,
-    /// A ground under the scene, which renderings show unless they are told otherwise; it takes up to a fifth more vertices
-    /// [default: shadow under a lone object; off where the scene has a floor, and with a meshless basis]
+    /// Ground under the scene, shown in renderings by default; it takes up to a fifth more vertices [default: shadow under a single
+    /// object; off if the scene has a floor, and with a meshless basis]
     #[arg(long, value_parser = choices::ground())]
     pub ground: Option<Ground>,
-    /// Most vertices after tessellation, 3 or more [default: that of the preset, or 1.25 times the scene's vertices
-    /// if that is more]
+    /// Most vertices after tessellation, 3 or more [default: from the preset, or 1.25 times the scene's vertices if that is more]
     #[arg(long, value_name = "V")]
     pub max_vertices: Option<usize>,
-    /// Spread further vertices evenly, without asking where visibility varies: faster, for a first look
+    /// Spread further vertices evenly, regardless of where visibility varies: faster, for a first look
     #[arg(long)]
     pub even_vertices: bool,
     /// Do not tessellate the mesh
@@ -122,8 +121,8 @@ pub struct BakeArgs {
         allow_hyphen_values = true
     )]
     pub shots: Vec<ShotOption>,
-    /// Who traces the environment's visibility: cpu; gpu; or auto, a graphics card where there is one that takes the scene. The
-    /// result is the same but for rays along edges; shards are traced by cpu unless gpu is asked for
+    /// Device that traces the environment's visibility: cpu; gpu; or auto, a graphics card that can hold the scene, else cpu.
+    /// Results differ only for rays along edges; shards use cpu unless gpu is given
     #[arg(long, value_enum, default_value_t)]
     pub device: DeviceChoice,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: one per core]
@@ -132,8 +131,8 @@ pub struct BakeArgs {
     /// Number of checkpoints; the result does not depend on them [default: one every few seconds]
     #[arg(long, value_name = "C")]
     pub chunks: Option<usize>,
-    /// Bake one part out of so many, from 1/N to N/N, which machines can share; then `merge` makes the dataset of all. Give
-    /// each the same scene, options and output. An interrupted or finished part goes on by itself
+    /// Bake shard I of N, for example on several machines; `merge` then joins all shards into the dataset. Give each the same
+    /// scene, options and output. An interrupted or finished shard resumes by itself
     #[arg(long, value_name = "I/N", conflicts_with = "report")]
     pub shard: Option<Shard>,
     /// Continue an interrupted bake of the same scene, options and output
@@ -159,12 +158,12 @@ impl BakeArgs {
         s
     }
 
-    /// What it reads and writes.
+    /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         CommandFiles::default().reads([&self.scene]).reads(&self.pose).writes([&self.output]).writes(&self.report)
     }
 
-    /// Poses with what the animation of the scene deforms at the time that is asked for, and that time.
+    /// Poses with the deformations of the scene's animation at the requested time, and that time.
     fn posed_in_time(&self, poses: Poses, scene: &Scene, options: &ImportOptions) -> Result<(Poses, Option<ClipTime>)> {
         let Some(seconds) = self.time else { return Ok((poses, None)) };
         let animation = BoundAnimation::new(animation::read(&self.scene, options)?, scene)?;
@@ -177,7 +176,7 @@ impl BakeArgs {
     /// Imports and bakes, with progress on standard error; Ctrl-C leaves a checkpoint.
     ///
     /// # Errors
-    /// A scene that cannot be read, options out of range, an output that cannot be written, or Ctrl-C.
+    /// An unreadable scene, options out of range, an unwritable output, or Ctrl-C.
     pub fn run(&self, quiet: bool) -> Result<BakeReport> {
         let rays = self.device.rays(self.shard)?;
         let devices = rays.as_ref().map(|rays| rays as &dyn RayDevices);
@@ -192,7 +191,7 @@ impl BakeArgs {
         let options = ImportOptions { variant: self.variant.clone(), ..self.outside.into() };
         let imported = import_with(&self.scene, &options)?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
-        // The scene's own buffers and pictures are known only now.
+        // The scene's own buffers and pictures are only known now.
         self.files().reads(&imported.report.files).check()?;
         let vertices = imported.scene.mesh.positions.len();
         if self.max_vertices.is_none() {
@@ -231,7 +230,7 @@ impl BakeArgs {
     }
 }
 
-/// An error that lies in a scene is told with its file. Others tell theirs, or are of no file.
+/// Adds the scene's path to errors in the scene. Other errors name their file or concern none.
 fn of_scene(error: BakeError, scene: &Path) -> Error {
     match error {
         BakeError::Points(_) | BakeError::Basis(_) | BakeError::Memory { .. } | BakeError::TooManyTexels { .. } => {

@@ -1,5 +1,5 @@
-//! `lapidary bench --against OTHER`: how long this program and another one take on the bundled scenes. Both run in turn on
-//! the same machine, so their ratio says what a change did, whatever the machine.
+//! `lapidary bench --against OTHER`: times of this program and another one on the bundled scenes. Both run alternately on the same
+//! machine, so their ratio shows the effect of a change on any machine.
 
 mod first_picture;
 mod jobs;
@@ -27,7 +27,7 @@ use std::{path::PathBuf, time::Instant};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Comparison with another program on the bundled scenes")]
 pub struct AgainstArgs {
-    /// Measure this program and another build of it in turn on the bundled scenes, in place of a dataset's frames
+    /// Measure this program and another build of it alternately on the bundled scenes, instead of a dataset's frames
     #[arg(
         long,
         value_name = "PROGRAM",
@@ -35,16 +35,16 @@ pub struct AgainstArgs {
         conflicts_with_all = ["file", "surfels", "PassesArgs"]
     )]
     against: Option<PathBuf>,
-    /// Exit with code 3 if this program takes more than this multiple of the other one's time in a row
+    /// Exit with code 3 if this program takes more than this multiple of the other one's time in any row
     #[arg(long, value_name = "RATIO", requires = "against", conflicts_with = "file", value_parser = values::positive)]
     fail_above: Option<f32>,
-    /// Folder with the bundled scenes and environments, for --against [default: that of the source tree]
+    /// Folder with the bundled scenes and environments, for --against [default: in the source tree]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
 }
 
 impl AgainstArgs {
-    /// What it reads.
+    /// Files that it reads.
     pub fn files(&self) -> CommandFiles {
         CommandFiles::default().reads(&self.against).reads(&self.data)
     }
@@ -53,11 +53,11 @@ impl AgainstArgs {
 /// Measures and prints.
 ///
 /// # Errors
-/// A file that is no such program, bundled data that are not there, a report that cannot be written, or Ctrl-C.
+/// A file that is not this program, missing bundled data, an unwritable report, or Ctrl-C.
 pub fn run(args: &AgainstArgs, json: &JsonArgs, console: Console) -> Result<Outcome> {
     let against = args.against.as_deref().context("without a dataset, name a program with --against")?;
     let data = DataFolder::find(args.data.as_deref())?;
-    let this = Program::open(&std::env::current_exe().context("this program does not find its own file")?)?;
+    let this = Program::open(&std::env::current_exe().context("cannot find this program's own file")?)?;
     let other = Program::open(against)?;
     let steps = Steps::new(console);
     let start = Instant::now();

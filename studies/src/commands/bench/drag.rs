@@ -1,4 +1,4 @@
-//! `lapidary bench FILE.cuts --drag OBJECT`: how long a picture takes while an object is dragged.
+//! `lapidary bench FILE.cuts --drag OBJECT`: picture times while an object is dragged.
 
 use super::{JsonArgs, median};
 use crate::args::{BackendOption, ViewedScene};
@@ -29,24 +29,24 @@ struct Drag {
 #[derive(Debug, Serialize)]
 struct Detailed {
     surfels: u32,
-    /// Of each surfel.
+    /// Bins per surfel.
     bins: usize,
-    /// Most that are followed.
+    /// Most bounces followed.
     bounces: u32,
-    /// From the first step to the light of its picture.
+    /// Time from the first step to its light.
     pick_up_milliseconds: f64,
-    /// From a step to the light of its picture: the median.
+    /// Median time from a step to its light.
     light_milliseconds: f64,
-    /// From there to a whole picture from the pixels of the coarsest lattice: the median.
+    /// Median time from the light to a picture filled from the coarsest lattice.
     sketch_milliseconds: f64,
-    /// Pictures a second of both.
+    /// Pictures per second, including light.
     pictures_per_second: f64,
 }
 
-/// Drags an object by half the width of its box at each detail, in one step that picks it up and `steps` more, and prints.
+/// Drags an object by half the width of its box at each detail: one step picks it up, `steps` more follow. Prints the figures.
 ///
 /// # Errors
-/// An object that is not there, or no adapter where one is asked for.
+/// A missing object, or no adapter if one is required.
 pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOption, json: &JsonArgs) -> Result<()> {
     let scene = &viewed.baked.dataset.scene;
     let index = scene.objects.iter().position(|known| known.name == object).ok_or_else(|| {
@@ -69,7 +69,7 @@ pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOptio
     json.tell(&drag, || text(&drag))
 }
 
-/// The looks of the step that picks an object up, and of `steps` more.
+/// Looks of the step that picks an object up, and of `steps` more.
 fn dragged(scene: &Scene, object: u32, look: &Look, steps: u32) -> Vec<Look> {
     let vertices = Objects::of(scene);
     let places = vertices.vertices(object).iter().map(|&vertex| scene.mesh.positions[vertex as usize].x);
@@ -84,7 +84,7 @@ fn dragged(scene: &Scene, object: u32, look: &Look, steps: u32) -> Vec<Look> {
 }
 
 impl Detailed {
-    /// Shows one look after another, at least two.
+    /// Shows at least two looks in sequence.
     fn measure(on: &mut LitScene, detail: ImplicitDetail, looks: &[Look]) -> Result<Self, BackendError> {
         on.set_detail(detail);
         let mut times = looks.iter().map(|look| picture(on, look));

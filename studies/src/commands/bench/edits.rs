@@ -1,5 +1,5 @@
-//! `lapidary bench FILE.cuts --edits MATERIAL`: how long the picture of the window takes after an edit of a material, a step of
-//! the camera, and a turn of the environment.
+//! `lapidary bench FILE.cuts --edits MATERIAL`: interactive picture times after a material edit, a camera step, and a rotation of
+//! the environment.
 
 use super::{JsonArgs, median};
 use crate::args::{BackendOption, ViewedScene};
@@ -10,12 +10,12 @@ use lapidary_render::{LitScene, Look, STRIDES, Tiles};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Radians that the environment or the camera is turned by, as little as a drag by some pixels does.
+/// Rotation in radians of environment or camera, as small as a drag by some pixels.
 const TURN: f32 = 0.05;
 
-/// What is edited of a material, as far as its model has it.
+/// Edited parameters, if the material's model has them.
 const QUANTITIES: [&str; 2] = ["roughness", "base_color"];
-/// Factor of both, to and fro.
+/// Alternating factor on both parameters.
 const EDIT: f32 = 0.9;
 
 /// All figures.
@@ -26,38 +26,38 @@ struct Edits {
     material: String,
     size: [u32; 2],
     vertices: usize,
-    /// Edits of each kind whose median is taken, after one to warm up.
+    /// Edits of each kind in the median, after one to warm up.
     frames: u32,
-    /// From an edit of the material.
+    /// Times from an edit of the material.
     edit: Sketched,
-    /// From a step of the camera around its target.
+    /// Times from a step of the camera around its target.
     orbit: Sketched,
-    /// From a turned environment; absent where none shines.
+    /// Times from a rotation of the environment; absent without one.
     turned: Option<Turned>,
 }
 
-/// Medians of a change that is shown by a sketch first.
+/// Median times of a change that shows a sketch first.
 #[derive(Debug, Serialize)]
 struct Sketched {
-    /// To the coarsest sketch on the display.
+    /// Time to the coarsest sketch on the display.
     sketch_milliseconds: f64,
-    /// To the finished first sample.
+    /// Time to the finished first sample.
     finished_milliseconds: f64,
 }
 
-/// Medians of a turned environment.
+/// Median times of a rotated environment.
 #[derive(Debug, Serialize)]
 struct Turned {
-    /// To its light.
+    /// Time to its light.
     light_milliseconds: f64,
-    /// To the first sample, for which lit cuts are made anew.
+    /// Time to the first sample, including new lit cuts.
     finished_milliseconds: f64,
 }
 
-/// Edits, orbits and turns, and prints.
+/// Edits, orbits and rotates; prints the times.
 ///
 /// # Errors
-/// A material that is not there, or no adapter where one is asked for.
+/// A missing material, or no adapter if one is required.
 pub fn run(viewed: &ViewedScene, material: &str, frames: u32, backend: BackendOption, json: &JsonArgs) -> Result<()> {
     let scene = &viewed.baked.dataset.scene;
     let edited = index_of(scene, material)?;
@@ -129,7 +129,7 @@ impl Subject {
         Ok(Turned { light_milliseconds, finished_milliseconds })
     }
 
-    /// Times of pictures after a change each, which is told the index of the edited material.
+    /// Picture times after each change; `change` receives the index of the edited material.
     fn sketched(&mut self, mut change: impl FnMut(&mut Look, usize)) -> Result<Sketched> {
         let tiles: Vec<u32> = (0..Tiles::of(self.look.view.size).count()).collect();
         let [sketch_milliseconds, finished_milliseconds] = medians(self.frames, || {
@@ -140,15 +140,15 @@ impl Subject {
     }
 }
 
-/// Median milliseconds of both parts of some work, after one run to warm up.
+/// Median milliseconds of the two parts of some work, after one run to warm up.
 fn medians(frames: u32, mut work: impl FnMut() -> Result<[Duration; 2]>) -> Result<[f64; 2]> {
     work()?;
     let times = (0..frames).map(|_| work()).collect::<Result<Vec<_>>>()?;
     Ok([0, 1].map(|part| median(times.iter().map(|parts| parts[part]).collect())))
 }
 
-/// Lights a look and renders its first sample in the steps of the window, which also shades pixels that nothing resembles.
-/// Times when the coarsest sketch was displayed, and when the sample was.
+/// Lights a look and renders its first sample in the window's steps, including shading of pixels that no neighbor fits. Returns the
+/// times to the coarsest sketch on the display and to the finished sample.
 fn sketched(scene: &mut LitScene, look: &Look, tiles: &[u32]) -> Result<[Duration; 2]> {
     let start = Instant::now();
     scene.light(look)?;
@@ -165,7 +165,7 @@ fn sketched(scene: &mut LitScene, look: &Look, tiles: &[u32]) -> Result<[Duratio
     Ok([sketched, start.elapsed()])
 }
 
-/// Times from a turned environment to its light, and to the first sample.
+/// Times from a rotated environment to its light, and to the first sample.
 fn turned(scene: &mut LitScene, look: &Look) -> Result<[Duration; 2]> {
     let start = Instant::now();
     scene.light(look)?;

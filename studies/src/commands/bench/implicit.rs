@@ -1,4 +1,4 @@
-//! `lapidary bench FILE.cuts --surfels N,..`: how long implicit visibility takes, by the cores and on an adapter.
+//! `lapidary bench FILE.cuts --surfels N,..`: times of implicit visibility on the cores and on an adapter.
 
 use super::{
     JsonArgs,
@@ -20,7 +20,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Bounces that are followed.
+/// Bounces to follow.
 const BOUNCES: u32 = 2;
 
 /// All figures.
@@ -31,20 +31,20 @@ struct Bench {
     runs: Vec<Run>,
 }
 
-/// Figures of a number of surfels.
+/// Figures for one number of surfels.
 #[derive(Debug, Serialize)]
 struct Run {
     /// `cpu`, or the name of the adapter.
     adapter: String,
     surfels: usize,
-    /// Medians by step, and `total`, which on an adapter has the way there and back.
+    /// Median times by step, and `total`, which on an adapter includes transfers.
     milliseconds: BTreeMap<&'static str, f64>,
 }
 
 /// Measures and prints.
 ///
 /// # Errors
-/// No adapter where one is asked for, or one that fails.
+/// No adapter if one is required, or a failing one.
 pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: &JsonArgs) -> Result<()> {
     let on_adapter = |gpu: GpuBackend| Ok::<_, BackendError>((gpu.name(), GpuImplicit::on(gpu.device())?));
     let gpu = args.backend.gpu()?.map(on_adapter).transpose()?;
@@ -60,7 +60,7 @@ pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: &JsonArg
     json.tell(&bench, || table(&bench))
 }
 
-/// A scene as it was baked, all of which is found anew in each frame.
+/// A scene as baked; each frame recomputes everything.
 struct Posed<'a> {
     positions: &'a [Vec3],
     forest: SurfelForest,
@@ -82,7 +82,7 @@ impl<'a> Posed<'a> {
         Lighting { reflectance: &self.gray, emitted: &self.gray, received: &self.gray, sky: &|_| Vec3::ONE }
     }
 
-    /// Frames after one to warm up.
+    /// Times of frames after one to warm up.
     fn by_cores(&self, frames: u32) -> Vec<Times> {
         let mut forest = self.forest.clone();
         (0..=frames).map(|_| self.frame_by_cores(&mut forest)).skip(1).collect()
@@ -93,7 +93,7 @@ impl<'a> Posed<'a> {
         let discs = forest.discs();
         let (walk, views): (_, Views) = timed(|| Bins::walk(discs, BinLayout::FINEST, &|_| true).views());
         let (light, _) = timed(|| LeafLight::new(discs, &views, &self.lighting(), BOUNCES));
-        // Once for what emits, and once a bounce.
+        // Once for emission, and once per bounce.
         let sent = vec![Vec3A::ONE; self.gray.len()];
         let pull = timed(|| discs.pull(&sent)).0 * (1 + BOUNCES);
         steps([update, walk, pull, light.saturating_sub(pull)], update + walk + light)

@@ -6,24 +6,24 @@ use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// How figures are told.
+/// Output of figures.
 #[derive(Args, Clone, Debug, Default)]
 pub struct JsonArgs {
-    /// Print the figures as JSON; with a file, write them there beside the printed text
+    /// Print the figures as JSON; with a file name, write them there beside the printed text
     #[arg(long, value_name = "FILE.json", num_args = 0..=1)]
     json: Option<Option<PathBuf>>,
 }
 
 impl JsonArgs {
-    /// The file that is written.
+    /// The written file.
     pub fn output(&self) -> Option<&PathBuf> {
         self.json.iter().flatten().next()
     }
 
-    /// Prints figures, as `text` or as JSON, or writes them.
+    /// Prints figures as `text` or JSON, or writes them to the file.
     ///
     /// # Errors
-    /// A file or a standard output that cannot be written.
+    /// An unwritable file or standard output.
     pub fn tell(&self, figures: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
         match &self.json {
             Some(None) => return print_out(&json_text(figures)?),

@@ -1,4 +1,4 @@
-//! `lapidary bench FILE.cuts`: how long each pass of a frame takes.
+//! `lapidary bench FILE.cuts`: times of each pass of a frame.
 
 use super::{JsonArgs, drag, edits, median};
 use crate::{
@@ -21,19 +21,19 @@ use std::{
 /// Options of the figures by pass.
 #[derive(Args, Clone, Debug)]
 pub struct PassesArgs {
-    /// Merge the stored cuts with illumination cuts of these sizes, separated by commas, in place of lit cuts
+    /// Merge the stored cuts with illumination cuts of these sizes, separated by commas, instead of lit cuts
     #[arg(long, value_name = "K,..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=32_768))]
     illum_cuts: Vec<u32>,
-    /// Frames whose median is taken, after one to warm up
+    /// Frames in the median, after one to warm up
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) frames: u32,
-    /// Drag this object by half its width in so many frames after one that picks it up, and measure how long pictures take meanwhile
+    /// Drag this object by half its width in this many frames after the one that picks it up, and measure picture times meanwhile
     #[arg(long, value_name = "OBJECT", conflicts_with = "illum_cuts")]
     drag: Option<String>,
-    /// Edit this material, orbit and turn the environment, in so many frames each, and measure how long pictures take
+    /// Edit this material, orbit and rotate the environment, in this many frames each, and measure picture times
     #[arg(long, value_name = "MATERIAL", conflicts_with_all = ["illum_cuts", "drag"])]
     edits: Option<String>,
-    /// What renders
+    /// Rendering device
     #[arg(long, value_enum, default_value_t)]
     pub(super) backend: BackendOption,
 }
@@ -47,15 +47,15 @@ struct Bench {
     vertices: usize,
     triangles: usize,
     mean_cut: f64,
-    /// Of the cuts over surface sources; 0 without.
+    /// Mean cut over surface sources; 0 without.
     mean_source_cut: f64,
     lights: usize,
     sources: usize,
     frames: u32,
-    /// From a turned environment to a new illumination cut of 256: leaf radiance, tree and cut, on one thread.
+    /// Time from a rotated environment to a new illumination cut of 256: leaf radiance, tree and cut, on one thread.
     rotation_milliseconds: f64,
-    /// From a moved local light to all that its bounces need in a picture, with an illumination cut of 256; absent without
-    /// a light or bounced light.
+    /// Time from a moved local light to its complete bounced light, with an illumination cut of 256; absent without a light or
+    /// bounced light.
     light_moved_milliseconds: Option<f64>,
     runs: Vec<Run>,
 }
@@ -65,7 +65,7 @@ struct Bench {
 struct Run {
     #[serde(flatten)]
     cuts: Cuts,
-    /// Medians by pass, and `total`.
+    /// Median times by pass, and `total`.
     milliseconds: BTreeMap<&'static str, f64>,
     mean_merged_nodes: f64,
     mean_brdf_evaluations: f64,
@@ -74,7 +74,7 @@ struct Run {
 /// Measures and prints.
 ///
 /// # Errors
-/// Bounced light that the dataset does not have, or no adapter where one is asked for.
+/// Bounced light that the dataset lacks, or no adapter if one is required.
 pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: &JsonArgs) -> Result<()> {
     if let Some(object) = &args.drag {
         return drag::run(viewed, object, args.frames, args.backend, json);
@@ -108,7 +108,7 @@ pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: &JsonArgs) -> Result<(
     json.tell(&bench, || table(&bench))
 }
 
-/// What is shown, and how often.
+/// The measured picture and the number of frames.
 struct Measurement<'a> {
     args: &'a PassesArgs,
     viewed: &'a ViewedScene,
@@ -133,7 +133,7 @@ impl<'a> Measurement<'a> {
         })
     }
 
-    /// One run an illumination cut, or one of lit cuts; `frame` renders one and says how long its passes took.
+    /// One run per illumination cut, or one with lit cuts; `frame` renders and returns the time of each pass.
     fn runs<B: Backend>(
         &self,
         backend: B,
@@ -209,7 +209,7 @@ pub(super) fn medians(times: &[Times]) -> BTreeMap<&'static str, f64> {
     times[0].keys().map(|&pass| (pass, of(pass))).collect()
 }
 
-/// Median milliseconds from a turned environment to nodes and illumination cut.
+/// Median milliseconds from a rotated environment to nodes and illumination cut.
 fn rotation(viewed: &ViewedScene, frames: u32) -> f64 {
     let mut rig = LightRig::new(&viewed.baked.dataset.tree);
     let mut light = viewed.light.clone();

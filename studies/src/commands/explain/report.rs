@@ -1,14 +1,14 @@
-//! What `explain` says on standard output.
+//! Text output of `explain`.
 
 use glam::Vec3;
 use lapidary_core::color::luminance;
 use lapidary_render::{ErrorSplit, PixelExplanation, SplitStep};
 use std::fmt::Write;
 
-/// Nodes that are listed.
+/// Number of listed nodes.
 const LISTED: usize = 10;
 
-/// The vertices and the nodes that contribute most.
+/// The vertices, and the nodes with the largest contributions.
 pub fn of_pixel(explanation: &PixelExplanation) -> String {
     let PixelExplanation { pixel: [x, y], position, radiance, nodes, vertices, .. } = explanation;
     let sizes = vertices.map(|vertex| {
@@ -52,7 +52,7 @@ pub fn of_pixel(explanation: &PixelExplanation) -> String {
     text
 }
 
-/// The steps of the error, and the whole.
+/// The steps of the error and the total.
 pub fn of_split(split: &ErrorSplit) -> String {
     let region = split.region;
     let mut text = format!(

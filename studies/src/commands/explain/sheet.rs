@@ -1,5 +1,5 @@
-//! The pictures of a split in one: above the chain from the rendered picture to light paths, below each what the step to the next
-//! one changes, and last the whole error with the legend of all.
+//! All pictures of a split: the chain from the rendered picture to light paths above, each step's change below, and the total error
+//! last, with a common legend.
 
 use crate::sheet::{GAP, exposure, side_by_side};
 use anyhow::Result;
@@ -7,10 +7,10 @@ use glam::Vec3;
 use lapidary_core::image::Image;
 use lapidary_render::compare::map::{ErrorMap, error_map};
 
-/// Pictures that are narrower than this many pixels are enlarged by a whole number.
+/// Pictures narrower than this many pixels are enlarged by a whole factor.
 const NARROW: u32 = 240;
 
-/// All pictures at one exposure, all errors in one range.
+/// All pictures at one exposure and all errors in one range.
 pub fn sheet(pictures: &[&Image]) -> Result<Image> {
     let [first, .., truth] = pictures else { return Ok(Image::filled([1, 1], Vec3::ZERO)) };
     let scale = exposure(truth);
@@ -27,13 +27,13 @@ pub fn sheet(pictures: &[&Image]) -> Result<Image> {
     Ok(stacked(&side_by_side(&above), &side_by_side(&below)))
 }
 
-/// Every pixel as a square of `side` pixels, times `scale`.
+/// Every pixel as a square of `side` pixels, scaled by `scale`.
 fn enlarged(image: &Image, side: u32, scale: f32) -> Image {
     let size = image.size.map(|n| n * side);
     Image::from_fn(size, |x, y| image.at((x / side) as usize, (y / side) as usize) * scale)
 }
 
-/// One over the other, on white.
+/// One picture above another, on white.
 fn stacked(above: &Image, below: &Image) -> Image {
     let first_row = above.size[1] + GAP;
     let size = [above.size[0].max(below.size[0]), first_row + below.size[1]];

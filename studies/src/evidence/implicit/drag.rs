@@ -18,29 +18,29 @@ use lapidary_render::{Baked, Components, CpuBackend, LitScene, Look, Solution};
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// One light over the drag.
+/// Errors over the drag under one kind of light.
 #[derive(Serialize)]
 struct Curve {
     light: &'static str,
     steps: Vec<Step>,
 }
 
-/// Relative RMSE against light paths of the posed scene, noise taken off.
+/// Relative RMSE against light paths of the posed scene, without their noise.
 #[derive(Serialize)]
 struct Step {
-    /// Meters that the object has moved.
+    /// Displacement of the object in meters.
     moved: f32,
     preview: f64,
     /// Ratio of the mean luminances.
     preview_energy: f64,
-    /// The picture without the pose: what the preview must do better than.
+    /// Error of the picture without the pose, as a baseline.
     as_baked: f64,
 }
 
 /// Drags an object under each kind of light.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(measurement: &Measurement, case: &Case, dragged: &Dragged, notebook: &mut Notebook) -> Result<()> {
     let size = measurement.scale.view;
     let mut curves = Vec::new();
@@ -52,7 +52,7 @@ pub fn record(measurement: &Measurement, case: &Case, dragged: &Dragged, noteboo
     if let Some(dataset) = &case.bounces {
         let mut look = measurement.lit_by_lamps(dataset, size);
         look.components = Components { indirect: true, ..Components::NONE };
-        // What comes in from afar bounces too.
+        // Light from the environment also bounces, so it must be off.
         look.illumination.intensity = 0.0;
         let steps = drag(measurement, dataset.clone().into(), look, Solution::Cuts.bounces(), dragged)?;
         curves.push(Curve { light: "one bounce", steps });

@@ -28,13 +28,13 @@ use std::sync::Arc;
 
 /// Roughness of metal; `None` for a diffuse surface.
 const GLOSSES: [Option<f32>; 3] = [None, Some(0.5), Some(0.3)];
-/// Radii of the object that a picture is high.
+/// Height of the picture in radii of the object.
 const FRAMED: f32 = 3.0;
 
 /// One material.
 #[derive(Serialize)]
 struct Shown {
-    /// Of metal; `None` for a diffuse surface.
+    /// Roughness of metal; `None` for a diffuse surface.
     roughness: Option<f32>,
     #[serde(flatten)]
     figures: Figures,
@@ -45,10 +45,10 @@ struct Shown {
     size: [u32; 2],
 }
 
-/// Renders and traces an object at the end of its way.
+/// Renders and traces an object at the end of its drag.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(measurement: &Measurement, case: &Case, dragged: &Dragged, notebook: &mut Notebook) -> Result<()> {
     let Some(bakes) = &case.environment else { return Ok(()) };
     let all = GLOSSES.map(|roughness| shown(measurement, bakes, dragged, roughness));
@@ -89,7 +89,7 @@ fn material(roughness: Option<f32>) -> Material {
     material
 }
 
-/// The same bake with an object of another material, which no visibility depends on.
+/// The same bake with another material on an object; visibility does not depend on it.
 fn made_of(dataset: &Dataset, object: u32, material: Material) -> Arc<Dataset> {
     let mut dataset = dataset.clone();
     let scene = &mut dataset.scene;
@@ -101,7 +101,7 @@ fn made_of(dataset: &Dataset, object: u32, material: Material) -> Arc<Dataset> {
     dataset.into()
 }
 
-/// From the eye of a camera toward the posed object.
+/// A camera at another's eye, aimed at the posed object.
 fn framing(dataset: &Dataset, dragged: &Dragged, from: &Camera) -> Camera {
     let objects = Objects::of(&dataset.scene);
     let center = objects.center(dragged.object);

@@ -20,44 +20,44 @@ use maud::{Markup, html};
 use serde::Serialize;
 use std::time::Instant;
 
-/// Texels along an edge of a face of the bins, as the paper's.
+/// Texels along an edge of a bin face, as in the paper.
 const SIDES: [usize; 3] = [8, 12, 16];
-/// Runs of which the least time counts, which others on the machine disturb least.
+/// Number of runs; the least time counts, because other work disturbs it least.
 const RUNS: usize = 3;
-/// Every so many leaves are held against all pairs.
+/// One in this many leaves is compared with all pairs.
 const CHECKED: usize = 7;
 
-/// A number of bins over a number of vertices. All times are in milliseconds.
+/// Figures for one number of bins and vertices. Times are in milliseconds.
 #[derive(Serialize)]
 struct Row {
     vertices: usize,
     bins_side: usize,
-    /// Of the trees, done once.
+    /// Time of the trees, built once.
     hierarchy_ms: f64,
-    /// Discs and nodes anew.
+    /// Time to update discs and nodes.
     update_ms: f64,
     links_ms: f64,
     refine_and_push_ms: f64,
-    /// Direct light and one bounce.
+    /// Time of direct light and one bounce.
     light_ms: f64,
-    /// Of the links.
+    /// Size of the links.
     bytes: u64,
 }
 
-/// Wrong bins of leaves.
+/// Share of wrong bins.
 #[derive(Serialize)]
 struct Refinement {
     vertices: usize,
     bins_side: usize,
-    /// Share of bins whose link is not the shortest, to the size of a node.
+    /// Share of bins whose link is not the shortest, within the size of a node.
     wrong: f32,
     wrong_without_refinement: f32,
 }
 
-/// Times links, and counts wrong bins.
+/// Times links and counts wrong bins.
 ///
 /// # Errors
-/// Ctrl-C, or a folder that cannot be written.
+/// Ctrl-C, or an unwritable folder.
 pub fn record(measurement: &Measurement, notebook: &mut Notebook) -> Result<()> {
     let mut rows = Vec::new();
     for &side in measurement.scale.room_sides {
@@ -139,7 +139,7 @@ fn ms_since(begin: Instant) -> f64 {
     1e3 * begin.elapsed().as_secs_f64()
 }
 
-/// Light of the sky on half gray surfaces, and its first bounce.
+/// Light of the sky on half-gray surfaces, with its first bounce.
 fn one_bounce(forest: &VertexForest, links: &Links) {
     let discs = &forest.discs;
     let gray = |light: Vec<Vec3>| -> Vec<Vec3A> { light.into_iter().map(|e| (0.5 * e).into()).collect() };
@@ -164,7 +164,7 @@ impl Row {
 const HEAD: [&str; 9] =
     ["Vertices", "Bins", "Hierarchy, once", "Update", "Links", "Refine & push", "Light", "Total, ms", "Memory"];
 
-/// Table 1 as printed, with the hierarchy of the text: bins, milliseconds.
+/// Table 1 as printed, with the hierarchy from the text: bins, milliseconds.
 const PAPER: [[&str; 9]; 3] = [
     ["3378", "6 × 8 × 8", "72", "12", "23", "30", "35", "112", "–"],
     ["3378", "6 × 12 × 12", "72", "12", "43", "35", "40", "148", "–"],
@@ -183,7 +183,7 @@ fn times(rows: &[Row]) -> Markup {
         (table(&HEAD, &ours))
         h3 { "As printed in the paper, for its monster; light on a GeForce 8800" }
         div.quoted { (table(&HEAD, &theirs)) }
-        p { "Dong et al. 2007, Table 1; the hierarchy is told in its section 5, memory is not." }
+        p { "Dong et al. 2007, Table 1; the hierarchy is from its section 5; memory is not given." }
     }
 }
 
@@ -212,7 +212,7 @@ mod tests {
         for row in PAPER {
             let number = |cell: &str| cell.parse::<i32>().unwrap();
             let sum: i32 = row[3..7].iter().map(|cell| number(cell)).sum();
-            // Printed totals are up to 20 ms more.
+            // Printed totals are up to 20 ms larger.
             assert!((0..=20).contains(&(number(row[7]) - sum)), "{row:?}: {sum}");
         }
     }

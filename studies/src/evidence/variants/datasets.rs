@@ -1,4 +1,4 @@
-//! Datasets of the variants: trees, cuts of all of them from one tracing, reports.
+//! Datasets of the variants: trees, all cuts from one tracing, reports.
 
 use super::{Variant, VariantBaker};
 use lapidary_core::{
@@ -11,11 +11,11 @@ use lapidary_precompute::{BakeError, Chunk, Observer, Phase, Preset, ResolvedBak
 use std::{collections::BTreeMap, time::Instant};
 
 impl VariantBaker {
-    /// A dataset for each of `variants`, with cuts for `points` and cuts that see nothing for all others. Reports are about
-    /// `points` alone; seconds of tracing are those of all variants together, which each of them would take.
+    /// A dataset for each of `variants`, with cuts for `points` and fully occluded cuts for all others. Reports cover `points`
+    /// alone; the seconds of tracing are shared by all variants, and each alone would take as long.
     ///
     /// # Errors
-    /// Settings out of range, cuts beyond what a texture holds, and [`BakeError::Cancelled`].
+    /// Settings out of range, cuts too large for a texture, or [`BakeError::Cancelled`].
     pub fn bake(
         &self,
         lights: usize,
@@ -38,12 +38,12 @@ impl VariantBaker {
         let Variant { tree, beta, criterion } = variant;
         let normal = Preset::Normal.settings();
         let max_vertices = self.max_vertices;
-        // All variants share one tracing, of every light in its own order.
+        // All variants share one tracing of every light in its own order.
         let of_variant = BakeSettings { lights, tree, beta, criterion, exhaustive: true, ..normal };
         Ok(resolve(BakeSettings { pilot_clusters, max_vertices, ..of_variant })?)
     }
 
-    /// The tree of each settings; equal ones are clustered once.
+    /// The tree of each settings entry; equal ones are built once.
     fn trees(&self, settings: &[ResolvedBake], observer: &dyn Observer) -> Result<Vec<TimedTree>, BakeError> {
         let Some(first) = settings.first() else { return Ok(Vec::new()) };
         let directions = fibonacci_directions(first.lights);
@@ -72,7 +72,7 @@ impl VariantBaker {
         Ok(settings.iter().filter_map(|s| of(s).map(|(.., tree)| tree.clone())).collect())
     }
 
-    /// The cuts of the points, one chunk for each settings.
+    /// The cuts of the points, one chunk per settings entry.
     fn chunks(
         &self,
         settings: &[ResolvedBake],
@@ -131,7 +131,7 @@ impl VariantBaker {
     }
 }
 
-/// A light tree, and what it took.
+/// A light tree and the time to build it.
 #[derive(Clone)]
 struct TimedTree {
     tree: LightTree,

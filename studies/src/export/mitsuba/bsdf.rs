@@ -1,10 +1,11 @@
 //! Materials as BSDFs of Mitsuba.
 //!
-//! `lambert` is `diffuse`, exactly, and a Beckmann metal is `roughconductor`. A GGX metal is nearly that: shadowing and masking are
-//! independent of each other there, and here correlated by height (Heitz 2014, Eq. 99), and light that is lost between facets comes
-//! back here. What lets light through is within a `mask`. All else becomes `principled` (Burley 2012) of the same width and color, whose diffuse base is Burley's.
+//! `lambert` is exactly `diffuse`, and a Beckmann metal is `roughconductor`. A GGX metal is nearly that: Mitsuba treats shadowing
+//! and masking as independent, this program correlates them by height (Heitz 2014, Eq. 99) and returns the light lost between
+//! facets. Materials that transmit light are wrapped in a `mask`. All others become `principled` (Burley 2012) with the same lobe
+//! width and color, and Burley's diffuse base.
 //!
-//! The exact form of `ggx` is the plugin `lapidary_ggx` of `tests/crosscheck`, which says the formula of this program in its own words.
+//! The exact form of `ggx` is the plugin `lapidary_ggx` in `tests/crosscheck`, an independent implementation of the formula.
 
 use super::{textures::TextureFolder, xml};
 use anyhow::Result;
@@ -17,12 +18,12 @@ use lapidary_core::{
 };
 use lapidary_interchange::materialx::stretch::{of_openpbr, to_burley};
 
-/// Which BSDFs stand for materials.
+/// Which BSDFs represent materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Models {
-    /// Those of Mitsuba.
+    /// The nearest ones in Mitsuba.
     Nearest,
-    /// The same formulas, where there is a plugin for them.
+    /// The same formulas, where a plugin has them.
     Exact,
 }
 
@@ -31,10 +32,10 @@ pub fn id(material: u32, two_sided: bool) -> String {
     format!("material-{material}{}", if two_sided { "-both-sides" } else { "" })
 }
 
-/// The BSDF of a material for one-sided triangles, for two-sided ones, or for both, as `wanted` says in that order.
+/// BSDFs of a material for one-sided triangles and for two-sided ones; `wanted` selects them in that order.
 ///
 /// # Errors
-/// A map that cannot be written.
+/// An unwritable map.
 pub fn bsdfs(
     material: &Material,
     index: u32,
@@ -60,7 +61,7 @@ pub fn bsdfs(
     Ok(text)
 }
 
-/// Whether a material may let light through.
+/// Whether a material may transmit light.
 pub fn lets_through(material: &Material) -> bool {
     material.parameters.number("geometry_opacity") < 1.0 || material.maps.get("geometry_opacity").is_some()
 }
@@ -77,7 +78,7 @@ struct MaterialWriter<'a, 't> {
 }
 
 impl MaterialWriter<'_, '_> {
-    /// The model within its normal map within its bump map; `attributes` belong to the outermost.
+    /// The model inside its normal map inside its bump map; `attributes` belong to the outermost.
     fn bumped(&mut self, attributes: &str, models: Models) -> Result<String> {
         let maps = &self.material.maps;
         let mut wrappers = Vec::new();
@@ -99,7 +100,7 @@ impl MaterialWriter<'_, '_> {
         Ok(bsdf)
     }
 
-    /// The share of the light that `mask` stops.
+    /// The share of light that `mask` blocks.
     fn opacity(&mut self) -> Result<String> {
         let parameters = self.material.parameters.clone().sanitized();
         let [opacity, cutoff] = ["geometry_opacity", "opacity_cutoff"].map(|name| parameters.number(name));
@@ -132,13 +133,13 @@ impl MaterialWriter<'_, '_> {
             self.number("metalness", "metalness", p.metalness, maps.get("metalness"), unit)?,
             self.number("anisotropy", "anisotropy", p.anisotropy, maps.get("anisotropy"), |x| x.clamp(-1.0, 1.0))?,
             self.number("specular", "specular", p.specular, maps.get("specular"), unit)?,
-            // What the index has above 1, which is what its map multiplies.
+            // The index above 1, which is the part that its map multiplies.
             self.number("ior_above_one", "ior", p.ior - 1.0, maps.get("ior"), |x| x.clamp(0.0, 9.0))?,
         ]
         .concat())
     }
 
-    /// Whether it is a metal of one color, for which Mitsuba has the same Fresnel factor.
+    /// Whether it is a metal of uniform color, for which Mitsuba has the same Fresnel factor.
     fn is_metal(&self) -> bool {
         let material = self.material;
         let mapped = ["base_color", "metalness", "edge_color", "roughness", "anisotropy"]
@@ -162,7 +163,7 @@ impl MaterialWriter<'_, '_> {
         .concat())
     }
 
-    /// Coat and fuzz, where the model has them. Fuzz is as strong as it is bright.
+    /// Coat and fuzz, if the model has them. Fuzz strength is its brightness.
     fn layers(&mut self) -> Result<String> {
         if self.material.model != BrdfModel::OpenPbr {
             return Ok(String::new());
@@ -252,7 +253,7 @@ impl MaterialWriter<'_, '_> {
     }
 }
 
-/// Gives a GGX material what it lacks of OpenPBR's: the weight of its color, how bright its highlight is, and a lobe as wide.
+/// Gives a GGX material OpenPBR's missing properties: color weight, highlight brightness, and an equally wide lobe.
 fn take_from_openpbr(common: &mut Material) {
     let p = OpenPbrParameters::from(&common.parameters.clone().sanitized());
     common.parameters.set("base_color", p.base_weight * p.base_color);
@@ -262,14 +263,14 @@ fn take_from_openpbr(common: &mut Material) {
     common.parameters.set("anisotropy", (squeeze / 0.9).min(1.0));
 }
 
-/// The index of refraction whose reflectance at normal incidence is that of the material, the weight of its lobe included.
+/// The index of refraction with the material's reflectance at normal incidence, including its lobe weight.
 fn equivalent_eta(p: &GgxParameters) -> f32 {
     let root = ((p.ior - 1.0) / (p.ior + 1.0)) * p.specular.sqrt();
     // An index of one has no Fresnel factor to compute.
     ((1.0 + root) / (1.0 - root)).max(1.001)
 }
 
-/// What the nearest BSDFs show otherwise of a material, beyond what they differ in by definition.
+/// Differences of a material's nearest BSDFs, beyond the differences by definition.
 pub fn remarks(material: &Material) -> Vec<String> {
     let Material { name, model, parameters, maps, .. } = &material.own();
     let diffuse = [BrdfModel::Lambert, BrdfModel::OrenNayar].contains(model);
@@ -287,7 +288,7 @@ pub fn remarks(material: &Material) -> Vec<String> {
         (maps.get("opacity_cutoff").is_some(), "the map of its cutoff is left out"),
         (
             parameters.number("opacity_cutoff") > 0.0 && maps.get("geometry_opacity").is_some(),
-            "what is cut out has edges that are soft within a texel",
+            "cutouts have soft edges within a texel",
         ),
     ]
     .into_iter()
@@ -297,7 +298,7 @@ pub fn remarks(material: &Material) -> Vec<String> {
     .collect()
 }
 
-/// What `principled` lacks of OpenPBR.
+/// Features of OpenPBR that `principled` lacks.
 fn remarks_of_layers(material: &Material) -> Vec<(bool, &'static str)> {
     if material.model != BrdfModel::OpenPbr {
         return Vec::new();

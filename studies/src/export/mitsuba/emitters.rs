@@ -1,7 +1,7 @@
-//! Environment, local lights, and surfaces that shine.
+//! Environment, local lights, and emissive surfaces.
 //!
-//! Latitude-longitude maps have the same axes in both programs. Point and directional lights, spots without penumbra and
-//! flat surfaces that shine are the same by definition. What is not:
+//! Latitude-longitude maps have the same axes in both programs. Point and directional lights, spots without penumbra and flat
+//! emissive surfaces are the same by definition. The others differ:
 //!
 //! * A spot's penumbra: Mitsuba falls off linearly in the angle, this program smoothly in its cosine.
 //! * A rectangle is geometry in Mitsuba: it is seen, unless emitters are hidden, and stands in the way of other light. So is
@@ -20,15 +20,15 @@ use lapidary_core::{
 };
 use lapidary_render::Illumination;
 
-/// Meters to what is infinitely far: from there the rays to any place of a scene are as good as parallel.
+/// Distance in meters of infinitely far lights: rays from there are practically parallel across any scene.
 const FAR: f32 = 1e6;
 
-/// Where the map lies in the exported folder.
+/// Path of the map in the exported folder.
 pub const ENVIRONMENT_FILE: &str = "environment.exr";
 
-/// The map with twice as many rows and one more. Mitsuba interpolates between rows that lie from pole to pole, the first and the last on
-/// them; this program between texel centers, and holds the values beyond the outermost. On rows at all centers and edges of
-/// texels both are the same function. Columns need no such care, but there must be two.
+/// The map with twice as many rows plus one. Mitsuba interpolates between rows from pole to pole, with the first and last on the
+/// poles; this program interpolates between texel centers and extends the outermost values. With rows at all texel centers and
+/// edges, both give the same function. Columns need no such care, but there must be two.
 pub fn environment_map(map: &Image) -> Image {
     let height = map.height();
     let between = |x: usize, edge: usize| 0.5 * (map.at(x, edge.saturating_sub(1)) + map.at(x, edge.min(height - 1)));
@@ -38,7 +38,7 @@ pub fn environment_map(map: &Image) -> Image {
     })
 }
 
-/// The environment as it is turned and scaled.
+/// The rotated and scaled environment.
 pub fn environment(light: &Illumination) -> String {
     let properties = [
         xml::value("string", "filename", ENVIRONMENT_FILE),
@@ -77,17 +77,17 @@ pub fn local(light: &Light) -> Option<String> {
     })
 }
 
-/// A shape that emits and, as lights do, reflects nothing.
+/// An emissive shape that reflects nothing, as lights do.
 fn shape(kind: &str, world_from_shape: Mat4, radiance: Vec3) -> String {
     let emitter = xml::plugin("emitter", "area", "", &xml::triple("rgb", "radiance", radiance));
     let black = xml::plugin("bsdf", "diffuse", "", &xml::triple("rgb", "reflectance", Vec3::ZERO));
     xml::plugin("shape", kind, "", &(xml::to_world(world_from_shape) + &emitter + &black))
 }
 
-/// The light that surfaces of a material send, by its map of colors or else that of luminances.
+/// The emission of a material, by its color map or else its luminance map.
 ///
 /// # Errors
-/// A map that cannot be written.
+/// An unwritable map.
 pub fn surface(material: &Material, index: u32, textures: &mut TextureFolder) -> Result<String> {
     let maps = &material.maps;
     let p = SurfaceParameters::from(&material.parameters.clone().sanitized());
@@ -105,25 +105,25 @@ pub fn surface(material: &Material, index: u32, textures: &mut TextureFolder) ->
     Ok(xml::plugin("emitter", "area", "", &radiance))
 }
 
-/// A disc far away, which is seen under the same angle.
+/// A far disc with the same angular diameter.
 fn distant(disc: &Disc, irradiance: Vec3) -> String {
     let cos = 1.0 - disc.height;
     let radius = FAR * (1.0 - cos * cos).sqrt() / cos;
-    // Mitsuba's has a radius of 1 and faces +Z.
+    // Mitsuba's disc has a radius of 1 and faces +Z.
     let columns = [disc.right * radius, disc.axis.cross(disc.right) * -radius, -disc.axis];
     let [x, y, z] = columns.map(|axis| axis.extend(0.0));
     let world_from_disc = Mat4::from_cols(x, y, z, (FAR * disc.axis).extend(1.0));
     shape("disk", world_from_disc, irradiance * disc.radiance_of_irradiance())
 }
 
-/// Takes Mitsuba's rectangle, from -1 to 1 in x and y and facing +Z, to its place.
+/// Transforms Mitsuba's rectangle, from -1 to 1 in x and y and facing +Z, to its place.
 fn placed(shape: &RectangleShape) -> Mat4 {
-    // Width, height and normal of a light are left-handed; the rectangle is its own mirror image.
+    // A light's width, height and normal are left-handed; the rectangle is its own mirror image.
     let columns = [-shape.half_width, shape.half_height, shape.normal].map(|axis| axis.extend(0.0));
     Mat4::from_cols(columns[0], columns[1], columns[2], shape.center.extend(1.0))
 }
 
-/// What differs of surfaces that send light.
+/// Differences of emissive surfaces.
 pub fn remarks_of_surface(material: &Material, two_sided: bool) -> Vec<String> {
     let Material { name, maps, .. } = material;
     let [color, luminance] = ["emission_color", "emission_luminance"].map(|map| maps.get(map).is_some());
@@ -141,16 +141,16 @@ pub fn remarks_of_surface(material: &Material, two_sided: bool) -> Vec<String> {
     .collect()
 }
 
-/// What differs of these lights.
+/// Differences of these lights.
 pub fn remarks(lights: &[&Light]) -> Vec<String> {
     let any = |is: fn(&Emission) -> bool| lights.iter().any(|light| is(&light.emission));
     let penumbra = any(|e| matches!(e, Emission::Spot { penumbra_degrees, .. } if *penumbra_degrees > 0.0));
     let rectangle = any(|e| matches!(e, Emission::Rectangle { .. }));
     let disc = any(|e| matches!(e, Emission::Directional { angle_degrees } if *angle_degrees > 0.0));
     [
-        (penumbra, "the penumbra of spots falls off linearly in the angle in Mitsuba, and not smoothly"),
-        (rectangle, "rectangular lights are things in Mitsuba: they are seen and cast shadows"),
-        (disc, "directional lights with an angle are seen in Mitsuba"),
+        (penumbra, "the penumbra of spots falls off linearly in the angle in Mitsuba, not smoothly"),
+        (rectangle, "rectangular lights are geometry in Mitsuba: they are visible and cast shadows"),
+        (disc, "directional lights with an angle are visible in Mitsuba"),
     ]
     .into_iter()
     .filter(|(differs, _)| *differs)

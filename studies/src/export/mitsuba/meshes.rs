@@ -1,23 +1,23 @@
 //! Triangles by material and side, as binary PLY files.
 //!
-//! An emitter of Mitsuba shines on the side of the normal only. Triangles that shine on both sides are two meshes, each a little
-//! before its own side, so that a ray meets the one that shines toward it.
+//! A Mitsuba emitter shines only on the side of its normal. Triangles that shine on both sides become two meshes, each slightly in
+//! front of its own side, so that a ray hits the one that shines toward it.
 
 use super::{bsdf, xml};
 use lapidary_core::{dataset::Dataset, scene::Mesh};
 use std::collections::{BTreeMap, HashMap};
 
-/// How far such a mesh is from its triangles, per largest coordinate of it: 80 steps of 32-bit floats.
+/// Offset of such a mesh, relative to its largest coordinate: 80 steps of 32-bit floats.
 const LIFT: f32 = 1e-5;
 
-/// Which side of its triangles a mesh shows.
+/// The side of its triangles that a mesh shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
-    /// All that there are.
+    /// All reflecting sides.
     All,
-    /// The one of the normal.
+    /// The side of the normal.
     Front,
-    /// The other one.
+    /// The opposite side.
     Back,
 }
 
@@ -25,15 +25,15 @@ pub enum Face {
 pub struct Part {
     /// Index of the material.
     pub material: u32,
-    /// Whether both sides reflect, which is decided triangle by triangle when a scene is baked.
+    /// Whether both sides reflect; the bake decides this for each triangle.
     pub two_sided: bool,
-    /// Which side the mesh shows.
+    /// The side that the mesh shows.
     pub face: Face,
     /// Indices of the triangles.
     pub triangles: Vec<usize>,
 }
 
-/// All triangles of a dataset; those that `shine` on both sides once for each.
+/// All triangles of a dataset, twice for those that `shine` on both sides.
 pub fn parts(dataset: &Dataset, shines: impl Fn(u32) -> bool) -> Vec<Part> {
     let mut parts: BTreeMap<(u32, bool), Vec<usize>> = BTreeMap::new();
     for (triangle, &material) in dataset.scene.mesh.triangle_material.iter().enumerate() {
@@ -63,14 +63,14 @@ impl Part {
         format!("meshes/{}{face}.ply", bsdf::id(self.material, self.two_sided))
     }
 
-    /// The element of the scene that shows it, with its `emitter` if it has one.
+    /// The scene element of the mesh, with its `emitter` if any.
     pub fn shape(&self, emitter: &str) -> String {
         let properties =
             xml::value("string", "filename", self.file()) + &xml::reference(&bsdf::id(self.material, self.two_sided));
         xml::plugin("shape", "ply", "", &(properties + emitter))
     }
 
-    /// Meters from the triangles along their normals.
+    /// Offset in meters from the triangles along their normals.
     fn lift(&self, mesh: &Mesh) -> f32 {
         let corners = self.triangles.iter().flat_map(|&triangle| mesh.corners(triangle));
         let largest = corners.fold(0.0, |largest: f32, corner| largest.max(corner.abs().max_element()));
@@ -81,8 +81,8 @@ impl Part {
         }
     }
 
-    /// Positions, normals, texture coordinates and triangles, little endian. Texture coordinates begin at the top left
-    /// corner of a picture in both programs.
+    /// Positions, normals, texture coordinates and triangles, little endian. In both programs texture coordinates start at the top
+    /// left corner of a picture.
     pub fn ply(&self, mesh: &Mesh) -> Vec<u8> {
         let lift = self.lift(mesh);
         let is_back = self.face == Face::Back;

@@ -1,13 +1,13 @@
 //! Integrator, camera and film.
 //!
-//! Mitsuba averages a pixel over its square at random, the references of this program at `--aa` fixed places: compare with a
-//! reference of many. Its pixel grid and vertical field of view are the same.
+//! Mitsuba samples a pixel's square at random, the references of this program at `--aa` fixed positions: compare with a reference
+//! that has many. Pixel grid and vertical field of view are the same.
 
 use super::{MitsubaScene, xml};
 use lapidary_core::{bounds::Bounds, ground::Ground};
 use lapidary_render::{Background, View};
 
-/// What `mitsuba -D` or `mi.load_file` may set.
+/// Values that `mitsuba -D` or `mi.load_file` may set.
 pub const DEFAULTS: &str = "<default name=\"materials\" value=\"materials.xml\"/>\n\
     <default name=\"spp\" value=\"256\"/>\n<include filename=\"$materials\"/>\n";
 
@@ -24,11 +24,11 @@ pub fn integrator_and_sensor(scene: &MitsubaScene) -> String {
     integrator + &xml::plugin("sensor", "perspective", "", &sensor(scene))
 }
 
-/// Thin surfaces that a path passes: Mitsuba counts each as a bounce.
+/// Thin surfaces along a path: Mitsuba counts each as a bounce.
 const LAYERS: u32 = 8;
 
-/// Edges of the longest path, eye and light included. It takes a bounce that a surface which shines is seen by another, and none
-/// that a light is.
+/// Edges of the longest path, including eye and light. Light from an emissive surface to another counts as a bounce, light from a
+/// lamp does not.
 fn depth(scene: &MitsubaScene) -> u32 {
     let is_lit_by_surfaces_alone = scene.environment.is_none() && scene.lights.is_empty();
     let layers = if scene.lets_through() { LAYERS } else { 0 };
@@ -39,7 +39,7 @@ fn sensor(scene: &MitsubaScene) -> String {
     let View { camera, size: [width, height], .. } = scene.view;
     let mesh = &scene.dataset.scene.mesh;
     let extent = |bounds: Bounds| camera.eye.distance(bounds.center()) + bounds.diagonal();
-    // The ground is seen as far as it goes.
+    // The ground is visible as far as it extends.
     let [reach, farthest] = [mesh.bounds(), Bounds::around(mesh.positions.iter().copied())].map(extent);
     let sampler = xml::plugin("sampler", "multijitter", "", &xml::value("integer", "sample_count", "$spp"));
     let film = [
@@ -54,7 +54,7 @@ fn sensor(scene: &MitsubaScene) -> String {
         xml::value("float", "fov", camera.fov_y.to_degrees()),
         xml::value("float", "near_clip", 1e-6 * reach),
         xml::value("float", "far_clip", 2.0 * farthest),
-        // The upward axis of the picture rather than that of the camera, which may lie along the view.
+        // The upward axis of the picture, because the camera's may be parallel to the view.
         xml::look_at(camera.eye, camera.target, camera.world_from_view().y_axis),
         sampler,
         xml::plugin("film", "hdrfilm", "", &film.concat()),
@@ -62,7 +62,7 @@ fn sensor(scene: &MitsubaScene) -> String {
     .concat()
 }
 
-/// What of the view, and of how far light goes, Mitsuba shows otherwise.
+/// Differences of view and path length in Mitsuba.
 pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
     let view = scene.view;
     let shines = scene.emission;
@@ -75,7 +75,7 @@ pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
         (is_blurred, "Mitsuba shows no blurred background: it is black there"),
         (
             is_seen,
-            "Mitsuba shows the environment as background, for it could only hide it with the surfaces that shine",
+            "Mitsuba shows the environment as background, because it could only hide it together with emissive surfaces",
         ),
         (is_ground, "Mitsuba shows the ground as a surface: choose --ground on to compare with it"),
         (
@@ -86,7 +86,7 @@ pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
             scene.lets_through() && !scene.lights.is_empty(),
             "Mitsuba's local lights cast whole shadows behind surfaces that let light through",
         ),
-        (is_mixed, "light of surfaces that shine has one bounce more in Mitsuba, as that of lights has"),
+        (is_mixed, "light of emissive surfaces has one bounce more in Mitsuba, as many as light of lamps"),
     ]
     .into_iter()
     .filter(|(differs, _)| *differs)

@@ -1,4 +1,4 @@
-//! Conversions whose mistakes would only show in Mitsuba's pictures.
+//! Conversions whose errors would only show in Mitsuba's pictures.
 
 use super::*;
 use glam::{Vec2, Vec3};

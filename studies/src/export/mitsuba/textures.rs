@@ -14,7 +14,7 @@ use std::{
     sync::Arc,
 };
 
-/// Where maps are written, each once.
+/// Writes maps, each once.
 pub struct TextureFolder<'a> {
     folder: PathBuf,
     textures: &'a [Arc<Texture>],
@@ -22,16 +22,16 @@ pub struct TextureFolder<'a> {
 }
 
 impl<'a> TextureFolder<'a> {
-    /// In the exported `folder`, for the `textures` of a scene.
+    /// For the exported `folder` and the `textures` of a scene.
     pub fn new(folder: &Path, textures: &'a [Arc<Texture>]) -> Self {
         Self { folder: folder.to_owned(), textures, written: BTreeSet::new() }
     }
 
-    /// The property `name`, or a nested texture without a name, of what `value` makes of each texel. `stem` names the file; equal stems
-    /// must stand for equal maps.
+    /// The property `name`, or a nested texture without a name, with `value` applied to each texel. `stem` names the file; equal
+    /// stems must mean equal maps.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// An unwritable file.
     pub fn property(
         &mut self,
         name: Option<&str>,
@@ -54,7 +54,7 @@ impl<'a> TextureFolder<'a> {
     }
 }
 
-/// How a slot's map lies on the surface. Its rotation is that of the map and not of the coordinates, hence the sign.
+/// A slot's transform. Its rotation turns the map rather than the coordinates, hence the sign.
 fn to_uv(slot: &TextureSlot) -> String {
     let TextureSlot { scale, offset, rotation, .. } = slot;
     format!(

@@ -1,4 +1,4 @@
-//! Elements of Mitsuba's scene format, as text. No value holds a character that XML would have escaped.
+//! Elements of Mitsuba's scene format, as text. No value contains characters that XML needs escaped.
 
 use glam::{Mat4, Vec3};
 use std::fmt::Display;
@@ -29,7 +29,7 @@ pub fn to_world(matrix: Mat4) -> String {
     format!("  <transform name=\"to_world\"><matrix value=\"{}\"/></transform>\n", rows.join(" "))
 }
 
-/// The property `to_world` of what looks along its own +Z: from `origin` at `target`.
+/// The property `to_world` for an object that looks along its +Z, from `origin` at `target`.
 pub fn look_at(origin: Vec3, target: Vec3, up: Vec3) -> String {
     let point = |Vec3 { x, y, z }: Vec3| format!("{x}, {y}, {z}");
     let (origin, target, up) = (point(origin), point(target), point(up));

@@ -1,5 +1,4 @@
-//! How long the present phase of a bake will still take, at its latest pace: beside a picture in the making a bake of low priority
-//! hardly moves.
+//! Time left in the current phase of a bake, at its latest pace: beside a rendering picture a low-priority bake barely advances.
 
 use super::BakeProgress;
 use lapidary_precompute::Phase;
@@ -8,11 +7,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The pace of the phase that a bake is at.
+/// The pace of the current phase.
 pub struct PhasePace {
     phase: Option<Phase>,
     since: Instant,
-    /// How long the bake had waited for others when the phase began.
+    /// Time the bake had been on hold when the phase began.
     waited_before: Duration,
     pace: Pace,
 }
@@ -24,7 +23,7 @@ impl Default for PhasePace {
 }
 
 impl PhasePace {
-    /// Takes note of how far a bake is that has `waited` for others.
+    /// Records the progress of a bake that has been on hold for `waited`.
     pub fn follow(&mut self, progress: BakeProgress, waited: Duration) {
         if progress.phase != self.phase {
             *self = Self { phase: progress.phase, waited_before: waited, ..Self::default() };
@@ -33,28 +32,28 @@ impl PhasePace {
         self.pace.note(worked.as_secs_f64(), progress.done);
     }
 
-    /// Seconds that the rest will take, if that is known.
+    /// Estimated seconds left, if known.
     pub fn left(&self, done: u64, total: u64) -> Option<f64> {
         self.pace.left(done, total)
     }
 }
 
-/// What was done of a phase, at some times.
+/// Progress of a phase at several times.
 #[derive(Clone, Debug, Default)]
 struct Pace {
-    /// Seconds of work on the phase, and units done by then.
+    /// Seconds of work on the phase, and units completed by then.
     marks: VecDeque<(f64, u64)>,
 }
 
 impl Pace {
-    /// Seconds over which the pace is measured.
+    /// Seconds over which pace is measured.
     const SPAN: f64 = 8.0;
     /// Seconds between two marks.
     const BETWEEN: f64 = 0.25;
-    /// Share of a phase that must be done for its pace to be known.
+    /// Share of a phase to complete before its pace is known.
     const KNOWN_AFTER: f64 = 0.02;
 
-    /// Takes note of what is done after some seconds of a phase.
+    /// Records the completed units after `secs` seconds of a phase.
     fn note(&mut self, secs: f64, done: u64) {
         if self.marks.back().is_some_and(|&(before, had)| secs < before || done < had) {
             self.marks.clear();
@@ -67,10 +66,10 @@ impl Pace {
         }
     }
 
-    /// Seconds that the rest will take, if that is known.
+    /// Estimated seconds left, if known.
     fn left(&self, done: u64, total: u64) -> Option<f64> {
         let (&(begun, had), &(secs, has)) = self.marks.front().zip(self.marks.back())?;
-        // Some steps have a little to do after all units are done.
+        // Some steps have a little work left after all units are done.
         let is_known = done as f64 > Self::KNOWN_AFTER * total as f64 && done < total && has > had;
         is_known.then(|| (total - done) as f64 * (secs - begun) / (has - had) as f64)
     }
@@ -80,7 +79,7 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// The pace after a second for each of these.
+    /// The pace with one of these values per second.
     fn pace(done: impl IntoIterator<Item = u64>) -> Pace {
         let mut pace = Pace::default();
         done.into_iter().enumerate().for_each(|(second, done)| pace.note(second as f64, done));
@@ -90,7 +89,7 @@ mod tests {
     #[test]
     fn the_rest_takes_what_the_latest_part_took() {
         assert_eq!(pace([0, 10, 20]).left(20, 100), Some(8.0));
-        // Slow for a minute beside a picture, and then at its own pace.
+        // Slow for a minute beside a picture, then at full pace.
         let slow = (0..60).map(|second| second / 4);
         let fast = (1..=12).map(|second| 14 + 10 * second);
         let left = pace(slow.clone().chain(fast)).left(134, 234).unwrap();

@@ -1,4 +1,4 @@
-//! A single triangle, which is baked in no time.
+//! A single triangle, which bakes almost instantly.
 
 use super::*;
 use crate::jobs::testing::{silent, wait_for};
@@ -11,10 +11,10 @@ use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{Preset, ResolvedBake, SettingsError};
 
 const LIGHTS: usize = 256;
-/// More than a draft has.
+/// More lights than a draft has.
 const MANY_LIGHTS: usize = 4096;
 
-/// A task in a folder of its own.
+/// A task in its own folder.
 fn task(folder: &Path, progressive: bool) -> BakeTask {
     let obj = folder.join("a.obj");
     std::fs::write(&obj, "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n").unwrap();
@@ -37,7 +37,7 @@ fn with_lights(task: &BakeTask, lights: usize) -> Result<ResolvedBake, SettingsE
     resolve(BakeSettings { lights, ..task.job.settings.clone().into_settings() })
 }
 
-/// All messages up to the one that ends the bake.
+/// All messages up to the last one of the bake.
 fn all(run: &mut BakeRun) -> Vec<BakeMessage> {
     let mut messages = Vec::new();
     wait_for("the bake", || {
@@ -71,7 +71,7 @@ fn a_draft_comes_first_and_leaves_nothing_behind() {
 fn a_bake_that_is_held_waits_and_then_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let task = task(folder.path(), false);
-    // It begins when the turn is free.
+    // It starts when the turn is free.
     let turn = task.turn.clone();
     let lock = turn.lock().unwrap();
     let mut run = BakeRun::start(task, silent());
@@ -105,7 +105,7 @@ fn a_link_under_a_name_that_can_be_known_leads_nowhere() {
     assert!(links.iter().all(|link| link.is_symlink()));
 }
 
-/// A floor and a wall, which lies open to it.
+/// A floor and a wall that faces it.
 const CORNER: &str = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 0 1 1\nf 1 4 3 2\nf 1 5 6 4\n";
 
 #[test]

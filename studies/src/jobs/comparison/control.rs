@@ -1,4 +1,4 @@
-//! What the window tells the tracing thread while that is at work.
+//! Signals from the window to the tracing thread.
 
 use std::{
     sync::{
@@ -8,25 +8,25 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Shared by both.
+/// State shared by both.
 #[derive(Default)]
 pub struct Control {
-    /// Number of the comparison that is wanted.
+    /// Number of the current comparison.
     wanted: AtomicU64,
     paused: AtomicBool,
-    /// Whether other work needs the cores for a while.
+    /// Whether other work needs the cores.
     held: AtomicBool,
-    /// Wakes those who wait for the end of a pause.
+    /// Wakes threads that wait for the end of a pause.
     resumed: Condvar,
-    /// Whether the tracing thread waits for that.
+    /// Whether the tracing thread is waiting.
     waiting: Mutex<bool>,
-    /// Units of work, done and in all.
+    /// Units of work: completed and total.
     done: AtomicU64,
     total: AtomicU64,
 }
 
 impl Control {
-    /// Abandons what is under way, goes on after a pause, and returns the number of the next comparison.
+    /// Abandons the current work, resumes after a pause, and returns the number of the next comparison.
     pub fn begin(&self) -> u64 {
         self.advanced(0, 0);
         let number = self.wanted.fetch_add(1, SeqCst) + 1;
@@ -34,18 +34,18 @@ impl Control {
         number
     }
 
-    /// The number of the comparison that is wanted.
+    /// The number of the current comparison.
     pub fn wanted(&self) -> u64 {
         self.wanted.load(SeqCst)
     }
 
-    /// Pauses or goes on.
+    /// Pauses or resumes.
     pub fn pause(&self, paused: bool) {
         self.paused.store(paused, SeqCst);
         self.wake();
     }
 
-    /// Gives the cores to other work, or goes on.
+    /// Yields the cores to other work, or resumes.
     pub fn hold(&self, held: bool) {
         if self.held.swap(held, SeqCst) != held {
             self.wake();
@@ -62,12 +62,12 @@ impl Control {
         self.paused.load(SeqCst)
     }
 
-    /// Whether it gives the cores to other work.
+    /// Whether it yields the cores.
     pub fn is_held(&self) -> bool {
         self.held.load(SeqCst)
     }
 
-    /// Waits until nothing holds or pauses it, or another comparison than `number` is wanted. Returns how long.
+    /// Waits while held or paused, unless `number` is no longer the current comparison. Returns the time waited.
     pub fn wait(&self, number: u64) -> Duration {
         let start = Instant::now();
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
@@ -79,19 +79,19 @@ impl Control {
         start.elapsed()
     }
 
-    /// Whether the tracing thread has come to the end of its pass, and waits.
+    /// Whether the tracing thread has reached the end of its pass and waits.
     #[cfg(test)]
     pub fn is_waiting(&self) -> bool {
         *self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps how far the reference is.
+    /// Stores the progress of the reference.
     pub fn advanced(&self, done: u64, total: u64) {
         self.done.store(done, SeqCst);
         self.total.store(total, SeqCst);
     }
 
-    /// Share that is done, 0 to 1.
+    /// Completed share, 0 to 1.
     pub fn progress(&self) -> f32 {
         let total = self.total.load(SeqCst);
         if total == 0 { 0.0 } else { self.done.load(SeqCst) as f32 / total as f32 }

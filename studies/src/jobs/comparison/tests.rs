@@ -1,4 +1,4 @@
-//! Comparisons of a small scene on the thread.
+//! Comparisons of a small scene on a thread.
 
 use super::*;
 use crate::jobs::testing::{silent, wait_for};
@@ -20,7 +20,7 @@ fn comparison(kind: ReferenceKind) -> ComparisonRequest {
     ComparisonRequest { baked: Some(baked), look, kind, scale: 2, region: None }
 }
 
-/// All events until the reference is finished or there is none.
+/// All events until the reference is finished or fails.
 fn outcome(thread: &mut ComparisonThread) -> Vec<ComparisonEvent> {
     let mut events = Vec::new();
     wait_for("the reference", || {

@@ -1,4 +1,4 @@
-//! What the thread does: the picture with cuts, then the reference, for one request after another.
+//! The thread's work: for each request the picture with cuts, then the reference.
 
 use super::{ComparisonEvent, ComparisonRequest, Control, ReferenceKind, ReferencePicture, TestPicture};
 use crate::{
@@ -21,38 +21,38 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Longest side of a picture file that is compared with: the same picture is rendered in its size.
+/// Longest side of a reference file; the picture is rendered at the same size.
 const LONGEST_SIDE: u32 = 4096;
 
 /// Time between two previews of light paths; each costs a pass over the picture and its metrics.
 const PREVIEW_INTERVAL: Duration = Duration::from_millis(700);
 
-/// Where events are left for the window.
+/// Sends events to the window.
 pub struct Outbox {
-    /// By the number of the comparison.
+    /// Events with the number of their comparison.
     pub events: Sender<(u64, ComparisonEvent)>,
-    /// Makes the window look.
+    /// Notifies the window.
     pub wake: Wake,
 }
 
-/// The state of the thread.
+/// State of the thread.
 pub struct Worker {
     control: Arc<Control>,
     outbox: Outbox,
     factory: BackendFactory,
-    /// The picture with cuts, on a renderer of its own.
+    /// The picture with cuts, on its own renderer.
     scene: Option<LitScene>,
-    /// Traces the scene of before again.
+    /// Retraces the previous scene.
     renderer: Option<Casting>,
 }
 
 impl Worker {
-    /// With nothing to do yet.
+    /// Starts idle.
     pub fn new(factory: BackendFactory, control: Arc<Control>, outbox: Outbox) -> Self {
         Self { control, outbox, factory, scene: None, renderer: None }
     }
 
-    /// Works until the window is gone.
+    /// Works until the window closes.
     pub fn run(mut self, inbox: &Receiver<(u64, Box<ComparisonRequest>)>) {
         while let Ok(first) = inbox.recv() {
             let (number, request) = inbox.try_iter().last().unwrap_or(first);
@@ -65,7 +65,7 @@ impl Worker {
     }
 
     fn tell(&self, number: u64, event: ComparisonEvent) {
-        // Nobody is left to tell if the window is gone.
+        // The receiver is gone if the window is closed.
         let _ = self.outbox.events.send((number, event));
         (self.outbox.wake)();
     }
@@ -96,7 +96,7 @@ impl Worker {
         Ok(())
     }
 
-    /// The renderer with a scene.
+    /// The renderer with this scene.
     fn scene_of(&mut self, baked: &Baked) -> Result<&mut LitScene, BackendError> {
         let scene = match self.scene.take() {
             Some(mut scene) => {
@@ -108,7 +108,7 @@ impl Worker {
         Ok(self.scene.insert(scene))
     }
 
-    /// The picture as the live one is made, on the same kind of renderer; `None` if another comparison is wanted.
+    /// The picture rendered like the live one, on the same kind of renderer; `None` if superseded.
     fn test_picture(
         &mut self,
         number: u64,
@@ -119,7 +119,7 @@ impl Worker {
         let look = Look { view: view.clone(), ..request.look.clone() };
         let control = self.control.clone();
         let scene = self.scene_of(baked)?;
-        // The light takes no part of the picture's time, which is told anew for a picture that was rendered before.
+        // Compute the light first: the picture's time excludes it, and a picture rendered before reports its time again.
         scene.light(&look)?;
         scene.forget_picture();
         let remarks = scene.remarks();
@@ -143,7 +143,7 @@ impl Worker {
         }))
     }
 
-    /// The error that is expected of the picture, if all its clusters are of the environment.
+    /// The predicted error of the picture, if all its clusters belong to the environment.
     fn predicted(
         &mut self,
         number: u64,
@@ -153,7 +153,7 @@ impl Worker {
     ) -> Result<Option<Image>> {
         let look = &request.look;
         let Some(lighting) = self.scene.as_ref().and_then(LitScene::environment).cloned() else { return Ok(None) };
-        // Clusters of what moved are not those of the bake.
+        // Clusters of moved objects differ from the bake's.
         let is_posed = !look.poses.is_empty();
         if is_posed || !look.components.environment || !baked.dataset.settings.mode.environment() {
             return Ok(None);
@@ -187,21 +187,21 @@ impl Worker {
     }
 }
 
-/// As many bounces as the solution that is shown has.
+/// Light paths with as many bounces as the shown solution.
 fn paths(renderer: &Renderer, look: &Look, view: &View, spp: u32, progress: &dyn Progress) -> PathPicture {
     let bounces = if look.components.indirect { look.solution.bounces() } else { 0 };
     let settings = PathSettings { bounces, components: look.components, ..PathSettings::direct(spp) };
     renderer.path_picture(view, &look.illumination, &look.lights, settings, progress)
 }
 
-/// What casts rays on a scene, and what that is.
+/// A ray caster and its scene.
 struct Casting {
     of: Baked,
     poses: Poses,
     renderer: Renderer,
 }
 
-/// What casts rays on the scene as it looks; made anew for a scene that is new or posed otherwise.
+/// The ray caster for a look; rebuilt for a new or differently posed scene.
 fn renderer_of<'a>(known: &'a mut Option<Casting>, baked: &Baked, look: &Look) -> &'a mut Renderer {
     let renderer = match known.take() {
         Some(Casting { of, poses, mut renderer }) if of.is_same(baked) && poses == look.poses => {
@@ -213,8 +213,8 @@ fn renderer_of<'a>(known: &'a mut Option<Casting>, baked: &Baked, look: &Look) -
     &mut known.insert(Casting { of: baked.clone(), poses: look.poses.clone(), renderer }).renderer
 }
 
-/// A lit picture in the size of the comparison. Traced references look at the center of each pixel, as the picture with cuts then
-/// does; that of another program filters, as the live picture does.
+/// A lit view at the comparison's size. Traced references sample the pixel centers, and so does the picture with cuts then; another
+/// program's picture is filtered, like the live picture.
 fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View {
     let live = &request.look.view;
     View {
@@ -239,7 +239,7 @@ fn read(path: &Path) -> Result<Image> {
     Ok(image)
 }
 
-/// Hears only that another comparison is wanted.
+/// Progress that only stops for a newer comparison.
 struct Wanted<'a> {
     number: u64,
     control: &'a Control,
@@ -255,7 +255,7 @@ impl Progress for Wanted<'_> {
     }
 }
 
-/// Passes on how a reference advances, and what the window says meanwhile.
+/// Forwards a reference's progress and obeys the window's signals.
 struct TracingProgress<'a> {
     number: u64,
     control: &'a Control,
@@ -271,7 +271,7 @@ impl<'a> TracingProgress<'a> {
         Self { number, control, outbox, start, paused: Mutex::default(), previewed: start.into() }
     }
 
-    /// Of tracing alone.
+    /// Seconds of tracing alone.
     fn seconds(&self) -> f64 {
         self.start.elapsed().saturating_sub(*locked(&self.paused)).as_secs_f64()
     }

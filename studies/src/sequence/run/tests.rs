@@ -17,11 +17,11 @@ use std::{
     },
 };
 
-/// Cancels after some frames were begun.
+/// Cancels after some frames have started.
 struct Stop {
     after: u64,
     begun: AtomicU64,
-    /// What it was told first.
+    /// Its first progress values.
     first: OnceLock<(u64, u64)>,
 }
 
@@ -185,7 +185,7 @@ fn a_write_that_fails_leaves_the_frames_before_it_and_says_how_to_go_on() {
     let (folder, baked) = (tempfile::tempdir().unwrap(), baked());
     let task = task(&baked, folder.path(), "intensity=1..3", 3);
     let prepared = task.prepare(&baked.dataset).unwrap();
-    // A folder in the place of a file cannot be replaced by it, as a full disk cannot take it.
+    // A folder at the path of a file cannot be replaced by it, like a write to a full disk.
     fs::create_dir(folder.path().join("f.02.png")).unwrap();
     let mut studio = Studio::new(Box::new(CpuBackend::new()), baked).unwrap();
     let error = crate::terminal::error_text(&task.run(prepared, &mut studio, &Stop::never()).unwrap_err());

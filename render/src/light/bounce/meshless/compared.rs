@@ -1,4 +1,4 @@
-//! Where the light of the meshless basis is compared with that of before, to tell which pixels show the difference.
+//! Points at which two meshless solutions are compared, to find the pixels that show the difference.
 
 use super::functions::{MeshlessLight, is_back_lit};
 use crate::baked::Baked;
@@ -9,11 +9,11 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 
-/// Points that tell how the light of the meshless basis changes: the vertices, on both sides where both are lit, and the
-/// points of the senders, which also lie within large triangles.
+/// Points that measure how meshless light changes: the vertices, on both sides where both are lit, and the senders' points, which
+/// also lie within large triangles.
 pub struct ComparedPoints {
     light: Flattening,
-    /// Patches of vertices that the pixels around each show, one bit each.
+    /// Patches of vertices around each point, one bit each; the pixels there show its light.
     patches: Vec<u64>,
 }
 
@@ -35,7 +35,7 @@ impl ComparedPoints {
         Some(Self { light: Flattening::new(basis, transport, &points), patches })
     }
 
-    /// The change from one light to another at each point, by its `share` of the light, and the patches of vertices there.
+    /// Changes from one light to another at each point, as `share` computes them, and the patches of vertices there.
     pub fn changes(
         &self,
         old: &MeshlessLight,
@@ -48,7 +48,7 @@ impl ComparedPoints {
     }
 }
 
-/// Vertices of two-sided triangles whose back is lit, with place and normal.
+/// Vertices of two-sided triangles whose back is lit, with position and normal.
 fn lit_backs(dataset: &Dataset, basis: &Basis) -> Vec<(u32, (Vec3, Vec3))> {
     let mesh = &dataset.scene.mesh;
     let mut seen_from_both = vec![false; mesh.positions.len()];

@@ -1,14 +1,13 @@
-//! The meshless solution at any point of a surface, for display: each pixel sums the functions that reach it, and
-//! normalizes them a level at a time (meshless paper, 4.1, with the loop turned round). Detail ends at the basis, not at
-//! the mesh.
+//! The meshless solution at any surface point, for display: each pixel sums the functions that reach it and normalizes them level
+//! by level (meshless paper, 4.1, with the loop inverted). The basis limits the detail, not the mesh.
 
 use glam::{Mat3A, Vec3};
 use lapidary_core::{color::luminance, dataset::Dataset, meshless::Basis};
 use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, fmt, sync::Arc};
 
-/// Radius of the point of a function in [`MeshlessLight::marked_level`], in radii of its support. Points of the finest
-/// level are 0.4 radii apart or more, so that they do not touch.
+/// Radius of a function's marker in [`MeshlessLight::marked_level`], in radii of its support. Points of the finest level are at
+/// least 0.4 radii apart, so markers do not touch.
 pub(crate) const POINT_RADIUS: f32 = 0.08;
 
 /// Bounced light as coefficients of a dataset's meshless basis.
@@ -16,7 +15,7 @@ pub(crate) const POINT_RADIUS: f32 = 0.08;
 pub struct MeshlessLight {
     dataset: Arc<Dataset>,
     coefficients: Vec<Mat3A>,
-    /// Whether any function of the cell in each slot of the grid carries light. Most of the finest levels do not.
+    /// Whether any function in the cell of each grid slot carries light. Most cells of the finest levels have none.
     is_lit: Vec<bool>,
 }
 
@@ -27,11 +26,11 @@ impl fmt::Debug for MeshlessLight {
 }
 
 impl MeshlessLight {
-    /// Light of a dataset's functions by their `coefficients`: vector irradiance in W/m², one column per color channel.
-    /// `None` if it has no meshless basis.
+    /// Light of a dataset's functions by `coefficients`: vector irradiance in W/m², one column per color channel. `None` if the
+    /// dataset has no meshless basis.
     ///
     /// # Panics
-    /// If there is not one coefficient per function.
+    /// If `coefficients` does not have one entry per function.
     pub fn new(dataset: &Arc<Dataset>, coefficients: Vec<Mat3A>) -> Option<Self> {
         let bake = dataset.meshless.as_ref()?;
         assert_eq!(bake.basis.len(), coefficients.len(), "one coefficient per function");
@@ -41,7 +40,7 @@ impl MeshlessLight {
         Some(Self { dataset: dataset.clone(), coefficients, is_lit })
     }
 
-    /// The dataset whose functions these are.
+    /// The dataset of these functions.
     pub fn dataset(&self) -> &Arc<Dataset> {
         &self.dataset
     }
@@ -56,12 +55,12 @@ impl MeshlessLight {
         &self.coefficients
     }
 
-    /// Vector irradiance at a point of a surface. Functions stand on faces, so `normal` is that of the face, of unit length
-    /// on the visible side. Interpolated normals have a larger error: 0.095 in place of 0.087 in the bathroom.
+    /// Vector irradiance at a surface point. Functions lie on faces, so `normal` is the face's unit normal on the visible side.
+    /// Interpolated normals have a larger error: 0.095 in place of 0.087 in the bathroom.
     ///
-    /// A back is lit where a function of the finest level reaches it. Normals of open shells often point away from
-    /// their visible side, and functions stand on the side that light reaches (meshless paper, 2.2, Eq. 8). A visible
-    /// back has a fine function close to it. Coarser ones also reach hidden backs, through walls.
+    /// A back is lit if a function of the finest level reaches it. Normals of open shells often point away from the visible side,
+    /// and functions lie on the lit side (meshless paper, 2.2, Eq. 8). A visible back has a fine function close to it. Coarser
+    /// functions also reach hidden backs, through walls.
     #[inline]
     pub fn at(&self, position: Vec3, normal: Vec3, from_behind: bool) -> Mat3A {
         if from_behind && !is_back_lit(self.basis(), position, normal) {
@@ -77,8 +76,8 @@ impl MeshlessLight {
         })
     }
 
-    /// What one level adds to the light that a white surface reflects, as red where it adds, and as blue where it takes
-    /// away (meshless paper, Fig. 3). Black beyond the last level.
+    /// Contribution of one level to the light that a white surface reflects: red where positive, blue where negative (meshless
+    /// paper, Fig. 3). Black beyond the last level.
     pub(crate) fn level_part(&self, level: u32, position: Vec3, [normal, shading]: [Vec3; 2]) -> Vec3 {
         let basis = self.basis();
         if level as usize >= basis.levels() {
@@ -98,8 +97,7 @@ impl MeshlessLight {
         values.iter().find(|(found, _)| *found == function).map_or(0.0, |(_, value)| *value)
     }
 
-    /// The finest level with a function whose coefficient is not zero and whose center is close to a point (meshless
-    /// paper, Fig. 1).
+    /// The finest level that has a function with a nonzero coefficient and a center close to the point (meshless paper, Fig. 1).
     pub(crate) fn marked_level(&self, position: Vec3, normal: Vec3) -> Option<usize> {
         let basis = self.basis();
         (0..basis.levels()).rev().find(|&level| {
@@ -114,12 +112,12 @@ impl MeshlessLight {
     }
 }
 
-/// Whether a back at a point receives light, see [`MeshlessLight::at`].
+/// Whether the back at a point receives light; see [`MeshlessLight::at`].
 pub(crate) fn is_back_lit(basis: &Basis, position: Vec3, normal: Vec3) -> bool {
     basis.reaches(basis.levels() - 1, position, normal)
 }
 
-/// Color of a level among some: the hues from red to magenta.
+/// Color of a level: hues from red to magenta.
 pub(crate) fn level_color(level: usize, levels: usize) -> Vec3 {
     let hue = level as f32 / levels as f32;
     let channel = |shift: f32| (((hue + shift).fract() * 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
@@ -136,7 +134,7 @@ mod tests {
         surfel::Surfel,
     };
 
-    /// A floor whose back alone is lit near one corner, from a sender far away.
+    /// A floor with light only on its back near one corner, from a distant sender.
     fn light() -> MeshlessLight {
         let mut dataset = test_scenes::dataset(test_scenes::mesh(8, false), GgxParameters::default());
         let at = |position: Vec3, normal: Vec3| Surfel { position, normal, ..Default::default() };
@@ -189,7 +187,7 @@ mod tests {
         let part = |level, x: f32| light.level_part(level, Vec3::new(x, 0.0, 2.0), down);
         let third = 1.0 / std::f32::consts::PI;
         assert!((part(1, 2.0).x * 0.0 + part(1, 1.0).z).is_finite());
-        // Coefficients are multiples of the identity: the green channel alone receives, against the axis.
+        // Coefficients are multiples of the identity: only the green channel receives light, against the axis.
         let green = luminance(Vec3::Y);
         assert!((light.level_part(0, Vec3::ZERO, down).z - 2.0 * green * third).abs() < 1e-6, "2, from below");
         assert!(part(1, 2.0).x > 0.0 && part(1, 2.0).z == 0.0, "-3 adds");

@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3, Vec3Swizzles};
 use std::sync::LazyLock;
 
-/// CIE XYZ, relative to the D65 white point, of linear Rec. 709: each row of the exact matrix divided by its sum.
+/// CIE XYZ of linear Rec. 709, relative to the D65 white point: each row of the exact matrix divided by its sum.
 const XYZ_FROM_LINEAR: Mat3 = Mat3::from_cols(
     Vec3::new(10_135_552.0 / X_OF_WHITE, 2_613_072.0 / Y_OF_WHITE, 1_425_312.0 / Z_OF_WHITE),
     Vec3::new(8_788_810.0 / X_OF_WHITE, 8_788_810.0 / Y_OF_WHITE, 8_788_810.0 / Z_OF_WHITE),
@@ -54,7 +54,7 @@ pub(super) fn hyab(a: Vec3, b: Vec3) -> f32 {
     difference.x.abs() + difference.yz().length()
 }
 
-/// The distance of green and blue, the farthest pair of colors in the display's gamut.
+/// Distance between green and blue, the most different colors in the display's gamut.
 pub(super) fn largest_difference() -> f32 {
     let [green, blue] = [Vec3::Y, Vec3::Z].map(|rgb| hunt_adjusted(lab_from_linear(rgb)));
     hyab(green, blue)

@@ -4,7 +4,7 @@ use glam::Vec4;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// One weight per channel for each tap; the length is odd and the middle tap is the pixel itself.
+/// One weight per channel for each tap; the length is odd and the middle tap is the center pixel.
 pub(super) type Kernel = Vec<Vec4>;
 
 /// Gaussians `a sqrt(π/b) exp(-π² x²/b)` of the contrast sensitivity functions, x in degrees (Table 1): the
@@ -101,7 +101,7 @@ pub(super) fn separable(pixels: &[Vec4], width: usize, across: &Kernel, down: &K
     filtered
 }
 
-/// The index that a tap of the kernel centerd at `center` reads, clamped to `0..count`.
+/// The index that a tap of a kernel centered at `center` reads, clamped to `0..count`.
 fn reached(center: usize, tap: usize, kernel: &Kernel, count: usize) -> usize {
     (center + tap).saturating_sub(kernel.len() / 2).min(count - 1)
 }

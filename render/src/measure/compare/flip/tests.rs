@@ -1,7 +1,7 @@
 //! Checks against the authors' own program.
 //!
-//! The expected means were printed by `nv_flip::flip` (nv-flip 0.1.2, which compiles the authors' C++) for
-//! the same 8-bit pictures, made here by formula.
+//! The expected means were printed by `nv_flip::flip` (nv-flip 0.1.2, which compiles the authors' C++) for the same 8-bit pictures,
+//! generated here.
 
 use super::*;
 

@@ -1,5 +1,5 @@
-//! Colors of errors with a sign: blue below zero, orange above, black for no error. Blue and orange differ for every
-//! common color blindness, and as with magma correct pixels are dark.
+//! Colors of signed errors: blue below zero, orange above, black at zero. Blue and orange differ under every common color
+//! blindness, and correct pixels are dark, as with magma.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! The strip under an error map: what is shown, the color bar, its ticks.
+//! The strip under an error map: title, color bar and ticks.
 
 use super::{ErrorMap, NOT_FINITE, linear};
 use crate::measure::lettering::Lettering;
@@ -8,19 +8,19 @@ use std::ops::Range;
 
 /// Contents of the strip.
 pub(super) struct Legend {
-    /// Which error.
+    /// Kind of error.
     pub kind: ErrorMap,
     /// The error at the right end of the bar.
     pub top: f32,
-    /// Whether some pixels lie above `top`; its label then ends in `+`.
+    /// Whether some pixels exceed `top`; its label then ends in `+`.
     pub saturated: bool,
-    /// Number of pixels drawn in the color of numbers that are not finite.
+    /// Number of pixels with non-finite values.
     pub non_finite: usize,
 }
 
-/// Smallest width of the result in pixels, so that the labels fit under any picture.
+/// Smallest width of the result in pixels; the labels then fit under any picture.
 const MIN_WIDTH: usize = 240;
-/// The strip is twice as large from twice this width of the picture on, and so on, to stay readable when shown small.
+/// The strip doubles in size at twice this picture width, and so on, to stay readable when shown small.
 const WIDTH_PER_SCALE: usize = 640;
 
 // The layout from top to bottom, in units of the scale.
@@ -143,7 +143,7 @@ impl Legend {
     }
 }
 
-/// The number with at most three significant digits, and an exponent where it is very small or large.
+/// The number with at most three significant digits, and with an exponent if very small or large.
 pub(super) fn short_number(value: f32) -> String {
     if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
         return without_trailing_zeros(&format!("{value:.5}")).to_owned();

@@ -1,5 +1,5 @@
-//! The color map magma, as in matplotlib (CC0): perceptually even, readable by the color blind, black where
-//! there is no error. It is the map of the FLIP authors, so that pictures can be compared with theirs.
+//! The color map magma, as in matplotlib (CC0): perceptually uniform, readable with color blindness, black for no error. The FLIP
+//! authors use it too, so pictures can be compared with theirs.
 
 use glam::Vec3;
 

@@ -1,5 +1,5 @@
-//! From the start of the window to its first picture, on a display in memory. Xvfb keeps the screen in a file that is read
-//! here, so the window is not asked.
+//! Time from the start of the window to its first picture, on a virtual display. Xvfb keeps the screen in a file, which is read
+//! here without involving the window.
 
 use super::{
     program::{Guarded, Patience, Program, RunError, Running},
@@ -15,28 +15,28 @@ use std::{
 };
 use tempfile::TempDir;
 
-/// The server.
+/// The display server.
 const XVFB: &str = "Xvfb";
 
-/// The screen, as large as the window at its first start.
+/// The screen, as large as the window at first start.
 const SCREEN: &str = "1440x900x24";
 
-/// Where the server keeps the screen, in the folder that it is given.
+/// The server's screen file in its folder.
 const SCREEN_FILE: &str = "Xvfb_screen0";
 
-/// How often the screen is looked at.
+/// Interval between looks at the screen.
 const POLL: Duration = Duration::from_millis(20);
 
-/// Most that the server may take to start.
+/// Time limit for the server's start.
 const SERVER_LIMIT: Duration = Duration::from_secs(10);
 
-/// Side of the square in the middle of the window that is looked at, in pixels.
+/// Side in pixels of the examined square in the middle of the window.
 const SIDE: usize = 300;
 
-/// A picture has more colors than this. Panels are flat, and words have some dozens at their edges.
+/// Most colors without a picture. Panels are flat, and text has some dozens at its edges.
 const MOST_COLORS_WITHOUT: usize = 512;
 
-/// A display in memory.
+/// A virtual display.
 pub struct Display {
     _server: Guarded,
     folder: TempDir,
@@ -44,10 +44,10 @@ pub struct Display {
 }
 
 impl Display {
-    /// Starts the server; `None` where it is not installed.
+    /// Starts the server; `None` if it is not installed.
     ///
     /// # Errors
-    /// A server that does not start.
+    /// The server does not start.
     pub fn start() -> io::Result<Option<Self>> {
         let folder = tempfile::tempdir()?;
         let said = folder.path().join("display");
@@ -62,10 +62,10 @@ impl Display {
         Ok(Some(Self { _server: server, folder, number }))
     }
 
-    /// Time from the start of a program's window on a dataset to its picture; then the program ends. A display serves once.
+    /// Time from the start of a program's window on a dataset to its picture; then the program ends. Use a display once.
     ///
     /// # Errors
-    /// A window that ends, or shows nothing in time.
+    /// The window closes, or shows nothing in time.
     pub fn first_picture(self, program: &Program, dataset: &Path, patience: Patience) -> Result<Duration, RunError> {
         let home = tempfile::tempdir().map_err(RunError::Start)?;
         let words = ["edit".as_ref(), dataset.as_os_str(), "--backend".as_ref(), "cpu".as_ref()];
@@ -84,7 +84,7 @@ impl Display {
     }
 }
 
-/// The number that a server says once it has started.
+/// The display number that the server prints after its start.
 fn number_of(server: &mut Guarded, said: &Path) -> io::Result<String> {
     let start = Instant::now();
     while start.elapsed() < SERVER_LIMIT && server.ended()?.is_none() {

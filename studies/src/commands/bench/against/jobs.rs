@@ -1,14 +1,14 @@
-//! What is measured: the scenes and their bakes, and a table of jobs whose figures are rows of the report.
+//! Scenes, bakes, and the table of jobs whose figures are rows of the report.
 
 use serde_json::Value;
 
 /// A bundled scene.
 pub struct Scene {
-    /// Name in rows.
+    /// Name in the report.
     pub name: &'static str,
-    /// Name of its folder and file; the figures of `bench --suite` of older programs begin with it.
+    /// Name of folder and file; `bench --suite` of older programs prefixes its figures with it.
     pub file: &'static str,
-    /// What is baked of it, as `bake --mode` has it.
+    /// Baked parts, as for `bake --mode`.
     pub mode: &'static str,
 }
 
@@ -23,42 +23,42 @@ pub const SCENES: [Scene; 3] = [
     Scene { name: "color box", file: "color-box", mode: "all" },
 ];
 
-/// What a program does in a run.
+/// Work of a program in one run.
 pub enum Work {
     /// Bakes the scene; the whole process is timed.
     Bake,
-    /// Measures frames, drags or edits of the dataset on the CPU: `bench` with these groups of options. `{maps}` stands for
-    /// the folder of environments.
+    /// Measures frames, drags or edits of the dataset on the CPU: `bench` with these groups of options. `{maps}` is replaced by the
+    /// folder of environments.
     Bench(&'static [&'static [&'static str]]),
-    /// The same on a graphics adapter.
+    /// The same measurement on a graphics adapter.
     Adapter(&'static [&'static [&'static str]]),
-    /// Opens the window on the dataset; the time to its first picture is taken.
+    /// Opens the window on the dataset and times its first picture.
     Window,
 }
 
-/// Runs of both programs in turn.
+/// Alternating runs of both programs.
 pub struct Job {
     /// Index in [`SCENES`].
     pub scene: usize,
-    /// What is run.
+    /// Work of each run.
     pub work: Work,
-    /// An option of `bench` without which a program cannot do it.
+    /// `bench` option that a program must have for this job.
     pub needs: Option<&'static str>,
     /// Rounds of runs.
     pub rounds: usize,
-    /// Whether each program also runs on the dataset of the other one.
+    /// Whether each program also runs on the other's dataset.
     pub is_crossed: bool,
-    /// What its rows tell.
+    /// Figures in its rows.
     pub figures: &'static [Figure],
 }
 
-/// A row.
+/// One row of the report.
 pub struct Figure {
-    /// What is measured, after the scene.
+    /// Measured quantity, after the scene.
     pub name: &'static str,
-    /// Where the JSON of a run has it, in milliseconds: keys and indices, or `last`. Several are added.
+    /// Places in a run's JSON, in milliseconds: keys and indices, or `last`. Several are added up.
     places: &'static [&'static str],
-    /// Its name in `bench --suite` of programs that have no `--edits`.
+    /// Name in `bench --suite` of programs without `--edits`.
     in_suite: Option<&'static str>,
 }
 
@@ -68,14 +68,14 @@ impl Job {
         format!("{}: {}", SCENES[self.scene].name, figure.name)
     }
 
-    /// Its figures in what `bench --suite` prints.
+    /// Figures from the output of `bench --suite`.
     pub fn in_suite(&self, suite: &Value) -> Vec<Option<f64>> {
         self.figures.iter().map(|figure| figure.of_suite(SCENES[self.scene].file, suite)).collect()
     }
 }
 
 impl Figure {
-    /// Milliseconds in what a run prints.
+    /// Milliseconds from the output of a run.
     pub fn of(&self, printed: &Value) -> Option<f64> {
         self.places.iter().map(|place| at(printed, place)?.as_f64()).sum()
     }
@@ -109,7 +109,7 @@ const LIGHT_MOVED: &[&str] = &["light_moved_milliseconds"];
 const COARSEST: &[&str] = &["details/0/light_milliseconds", "details/0/sketch_milliseconds"];
 const FINEST: &[&str] = &["details/last/light_milliseconds", "details/last/sketch_milliseconds"];
 
-/// Options of all runs of `bench`.
+/// Common options of all `bench` runs.
 pub const COMMON: [&str; 2] = ["--frames", "3"];
 
 const SMALL: &[&str] = &["--size", "320x240"];
@@ -142,7 +142,7 @@ const fn edits(scene: usize, options: &'static [&'static [&'static str]], figure
     Job { rounds: 2, needs: Some(EDITS), ..job(scene, Work::Bench(options), figures) }
 }
 
-/// The option of what `bench --suite` of older programs measures as well.
+/// The option whose figures `bench --suite` of older programs includes.
 pub const EDITS: &str = "--edits";
 
 const EDIT: Figure = in_suite("edit, first sketch", &["edit/sketch_milliseconds"], "drag, first sketch");
@@ -152,8 +152,7 @@ const ORBITED: Figure = in_suite("orbit, finished", &["orbit/finished_millisecon
 const TURN: Figure = in_suite("turn, light", &["turned/light_milliseconds"], "rotation, light");
 const TURNED: Figure = in_suite("turn, finished", &["turned/finished_milliseconds"], "rotation, finished");
 
-/// All jobs. Bakes come first, since the others use their datasets. Edits are without suns, as the suite of older programs has
-/// them.
+/// All jobs. Bakes come first, because the others use their datasets. Edits are without suns, as in the suite of older programs.
 #[rustfmt::skip]
 pub const JOBS: &[Job] = &[
     job(STILL_LIFE, Work::Bake, &[figure("bake", &[])]),
@@ -186,7 +185,7 @@ mod tests {
         let details =
             json!({"details": [{"light_milliseconds": 1.0, "sketch_milliseconds": 2.5}, {"light_milliseconds": 7.0}]});
         assert_eq!(figure("a", COARSEST).of(&details), Some(3.5));
-        assert_eq!(figure("a", FINEST).of(&details), None, "the last one tells no sketch");
+        assert_eq!(figure("a", FINEST).of(&details), None, "the last one has no sketch");
         assert_eq!(figure("a", TOTAL).of(&json!({"runs": []})), None);
         let suite = json!({"figures": [{"name": "color-box: drag, finished", "milliseconds": 8.0}]});
         let of_suite = |scene: usize| edits(scene, &[], &[EDITED, ORBITED]).in_suite(&suite);

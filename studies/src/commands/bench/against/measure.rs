@@ -1,4 +1,4 @@
-//! Runs both programs in turn, job by job.
+//! Alternating runs of both programs, job by job.
 
 use super::{
     first_picture::Display,
@@ -22,10 +22,10 @@ use tempfile::TempDir;
 /// Option of older programs that measures edits of all scenes at once.
 const SUITE: &str = "--suite";
 
-/// Option without which a program knows no suns.
+/// Option that programs with suns have.
 const SUN: &str = "--sun";
 
-/// Most that a run may take: several times what it takes on two cores.
+/// Time limits of runs: several times the duration on two cores.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// A bake.
@@ -37,12 +37,12 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Those of a comparison.
+    /// Limits of a comparison.
     pub const USUAL: Self =
         Self { bake: Duration::from_secs(240), run: Duration::from_secs(120), suite: Duration::from_secs(420) };
 }
 
-/// Both programs, and where they work.
+/// Both programs and their working folder.
 pub struct Contest<'a> {
     this: &'a Program,
     other: &'a Program,
@@ -53,10 +53,10 @@ pub struct Contest<'a> {
 }
 
 impl<'a> Contest<'a> {
-    /// `steps` may stop it all.
+    /// Prepares a comparison; `steps` can interrupt it.
     ///
     /// # Errors
-    /// A folder for temporary files that cannot be written to.
+    /// The temporary folder is not writable.
     pub fn new(
         [this, other]: [&'a Program; 2],
         data: &'a DataFolder,
@@ -101,7 +101,7 @@ impl<'a> Contest<'a> {
         Ok(rows(job, &all))
     }
 
-    /// This program before and after the suite of the other one, so that a drift of the machine is in the spread.
+    /// Runs this program before and after the other's suite, so that the spread includes machine drift.
     fn rows_beside_suite(&self, jobs: &[&Job]) -> Result<Vec<Row>> {
         let mut own: Vec<Runs> = jobs.iter().map(|_| Runs::new(Side::This, Side::This)).collect();
         self.add_edits(jobs, &mut own)?;
@@ -133,7 +133,7 @@ impl<'a> Contest<'a> {
         self.steps.begin(&format!("{}: {}", SCENES[job.scene].name, names.join("; ")));
     }
 
-    /// Each program on its own dataset, and on that of the other one if it can read it: formats of distant versions differ.
+    /// Each program on its own dataset, and on the other's if it can read it: distant versions have different formats.
     fn combinations(&self, job: &Job) -> Result<Vec<Runs>> {
         let mut all = vec![Runs::new(Side::This, Side::This), Runs::new(Side::Other, Side::Other)];
         if job.is_crossed {
@@ -148,7 +148,7 @@ impl<'a> Contest<'a> {
         Ok(all)
     }
 
-    /// Figures of one run; the inner error is for a remark.
+    /// Figures of one run; the inner error becomes a remark.
     fn figures(&self, job: &Job, side: Side, dataset: Side) -> Result<Result<Figures, String>> {
         let path = self.dataset(job, dataset);
         if let Some(option) = job.needs.filter(|option| !self.program(side).has(option)) {
@@ -191,7 +191,7 @@ impl<'a> Contest<'a> {
         options: &[&[&str]],
     ) -> Result<Result<Figures, String>> {
         let maps = self.data.environment_folder().display().to_string();
-        // A program that knows no suns has none to switch off.
+        // A program without suns has none to switch off.
         let is_known = |group: &&&[&str]| group[0] != SUN || self.program(side).has(SUN);
         let options = options.iter().filter(is_known).copied().flatten().map(|word| word.replace("{maps}", &maps));
         let mut words: Vec<OsString> = vec!["bench".into(), dataset.into()];
@@ -201,13 +201,13 @@ impl<'a> Contest<'a> {
         Ok(printed.map(|printed| job.figures.iter().map(|figure| figure.of(&printed)).collect()))
     }
 
-    /// What a run prints.
+    /// JSON output of a run.
     fn json(&self, side: Side, words: &[impl AsRef<OsStr>], limit: Duration) -> Result<Result<Value, String>> {
         let finished = self.run(side, words, limit)?;
         Ok(finished.and_then(|run| serde_json::from_str(&run.text).map_err(|error| format!("prints no JSON: {error}"))))
     }
 
-    /// Runs a program; the inner error is for a remark.
+    /// Runs a program; the inner error becomes a remark.
     fn run(&self, side: Side, words: &[impl AsRef<OsStr>], limit: Duration) -> Result<Result<Finished, String>> {
         let patience = Patience { limit, stops: &|| self.steps.reporter.cancelled() };
         let finished = self.program(side).run(words, patience);
@@ -222,13 +222,13 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// Where a program bakes the scene of a job.
+    /// Path of a program's bake of a job's scene.
     fn dataset(&self, job: &Job, baked_by: Side) -> PathBuf {
         self.folder.path().join(format!("{}-{}.cuts", SCENES[job.scene].file, baked_by as usize))
     }
 }
 
-/// What a job needs and this machine does not have, which is no fault of either program.
+/// A requirement of the job that this machine lacks; neither program is at fault.
 fn missing_here(work: &Work) -> Option<String> {
     match work {
         Work::Adapter(_) => match BackendOption::Gpu.gpu() {

@@ -1,4 +1,4 @@
-//! A program that is measured: which options it has, and runs of it as a child with a time limit.
+//! A measured program: its options, and runs as a child process with a time limit.
 
 use anyhow::{Context, Result, anyhow, bail};
 use std::{
@@ -14,22 +14,22 @@ use std::{
 use tempfile::TempDir;
 use thiserror::Error;
 
-/// How often a child is looked at; a bake takes a thousand times as long.
+/// Polling interval of a child; a bake takes a thousand times as long.
 const POLL: Duration = Duration::from_millis(5);
 
-/// Most that a program may take to say what it can do.
+/// Time limit for a program to list its options.
 const ANSWER_LIMIT: Duration = Duration::from_secs(10);
 
-/// Characters of a program's last words that a remark has.
+/// Most characters of a program's last output in a remark.
 const MOST_LAST_WORDS: usize = 120;
 
-/// Variables that name a display; a child has none, or one of ours.
+/// Variables that name a display; a child has none, or our virtual one.
 const DISPLAYS: [&str; 3] = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"];
 
 /// Why a run of a program has no figures.
 #[derive(Debug, Error)]
 pub enum RunError {
-    /// The system does not start it.
+    /// The system cannot start it.
     #[error("cannot be started: {0}")]
     Start(io::Error),
     /// It ended with an error.
@@ -40,51 +40,51 @@ pub enum RunError {
         /// Last line on standard error.
         last_words: String,
     },
-    /// It was ended at the time limit.
+    /// It reached the time limit.
     #[error("was stopped after {} s", .0.as_secs_f64())]
     Hung(Duration),
-    /// There is no Xvfb.
+    /// Xvfb is missing.
     #[error("has no display")]
     NoDisplay,
-    /// It was ended because all stops.
+    /// It was stopped by an interruption.
     #[error("was stopped by Ctrl-C")]
     Interrupted,
 }
 
-/// What a run said, and how long it took.
+/// Output and duration of a run.
 #[derive(Debug)]
 pub struct Finished {
     /// Standard output.
     pub text: String,
-    /// From its start to its end.
+    /// Duration.
     pub time: Duration,
 }
 
-/// When a run is ended.
+/// When to stop a run.
 #[derive(Clone, Copy)]
 pub struct Patience<'a> {
-    /// After this time.
+    /// Time limit.
     pub limit: Duration,
-    /// Once this is true.
+    /// Stops the run when true.
     pub stops: &'a dyn Fn() -> bool,
 }
 
-/// A child that ends with its owner.
+/// A child process that ends with its owner.
 pub struct Guarded(Child);
 
 impl Guarded {
     /// Starts it.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn start(command: &mut Command) -> io::Result<Self> {
         command.stdin(Stdio::null()).spawn().map(Self)
     }
 
-    /// How it ended, if it did.
+    /// Exit status, if it has ended.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn ended(&mut self) -> io::Result<Option<ExitStatus>> {
         self.0.try_wait()
     }
@@ -92,13 +92,13 @@ impl Guarded {
 
 impl Drop for Guarded {
     fn drop(&mut self) {
-        // Both fail only where it has ended already.
+        // Both fail only if it has ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// A child whose words go to files, which take all of them; a pipe would have to be emptied meanwhile.
+/// A child whose output goes to files, which never fill up; a pipe would have to be drained meanwhile.
 pub struct Running {
     child: Guarded,
     out: File,
@@ -110,7 +110,7 @@ impl Running {
     /// Starts it.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn start(mut command: Command) -> Result<Self, RunError> {
         let mut open = || {
             let [out, err] = [tempfile::tempfile()?, tempfile::tempfile()?];
@@ -121,7 +121,7 @@ impl Running {
         open().map_err(RunError::Start)
     }
 
-    /// Time from its start to its end.
+    /// Time from start to end.
     ///
     /// # Errors
     /// See [`RunError`].
@@ -137,10 +137,10 @@ impl Running {
         }
     }
 
-    /// Time from its start until something `is_reached`, which is asked every `poll`.
+    /// Time from start until `is_reached`, checked every `poll`.
     ///
     /// # Errors
-    /// See [`RunError`]; one that ends before has failed.
+    /// See [`RunError`]; ending earlier counts as failure.
     pub fn until(
         &mut self,
         poll: Duration,
@@ -177,21 +177,21 @@ impl Running {
 /// A program with its options.
 #[derive(Debug)]
 pub struct Program {
-    /// Absolute, so that a name without a folder is not searched for elsewhere.
+    /// Absolute, so that a bare name is not searched for elsewhere.
     pub path: PathBuf,
-    /// What it calls itself.
+    /// Version text.
     pub version: String,
-    /// All words of `bench --help` that are options.
+    /// Options in `bench --help`.
     options: BTreeSet<String>,
-    /// An empty folder in place of the user's.
+    /// An empty home folder.
     home: TempDir,
 }
 
 impl Program {
-    /// Asks a program what it is, so that a wrong file is told before anything is measured.
+    /// Queries a program, so that a wrong file is reported before any measurement.
     ///
     /// # Errors
-    /// A file that cannot be started, or that has no `bench` as this program has it.
+    /// A file that cannot be started, or that lacks this program's `bench`.
     pub fn open(path: &Path) -> Result<Self> {
         let path = std::path::absolute(path)?;
         let home =
@@ -216,7 +216,7 @@ impl Program {
         self.options.contains(option)
     }
 
-    /// A command that reads no files of the user and has no display.
+    /// A command without the user's files and without a display.
     pub fn command(&self, words: &[impl AsRef<OsStr>]) -> Command {
         let mut command = Command::new(&self.path);
         command.args(words).env("LAPIDARY_HOME", self.home.path());
@@ -226,7 +226,7 @@ impl Program {
         command
     }
 
-    /// Runs it to its end.
+    /// Runs it to completion.
     ///
     /// # Errors
     /// See [`RunError`].
@@ -237,7 +237,7 @@ impl Program {
     }
 }
 
-/// All that was written to a file; what cannot be read counts as nothing said.
+/// Text of an output file; empty if unreadable.
 fn text_of(file: &mut File) -> String {
     let mut bytes = Vec::new();
     let _ = file.rewind().and_then(|()| file.read_to_end(&mut bytes));
@@ -249,7 +249,7 @@ fn last_words(text: &str) -> String {
     line.strip_prefix("error: ").unwrap_or(line).chars().take(MOST_LAST_WORDS).collect()
 }
 
-/// All words of a text that are long options.
+/// All long options in a text.
 fn options_in(help: &str) -> BTreeSet<String> {
     let words = help.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'));
     words.filter(|word| word.len() > 2 && word.starts_with("--")).map(str::to_owned).collect()

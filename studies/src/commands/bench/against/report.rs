@@ -1,20 +1,20 @@
-//! Times of both programs, row by row, as JSON and as a table.
+//! Times of both programs by row, as JSON and as a table.
 
 use super::program::Program;
 use crate::terminal::Outcome;
 use serde::Serialize;
 use std::{path::PathBuf, time::Duration};
 
-/// Times of both programs, a pair a round.
+/// Times of both programs, one pair per round.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Times {
     /// Milliseconds of this program.
     pub this: Vec<f64>,
     /// Milliseconds of the other one.
     pub other: Vec<f64>,
-    /// Median of the ratios of all pairs, this over the other.
+    /// Median ratio over all pairs, this program over the other.
     ratio: Option<f64>,
-    /// Least and largest ratio of a pair, of two pairs or more.
+    /// Smallest and largest ratio, from at least two pairs.
     spread: Option<[f64; 2]>,
     /// Median milliseconds of this program.
     this_median: Option<f64>,
@@ -38,7 +38,7 @@ impl Times {
     }
 }
 
-/// Of an even number the mean of the two in the middle.
+/// Median; of an even number the mean of the middle two.
 fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -50,36 +50,36 @@ fn median(values: &[f64]) -> Option<f64> {
     }
 }
 
-/// A row.
+/// One row of the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Scene, and what was measured.
+    /// Scene and measured quantity.
     pub name: String,
-    /// Each program on the dataset that it baked.
+    /// Each program on its own dataset.
     pub own: Times,
-    /// Both on the dataset of this program, where both ran on it.
+    /// Both on this program's dataset, if both ran on it.
     pub on_this: Times,
-    /// Both on the dataset of the other one.
+    /// Both on the other program's dataset.
     pub on_other: Times,
-    /// What is missing, in a few words.
+    /// Reason for missing figures.
     pub remark: Option<String>,
-    /// Whether that makes the comparison fail; what this machine lacks does not.
+    /// Whether this fails the comparison; a missing device or display does not.
     pub failed: bool,
 }
 
 impl Row {
-    /// Of times on the programs' own datasets.
+    /// Creates a row from times on the programs' own datasets.
     pub fn new(name: String, own: Times) -> Self {
         Self { name, own, on_this: Times::default(), on_other: Times::default(), remark: None, failed: false }
     }
 
-    /// With what went wrong, if anything did.
+    /// Adds a failure, if any.
     #[must_use]
     pub fn failing(self, trouble: Option<String>) -> Self {
         Self { failed: trouble.is_some(), remark: trouble, ..self }
     }
 
-    /// One that this machine cannot measure.
+    /// A row that this machine cannot measure.
     pub fn left_out(name: String, reason: &str) -> Self {
         Self { remark: Some(format!("left out: {reason}")), ..Self::new(name, Times::default()) }
     }
@@ -89,7 +89,7 @@ impl Row {
     }
 }
 
-/// Which program it is.
+/// Path and version of a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct Named {
     path: PathBuf,
@@ -102,24 +102,24 @@ impl From<&Program> for Named {
     }
 }
 
-/// All of it.
+/// The whole report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     this: Named,
     other: Named,
     /// Threads of this machine.
     threads: usize,
-    /// All of the comparison.
+    /// Duration of the comparison.
     seconds: f64,
-    /// The ratio above which rows are named.
+    /// Ratio above which rows are listed.
     fail_above: Option<f32>,
-    /// Rows whose ratio is above that.
+    /// Rows with a larger ratio.
     above: Vec<String>,
     rows: Vec<Row>,
 }
 
 impl Report {
-    /// Of all rows of `this` and `other`.
+    /// Creates the report from all rows of `this` and `other`.
     pub fn new([this, other]: [&Program; 2], rows: Vec<Row>, time: Duration, fail_above: Option<f32>) -> Self {
         Self::of_rows([this.into(), other.into()], rows, time, fail_above)
     }
@@ -137,7 +137,7 @@ impl Report {
         }
     }
 
-    /// A row that failed counts before one that is slow.
+    /// Failed rows take precedence over slow ones.
     pub fn outcome(&self) -> Outcome {
         match () {
             () if self.rows.iter().any(|row| row.failed) => Outcome::Failed,
@@ -146,7 +146,7 @@ impl Report {
         }
     }
 
-    /// For people.
+    /// The report as text.
     pub fn table(&self) -> String {
         let named = |Named { path, version }: &Named| format!("{} ({version})", path.display());
         let mut text = format!(
@@ -209,7 +209,7 @@ mod tests {
         let times = Times::new(vec![10.0, 40.0, 30.0], vec![10.0, 20.0, 10.0]);
         assert_eq!((times.ratio, times.spread), (Some(2.0), Some([1.0, 3.0])));
         assert_eq!((times.this_median, times.other_median), (Some(30.0), Some(10.0)));
-        assert_ne!(times.ratio, Some(3.0), "negative control, that of the medians");
+        assert_ne!(times.ratio, Some(3.0), "negative control: not the ratio of the medians");
         let even = Times::new(vec![10.0, 40.0], vec![10.0, 20.0]);
         assert_eq!((even.ratio, even.this_median), (Some(1.5), Some(25.0)));
         let one = Times::new(vec![10.0], vec![20.0]);

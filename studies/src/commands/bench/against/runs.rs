@@ -1,21 +1,21 @@
-//! Runs of both programs, and the rows that they make.
+//! Runs of both programs and the rows built from them.
 
 use super::{
     jobs::{Figure, Job},
     report::{Row, Times},
 };
 
-/// One of both programs.
+/// One of the two programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// That which compares.
+    /// The running program.
     This,
-    /// That which is named.
+    /// The program it is compared with.
     Other,
 }
 
 impl Side {
-    /// Its name in remarks.
+    /// Name in remarks.
     pub fn name(self) -> &'static str {
         match self {
             Self::This => "this program",
@@ -23,7 +23,7 @@ impl Side {
         }
     }
 
-    /// Both, each first in every second round, so that a drift of the machine favors neither.
+    /// Both sides; each is first in every second round, so drift of the machine favors neither.
     pub fn in_turn(round: usize) -> [Self; 2] {
         match round % 2 {
             0 => [Self::Other, Self::This],
@@ -32,28 +32,28 @@ impl Side {
     }
 }
 
-/// Figures of a run in milliseconds, those of the job in their order. Some programs do not tell all of them.
+/// Figures of a run in milliseconds, in the job's order. Some programs do not report all of them.
 pub type Figures = Vec<Option<f64>>;
 
 /// Runs of a program on a dataset.
 pub struct Runs {
-    /// Which one.
+    /// The program.
     pub program: Side,
-    /// Who baked it.
+    /// The program that baked the dataset.
     pub dataset: Side,
-    /// Of each round.
+    /// Figures of each round.
     pub figures: Vec<Figures>,
-    /// Why there are no more of them.
+    /// Reason for missing runs.
     pub trouble: Option<String>,
 }
 
 impl Runs {
-    /// None yet.
+    /// Starts without runs.
     pub fn new(program: Side, dataset: Side) -> Self {
         Self { program, dataset, figures: Vec::new(), trouble: None }
     }
 
-    /// With another run, or with why there is none.
+    /// Adds a run, or the reason why it failed.
     pub fn add(&mut self, run: Result<Figures, String>) {
         match run {
             Ok(figures) => self.figures.push(figures),
@@ -72,14 +72,14 @@ impl Runs {
         self.figures.iter().filter_map(|figures| figures[figure]).collect()
     }
 
-    /// What is wrong with a figure.
+    /// Reason why a figure is incomplete.
     fn trouble_of(&self, figure: usize) -> Option<String> {
         let is_untold = self.times(figure).len() < self.figures.len();
-        self.trouble.clone().or(is_untold.then(|| format!("{} does not tell it", self.program.name())))
+        self.trouble.clone().or(is_untold.then(|| format!("{} does not report it", self.program.name())))
     }
 }
 
-/// The rows of a job, from all its runs.
+/// Rows of a job from all its runs.
 pub fn rows(job: &Job, all: &[Runs]) -> Vec<Row> {
     let row = |(number, figure): (usize, &Figure)| {
         let times = |program: Side, dataset: Side| {

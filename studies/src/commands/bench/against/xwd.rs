@@ -1,15 +1,15 @@
-//! Pictures of X servers: a header of big-endian words, a name, a map of colors, and the pixels row by row.
-//! The layout is that of `X11/XWDFile.h`, version 7.
+//! Window dumps of X servers: a header of big-endian words, a name, a color map, and the pixels row by row. The layout is
+//! `X11/XWDFile.h`, version 7.
 
 use std::{collections::BTreeSet, ops::Range};
 
 /// Version of the layout.
 const VERSION: usize = 7;
 
-/// Bytes of a color in the map.
+/// Bytes of a color in the color map.
 const BYTES_OF_COLOR: usize = 12;
 
-/// Words of the header that are read, by their place.
+/// Positions of the header words that are read.
 mod word {
     pub const HEADER_SIZE: usize = 0;
     pub const FILE_VERSION: usize = 1;
@@ -20,7 +20,7 @@ mod word {
     pub const COLORS: usize = 19;
 }
 
-/// A picture of 32 bits a pixel.
+/// A picture with 32 bits per pixel.
 pub struct Xwd<'a> {
     width: usize,
     height: usize,
@@ -29,7 +29,7 @@ pub struct Xwd<'a> {
 }
 
 impl<'a> Xwd<'a> {
-    /// `None` for bytes that are no such picture, or not the whole of one.
+    /// `None` if the bytes are not a complete picture.
     pub fn read(bytes: &'a [u8]) -> Option<Self> {
         let word = |place: usize| {
             let bytes = bytes.get(4 * place..4 * place + 4)?;
@@ -44,7 +44,7 @@ impl<'a> Xwd<'a> {
         Some(Self { width, height, bytes_per_line, pixels })
     }
 
-    /// How many colors the square of `side` pixels in the middle has.
+    /// Number of colors in the square of `side` pixels in the middle.
     pub fn colors_in_middle(&self, side: usize) -> usize {
         let (columns, rows) = (middle(self.width, side), middle(self.height, side));
         let row = |y: usize| &self.pixels[y * self.bytes_per_line..][4 * columns.start..4 * columns.end];
@@ -62,7 +62,7 @@ fn middle(size: usize, side: usize) -> Range<usize> {
 mod tests {
     use super::*;
 
-    /// A picture whose pixels have a color each where `is_colorful`, with two colors in its map.
+    /// A picture with distinct pixel colors where `is_colorful`, and two colors in its map.
     fn picture([width, height]: [u32; 2], is_colorful: impl Fn(u32, u32) -> bool) -> Vec<u8> {
         let (header, line) = (104, 4 * width + 8);
         let mut words = [0_u32; 25];
@@ -87,7 +87,7 @@ mod tests {
         let inside = |x: u32, y: u32| (3..7).contains(&x) && (2..6).contains(&y);
         let bytes = picture([10, 8], inside);
         assert_eq!(Xwd::read(&bytes).unwrap().colors_in_middle(4), 16);
-        assert_eq!(Xwd::read(&bytes).unwrap().colors_in_middle(100), 17, "and that around");
+        assert_eq!(Xwd::read(&bytes).unwrap().colors_in_middle(100), 17, "and the surrounding color");
         let bytes = picture([10, 8], |x, y| !inside(x, y));
         assert_eq!(Xwd::read(&bytes).unwrap().colors_in_middle(4), 1, "negative control");
     }

@@ -1,4 +1,4 @@
-//! Shell scripts stand for both programs: they bake empty files and print figures that are known.
+//! Shell scripts replace both programs: they bake empty files and print known figures.
 #![cfg(unix)]
 
 use super::{super::jobs::JOBS, *};
@@ -8,19 +8,19 @@ use crate::{
 };
 use std::process::Command;
 
-/// Bakes, and the frames of the still life.
+/// Number of jobs for bakes and frames of the still life.
 const FEW: usize = 4;
 
 const BROKEN: &str = "bench*) echo 'some words'; echo 'error: no light' >&2; exit 4;;";
 
-/// Writes a script by another process: while this one had it open to write, no other thread could start it.
+/// Writes a script from another process: no thread can execute it while this process has it open for writing.
 fn script(path: &Path, text: &str) {
     let write = "printf '%s' \"$1\" > \"$0\" && chmod +x \"$0\"";
     let written = Command::new("sh").arg("-c").arg(write).arg(path).arg(text).status();
     assert!(written.is_ok_and(|status| status.success()));
 }
 
-/// A program whose frames take `total` milliseconds, with options of `bench` and cases that come before the usual ones.
+/// A program with frames of `total` milliseconds, these `bench` options, and shell cases before the usual ones.
 fn program(options: &str, total: u32, cases: &str) -> (TempDir, Program) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lapidary");
@@ -50,14 +50,14 @@ esac
 
 const ALL_OPTIONS: &str = "--json --sun --drag --edits";
 
-/// Measures some jobs with a time limit of a run.
+/// Measures some jobs with a time limit per run.
 fn measured(this: &Program, other: &Program, jobs: &[Job], limit: Duration) -> Vec<Row> {
     let (data, steps) = (DataFolder::find(None).unwrap(), Steps::new(Console { quiet: true }));
     let limits = Limits { run: limit, ..Limits::USUAL };
     Contest::new([this, other], &data, limits, &steps).unwrap().measure(jobs).unwrap()
 }
 
-/// Rows of `jobs` beside a program of some options, cases and a time limit.
+/// Rows of `jobs` beside a program with these options, cases and time limit.
 fn beside(options: &str, cases: &str, jobs: &[Job], limit: Duration) -> (Vec<Row>, Outcome) {
     let ((_a, this), (_b, other)) = (program(ALL_OPTIONS, 40, ""), program(options, 20, cases));
     let rows = measured(&this, &other, jobs, limit);
@@ -146,7 +146,7 @@ fn the_suite_of_an_older_program_has_its_edits() {
     let orbit = rows.iter().find(|row| row.name == "color box: orbit, finished").unwrap();
     assert!(orbit.own == Times::new(vec![75.0, 75.0], vec![50.0, 50.0]) && !orbit.failed, "{orbit:?}");
     let edit = rows.iter().find(|row| row.name == "color box: edit, first sketch").unwrap();
-    assert_eq!(edit.remark.as_deref(), Some("the other program does not tell it"), "negative control");
+    assert_eq!(edit.remark.as_deref(), Some("the other program does not report it"), "negative control");
 }
 
 #[test]
