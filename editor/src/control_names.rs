@@ -12,8 +12,8 @@ pub fn control_name(setting: Setting) -> &'static str {
         Setting::TotalError => "Total error",
         Setting::MaxVertices => "Max vertices",
         Setting::MaxBytes => "Byte budget",
-        Setting::Shots => "For",
-        Setting::Mode => "Bake of",
+        Setting::Shots => "Views",
+        Setting::Mode => "Bake type",
         Setting::Sources => "Sources",
         Setting::SourceSigma => "Source sigma",
         Setting::Levels => "Basis levels",
@@ -39,8 +39,8 @@ pub fn remedy_control(remedy: Remedy) -> &'static str {
         Remedy::SmallerCuts => "bake with a larger Sigma and Source sigma, or smaller Max vertices",
         Remedy::FewerFunctions => "bake with fewer Levels",
         Remedy::SmallerPicture => remedy.words(),
-        Remedy::EnvironmentBake => "choose Environment in Bake of, and bake again",
-        Remedy::SourceBake => "choose Bounced light in Bake of, and bake again",
+        Remedy::EnvironmentBake => "choose Environment as Bake type, and bake again",
+        Remedy::SourceBake => "choose Bounced light as Bake type, and bake again",
     }
 }
 

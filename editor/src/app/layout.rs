@@ -207,11 +207,11 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
 /// What to say over the picture: that it is a preview, what is baked, or that it shows other light than that of its bake.
 fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str> {
     if !state.pose.poses_since(&state.work, baked).is_empty() {
-        return Some("Preview: implicit visibility. Shadows of what moved are coarse; bake again for exact ones");
+        return Some("Preview: implicit visibility. Shadows of moved objects are coarse; bake again for exact ones");
     }
     let opacity = || {
         let is_other = state.work.document.lets_through_otherwise(&baked.dataset.scene);
-        is_other.then_some("Opacity was edited; bake again for its shadows")
+        is_other.then_some("Opacity was edited; bake again to update its shadows")
     };
     state.baking.words(state.work.scene.seen()).or_else(opacity)
 }

@@ -22,7 +22,7 @@ use std::{
 };
 
 /// Why a bake does not start while there is one.
-pub const UNDER_WAY: &str = "A bake is under way; cancel it first";
+pub const UNDER_WAY: &str = "A bake is already running; cancel it first";
 
 impl Baking {
     /// Bakes with the document's settings, or goes on with what was interrupted. What the user began stays for the user to resume.
@@ -55,8 +55,7 @@ impl Baking {
         let nothing = || format!("There is no scene file to bake; open a scene ({scenes})");
         let (source, output) = work.scene.source.clone().zip(output).ok_or_else(nothing)?;
         let settings = resolve(work.document.bake.clone());
-        let settings =
-            settings.map_err(|error| format!("The bake settings do not work: {}", error.text(control_name)))?;
+        let settings = settings.map_err(|error| format!("Invalid bake settings: {}", error.text(control_name)))?;
         if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder)
                 .map_err(|error| format!("cannot create the folder for the bake: {error} ({})", folder.display()))?;

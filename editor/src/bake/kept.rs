@@ -41,7 +41,7 @@ impl Baking {
         self.written = None;
         match written {
             Ok(output) => {
-                work.messages.note(format!("The bake was written ({})", output.display()));
+                work.messages.note(format!("Bake written ({})", output.display()));
                 work.document.dataset = Some(output);
             }
             Err(error) => work.messages.error(error),

@@ -139,19 +139,19 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
 fn notice(ui: &mut Ui, status: &BakeStatus) {
     let warn = ui.visuals().warn_fg_color;
     match status {
-        BakeStatus::None => ui.label("Not baked yet. A bake is made once; then materials and light change freely."),
+        BakeStatus::None => ui.label("Not baked yet. After one bake, edit materials and light freely."),
         BakeStatus::UpToDate => ui.label("The bake is up to date."),
         BakeStatus::Stale { reasons } => {
             ui.label(RichText::new("The bake is out of date").color(warn).strong());
             ui.label(listed(reasons))
         }
         BakeStatus::Cancelled { leftover } => ui.label(match leftover {
-            Leftover::Fitting => "The bake was stopped. Resume goes on where it was.",
+            Leftover::Fitting => "The bake was stopped. Resume continues it.",
             Leftover::OfAnother => {
                 "A bake with other settings, or of another version of the scene, was stopped. Choose its settings again \
                  to resume it; another bake discards it."
             }
-            Leftover::Nothing => "The bake was stopped before there was work to keep.",
+            Leftover::Nothing => "The bake was stopped before anything could be kept.",
         }),
         BakeStatus::Failed { message, .. } => {
             copyable(ui, RichText::new(message).color(ui.visuals().error_fg_color))
@@ -167,7 +167,7 @@ fn listed(reasons: &[String]) -> String {
 /// The parts that are out of date in the bake that is shown, after another bake did not finish.
 fn differences(ui: &mut Ui, reasons: &[String]) {
     if !reasons.is_empty() {
-        ui.label("The bake before it is shown, and is out of date:");
+        ui.label("The previous bake is shown, and is out of date:");
         ui.label(listed(reasons));
     }
 }
@@ -186,7 +186,7 @@ fn buttons(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
             }
         };
         if can_resume {
-            button("Resume", "Goes on from the checkpoint.", true);
+            button("Resume", "Continues from the checkpoint.", true);
             button("Start over", "Bakes from the beginning.", false);
         } else {
             button("Bake", "Traces the visibility of the scene.", false);

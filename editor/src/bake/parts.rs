@@ -101,7 +101,7 @@ pub fn described(settings: &BakeSettings) -> Vec<Row> {
         ("Placing", if *even_vertices { "evenly" } else { "where visibility varies" }.into()),
         ("Views", described_shots(shots)),
         ("Tracing", if *exhaustive { "every light and source" } else { "boundaries" }.into()),
-        ("Bake of", mode_name(*mode).to_lowercase()),
+        ("Bake type", mode_name(*mode).to_lowercase()),
     ]);
     rows.extend(bouncing().flat_map(|part| part.described(settings)));
     rows

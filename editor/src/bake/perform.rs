@@ -32,7 +32,7 @@ impl Baking {
 
 fn choose(work: &mut Workspace, mode: BakeParts) {
     work.tabs.show_inspector(Inspector::Bake);
-    work.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..work.document.bake.clone() })), "Bake of");
+    work.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..work.document.bake.clone() })), "Bake type");
 }
 
 fn bake_for_views(work: &mut Workspace, cameras: Vec<Camera>) {

@@ -12,13 +12,13 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
         reasons.push("The scene file changed since the bake".into());
     }
     if document.lets_through_otherwise(&dataset.scene) {
-        reasons.push("Opacity of materials was edited; shadows are of those in the bake".into());
+        reasons.push("Material opacity was edited; shadows show the baked opacity".into());
     }
     if document.poses != dataset.scene.placed_poses() {
-        reasons.push("Objects were moved; shadows and bounces of what moved are a preview".into());
+        reasons.push("Objects were moved; their shadows and bounces are a preview".into());
     }
     if document.clip_time != dataset.scene.clip_time {
-        reasons.push("The animation is at another time than in the bake".into());
+        reasons.push("The animation is at another time than the bake".into());
     }
     let (now, baked) = (described(&document.bake), described(&dataset.settings));
     let differing = now.iter().zip(&baked).filter(|(now, baked)| now != baked);

@@ -16,7 +16,7 @@ pub fn assign(work: &mut Workspace, part: Part, material: usize) {
         return;
     }
     let assigned = work.document.assigning([(part, material)]);
-    work.do_step(Edit::Assigned(assigned), "Material of a surface");
+    work.do_step(Edit::Assigned(assigned), "Assign material");
     show_part(work, part);
 }
 
@@ -36,7 +36,7 @@ pub fn make_unique(work: &mut Workspace, part: Part, material: Option<Material>)
     } else {
         Edit::Material { index, material: in_place_of(&present, material).into() }
     };
-    work.do_step(edit, "Material of its own");
+    work.do_step(edit, "Make unique");
     show_part(work, part);
 }
 

@@ -83,7 +83,7 @@ fn a_bake_that_is_kept_is_written_beside_the_scene_without_baking_again() {
     let mut window = baked_by_itself(&place);
     window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     assert!(window.0.state().baking.progress().is_none());
-    window.wait("the file", |s| s.work.messages.any_contains("The bake was written"));
+    window.wait("the file", |s| s.work.messages.any_contains("Bake written"));
     assert_eq!(Dataset::read(&place.path("scene.cuts"), image::decode).unwrap().tree.len(), few_lights().lights);
     assert_eq!(window.0.state().work.document.dataset, Some(place.path("scene.cuts")));
     // With other settings it is baked.

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<A
         modes.iter().map(|&mode| gives_and_costs(&BakeSettings { mode, ..bake.clone() }, speed)).collect();
     let choices: Vec<_> = modes.iter().zip(&costs).map(|(&mode, text)| (mode, name(mode), text.as_str())).collect();
     let mut chosen = mode;
-    if combo_row(ui, "Bake of", "What is baked; more takes longer.", &mut chosen, &choices).changed {
+    if combo_row(ui, "Bake type", "Light to bake; more takes longer.", &mut chosen, &choices).changed {
         actions.push(Action::Bake(BakeAction::Choose(chosen)));
     }
     ui.label(RichText::new(gives_and_costs(bake, speed)).weak().small());

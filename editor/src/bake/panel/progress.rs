@@ -15,8 +15,8 @@ use lapidary_precompute::Phase;
 const OF_ALL: [Step; 4] = [
     (Phase::Import, "Reading the scene", "Geometry and materials."),
     (Phase::Tessellate, "Refining the mesh", "Splitting triangles where shadows vary."),
-    (Phase::Tree, "Building the light tree", "Clustering directions of the environment that are alike."),
-    (Phase::Pack, "Writing the bake", "Packing it and writing the file."),
+    (Phase::Tree, "Building the light tree", "Clustering similar directions of the environment."),
+    (Phase::Pack, "Writing the bake", "Packing and writing the file."),
 ];
 
 /// Shows a running bake, with a button to stop it.
@@ -53,16 +53,16 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
         ui.label(format!("{} of {} {unit}", grouped(done), grouped(total)));
     }
     if cancelling {
-        ui.label("Cancelling: it stops at the next point");
+        ui.label("Canceling: stops at the next point");
     } else {
         let left = left_secs.map(duration);
-        ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
+        ui.label(left.map_or("Time left unknown".into(), |left| format!("About {left} left in this step")));
     }
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
     // At the other side than the button that begins a bake, of which a second click would cancel it.
     ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
         let cancel = ui.add_enabled(!cancelling, Button::new("Cancel"));
-        if cancel.on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
+        if cancel.on_hover_text("Stops the bake and keeps its progress for later.").clicked() {
             actions.push(Action::Bake(BakeAction::Cancel));
         }
     });
@@ -73,7 +73,7 @@ impl Draft {
     fn meaning(self) -> &'static str {
         match self {
             Self::None => "The picture stays as it is until the bake is complete.",
-            Self::UnderWay => "The draft is coarse, and shown as soon as it is done. The full bake follows by itself.",
+            Self::UnderWay => "The coarse draft is shown when it is done. The full bake follows.",
             Self::Shown => {
                 "The picture shows the draft: lights and materials can be edited. The full bake replaces it."
             }

@@ -80,13 +80,12 @@ fn cost(ui: &mut Ui, estimate: Option<Estimate>) {
 /// Every setting by itself, and what is wrong with them. Those of the environment are there in any bake, since its light tree is.
 pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     parts::of(BakePart::Environment).controls(ui, bake, actions);
-    let help = "Spreads further vertices evenly, without asking where visibility varies: faster, for a first look.";
+    let help = "Spreads added vertices evenly instead of where visibility varies: faster, for a first look.";
     bake_row(actions, "Even vertices", bake, |b| check_row(ui, "Even vertices", help, &mut b.even_vertices));
-    let help = "Traces every light and surface source from every vertex. Otherwise boundaries are followed, which takes a \
-                fraction of the time; an audit keeps the error within 1 %.";
+    let help = "Traces every light and surface source from every vertex. Off follows boundaries, which is faster; an audit \
+                keeps its error within 1 %.";
     bake_row(actions, "Trace every light", bake, |b| check_row(ui, "Trace every light", help, &mut b.exhaustive));
-    let help =
-        "Splits triangles where visibility varies until there are this many. Without it the mesh stays as it is.";
+    let help = "Splits triangles where visibility varies, up to this many vertices. Off keeps the mesh as it is.";
     let vertices = Decades::count("Max vertices", help, 0.0..=1e9, 100_000.0);
     bake_row(actions, "Max vertices", bake, |b| limit_row(ui, &vertices, &mut b.max_vertices));
     if let Err(error) = resolve(bake.clone()) {

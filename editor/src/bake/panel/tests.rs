@@ -116,13 +116,13 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);
     assert!(panel.query_by_label("Bake").is_none());
     assert!(panel.query_by_label("Source visibility progress").is_none(), "negative control: no bounces");
-    assert!(panel.query_by_label_contains("Cancelling").is_none());
+    assert!(panel.query_by_label_contains("Canceling").is_none());
     assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::Bake(BakeAction::Cancel)]));
     let BakeStatus::Running { cancelling, .. } = &mut panel.state_mut().status else { panic!("it runs") };
     *cancelling = true;
     panel.run();
     assert!(
-        panel.query_by_label("250 of 1,000 points").is_some() && panel.query_by_label_contains("Cancelling").is_some()
+        panel.query_by_label("250 of 1,000 points").is_some() && panel.query_by_label_contains("Canceling").is_some()
     );
     assert!(clicked(&mut panel, "Cancel").is_empty(), "once is enough");
 }
@@ -257,7 +257,7 @@ fn advanced_settings_of_bounces_are_those_that_the_bake_has() {
 fn a_bake_is_for_the_views_that_are_chosen() {
     let asked = |document: Document, name: &str| {
         let mut panel = panel(BakeStatus::None, document, None);
-        panel.get_by_label("For").click();
+        panel.get_by_label("Views").click();
         panel.run();
         match &clicked(&mut panel, name)[..] {
             [Action::Bake(BakeAction::ForViews(cameras))] => cameras.clone(),
@@ -322,7 +322,7 @@ fn what_is_baked_is_chosen_and_presets_keep_it() {
     });
     assert_eq!(preset, Some((BakeParts::ALL, Preset::Draft.settings().lights)));
     both.state_mut().actions.clear();
-    both.get_by_label("Bake of").click();
+    both.get_by_label("Bake type").click();
     both.run();
     assert!(both.query_by_label_contains("Takes longest").is_some(), "what it gives and costs");
     both.get_by_label("Bounced light").click();

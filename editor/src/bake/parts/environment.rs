@@ -66,8 +66,8 @@ impl PartOfPanel for Environment {
     }
 
     fn steps(&self, _mode: BakeParts) -> Vec<Step> {
-        let pilot = "Tracing a few vertices, by whose visibility light directions are clustered.";
-        let visibility = "Following what every vertex sees of the environment.";
+        let pilot = "Tracing a few vertices, to cluster directions by visibility.";
+        let visibility = "Tracing the environment's visibility from every vertex.";
         vec![(Phase::Pilot, "Pilot visibility", pilot), (Phase::Visibility, "Environment visibility", visibility)]
     }
 
@@ -112,7 +112,7 @@ impl PartOfPanel for Environment {
 
 /// The light tree, which every bake has.
 fn tree(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
-    let help = "Samples of the environment: a power of two.";
+    let help = "Number of environment samples, a power of two.";
     bake_row(actions, "Lights", bake, |b| {
         count_row(ui, "Lights", help, (LEAST_HEIGHT..=MAX_HEIGHT).map(|h| 1 << h), &mut b.lights)
     });
@@ -122,7 +122,7 @@ fn tree(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
         (TreeKind::DataDriven, tree_name(TreeKind::DataDriven), "By visibility alone (Eq. 11)."),
     ];
     bake_row(actions, "Light tree", bake, |b| {
-        combo_row(ui, "Light tree", "The metric that clusters lights.", &mut b.tree, &kinds)
+        combo_row(ui, "Light tree", "Metric for clustering lights.", &mut b.tree, &kinds)
     });
     let unused = (bake.tree != TreeKind::Mixed).then_some("Only mixed trees use it.");
     let beta = Number::new("Beta", "Weight of direction against visibility in a mixed tree, 0 to 1.", 0.0..=1.0, 0.5);
@@ -130,7 +130,7 @@ fn tree(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
 }
 
 fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
-    let help = "Limit of the environment cuts in megabytes. All cuts are coarsened alike until they fit.";
+    let help = "Size limit of the environment cuts in megabytes. All cuts are coarsened equally until they fit.";
     let size = Decades { unit: " MB", decimals: 1, ..Decades::count("Byte budget", help, 0.0..=1e7, 64.0) };
     bake_row(actions, "Byte budget", bake, |b| {
         let mut megabytes = b.max_bytes.map(|bytes| bytes as f64 / 1e6);

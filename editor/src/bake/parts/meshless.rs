@@ -35,7 +35,8 @@ impl PartOfPanel for Meshless {
             b.meshless.sender_levels = b.meshless.sender_levels.min(b.meshless.levels);
             edited
         });
-        let help = "Levels that send light, counted from the coarsest. One more is slightly more accurate, and doubles the time.";
+        let help =
+            "Levels that send light, from the coarsest. One more is slightly more accurate and doubles the time.";
         bake_row(actions, "Sender levels", bake, |b| {
             let levels = 1..=b.meshless.levels;
             count_row(ui, "Sender levels", help, levels, &mut b.meshless.sender_levels)
@@ -44,7 +45,7 @@ impl PartOfPanel for Meshless {
         bake_row(actions, "Gather rays", bake, |b| {
             count_row(ui, "Gather rays", help, (6..=12).map(|power| 1 << power), &mut b.meshless.rays)
         });
-        let help = "Links that carry less than this share of the light are dropped. Smaller is more accurate, takes more memory, and is slower when a light moves.";
+        let help = "Drops links that carry less than this share of the light. Smaller is more accurate, takes more memory, and slows moving lights.";
         let default = f64::from(MeshlessSettings::default().epsilon);
         let epsilon = Decades { decimals: 5, ..Decades::count("Epsilon", help, 0.0..=1.0, default) };
         bake_row(actions, "Epsilon", bake, |b| decades_row(ui, &epsilon, &mut b.meshless.epsilon));
@@ -55,7 +56,7 @@ impl PartOfPanel for Meshless {
         let rows = [
             ("Levels", levels.to_string()),
             ("Sender levels", sender_levels.to_string()),
-            ("Coarse radius", coarse_radius.map_or("found".into(), |r| r.to_string())),
+            ("Coarse radius", coarse_radius.map_or("automatic".into(), |r| r.to_string())),
             ("Gather rays", rays.to_string()),
             ("Epsilon", epsilon.to_string()),
         ];

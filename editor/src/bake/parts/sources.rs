@@ -57,7 +57,7 @@ impl PartOfPanel for Sources {
         let IndirectSettings { sources, criterion, viewpoint } = settings.indirect;
         let SourceCriterion { sigma, max_solid_angle, contrast } = criterion;
         let of_sources = |text: String| used(settings.mode.sources(), text);
-        let viewpoint = viewpoint.map_or("found".into(), |v| v.to_string());
+        let viewpoint = viewpoint.map_or("automatic".into(), |v| v.to_string());
         vec![
             ("Sources", of_sources(count(sources))),
             ("Source sigma", of_sources(sigma.to_string())),
@@ -70,7 +70,7 @@ impl PartOfPanel for Sources {
     fn steps(&self, mode: BakeParts) -> Vec<Step> {
         let environment = "Tracing every surface source against the environment.";
         let environment = (Phase::SourceEnvironment, "Environment on sources", environment);
-        let placing = "Points that send bounced light, where light can reach.";
+        let placing = "Placing points that send bounced light.";
         let clustering = "Clustering surface sources that send similar light.";
         let tracing = "Tracing every vertex against the surface sources.";
         let mut steps = vec![
