@@ -57,10 +57,10 @@ impl LightKind {
     /// Its description.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Point => "Shines into all directions, as a bare bulb.",
-            Self::Spot => "Shines into a cone with a soft edge.",
-            Self::Directional => "Parallel light from far away, as the sun.",
-            Self::Rectangle => "A panel that shines from its front: soft light.",
+            Self::Point => "Shines in all directions, like a bare bulb.",
+            Self::Spot => "Shines in a cone with a soft edge.",
+            Self::Directional => "Parallel light from far away, like the sun.",
+            Self::Rectangle => "A panel that emits soft light from its front.",
         }
     }
 

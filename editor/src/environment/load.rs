@@ -61,7 +61,7 @@ impl Environments {
 
     fn add_to_library(&mut self, work: &mut Workspace, path: PathBuf) {
         match self.library.add(&[path]) {
-            Ok(0) => work.messages.note("It is in the library already"),
+            Ok(0) => work.messages.note("Already in the library"),
             Ok(count) => work.messages.note(format!("Added to the library: {count}")),
             Err(error) => work.messages.error(format!("{error:#}")),
         }

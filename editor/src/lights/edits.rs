@@ -86,7 +86,7 @@ impl LightsPanel {
         let light = Light { target, ..work.document.lights[index].clone() };
         match light.validate() {
             Ok(()) => work.do_step(Edit::Light { index, light: Box::new(light) }, "Aim light"),
-            Err(problem) => work.messages.warning(format!("The light stays as it is, since {problem}")),
+            Err(problem) => work.messages.warning(format!("Light unchanged, since {problem}")),
         }
     }
 
@@ -115,7 +115,7 @@ impl LightsPanel {
     ) -> bool {
         let count = lights.len();
         if count > MAX_LIGHTS {
-            work.messages.error(format!("{count} lights are more than the {MAX_LIGHTS} of a scene; remove some first"));
+            work.messages.error(format!("A scene can have {MAX_LIGHTS} lights, not {count}; remove some first"));
             return false;
         }
         work.do_step(Edit::Lights(lights), label);

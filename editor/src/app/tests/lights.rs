@@ -129,7 +129,7 @@ fn selecting_an_object_lets_go_of_the_light_and_aiming_needs_a_direction() {
     window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
     let light = lights(&window)[0].clone();
     window.perform(Action::Light(LightAction::Aim(Some(light.position))));
-    assert!(window.has_said("stays as it is") && lights(&window)[0] == light);
+    assert!(window.has_said("unchanged") && lights(&window)[0] == light);
     window.perform(Action::Light(LightAction::Aim(Some(Vec3::new(0.1, 0.0, 0.2)))));
     assert_eq!(lights(&window)[0].target, Vec3::new(0.1, 0.0, 0.2));
     window.perform(Action::Select(SelectAction::Object(Some(0))));

@@ -86,16 +86,16 @@ pub fn show(ui: &mut Ui, formulas: &mut FormulaThumbnails, context: &Environment
         missing: entry.missing,
         thumbnail: entry.thumbnail.as_ref().map(TextureHandle::id),
     });
-    ui.label(RichText::new("Formulas").weak()).on_hover_text("Made by Lapidary; they need no file");
+    ui.label(RichText::new("Formulas").weak()).on_hover_text("Built-in environments that need no file");
     grid(ui, &formula_cells.collect::<Vec<_>>(), light, actions);
     ui.add_space(4.0);
-    ui.label(RichText::new("Maps").weak()).on_hover_text("Files: those that come with Lapidary, then your own");
+    ui.label(RichText::new("Maps").weak()).on_hover_text("Bundled map files, then your own");
     grid(ui, &library_cells.collect::<Vec<_>>(), light, actions);
     ui.horizontal(|ui| {
-        if ui.button("Load...").on_hover_text("Lights the scene by an .hdr or .exr file").clicked() {
+        if ui.button("Load...").on_hover_text("Light the scene with an .hdr or .exr file").clicked() {
             actions.push(Action::Environment(EnvironmentAction::Load(None)));
         }
-        if ui.button("Add to library...").on_hover_text("Keeps maps here for other scenes too").clicked() {
+        if ui.button("Add to library...").on_hover_text("Keep maps here for all scenes").clicked() {
             actions.push(Action::Environment(EnvironmentAction::AddToLibrary(None)));
         }
     });
@@ -148,7 +148,7 @@ fn show_cell(ui: &mut Ui, cell: &Cell, width: f32) -> Response {
         paint_cell(ui, cell, rect, response.hovered());
     }
     if cell.missing {
-        return response.on_hover_text(format!("The file is not there; click to say where it went ({})", cell.spec));
+        return response.on_hover_text(format!("File not found; click to locate it ({})", cell.spec));
     }
     response.on_hover_text(cell.spec)
 }

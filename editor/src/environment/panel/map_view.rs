@@ -160,7 +160,7 @@ fn mark_text(mark: &Mark) -> String {
 fn choices(ui: &mut Ui, overlay: &mut Overlay, context: &EnvironmentContext) {
     ui.add_enabled_ui(context.tree.is_some(), |ui| {
         ui.horizontal(|ui| {
-            let missing = "There is no light tree before a bake.";
+            let missing = "Available after a bake.";
             let samples = check_box(ui, &mut overlay.samples, "Light samples").on_disabled_hover_text(missing);
             samples.on_hover_text("The leaves of the light tree, colored by subtree.");
             let deepest = context.tree.map_or(DEEPEST_SUBTREE, |t| t.height().min(DEEPEST_SUBTREE));
@@ -171,12 +171,12 @@ fn choices(ui: &mut Ui, overlay: &mut Overlay, context: &EnvironmentContext) {
             depth.on_hover_text(help).on_disabled_hover_text(help);
             let cut = check_box(ui, &mut overlay.cut, "Light cut").on_disabled_hover_text(missing);
             let merged = if context.document.view.cuts().size().is_some() {
-                "The picture merges it with those of the vertices."
+                "The picture merges it with the vertices' cuts."
             } else {
-                "The picture has lit cuts, and does without it."
+                "The picture uses lit cuts instead."
             };
             cut.on_hover_text(format!(
-                "The nodes of the illumination cut, as large as their solid angle and as bright as their light. {merged}"
+                "The nodes of the illumination cut, sized by solid angle and shaded by light. {merged}"
             ));
         });
     });

@@ -6,8 +6,7 @@ use lapidary_render::{Baked, is_buried};
 use std::collections::HashMap;
 
 /// What is said of such a light.
-pub const NOTICE: &str =
-    "This light is inside an object or a wall, and lights nothing that is seen. Move it into the open.";
+pub const NOTICE: &str = "This light is inside an object or a wall and lights nothing visible. Move it out.";
 
 /// What was found, by the place of the light in the list.
 #[derive(Default)]

@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     // Above the list, which grows: below it, what a click adds would come to lie under the pointer.
     buttons(ui, context, actions);
     check_box(ui, &mut state.in_viewport, "Show in the viewport")
-        .on_hover_text("Draws the lights over the picture, to select and move them there");
+        .on_hover_text("Draws the lights over the picture, to select and move them");
     suns(ui, context, actions);
     if lights.is_empty() && context.suns.is_empty() {
         ui.weak("No lights yet");
@@ -97,7 +97,7 @@ fn suns(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
             count => format!("{count} suns of the environment"),
         };
         let text = RichText::new(name);
-        let help = "Turns with the environment, whose tab has its settings";
+        let help = "Turns with the environment; edit it in the Environment tab";
         ui.label(if settings.sun.enabled { text } else { text.weak() }).on_hover_text(help);
     });
 }
@@ -206,9 +206,9 @@ fn buttons(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
         };
         let copy = Action::Light(LightAction::Duplicate(context.selected.unwrap_or_default()));
         button(ui, "Duplicate", "Adds a copy of the selected light (Ctrl+D)", is_selected, copy);
-        button(ui, "Load...", "Adds the lights of a lights file", true, Action::Light(LightAction::Load(None)));
+        button(ui, "Load...", "Adds the lights from a file", true, Action::Light(LightAction::Load(None)));
         let any = !context.document.lights.is_empty();
-        let help = "Writes all lights to a file, which lapidary render --lights reads too";
+        let help = "Writes all lights to a file for lapidary render --lights";
         button(ui, "Save...", help, any, Action::Light(LightAction::Save(None)));
     });
 }
