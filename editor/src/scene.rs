@@ -138,7 +138,7 @@ fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, act
             Action::Select(SelectAction::Object(Some(object)))
         });
     }
-    let help = "Ctrl-click to add it to the selection or take it away, double-click to frame it";
+    let help = "Ctrl-click to add it to the selection or remove it, double-click to frame it";
     if name.on_hover_text(help).double_clicked() && !adds {
         actions.push(Action::Camera(CameraAction::FrameSelection));
     }
@@ -163,7 +163,7 @@ fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Ve
         swatch(ui, &materials[index], Sense::hover());
         let name = name_button(ui, context.selected_material == Some(index), names[index]).interact(Sense::drag());
         name.dnd_set_drag_payload(Dragged::Material(index));
-        if name.on_hover_text("Drag it onto a surface to give that its values").clicked() {
+        if name.on_hover_text("Drag it onto a surface to apply its values").clicked() {
             actions.push(Action::Select(SelectAction::Material(Some(index))));
         }
     });
@@ -178,8 +178,7 @@ fn variants(ui: &mut Ui, document: &Document, variants: &Variants, actions: &mut
     let name = |variant: Option<usize>| variant.map_or(PLAIN, |variant| variants.names[variant].as_str());
     let shown = document.shown_variant(variants);
     ui.horizontal(|ui| {
-        let label =
-            ui.label("Variant").on_hover_text("Materials that the glTF file offers together. No bake is needed.");
+        let label = ui.label("Variant").on_hover_text("Material variants of the glTF file. No bake is needed.");
         let combo = ComboBox::from_id_salt("variant").selected_text(shown.map_or("Mixed", name));
         let opened = combo.width(ui.available_width()).truncate().show_ui(ui, |ui| {
             for variant in [None].into_iter().chain((0..variants.names.len()).map(Some)) {
@@ -198,7 +197,7 @@ fn list(ui: &mut Ui, title: &str, names: &[&str], wanted: &str, mut add_row: imp
         (0..names.len()).filter(|&i| wanted.is_empty() || names[i].to_lowercase().contains(wanted)).collect();
     section(ui, title, true, |ui| {
         if shown.is_empty() {
-            ui.weak(if names.is_empty() { "None yet" } else { "None of that name" });
+            ui.weak(if names.is_empty() { "None yet" } else { "No match" });
             return;
         }
         let height = ui.spacing().interact_size.y;

@@ -88,8 +88,8 @@ pub fn save_material(work: &mut Workspace, index: usize, path: &Path) {
     match written {
         Ok(_) if left_out == 0 => work.messages.note(format!("Material written ({})", path.display())),
         Ok(_) => work.messages.warning(format!(
-            "Material written without {left_out} maps that came inside the scene's file; load pictures of their own for \
-             them first ({})",
+            "Material written without {left_out} maps embedded in the scene file; load them from picture files \
+             first ({})",
             path.display()
         )),
         Err(error) => work.messages.error(format!("{error:#}")),

@@ -183,7 +183,7 @@ fn ball(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, index
         None => (
             studio::light(),
             Post { exposure: 0.0, ..post },
-            "Under a studio's light: no environment is in the picture",
+            "Under studio light, since no environment is in the picture",
         ),
     };
     place.on_hover_text(where_);

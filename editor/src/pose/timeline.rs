@@ -90,7 +90,7 @@ fn show_controls(ui: &mut Ui, timeline: &mut Timeline, context: &TimelineContext
     let is_scrubbing = scrub(ui, &shown, clip, actions);
     ui.checkbox(&mut timeline.looping, "Loop");
     let rate = DragValue::new(&mut timeline.frames_per_second).range(1.0..=240.0).max_decimals(2).suffix(" fps");
-    ui.add(rate).on_hover_text("Frames a second, for steps of one frame");
+    ui.add(rate).on_hover_text("Frames per second, for stepping");
     is_scrubbing
 }
 
@@ -116,11 +116,11 @@ fn transport(ui: &mut Ui, timeline: &Timeline, shown: &ClipTime, clip: &Clip, ac
             actions.push(Action::Pose(PoseAction::ClipTime(Some(time))));
         }
     };
-    go(ui, "|<", "To the beginning", ClipTime { seconds: 0.0, ..shown.clone() });
-    go(ui, "<", "One frame back", timeline.stepped(shown, clip, -1.0));
-    go(ui, ">", "One frame on", timeline.stepped(shown, clip, 1.0));
+    go(ui, "|<", "Go to the start", ClipTime { seconds: 0.0, ..shown.clone() });
+    go(ui, "<", "Step back one frame", timeline.stepped(shown, clip, -1.0));
+    go(ui, ">", "Step forward one frame", timeline.stepped(shown, clip, 1.0));
     let label = if timeline.playing { "Stop" } else { "Play" };
-    if ui.button(label).on_hover_text("Plays the clip, or stops (Space)").clicked() {
+    if ui.button(label).on_hover_text("Play or stop the clip (Space)").clicked() {
         actions.push(Action::Pose(PoseAction::Play));
     }
 }
@@ -130,7 +130,7 @@ fn scrub(ui: &mut Ui, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) 
     let (mut seconds, length) = (shown.seconds, clip.seconds());
     ui.spacing_mut().slider_width = (ui.available_width() - 320.0).max(80.0);
     let slider = Slider::new(&mut seconds, 0.0..=length.max(f32::MIN_POSITIVE)).fixed_decimals(2).suffix(" s");
-    let response = ui.add_enabled(length > 0.0, slider).accessible_name("Place in the clip");
+    let response = ui.add_enabled(length > 0.0, slider).accessible_name("Clip position");
     if response.changed() {
         actions.push(Action::Pose(PoseAction::ClipTime(Some(ClipTime { seconds, ..shown.clone() }))));
     }

@@ -19,7 +19,7 @@ pub struct Renaming {
 pub fn show(ui: &mut Ui, renaming: &mut Option<Renaming>, context: &SceneContext, actions: &mut Vec<Action>) {
     let document = context.document;
     // Above the list, which grows: below it, what a click adds would come to lie under the pointer.
-    if ui.button("Add view").on_hover_text("Keeps the view as it is now").clicked() {
+    if ui.button("Add view").on_hover_text("Bookmark the current view").clicked() {
         let camera = Camera { name: free_name(document), ..document.camera.clone() };
         let bookmarks = document.bookmarks.iter().cloned().chain([camera]).collect();
         ask(actions, bookmarks, "Add view");
@@ -42,7 +42,7 @@ fn scene_camera(ui: &mut Ui, index: usize, camera: &Camera, actions: &mut Vec<Ac
     let name = if camera.name.is_empty() { &unnamed } else { &camera.name };
     let button = Button::selectable(false, "").left_text(name.as_str()).truncate();
     let button = ui.add_sized([ui.available_width(), ui.spacing().interact_size.y], button).accessible_name(name);
-    if button.on_hover_text("A camera of the scene file").clicked() {
+    if button.on_hover_text("Camera from the scene file").clicked() {
         actions.push(Action::Camera(CameraAction::To(camera.clone())));
     }
 }

@@ -34,9 +34,9 @@ impl CompareView {
     pub const ALL: [(Self, &str, &str); 5] = [
         (Self::Picture, "A", "The picture with cuts"),
         (Self::Reference, "B", "The reference; hold R to see it for a moment in any view"),
-        (Self::Swipe, "A | B", "The picture to the left of a line that can be dragged, the reference to the right"),
-        (Self::SideBySide, "Side by side", "Both, each as a whole"),
-        (Self::Difference, "Difference", "Where they differ, in colors"),
+        (Self::Swipe, "A | B", "Picture to the left of a draggable line, reference to the right"),
+        (Self::SideBySide, "Side by side", "Both pictures in full"),
+        (Self::Difference, "Difference", "Map of the differences"),
     ];
 }
 

@@ -49,9 +49,9 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
 /// What a view of the meshless basis shows, in two lines.
 fn of_basis(mode: ViewMode, basis: BasisView) -> [String; 2] {
     let second = match mode {
-        ViewMode::BasisLevel => "Red adds light, blue takes it away",
+        ViewMode::BasisLevel => "Red adds light, blue subtracts it",
         ViewMode::BasisFunction => "Red where it is 1, gray where it is 0",
-        _ => "One color a level: red is the coarsest",
+        _ => "One color per level; red is the coarsest",
     };
     let number = match mode {
         ViewMode::BasisLevel => format!(" {}", basis.level),

@@ -187,7 +187,7 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
         |window: &Window| window.0.state().picture.requests.last_sent().is_some_and(|sent: &RenderRequest| sent.moving);
     let button =
         |pos, pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: super::NONE };
-    let slider = window.0.get_by_label("Place in the clip").rect().left_center() + egui::vec2(16.0, 0.0);
+    let slider = window.0.get_by_label("Clip position").rect().left_center() + egui::vec2(16.0, 0.0);
     assert!(!is_moving(&window), "negative control");
     window.frame_of([Event::PointerMoved(slider), button(slider, true)]);
     let beside = slider + egui::vec2(12.0, 0.0);

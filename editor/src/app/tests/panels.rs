@@ -146,7 +146,7 @@ fn sliders_and_numbers_of_all_tabs_stand_in_the_same_columns() {
     let tabs: [(Inspector, &[&str]); 3] = [
         (Inspector::Material, &["Roughness", "Metalness", "Specular", "IOR", "Anisotropy"]),
         (Inspector::Environment, &["Rotation", "Intensity"]),
-        (Inspector::View, &["Light moved", "Samples", "Frame budget", "Field of view", "Focal length"]),
+        (Inspector::View, &["Lit cut error", "Samples", "Frame budget", "Field of view", "Focal length"]),
     ];
     let mut columns = Vec::new();
     for (tab, rows) in tabs {

@@ -24,7 +24,7 @@ const STRATA: usize = 16;
 /// What rounding and samples may add to all light.
 const MOST_ALBEDO: f32 = 1.02;
 
-/// In which plane the light moves.
+/// Plane in which the light moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// That of the normal and the tangent.
@@ -101,13 +101,13 @@ impl LobePlot {
             (Plane::Tangent, "Tangent", "The light moves along the tangent: the direction of positive anisotropy."),
             (Plane::Bitangent, "Bitangent", "The light moves across the tangent."),
         ];
-        let _ = choice_row(ui, "Plane", "In which plane the light moves.", &mut self.plane, &planes);
+        let _ = choice_row(ui, "Plane", "Plane in which the light moves.", &mut self.plane, &planes);
         let energy = self.energy(material);
         self.draw_energy(ui, &energy);
         let most = energy.iter().map(|&(_, albedo)| albedo.max_element()).fold(0.0, f32::max);
-        ui.weak(format!("Reflected light by angle of the light: {:.1} % at most.", 100.0 * most));
+        ui.weak(format!("Reflected light by light angle: at most {:.1} %.", 100.0 * most));
         if most > MOST_ALBEDO {
-            let warning = "It reflects more light than it receives at some angles.";
+            let warning = "Reflects more light than it receives at some angles.";
             ui.colored_label(ui.visuals().warn_fg_color, warning);
         }
     }

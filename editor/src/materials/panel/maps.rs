@@ -64,7 +64,7 @@ fn picture_row(
         };
         thumbnail(ui, handle);
         let (shown, full) = match &pattern {
-            Some(pattern) => (pattern.pattern.label().into(), "A pattern by formula, sharp at any distance".to_owned()),
+            Some(pattern) => (pattern.pattern.label().into(), "A procedural pattern".to_owned()),
             None => caption(&name, entry),
         };
         ui.add(Label::new(shown).truncate()).on_hover_text(full);
@@ -100,7 +100,7 @@ fn picture_row(
 /// What stands beside a thumbnail, and in its tooltip.
 fn caption(name: &str, entry: Option<&TextureEntry>) -> (RichText, String) {
     let Some(entry) = entry else {
-        let hint = format!("No {}: the value above counts everywhere.", lower_first(name));
+        let hint = format!("No {}: the value above applies everywhere.", lower_first(name));
         return (RichText::new(format!("No {}", lower_first(name))).weak(), hint);
     };
     let [w, h] = entry.texture.size;
@@ -176,7 +176,7 @@ fn settings(
 }
 
 fn normal_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
-    let help = "How steep the normals are, 0 (flat) to 2 (twice as steep); as far as 10 by typing.";
+    let help = "Steepness of the normals, 0 (flat) to 2 (twice as steep); type up to 10.";
     let row = Number::new("Strength", help, 0.0..=2.0, 1.0).entry(-10.0..=10.0);
     changes.note("Normal strength", slider_row(ui, &row, &mut slot.strength));
     let help = "For normal maps made for DirectX, whose green channel points down. If bumps look like dents, try this.";
@@ -187,7 +187,7 @@ fn normal_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
 fn bump_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     let mut inverted = slot.strength.is_sign_negative();
     let mut height = slot.strength.abs() * 1000.0;
-    let help = "Height of white above black in millimeters, 0 to 10; as far as 1,000 by typing.";
+    let help = "Height of white above black in millimeters, 0 to 10; type up to 1,000.";
     let row = Number::new("Height", help, 0.0..=10.0, 1.0).unit(" mm", 2).entry(0.0..=1000.0);
     let edited = slider_row(ui, &row, &mut height);
     let help = "White is low and black is high.";
@@ -218,7 +218,7 @@ fn placement(ui: &mut Ui, state: &mut MaterialPanel, target: Target, slot: &mut 
         changes.note("Map scale", slider_row(ui, &scale("Scale X"), &mut slot.scale.x));
         changes.note("Map scale", slider_row(ui, &scale("Scale Y"), &mut slot.scale.y));
     }
-    if check_row(ui, "Link X and Y", "Scale both directions alike.", &mut linked).changed {
+    if check_row(ui, "Link X and Y", "Scale both directions equally.", &mut linked).changed {
         if linked {
             state.unlinked.remove(&key);
             slot.scale.y = slot.scale.x;
@@ -227,7 +227,7 @@ fn placement(ui: &mut Ui, state: &mut MaterialPanel, target: Target, slot: &mut 
             state.unlinked.insert(key);
         }
     }
-    let help = "Shift of the coordinates in repetitions, -1 to 1; more by typing.";
+    let help = "Shift of the coordinates in repetitions, -1 to 1; type for more.";
     let offset = |label| Number::new(label, help, -1.0..=1.0, 0.0).unit("", 3).entry(-100.0..=100.0);
     changes.note("Map offset", slider_row(ui, &offset("Offset X"), &mut slot.offset.x));
     changes.note("Map offset", slider_row(ui, &offset("Offset Y"), &mut slot.offset.y));
@@ -260,7 +260,7 @@ fn reading(
             (Channel::B, "B", "Blue: the metalness in packed glTF pictures."),
             (Channel::A, "A", "Alpha."),
         ];
-        let help = "Which component of the picture is read.";
+        let help = "Picture channel to read.";
         changes.note("Map channel", choice_row(ui, "Channel", help, &mut slot.channel, &channels));
     }
     if matches!(kind, "normal" | "bump") || slot.procedural.is_some() {
@@ -269,7 +269,7 @@ fn reading(
     let floats = entry.is_some_and(|e| matches!(e.texture.texels, Texels::F32(_)));
     let help = match floats {
         true => "No effect on this picture: its texels are floating point and always linear.",
-        false => "How 8-bit texels are read: sRGB for colors, linear for values as roughness.",
+        false => "How 8-bit texels are read: sRGB for colors, linear for values such as roughness.",
     };
     let spaces = [
         (ColorSpace::Srgb, "sRGB", "Texels are sRGB encoded: colors."),

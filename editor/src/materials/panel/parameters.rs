@@ -56,7 +56,7 @@ pub fn show(
 fn model(ui: &mut Ui, changes: &mut Changes) {
     let models: Vec<_> = BrdfModel::ALL.iter().map(|&m| (m, m.label(), m.summary())).collect();
     let mut model = changes.material.model;
-    let edited = combo_row(ui, "Model", "How light is reflected.", &mut model, &models);
+    let edited = combo_row(ui, "Model", "How the surface reflects light.", &mut model, &models);
     if edited.changed {
         changes.material.change_model(model);
     }
@@ -91,7 +91,7 @@ fn number(ui: &mut Ui, parameter: &'static Parameter, changes: &mut Changes) {
 fn figure(parameter: &Parameter, value: f32) -> String {
     match parameter.quantity {
         "roughness" => format!(" Now alpha = {:.4}.", value * value),
-        "ior" => format!(" At normal incidence it reflects {:.1} %.", 100.0 * ((value - 1.0) / (value + 1.0)).powi(2)),
+        "ior" => format!(" Reflects {:.1} % at normal incidence.", 100.0 * ((value - 1.0) / (value + 1.0)).powi(2)),
         _ => String::new(),
     }
 }

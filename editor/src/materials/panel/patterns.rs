@@ -52,7 +52,7 @@ pub fn menu(ui: &mut Ui, target: Target, changes: &mut Changes, actions: &mut Ve
             }
         }
     });
-    button.on_hover_text("An image, or a pattern by formula").accessible_name(format!("Kinds of {name}"));
+    button.on_hover_text("Use an image or a procedural pattern").accessible_name(format!("Kinds of {name}"));
 }
 
 fn choose(target: Target, pattern: Pattern, changes: &mut Changes) {
@@ -68,8 +68,8 @@ pub fn controls(ui: &mut Ui, kind: &'static str, pattern: &mut Procedural, chang
     let is_color = BrdfModel::declared(kind).is_some_and(Parameter::is_color);
     let default = Procedural::default();
     let rows = [
-        ("Low", "Value of the first square, of the dark of the noise, and where the gradient begins.", default.low),
-        ("High", "Value of the other square, of the bright of the noise, and where the gradient ends.", default.high),
+        ("Low", "Value of the first square, of dark noise and of the start of the gradient.", default.low),
+        ("High", "Value of the second square, of bright noise and of the end of the gradient.", default.high),
     ];
     for ((label, help, default), value) in rows.into_iter().zip([&mut pattern.low, &mut pattern.high]) {
         let edited = if is_color {
@@ -86,7 +86,7 @@ pub fn controls(ui: &mut Ui, kind: &'static str, pattern: &mut Procedural, chang
     }
     if pattern.pattern == Pattern::Noise {
         let mut octaves = pattern.octaves as f32;
-        let help = "Layers of noise, each with cells half as large and half as strong, 1 to 8.";
+        let help = "Layers of noise, 1 to 8, each half as large and half as strong.";
         let row = Number::new("Octaves", help, 1.0..=Procedural::MOST_OCTAVES as f32, default.octaves as f32);
         let edited = slider_row(ui, &row.unit("", 0), &mut octaves);
         if edited.changed {

@@ -59,8 +59,8 @@ impl PresetBalls {
     /// Shows the menu.
     pub fn show(&mut self, ui: &mut Ui, clear_maps: &mut bool, changes: &mut Changes) {
         self.update(ui.ctx());
-        check_box(ui, clear_maps, "Clear the maps")
-            .on_hover_text("Otherwise they stay and modulate the preset's values");
+        check_box(ui, clear_maps, "Clear maps")
+            .on_hover_text("Remove maps, which otherwise modulate the preset's values");
         egui::ScrollArea::vertical().min_scrolled_height(600.0).max_height(640.0).show(ui, |ui| {
             let mut index = 0;
             for group in PRESETS.chunk_by(|a, b| a.group == b.group) {

@@ -252,7 +252,7 @@ fn presets_keep_the_maps_unless_they_are_cleared() {
     assert_eq!(harness.state().material().parameters.number("metalness"), 1.0);
     assert!(harness.state().material().maps.get("bump").is_some());
     click(&mut harness, "Presets");
-    click(&mut harness, "Clear the maps");
+    click(&mut harness, "Clear maps");
     click_hidden(&mut harness, "Rubber");
     assert_eq!(harness.state().material().maps, MaterialMaps::default());
     let rubber = PRESETS.iter().find(|p| p.name == "Rubber").unwrap();

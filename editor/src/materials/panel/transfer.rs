@@ -59,18 +59,18 @@ pub fn show(
             let MaterialPanel { presets, clear_maps, .. } = state;
             presets.show(ui, clear_maps, changes);
         });
-        if ui.button("Copy").on_hover_text("Copy this material; as text too, without its maps").clicked() {
+        if ui.button("Copy").on_hover_text("Copy this material, also as text without maps").clicked() {
             ui.ctx().copy_text(text_of(&changes.material));
             state.copied = Some(Copied::new(&changes.material, document));
         }
-        let hint = "Paste the copied material onto this one. Ctrl+V pastes a material that is text on the clipboard.";
+        let hint = "Paste the copied material onto this one. Ctrl+V pastes material text from the clipboard.";
         if ui.button("Paste").on_hover_text(hint).clicked() {
             match &state.copied {
                 Some(copied) => changes.replace("Paste material", copied.pasted_on(&changes.material, document)),
                 None => ui.ctx().send_viewport_cmd(ViewportCommand::RequestPaste),
             }
         }
-        if ui.button("Load…").on_hover_text("Replace this material by that of a file").clicked() {
+        if ui.button("Load…").on_hover_text("Replace this material with one from a file").clicked() {
             actions.push(Action::Material(MaterialAction::Load { material: index, path: None }));
         }
         if ui.button("Save…").on_hover_text("Write this material to a file").clicked() {
@@ -86,7 +86,7 @@ pub fn show(
 pub fn solo(ui: &mut Ui, document: &Document, index: usize, actions: &mut Vec<Action>) {
     let alone = ShownMaterials::Solo(index);
     let mut is_alone = document.view.materials == alone;
-    let hint = "Show this material alone, and the others as clay. Nothing is changed.";
+    let hint = "Show this material and render the others as clay, without changing them.";
     if ui.toggle_value(&mut is_alone, "Solo").on_hover_text(hint).clicked() {
         let materials = if is_alone { alone } else { ShownMaterials::Own };
         let edit = Edit::View(ViewSettings { materials, ..document.view.clone() });

@@ -24,9 +24,9 @@ pub enum Pivot {
 impl Pivot {
     /// All of them, each with its name and what it means.
     pub const CHOICES: [(Self, &str, &str); 3] = [
-        (Self::Active, "Selected last", "Turns and scales all about the center of the object that was selected last"),
+        (Self::Active, "Selected last", "Turns and scales all about the center of the object selected last"),
         (Self::Selection, "All selected", "Turns and scales all about the middle of their centers"),
-        (Self::Own, "Each its own", "Turns and scales each object about its own center"),
+        (Self::Own, "Own centers", "Turns and scales each object about its own center"),
     ];
 }
 

@@ -39,7 +39,7 @@ fn words(view: &View, gizmo: &Gizmo, is_hot: bool) -> Option<String> {
     }
     let hint = view.context.movable.as_ref().filter(|_| is_hot && view.light().is_none())?.hint(view);
     match gizmo.drag.as_ref().and_then(Drag::words) {
-        Some(done) => Some(format!("{done} ({hint}, Esc: put it back)")),
+        Some(done) => Some(format!("{done} ({hint}, Esc: cancel)")),
         None => Some(hint),
     }
 }
