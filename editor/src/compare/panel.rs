@@ -209,12 +209,12 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         ui.separator();
         views(ui, panel, context.measured);
         ui.separator();
-        let help = "Pictures at growing sizes of the light cut, and of lit cuts, beside a reference: which is enough for this shot";
+        let help = "Render with growing light cuts and with lit cuts, and compare each with a reference";
         if ui.button("Cut sizes...").on_hover_text(help).clicked() {
             actions.push(Action::Ladder(LadderAction::Start));
         }
         let asking = panel.tool == Some(Tool::Why);
-        let help = "Click a pixel in the viewport: its cuts, nodes and light, and what its error comes from";
+        let help = "Click a pixel in the viewport to see its cuts, nodes, light and causes of error";
         if ui.selectable_label(asking, "Why?").on_hover_text(help).clicked() {
             panel.tool = if asking { None } else { Some(Tool::Why) };
         }
@@ -242,17 +242,21 @@ fn close(ui: &mut Ui, panel: &mut ComparisonPanel) {
 
 fn waiting(panel: &ComparisonPanel) -> &'static str {
     if panel.kind == KindChoice::File && panel.file.is_none() {
-        "Choose the picture to compare with: it should show this view, scene-linear if it can"
+        "Choose a picture of this view to compare with, scene-linear if possible"
     } else {
-        "The first pass of the reference is being traced"
+        "Tracing the first pass of the reference"
     }
 }
 
 fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>) {
     let kinds = [
-        (KindChoice::Samples, "Light samples", "All light samples, traced at every pixel: shows what the cuts lose"),
-        (KindChoice::Paths, "Light paths", "Traced paths of light: the whole error, with some noise"),
-        (KindChoice::File, "Picture file", "A picture of this view by another program"),
+        (
+            KindChoice::Samples,
+            "Light samples",
+            "Trace all light samples at every pixel, to measure the error of the cuts",
+        ),
+        (KindChoice::Paths, "Light paths", "Trace light paths, to measure the whole error, with some noise"),
+        (KindChoice::File, "Picture file", "Use a picture of this view from another program"),
     ];
     let chosen = kinds.iter().find(|k| k.0 == panel.kind).map_or("", |k| k.1);
     let combo = ComboBox::from_id_salt("reference").selected_text(chosen).show_ui(ui, |ui| {
@@ -260,7 +264,7 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
             ui.selectable_value(&mut panel.kind, kind, label).on_hover_text(help);
         }
     });
-    combo.response.on_hover_text("What the picture is compared with").accessible_name("Reference");
+    combo.response.on_hover_text("Reference to compare with").accessible_name("Reference");
     if panel.kind == KindChoice::File {
         if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
             actions.push(Action::Compare(CompareAction::Reference(None)));
@@ -279,7 +283,7 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
             ui.selectable_value(&mut panel.scale, scale, label);
         }
     });
-    let help = "Size of both pictures that are compared: full size of light samples takes long";
+    let help = "Size of both compared pictures. Light samples are slow at full size";
     combo.response.on_hover_text(help).accessible_name("Comparison size");
 }
 
@@ -289,10 +293,14 @@ fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) 
     let text = match finished {
         _ if !context.tracing => String::new(),
         Some(measured) => format!("{:.1} s", measured.reference.seconds),
-        None if context.held => format!("{:.0} %, waits", 100.0 * context.progress),
+        None if context.held => format!("{:.0} %, waiting", 100.0 * context.progress),
         None => format!("{:.0} %", 100.0 * context.progress),
     };
-    let help = if context.held { "Of the reference: waits until cut sizes are tried" } else { "Of the reference" };
+    let help = if context.held {
+        "Tracing of the reference, which waits while cut sizes are tried"
+    } else {
+        "Tracing of the reference"
+    };
     ui.add(ProgressBar::new(context.progress).desired_width(90.0).text(text)).on_hover_text(help);
     let label = if context.paused { "Go on" } else { "Pause" };
     let button = Button::new(label).min_size(vec2(PAUSE_WIDTH, 0.0));
@@ -316,7 +324,7 @@ fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) 
         }
     });
     combo.response.accessible_name("Error map");
-    let help = "Keeps the range of the colors, so that maps before and after an edit can be compared";
+    let help = "Keep the color range, to compare maps before and after an edit";
     if ui.add(Button::selectable(panel.top.is_some(), "Keep range")).on_hover_text(help).clicked() {
         panel.top = if panel.top.is_some() { None } else { measured.map(|m| m.field.top) };
     }
@@ -324,12 +332,12 @@ fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) 
 
 fn map_meaning(map: ShownMap) -> &'static str {
     let ShownMap::Error(map) = map else {
-        return "What the clusters are expected to err by, from their variances; no reference is needed";
+        return "Error predicted from the variances of the clusters, without a reference";
     };
     match map {
-        ErrorMap::Relative => "Difference over the reference's value: dark parts count as much as bright ones",
+        ErrorMap::Relative => "Difference divided by the reference: dark parts count as much as bright ones",
         ErrorMap::Absolute => "Difference in scene-linear units",
         ErrorMap::Signed => "Orange where the picture is too bright, blue where it is too dark",
-        ErrorMap::Flip => "The difference that is seen when both flicker",
+        ErrorMap::Flip => "Difference visible when flipping between both pictures",
     }
 }

@@ -60,7 +60,7 @@ impl ExplainPanel {
 pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> Option<ExplainRequest> {
     let Some(explanation) = context.explanation else {
         panel.table.hovered = None;
-        let text = context.message.unwrap_or("Choose a pixel in the picture to see what its light is made of.");
+        let text = context.message.unwrap_or("Choose a pixel in the picture to see where its light comes from.");
         ui.label(RichText::new(text).weak());
         return causes(ui, context);
     };
@@ -123,7 +123,7 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
     }
     if explanation.mirror != Vec3::ZERO {
         let share = 100.0 * luminance(explanation.mirror) / whole;
-        rows.push(("Mirror".into(), format!("{share:.1} %, from the map in place of nodes")));
+        rows.push(("Mirror".into(), format!("{share:.1} %, from the map instead of nodes")));
     }
     let [r, g, b] = explanation.radiance.to_array();
     rows.push(("Radiance".into(), format!("{r:.3}, {g:.3}, {b:.3}")));

@@ -27,7 +27,7 @@ impl ExplainWindow {
         self.picture = self.picture_to_explain(picture);
         match self.picture.clone() {
             Some(picture) => self.job = Some(ExplainJob::pixel(picture, pixel, work.wake.clone())),
-            None => self.message = Some("The picture has no light that is gathered by cuts".into()),
+            None => self.message = Some("No light in the picture is gathered by cuts".into()),
         }
     }
 

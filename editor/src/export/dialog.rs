@@ -127,7 +127,7 @@ impl SequenceDialog {
                     ui.selectable_value(&mut self.settings.turn, turn, turn_name(turn)).on_hover_text(turn_help(turn));
                 }
             });
-            combo.response.accessible_name("What turns").on_hover_text(turn_help(self.settings.turn));
+            combo.response.accessible_name("Turntable subject").on_hover_text(turn_help(self.settings.turn));
             let degrees = DragValue::new(&mut self.settings.degrees).range(-3600.0..=3600.0).suffix("°");
             ui.add_enabled(self.settings.turn.is_some(), degrees)
                 .accessible_name("Degrees")
@@ -151,7 +151,7 @@ impl SequenceDialog {
             self.settings.sweeps.remove(i);
         }
         ui.label(if self.settings.sweeps.is_empty() { "Sweep" } else { "" });
-        if ui.button("Add a sweep").on_hover_text("A parameter that changes over the frames").clicked() {
+        if ui.button("Add a sweep").on_hover_text("Add a parameter that changes over the frames").clicked() {
             self.settings.sweeps.push(new_sweep(Parameter::Brdf("roughness"), look));
         }
         ui.end_row();
@@ -181,15 +181,15 @@ impl SequenceDialog {
     fn file_rows(&mut self, ui: &mut Ui) -> Option<SequenceAnswer> {
         ui.label("Format");
         ui.horizontal(|ui| {
-            check_box(ui, &mut self.png, "PNG").on_hover_text("As the window shows it");
+            check_box(ui, &mut self.png, "PNG").on_hover_text("As displayed");
             check_box(ui, &mut self.exr, "EXR").on_hover_text("Scene-linear, 32-bit float");
             ui.add_enabled_ui(self.exr, |ui| {
                 check_box(ui, &mut self.layers, "with layers").on_hover_text(
-                    "Parts of the light, surfaces and work, each as a layer: takes about four times as long",
+                    "Write parts of the light, surface data and work as layers; takes about four times as long",
                 );
             });
             check_box(ui, &mut self.sheet, "Contact sheet")
-                .on_hover_text(format!("All frames on one picture, {SHEET}"));
+                .on_hover_text(format!("All frames in one picture, {SHEET}"));
         });
         ui.end_row();
         ui.label("Folder");
@@ -201,14 +201,14 @@ impl SequenceDialog {
         ui.end_row();
         ui.label("Name");
         let field = TextEdit::singleline(&mut self.name).desired_width(FIELD);
-        ui.add(field).accessible_name("Name of the frames").on_hover_text("#### stands for the frame's number");
+        ui.add(field).accessible_name("Name of the frames").on_hover_text("#### becomes the frame number");
         ui.end_row();
-        ui.label("Files there");
+        ui.label("Existing files");
         ui.horizontal(|ui| {
             for (choice, name, help) in [
-                (Existing::Refuse, "Stop", "Nothing is rendered if frames of these names are there"),
-                (Existing::Resume, "Keep", "Goes on with a sequence that was interrupted"),
-                (Existing::Overwrite, "Replace", "Renders all frames anew"),
+                (Existing::Refuse, "Stop", "Stop if any frame already exists"),
+                (Existing::Resume, "Keep", "Keep existing frames and render the rest"),
+                (Existing::Overwrite, "Replace", "Render all frames again"),
             ] {
                 ui.selectable_value(&mut self.existing, choice, name).on_hover_text(help);
             }
@@ -248,13 +248,11 @@ fn turn_name(turn: Option<Turn>) -> &'static str {
 
 fn turn_help(turn: Option<Turn>) -> &'static str {
     match turn {
-        None => "Only what is swept changes",
-        Some(Turn::Object) => {
-            "The scene turns as a whole before the camera and under its lights: its visibility is baked"
-        }
-        Some(Turn::Camera) => "The camera orbits the point that it looks at",
-        Some(Turn::Environment) => "The environment turns",
-        Some(Turn::Lights) => "The local lights turn about the point that the camera looks at",
+        None => "Change swept parameters only",
+        Some(Turn::Object) => "Turn the whole baked scene under fixed camera and lights",
+        Some(Turn::Camera) => "Orbit the camera around its target",
+        Some(Turn::Environment) => "Turn the environment",
+        Some(Turn::Lights) => "Turn the local lights around the camera's target",
     }
 }
 

@@ -31,12 +31,12 @@ use std::{
 };
 
 /// Why an export does not start while there is one.
-const UNDER_WAY: &str = "An export is under way; cancel it first";
+const UNDER_WAY: &str = "An export is already running; cancel it first";
 /// Why there is nothing to export.
 const NOTHING: &str = "There is nothing to export; open and bake a scene first";
 
 /// What is told where a glTF file is written with its materials alone anew.
-const KEEPS_PARTS: &str = "Surfaces that were given other materials have those of the scene's file there: only its materials are written anew";
+const KEEPS_PARTS: &str = "The glTF file keeps the scene file's material assignments; only its materials are rewritten";
 
 /// The picture that is exported, and its scene.
 pub type Exported = (Look, Baked);

@@ -30,7 +30,7 @@ impl Exporting {
         let run = self.run.as_ref()?;
         let (done, total) = run.job.progress();
         Some(match (run.cancelling, total) {
-            (true, _) => "Cancelling the export...".into(),
+            (true, _) => "Canceling the export...".into(),
             (false, 0 | 1) => "Exporting...".into(),
             (false, total) => {
                 let frame = format!("Exporting frame {} of {total}", (done + 1).min(total));

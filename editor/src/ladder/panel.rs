@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec
         }
         let [width, height] = result.tiles.first().map_or([0; 2], |tile| tile.texture.size());
         ui.weak(format!(
-            "Times are for {width} x {height} pixels with one sample each, a size whose reference is traced quickly."
+            "Times are for {width} x {height} pixels with one sample each, a size with a quick reference."
         ));
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -116,7 +116,7 @@ fn verdict(figures: &[StepFigures]) -> Option<String> {
 }
 
 fn lit_verdict(lit: &StepFigures) -> String {
-    format!("Lit cuts leave {} in {}, their making included.", error_text(lit), time_text(lit.seconds))
+    format!("Lit cuts leave {} in {}, including making them.", error_text(lit), time_text(lit.seconds))
 }
 
 fn error_text(f: &StepFigures) -> String {
@@ -136,7 +136,7 @@ fn size_verdict(figures: &[StepFigures]) -> Option<String> {
         format!("Every size lowers the error: {all} leave {left} in {}.", time(last))
     } else {
         format!(
-            "{} enough: {} of error in {}, where {all} leave {left} in {}. A larger illumination cut does not help further: Why? tells what would.",
+            "{} enough: {} of error in {}, where {all} leave {left} in {}. A larger illumination cut does not help further: Why? shows the causes of the rest.",
             if enough.cuts.size() == Some(1) { "1 node is".into() } else { format!("{} are", enough.cuts.label()) },
             error_text(enough),
             time(enough),
@@ -316,7 +316,7 @@ mod tests {
         with_lit[3].cuts = Cuts::Lit(0.003);
         let text = verdict(&with_lit).unwrap();
         assert!(text.starts_with("Every size lowers the error: 128 nodes leave 10.0 %"), "of sizes alone: {text}");
-        assert!(text.ends_with("Lit cuts leave 1.0 % (FLIP 0.010) in 400 ms, their making included."), "{text}");
+        assert!(text.ends_with("Lit cuts leave 1.0 % (FLIP 0.010) in 400 ms, including making them."), "{text}");
         assert!(!verdict(&with_lit[..3]).unwrap().contains("Lit"), "negative control");
     }
 

@@ -53,7 +53,7 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
     )];
     if let Some(noise) = noise {
         texts.push((
-            "of it noise",
+            "Reference noise",
             percent(noise),
             "Noise of the reference, estimated from its two halves; more paths lower it",
         ));
@@ -69,7 +69,7 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
             format!("{:.5}", metrics.rel_mse),
             "Mean over the pixels of the squared error relative to the squared reference",
         ),
-        ("Pixels", metrics.pixels.to_string(), "Pixels that were compared"),
+        ("Pixels", metrics.pixels.to_string(), "Number of compared pixels"),
     ]);
     texts
 }
@@ -78,21 +78,17 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
 fn costs(test: &TestPicture) -> [(&'static str, String, &'static str); 2] {
     let nodes = format!("{:.0}", test.stats.mean_merged_nodes);
     [
-        (
-            "Picture",
-            format!("{:.0} ms", test.millis),
-            "Render time of the picture with cuts, at the size of the comparison",
-        ),
+        ("Picture", format!("{:.0} ms", test.millis), "Render time of the picture with cuts, at comparison size"),
         ("Nodes", nodes, "Nodes of the merged cut per pixel"),
     ]
 }
 
 fn options(ui: &mut Ui, panel: &mut ComparisonPanel) {
     ui.checkbox(&mut panel.surfaces_only, "Surfaces only")
-        .on_hover_text("Background counts as equal, so that it hides no error");
+        .on_hover_text("Count the background as equal, so that it hides no error");
     ui.horizontal(|ui| {
         let drawing = matches!(panel.tool, Some(Tool::Region(_)));
-        let help = "Drag a rectangle in the viewport: only it is traced and measured";
+        let help = "Drag a rectangle in the viewport to trace and measure only that part";
         if ui.selectable_label(drawing, "Region").on_hover_text(help).clicked() {
             panel.tool = if drawing { None } else { Some(Tool::Region(None)) };
         }
@@ -148,7 +144,7 @@ mod tests {
             non_finite_pixels: 0,
         };
         let value = |name| texts(&metrics, Some(0.0123)).into_iter().find(|t| t.0 == name).unwrap().1;
-        assert_eq!([value("Relative RMSE"), value("PSNR"), value("of it noise")], ["infinite", "equal", "1.23 %"]);
-        assert!(texts(&metrics, None).iter().all(|t| t.0 != "of it noise"));
+        assert_eq!([value("Relative RMSE"), value("PSNR"), value("Reference noise")], ["infinite", "equal", "1.23 %"]);
+        assert!(texts(&metrics, None).iter().all(|t| t.0 != "Reference noise"));
     }
 }

@@ -55,10 +55,10 @@ impl MapView {
                 ui.add_enabled_ui(enabled, |ui| {
                     ui.selectable_value(&mut self.picture, picture, name)
                         .on_hover_text(help)
-                        .on_disabled_hover_text("Surface sources have no visibility apart from their solid angle.");
+                        .on_disabled_hover_text("For surface sources, visibility is part of the solid angle.");
                 });
             };
-            choice(MapPicture::Cut, "Cut", "The clusters, each with its mean light times its visibility.", true);
+            choice(MapPicture::Cut, "Cut", "The mean light of each cluster times its visibility.", true);
             choice(MapPicture::Traced, "Rays", "The light found by rays from the pixel.", true);
             let help = "Red: the cuts let blocked light through. Blue: the cuts block visible light.";
             choice(MapPicture::Visibility, "Difference", help, has_visibility);

@@ -40,7 +40,7 @@ impl Column {
             Self::Share => ("%", "Share of the pixel's luminance"),
             Self::Node => ("node", "Index in the light tree: the root is 1, the children of i are 2i and 2i + 1"),
             Self::Depth => ("d", "Depth in the light tree"),
-            Self::SolidAngle => ("sr", "Solid angle in steradians; of surface sources, as far as it is seen"),
+            Self::SolidAngle => ("sr", "Solid angle in steradians; for surface sources, the visible part"),
             Self::Visibility => ("vis", "Visibility, interpolated between the vertices"),
             Self::Radiance => ("L", "Luminance of the mean radiance"),
             Self::Brdf => ("f cos", "Luminance of BRDF times cosine"),

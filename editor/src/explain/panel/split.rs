@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, split: Option<&ErrorSplit>, progress: Option<f32>) -> O
         let cancel = ui.with_layout(Layout::right_to_left(Align::Min), |ui| ui.button("Cancel").clicked()).inner;
         return cancel.then_some(ExplainRequest::CancelSplit);
     }
-    let help = "Replaces one factor at a time by its exact value. This traces light paths, and takes a while.";
+    let help = "Replaces one factor at a time with its exact value. Traces light paths and takes a while.";
     let name = if split.is_some() { "Split again" } else { "Split the error" };
     ui.button(name).on_hover_text(help).clicked().then_some(ExplainRequest::Split)
 }
