@@ -32,7 +32,7 @@ With your own scene:
   lapidary verify scene.cuts
       traces some vertices again and compares
   lapidary check look.lapidary
-      tells whether all files that a session of the window names are there and can be read
+      checks that all files of a session can be read
   lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
       relights it by any environment at any rotation, without a new bake
   lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --out metal.png
@@ -90,7 +90,7 @@ Examples:
     Edit(EditArgs),
     /// Check that all files that a session names are there and can be read
     #[command(after_help = "\
-It lists scene, dataset, environment, textures, lights, materials and bookmarks, and tells what is missing or damaged. It
+It lists scene, dataset, environment, textures, lights, materials and bookmarks, and reports what is missing or damaged. It
 opens no window. It fails (exit code 1) if there is a problem.
 
 Example:

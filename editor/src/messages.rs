@@ -101,7 +101,7 @@ impl Messages {
                 for text in texts {
                     self.log_silently(text);
                 }
-                self.warning(format!("{of}: {} warnings, all of them in Help > Messages. First: {first}", texts.len()));
+                self.warning(format!("{of}: {} warnings, listed in Help > Messages. First: {first}", texts.len()));
             }
         }
     }
@@ -207,7 +207,7 @@ impl Messages {
         let mut open = true;
         Window::new("Messages").open(&mut open).default_size([560.0, 320.0]).show(ctx, |ui| {
             if self.entries.is_empty() {
-                ui.weak("Nothing has been said yet.");
+                ui.weak("No messages yet.");
                 return;
             }
             if ui.button("Copy all").clicked() {

@@ -178,7 +178,7 @@ impl Preferences {
             }
         };
         let message = format!(
-            "the preferences cannot be read whole: {}; what was not read is as by default, choose it again ({})",
+            "some preferences cannot be read: {}; they have their defaults, set them again ({})",
             problems.join("; "),
             file.display()
         );

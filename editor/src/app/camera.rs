@@ -41,7 +41,7 @@ impl EditorState {
 
     pub(super) fn copy_camera(&mut self, ctx: &Context) {
         ctx.copy_text(camera_text::text(&self.work.document.camera));
-        self.work.messages.note("The camera is on the clipboard, as options of lapidary render");
+        self.work.messages.note("Camera copied as options for lapidary render");
     }
 
     /// Moves the camera to what a text on the clipboard says.

@@ -41,9 +41,10 @@ impl EditorState {
     pub fn open_bundled(&mut self, index: usize) {
         match self.bundled.scenes.get(index).cloned() {
             Some(scene) => self.open(Target::Bundled(scene)),
-            None => self.work.messages.error(
-                "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",
-            ),
+            None => self
+                .work
+                .messages
+                .error("Bundled scene not found; start with --data DIR, set LAPIDARY_DATA, or open another scene"),
         }
     }
 
@@ -81,9 +82,7 @@ impl EditorState {
     }
 
     pub(super) fn forget_recent(&mut self, path: &Path) {
-        self.work
-            .messages
-            .warning(format!("The file is not there any more; it was taken off the list ({})", path.display()));
+        self.work.messages.warning(format!("File not found; it was removed from the list ({})", path.display()));
         if let Err(error) = self.recent.remove(path) {
             self.work.messages.warning(format!("{error:#}"));
         }
@@ -100,7 +99,7 @@ impl EditorState {
             Ok(Opened::Missing { loaded, path, recovery, found }) => {
                 if let Some(found) = found {
                     let missing = loaded.missing.len();
-                    self.work.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
+                    self.work.messages.note(format!("Found {found} files; {missing} still missing"));
                 }
                 self.questions.ask(Prompt::Missing { loaded, path, recovery });
             }

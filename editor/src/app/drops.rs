@@ -24,7 +24,7 @@ impl EditorState {
                 Kind::Scene | Kind::Dataset | Kind::Session if opened => {
                     self.work
                         .messages
-                        .warning(format!("One scene is open at a time; this one was left out ({})", path.display()));
+                        .warning(format!("Only one scene can be open; this one was skipped ({})", path.display()));
                 }
                 Kind::Scene | Kind::Dataset | Kind::Session => {
                     opened = true;

@@ -97,23 +97,23 @@ impl EditorState {
                     let name = entry.texture.name.clone();
                     entry.texture = Texture { name, ..(*texture).clone() }.into();
                 }
-                self.work.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
             Ok(Loaded::Brdf { content, remarks }) => {
                 remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
                 let materials = self.work.document.materials.iter_mut().chain(self.work.history.materials_mut());
                 let files = materials.filter_map(|material| material.file.as_mut());
                 files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
-                self.work.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
             Ok(Loaded::Scene(source)) => self.work.scene_changed(path, *source),
             // Another one may have been chosen meanwhile.
             Ok(_) if self.work.document.environment.file() != Some(path) => {}
             Ok(loaded) => {
                 self.environments.take_loaded(&mut self.work, into_environment(loaded));
-                self.work.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
-            Err(error) => self.work.messages.warning(format!("A file has changed and cannot be read now: {error}")),
+            Err(error) => self.work.messages.warning(format!("Cannot reload a changed file: {error}")),
         }
     }
 }
@@ -123,7 +123,7 @@ type LoadedEnvironment = (Arc<lapidary_core::environment::Environment>, Vec<Stri
 fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
     match loaded {
         Loaded::Environment { environment, warnings } => Ok((environment, warnings)),
-        _ => Err("that is no environment".into()),
+        _ => Err("not an environment".into()),
     }
 }
 

@@ -107,7 +107,7 @@ const fn tool(tool: Tool, keys: &'static [(Modifiers, Key)]) -> Binding {
 }
 
 const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
-    binds("What the pixels show", Command::Mode(mode), label, keys)
+    binds("View modes", Command::Mode(mode), label, keys)
 }
 
 /// All commands.
@@ -125,7 +125,7 @@ pub const BINDINGS: [Binding; 42] = [
     tool(Tool::Turn, &[(NONE, Key::E)]),
     tool(Tool::Scale, &[(NONE, Key::R)]),
     binds("Edit", Command::Tool(None), "Select only", &[(NONE, Key::Q)]),
-    binds("Edit", Command::SelectNothing, "Select nothing", &[(NONE, Key::Escape)]),
+    binds("Edit", Command::SelectNothing, "Deselect all", &[(NONE, Key::Escape)]),
     binds("View", Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
     binds("View", Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
     binds("View", Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),

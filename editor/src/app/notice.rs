@@ -26,12 +26,12 @@ pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, tabs: &mut Tabs, action
     below(ui, rect, 90.0, |ui| match unlit {
         Unlit::NoLights => {
             ui.label(RichText::new("Nothing gives light").strong());
-            ui.label("The bake is without the environment, the scene without lights.");
+            ui.label("The bake has no environment light, and the scene has no lights.");
             ui.menu_button("Add a light", |ui| add_menu(ui, actions));
         }
         Unlit::SwitchedOff => {
             ui.label(RichText::new("All light is switched off").strong());
-            ui.label("The Lights tab has switches for each light and for each part of the light.");
+            ui.label("The Lights tab switches each light and each part of the light.");
             if ui.button("Open the Lights tab").clicked() {
                 tabs.show_inspector(Inspector::Lights);
             }
@@ -92,7 +92,7 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
 
 fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Action>) {
     heading(ui, &format!("{title} has changed"));
-    ui.label("The bake beside it was made of another version of the scene: its shadows and reflections are not right.");
+    ui.label("Its bake is of another version of the scene, so shadows and reflections are wrong.");
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake again").strong()).clicked() {
         actions.push(Action::Bake(BakeAction::Begin { resume: false }));
@@ -104,9 +104,7 @@ fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Ac
 
 fn not_baked(ui: &mut Ui, title: &str, actions: &mut Vec<Action>) {
     heading(ui, &format!("{title} is not baked yet"));
-    ui.label(
-        "A bake traces what light each point can see, for shadows. The Bake tab has presets, from seconds to minutes.",
-    );
+    ui.label("A bake traces which light reaches each point. The Bake tab has presets, from seconds to minutes.");
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake now").strong()).clicked() {
         actions.push(Action::Bake(BakeAction::Begin { resume: false }));

@@ -35,7 +35,7 @@ impl Safekeeping {
                 self.forget_recovered(work);
             }
             Ok(false) => {}
-            Err(error) => work.messages.error(format!("The autosave failed: {error}")),
+            Err(error) => work.messages.error(format!("Autosave failed: {error}")),
         }
         if work.history.is_modified() && self.autosaved != work.history.revision() {
             ctx.request_repaint_after(INTERVAL);
@@ -47,7 +47,7 @@ impl Safekeeping {
         if let Some(recovered) = self.recovered.take()
             && let Err(error) = recovered.discard()
         {
-            work.messages.warning(format!("An autosave cannot be removed: {error}"));
+            work.messages.warning(format!("Cannot remove an autosave: {error}"));
         }
     }
 

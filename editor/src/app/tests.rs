@@ -332,7 +332,7 @@ fn a_changed_texture_of_the_scene_is_loaded_again() {
     window.wait_for_watch("the new texture", repaint, |s| s.work.document.textures[0].texture.size == [4, 2]);
     assert_eq!((old.size, &*old.name), ([2, 2], "paint.png"));
     assert_eq!(window.0.state().work.document.textures[0].texture.name, "paint.png", "as the scene has it");
-    assert!(window.has_said("Loaded again"));
+    assert!(window.has_said("Reloaded"));
 }
 
 #[test]
@@ -351,7 +351,7 @@ fn a_changed_texture_is_loaded_again() {
     let repaint =
         || image::write(&lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y), &place.path("paint.png")).unwrap();
     window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.work.document.textures[0].texture, &old));
-    assert!(window.has_said("Loaded again"));
+    assert!(window.has_said("Reloaded"));
 }
 
 #[test]

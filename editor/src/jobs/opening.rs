@@ -209,13 +209,13 @@ pub fn open(target: Target, bakes: &Path, consent: &Consent) -> Result<Opened> {
 /// Why a file that is not edited by itself cannot be opened, and where it goes instead.
 fn no_document(path: &Path, kind: Kind) -> String {
     let what = match kind {
-        Kind::Environment => "this is an environment and no scene; use Library > Load..., or drop it on the window",
-        Kind::Texture => "this is a picture and no scene; load it as a map of a material, or drop it on an object",
-        Kind::Material => "this is a material and no scene; use Load... in the Material tab, or drop it on an object",
+        Kind::Environment => "this is an environment, not a scene; use Library > Load..., or drop it on the window",
+        Kind::Texture => "this is a picture, not a scene; load it as a map of a material, or drop it on an object",
+        Kind::Material => "this is a material, not a scene; use Load... in the Material tab, or drop it on an object",
         Kind::Brdf => {
-            "this is a BRDF and no scene; use Load... under the model in the Material tab, or drop it on an object"
+            "this is a BRDF, not a scene; use Load... under the model in the Material tab, or drop it on an object"
         }
-        Kind::Lights => "these are lights and no scene; use Load... in the Lights tab, or drop them on the window",
+        Kind::Lights => "these are lights, not a scene; use Load... in the Lights tab, or drop them on the window",
         Kind::Scene | Kind::Dataset | Kind::Session | Kind::Unknown => return foreign(path),
     };
     format!("{what} ({})", path.display())

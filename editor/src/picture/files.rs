@@ -61,7 +61,7 @@ impl Picture {
         let id = self.exports_asked;
         self.exports.push(Export { id, path, transparent });
         self.render.read_picture(id);
-        work.messages.note("The picture is written when all its samples are there");
+        work.messages.note("The picture will be written once all samples are done");
     }
 
     fn write(&mut self, work: &Workspace, id: u64, result: Result<LinearPicture, String>) {

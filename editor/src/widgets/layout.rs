@@ -123,5 +123,5 @@ pub(super) fn cell<R>(ui: &mut Ui, width: f32, height: f32, body: impl FnOnce(&m
 fn reset_button(ui: &mut Ui, name: &str) -> bool {
     let button = Button::new(RichText::new("↺").monospace().weak()).frame(false);
     let name = format!("Reset {name}");
-    ui.add(button).on_hover_text("Back to the default (also: double-click the name)").accessible_name(name).clicked()
+    ui.add(button).on_hover_text("Reset to default (or double-click the name)").accessible_name(name).clicked()
 }

@@ -81,7 +81,7 @@ impl Workspace {
     pub fn toggle_object(&mut self, object: u32) {
         let ground = self.scene.ground_object();
         if ground == Some(object) {
-            self.messages.remark("The ground stays where it is, and is only selected alone");
+            self.messages.remark("The ground cannot move, and can only be selected alone");
             return;
         }
         self.selection.retain_objects(|selected| Some(selected) != ground);

@@ -60,7 +60,7 @@ impl PathEntry {
         ui.heading(self.purpose.title);
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            if ui.button("Up").on_hover_text("The folder above").clicked() {
+            if ui.button("Up").on_hover_text("Go to the parent folder").clicked() {
                 self.enter_parent();
             }
             ui.add(Label::new(RichText::new(self.folder.display().to_string()).weak()).truncate().selectable(true));
@@ -157,7 +157,7 @@ impl PathEntry {
             _ if typed.is_empty() => self.problem = Some("Choose a file or type a path.".into()),
             Mode::Save => return self.accept_to_write(path),
             Mode::Open | Mode::OpenMany if path.is_file() => return Some(path),
-            _ => self.problem = Some(format!("There is no such file; check the path ({})", path.display())),
+            _ => self.problem = Some(format!("File not found; check the path ({})", path.display())),
         }
         None
     }
@@ -165,9 +165,9 @@ impl PathEntry {
     fn accept_to_write(&mut self, path: PathBuf) -> Option<PathBuf> {
         let path = self.purpose.with_extension(path);
         if path.parent().is_some_and(|folder| !folder.is_dir()) {
-            self.problem = Some(format!("There is no such folder; create it first ({})", path.display()));
+            self.problem = Some(format!("Folder not found; create it first ({})", path.display()));
         } else if path.exists() && self.replacing.as_ref() != Some(&path) {
-            self.problem = Some(format!("There is such a file already. Replace it? ({})", path.display()));
+            self.problem = Some(format!("File already exists. Replace it? ({})", path.display()));
             self.replacing = Some(path);
         } else {
             return Some(path);
@@ -193,7 +193,7 @@ impl PathEntry {
                 self.problem = None;
             }
             Err(error) => {
-                self.problem = Some(format!("The folder cannot be read: {error} ({})", folder.display()));
+                self.problem = Some(format!("Cannot read the folder: {error} ({})", folder.display()));
                 if self.folder.as_os_str().is_empty() {
                     self.folder = folder;
                 }

@@ -187,7 +187,7 @@ fn files_outside_the_folder_of_a_scene_are_read_after_a_question_that_is_asked_o
     let texture = |window: &Window| window.0.state().work.document.textures[0].texture.size;
     let mut window = place.window();
     window.open(&scene);
-    assert!(window.shows("Read files from elsewhere?") && window.shows("../red.png"));
+    assert!(window.shows("Read files outside the folder?") && window.shows("../red.png"));
     assert!(window.0.state().work.scene.source.is_none(), "nothing is opened before the answer");
     window.click("Open without them");
     window.wait("the scene", |s| s.work.scene.source.is_some());
@@ -197,7 +197,7 @@ fn files_outside_the_folder_of_a_scene_are_read_after_a_question_that_is_asked_o
     window.wait("the picture", |s| s.work.document.textures.first().is_some_and(|t| t.texture.size == [3, 3]));
     let mut later = place.window();
     later.open(&scene);
-    assert!(!later.shows("Read files from elsewhere?"), "the folder is remembered");
+    assert!(!later.shows("Read files outside the folder?"), "the folder is remembered");
     assert_eq!(texture(&later), [3, 3]);
     assert!(later.has_said("were read, as was allowed"));
 }

@@ -144,7 +144,7 @@ impl Checks<'_> {
             && axis.is_finite()
             && axis != Vec3::ZERO;
         if !usable {
-            self.warnings.push(format!("the camera \"{name}\" looks nowhere; {otherwise}"));
+            self.warnings.push(format!("the camera \"{name}\" has no view direction; {otherwise}"));
             return false;
         }
         if camera.up == Vec3::ZERO {

@@ -66,7 +66,7 @@ impl fmt::Display for SessionError {
                 path.display()
             ),
             Self::Foreign { path } => {
-                write!(f, "the file is no session; open a file that Lapidary saved ({})", path.display())
+                write!(f, "not a session file; open a file that Lapidary saved ({})", path.display())
             }
             Self::Newer { path, found } => write!(
                 f,

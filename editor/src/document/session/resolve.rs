@@ -87,7 +87,7 @@ fn take_poses(document: &mut Document, poses: &[SessionPose], ground: Option<u32
         let object = object.filter(|&object| Some(object) != ground);
         match pose.validate(&session.name) {
             Ok(()) => object.into_iter().for_each(|object| document.poses.set(object, pose)),
-            Err(error) => warnings.push(format!("{error}; it is where its file has it")),
+            Err(error) => warnings.push(format!("{error}; the object is placed as in the scene file")),
         }
     }
 }

@@ -76,7 +76,7 @@ fn kind_of_json(path: &Path) -> Kind {
 
 /// Why a file that is of no known kind cannot be opened.
 pub fn foreign(path: &Path) -> String {
-    let what = if path.exists() { "Lapidary does not know this kind of file" } else { "there is no such file" };
+    let what = if path.exists() { "Lapidary does not know this kind of file" } else { "file not found" };
     let named = |endings: Vec<&str>| listed(&endings, ", ");
     let pictures = |is_light| PictureFormat::ALL.iter().filter(move |format| format.is_light == is_light);
     let usual = |is_light| pictures(is_light).map(|format| format.endings()[0]).collect();

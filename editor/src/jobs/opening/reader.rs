@@ -64,7 +64,7 @@ fn read_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Baked> {
     match Dataset::read(path, image::decode) {
         Ok(dataset) => Some(Baked::begun(dataset)),
         Err(error) => {
-            warnings.push(format!("The bake cannot be used, bake again: {error}"));
+            warnings.push(format!("Cannot use the bake; bake again: {error}"));
             None
         }
     }

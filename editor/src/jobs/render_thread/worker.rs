@@ -152,7 +152,7 @@ impl Worker {
                     self.reset();
                     let reason = panic_text(&*panic);
                     self.give_up(format!(
-                        "the renderer failed by a mistake in Lapidary ({reason}); change something to try again, and \
+                        "the renderer failed because of a bug in Lapidary ({reason}); change something to try again, and \
                          please report it"
                     ));
                 }
@@ -233,8 +233,8 @@ impl Worker {
         self.begun = None;
         self.stage = PictureStage::Begin;
         self.outbox.event(match reloaded {
-            Ok(()) => RenderEvent::Remark("the shaders were read again".into()),
-            Err(error) => RenderEvent::Remark(format!("the shaders stay as they were: {error}")),
+            Ok(()) => RenderEvent::Remark("shaders reloaded".into()),
+            Err(error) => RenderEvent::Remark(format!("shaders not reloaded: {error}")),
         });
     }
 
