@@ -1,4 +1,4 @@
-//! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
+//! Opens, saves and leaves documents, asks the questions on the way, and searches for missing files.
 
 use super::state::{
     EditorState,
@@ -17,7 +17,7 @@ use lapidary_precompute::Leftover;
 use std::path::{Path, PathBuf};
 
 impl EditorState {
-    /// The window closes, after changes were asked about.
+    /// Closes the window after asking about changes.
     pub(super) fn quit(&mut self, ctx: &Context) {
         if self.work.history.is_modified() {
             self.questions.ask(Prompt::Unsaved { then: Then::Quit });
@@ -26,7 +26,7 @@ impl EditorState {
         }
     }
 
-    /// Goes on without asking.
+    /// Leaves the document without asking.
     pub(super) fn leave_now(&mut self, ctx: &Context, then: Then) {
         match then {
             Then::Show(ready) => self.take_document(*ready),
@@ -134,7 +134,7 @@ impl EditorState {
         self.work.document = document;
         self.work.history = if recovery.is_some() { History::unsaved() } else { History::new() };
         self.safe.recovered = recovery;
-        // The cameras of sessions and of recovered work are as they were left.
+        // Sessions and recovered work keep their cameras.
         let is_kept = session.is_some() || self.safe.recovered.is_some();
         let first_view = Some(FirstView::of(&self.work.document, is_kept));
         let show_stale = false;
@@ -171,7 +171,7 @@ impl EditorState {
         }
     }
 
-    /// Looks for the missing files of the session that waits for it.
+    /// Searches for the missing files of the waiting session.
     pub(super) fn relink(&mut self, folder: PathBuf) {
         match self.questions.waiting.pop_front() {
             Some(Prompt::Missing { loaded, path, recovery }) => {

@@ -75,7 +75,7 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::Quit, true);
 }
 
-/// Jobs with a renderer of their own, of which one runs at a time, and the materials.
+/// Exports: jobs with a renderer of their own, one at a time, and the materials.
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     let (shown, running) = (state.work.scene.rendered().is_some(), state.exporting.is_running());
     let entries = [
@@ -158,7 +158,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::PasteCamera, true);
 }
 
-/// What handles do to the selected objects.
+/// The tools of the handles.
 fn tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for tool in Tool::ALL.map(Some).into_iter().chain([None]) {
         let command = Command::Tool(tool);

@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout), |ui| contents(ui, state, actions));
 }
 
-/// Says in the lower part of `rect` why the picture in it is black, and leads to light.
+/// Explains in the lower part of `rect` why its picture is black, with a button that leads to light.
 pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, tabs: &mut Tabs, actions: &mut Vec<Action>) {
     below(ui, rect, 90.0, |ui| match unlit {
         Unlit::NoLights => {
@@ -39,7 +39,7 @@ pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, tabs: &mut Tabs, action
     });
 }
 
-/// Says in the lower part of `rect` why the picture in it has no shadows, and leads to a bake.
+/// Explains in the lower part of `rect` why its picture has no shadows, with a button to bake.
 pub fn show_below(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
     below(ui, rect, 130.0, |ui| contents(ui, state, actions));
 }
@@ -79,10 +79,10 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
     ui.label("Visibility is traced once; light and materials can then be edited freely.");
     ui.add_space(6.0);
     ui.add(ProgressBar::new(fraction.unwrap_or(0.0)).desired_width(WIDTH - 60.0).desired_height(6.0));
-    // What it is for, and what it does.
+    // The kind of bake, and its phase.
     line.split(": ").for_each(|part| drop(ui.weak(part)));
     ui.add_space(6.0);
-    // Not in the middle, where a second click on the button that began the bake would find it.
+    // Not in the middle, where a double click on the button that began the bake would hit it.
     ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
         if ui.button("Cancel").clicked() {
             actions.push(Action::Bake(BakeAction::Cancel));

@@ -1,5 +1,5 @@
-//! Asks the questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says, and
-//! files that are elsewhere than a scene or a material.
+//! Asks questions: unsaved changes, recovered work, missing files of a session, and files outside the folder of a scene or
+//! material.
 
 use super::state::{
     EditorState,
@@ -28,7 +28,7 @@ enum Answer {
     Choose(usize),
 }
 
-/// Shows the question that waits, if any, and does what is answered.
+/// Shows the waiting question, if any, and acts on its answer.
 pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
     let Some(prompt) = state.questions.waiting.front() else { return };
     if state.dialogs.is_open() {

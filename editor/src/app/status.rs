@@ -1,4 +1,4 @@
-//! The status line: what happened last, and the figures of the picture.
+//! The status line: the last message, and the figures of the picture.
 
 use super::state::EditorState;
 use crate::{
@@ -66,7 +66,7 @@ fn figure(ui: &mut Ui, text: String, what: &str) {
     ui.add_space(8.0);
 }
 
-/// Memory of this process, where the system tells.
+/// Memory of this process, if the system reports it.
 fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -19,7 +19,7 @@ pub struct PathEntry {
     text: String,
     entries: Vec<Entry>,
     problem: Option<String>,
-    /// A file that would be replaced, and whose replacing was not confirmed yet.
+    /// An existing file whose replacement is not confirmed yet.
     replacing: Option<PathBuf>,
     fresh: bool,
 }
@@ -48,7 +48,7 @@ impl PathEntry {
         entry
     }
 
-    /// Shows it.
+    /// Shows the dialog.
     pub fn show(&mut self, ctx: &Context) -> Answer {
         let modal = Modal::new(egui::Id::unique("path entry")).show(ctx, |ui| self.contents(ui));
         let closed = modal.should_close();
@@ -78,8 +78,8 @@ impl PathEntry {
         if picked || typed || accepted { self.accept().map(Some) } else { None }
     }
 
-    /// Returns whether the path was accepted or the dialog cancelled. What replaces a file is not where the first click on
-    /// the way there was.
+    /// Returns whether the path was accepted or the dialog canceled. The button that replaces a file is not where the first click
+    /// was.
     fn buttons(&self, ui: &mut Ui) -> (bool, bool) {
         let replaces = self.replacing.is_some();
         let row = ui.horizontal(|ui| {
@@ -131,7 +131,7 @@ impl PathEntry {
         let field = output.response.response.accessible_name("Path");
         if std::mem::take(&mut self.fresh) {
             field.request_focus();
-            // What is typed first replaces the suggested name and leaves its extension.
+            // Typing replaces the suggested name and keeps its extension.
             let stem = Path::new(&self.text).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count());
             let range = CCursorRange::two(CCursor::new(0), CCursor::new(stem));
             output.state.cursor.set_char_range(Some(range));

@@ -11,10 +11,10 @@ use lapidary_interchange::{
 };
 use std::path::{Path, PathBuf};
 
-/// Which dialog.
+/// Kind of dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// One file that is there.
+    /// One existing file.
     Open,
     /// One or many.
     OpenMany,

@@ -1,4 +1,4 @@
-//! A scene that opens: seen at once, baked by itself, and what of that is kept.
+//! A scene that opens is seen at once and baked automatically, and its bakes are kept.
 
 use super::{Place, few_lights};
 use crate::{
@@ -13,7 +13,7 @@ use lapidary_core::{
 };
 use lapidary_interchange::image;
 
-/// Opens the scene and bakes it as if that had begun by itself, with few lights.
+/// Opens the scene and bakes it automatically, with few lights.
 fn baked_by_itself(place: &Place) -> super::Window {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));

@@ -16,7 +16,7 @@ fn choose(window: &mut Window, ground: Ground) {
     window.perform(Action::EndGesture);
 }
 
-/// The scene with its bake, which has no ground; `by_itself` tells whether scenes are baked without being asked.
+/// The scene with a bake without a ground; with `by_itself` scenes are baked automatically.
 fn opened(place: &Place, by_itself: bool) -> Window {
     place.bake();
     let mut window = place.window();

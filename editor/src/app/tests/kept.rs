@@ -1,4 +1,4 @@
-//! What a user made is kept: recovered work, edits while something opens, sessions of scenes without a bake, bakes.
+//! Work is kept: recovered work, edits while a file opens, sessions of scenes without a bake, bakes.
 
 use super::{Place, Window, few_lights};
 use crate::{

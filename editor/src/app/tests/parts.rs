@@ -1,4 +1,4 @@
-//! Parts get materials of their own and those of variants, without a bake.
+//! Parts get materials of their own, and variants, without a bake.
 
 use super::{Place, Window};
 use crate::{
