@@ -101,10 +101,10 @@ Example:
 }
 
 impl Command {
-    /// Does it.
+    /// Runs the command.
     ///
     /// # Errors
-    /// Whatever went wrong, in words for the user.
+    /// An error with its remedy, in words for the user.
     pub fn run(&self, console: Console) -> Result<Outcome> {
         match self {
             Self::Edit(args) => edit::run(args),

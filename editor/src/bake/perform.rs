@@ -1,4 +1,4 @@
-//! What is asked of bakes.
+//! Performs the actions of bakes.
 
 use super::{
     begin::wants_draft,
@@ -16,7 +16,7 @@ use lapidary_core::{
 };
 
 impl Baking {
-    /// Does what is asked.
+    /// Performs an action.
     pub fn perform(&mut self, work: &mut Workspace, action: BakeAction) {
         match action {
             BakeAction::Begin { resume } => {

@@ -1,4 +1,4 @@
-//! Whether a bake would give another dataset than the one there is, and why.
+//! Whether another bake would give another dataset, and why.
 
 use super::parts::described;
 use crate::{document::Document, workspace::Workspace};
@@ -26,7 +26,7 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
     reasons
 }
 
-/// Differences between the bake that there is and what another would give now.
+/// Differences between the present bake and a new one.
 pub fn stale_now(work: &Workspace) -> Vec<String> {
     let hash = work.scene.source.as_ref().map(|source| source.hash.as_str());
     let baked = work.scene.baked.as_ref();

@@ -1,4 +1,4 @@
-//! The strip under the viewport: the reference, how both pictures are shown, and their differences.
+//! The strip under the viewport: the reference, the view of both pictures, and their differences.
 
 mod figures;
 #[cfg(test)]
@@ -21,16 +21,16 @@ use lapidary_studies::{
 };
 use std::path::{Path, PathBuf};
 
-/// Pixels of the live picture along each axis for one of the comparison.
+/// Pixels of the live picture along each axis per pixel of the comparison.
 const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 size"), (8, "1/8 size")];
-/// Regions begin and end at multiples of it, so that coarse references have pixels in them.
+/// Grid of regions in pixels, so that coarse references have pixels in them.
 const GRID: u32 = 4;
-/// Width in points of the button that pauses tracing and goes on.
+/// Width in points of the button that pauses and resumes tracing.
 const PAUSE_WIDTH: f32 = 50.0;
 /// Width in points of the button that ends the comparison.
 const CLOSE: f32 = 22.0;
 
-/// Which reference, apart from the figures that go with it.
+/// Kind of reference, without its settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum KindChoice {
     /// All light samples.
@@ -51,12 +51,12 @@ pub enum Tool {
     Why,
 }
 
-/// What the strip remembers.
+/// State of the strip.
 #[derive(Clone, Debug)]
 pub struct ComparisonPanel {
     /// Whether anything is compared.
     pub open: bool,
-    /// Which reference.
+    /// Kind of reference.
     pub kind: KindChoice,
     /// Light paths per pixel.
     pub spp: u32,
@@ -66,19 +66,19 @@ pub struct ComparisonPanel {
     pub scale: u32,
     /// How both are shown.
     pub view: CompareView,
-    /// The reference is shown as long as the key is held.
+    /// The reference is shown while the key is held.
     pub flicker: bool,
-    /// Where the line between both is, as a share of the width.
+    /// Position of the line between both, as a share of the width.
     pub swipe: f32,
     /// Which error is mapped.
     pub map: ShownMap,
-    /// The error at the end of the map's colors, where it was set.
+    /// The error at the end of the map's colors, if kept.
     pub top: Option<f32>,
     /// Pixels without surfaces do not count.
     pub surfaces_only: bool,
     /// The part that counts, in shares of the viewport: left, top, right, bottom.
     pub region: Option<[f32; 4]>,
-    /// What the pointer does.
+    /// Tool of the pointer.
     pub tool: Option<Tool>,
 }
 
@@ -103,14 +103,14 @@ impl Default for ComparisonPanel {
 }
 
 impl ComparisonPanel {
-    /// What is seen now.
+    /// The view shown now.
     pub fn shown_view(&self) -> CompareView {
         if self.flicker { CompareView::Reference } else { self.view }
     }
 
-    /// What is to be compared with the live picture; `None` where no file was chosen yet.
+    /// The request for the live picture; `None` if no file was chosen yet.
     pub fn request(&self, baked: Option<Baked>, mut look: Look) -> Option<ComparisonRequest> {
-        // What the comparison has no part in begins nothing anew.
+        // Settings without effect on the comparison do not restart it.
         (look.view.mode, look.view.wireframe) = (ViewMode::Shaded, false);
         if self.kind != KindChoice::File {
             look.view.aa = 1;
@@ -127,7 +127,7 @@ impl ComparisonPanel {
         Some(request)
     }
 
-    /// The region that is drawn over the viewport: the one that is being dragged, or else the one that counts.
+    /// The region drawn over the viewport: the one being dragged, else the measured one.
     pub fn drawn_region(&self) -> Option<[f32; 4]> {
         match self.tool {
             Some(Tool::Region(Some((_, part)))) => Some(part),
@@ -135,8 +135,7 @@ impl ComparisonPanel {
         }
     }
 
-    /// The region in pixels of a picture that is as high as the viewport of shape `aspect` (width over height), and as wide as it
-    /// may be.
+    /// The region in pixels of a picture as high as the viewport of shape `aspect` (width over height), and of any width.
     pub fn region_in(&self, size: [u32; 2], aspect: f32) -> Option<Region> {
         let wider = aspect * size[1] as f32 / size[0].max(1) as f32;
         let across = |x: f32| 0.5 + (x - 0.5) * wider;
@@ -154,7 +153,7 @@ impl ComparisonPanel {
         Region { x, y, width, height }.within(size)
     }
 
-    /// What the picture is, in a few words.
+    /// Label of the picture.
     pub fn picture_label(&self, cuts: Cuts) -> String {
         match cuts.size() {
             Some(_) => format!("A: illumination cut of {}", cuts.label()),
@@ -162,7 +161,7 @@ impl ComparisonPanel {
         }
     }
 
-    /// What the reference is, in a few words; its noise is that of what is measured.
+    /// Label of the reference, with its noise in the measured part.
     pub fn reference_label(&self, reference: &ReferencePicture, noise: Option<f64>, progress: f32) -> String {
         let done = if reference.finished { String::new() } else { format!(", {:.0} % done", 100.0 * progress) };
         match self.kind {
@@ -188,7 +187,7 @@ pub struct ComparisonContext<'a> {
     pub progress: f32,
     /// Whether tracing was paused.
     pub paused: bool,
-    /// Whether tracing waits until other work is done.
+    /// Whether tracing waits for other work.
     pub held: bool,
     /// Whether there is something to pause.
     pub tracing: bool,
@@ -229,7 +228,7 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
     ui.add_space(2.0);
 }
 
-/// The button that ends the comparison, in the corner: nothing that changes its width pushes it under the pointer.
+/// The button that ends the comparison, in the corner, where no changing width can push it under the pointer.
 fn close(ui: &mut Ui, panel: &mut ComparisonPanel) {
     let size = vec2(CLOSE, ui.spacing().interact_size.y);
     let corner = Align2::RIGHT_TOP.align_size_within_rect(size, ui.available_rect_before_wrap());
@@ -287,7 +286,7 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
     combo.response.on_hover_text(help).accessible_name("Comparison size");
 }
 
-/// Always as wide, so that nothing behind it moves when tracing begins or ends.
+/// Of constant width, so that nothing beside it moves when tracing begins or ends.
 fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) {
     let finished = context.measured.filter(|m| m.reference.finished);
     let text = match finished {

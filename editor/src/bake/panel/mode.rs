@@ -8,7 +8,7 @@ use crate::{
 use egui::{RichText, Ui};
 use lapidary_core::dataset::{BakeParts, BakeSettings};
 
-/// The choice for most bakes, and what the chosen one gives and costs.
+/// The list of bake types, and the effect and cost of the chosen one.
 pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<Action>) {
     let mode = bake.mode;
     let mut modes = vec![
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<A
     ui.label(RichText::new(gives_and_costs(bake, speed)).weak().small());
 }
 
-/// Name for people.
+/// Displayed name.
 pub fn name(mode: BakeParts) -> &'static str {
     match (mode.environment(), mode.sources(), mode.meshless()) {
         (_, false, false) => "Environment",
@@ -73,7 +73,7 @@ fn gives_and_costs(bake: &BakeSettings, speed: &Speed) -> String {
     gives(bake.mode).to_owned() + &cost
 }
 
-/// The choice for few: many bounces without the cuts.
+/// The rare choice of many bounces without cuts.
 pub fn advanced(ui: &mut Ui, mode: BakeParts, actions: &mut Vec<Action>) {
     let mut is_meshless = mode == BakeParts::MESHLESS;
     if check_row(ui, "Many soft bounces only", gives(BakeParts::MESHLESS), &mut is_meshless).changed {

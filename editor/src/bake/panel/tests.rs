@@ -64,7 +64,7 @@ fn panel_of_scene(
     panel
 }
 
-/// Clicks what has this label and returns the actions.
+/// Clicks the control of this label and returns the actions.
 fn clicked(panel: &mut Harness<Probe>, label: &str) -> Vec<Action> {
     panel.get_by_label(label).click();
     panel.run();
@@ -171,7 +171,7 @@ fn reasons_name_both_values_and_only_what_differs() {
     document.bake.max_vertices = None;
     let expected = ["Lights: 8,192 now, 32,768 in the bake", "Vertices: no limit now, 100,000 in the bake"];
     assert_eq!(stale_reasons(&document, &dataset, Some("abc")), expected);
-    // Beta is of no account in a geometric tree.
+    // A geometric tree ignores beta.
     (document.bake, dataset.settings) = (Preset::Normal.settings(), Preset::Normal.settings());
     (document.bake.tree, dataset.settings.tree) = (TreeKind::Geometric, TreeKind::Geometric);
     document.bake.beta = 0.9;

@@ -1,4 +1,4 @@
-//! Which views a bake is for: all alike, or those that most vertices are meant for.
+//! Views of a bake: all equally, or those that get most vertices.
 
 use crate::{
     actions::{Action, BakeAction},

@@ -18,10 +18,10 @@ const MOST_LEVELS: usize = 8;
 /// Core seconds, bytes and levels of the color box's meshless basis. Each level has about four times the functions of
 /// the one above it; their number depends on the surface in units of the coarsest distance, not on the vertices.
 const MESHLESS: (f64, f64, usize) = (110.0, 13e6, 6);
-/// Functions that gather light, in terms of those of the first two levels: all of three and four levels do, and as many of each
-/// further level as need detail.
+/// Functions that gather light, relative to those of the first two levels: all functions of three and four levels, and of each
+/// further level those that need detail.
 const GATHERING: [f64; 3] = [3.75, 13.3, 16.3];
-/// How much longer a ray of a whole basis takes than one of its first two levels, with what placing its points takes.
+/// Time of a ray of a whole basis relative to one of its first two levels, including the placing of points.
 const OF_WHOLE_BASIS: f64 = 1.25;
 
 /// The entry.
@@ -70,7 +70,7 @@ impl PartOfPanel for Meshless {
         ]
     }
 
-    /// It goes with the levels.
+    /// The cost depends on the levels.
     fn cost(&self, speed: &Speed, settings: &BakeSettings, _vertices: f64) -> Cost {
         let settings = &settings.meshless;
         let (core_secs, bytes, measured_levels) = MESHLESS;
@@ -91,7 +91,7 @@ impl PartOfPanel for Meshless {
     }
 }
 
-/// Functions that gather light in a basis of so many levels, as a multiple of those of the first two.
+/// Functions that gather light in a basis of `levels` levels, as a multiple of those of the first two.
 fn gathering(levels: usize) -> f64 {
     match levels {
         0..=2 => 1.0,

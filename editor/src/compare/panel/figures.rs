@@ -1,4 +1,4 @@
-//! What both pictures differ by: metrics, and how the errors are distributed.
+//! Differences of both pictures: metrics, and the histogram of errors.
 
 use super::{ComparisonPanel, Tool};
 use crate::widgets::copyable;
@@ -9,10 +9,10 @@ use lapidary_studies::jobs::{comparison::TestPicture, measure::Measured};
 /// Size of the histogram in points, and its bars.
 const HISTOGRAM: egui::Vec2 = vec2(150.0, 34.0);
 const BINS: usize = 50;
-/// Points that the options take.
+/// Width of the options in points.
 const OPTIONS: f32 = 116.0;
 
-/// Shows options, histogram and figures, or what `otherwise` says in their place.
+/// Shows options, histogram and figures, or else the text `otherwise`.
 pub fn show(
     ui: &mut Ui,
     panel: &mut ComparisonPanel,
@@ -74,7 +74,7 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
     texts
 }
 
-/// What the picture with cuts took, in the size of the comparison.
+/// Cost of the picture with cuts, at comparison size.
 fn costs(test: &TestPicture) -> [(&'static str, String, &'static str); 2] {
     let nodes = format!("{:.0}", test.stats.mean_merged_nodes);
     [
@@ -98,7 +98,7 @@ fn options(ui: &mut Ui, panel: &mut ComparisonPanel) {
     });
 }
 
-/// Bars in the colors of the map, their heights by the logarithm of the counts: single wrong pixels are to be seen.
+/// Bars in the colors of the map, their heights by the logarithm of the counts: single wrong pixels stay visible.
 fn histogram(ui: &mut Ui, field: &ErrorField) {
     let (rect, response) = ui.allocate_exact_size(HISTOGRAM, Sense::hover());
     let painter = ui.painter_at(rect);
@@ -120,7 +120,7 @@ fn histogram(ui: &mut Ui, field: &ErrorField) {
     ));
 }
 
-/// The map's color, but never as dark as the ground.
+/// The map's color, but never as dark as the panel.
 fn bar_color(field: &ErrorField, place: f32) -> Color32 {
     let color = field.kind.color(field.kind.error_at(place)).max(glam::Vec3::splat(0.28));
     let [r, g, b] = (color * 255.0).round().to_array().map(|v| v as u8);
