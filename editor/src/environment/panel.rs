@@ -30,10 +30,10 @@ use lapidary_core::{
 use lapidary_render::SceneLighting;
 use std::sync::Arc;
 
-/// Elevation of the sun in degrees where a specification names none.
+/// Default elevation of the sun in degrees.
 const SUN_ELEVATION: f32 = 45.0;
 
-/// What the panel shows.
+/// Input of the panel.
 pub struct EnvironmentContext<'a> {
     /// The document.
     pub document: &'a Document,
@@ -45,15 +45,15 @@ pub struct EnvironmentContext<'a> {
     pub tree: Option<&'a LightTree>,
     /// The tree under the present light, with its illumination cut.
     pub lighting: Option<&'a Arc<SceneLighting>>,
-    /// Another number whenever tree or lighting are others.
+    /// Changes whenever tree or lighting change.
     pub light_revision: u64,
-    /// Whether what is rendered has no ground, and no scene file is there to bake one.
+    /// Whether the rendered scene has no ground, and no scene file to bake one.
     pub lacks_ground: bool,
-    /// What is to be told about the map: that it loads, or why it could not be read.
+    /// A message about the map: loading, or why it could not be read.
     pub message: Option<&'a str>,
 }
 
-/// What the panel keeps between frames.
+/// State of the panel between frames.
 #[derive(Default)]
 pub struct EnvironmentPanel {
     map_view: map_view::MapView,
@@ -107,7 +107,7 @@ fn placement(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>
     });
 }
 
-/// What of the map is a sun, and what suns there are.
+/// Settings of suns, and the suns of the map.
 fn sun(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     let light = &context.document.environment;
     let help = "Turns small bright parts of the map into directional lights with sharp shadows.";
@@ -151,7 +151,7 @@ fn ground(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) 
     }
 }
 
-/// How many suns there are, and how large the brightest is.
+/// Number of suns, and size of the brightest.
 fn suns_text(suns: &[Sun]) -> String {
     let size = |sun: &Sun| format!("{:.1}°", sun.angle.to_degrees());
     match suns {
@@ -170,7 +170,7 @@ fn stops_text(intensity: f32) -> String {
     if intensity > 0.0 { format!("{:+.1} EV", intensity.log2()) } else { "off".into() }
 }
 
-/// The numbers of the formula that makes the map, if one does.
+/// The parameters of the map's formula, if it has one.
 fn formula(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>) {
     if let Some(now) = sun_elevation(&light.spec) {
         let elevation = Number::new("Sun height", "Degrees above the horizon.", 0.0..=90.0, SUN_ELEVATION);

@@ -1,4 +1,4 @@
-//! The dialog for an image sequence: what rotates, which parameter is swept, how many frames, and the output folder.
+//! The dialog for an image sequence: turntable, swept parameters, frames and output folder.
 
 use crate::widgets::{check_box, copyable};
 use anyhow::{Result, bail};
@@ -24,7 +24,7 @@ const LAYERS: f64 = 3.8;
 /// Name of the contact sheet in the folder of the frames.
 const SHEET: &str = "contact-sheet.png";
 
-/// The sequence that is being described.
+/// The sequence being described.
 #[derive(Clone, Debug)]
 pub struct SequenceDialog {
     settings: SequenceSettings,
@@ -35,10 +35,10 @@ pub struct SequenceDialog {
     layers: bool,
     sheet: bool,
     existing: Existing,
-    /// Where the frames go.
+    /// Folder of the frames.
     pub folder: String,
     name: String,
-    /// Why it cannot be exported as it is.
+    /// Why it cannot be exported.
     pub problem: Option<String>,
 }
 
@@ -54,7 +54,7 @@ pub enum SequenceAnswer {
 }
 
 impl SequenceDialog {
-    /// A turntable of a look, beside what is open.
+    /// A turntable of a look, in `folder`.
     pub fn new(look: &Look, folder: &Path) -> Self {
         Self {
             settings: SequenceSettings::default(),
@@ -71,7 +71,7 @@ impl SequenceDialog {
         }
     }
 
-    /// The sequence of a look that is described.
+    /// The described sequence of a look.
     ///
     /// # Errors
     /// The problem, in words.
@@ -95,7 +95,7 @@ impl SequenceDialog {
         Ok(SequenceTask { frames, outputs, layers, existing: self.existing, sheet })
     }
 
-    /// Shows it; `pixel_secs` is how long a sample of a pixel takes, if that is known.
+    /// Shows the dialog; `pixel_secs` is the time of a sample of a pixel, if known.
     pub fn show(&mut self, ctx: &Context, look: &Look, pixel_secs: Option<f64>) -> Option<SequenceAnswer> {
         let modal = Modal::new(egui::Id::unique("sequence")).show(ctx, |ui| {
             ui.set_width(WIDTH);
@@ -217,7 +217,7 @@ impl SequenceDialog {
         chosen.inner
     }
 
-    /// How many frames there are, and how long they take at the pace of the window's picture.
+    /// Number of frames, and their time at the pace of the window's picture.
     fn estimate(&self, pixel_secs: Option<f64>) -> String {
         let frames = self.settings.frames;
         let pixels = f64::from(self.size[0]) * f64::from(self.size[1]) * f64::from(self.samples) * f64::from(frames);
@@ -269,7 +269,7 @@ fn buttons(ui: &mut Ui) -> Option<SequenceAnswer> {
     answer
 }
 
-/// Shows one sweep; returns whether it is to go.
+/// Shows one sweep; returns whether to remove it.
 fn sweep_fields(ui: &mut Ui, sweep: &mut Sweep, look: &Look) -> bool {
     let mut parameter = sweep.parameter;
     let removed = ui.vertical(|ui| {
@@ -301,7 +301,7 @@ fn sweep_fields(ui: &mut Ui, sweep: &mut Sweep, look: &Look) -> bool {
     removed.inner
 }
 
-/// Which material or light is swept.
+/// The swept material or light.
 fn owner(ui: &mut Ui, sweep: &mut Sweep, look: &Look) {
     let names: Vec<&str> = match sweep.parameter.target() {
         Target::Material => look.appearance.materials.iter().map(|m| m.name.as_str()).collect(),
@@ -343,7 +343,7 @@ fn words(parameter: Parameter) -> String {
     letters.next().map(|first| first.to_uppercase().collect::<String>() + letters.as_str()).unwrap_or_default()
 }
 
-/// A sweep over what a parameter usually takes, or from where things are.
+/// A sweep over the usual range of a parameter, or from its present value.
 fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
     let light = look.lights.first();
     let from_to = |from: f32, to: f32| (Value::Number(from), Value::Number(to));

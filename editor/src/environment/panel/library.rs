@@ -29,13 +29,13 @@ const FORMULAS: [(&str, &str); 4] = [
 /// A map of the library.
 #[derive(Clone)]
 pub struct LibraryEntry {
-    /// Name for people.
+    /// Displayed name.
     pub name: String,
-    /// What `environment::from_spec` reads.
+    /// Specification for `environment::from_spec`.
     pub spec: String,
-    /// The file is not where it was.
+    /// Whether its file is missing.
     pub missing: bool,
-    /// A picture of twice its height in width, once it is made.
+    /// A thumbnail twice as wide as high, once it is made.
     pub thumbnail: Option<TextureHandle>,
 }
 
@@ -54,7 +54,7 @@ impl FormulaThumbnails {
             std::thread::spawn(move || {
                 let maps = FORMULAS.iter().filter_map(|(_, spec)| environment::from_spec(spec).ok());
                 for (map, _) in maps {
-                    // Nobody listens any more if the window was closed meanwhile.
+                    // Fails only if the window was closed meanwhile.
                     if sender.send(thumbnail(&map, THUMBNAIL)).is_ok() {
                         context.request_repaint();
                     }
@@ -68,7 +68,7 @@ impl FormulaThumbnails {
     }
 }
 
-/// Shows the grids, and what adds to them.
+/// Shows the grids, and the buttons that add to them.
 pub fn show(ui: &mut Ui, formulas: &mut FormulaThumbnails, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     formulas.receive(ui);
     let light = &context.document.environment;
@@ -129,7 +129,7 @@ fn grid(ui: &mut Ui, cells: &[Cell], light: &EnvironmentSettings, actions: &mut 
     }
 }
 
-/// What a click on a cell asks for.
+/// The actions of a click on a cell.
 fn chosen(cell: &Cell, light: &EnvironmentSettings) -> Vec<Action> {
     if cell.missing {
         return vec![Action::File(FileAction::Relink(None))];

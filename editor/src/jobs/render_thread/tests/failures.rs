@@ -1,4 +1,4 @@
-//! What becomes of devices that are lost, of panics and of scenes that are refused.
+//! Lost devices, panics and refused scenes.
 
 use super::*;
 
