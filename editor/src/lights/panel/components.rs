@@ -1,4 +1,4 @@
-//! Which parts of the light are in the picture, and how bounced light is computed.
+//! The parts of the light in the picture, and the method of bounced light.
 
 use super::{LightsContext, LightsPanel};
 use crate::{
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     }
 }
 
-/// The switch of the clusters, or why it can do nothing now.
+/// The switch of the clusters, or why it has no effect now.
 fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
     let help = "Draws the surface sources, colored by cluster. Cuts gather light cluster by cluster";
     ui.add_enabled_ui(obstacle.is_none(), |ui| {
@@ -56,7 +56,7 @@ fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'stat
     }
 }
 
-/// Says that there is no light of the environment in a bake without it, and leads to one with it.
+/// Hints that the bake has no environment light, with a button to bake it.
 pub fn environment_hint(
     ui: &mut Ui,
     baked: Option<BakeParts>,
@@ -70,7 +70,7 @@ pub fn environment_hint(
     hint(ui, text, "Bake with the environment", mode, can_bake, actions);
 }
 
-/// How much light the bounces carry, and what to do if much is left when they end.
+/// Light carried by the bounces, and advice if much is missing.
 fn bounce_energy(ui: &mut Ui, energy: Option<BounceEnergy>) {
     let Some(energy) = energy else { return };
     let BounceEnergy { bounces, last_share, .. } = energy;
@@ -95,7 +95,7 @@ fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSett
     let (label, help) = texts(component);
     row(ui, label, help, false, |ui, name, _| {
         let before = *settings;
-        // What is soloed elsewhere does not show here, whatever the switch says.
+        // A part that is not soloed is grayed, whatever its switch says.
         ui.scope(|ui| {
             if settings.solo.is_some_and(|solo| solo != component) {
                 ui.set_opacity(0.5);
@@ -121,7 +121,7 @@ fn solution(ui: &mut Ui, bounces: BakeParts, wanted: Solution, actions: &mut Vec
     note(ui, now.summary());
 }
 
-/// Leads to a bake of bounced light that loses nothing of what is baked.
+/// Hints at bounced light, with a button to bake it and all present parts.
 fn bounce_hint(ui: &mut Ui, text: &str, context: &LightsContext, actions: &mut Vec<Action>) {
     let asked = context.document.bake.mode;
     let wanted = context.baked.map_or(asked, |baked| asked.with(baked));

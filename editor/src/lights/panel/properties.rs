@@ -45,7 +45,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// One row. Its change counts only if the resulting light is valid: other values of the light may not fit.
+    /// One row. Its change counts only if the resulting light is valid.
     fn row(&mut self, label: &'static str, row: impl FnOnce(&mut Ui, &mut Light) -> Edited) {
         let (ui, index) = (&mut *self.ui, self.index);
         let edit = |light| Edit::Light { index, light: Box::new(light) };
@@ -68,14 +68,14 @@ impl Rows<'_> {
         });
     }
 
-    /// Color and intensity apart: the color's brightest channel is 1.
+    /// Color and intensity separately: the color's brightest channel is 1.
     fn color(&mut self) {
         let (color, intensity) = color_and_intensity(self.light.intensity);
         self.row("Light color", |ui, light| {
             let mut picked = color;
             let help = "Color without brightness, which Intensity sets.";
             let edited = color_row(ui, "Color", help, &mut picked, Vec3::ONE);
-            // Black is no color of a light.
+            // A light cannot be black.
             if edited.changed && picked.max_element() > 0.0 {
                 light.intensity = intensity * color_and_intensity(picked).0;
             }

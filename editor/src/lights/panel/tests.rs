@@ -76,7 +76,7 @@ fn typed(panel: &mut Harness<Probe>, label: &str, text: &str) -> Vec<Light> {
     edited(&panel.state().actions)
 }
 
-/// The lights that were asked for.
+/// The requested lights.
 fn edited(actions: &[Action]) -> Vec<Light> {
     let lights = actions.iter().filter_map(|action| match action {
         Action::Edit { edit: Edit::Light { light, .. }, .. } => Some((**light).clone()),
@@ -323,7 +323,7 @@ fn bounces_are_reported_and_missing_light_comes_with_a_remedy() {
     assert_eq!(show(0.2, 1.0), (true, true, false), "without end");
 }
 
-/// A closed box around the origin whose triangles face outward, of which each light sees the inside.
+/// A closed box around the origin whose triangles face outward; lights inside see its back faces.
 fn closed_box() -> Baked {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 0.2 - 0.1;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -369,7 +369,7 @@ fn thousands_of_lights_have_as_many_rows_as_can_be_seen() {
         panel.step();
         start.elapsed()
     };
-    // The median: other tests hold up some of them.
+    // The median, since other tests delay some frames.
     let mut times: Vec<_> = (0..20).map(|_| frame(&mut panel)).collect();
     times.sort_unstable();
     let rows = panel.query_all_by_label_contains("Switch off Lamp").count();
