@@ -1,4 +1,4 @@
-//! Where the selected objects are, relative to where their file has them.
+//! Poses of the selected objects, relative to the scene file.
 
 use super::SceneContext;
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
 use egui::Ui;
 use lapidary_core::scene::pose::{MOST_SCALE, Pose};
 
-/// Shows the pose of the active object, and lets it be changed together with those of all that are selected.
+/// Shows the pose of the active object, and edits it together with all selected objects.
 pub fn show(ui: &mut Ui, pivot: &mut Pivot, context: &SceneContext, actions: &mut Vec<Action>) {
     if context.posable.is_empty() {
         return;
@@ -28,10 +28,10 @@ pub fn show(ui: &mut Ui, pivot: &mut Pivot, context: &SceneContext, actions: &mu
     });
 }
 
-/// A choice of what several objects turn and scale about.
+/// The pivot of several objects.
 fn pivot_row(ui: &mut Ui, pivot: &mut Pivot, selected: usize) {
     let help = "Point about which the selected objects turn and scale.";
-    // The interface keeps it, and no step of undo.
+    // The pivot is state of the interface, without undo.
     let _ = combo_row(ui, "Pivot", help, pivot, &Pivot::CHOICES);
     note(ui, &format!("Values of the object selected last; all {selected} follow"));
 }
@@ -58,7 +58,7 @@ fn rows(ui: &mut Ui, pivot: Pivot, context: &SceneContext, actions: &mut Vec<Act
     row(Tool::Scale, &mut |ui, pose| decades_row(ui, &Decades { decimals: 3, ..scale.clone() }, &mut pose.scale));
 }
 
-/// One row with a number of the active object's pose. What it changes there, a tool does to all.
+/// One row with a number of the active object's pose. The tool applies its change to all.
 fn pose_row(
     tool: Tool,
     pivot: Pivot,

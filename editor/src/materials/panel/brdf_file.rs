@@ -1,4 +1,4 @@
-//! The row of a BRDF's file.
+//! The row of a BRDF file.
 
 use super::maps::dropped_on;
 use crate::{
@@ -8,10 +8,10 @@ use crate::{
 use egui::{Button, Label, RichText, Ui};
 use lapidary_core::material::Material;
 
-/// Points of the row's height.
+/// Height of the row in points.
 const HEIGHT: f32 = 16.0;
 
-/// Which file the material's BRDF is in, and the button that loads another.
+/// Shows the file of the material's BRDF, and the button that loads another.
 pub fn show(ui: &mut Ui, index: usize, material: &Material, actions: &mut Vec<Action>) {
     let file = material.file.as_ref();
     let named = |ui: &mut Ui| {

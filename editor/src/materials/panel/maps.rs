@@ -1,4 +1,4 @@
-//! The row of a texture map: thumbnail, file, and how the picture lies and is read.
+//! The row of a texture map: thumbnail, file, placement and encoding.
 
 use super::{Changes, MaterialPanel, patterns, target::Target};
 use crate::{
@@ -16,12 +16,12 @@ use lapidary_core::{
 };
 use std::path::PathBuf;
 
-/// Points of a thumbnail's side.
+/// Side of a thumbnail in points.
 const THUMBNAIL: f32 = 26.0;
-/// Points of the empty frame where there is none: rows without a map are to take little room.
+/// Side of the empty frame in points: rows without a map take little room.
 const EMPTY: f32 = 16.0;
 
-/// Shows the row of a map, and below it what can be set if there is a picture.
+/// Shows the row of a map, and its settings below if there is a picture.
 pub fn slot(
     ui: &mut Ui,
     state: &mut MaterialPanel,
@@ -44,7 +44,7 @@ pub fn slot(
     });
 }
 
-/// What is loaded and the buttons, each with a place of its own: what removes is never where a click has just loaded.
+/// The picture and the buttons, each in its own place: the button that removes is never where a click has just loaded.
 fn picture_row(
     ui: &mut Ui,
     state: &mut MaterialPanel,
@@ -72,7 +72,7 @@ fn picture_row(
     let choose = |ui: &mut Ui| {
         let verb = if is_there { "Swap" } else { "Load" };
         let hint = "Choose a png, jpg, tga, hdr or exr file, or drop one on this row.";
-        // From the right, so that the button takes what the menu leaves.
+        // From the right, so that the button takes the width that the menu leaves.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             patterns::menu(ui, target, changes, actions);
             let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width(), 0.0));
@@ -97,7 +97,7 @@ fn picture_row(
     row.response
 }
 
-/// What stands beside a thumbnail, and in its tooltip.
+/// Text beside a thumbnail, and its tooltip.
 fn caption(name: &str, entry: Option<&TextureEntry>) -> (RichText, String) {
     let Some(entry) = entry else {
         let hint = format!("No {}: the value above applies everywhere.", lower_first(name));
@@ -136,7 +136,7 @@ fn thumbnail(ui: &mut Ui, picture: Option<TextureHandle>) {
     });
 }
 
-/// The file that was dropped on `rect`, if any; marks the row while a file is held over it.
+/// The file dropped on `rect`, if any; marks the row while a file hovers.
 pub fn dropped_on(ui: &Ui, rect: Rect) -> Option<PathBuf> {
     if !ui.rect_contains_pointer(rect) {
         return None;
@@ -183,7 +183,7 @@ fn normal_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     changes.note("Flip Y", check_row(ui, "Flip Y (DirectX)", help, &mut slot.flip_y));
 }
 
-/// Heights are in millimeters; inverting is a sign, which stays on a height of zero too.
+/// Heights are in millimeters; inverting is a sign, which a height of zero keeps too.
 fn bump_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     let mut inverted = slot.strength.is_sign_negative();
     let mut height = slot.strength.abs() * 1000.0;
@@ -245,7 +245,7 @@ fn rotation(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     changes.note("Map rotation", edited);
 }
 
-/// Channel and color space, where the map has a choice.
+/// Channel and color space, if the map has a choice.
 fn reading(
     ui: &mut Ui,
     kind: &'static str,

@@ -87,7 +87,7 @@ fn number(ui: &mut Ui, parameter: &'static Parameter, changes: &mut Changes) {
     changes.note(parameter.label, edited);
 }
 
-/// What a value comes to, as a sentence.
+/// The meaning of a value, as a sentence.
 fn figure(parameter: &Parameter, value: f32) -> String {
     match parameter.quantity {
         "roughness" => format!(" Now alpha = {:.4}.", value * value),
@@ -100,7 +100,7 @@ fn figure(parameter: &Parameter, value: f32) -> String {
 fn unread(material: &Material, parameter: &Parameter) -> Option<&'static str> {
     let metalness = material.parameter_for("metalness")?;
     let is_metal = material.parameters.value(metalness).number() >= 1.0 && material.maps.get(metalness.name).is_none();
-    // That of OpenPBR scales what a metal reflects as well.
+    // OpenPBR's specular scales the reflection of metals too.
     let of_dielectrics = ["ior", "specular", "specular_ior"];
     (is_metal && of_dielectrics.contains(&parameter.name))
         .then_some("No effect now: a full metal's reflectance is its base color.")

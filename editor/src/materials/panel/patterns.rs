@@ -12,9 +12,9 @@ use lapidary_core::{
     texture::{Pattern, Procedural, TextureSlot},
 };
 
-/// Pixels of a thumbnail's side.
+/// Side of a thumbnail in pixels.
 const SIDE: u32 = 64;
-/// Thumbnails that are kept; a slider that moves makes one in each frame.
+/// Most thumbnails kept; a moving slider makes one in each frame.
 const KEPT: usize = 16;
 
 /// Thumbnails of the patterns shown last.
@@ -22,7 +22,7 @@ const KEPT: usize = 16;
 pub struct PatternThumbnails(Vec<(Procedural, TextureHandle)>);
 
 impl PatternThumbnails {
-    /// That of `pattern`.
+    /// The thumbnail of `pattern`.
     pub fn of(&mut self, context: &Context, pattern: &Procedural) -> TextureHandle {
         if let Some((_, known)) = self.0.iter().find(|(known, _)| known == pattern) {
             return known.clone();
@@ -35,14 +35,14 @@ impl PatternThumbnails {
     }
 }
 
-/// The button that opens a menu of what a map can be.
+/// The button that opens the menu of images and patterns.
 pub fn menu(ui: &mut Ui, target: Target, changes: &mut Changes, actions: &mut Vec<Action>) {
     let name = target.name();
     let (button, _) = MenuButton::from_button(Button::new("…").small()).ui(ui, |ui| {
         if ui.button("Image…").clicked() {
             target.load(None, actions);
         }
-        // A pattern is no normal.
+        // Patterns give no normals.
         if target.kind == "normal" {
             return;
         }

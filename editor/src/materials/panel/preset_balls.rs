@@ -1,5 +1,5 @@
-//! The menu of presets: a ball of each under a studio's light, group by group. The balls are made once, on a thread of their
-//! own, when the menu is first opened.
+//! The menu of presets: a ball of each under studio light, by group. The balls are made once, on a thread of their own, when the
+//! menu is first opened.
 
 use super::{
     Changes,
@@ -26,7 +26,7 @@ const PIXELS: u32 = 88;
 const WIDTH: f32 = 70.0;
 const COLUMNS: usize = 5;
 
-/// The balls that are there.
+/// The balls made so far.
 #[derive(Default)]
 pub struct PresetBalls {
     pictures: Vec<Option<TextureHandle>>,
@@ -85,7 +85,7 @@ impl PresetBalls {
         });
     }
 
-    /// A ball with its name below, to be clicked or dragged.
+    /// A ball with its name below, to click or drag.
     fn entry(&self, ui: &mut Ui, index: usize, preset: &Preset) -> Response {
         let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, SIDE + 32.0), Sense::click_and_drag());
         let response = response.on_hover_text(preset.source);
