@@ -1,4 +1,4 @@
-//! How the picture is made and shown, and where the camera stands.
+//! Settings of the picture and its display, and the camera.
 
 #[cfg(test)]
 mod tests;
@@ -23,7 +23,7 @@ const FIELDS_OF_VIEW: [f32; 2] = [5.0, 120.0];
 /// Budgets of the illumination cut from the paper's figures and around them.
 const CUT_PRESETS: [u32; 6] = [32, 64, 128, 256, 512, 1024];
 
-/// What the panel shows.
+/// Input of the panel.
 pub struct ViewContext<'a> {
     /// The document.
     pub document: &'a Document,
@@ -124,7 +124,7 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     edit_row(actions, "Frame budget", view, Edit::View, |v| decades_row(ui, &budget, &mut v.frame_budget_ms));
 }
 
-/// What of the meshless basis is shown.
+/// The level and function of the meshless basis to show.
 fn basis(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     let level = Decades::count("Level", "Level of the meshless basis; 0 is the coarsest.", 0.0..=7.0, 0.0);
     let function = Decades::count("Function", "Number of the function, coarsest first.", 0.0..=1e6, 0.0);
@@ -188,7 +188,7 @@ fn camera(ui: &mut Ui, now: &Camera, actions: &mut Vec<Action>) {
     let mut edited = lens(ui, &mut camera);
     edited |= point_row(ui, "Position", "Position of the camera in meters.", &mut camera.eye);
     edited |= point_row(ui, "Target", "Point that the camera looks at and orbits, in meters.", &mut camera.target);
-    // A camera in its own target has no direction.
+    // A camera at its own target has no direction.
     if edited.changed && camera.eye.distance(camera.target) > 1e-6 && is_finite(&camera) {
         actions.push(Action::Camera(CameraAction::To(camera)));
     }
@@ -198,7 +198,7 @@ fn is_finite(camera: &Camera) -> bool {
     camera.eye.is_finite() && camera.target.is_finite() && camera.fov_y.is_finite()
 }
 
-/// Field of view and focal length: two ways to say the same.
+/// Field of view and focal length, two forms of one value.
 fn lens(ui: &mut Ui, camera: &mut Camera) -> Edited {
     let [narrowest, widest] = FIELDS_OF_VIEW;
     let field = Number::new("Field of view", "Vertical, in degrees.", narrowest..=widest, 40.0).unit("°", 1);

@@ -29,7 +29,7 @@ fn typed(panel: &mut Panel, label: &str, text: &str) {
     panel.run();
 }
 
-/// The last view that was asked for, and how many were.
+/// The last requested view, and the number of requests.
 fn asked(panel: &Panel) -> (ViewSettings, usize) {
     let views = panel.state().1.iter().filter_map(|action| match action {
         Action::Edit { edit: Edit::View(view), .. } => Some(view.clone()),
