@@ -125,7 +125,7 @@ fn a_typed_hex_colour_arrives_when_the_field_is_left() {
     assert_eq!((harness.state().changes, harness.state().ends), (1, 1));
 }
 
-/// How many shapes have an outline as [`outline`] gives it.
+/// Number of shapes with an outline from [`outline`].
 fn outlined(show: fn(&mut Ui)) -> usize {
     fn count(shape: &Shape, color: Color32) -> usize {
         match shape {
