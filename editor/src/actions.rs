@@ -264,6 +264,6 @@ pub enum ExportAction {
     DescribeSequence,
     /// Choose the folder of the sequence in the dialog.
     SequenceFolder(Option<PathBuf>),
-    /// Stop the export; what is complete stays.
+    /// Stop the export; keep complete frames.
     Cancel,
 }

@@ -25,7 +25,7 @@ pub struct CheckArgs {
 }
 
 impl CheckArgs {
-    /// Prints what the session names and what is wrong with it.
+    /// Prints the files of the session and their problems.
     ///
     /// # Errors
     /// A session that cannot be read, or that has problems.

@@ -63,19 +63,19 @@ pub struct Cli {
     /// still printed
     #[arg(long, global = true)]
     pub quiet: bool,
-    /// What to do; without a command the window opens.
+    /// The command; without one the window opens.
     #[command(subcommand)]
     command: Option<Command>,
 }
 
 impl Cli {
-    /// What to do.
+    /// The command.
     pub fn chosen(&self) -> Command {
         self.command.clone().unwrap_or_else(|| Command::Edit(EditArgs::of_environment()))
     }
 }
 
-/// What to do.
+/// A command.
 #[derive(Clone, Subcommand)]
 pub enum Command {
     /// Open the window: load a scene, bake it, edit materials and light (the default command)

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Options of `edit`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct EditArgs {
-    /// What to open.
+    /// File to open.
     #[arg(value_name = "FILE", help = opened())]
     file: Option<PathBuf>,
     /// Renderer of the pictures

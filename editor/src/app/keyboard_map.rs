@@ -1,4 +1,4 @@
-//! The keyboard map: a window with all keys and what the pointer does.
+//! The keyboard map: a window with all keys and pointer gestures.
 
 use super::keys::{BINDINGS, written};
 use egui::{Context, Grid, Key, Modal, Modifiers, RichText, ScrollArea, Ui};

@@ -60,7 +60,7 @@ pub enum Draft {
     None,
     /// It is being baked.
     UnderWay,
-    /// It is shown while the bake goes on.
+    /// It is shown while the bake continues.
     Shown,
 }
 
@@ -106,7 +106,7 @@ pub enum BakeStatus {
     Failed {
         /// Cause and remedy.
         message: String,
-        /// What it has left.
+        /// Its remains.
         leftover: Leftover,
     },
 }
@@ -135,7 +135,7 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
     }
 }
 
-/// What the artist should know before baking.
+/// Notice before a bake.
 fn notice(ui: &mut Ui, status: &BakeStatus) {
     let warn = ui.visuals().warn_fg_color;
     match status {

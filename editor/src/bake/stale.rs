@@ -4,8 +4,8 @@ use super::parts::described;
 use crate::{document::Document, workspace::Workspace};
 use lapidary_core::dataset::Dataset;
 
-/// Differences between the document's settings and those of the dataset, in sentences; empty if there are none.
-/// `scene_hash_now` is the hash of the scene file in its present state, if that is known.
+/// Differences between the settings of the document and of the dataset, in sentences; empty if there are none. `scene_hash_now` is
+/// the hash of the scene file in its present state, if that is known.
 pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Option<&str>) -> Vec<String> {
     let mut reasons = Vec::new();
     if scene_hash_now.is_some_and(|hash| hash != dataset.scene_hash) {

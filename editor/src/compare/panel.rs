@@ -42,7 +42,7 @@ pub enum KindChoice {
     File,
 }
 
-/// What the next drag or click in the viewport does.
+/// Effect of the next drag or click in the viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tool {
     /// A drag draws the region: where it began, in shares of the viewport, and the rectangle so far.

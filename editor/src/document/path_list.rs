@@ -23,7 +23,7 @@ pub struct PathList {
 }
 
 impl PathList {
-    /// Reads the list; what cannot be read is left out.
+    /// Reads the list; leaves out unreadable entries.
     pub fn open(file: PathBuf) -> Self {
         let entries = entries(read(&file));
         Self { file, entries }

@@ -206,7 +206,7 @@ fn spec_row(
     edit_row(actions, label, light, Edit::Environment, |l| row(&mut l.spec));
 }
 
-/// The sun's elevation in degrees, if the specification is that of sun and sky.
+/// The sun's elevation in degrees, if the specification is a sun and sky.
 fn sun_elevation(spec: &str) -> Option<f32> {
     match spec.split_once(':') {
         Some(("sun-sky", degrees)) => Some(degrees.trim().parse().unwrap_or(SUN_ELEVATION)),
@@ -215,7 +215,7 @@ fn sun_elevation(spec: &str) -> Option<f32> {
     }
 }
 
-/// The radiance, if the specification is that of a constant.
+/// The radiance, if the specification is a constant.
 fn constant_radiance(spec: &str) -> Option<Vec3> {
     let Some(("constant", numbers)) = spec.split_once(':') else {
         return (spec == "constant").then_some(Vec3::ONE);

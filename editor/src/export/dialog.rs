@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 const WIDTH: f32 = 500.0;
 /// Width of fields for paths and names in points.
 const FIELD: f32 = 290.0;
-/// Time of all layers over that of the picture alone: 29 s over 8 s, measured on the still life.
+/// Time of all layers over the picture's alone: 29 s over 8 s, measured on the still life.
 const LAYERS: f64 = 3.8;
 /// Name of the contact sheet in the folder of the frames.
 const SHEET: &str = "contact-sheet.png";

@@ -132,7 +132,7 @@ impl Exporting {
         self.run = Some(Run { job, since: None, cancelling: false });
     }
 
-    /// Stops the export; what is complete stays.
+    /// Stops the export; keeps complete frames.
     pub fn cancel(&mut self) {
         if let Some(run) = &mut self.run {
             run.cancelling = true;

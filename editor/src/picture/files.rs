@@ -47,7 +47,7 @@ impl Picture {
         }
     }
 
-    /// Requests the complete picture, which is written when ready.
+    /// Requests the complete picture, and writes it when ready.
     pub fn export(&mut self, work: &mut Workspace, path: PathBuf) {
         if work.scene.rendered().is_none() {
             work.messages.error("There is no picture to export; open and bake a scene first");

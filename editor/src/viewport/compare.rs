@@ -30,7 +30,7 @@ pub enum CompareView {
 }
 
 impl CompareView {
-    /// All of them, with a label and what each shows.
+    /// All views, each with its label and tooltip.
     pub const ALL: [(Self, &str, &str); 5] = [
         (Self::Picture, "A", "The picture with cuts"),
         (Self::Reference, "B", "The reference; hold R to see it for a moment in any view"),
@@ -45,7 +45,7 @@ impl CompareView {
 pub struct NodeMark {
     /// Middle of its sources, in meters.
     pub center: Vec3,
-    /// Its contribution over that of the largest.
+    /// Its contribution over the largest one.
     pub share: f32,
     /// Whether the pointer is on its row of the table.
     pub hovered: bool,

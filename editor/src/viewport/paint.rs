@@ -52,7 +52,7 @@ fn placed(picture: [u32; 2], rect: Rect) -> (Rect, Rect) {
 fn checker_texture(ui: &Ui) -> TextureHandle {
     let [dark, light] = [Color32::from_gray(96), Color32::from_gray(128)];
     let image = ColorImage::new([2, 2], vec![dark, light, light, dark]);
-    ui.ctx().load_texture("chequerboard", image, TextureOptions::NEAREST_REPEAT)
+    ui.ctx().load_texture("checkerboard", image, TextureOptions::NEAREST_REPEAT)
 }
 
 /// Badges: the running work, and whether the bake is out of date.

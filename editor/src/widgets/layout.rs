@@ -48,8 +48,8 @@ pub(super) fn full_name(ui: &Ui, label: &str) -> Option<String> {
     Some(format!("{group} {}", label.to_lowercase()))
 }
 
-/// Lays a row out: label, `body`, and a reset button where the value `differs` from its default. `body` is told whether
-/// to reset, by the button or a double click on the label.
+/// Lays a row out: label, `body`, and a reset button where the value `differs` from its default. The last argument of `body` is
+/// whether to reset, by the button or a double click on the label.
 pub fn row(
     ui: &mut Ui,
     label: &str,

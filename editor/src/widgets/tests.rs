@@ -23,7 +23,7 @@ impl Probe {
 
 fn slider() -> Harness<'static, Probe> {
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let number = Number::new("Width", "Metres.", 0.0..=1.0, 0.5).entry(0.0..=10.0);
+        let number = Number::new("Width", "Meters.", 0.0..=1.0, 0.5).entry(0.0..=10.0);
         let edited = slider_row(ui, &number, &mut probe.value);
         probe.note(edited);
     };

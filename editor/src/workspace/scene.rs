@@ -57,7 +57,7 @@ impl OpenScene {
         self.baked.as_ref().filter(|baked| self.show_stale || !(self.is_stale() || is_replaced(baked)))
     }
 
-    /// What is rendered: the dataset, or the scene without shadows.
+    /// The rendered data: the dataset, or the scene without shadows.
     pub fn rendered(&self) -> Option<&Baked> {
         self.shown().or(self.preview.as_ref())
     }

@@ -29,7 +29,7 @@ struct Entry {
     is_folder: bool,
 }
 
-/// `None` while the dialog stays open; then the path, or `None` if it was cancelled.
+/// `None` while the dialog stays open; then the path, or `None` if it was canceled.
 type Answer = Option<Option<PathBuf>>;
 
 impl PathEntry {

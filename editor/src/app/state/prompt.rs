@@ -42,7 +42,7 @@ pub enum Prompt {
         /// The material that one of them replaces.
         material: usize,
     },
-    /// The identity of this program.
+    /// Name and version of the program.
     About,
 }
 
@@ -62,7 +62,7 @@ pub enum Then {
     Show(Box<Ready>),
 }
 
-/// Questions that wait, and what follows their answers.
+/// Waiting questions, and the steps after their answers.
 #[derive(Default)]
 pub struct Questions {
     /// The one that is asked comes first.

@@ -28,7 +28,7 @@ fn opened(place: &Place) -> Window {
     let output = place.path("box.cuts");
     let job = BakeJob::new(resolve(settings).unwrap(), output);
     bake(import(Path::new(BOX)).unwrap().scene, &job, &Silent).unwrap();
-    // A narrow window has no panels beside the picture, which is small.
+    // A narrow window has a small picture without panels.
     let mut window = place.window_of(egui::vec2(240.0, 480.0));
     window.open(&place.path("box.cuts"));
     window

@@ -191,7 +191,7 @@ fn files_outside_the_folder_of_a_scene_are_read_after_a_question_that_is_asked_o
     assert!(window.0.state().work.scene.source.is_none(), "nothing is opened before the answer");
     window.click("Open without them");
     window.wait("the scene", |s| s.work.scene.source.is_some());
-    assert_eq!(texture(&window), [8, 8], "the chequerboard");
+    assert_eq!(texture(&window), [8, 8], "the checkerboard");
     window.open(&scene);
     window.click("Read them");
     window.wait("the picture", |s| s.work.document.textures.first().is_some_and(|t| t.texture.size == [3, 3]));

@@ -98,7 +98,7 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    // The whole takes a minute, and is cancelled long before that.
+    // The full bake takes a minute, and is canceled long before that.
     let long = BakeSettings { lights: 32_768, max_vertices: Some(100_000), ..few_lights() };
     window.0.state_mut().work.document.bake = long;
     window.bake_by_itself(true);
@@ -134,7 +134,7 @@ fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
     assert_eq!(
         (again.0.state().work.scene.seen(), color(&again)),
         (Seen::Whole, Vec3::Z),
-        "colours make no bake stale"
+        "colors make no bake stale"
     );
 }
 

@@ -1,4 +1,4 @@
-//! Keys and clicks land where they should: in fields, in commands, in what has popped up.
+//! Keys and clicks land where they should: in fields, in commands, in popups.
 
 use super::{NONE, Place, Window};
 use crate::{
@@ -60,7 +60,7 @@ fn a_hex_color_typed_fast_changes_the_color_alone() {
     let mut window = opened(&place);
     let (camera, view) = (window.camera(), window.0.state().work.document.view.clone());
     let field = window.0.get_by_label("Base color hex").rect().center();
-    // The last letters, the key that leaves the field and what is typed blindly after it arrive together.
+    // The last letters, the key that leaves the field and the keys typed blindly after it arrive together.
     window.frame_of(click(field).into_iter().chain(typed("fa")));
     window.0.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.0.run_steps(2);

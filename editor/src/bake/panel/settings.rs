@@ -77,7 +77,7 @@ fn cost(ui: &mut Ui, estimate: Option<Estimate>) {
     ui.end_row();
 }
 
-/// Every single setting, and what is wrong with them. Every bake has the environment's settings, since it has its light tree.
+/// Every single setting, and errors in them. Every bake has the environment's settings, since it has its light tree.
 pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     parts::of(BakePart::Environment).controls(ui, bake, actions);
     let help = "Spreads added vertices evenly instead of where visibility varies: faster, for a first look.";

@@ -114,7 +114,7 @@ fn take_assignments(
     document.assigned = document.assigning(found);
 }
 
-/// Takes the material of a ground from those of a session, if the scene has no ground.
+/// Takes the ground's material from a session's materials, if the scene has no ground.
 fn hidden_ground(scene: &Scene, session: &mut Vec<SessionMaterial>) -> Option<SessionMaterial> {
     let is_left = scene.mesh.ground.is_none() && session.len() == scene.materials.len() + 1;
     session.pop_if(|last| is_left && last.name == ground::NAME)
@@ -248,7 +248,7 @@ impl<'a> Textures<'a> {
         let entry = match image::read_texture(file) {
             Ok(texture) => TextureEntry { texture: texture.into(), file: Some(file.into()) },
             Err(error) => {
-                self.warnings.push(format!("a texture is replaced by a magenta chequerboard: {error}"));
+                self.warnings.push(format!("a texture is replaced by a magenta checkerboard: {error}"));
                 let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
                 stand_in(&name, Some(file))
             }
@@ -270,7 +270,7 @@ impl<'a> Textures<'a> {
         }
         if self.scene_known {
             self.warnings.push(format!(
-                "the scene has no texture \"{name}\", it is replaced by a magenta chequerboard; bake the scene again or \
+                "the scene has no texture \"{name}\", it is replaced by a magenta checkerboard; bake the scene again or \
                  choose another picture"
             ));
         }

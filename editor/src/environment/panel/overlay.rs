@@ -22,7 +22,7 @@ const DOTS: [f32; 2] = [1.5, 24.0];
 /// How near the pointer must come to a small dot, in points.
 const REACH: f32 = 5.0;
 
-/// The overlays of the picture, and what is kept to draw them.
+/// The overlays of the picture, with cached drawing.
 pub struct Overlay {
     /// Shows the light samples.
     pub samples: bool,

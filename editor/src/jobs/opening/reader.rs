@@ -82,7 +82,7 @@ struct Found {
     whole: Option<(Baked, PathBuf)>,
     /// A draft, if there is no full bake.
     draft: Option<Baked>,
-    /// Where a bake goes that begins by itself.
+    /// Output of an automatic bake.
     kept_output: PathBuf,
 }
 

@@ -26,7 +26,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// The nearest whole number of steps, those of moves in meters.
+    /// The nearest whole number of steps; `move_step` is in meters.
     pub fn snapped(self, move_step: f32) -> Self {
         let snap = |value: f32, step: f32| (value / step).round() * step;
         match self {

@@ -2,7 +2,7 @@
 
 use super::change::{SCALE_STEP, TURN_STEP_DEGREES};
 
-/// What drags of handles do to the selected objects.
+/// A tool of the handles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tool {
     /// Moves them along axes and planes.
