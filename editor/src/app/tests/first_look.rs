@@ -131,11 +131,7 @@ fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
     paint("0 0 1");
     let mut again = place.window();
     again.open(&place.path("scene.obj"));
-    assert_eq!(
-        (again.0.state().work.scene.seen(), color(&again)),
-        (Seen::Whole, Vec3::Z),
-        "colors make no bake stale"
-    );
+    assert_eq!((again.0.state().work.scene.seen(), color(&again)), (Seen::Whole, Vec3::Z), "colors make no bake stale");
 }
 
 #[test]
