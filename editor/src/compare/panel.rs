@@ -292,7 +292,7 @@ fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) 
     let text = match finished {
         _ if !context.tracing => String::new(),
         Some(measured) => format!("{:.1} s", measured.reference.seconds),
-        None if context.held => format!("{:.0} %, waiting", 100.0 * context.progress),
+        None if context.held => format!("{:.0} %, waits", 100.0 * context.progress),
         None => format!("{:.0} %", 100.0 * context.progress),
     };
     let help = if context.held {

@@ -107,7 +107,7 @@ fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() 
     window.open(&place.path("scene.obj"));
     window.type_roughness("0.1");
     for (file, said) in
-        [("red.png", "a picture and no scene"), ("broken.gltf", "broken.gltf"), ("gone.obj", "gone.obj")]
+        [("red.png", "a picture, not a scene"), ("broken.gltf", "broken.gltf"), ("gone.obj", "gone.obj")]
     {
         window.perform(Action::File(FileAction::Open(Some(place.path(file)))));
         window.wait("the answer", |s| s.opening.is_none());
