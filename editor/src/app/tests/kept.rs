@@ -246,7 +246,7 @@ fn a_session_whose_texture_moved_is_relinked() {
     std::fs::create_dir(place.path("elsewhere")).unwrap();
     window.perform(Action::File(FileAction::Relink(Some(place.path("elsewhere")))));
     window.wait("the question again", |s| s.opening.is_none());
-    assert!(window.shows("Files are missing") && window.has_said("Found 0 of the missing files; 1 are still missing"));
+    assert!(window.shows("Files are missing") && window.has_said("Found 0 files; 1 still missing"));
     window.perform(Action::File(FileAction::Relink(Some(place.path("moved")))));
     window.wait("the session", |s| s.opening.is_none() && !s.work.document.materials.is_empty());
     assert!(!window.shows("Files are missing") && !is_stand_in(&window.0.state().work.document));
