@@ -9,17 +9,17 @@ use lapidary_core::{animation::ClipTime, camera::Camera, dataset::BakeParts, mat
 use lapidary_studies::ladder::Cuts;
 use std::path::PathBuf;
 
-/// A request that is performed after the interface of a frame has run. For a path of `None` a dialog asks.
+/// A request, performed after the interface of a frame has run. For a path of `None` a dialog asks.
 #[derive(Clone, Debug)]
 pub enum Action {
     /// Change the document. Edits of the same label and target during one gesture become one step of undo.
     Edit {
         /// The new value.
         edit: Edit,
-        /// Its name in undo, such as "Roughness". Of poses it is what is done, such as "Move", and undo adds to what.
+        /// Its name in undo, such as "Roughness". For poses it is a verb, such as "Move", to which undo adds the object.
         label: &'static str,
     },
-    /// A slider was let go or a text field left: the next edit is a new step of undo.
+    /// A slider was released or a text field left: the next edit is a new step of undo.
     EndGesture,
     /// Take back the last edit.
     Undo,
@@ -39,7 +39,7 @@ pub enum Action {
     Compare(CompareAction),
     /// About the ladder of cut sizes.
     Ladder(LadderAction),
-    /// About what is written of the picture and the scene.
+    /// About exports of the picture and the scene.
     Export(ExportAction),
     /// About local lights.
     Light(LightAction),
@@ -106,7 +106,7 @@ pub enum CameraAction {
     FrameSelection,
     /// Frame the whole scene.
     FrameAll,
-    /// Go back to where the document was first seen from.
+    /// Return to the first view of the document.
     Reset,
     /// Put the camera on the clipboard as text.
     Copy,
@@ -155,7 +155,7 @@ pub enum MaterialAction {
         /// The file.
         path: Option<PathBuf>,
     },
-    /// Replace a material by that of a file.
+    /// Replace a material with one from a file.
     Load {
         /// Which material.
         material: usize,
@@ -180,10 +180,10 @@ pub enum MaterialAction {
     MakeUnique {
         /// Which part.
         part: Part,
-        /// The material; a copy of what the part has if there is none.
+        /// The material; `None` copies the part's present one.
         material: Option<Box<Material>>,
     },
-    /// Show a variant of the materials, or what the file shows first.
+    /// Show a material variant, or the file's default.
     ChooseVariant(Option<usize>),
 }
 
@@ -192,13 +192,13 @@ pub enum MaterialAction {
 pub enum LightAction {
     /// Select a local light, or nothing.
     Select(Option<usize>),
-    /// Add a local light that lights what the camera looks at.
+    /// Add a local light that lights the camera's target.
     Add(LightKind),
     /// Add a copy of a local light beside it.
     Duplicate(usize),
     /// Remove a local light.
     Delete(usize),
-    /// Aim the selected light at a point, which ends aiming by a click; without a point the light stays as it is.
+    /// Aim the selected light at a point and end aiming by click; without a point only end it.
     Aim(Option<Vec3>),
     /// Add the lights of a lights file.
     Load(Option<PathBuf>),
@@ -225,10 +225,9 @@ pub enum BakeAction {
     },
     /// Stop the bake; its checkpoint stays.
     Cancel,
-    /// Choose what the next bake is of, and show its settings.
+    /// Choose the parts of the next bake, and show its settings.
     Choose(BakeParts),
-    /// Choose the views that the next bake is for, at the size of the viewport now; an empty list serves all views
-    /// alike.
+    /// Choose the views of the next bake, at the present viewport size; an empty list serves all views equally.
     ForViews(Vec<Camera>),
 }
 
@@ -239,7 +238,7 @@ pub enum CompareAction {
     Toggle,
     /// Compare with a picture file.
     Reference(Option<PathBuf>),
-    /// Hold the tracing of the reference, or go on.
+    /// Pause tracing of the reference, or continue.
     Pause(bool),
 }
 
@@ -248,11 +247,11 @@ pub enum CompareAction {
 pub enum LadderAction {
     /// Try sizes of the illumination cut on the picture, against a reference.
     Start,
-    /// What pictures merge from now on.
+    /// Choose the cuts that pictures merge.
     UseCuts(Cuts),
 }
 
-/// A request about what is written of the picture and the scene.
+/// A request to export.
 #[derive(Clone, Debug)]
 pub enum ExportAction {
     /// Write the picture.
@@ -263,8 +262,8 @@ pub enum ExportAction {
     Materials(Option<PathBuf>),
     /// Describe an image sequence to export.
     DescribeSequence,
-    /// Choose the folder of the sequence that is described.
+    /// Choose the folder of the sequence in the dialog.
     SequenceFolder(Option<PathBuf>),
-    /// Stop the export; what is complete stays.
+    /// Stop the export; keep complete frames.
     Cancel,
 }

@@ -7,8 +7,8 @@ pub fn part_bounds(mesh: &Mesh, part: Part) -> Option<Bounds> {
     bounds_of(mesh, part.object, |triangle| mesh.triangle_material[triangle] == part.material)
 }
 
-/// Bounds of an object's triangles; `None` if it has none. The ground, which is endless, has those of what stands on it. Goes
-/// through the whole mesh: keep the result.
+/// Bounds of an object's triangles; `None` if it has none. The endless ground has the bounds of the rest of the scene. Takes a pass
+/// over the whole mesh: keep the result.
 pub fn object_bounds(mesh: &Mesh, object: u32) -> Option<Bounds> {
     bounds_of(mesh, object, |_| true)
 }

@@ -1,4 +1,4 @@
-//! `lapidary check`: whether all that a session names is there and can be read, without a window.
+//! `lapidary check`: whether all files of a session are there and can be read, without a window.
 
 use crate::document::session::{self, LoadedSession, SessionError};
 use anyhow::{Result, bail};
@@ -25,7 +25,7 @@ pub struct CheckArgs {
 }
 
 impl CheckArgs {
-    /// Prints what the session names and what is wrong with it.
+    /// Prints the files of the session and their problems.
     ///
     /// # Errors
     /// A session that cannot be read, or that has problems.
@@ -40,19 +40,19 @@ impl CheckArgs {
     }
 }
 
-/// What a session names, and what is wrong with it.
+/// Contents of a session, and its problems.
 #[derive(Clone, Debug, Default)]
 pub struct Checked {
-    /// What it names: a word for the kind, and which.
+    /// Contents: a word for the kind, and the name.
     pub named: Vec<(&'static str, String)>,
-    /// What is missing or damaged, in sentences.
+    /// Missing and damaged files, in sentences.
     pub problems: Vec<String>,
 }
 
 /// Reads a session and every file that it names: scene, dataset, environment and textures.
 ///
 /// # Errors
-/// A session that cannot be read. What is wrong with other files is among [`Checked::problems`].
+/// A session that cannot be read. Problems of other files are in [`Checked::problems`].
 pub fn check(file: &Path, options: &ImportOptions) -> Result<Checked, SessionError> {
     let loaded = session::load(file)?;
     let mut checked = Checked::default();
@@ -93,7 +93,7 @@ impl Checked {
         baked.flatten().or(source.flatten())
     }
 
-    /// The scene of a file. What it names and lacks is a problem, too; that it was repaired is none.
+    /// The scene of a file. Files that it lacks are problems too; repairs are not.
     fn source(&mut self, path: &Path, options: &ImportOptions) -> Option<Scene> {
         let Imported { scene, report } = self.kept(import_with(path, options))?;
         let unread = report.unread.iter().map(|problem| format!("{problem} ({})", path.display()));

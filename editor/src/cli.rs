@@ -32,7 +32,7 @@ With your own scene:
   lapidary verify scene.cuts
       traces some vertices again and compares
   lapidary check look.lapidary
-      tells whether all files that a session of the window names are there and can be read
+      checks that all files of a session can be read
   lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
       relights it by any environment at any rotation, without a new bake
   lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --out metal.png
@@ -63,19 +63,19 @@ pub struct Cli {
     /// still printed
     #[arg(long, global = true)]
     pub quiet: bool,
-    /// What to do; without a command the window opens.
+    /// The command; without one the window opens.
     #[command(subcommand)]
     command: Option<Command>,
 }
 
 impl Cli {
-    /// What to do.
+    /// The command.
     pub fn chosen(&self) -> Command {
         self.command.clone().unwrap_or_else(|| Command::Edit(EditArgs::of_environment()))
     }
 }
 
-/// What to do.
+/// A command.
 #[derive(Clone, Subcommand)]
 pub enum Command {
     /// Open the window: load a scene, bake it, edit materials and light (the default command)
@@ -90,7 +90,7 @@ Examples:
     Edit(EditArgs),
     /// Check that all files that a session names are there and can be read
     #[command(after_help = "\
-It lists scene, dataset, environment, textures, lights, materials and bookmarks, and tells what is missing or damaged. It
+It lists scene, dataset, environment, textures, lights, materials and bookmarks, and reports what is missing or damaged. It
 opens no window. It fails (exit code 1) if there is a problem.
 
 Example:
@@ -101,10 +101,10 @@ Example:
 }
 
 impl Command {
-    /// Does it.
+    /// Runs the command.
     ///
     /// # Errors
-    /// Whatever went wrong, in words for the user.
+    /// An error with its remedy, in words for the user.
     pub fn run(&self, console: Console) -> Result<Outcome> {
         match self {
             Self::Edit(args) => edit::run(args),

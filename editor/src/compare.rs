@@ -1,4 +1,4 @@
-//! The comparison with a reference: its strip, the pointer over both pictures, and what follows the picture.
+//! The comparison with a reference: its strip, the pointer over both pictures, and the requests that follow the picture.
 
 mod follow;
 pub mod panel;

@@ -1,9 +1,9 @@
-//! What the window calls the settings of a bake, and how remedies against errors are set there.
+//! Names of the bake settings' controls, and the remedies against errors in terms of controls.
 
 use lapidary_precompute::{Setting, SettingsError};
 use lapidary_render::Remedy;
 
-/// The label of the control that sets it, or its plain name where none does.
+/// The label of a setting's control, or its plain name if it has none.
 pub fn control_name(setting: Setting) -> &'static str {
     match setting {
         Setting::Lights => "Lights",
@@ -12,8 +12,8 @@ pub fn control_name(setting: Setting) -> &'static str {
         Setting::TotalError => "Total error",
         Setting::MaxVertices => "Max vertices",
         Setting::MaxBytes => "Byte budget",
-        Setting::Shots => "For",
-        Setting::Mode => "Bake of",
+        Setting::Shots => "Views",
+        Setting::Mode => "Bake type",
         Setting::Sources => "Sources",
         Setting::SourceSigma => "Source sigma",
         Setting::Levels => "Basis levels",
@@ -31,7 +31,7 @@ pub fn control_name(setting: Setting) -> &'static str {
     }
 }
 
-/// The controls that set it; the renderer is chosen where the window is started.
+/// The controls that apply a remedy; the renderer is chosen when the window starts.
 pub fn remedy_control(remedy: Remedy) -> &'static str {
     match remedy {
         Remedy::Cpu => "start the window with --backend cpu",
@@ -39,12 +39,12 @@ pub fn remedy_control(remedy: Remedy) -> &'static str {
         Remedy::SmallerCuts => "bake with a larger Sigma and Source sigma, or smaller Max vertices",
         Remedy::FewerFunctions => "bake with fewer Levels",
         Remedy::SmallerPicture => remedy.words(),
-        Remedy::EnvironmentBake => "choose Environment in Bake of, and bake again",
-        Remedy::SourceBake => "choose Bounced light in Bake of, and bake again",
+        Remedy::EnvironmentBake => "choose Environment as Bake type, and bake again",
+        Remedy::SourceBake => "choose Bounced light as Bake type, and bake again",
     }
 }
 
-/// What is wrong with settings, as a sentence that begins with the control.
+/// The error in settings, as a sentence that begins with the control.
 pub fn error_text(error: &SettingsError) -> String {
     let text = error.text(control_name);
     let (first, rest) = text.split_at(text.chars().next().map_or(0, char::len_utf8));

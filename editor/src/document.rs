@@ -48,32 +48,32 @@ pub struct Document {
     pub scene: Option<PathBuf>,
     /// The dataset that is shown; `None` until there is a bake.
     pub dataset: Option<PathBuf>,
-    /// One for each material index of the mesh, and those that were added.
+    /// One for each material index of the mesh, then the added ones.
     pub materials: Vec<Material>,
-    /// How many of them were added, the last ones.
+    /// Number of added materials, which come last.
     pub added: usize,
-    /// Parts that have another material than the mesh says.
+    /// Parts with another material than the mesh's.
     pub assigned: Assignment,
     /// Names of the scene's objects.
     pub objects: Vec<String>,
-    /// Objects that are not where their file has them.
+    /// Objects moved from their place in the file.
     pub poses: Poses,
-    /// The time of an animation that it shows; `None` at rest.
+    /// The shown time of an animation; `None` at rest.
     pub clip_time: Option<ClipTime>,
     /// The material of the ground while none is shown.
     pub hidden_ground: Option<Material>,
-    /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that
-    /// undoing an edit finds its texture again; sessions keep those in use.
+    /// Textures that the materials' maps refer to by index. The list only grows while a document is open, so that undoing an edit
+    /// finds its texture again; sessions keep the textures in use.
     pub textures: Vec<TextureEntry>,
-    /// The light from all around.
+    /// The environment.
     pub environment: EnvironmentSettings,
     /// Local lights.
     pub lights: Vec<Light>,
     /// Which parts of the light are in the picture.
     pub components: ComponentSettings,
-    /// How bounced light is computed, if the dataset has that.
+    /// How bounced light is computed, if the dataset has it.
     pub solution: Solution,
-    /// Where from. Moving it is not an edit that undo takes back, as in other tools.
+    /// The camera. Moving it is not a step of undo, as in other tools.
     pub camera: Camera,
     /// Cameras to go back to, by name.
     pub bookmarks: Vec<Camera>,
@@ -83,7 +83,7 @@ pub struct Document {
     pub bake: BakeSettings,
 }
 
-/// A texture and where it came from.
+/// A texture and its origin.
 #[derive(Clone, Debug)]
 pub struct TextureEntry {
     /// The texels.
@@ -131,8 +131,8 @@ impl Document {
         name.map_or("object", String::as_str)
     }
 
-    /// The file that a texture is read from: its own, or a file of its name beside the scene. It need not exist:
-    /// pictures inside a scene's file have names too.
+    /// The file of a texture: its own, or a file of its name beside the scene. It need not exist: pictures inside a scene's file
+    /// have names too.
     pub fn file_of(&self, entry: &TextureEntry) -> Option<PathBuf> {
         let beside_scene = || Some(folder_of(self.scene.as_deref()?).join(&entry.texture.name));
         entry.file.clone().or_else(beside_scene)
@@ -156,8 +156,7 @@ impl Document {
         document.with_opacities_of_parts(scene)
     }
 
-    /// A document for a dataset, with the settings of its bake. If that was for shots, the view is the first of them,
-    /// and they are bookmarked as well.
+    /// A document for a dataset, with the settings of its bake. If it was for shots, the first is the view, and all are bookmarked.
     pub fn of_dataset(dataset: &Dataset, dataset_path: PathBuf, scene_path: Option<PathBuf>) -> Self {
         let mut document = Self::of_scene(&dataset.scene, scene_path);
         let views = dataset.shot_views();
@@ -179,12 +178,12 @@ impl Document {
 
     /// Materials and textures for the renderers, as the view shows them.
     pub fn appearance(&self) -> Appearance {
-        // One that another bake of the scene lacks is no one's.
+        // If another bake lacks the solo material, all show their own.
         let materials = match self.view.materials {
             ShownMaterials::Solo(index) if index >= self.materials.len() => ShownMaterials::Own,
             shown => shown,
         };
-        // What lets light through does so in any material.
+        // Opacity stays in any shown material.
         let shown = |(index, own): (usize, &Material)| {
             let mut shown = materials.instead_of(index, own);
             shown.take_opacity(own, |slot| Some(slot.clone()));

@@ -1,4 +1,4 @@
-//! What is dragged from a list of materials onto a surface of the viewport.
+//! A drag from a list of materials onto a surface of the viewport.
 
 use crate::document::{Document, in_place_of};
 use lapidary_core::material::{Material, PRESETS};
@@ -10,7 +10,7 @@ pub enum Dragged {
     Preset {
         /// Which.
         index: usize,
-        /// Whether the maps of the material that takes it go.
+        /// Whether the target material loses its maps.
         clear_maps: bool,
     },
     /// A material of the document, by its index.
@@ -18,7 +18,7 @@ pub enum Dragged {
 }
 
 impl Dragged {
-    /// What it is called beside the pointer.
+    /// Its name beside the pointer.
     pub fn name(self, document: &Document) -> String {
         match self {
             Self::Preset { index, .. } => PRESETS[index].name.into(),
@@ -26,7 +26,7 @@ impl Dragged {
         }
     }
 
-    /// What undo calls it.
+    /// Its name in undo.
     pub fn label(self) -> &'static str {
         match self {
             Self::Preset { .. } => "Drop preset",
@@ -34,7 +34,7 @@ impl Dragged {
         }
     }
 
-    /// `target` with the values that are dragged; its name and sides stay. `None` if what is dragged is gone.
+    /// `target` with the dragged values; its name and sides stay. `None` if the dragged material is gone.
     pub fn applied_to(self, target: &Material, document: &Document) -> Option<Material> {
         match self {
             Self::Preset { index, clear_maps } => Some(PRESETS.get(index)?.applied_to(target, clear_maps)),

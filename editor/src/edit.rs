@@ -10,13 +10,13 @@ use std::path::PathBuf;
 /// Options of `edit`.
 #[derive(Args, Clone, Debug, Default)]
 pub struct EditArgs {
-    /// What to open.
+    /// File to open.
     #[arg(value_name = "FILE", help = opened())]
     file: Option<PathBuf>,
-    /// What renders the pictures
+    /// Renderer of the pictures
     #[arg(long, value_enum, default_value_t)]
     backend: BackendOption,
-    /// Folder with the bundled scenes and environments [default: that of the source tree]
+    /// Folder with the bundled scenes and environments [default: the source tree's]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! The light from all around: its map, the library of maps, and their panels.
+//! The environment: its map, the library of maps, and their panels.
 
 mod load;
 pub mod panel;
@@ -32,7 +32,7 @@ impl Environments {
         let with_picture = |entry: library::LibraryEntry| {
             let spec = entry.path.to_string_lossy().into_owned();
             let thumbnail = if entry.missing { None } else { self.picture(&spec).cloned() };
-            // With its extension, which tells a map from the formula of the same name.
+            // With its extension, to distinguish it from a formula of the same name.
             let name = entry.path.file_name().map_or(entry.name, |name| name.to_string_lossy().into_owned());
             LibraryEntry { name, spec, missing: entry.missing, thumbnail }
         };
@@ -40,7 +40,7 @@ impl Environments {
     }
 }
 
-/// What the panels show: the map that is loaded, or the problem with it.
+/// Input of the panels: the loaded map, or the problem with it.
 fn context<'a>(
     work: &'a Workspace,
     picture: &'a Picture,

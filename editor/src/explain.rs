@@ -1,4 +1,4 @@
-//! Why is this pixel wrong? A window that explains a pixel of the picture, and splits the error around it.
+//! A window that explains a pixel of the picture, and splits the error around it.
 
 pub mod panel;
 mod state;

@@ -1,5 +1,4 @@
-//! Slow work of the window beside the studies, on its own threads: rendering, loading, watching files, and
-//! pictures for the library.
+//! Slow work of the window on its own threads: rendering, loading, watching files, thumbnails.
 
 pub mod budget;
 mod imported;

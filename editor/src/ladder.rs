@@ -1,4 +1,4 @@
-//! Which cut size is enough? Pictures of growing cuts against a reference.
+//! The ladder of cut sizes: pictures of growing cuts against a reference.
 
 pub mod panel;
 mod state;

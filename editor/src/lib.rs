@@ -1,7 +1,7 @@
 //! The `lapidary` program: a window for look-dev, and a command line over baking, rendering and comparing.
 //!
-//! It is a library so that tests and fuzzers can reach what it does without a window: [`main`] runs the command line,
-//! [`check`](check()) reads a session file and everything that it names.
+//! A library, so that tests and fuzzers can use it without a window: [`main`] runs the command line, [`check`](check()) reads a
+//! session file and all its files.
 
 mod actions;
 mod app;

@@ -1,4 +1,4 @@
-//! Local lights: their panel, and what is done with them, as steps of undo.
+//! Local lights: their panel, and their edits as steps of undo.
 
 mod edits;
 pub mod panel;
@@ -11,7 +11,7 @@ use egui::Ui;
 use lapidary_core::lights::Light;
 use panel::LightsContext;
 
-/// Shows the tab; `suns` are those of the environment.
+/// Shows the tab; `suns` are the environment's.
 pub fn show(
     ui: &mut Ui,
     panel: &mut LightsPanel,
@@ -34,7 +34,7 @@ pub fn show(
     panel::show(ui, panel, &context, actions);
 }
 
-/// Says on the tab of the environment what a bake without it lacks.
+/// Hints on the environment tab if the bake has no environment.
 pub fn environment_hint(ui: &mut Ui, work: &Workspace, actions: &mut Vec<Action>) {
     let (baked, can_bake) = (work.scene.baked_parts(), work.scene.source.is_some());
     panel::environment_hint(ui, baked, work.document.bake.mode, can_bake, actions);

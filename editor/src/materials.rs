@@ -1,4 +1,4 @@
-//! Materials: their inspector, their files, and which part of the scene has which.
+//! Materials: their inspector, their files, and their assignment to parts of the scene.
 
 mod files;
 pub mod panel;
@@ -22,7 +22,7 @@ use lapidary_core::dataset::BakeParts;
 use panel::MaterialContext;
 use std::path::PathBuf;
 
-/// Does what is asked.
+/// Performs an action.
 pub fn perform(work: &mut Workspace, loader: &mut Loader, action: MaterialAction) {
     match action {
         MaterialAction::Assign { part, material } => parts::assign(work, part, material),

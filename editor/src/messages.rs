@@ -1,5 +1,5 @@
-//! Messages to the user: notes at the lower right that disappear after reading time, errors that stay until they are
-//! dismissed, and a log that keeps all of them with the time.
+//! Messages to the user: notes at the lower right that disappear after reading time, errors that stay until dismissed, and a log of
+//! all with the time.
 
 use crate::widgets::copyable;
 use egui::{
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 const SHOWN: usize = 4;
 /// Messages kept in the log.
 const KEPT: usize = 2000;
-/// Points of the text's width.
+/// Width of the text in points.
 const WIDTH: f32 = 340.0;
 
 /// How much a message matters.
@@ -32,11 +32,11 @@ pub struct Entry {
     pub severity: Severity,
     /// A sentence.
     pub text: String,
-    /// When it came first.
+    /// When it first came.
     pub at: Instant,
     /// How often it came.
     pub times: usize,
-    /// When it goes from the corner of the window; `None` once it is gone.
+    /// When it leaves the corner of the window; `None` once it is gone.
     shown_until: Option<Shown>,
 }
 
@@ -78,21 +78,21 @@ impl Messages {
         self.add(Severity::Error, text.into());
     }
 
-    /// Said in the status line alone, and only for as long as it takes to read.
+    /// Shows a text in the status line only, for as long as it takes to read.
     pub fn remark(&mut self, text: impl Into<String>) {
         let text = text.into();
         let end = Instant::now() + reading_time(&text);
         self.remark = Some((text, end));
     }
 
-    /// A message that is not true any more goes at once; the log keeps it.
+    /// Removes a message that is no longer true; the log keeps it.
     pub fn withdraw(&mut self, text: &str) {
         for entry in self.entries.iter_mut().filter(|e| e.text == text) {
             entry.shown_until = None;
         }
     }
 
-    /// Many warnings of one job: one message says how many there are, the log has each.
+    /// Many warnings of one job: one message gives their number, the log has each.
     pub fn warnings(&mut self, of: &str, texts: &[String]) {
         match texts {
             [] => {}
@@ -101,12 +101,12 @@ impl Messages {
                 for text in texts {
                     self.log_silently(text);
                 }
-                self.warning(format!("{of}: {} warnings, all of them in Help > Messages. First: {first}", texts.len()));
+                self.warning(format!("{of}: {} warnings, listed in Help > Messages. First: {first}", texts.len()));
             }
         }
     }
 
-    /// Whether a message with this in it was given.
+    /// Whether a message contains a text.
     #[cfg(test)]
     pub fn any_contains(&self, text: &str) -> bool {
         self.entries.iter().any(|e| e.text.contains(text))
@@ -117,7 +117,7 @@ impl Messages {
         self.remark.as_ref().map(|(text, _)| text.as_str())
     }
 
-    /// The newest that was not read yet, or of errors not dismissed, for the status line.
+    /// The newest message not yet read, or error not dismissed, for the status line.
     pub fn last(&self) -> Option<&Entry> {
         self.entries.iter().rev().find(|e| e.shown_until.is_some())
     }
@@ -144,8 +144,7 @@ impl Messages {
         }
     }
 
-    /// Paints the messages in the lower right corner of the picture, so that none comes to lie over a control, and the log
-    /// if it is open.
+    /// Paints the messages in the lower right corner of the picture, where none covers a control, and the log if it is open.
     pub fn show(&mut self, ctx: &Context, picture: Rect) {
         self.expire(ctx);
         let shown: Vec<usize> = self.shown().collect();
@@ -197,7 +196,7 @@ impl Messages {
             if response.dismissed {
                 entry.shown_until = None;
             } else if response.hovered && matches!(entry.shown_until, Some(Shown::Until(_))) {
-                // Who points at a message is still reading it.
+                // A message under the pointer is still being read.
                 entry.shown_until = Some(Shown::Until(Instant::now() + reading_time(&entry.text)));
             }
         }
@@ -207,7 +206,7 @@ impl Messages {
         let mut open = true;
         Window::new("Messages").open(&mut open).default_size([560.0, 320.0]).show(ctx, |ui| {
             if self.entries.is_empty() {
-                ui.weak("Nothing has been said yet.");
+                ui.weak("No messages yet.");
                 return;
             }
             if ui.button("Copy all").clicked() {
@@ -228,7 +227,7 @@ impl Messages {
     }
 }
 
-/// Two seconds to notice it, and then 17 letters a second, a slow reader's pace.
+/// Two seconds to notice it, plus 17 letters a second, a slow reader's pace.
 fn reading_time(text: &str) -> Duration {
     Duration::from_secs(2) + Duration::from_millis(60) * text.chars().count() as u32
 }

@@ -1,7 +1,7 @@
 //! Moves of the camera: pure functions from one camera to the next.
 //!
-//! Turning is that of a turntable: yaw about +Y and pitch, so that the horizon stays level and nothing flips at the
-//! poles. A move that would leave the numbers (NaN, infinity, the eye on its target) returns the camera as it was.
+//! Turns like a turntable: yaw about +Y and pitch, so that the horizon stays level and nothing flips at the poles. An invalid move
+//! (NaN, infinity, the eye on its target) returns the camera unchanged.
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -9,17 +9,17 @@ use lapidary_core::{
     camera::{Camera, PINHOLE},
 };
 
-/// Turning stops this short of the poles, where +Y no longer says which way is upright.
+/// Turning stops just short of the poles, where +Y no longer defines up.
 const MAX_PITCH: f32 = 89.9_f32.to_radians();
 
-/// Limits of the vertical field of view in radians, those of the command line.
+/// Limits of the vertical field of view in radians, as on the command line.
 const FOV: [f32; 2] = [1.0_f32.to_radians(), 170.0_f32.to_radians()];
 
-/// Nearest and farthest distance that dollying goes to, in diagonals of the scene. Nearer than this, neighboring
-/// eye positions are no longer distinct in `f32` for a scene that lies some diagonals off the origin.
+/// Nearest and farthest distance of a dolly, in diagonals of the scene. Nearer than this, neighboring eye positions are no longer
+/// distinct in `f32` for a scene that lies some diagonals off the origin.
 const REACH: [f32; 2] = [1e-4, 1e3];
 
-/// Room left around what is framed.
+/// Margin factor around a framed subject.
 const FRAMING_MARGIN: f32 = 1.1;
 
 /// Longest step of a flight in seconds, so that a stalled frame does not throw the camera out of the scene.
@@ -56,8 +56,8 @@ pub fn pan(camera: &Camera, delta: Vec2, height: f32) -> Camera {
     moved(camera, unit * (delta.y * frame.y_axis - delta.x * frame.x_axis))
 }
 
-/// Scales the distance to the point `toward` by `factor` and keeps the direction of view, so that the point stays where
-/// it is in the picture. Stops at distances that suit a scene with a diagonal of `scene_size` meters.
+/// Scales the distance to the point `toward` by `factor` and keeps the direction of view, so that the point stays in place in the
+/// picture. Stops at distances that suit a scene with a diagonal of `scene_size` meters.
 pub fn dolly(camera: &Camera, factor: f32, toward: Vec3, scene_size: f32) -> Camera {
     if !(factor > 0.0 && factor.is_finite()) {
         return camera.clone();
@@ -91,7 +91,7 @@ pub fn framed(camera: &Camera, bounds: Bounds, aspect: f32) -> Camera {
     sound(Camera { eye, target, ..camera.clone() }, camera)
 }
 
-/// Slides the eye across the view so that `point` comes to the center and is what is orbited from then on.
+/// Slides the eye across the view so that `point` comes to the center and becomes the target.
 pub fn centered_on(camera: &Camera, point: Vec3) -> Camera {
     let backward = camera.world_from_view().z_axis;
     let depth = (camera.eye - point).dot(backward);
@@ -101,8 +101,8 @@ pub fn centered_on(camera: &Camera, point: Vec3) -> Camera {
     sound(Camera { eye: point + depth * backward, target: point, ..camera.clone() }, camera)
 }
 
-/// Another vertical field of view in radians. With `keep_size` the eye moves so that what lies at the target keeps its
-/// size in the picture (a dolly zoom).
+/// Another vertical field of view in radians. With `keep_size` the eye moves so that the target keeps its size in the picture (a
+/// dolly zoom).
 pub fn with_field_of_view(camera: &Camera, fov_y: f32, keep_size: bool) -> Camera {
     let fov_y = fov_y.clamp(FOV[0], FOV[1]);
     let next = Camera { fov_y, ..camera.clone() };
@@ -139,7 +139,7 @@ fn moved(camera: &Camera, by: Vec3) -> Camera {
 fn turned_backward(camera: &Camera, yaw: f32, pitch: f32) -> Vec3 {
     let frame = camera.world_from_view();
     let backward = frame.z_axis;
-    // Looking along the vertical has no yaw; what is to the right tells it then.
+    // A vertical view has no yaw; the right vector defines it then.
     let level = backward.x.hypot(backward.z) > 1e-4;
     let yaw_now = if level { backward.x.atan2(backward.z) } else { (-frame.x_axis.z).atan2(frame.x_axis.x) };
     let pitch_now = backward.y.clamp(-1.0, 1.0).asin();
@@ -150,7 +150,7 @@ fn backward_of(yaw: f32, pitch: f32) -> Vec3 {
     Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos())
 }
 
-/// `next` if it is a camera to see through, otherwise `last`.
+/// `next` if it is a valid camera, otherwise `last`.
 fn sound(next: Camera, last: &Camera) -> Camera {
     let finite = next.eye.is_finite() && next.target.is_finite() && next.up.is_finite();
     let apart = distance(&next);

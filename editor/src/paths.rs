@@ -1,4 +1,4 @@
-//! Where preferences, autosaves and caches lie, as each system has it.
+//! Folders of preferences, autosaves and caches, by the conventions of each system.
 
 use anyhow::{Context, Result};
 use std::{
@@ -9,15 +9,15 @@ use std::{
 /// Folders of the program; they need not exist yet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Folders {
-    /// Preferences and lists, kept by backups.
+    /// Preferences and lists, worth a backup.
     pub config: PathBuf,
-    /// Autosaves: belongs to this machine.
+    /// Autosaves: belong to this machine.
     pub state: PathBuf,
-    /// What can be made again.
+    /// Files that can be made again.
     pub cache: PathBuf,
 }
 
-/// Conventions that folders follow.
+/// Conventions for folders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum System {
     /// The XDG base directory specification.
@@ -27,15 +27,15 @@ enum System {
 }
 
 impl Folders {
-    /// Bakes that began by themselves.
+    /// Automatic bakes.
     pub fn bakes(&self) -> PathBuf {
         self.cache.join("bakes")
     }
 
-    /// Below `LAPIDARY_HOME` if that is set, else where this system has them.
+    /// Below `LAPIDARY_HOME` if set, else in the system's places.
     ///
     /// # Errors
-    /// An environment that names no home.
+    /// An environment without a home folder.
     pub fn find() -> Result<Self> {
         let system = if cfg!(windows) {
             System::Windows
@@ -76,7 +76,7 @@ impl Folders {
 
     fn xdg(folder: impl Fn(&str) -> Option<PathBuf>) -> Option<Self> {
         let place = |name: &str, default: &str| {
-            // The specification has relative paths ignored.
+            // The specification requires relative paths to be ignored.
             let given = folder(name).filter(|path| path.is_absolute());
             given.or_else(|| folder("HOME").map(|home| home.join(default))).map(|place| place.join("lapidary"))
         };

@@ -1,4 +1,4 @@
-//! The picture on the screen: what it was asked for by, and the files that it is written to.
+//! The picture on the screen: its request, and the files to which it is written.
 
 mod files;
 mod requests;

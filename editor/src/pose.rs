@@ -1,4 +1,4 @@
-//! Where objects are: by poses of the document, by handles, and by the time of an animation.
+//! Poses of objects: by the document, by handles, and by the time of an animation.
 
 mod cache;
 mod handles;
@@ -12,9 +12,9 @@ use timeline::Timeline;
 /// How objects are posed.
 #[derive(Default)]
 pub struct Posing {
-    /// What handles do to the selected objects; `None` shows no handles.
+    /// The tool of the handles; `None` shows no handles.
     pub tool: Option<Tool>,
-    /// About what several objects turn and scale.
+    /// The pivot about which several objects turn and scale.
     pub pivot: Pivot,
     /// How clips play.
     pub timeline: Timeline,

@@ -1,4 +1,4 @@
-//! How the window looks and where file dialogs begin, kept between runs and apart from sessions.
+//! Looks of the window and folders of file dialogs, kept between runs and apart from sessions.
 
 use crate::document::{folder_of, session::read_leniently, write_setting};
 use anyhow::Result;
@@ -10,7 +10,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// How the window looks, and where its file dialogs begin.
+/// Looks of the window, and folders of its file dialogs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
@@ -26,20 +26,20 @@ pub struct Preferences {
     pub inspector_width: f32,
     /// Whether a scene without a bake is baked when it opens.
     pub bakes_scenes: bool,
-    /// Where file dialogs begin.
+    /// Folders in which file dialogs begin.
     pub folders: LastFolders,
     /// Folders whose scenes and materials may name files elsewhere.
     pub outside: AllowedFolders,
 }
 
-/// What files are chosen for.
+/// Purpose of a chosen file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileUse {
     /// Scenes and bakes to open.
     Scene,
     /// Sessions to write.
     Session,
-    /// Light.
+    /// Environments.
     Environment,
     /// Maps of materials.
     Texture,
@@ -51,11 +51,11 @@ pub enum FileUse {
     Picture,
     /// Pictures to compare with.
     Reference,
-    /// Folders to look for missing files in.
+    /// Folders to search for missing files.
     Missing,
 }
 
-/// The folders in which files were chosen last, by what they were chosen for.
+/// The folders in which files were chosen last, by purpose.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LastFolders {
@@ -76,7 +76,7 @@ impl LastFolders {
         self.clone().slot(files).take().filter(|folder| folder.is_dir())
     }
 
-    /// Remembers a folder. One whose name is no Unicode cannot be written to the preferences, and is not.
+    /// Remembers a folder, unless its name is not Unicode and cannot be written to the preferences.
     pub fn remember(&mut self, files: FileUse, folder: &Path) {
         if folder.to_str().is_some() {
             *self.slot(files) = Some(folder.to_owned());
@@ -104,12 +104,12 @@ impl LastFolders {
 pub struct AllowedFolders(#[serde(serialize_with = "those_of_unicode")] Vec<PathBuf>);
 
 impl AllowedFolders {
-    /// Whether what a file names outside its folder is read.
+    /// Whether a file may refer to files outside its folder.
     pub fn allow(&self, file: &Path) -> bool {
         folder_after_links(file).is_some_and(|folder| self.0.contains(&folder))
     }
 
-    /// Remembers the folder of a file. One whose name is no Unicode cannot be written to the preferences, and is forgotten
+    /// Remembers the folder of a file. A folder whose name is not Unicode cannot be written to the preferences, and is forgotten
     /// when the program ends.
     pub fn remember(&mut self, file: &Path) {
         let folder = folder_after_links(file);
@@ -153,15 +153,14 @@ impl Default for Preferences {
 
 /// Least and greatest width of the left side in points.
 pub const SIDE_WIDTHS: [f32; 2] = [160.0, 480.0];
-/// Least and greatest width of the inspector in points: its rows need the least.
+/// Least and greatest width of the inspector in points; its rows need the least width.
 pub const INSPECTOR_WIDTHS: [f32; 2] = [280.0, 640.0];
 
 /// Name of the file in the configuration folder.
 const FILE: &str = "preferences.json";
 
 impl Preferences {
-    /// Reads the preferences. What cannot be read is as by default, with a message for the user; that there are none
-    /// yet is not worth one.
+    /// Reads the preferences. Unreadable ones have their defaults, with a message for the user. A missing file gives no message.
     pub fn load(config: &Path) -> (Self, Option<String>) {
         let file = config.join(FILE);
         let parsed = match input::read(&file) {
@@ -178,7 +177,7 @@ impl Preferences {
             }
         };
         let message = format!(
-            "the preferences cannot be read whole: {}; what was not read is as by default, choose it again ({})",
+            "some preferences cannot be read: {}; they have their defaults, set them again ({})",
             problems.join("; "),
             file.display()
         );
@@ -194,7 +193,7 @@ impl Preferences {
         write_setting(&config.join(FILE), &format!("{value:#}\n"))
     }
 
-    /// With a scale and sizes at which the interface can be used.
+    /// Limits scale and sizes to a usable range.
     pub fn clamped(self) -> Self {
         let usual = Self::default();
         let clamp = |x: f32, [low, high]: [f32; 2], default: f32| if x.is_nan() { default } else { x.clamp(low, high) };
@@ -248,7 +247,7 @@ mod tests {
         use std::os::unix::ffi::OsStrExt;
         let folder = tempfile::tempdir().unwrap();
         let odd = folder.path().join(std::ffi::OsStr::from_bytes(b"\xff"));
-        // Some file systems have no such names.
+        // Some file systems reject such names.
         if std::fs::create_dir(&odd).is_err() {
             return;
         }

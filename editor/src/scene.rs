@@ -1,4 +1,4 @@
-//! The outliner: objects with their materials, materials, and cameras to go back to.
+//! The outliner: objects with their materials, materials, and cameras.
 
 mod bookmarks;
 mod pose;
@@ -25,22 +25,22 @@ use std::collections::BTreeSet;
 
 /// Rows of a list before it scrolls.
 const VISIBLE_ROWS: f32 = 9.0;
-/// Materials of an object that are shown beside its name.
+/// Most materials of an object shown beside its name.
 const SWATCHES: usize = 4;
 /// Opacity of the highlight of selected objects beside the active one.
 const WEAK: f32 = 0.35;
 /// Side of a swatch in points.
 const SWATCH: f32 = 11.0;
 
-/// What the panel shows.
+/// Input of the panel.
 pub struct SceneContext<'a> {
     /// The document.
     pub document: &'a Document,
     /// Its dataset, if one is loaded.
     pub dataset: Option<&'a Dataset>,
-    /// The active object: the one that was selected last.
+    /// The active object: the one selected last.
     pub selected_object: Option<u32>,
-    /// Objects that are selected as well.
+    /// The other selected objects.
     pub other_objects: &'a [u32],
     /// The selected objects that can be posed, the active one first.
     pub posable: &'a [Subject],
@@ -48,7 +48,7 @@ pub struct SceneContext<'a> {
     pub selected_material: Option<usize>,
 }
 
-/// What the panel keeps between frames.
+/// State of the panel between frames.
 #[derive(Default)]
 pub struct ScenePanel {
     filter: String,
@@ -121,7 +121,7 @@ fn objects(
     });
 }
 
-/// The name of an object: a click selects it alone, or with Ctrl adds it or takes it away.
+/// The name of an object: a click selects it alone; with Ctrl it adds or removes it.
 fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, actions: &mut Vec<Action>) {
     let (is_active, moves_along) = (context.selected_object == Some(object), context.other_objects.contains(&object));
     if moves_along {
@@ -138,7 +138,7 @@ fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, act
             Action::Select(SelectAction::Object(Some(object)))
         });
     }
-    let help = "Ctrl-click to add it to the selection or take it away, double-click to frame it";
+    let help = "Ctrl-click to add it to the selection or remove it, double-click to frame it";
     if name.on_hover_text(help).double_clicked() && !adds {
         actions.push(Action::Camera(CameraAction::FrameSelection));
     }
@@ -163,13 +163,13 @@ fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Ve
         swatch(ui, &materials[index], Sense::hover());
         let name = name_button(ui, context.selected_material == Some(index), names[index]).interact(Sense::drag());
         name.dnd_set_drag_payload(Dragged::Material(index));
-        if name.on_hover_text("Drag it onto a surface to give that its values").clicked() {
+        if name.on_hover_text("Drag it onto a surface to apply its values").clicked() {
             actions.push(Action::Select(SelectAction::Material(Some(index))));
         }
     });
 }
 
-/// A choice of the variants that a glTF file has.
+/// The list of variants in a glTF file.
 fn variants(ui: &mut Ui, document: &Document, variants: &Variants, actions: &mut Vec<Action>) {
     if variants.is_empty() {
         return;
@@ -178,8 +178,7 @@ fn variants(ui: &mut Ui, document: &Document, variants: &Variants, actions: &mut
     let name = |variant: Option<usize>| variant.map_or(PLAIN, |variant| variants.names[variant].as_str());
     let shown = document.shown_variant(variants);
     ui.horizontal(|ui| {
-        let label =
-            ui.label("Variant").on_hover_text("Materials that the glTF file offers together. No bake is needed.");
+        let label = ui.label("Variant").on_hover_text("Material variants of the glTF file. No bake is needed.");
         let combo = ComboBox::from_id_salt("variant").selected_text(shown.map_or("Mixed", name));
         let opened = combo.width(ui.available_width()).truncate().show_ui(ui, |ui| {
             for variant in [None].into_iter().chain((0..variants.names.len()).map(Some)) {
@@ -192,13 +191,13 @@ fn variants(ui: &mut Ui, document: &Document, variants: &Variants, actions: &mut
     });
 }
 
-/// A folding list of the names that hold `wanted`; only the rows in view are laid out, since there may be thousands.
+/// A folding list of the names that contain `wanted`; only visible rows are laid out, since there may be thousands.
 fn list(ui: &mut Ui, title: &str, names: &[&str], wanted: &str, mut add_row: impl FnMut(&mut Ui, usize)) {
     let shown: Vec<usize> =
         (0..names.len()).filter(|&i| wanted.is_empty() || names[i].to_lowercase().contains(wanted)).collect();
     section(ui, title, true, |ui| {
         if shown.is_empty() {
-            ui.weak(if names.is_empty() { "None yet" } else { "None of that name" });
+            ui.weak(if names.is_empty() { "None yet" } else { "No match" });
             return;
         }
         let height = ui.spacing().interact_size.y;

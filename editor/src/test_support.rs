@@ -1,4 +1,4 @@
-//! Scenes and checks that tests of several panels and of the viewport share.
+//! Scenes and checks for tests of panels and viewport.
 
 use crate::document::{Document, TextureEntry};
 use egui_kittest::{Harness, kittest::NodeT};
@@ -21,7 +21,7 @@ use std::{
     sync::Arc,
 };
 
-/// Width in points that panels are tested at: that of a narrow inspector.
+/// Width in points of panels in tests: a narrow inspector's.
 pub const WIDTH: f32 = 300.0;
 
 /// Checks that nothing reaches past the right edge.
@@ -81,7 +81,7 @@ pub fn write_picture(path: &Path) {
     image::write(&Image::filled([2, 2], Vec3::splat(0.25)), path).unwrap();
 }
 
-/// A document of one material, whose map is a picture of this file.
+/// A document of one material, whose map is this file.
 pub fn document_with_a_map(file: Option<PathBuf>) -> Document {
     let texture = Arc::new(Texture::missing("wood.png"));
     let slot = Some(TextureSlot { rotation: 0.5, color_space: ColorSpace::Srgb, ..TextureSlot::default() });

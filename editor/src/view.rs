@@ -1,4 +1,4 @@
-//! How the picture is made and shown, and where the camera stands.
+//! Settings of the picture and its display, and the camera.
 
 #[cfg(test)]
 mod tests;
@@ -23,7 +23,7 @@ const FIELDS_OF_VIEW: [f32; 2] = [5.0, 120.0];
 /// Budgets of the illumination cut from the paper's figures and around them.
 const CUT_PRESETS: [u32; 6] = [32, 64, 128, 256, 512, 1024];
 
-/// What the panel shows.
+/// Input of the panel.
 pub struct ViewContext<'a> {
     /// The document.
     pub document: &'a Document,
@@ -41,24 +41,24 @@ pub fn show(ui: &mut Ui, context: &ViewContext, actions: &mut Vec<Action>) {
 }
 
 fn display(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
-    let exposure = Number::new("Exposure", "Stops: one more doubles the brightness.", -8.0..=8.0, 0.0);
+    let exposure = Number::new("Exposure", "Brightness in stops; each doubles it.", -8.0..=8.0, 0.0);
     let exposure = exposure.unit(" EV", 2).entry(-30.0..=30.0);
     edit_row(actions, "Exposure", view, Edit::View, |v| slider_row(ui, &exposure, &mut v.post.exposure));
     let curves = ToneMap::ALL.map(|t| (t, t.label(), t.curve().summary));
     edit_row(actions, "Tone map", view, Edit::View, |v| {
-        combo_row(ui, "Tone map", "How bright values are fitted to the display.", &mut v.post.tone_map, &curves)
+        combo_row(ui, "Tone map", "Curve that fits bright values to the display.", &mut v.post.tone_map, &curves)
     });
 }
 
 fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     let kinds = [
         (BackgroundKind::Environment, "Environment", "The environment, sharp."),
-        (BackgroundKind::Blurred, "Blurred environment", "The environment out of focus; the light stays as it is."),
+        (BackgroundKind::Blurred, "Blurred environment", "The environment, blurred; the light stays as it is."),
         (BackgroundKind::Flat, "Color", "One color."),
-        (BackgroundKind::Transparent, "Transparent", "Nothing: exported pictures have no coverage there."),
+        (BackgroundKind::Transparent, "Transparent", "No background; exported pictures are transparent there."),
     ];
     edit_row(actions, "Background", view, Edit::View, |v| {
-        combo_row(ui, "Background", "What is seen where there is no surface.", &mut v.background, &kinds)
+        combo_row(ui, "Background", "Shown where there is no surface.", &mut v.background, &kinds)
     });
     match view.background {
         BackgroundKind::Blurred => {
@@ -68,7 +68,7 @@ fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
         BackgroundKind::Flat => {
             let default = ViewSettings::default().background_color;
             edit_row(actions, "Background color", view, Edit::View, |v| {
-                color_row(ui, "Color", "Scene-linear: exposure acts on it.", &mut v.background_color, default)
+                color_row(ui, "Color", "Scene-linear color; exposure applies to it.", &mut v.background_color, default)
             });
         }
         BackgroundKind::Environment | BackgroundKind::Transparent => {}
@@ -78,58 +78,53 @@ fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
 fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     let modes = ViewMode::ALL.map(|m| (m, m.label(), view_mode_meaning(m)));
     edit_row(actions, "View mode", view, Edit::View, |v| {
-        combo_row(ui, "Show", "What the pixels show.", &mut v.mode, &modes)
+        combo_row(ui, "Show", "Quantity that the pixels show.", &mut v.mode, &modes)
     });
     basis(ui, view, actions);
     let materials = [
-        (ShownMaterials::Own, "Their own", "Each surface as it is."),
+        (ShownMaterials::Own, "Original", "Each surface with its own material."),
         (ShownMaterials::Clay, "Clay", "Gray clay on all, to judge light and shape."),
         (ShownMaterials::Gray, "Middle gray", "Albedo 0.18 on all, to judge exposure."),
         (ShownMaterials::Chrome, "Chrome", "A mirror on all, to judge reflections and smoothness."),
     ];
     let solo = matches!(view.materials, ShownMaterials::Solo(_)).then_some((
         view.materials,
-        "One alone",
-        "One material as it is, the others as clay.",
+        "Solo",
+        "One material shown, the others as clay.",
     ));
     let materials: Vec<_> = materials.into_iter().chain(solo).collect();
     edit_row(actions, "Shown materials", view, Edit::View, |v| {
-        let help = "Whose materials the picture shows. Yours stay as they are.";
+        let help = "Replaces all materials in the picture, not in the scene.";
         combo_row(ui, "Materials", help, &mut v.materials, &materials)
     });
     edit_row(actions, "Wireframe", view, Edit::View, |v| {
         check_row(ui, "Wireframe", "Draws the edges of the baked triangles.", &mut v.wireframe)
     });
     let samplings = [
-        (BrdfSampling::Lit, "Lit", "Cuts that know the light, halved where the highlight looks: fast and sharp."),
-        (BrdfSampling::Refine, "Refined", "Stored cuts and the light cut, halved where the highlight looks."),
+        (BrdfSampling::Lit, "Lit", "Merge lit cuts, refined toward highlights: fast and sharp."),
+        (BrdfSampling::Refine, "Refined", "Merge stored cuts and the light cut, refined toward highlights."),
         (
             BrdfSampling::Once,
             "Paper",
-            "Stored cuts and the light cut, one BRDF sample a node: highlights may break up.",
+            "Merge stored cuts and the light cut, one BRDF sample per node: highlights may break up.",
         ),
     ];
     edit_row(actions, "BRDF sampling", view, Edit::View, |v| {
-        choice_row(
-            ui,
-            "Cuts",
-            "Which cuts are merged, and how the BRDF is sampled on their nodes.",
-            &mut v.sampling,
-            &samplings,
-        )
+        choice_row(ui, "Cuts", "Cuts to merge, and how to sample the BRDF on their nodes.", &mut v.sampling, &samplings)
     });
     match view.sampling {
         BrdfSampling::Lit => lit_cuts(ui, view, actions),
         BrdfSampling::Refine | BrdfSampling::Once => illumination_cut(ui, view, actions),
     }
-    let samples = Decades::count("Samples", "Jittered frames that are averaged at rest, 1 to 256.", 1.0..=256.0, 16.0);
+    let samples =
+        Decades::count("Samples", "Jittered samples per pixel, averaged at rest, 1 to 256.", 1.0..=256.0, 16.0);
     edit_row(actions, "Samples", view, Edit::View, |v| decades_row(ui, &samples, &mut v.aa));
-    let help = "Milliseconds until a change is seen; how finely light is computed adapts to it.";
+    let help = "Milliseconds until a change is visible; the detail of the light adapts to it.";
     let budget = Decades { unit: " ms", ..Decades::count("Frame budget", help, 5.0..=2000.0, 100.0) };
     edit_row(actions, "Frame budget", view, Edit::View, |v| decades_row(ui, &budget, &mut v.frame_budget_ms));
 }
 
-/// What of the meshless basis is shown.
+/// The level and function of the meshless basis to show.
 fn basis(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     let level = Decades::count("Level", "Level of the meshless basis; 0 is the coarsest.", 0.0..=7.0, 0.0);
     let function = Decades::count("Function", "Number of the function, coarsest first.", 0.0..=1e6, 0.0);
@@ -151,28 +146,25 @@ fn view_mode_meaning(mode: ViewMode) -> &'static str {
         ViewMode::Albedo => "Base color after its map.",
         ViewMode::Roughness => "Roughness after its map.",
         ViewMode::VisibilityCut => {
-            "Nodes of the baked visibility cuts: where memory goes. Over bounced light if the environment was not baked."
+            "Nodes of the baked visibility cuts, which take the memory. Bounced light if the environment was not baked."
         }
-        ViewMode::MergedCut => {
-            "Nodes after merging visibility and light, of environment and bounced light: where time goes."
-        }
-        ViewMode::BrdfEvaluations => "How often the BRDF is evaluated.",
-        ViewMode::BasisLevel => "What one level of the meshless basis adds to bounced light, and takes from it.",
+        ViewMode::MergedCut => "Nodes of the merged cuts of environment and bounced light, which take the time.",
+        ViewMode::BrdfEvaluations => "BRDF evaluations per pixel.",
+        ViewMode::BasisLevel => "Light that one level of the meshless basis adds or subtracts.",
         ViewMode::BasisFunction => "One function of the meshless basis.",
         ViewMode::BasisCoefficients => "The functions of the meshless basis that carry light, by level.",
     }
 }
 
 fn lit_cuts(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
-    let help =
-        "Largest share of a vertex's light that one node of its cut may move, 0.0001 to 1. Less is finer, and slower.";
+    let help = "Largest share of a vertex's light that one node of its cut may displace, 0.0001 to 1. Smaller is finer and slower.";
     let default = DEFAULT_TAU.into();
-    let tau = Decades { decimals: 4, ..Decades::count("Light moved", help, 1e-4..=1.0, default) };
-    edit_row(actions, "Light moved", view, Edit::View, |v| decades_row(ui, &tau, &mut v.tau));
+    let tau = Decades { decimals: 4, ..Decades::count("Lit cut error", help, 1e-4..=1.0, default) };
+    edit_row(actions, "Lit cut error", view, Edit::View, |v| decades_row(ui, &tau, &mut v.tau));
 }
 
 fn illumination_cut(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
-    let help = "Most nodes of the illumination cut, 1 to 32,768. More give sharper shadows, and are slower.";
+    let help = "Most nodes of the illumination cut, 1 to 32,768. More give sharper shadows and take longer.";
     let cut = Decades::count("Light cut", help, 1.0..=32_768.0, 256.0);
     edit_row(actions, "Light cut", view, Edit::View, |v| decades_row(ui, &cut, &mut v.illum_cut));
     edit_row(actions, "Light cut", view, Edit::View, |v| {
@@ -194,9 +186,9 @@ fn illumination_cut(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>)
 fn camera(ui: &mut Ui, now: &Camera, actions: &mut Vec<Action>) {
     let mut camera = now.clone();
     let mut edited = lens(ui, &mut camera);
-    edited |= point_row(ui, "Position", "Where the camera stands, in meters.", &mut camera.eye);
-    edited |= point_row(ui, "Target", "The point that it looks at and turns around, in meters.", &mut camera.target);
-    // A camera in its own target has no direction.
+    edited |= point_row(ui, "Position", "Position of the camera in meters.", &mut camera.eye);
+    edited |= point_row(ui, "Target", "Point that the camera looks at and orbits, in meters.", &mut camera.target);
+    // A camera at its own target has no direction.
     if edited.changed && camera.eye.distance(camera.target) > 1e-6 && is_finite(&camera) {
         actions.push(Action::Camera(CameraAction::To(camera)));
     }
@@ -206,7 +198,7 @@ fn is_finite(camera: &Camera) -> bool {
     camera.eye.is_finite() && camera.target.is_finite() && camera.fov_y.is_finite()
 }
 
-/// Field of view and focal length: two ways to say the same.
+/// Field of view and focal length, two forms of one value.
 fn lens(ui: &mut Ui, camera: &mut Camera) -> Edited {
     let [narrowest, widest] = FIELDS_OF_VIEW;
     let field = Number::new("Field of view", "Vertical, in degrees.", narrowest..=widest, 40.0).unit("°", 1);
@@ -216,7 +208,7 @@ fn lens(ui: &mut Ui, camera: &mut Camera) -> Edited {
         camera.fov_y = degrees.to_radians();
     }
     let [longest, shortest] = FIELDS_OF_VIEW.map(|d| focal_from_fov(d.to_radians()));
-    let help = "Focal length of a lens before a 36 x 24 mm sensor that shows as much from top to bottom.";
+    let help = "Focal length of a 36 x 24 mm camera with this vertical field of view.";
     let focal = Number::new("Focal length", help, shortest..=longest, focal_from_fov(40_f32.to_radians()));
     let mut focal_mm = focal_from_fov(camera.fov_y);
     let focal = slider_row(ui, &focal.unit(" mm", 1), &mut focal_mm);

@@ -35,7 +35,7 @@ use lapidary_render::{SourceLighting, ViewMode};
 use pick::Picked;
 use std::{sync::Arc, time::Duration};
 
-/// What the viewport remembers from frame to frame.
+/// State of the viewport between frames.
 #[derive(Default)]
 pub struct ViewportState {
     gesture: Option<input::Gesture>,
@@ -66,11 +66,11 @@ pub struct Faded {
     pub texture: TextureId,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// How much of it is left, 0 to 1.
+    /// Its opacity, 0 to 1.
     pub opacity: f32,
 }
 
-/// Contents of the viewport.
+/// Input of the viewport.
 pub struct ViewportContext<'a> {
     /// The document.
     pub document: &'a Document,
@@ -78,29 +78,29 @@ pub struct ViewportContext<'a> {
     pub picture: Option<TextureId>,
     /// Width and height of the picture in pixels.
     pub picture_size: [u32; 2],
-    /// The picture that goes over into it.
+    /// The picture that fades into it.
     pub faded: Option<Faded>,
-    /// Whether a chequerboard lies behind the picture.
+    /// Whether a checkerboard lies behind the picture.
     pub checker: bool,
-    /// The mesh that is shown, to select from.
+    /// The shown mesh, for picking.
     pub mesh: Option<&'a Mesh>,
-    /// Made of that mesh.
+    /// The intersector of that mesh.
     pub intersector: Option<&'a Intersector>,
     /// Bounds of the scene; they set the speed of flight and the reach of the wheel.
     pub scene_bounds: Option<Bounds>,
     /// The selected objects.
     pub selected_objects: Vec<u32>,
-    /// Bounds of each, outlined for a moment when the selection changes.
+    /// Bounds of each selected object, outlined briefly when the selection changes.
     pub selection_bounds: &'a [Bounds],
     /// The selected objects, if they have handles.
     pub movable: Option<gizmo::Movable>,
-    /// The local light that is selected.
+    /// The selected local light.
     pub selected_light: Option<usize>,
-    /// Whether local lights are drawn over the picture, and can be selected there.
+    /// Whether local lights are drawn over the picture and can be selected.
     pub shows_lights: bool,
-    /// Whether the next click says what the selected light is aimed at.
+    /// Whether the next click aims the selected light.
     pub aiming: bool,
-    /// What the bake that is shown is of.
+    /// Parts of the shown bake.
     pub baked: Option<BakeParts>,
     /// Surface sources under the light of the picture, if bounced light is gathered from them.
     pub sources: Option<&'a Arc<SourceLighting>>,
@@ -108,47 +108,47 @@ pub struct ViewportContext<'a> {
     pub shows_clusters: bool,
     /// Color of the outline.
     pub accent: Color32,
-    /// Work that goes on, as "Rendering 40 %".
+    /// Running work, such as "Rendering 40 %".
     pub busy: Option<&'a str>,
-    /// What to say instead of a picture. The mouse and keys do nothing then.
+    /// Text in place of a picture, which disables mouse and keys.
     pub placeholder: Option<&'a str>,
     /// Whether the picture is of a bake that no longer matches.
     pub stale: bool,
-    /// What it is compared with, if it is.
+    /// The comparison, if there is one.
     pub compared: Option<compare::Compared<'a>>,
 }
 
 impl ViewportContext<'_> {
-    /// The sources whose clusters are drawn: over the lit picture, for other views say something else.
+    /// The sources whose clusters are drawn, over the lit picture only.
     fn clusters(&self) -> Option<&Arc<SourceLighting>> {
         self.sources.filter(|_| self.shows_clusters && self.document.view.mode == ViewMode::Shaded)
     }
 
-    /// Whether things can be drawn over the picture: where two stand side by side they would lie beside it.
+    /// Whether things can be drawn over the picture: side by side, they would be misplaced.
     fn can_be_drawn_over(&self) -> bool {
         self.compared.as_ref().is_none_or(|compared| compared.view != CompareView::SideBySide)
     }
 
-    /// What `camera` sees at a place of the window, in a viewport at `rect` of `size_px` pixels.
+    /// Picks what `camera` sees at a position of the window, in a viewport at `rect` of `size_px` pixels.
     fn picked(&self, camera: &Camera, at: Pos2, rect: Rect, size_px: [u32; 2]) -> Option<Picked> {
         let scene = (self.mesh?, self.intersector?);
         pick::pick(scene, self.document.bake.ground, camera, pixel(at, rect, size_px), size_px)
     }
 }
 
-/// What the viewport wants of the window.
+/// Output of the viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewportResponse {
-    /// Size that the picture should have, in physical pixels.
+    /// Wanted size of the picture, in physical pixels.
     pub size_px: [u32; 2],
-    /// Whether the user is moving something now, so that pictures should come fast.
+    /// Whether the user is moving something, so that pictures should come fast.
     pub moving: bool,
-    /// Where the viewport lies, for what is laid over it.
+    /// Rectangle of the viewport, for overlays.
     pub rect: Rect,
 }
 
 impl ViewportResponse {
-    /// A position of the window in the picture, 0 to 1 from the upper left corner; `None` outside.
+    /// Converts a position of the window to the picture, 0 to 1 from the upper left corner; `None` outside.
     pub fn place(&self, at: Pos2) -> Option<Vec2> {
         let place = (at - self.rect.min) / self.rect.size();
         self.rect.contains(at).then_some(Vec2::new(place.x, place.y)).filter(|place| place.is_finite())
@@ -158,7 +158,7 @@ impl ViewportResponse {
 /// Seconds after the last turn of the wheel until the camera counts as at rest.
 const WHEEL_REST_SECS: f64 = 0.15;
 
-/// Shows the viewport in all the room that `ui` has. What the user asks for goes to `actions`.
+/// Shows the viewport in all the room of `ui`. Pushes the user's requests to `actions`.
 pub fn show(
     ui: &mut Ui,
     state: &mut ViewportState,
@@ -185,7 +185,7 @@ fn pixels(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
     [size.x, size.y].map(|side| (side.round() as u32).max(1))
 }
 
-/// A place of the window in the picture, in pixels.
+/// Converts a position of the window to pixels of the picture.
 fn pixel(at: Pos2, rect: Rect, size_px: [u32; 2]) -> Vec2 {
     let share = (at - rect.min) / rect.size();
     Vec2::new(share.x * size_px[0] as f32, share.y * size_px[1] as f32)
@@ -195,7 +195,7 @@ fn is_moving(ui: &Ui, state: &ViewportState) -> bool {
     let since_wheel = state.dollied_at.map(|at| ui.input(|input| input.time) - at);
     let on_wheel = since_wheel.filter(|&secs| secs < WHEEL_REST_SECS);
     if let Some(secs) = on_wheel {
-        // The picture at rest follows then.
+        // Requests the picture at rest.
         ui.request_repaint_after(Duration::from_secs_f64(WHEEL_REST_SECS - secs));
     }
     state.gesture.is_some() || state.gizmo.is_dragging() || on_wheel.is_some()

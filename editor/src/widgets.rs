@@ -1,6 +1,6 @@
-//! Common rows of all inspectors: a label with an explanation, the control, and a button that restores the default. They
-//! stand in columns of fixed widths: labels, sliders, numbers, buttons that restore. Only that of sliders is as wide as
-//! there is room, so that it grows with the panel. In a panel too narrow for that labels stand above what they name.
+//! Common rows of all inspectors: a label with an explanation, the control, and a button that restores the default. They stand in
+//! columns: labels, sliders, numbers, reset buttons. Only the column of sliders grows with the panel. In a narrow panel labels
+//! stand above their controls.
 //!
 //! Every row reports whether its value changed and whether the gesture that changes it has ended, because a drag over
 //! many frames is one step of undo. Every control carries the row's name for screen readers, and tests find it by that.
@@ -24,20 +24,20 @@ use egui::{
 use layout::{RESET_WIDTH, cell, full_name, indent};
 use std::ops::{BitOr, BitOrAssign, RangeInclusive};
 
-/// Points of the column of numbers, at the right of what a row edits.
+/// Width of the column of numbers in points.
 const NUMBER_WIDTH: f32 = 72.0;
 /// Least width of a slider in points.
 const LEAST_SLIDER: f32 = 24.0;
-/// How much slower a slider moves while Shift is held.
+/// Speed factor of a slider while Shift is held.
 const FINE: f32 = 0.1;
 
-/// What happened to a value in this frame.
+/// Change of a value in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[must_use]
 pub struct Edited {
-    /// It has another value now.
+    /// Whether it has another value now.
     pub changed: bool,
-    /// The drag stopped, the field lost the focus, or a click set the value: the next change is another step of undo.
+    /// Whether the drag stopped, the field lost the focus, or a click set the value: the next change is another step of undo.
     pub ended: bool,
 }
 
@@ -47,13 +47,13 @@ impl Edited {
         Self { changed, ended: changed }
     }
 
-    /// What a slider or number entry did. A gesture that changed nothing does not end either.
+    /// The edit by a slider or number entry. A gesture that changed nothing does not end either.
     pub fn by(ui: &Ui, response: &Response) -> Self {
         let over = response.drag_stopped() || response.lost_focus() || !(response.dragged() || response.has_focus());
         Self::until(ui, response.id, response.changed(), over)
     }
 
-    /// Remembers under `id` that there was a change until the gesture is `over`.
+    /// Remembers a change under `id` until the gesture is `over`.
     fn until(ui: &Ui, id: Id, changed: bool, over: bool) -> Self {
         let id = id.with("gesture");
         let under_way = changed || ui.data(|d| d.get_temp(id)).unwrap_or(false);
@@ -80,15 +80,15 @@ impl BitOrAssign for Edited {
 pub struct Number<'a> {
     /// The parameter's name.
     pub label: &'a str,
-    /// What it does, its range and its unit.
+    /// Its effect, range and unit.
     pub help: &'a str,
-    /// What the slider covers.
+    /// Range of the slider.
     pub range: RangeInclusive<f32>,
-    /// What can be typed.
+    /// Range of typed values.
     pub entry: RangeInclusive<f32>,
-    /// What reset puts back.
+    /// Value after a reset.
     pub default: f32,
-    /// Shown after the number, with its space: " mm".
+    /// Unit after the number, with its space: " mm".
     pub unit: &'a str,
     /// Digits after the point.
     pub decimals: usize,
@@ -97,22 +97,22 @@ pub struct Number<'a> {
 }
 
 impl<'a> Number<'a> {
-    /// A plain number that can be typed in the slider's range, with two digits after the point.
+    /// A number without unit, typed in the slider's range, with two digits after the point.
     pub fn new(label: &'a str, help: &'a str, range: RangeInclusive<f32>, default: f32) -> Self {
         Self { label, help, entry: range.clone(), range, default, unit: "", decimals: 2, disabled: None }
     }
 
-    /// Shown with a unit and this many digits.
+    /// With a unit and this many digits.
     pub fn unit(self, unit: &'a str, decimals: usize) -> Self {
         Self { unit, decimals, ..self }
     }
 
-    /// Can be typed beyond the slider.
+    /// With a range of typed values beyond the slider's.
     pub fn entry(self, entry: RangeInclusive<f32>) -> Self {
         Self { entry, ..self }
     }
 
-    /// Grayed, for a reason.
+    /// Grayed out, for a reason.
     pub fn disabled(self, reason: Option<&'a str>) -> Self {
         Self { disabled: reason, ..self }
     }
@@ -142,7 +142,7 @@ pub fn slider_row(ui: &mut Ui, number: &Number, value: &mut f32) -> Edited {
     .inner
 }
 
-/// A slider that moves slowly, from where the value is, while Shift is held.
+/// A slider that moves slowly from the present value while Shift is held.
 fn fine_slider(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
     let before = *value;
     let slider = Slider::new(value, number.range.clone()).show_value(false).clamping(egui::SliderClamping::Edits);
@@ -175,12 +175,12 @@ fn number_entry(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
     ui.add(entry)
 }
 
-/// Width in points of the column of sliders: all that the column of numbers leaves.
+/// Width in points of the column of sliders: the rest beside the column of numbers.
 pub fn slider_width(ui: &Ui) -> f32 {
     (ui.available_width() - NUMBER_WIDTH - ui.spacing().item_spacing.x).max(LEAST_SLIDER)
 }
 
-/// Size in points of what stands in the column of numbers.
+/// Size in points of a control in the column of numbers.
 pub fn number_size(ui: &Ui) -> Vec2 {
     vec2(NUMBER_WIDTH, ui.spacing().interact_size.y)
 }
@@ -194,8 +194,8 @@ pub fn note(ui: &mut Ui, text: &str) {
     });
 }
 
-/// A row that has no label of its own: `name` takes the columns of labels and sliders, `action` that of numbers, and
-/// `remove` that of the buttons that reset.
+/// A row without a label: `name` takes the columns of labels and sliders, `action` the column of numbers, and `remove` the column
+/// of reset buttons.
 pub fn wide_row<R>(
     ui: &mut Ui,
     height: f32,
@@ -211,7 +211,7 @@ pub fn wide_row<R>(
     })
 }
 
-/// One row with a few choices side by side: each a value, its name and what it means.
+/// One row with a few choices side by side: each a value, its name and its tooltip.
 pub fn choice_row<T: PartialEq + Copy>(
     ui: &mut Ui,
     label: &str,
@@ -229,7 +229,7 @@ pub fn choice_row<T: PartialEq + Copy>(
     })
 }
 
-/// Text that can be selected and copied, as other labels cannot: an error, a path, a figure.
+/// Text that can be selected and copied, unlike other labels: an error, a path, a figure.
 pub fn copyable(ui: &mut Ui, text: impl Into<WidgetText>) -> Response {
     ui.add(Label::new(text).selectable(true))
 }
@@ -248,7 +248,7 @@ pub fn check_box(ui: &mut Ui, value: &mut bool, label: &str) -> Response {
     .inner
 }
 
-/// Outline of small controls on a panel of any color, with the contrast of its fainter text.
+/// Outline of small controls on any panel, with the contrast of its weak text.
 pub fn outline(ui: &Ui) -> Stroke {
     Stroke::new(1.0, ui.visuals().weak_text_color())
 }
@@ -263,14 +263,14 @@ pub fn check_row(ui: &mut Ui, label: &str, help: &str, value: &mut bool) -> Edit
     .inner
 }
 
-/// A part of an inspector that folds, without a box around it.
+/// A folding part of an inspector, without a box around it.
 pub fn section<R>(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui) -> R) -> Option<R> {
     ui.add_space(4.0);
     let header = CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open);
     header.show_unindented(ui, body).body_returned
 }
 
-/// Rows that belong to one thing of several alike: its name stands before those of the rows for screen readers.
+/// Rows of one of several similar things: its name precedes the rows' names for screen readers.
 pub fn group<R>(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui) -> R) -> R {
     let info = UiStackInfo::default().with_tag_value(GROUP, name.to_owned());
     ui.scope_builder(UiBuilder::new().id_salt(name).ui_stack_info(info), body).inner

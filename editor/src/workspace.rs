@@ -1,5 +1,5 @@
-//! What all features of the window share: the document with its history, the scene that is open, what is selected, messages,
-//! preferences. Features change it; it knows none of them.
+//! State that all features share: the document with its history, the open scene, the selection, messages, preferences. Features
+//! change it; it knows none of them.
 
 mod another_scene;
 pub mod first_view;
@@ -26,27 +26,27 @@ use lapidary_render::BackendFactory;
 use lapidary_studies::jobs::Wake;
 use std::path::Path;
 
-/// What all features share.
+/// State that all features share.
 pub struct Workspace {
     /// The document.
     pub document: Document,
     /// Its steps of undo.
     pub history: History,
-    /// The scene that is open, as far as it is not in the document.
+    /// The open scene, without the document.
     pub scene: OpenScene,
-    /// What is selected.
+    /// The selection.
     pub selection: Selection,
-    /// Bounds and parts of what is shown.
+    /// Bounds and parts of the shown scene.
     pub bounds: ShownBounds,
-    /// Which panels are seen.
+    /// The visible panels and tabs.
     pub tabs: Tabs,
     /// Width and height of the viewport in pixels.
     pub viewport_size: [u32; 2],
     /// Messages to the user.
     pub messages: Messages,
-    /// What the user prefers.
+    /// Preferences of the user.
     pub preferences: Preferences,
-    /// Where preferences, autosaves and bakes that begin by themselves are.
+    /// Folders of preferences, autosaves and automatic bakes.
     pub folders: Folders,
     /// Makes renderers, for jobs that need one of their own.
     pub factory: BackendFactory,
@@ -76,12 +76,12 @@ impl Workspace {
         }
     }
 
-    /// Whether there are changes that are not saved.
+    /// Whether there are unsaved changes.
     pub fn is_modified(&self) -> bool {
         self.history.is_modified()
     }
 
-    /// The file that is open: the session, or else the scene, or else the dataset.
+    /// The open file: the session, else the scene, else the dataset.
     pub fn file(&self) -> Option<&Path> {
         let Document { scene, dataset, .. } = &self.document;
         self.scene.session.as_deref().or(scene.as_deref()).or(dataset.as_deref())
@@ -92,7 +92,7 @@ impl Workspace {
         self.file().and_then(|p| p.file_name()).map_or("Untitled".into(), |name| name.to_string_lossy().into_owned())
     }
 
-    /// Diagonal of the scene in meters, or the distance that the camera looks at.
+    /// Diagonal of the scene in meters, else the distance of the camera's target.
     pub fn scene_size(&self) -> f32 {
         let camera = &self.document.camera;
         let diagonal = self.scene.bounds().map(|bounds| bounds.diagonal());
@@ -105,7 +105,7 @@ impl Workspace {
         width as f32 / height.max(1) as f32
     }
 
-    /// Keeps other preferences.
+    /// Sets and saves preferences.
     pub fn prefer(&mut self, preferences: Preferences) {
         self.preferences = preferences.clamped();
         if let Err(error) = self.preferences.save(&self.folders.config) {

@@ -1,4 +1,4 @@
-//! Where the document is seen from: framed, put back, copied and pasted.
+//! The camera: framed, reset, copied and pasted.
 
 use super::state::EditorState;
 use crate::{bounds::object_bounds, lights::light_bounds, navigation, viewport::camera_text};
@@ -32,7 +32,7 @@ impl EditorState {
         }
     }
 
-    /// Goes back to where the document was first seen from.
+    /// Returns to the first view of the document.
     pub(super) fn reset_camera(&mut self) {
         if let Some(view) = &self.work.scene.first_view {
             self.work.document.camera = view.fitted(self.work.scene.bounds(), self.work.aspect());
@@ -41,10 +41,10 @@ impl EditorState {
 
     pub(super) fn copy_camera(&mut self, ctx: &Context) {
         ctx.copy_text(camera_text::text(&self.work.document.camera));
-        self.work.messages.note("The camera is on the clipboard, as options of lapidary render");
+        self.work.messages.note("Camera copied as options for lapidary render");
     }
 
-    /// Moves the camera to what a text on the clipboard says.
+    /// Moves the camera as a clipboard text says.
     pub(super) fn paste_camera(&mut self, text: &str) {
         match camera_text::parse(text) {
             Ok(camera) => self.work.document.camera = Camera { name: self.work.document.camera.name.clone(), ..camera },

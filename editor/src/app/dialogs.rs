@@ -28,7 +28,7 @@ pub struct FileDialogs {
     open: Option<Open>,
     /// Whether the system has file dialogs.
     system: bool,
-    /// Where the last one was left, until it was remembered.
+    /// Purpose and folder of the last answered dialog, until they are remembered.
     left: Option<(FileUse, PathBuf)>,
     wake: Wake,
 }
@@ -74,12 +74,12 @@ impl FileDialogs {
         self.open.is_some()
     }
 
-    /// Where the dialog that had an answer was left, and what for; once.
+    /// Purpose and folder of the last answered dialog; once.
     pub fn left(&mut self) -> Option<(FileUse, PathBuf)> {
         self.left.take()
     }
 
-    /// Shows the dialog; returns the action with its path once there is an answer, one for each file that was chosen.
+    /// Shows the dialog. Returns the action with its path once there is an answer, one action per chosen file.
     pub fn show(&mut self, ctx: &Context) -> Vec<Action> {
         let Some(open) = &mut self.open else { return Vec::new() };
         let answer = match &mut open.by {

@@ -2,8 +2,8 @@
 
 use egui::{Area, Context, DragAndDrop, Id, Order, Popup, Rect, Sense};
 
-/// Covers all that lies under what has popped up, while something has. Only `menus`, the bar that an open menu belongs to,
-/// stays free: there, the pointer goes on to the next menu; and all is free for what is dragged out of a menu. Must be called after everything was shown.
+/// Covers everything below an open popup. `menus`, the bar of an open menu, stays free, so that the pointer can open the next menu.
+/// A drag out of a menu uncovers everything. Must be called after everything was shown.
 pub fn shield(ctx: &Context, menus: Option<Rect>) {
     if !Popup::is_any_open(ctx) || DragAndDrop::has_any_payload(ctx) {
         return;

@@ -1,4 +1,4 @@
-//! Opening, saving and leaving documents, with the questions that belong to it, and the search for their missing files.
+//! Opens, saves and leaves documents, asks the questions on the way, and searches for missing files.
 
 use super::state::{
     EditorState,
@@ -17,7 +17,7 @@ use lapidary_precompute::Leftover;
 use std::path::{Path, PathBuf};
 
 impl EditorState {
-    /// The window closes, after changes were asked about.
+    /// Closes the window after asking about changes.
     pub(super) fn quit(&mut self, ctx: &Context) {
         if self.work.history.is_modified() {
             self.questions.ask(Prompt::Unsaved { then: Then::Quit });
@@ -26,7 +26,7 @@ impl EditorState {
         }
     }
 
-    /// Goes on without asking.
+    /// Leaves the document without asking.
     pub(super) fn leave_now(&mut self, ctx: &Context, then: Then) {
         match then {
             Then::Show(ready) => self.take_document(*ready),
@@ -41,9 +41,10 @@ impl EditorState {
     pub fn open_bundled(&mut self, index: usize) {
         match self.bundled.scenes.get(index).cloned() {
             Some(scene) => self.open(Target::Bundled(scene)),
-            None => self.work.messages.error(
-                "The bundled scene is not there; start with --data DIR or set LAPIDARY_DATA, or open a scene of your own",
-            ),
+            None => self
+                .work
+                .messages
+                .error("Bundled scene not found; start with --data DIR, set LAPIDARY_DATA, or open another scene"),
         }
     }
 
@@ -81,9 +82,7 @@ impl EditorState {
     }
 
     pub(super) fn forget_recent(&mut self, path: &Path) {
-        self.work
-            .messages
-            .warning(format!("The file is not there any more; it was taken off the list ({})", path.display()));
+        self.work.messages.warning(format!("File not found; it was removed from the list ({})", path.display()));
         if let Err(error) = self.recent.remove(path) {
             self.work.messages.warning(format!("{error:#}"));
         }
@@ -100,7 +99,7 @@ impl EditorState {
             Ok(Opened::Missing { loaded, path, recovery, found }) => {
                 if let Some(found) = found {
                     let missing = loaded.missing.len();
-                    self.work.messages.note(format!("Found {found} of the missing files; {missing} are still missing"));
+                    self.work.messages.note(format!("Found {found} files; {missing} still missing"));
                 }
                 self.questions.ask(Prompt::Missing { loaded, path, recovery });
             }
@@ -135,7 +134,7 @@ impl EditorState {
         self.work.document = document;
         self.work.history = if recovery.is_some() { History::unsaved() } else { History::new() };
         self.safe.recovered = recovery;
-        // The cameras of sessions and of recovered work are as they were left.
+        // Sessions and recovered work keep their cameras.
         let is_kept = session.is_some() || self.safe.recovered.is_some();
         let first_view = Some(FirstView::of(&self.work.document, is_kept));
         let show_stale = false;
@@ -172,7 +171,7 @@ impl EditorState {
         }
     }
 
-    /// Looks for the missing files of the session that waits for it.
+    /// Searches for the missing files of the waiting session.
     pub(super) fn relink(&mut self, folder: PathBuf) {
         match self.questions.waiting.pop_front() {
             Some(Prompt::Missing { loaded, path, recovery }) => {

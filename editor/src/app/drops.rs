@@ -1,4 +1,4 @@
-//! Files that are dropped on the window, each where it belongs.
+//! Hands files dropped on the window to their features.
 
 use super::{files::as_base_color, layout::Laid, state::EditorState};
 use crate::{
@@ -24,7 +24,7 @@ impl EditorState {
                 Kind::Scene | Kind::Dataset | Kind::Session if opened => {
                     self.work
                         .messages
-                        .warning(format!("One scene is open at a time; this one was left out ({})", path.display()));
+                        .warning(format!("Only one scene can be open; this one was skipped ({})", path.display()));
                 }
                 Kind::Scene | Kind::Dataset | Kind::Session => {
                     opened = true;
@@ -44,7 +44,7 @@ impl EditorState {
         }
     }
 
-    /// The material under the pointer takes it, or else the one that is selected.
+    /// Gives a file to the material under the pointer, else to the selected one.
     fn drop_on_material(
         &mut self,
         ctx: &Context,
@@ -67,7 +67,7 @@ impl EditorState {
 
     fn material_under_pointer(&self, ctx: &Context, laid: &Laid) -> Option<usize> {
         let rect = laid.viewport.rect;
-        // Some systems tell no position while files are dragged; then there is none, or an old one outside.
+        // Some systems report no position while files are dragged: it is missing, or old and outside.
         let pointer = ctx.input(|i| i.pointer.latest_pos()).filter(|p| rect.contains(*p))?;
         let baked = self.pose.posed_at_rest(&self.work)?;
         let size = laid.viewport.size_px;

@@ -1,4 +1,4 @@
-//! Files that a document uses: those that were read go to their features, and those that changed on disk are read again.
+//! Files of the document: hands loaded files to their features, and reloads files that changed on disk.
 
 use super::state::{
     EditorState,
@@ -21,7 +21,7 @@ use std::{
 };
 
 impl EditorState {
-    /// Takes the files that were read.
+    /// Takes loaded files.
     pub(super) fn collect_loaded(&mut self) {
         for LoadResult { path, topic, result, .. } in self.loader.results() {
             match (topic, result) {
@@ -51,13 +51,13 @@ impl EditorState {
                     let material = |file| Prompt::Outside { file, names, then: Again::Load(index) };
                     path.map(material).into_iter().for_each(|prompt| self.questions.ask(prompt));
                 }
-                // Topics and sources go together where they are asked for.
+                // Requests pair topics with sources, so no other pair arrives.
                 _ => {}
             }
         }
     }
 
-    /// Watches the files in use, and reads those again that have changed.
+    /// Watches the files in use, and reloads changed ones.
     pub(super) fn collect_changed_files(&mut self) {
         let files: Vec<PathBuf> =
             files_in_use(&self.work.document).into_iter().chain(shader_source().files()).collect();
@@ -85,7 +85,7 @@ impl EditorState {
         }
     }
 
-    /// A file was read again. If it could not be, what was read before stays.
+    /// Takes a reloaded file. If reading failed, the earlier contents stay.
     fn reloaded(&mut self, path: &Path, result: Result<Loaded, String>) {
         match result {
             Ok(Loaded::Texture(texture)) => {
@@ -97,23 +97,23 @@ impl EditorState {
                     let name = entry.texture.name.clone();
                     entry.texture = Texture { name, ..(*texture).clone() }.into();
                 }
-                self.work.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
             Ok(Loaded::Brdf { content, remarks }) => {
                 remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
                 let materials = self.work.document.materials.iter_mut().chain(self.work.history.materials_mut());
                 let files = materials.filter_map(|material| material.file.as_mut());
                 files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
-                self.work.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
             Ok(Loaded::Scene(source)) => self.work.scene_changed(path, *source),
             // Another one may have been chosen meanwhile.
             Ok(_) if self.work.document.environment.file() != Some(path) => {}
             Ok(loaded) => {
                 self.environments.take_loaded(&mut self.work, into_environment(loaded));
-                self.work.messages.note(format!("Loaded again ({})", path.display()));
+                self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
-            Err(error) => self.work.messages.warning(format!("A file has changed and cannot be read now: {error}")),
+            Err(error) => self.work.messages.warning(format!("Cannot reload a changed file: {error}")),
         }
     }
 }
@@ -123,11 +123,11 @@ type LoadedEnvironment = (Arc<lapidary_core::environment::Environment>, Vec<Stri
 fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
     match loaded {
         Loaded::Environment { environment, warnings } => Ok((environment, warnings)),
-        _ => Err("that is no environment".into()),
+        _ => Err("not an environment".into()),
     }
 }
 
-/// Whether a picture was chosen by the user, is in the folder of the scene, or may be elsewhere.
+/// Whether a picture was chosen by the user, lies in the scene's folder, or is allowed outside it.
 fn may_be_read(picture: &Path, document: &Document, allowed: &AllowedFolders) -> bool {
     let is_chosen = document.textures.iter().any(|entry| entry.file.as_deref() == Some(picture));
     let of_scene = |scene: &Path| input::is_inside(&folder_of(scene), picture) || allowed.allow(scene);

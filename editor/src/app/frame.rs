@@ -37,7 +37,7 @@ impl EditorState {
         self.work.messages.show(&ctx, laid.viewport.rect);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
-            // What is on the screen is from before the actions.
+            // The screen shows the state before the actions.
             ctx.request_repaint();
         }
         for action in actions {
@@ -55,16 +55,14 @@ impl EditorState {
         self.safe.keep(&mut self.work, &ctx);
     }
 
-    /// While the ladder is climbed, comparison and full picture leave the cores to it, because the user waits for it
-    /// and it measures times.
+    /// While the ladder runs, comparison and full picture leave it the cores: the user waits for it, and it measures times.
     pub(super) fn hold_for_ladder(&self) {
         let climbing = self.ladder.is_climbing();
         self.picture.render.hold(climbing);
         self.comparison.hold(climbing);
     }
 
-    /// Does what the keys ask for that are not for a text field. Each does what it does before the next, so that two
-    /// presses are two steps even in one frame.
+    /// Performs the commands of keys that are not for a text field, one by one, so that two presses in one frame are two steps.
     fn take_keys(&mut self, ctx: &egui::Context) {
         let are_commands = keys_are_commands(ctx) && !self.is_asking();
         self.flicker(ctx, are_commands);
@@ -93,7 +91,7 @@ impl EditorState {
         has_dialog || self.interface.keys_open || !self.questions.waiting.is_empty()
     }
 
-    /// Shows the reference as long as R is held, if its press was for that. The press is no command then.
+    /// Shows the reference while R is held, if the press was for that. The press is then no command.
     fn flicker(&mut self, ctx: &egui::Context, are_commands: bool) {
         let is_press = |event: &Event| matches!(event, Event::Key { key: Key::R, pressed: true, modifiers, .. } if modifiers.is_none());
         let (is_held, is_pressed) = ctx.input(|i| (i.key_down(Key::R), i.events.iter().any(is_press)));
@@ -119,7 +117,7 @@ impl EditorState {
         });
     }
 
-    /// Shows the file dialog, if one is open. Cancelling where to save to cancels what was to follow.
+    /// Shows the file dialog, if one is open. Canceling a save dialog also cancels the action after it.
     fn show_dialog(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
         let was_open = self.dialogs.is_open();
         let chosen = self.dialogs.show(ctx);
@@ -134,7 +132,7 @@ impl EditorState {
         actions.extend(chosen);
     }
 
-    /// The text that was asked of the clipboard arrives a frame later, or never if there is none.
+    /// Takes the requested clipboard text, which arrives a frame later, or never if there is none.
     fn take_pasted_camera(&mut self, ctx: &egui::Context) {
         if self.interface.pasting_camera == 0 {
             return;
@@ -150,7 +148,7 @@ impl EditorState {
         }
     }
 
-    /// Takes what jobs have made since the last frame.
+    /// Takes results of jobs since the last frame.
     fn collect(&mut self, ctx: &egui::Context) {
         self.collect_opened();
         self.collect_loaded();
@@ -163,7 +161,7 @@ impl EditorState {
         self.environments.collect(ctx);
     }
 
-    /// A window that is about to close asks about changes first.
+    /// Asks about changes before the window closes.
     fn ask_before_closing(&mut self, ctx: &egui::Context, actions: &mut Vec<Action>) {
         if ctx.input(|i| i.viewport().close_requested()) && !self.questions.may_close {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);

@@ -1,11 +1,11 @@
-//! The icons of the strips, drawn: the toolkit's font has no such signs.
+//! Icons of the strips, drawn because the toolkit's font lacks them.
 
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 
 /// Side of an icon in points.
 const SIDE: f32 = 18.0;
 
-/// What an icon stands for.
+/// An icon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
     /// Objects in a list.

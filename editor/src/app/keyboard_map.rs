@@ -1,4 +1,4 @@
-//! The keyboard map: a window with all keys and what the pointer does.
+//! The keyboard map: a window with all keys and pointer gestures.
 
 use super::keys::{BINDINGS, written};
 use egui::{Context, Grid, Key, Modal, Modifiers, RichText, ScrollArea, Ui};
@@ -15,15 +15,15 @@ const POINTER: [(&str, &str); 16] = [
     ("Shift + right drag", "Turn the environment"),
     ("[ ]", "Turn the environment by 5 degrees (Shift: 1)"),
     ("Click", "Select"),
-    ("Ctrl + click", "Add an object to the selection, or take it away"),
+    ("Ctrl + click", "Add or remove an object from the selection"),
     ("Double click", "Orbit about this point"),
-    ("Drop a material", "Give its values to what is there (Shift: to it alone)"),
-    ("Drag a handle", "Move a light, or pose objects (Esc: put them back)"),
-    ("Ctrl + handle", "Whole steps of poses"),
+    ("Drop a material", "Apply its values there (Shift: to that surface only)"),
+    ("Drag a handle", "Move a light or pose objects (Esc: cancel)"),
+    ("Ctrl + handle", "Snap poses to steps"),
     ("Shift + slider", "Fine steps"),
-    ("Hold R", "See the reference, while comparing"),
-    ("Double click label", "Default value"),
-    ("Drop a file", "Open it, or use it on what lies under it"),
+    ("Hold R", "Show the reference while comparing"),
+    ("Double click label", "Reset to default"),
+    ("Drop a file", "Open it, or apply it to the object under it"),
 ];
 
 /// Shows the keyboard map. Returns whether it stays open.
@@ -37,7 +37,7 @@ pub fn show(ctx: &Context) -> bool {
         ui.add_space(6.0);
         ScrollArea::both().max_height(room.y).show(ui, |ui| {
             ui.horizontal_top(|ui| {
-                for groups in [&["File", "Edit", "Bake", "Window"][..], &["View", "What the pixels show"]] {
+                for groups in [&["File", "Edit", "Bake", "Window"][..], &["View", "View modes"]] {
                     ui.vertical(|ui| groups.iter().for_each(|group| show_group(ui, group)));
                     ui.add_space(20.0);
                 }

@@ -1,4 +1,4 @@
-//! The keyboard: one table of commands with their keys, from which menus, the keyboard map and the handling are made.
+//! The keyboard: one table of commands and keys serves menus, keyboard map and input.
 
 use crate::{navigation::AxisView, viewport::gizmo::Tool};
 use egui::{Context, Event, Key, KeyboardShortcut, Modifiers};
@@ -19,13 +19,13 @@ pub enum Command {
     Quit,
     /// Take back the last edit.
     Undo,
-    /// Do it again.
+    /// Repeat the edit last undone.
     Redo,
     /// Select no object and no light.
     SelectNothing,
-    /// Show what is selected.
+    /// Frame the selection.
     FrameSelection,
-    /// Show all.
+    /// Frame the whole scene.
     FrameAll,
     /// Go back to the first view.
     ResetCamera,
@@ -33,29 +33,29 @@ pub enum Command {
     Along(AxisView),
     /// Put the camera on the clipboard.
     CopyCamera,
-    /// Take it from there.
+    /// Take the camera from the clipboard.
     PasteCamera,
     /// The quantity that the pixels show.
     Mode(ViewMode),
     /// Edges over the picture.
     Wireframe,
-    /// What handles do to the selected objects, or no handles.
+    /// The tool of the handles, or no handles.
     Tool(Option<Tool>),
     /// Play the animation, or stop.
     Play,
-    /// Only the picture.
+    /// Hide the panels, or show them.
     TogglePanels,
     /// Larger text and controls.
     LargerInterface,
-    /// Smaller ones.
+    /// Smaller text and controls.
     SmallerInterface,
-    /// As they come.
+    /// Default size of text and controls.
     DefaultInterface,
     /// Add a copy of the selected light.
     DuplicateLight,
     /// Remove the selected light.
     DeleteLight,
-    /// Compare with a reference, or end that.
+    /// Begin or end the comparison with a reference.
     Compare,
     /// Bake with the current settings.
     Bake,
@@ -64,25 +64,25 @@ pub enum Command {
 }
 
 impl Command {
-    /// Whether it is done again and again while its key is held.
+    /// Whether it repeats while its key is held.
     fn repeats(self) -> bool {
         matches!(self, Self::Undo | Self::Redo | Self::LargerInterface | Self::SmallerInterface)
     }
 
-    /// Whether it opens a dialog or a question, for which keys pressed after it are meant.
+    /// Whether it opens a dialog or a question, which takes the keys after it.
     fn asks(self) -> bool {
         matches!(self, Self::Open | Self::Save | Self::SaveAs | Self::ExportPicture | Self::Quit | Self::Keys)
     }
 }
 
-/// A command, what it is called and its keys.
+/// A command, its name and its keys.
 #[derive(Clone, Copy, Debug)]
 pub struct Binding {
     /// Its command.
     pub command: Command,
     /// Its name in menus.
     pub label: &'static str,
-    /// The heading that it stands under in the keyboard map.
+    /// Its heading in the keyboard map.
     pub group: &'static str,
     /// Any of these.
     pub keys: &'static [(Modifiers, Key)],
@@ -107,7 +107,7 @@ const fn tool(tool: Tool, keys: &'static [(Modifiers, Key)]) -> Binding {
 }
 
 const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
-    binds("What the pixels show", Command::Mode(mode), label, keys)
+    binds("View modes", Command::Mode(mode), label, keys)
 }
 
 /// All commands.
@@ -125,7 +125,7 @@ pub const BINDINGS: [Binding; 42] = [
     tool(Tool::Turn, &[(NONE, Key::E)]),
     tool(Tool::Scale, &[(NONE, Key::R)]),
     binds("Edit", Command::Tool(None), "Select only", &[(NONE, Key::Q)]),
-    binds("Edit", Command::SelectNothing, "Select nothing", &[(NONE, Key::Escape)]),
+    binds("Edit", Command::SelectNothing, "Deselect all", &[(NONE, Key::Escape)]),
     binds("View", Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
     binds("View", Command::FrameAll, "Frame all", &[(NONE, Key::A)]),
     binds("View", Command::ResetCamera, "Reset camera", &[(NONE, Key::Home)]),
@@ -167,17 +167,17 @@ pub fn text(ctx: &Context, command: Command) -> String {
     binding(command).keys.first().map(|&(modifiers, key)| written(ctx, modifiers, key)).unwrap_or_default()
 }
 
-/// The commands whose keys were pressed in this frame: one for each press, in their order. The presses are taken out of
-/// the input. To be called when [`keys_are_commands`](crate::typing::keys_are_commands).
+/// The commands of this frame's key presses, in order. Takes the presses out of the input. Call it only if
+/// [`keys_are_commands`](crate::typing::keys_are_commands).
 pub fn pressed(ctx: &Context) -> Vec<Command> {
-    // Keys fly then.
+    // Keys fly while the right button is down.
     if ctx.input(|i| i.pointer.secondary_down()) {
         return Vec::new();
     }
     let (mut commands, mut has_clicked, mut is_over) = (Vec::new(), false, false);
     ctx.input_mut(|i| {
         i.events.retain(|event| {
-            // What was clicked may become a text field in the next frame, for which plain keys after it are meant.
+            // A click may open a text field in the next frame, which takes the plain keys after it.
             has_clicked |= matches!(event, Event::PointerButton { .. });
             let command = command_of(event).filter(|_| !(is_over || has_clicked && is_plain(event)));
             is_over |= command.is_some_and(Command::asks);
@@ -188,7 +188,7 @@ pub fn pressed(ctx: &Context) -> Vec<Command> {
     commands
 }
 
-/// The command of a press, but for Tab, which is for [`tab_pressed`].
+/// The command of a press; [`tab_pressed`] handles Tab.
 fn command_of(event: &Event) -> Option<Command> {
     let &Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return None };
     let is_it = |&(wanted, wanted_key): &(Modifiers, Key)| key == wanted_key && are(modifiers, key, wanted);
@@ -196,8 +196,8 @@ fn command_of(event: &Event) -> Option<Command> {
     (key != Key::Tab && (!repeat || binding.command.repeats())).then_some(binding.command)
 }
 
-/// Whether the modifiers of a press are those wanted. Letters and digits need exactly these; signs may need Shift on some
-/// keyboards. They are those of the press: on a slow machine they are released again when the frame is drawn.
+/// Whether a press has the wanted modifiers. Letters and digits need exactly these; signs may need Shift on some keyboards. `held`
+/// is from the press itself: on a slow machine the keys may be up when the frame is drawn.
 fn are(held: Modifiers, key: Key, wanted: Modifiers) -> bool {
     let is_sign = matches!(key, Key::Plus | Key::Minus | Key::Equals | Key::Questionmark);
     Modifiers { shift: held.shift && !is_sign, ..held }.matches_exact(wanted)
@@ -220,7 +220,7 @@ pub fn tab_pressed(ctx: &Context, over_viewport: bool) -> bool {
     presses % 2 == 1
 }
 
-/// Keys as they are written on them.
+/// Keys as keyboards label them.
 pub fn written(ctx: &Context, modifiers: Modifiers, key: Key) -> String {
     match key {
         Key::Plus => "+".into(),

@@ -29,7 +29,7 @@ use lapidary_render::{Baked, Illumination, ViewMode};
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
 const STRIP: f32 = 104.0;
 
-/// Where things came to lie in a frame.
+/// Layout of a frame.
 pub struct Laid {
     /// The viewport.
     pub viewport: ViewportResponse,
@@ -98,7 +98,7 @@ fn drag_edges(ui: &Ui, rects: [Rect; 2], state: &mut EditorState, actions: &mut 
     }
 }
 
-/// Shows the strips of icons that stand for both panels in a narrow window.
+/// Shows the icon strips that replace both panels in a narrow window.
 fn show_strips(ui: &mut Ui, state: &mut EditorState) -> [Rect; 2] {
     let Tabs { side, inspector, unfolded: [left, right], .. } = &mut state.work.tabs;
     let tabs = Side::ALL.map(|tab| (tab, tab.label(), side_panels::icon_of_side(tab)));
@@ -107,7 +107,7 @@ fn show_strips(ui: &mut Ui, state: &mut EditorState) -> [Rect; 2] {
     [left, side_panels::strip(ui, Edge::Right, right, inspector, &tabs)]
 }
 
-/// Shows the panels that are opened over the picture.
+/// Shows the panels opened over the picture.
 fn show_unfolded(ui: &Ui, picture: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
     let (panels, [left, right]) = (state.interface.sides, state.work.tabs.unfolded);
     if left {
@@ -191,7 +191,7 @@ fn suns(state: &EditorState) -> Vec<Light> {
     light.suns()
 }
 
-/// Shows the timeline where the scene has clips. Returns whether its place is dragged.
+/// Shows the timeline if the scene has clips. Returns whether its position is dragged.
 fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> bool {
     let Some(animation) = state.work.scene.animation().cloned() else { return false };
     let trouble = state.pose.trouble_in_time(&state.work);
@@ -204,14 +204,14 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
     state.comparison.show(ui, actions);
 }
 
-/// What to say over the picture: that it is a preview, what is baked, or that it shows other light than that of its bake.
+/// The note over the picture: a preview, a running bake, or opacity that differs from the bake.
 fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str> {
     if !state.pose.poses_since(&state.work, baked).is_empty() {
-        return Some("Preview: implicit visibility. Shadows of what moved are coarse; bake again for exact ones");
+        return Some("Preview: implicit visibility. Shadows of moved objects are coarse; bake again for exact ones");
     }
     let opacity = || {
         let is_other = state.work.document.lets_through_otherwise(&baked.dataset.scene);
-        is_other.then_some("Opacity was edited; bake again for its shadows")
+        is_other.then_some("Opacity was edited; bake again to update its shadows")
     };
     state.baking.words(state.work.scene.seen()).or_else(opacity)
 }
@@ -250,7 +250,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         shows_clusters: state.lights.shows_clusters,
         accent,
         busy,
-        // What to say where there is no picture comes from the notice, which has buttons.
+        // Without a picture the notice is shown instead, since it has buttons.
         placeholder: baked.is_none().then_some(""),
         stale: state.work.scene.is_stale(),
         compared,
@@ -271,7 +271,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
     response
 }
 
-/// Why a lit picture is black, if one is shown by itself.
+/// Why the lit picture is black, if it is shown alone.
 fn unlit(state: &EditorState) -> Option<Unlit> {
     let (document, baked) = (&state.work.document, state.work.scene.rendered()?);
     let is_alone = document.view.mode == ViewMode::Shaded && !state.comparison.panel.open;
@@ -286,7 +286,7 @@ fn pixel_at([x, y]: [f32; 2], [width, height]: [u32; 2]) -> [u32; 2] {
     [pixel(x, width), pixel(y, height)]
 }
 
-/// Where the middle of a pixel is.
+/// The middle of a pixel, in shares of the picture.
 fn pixel_share([x, y]: [u32; 2], [width, height]: [u32; 2]) -> [f32; 2] {
     [(x as f32 + 0.5) / width.max(1) as f32, (y as f32 + 0.5) / height.max(1) as f32]
 }

@@ -75,14 +75,14 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::Quit, true);
 }
 
-/// Jobs with a renderer of their own, of which one runs at a time, and the materials.
+/// Exports: jobs with a renderer of their own, one at a time, and the materials.
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     let (shown, running) = (state.work.scene.rendered().is_some(), state.exporting.is_running());
     let entries = [
         ("Export layered EXR...", Action::Export(ExportAction::Layers(None)), shown && !running),
         ("Export sequence...", Action::Export(ExportAction::DescribeSequence), shown && !running),
         ("Export materials...", Action::Export(ExportAction::Materials(None)), shown),
-        ("Cancel the export", Action::Export(ExportAction::Cancel), running),
+        ("Cancel export", Action::Export(ExportAction::Cancel), running),
     ];
     for (label, action, enabled) in entries {
         if ui.add_enabled(enabled, Button::new(label)).clicked() {
@@ -94,7 +94,7 @@ fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
 
 fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     if state.recent.entries().is_empty() {
-        ui.weak("No files yet");
+        ui.weak("No recent files");
         return;
     }
     let mut chosen = None;
@@ -112,7 +112,7 @@ fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         None => {}
     }
     ui.separator();
-    if ui.button("Clear the list").clicked() {
+    if ui.button("Clear list").clicked() {
         if let Err(error) = state.recent.clear() {
             state.work.messages.warning(format!("{error:#}"));
         }
@@ -122,7 +122,7 @@ fn recent(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 
 fn bundled(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     if state.bundled.scenes.is_empty() {
-        ui.weak("Not there; start with --data");
+        ui.weak("Not found; start with --data");
     }
     for (index, scene) in state.bundled.scenes.iter().enumerate() {
         if ui.button(title(scene)).clicked() {
@@ -158,7 +158,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::PasteCamera, true);
 }
 
-/// What handles do to the selected objects.
+/// The tools of the handles.
 fn tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     for tool in Tool::ALL.map(Some).into_iter().chain([None]) {
         let command = Command::Tool(tool);
@@ -193,7 +193,7 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     entry(ui, state, actions, Command::FrameAll, is_shown);
     entry(ui, state, actions, Command::ResetCamera, is_shown);
     ui.separator();
-    let compare = if state.comparison.panel.open { "End the comparison" } else { "Compare with a reference" };
+    let compare = if state.comparison.panel.open { "End comparison" } else { "Compare with a reference" };
     let can_compare = state.comparison.panel.open || state.picture.can_be_compared(&state.work);
     entry_as(ui, state, actions, Command::Compare, compare, can_compare);
     if ui.add_enabled(state.picture.can_be_compared(&state.work), Button::new("Which cut size is enough?")).clicked() {
@@ -219,7 +219,7 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let running = state.baking.progress().is_some();
     entry(ui, state, actions, Command::Bake, !running && state.work.scene.source.is_some());
-    if ui.add_enabled(running, Button::new("Cancel the bake")).clicked() {
+    if ui.add_enabled(running, Button::new("Cancel bake")).clicked() {
         actions.push(Action::Bake(BakeAction::Cancel));
         ui.close();
     }
@@ -230,10 +230,7 @@ fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.separator();
     let mut bakes_scenes = state.work.preferences.bakes_scenes;
     let automatic = ui.checkbox(&mut bakes_scenes, "Bake scenes when they open");
-    if automatic
-        .on_hover_text("A draft first, then the whole. It is kept in the cache, and gives way to what you do.")
-        .clicked()
-    {
+    if automatic.on_hover_text("Bakes a draft, then the full bake, at low priority. The cache keeps both.").clicked() {
         actions.push(Action::Preferences(Preferences { bakes_scenes, ..state.work.preferences.clone() }));
     }
 }

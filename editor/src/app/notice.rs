@@ -21,17 +21,17 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout), |ui| contents(ui, state, actions));
 }
 
-/// Says in the lower part of `rect` why the picture in it is black, and leads to light.
+/// Explains in the lower part of `rect` why its picture is black, with a button that leads to light.
 pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, tabs: &mut Tabs, actions: &mut Vec<Action>) {
     below(ui, rect, 90.0, |ui| match unlit {
         Unlit::NoLights => {
             ui.label(RichText::new("Nothing gives light").strong());
-            ui.label("The bake is without the environment, the scene without lights.");
+            ui.label("The bake has no environment light, and the scene has no lights.");
             ui.menu_button("Add a light", |ui| add_menu(ui, actions));
         }
         Unlit::SwitchedOff => {
             ui.label(RichText::new("All light is switched off").strong());
-            ui.label("The Lights tab has switches for each light and for each part of the light.");
+            ui.label("The Lights tab switches each light and each part of the light.");
             if ui.button("Open the Lights tab").clicked() {
                 tabs.show_inspector(Inspector::Lights);
             }
@@ -39,7 +39,7 @@ pub fn show_unlit(ui: &mut Ui, rect: Rect, unlit: Unlit, tabs: &mut Tabs, action
     });
 }
 
-/// Says in the lower part of `rect` why the picture in it has no shadows, and leads to a bake.
+/// Explains in the lower part of `rect` why its picture has no shadows, with a button to bake.
 pub fn show_below(ui: &mut Ui, rect: Rect, state: &mut EditorState, actions: &mut Vec<Action>) {
     below(ui, rect, 130.0, |ui| contents(ui, state, actions));
 }
@@ -79,10 +79,10 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
     ui.label("Visibility is traced once; light and materials can then be edited freely.");
     ui.add_space(6.0);
     ui.add(ProgressBar::new(fraction.unwrap_or(0.0)).desired_width(WIDTH - 60.0).desired_height(6.0));
-    // What it is for, and what it does.
+    // The kind of bake, and its phase.
     line.split(": ").for_each(|part| drop(ui.weak(part)));
     ui.add_space(6.0);
-    // Not in the middle, where a second click on the button that began the bake would find it.
+    // Not in the middle, where a double click on the button that began the bake would hit it.
     ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
         if ui.button("Cancel").clicked() {
             actions.push(Action::Bake(BakeAction::Cancel));
@@ -92,7 +92,7 @@ fn baking(ui: &mut Ui, title: &str, line: &str, fraction: Option<f32>, actions: 
 
 fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Action>) {
     heading(ui, &format!("{title} has changed"));
-    ui.label("The bake beside it was made of another version of the scene: its shadows and reflections are not right.");
+    ui.label("Its bake is of another version of the scene, so shadows and reflections are wrong.");
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake again").strong()).clicked() {
         actions.push(Action::Bake(BakeAction::Begin { resume: false }));
@@ -104,9 +104,7 @@ fn stale(ui: &mut Ui, title: &str, state: &mut EditorState, actions: &mut Vec<Ac
 
 fn not_baked(ui: &mut Ui, title: &str, actions: &mut Vec<Action>) {
     heading(ui, &format!("{title} is not baked yet"));
-    ui.label(
-        "A bake traces what light each point can see, for shadows. The Bake tab has presets, from seconds to minutes.",
-    );
+    ui.label("A bake traces which light reaches each point. The Bake tab has presets, from seconds to minutes.");
     ui.add_space(6.0);
     if ui.button(RichText::new("Bake now").strong()).clicked() {
         actions.push(Action::Bake(BakeAction::Begin { resume: false }));

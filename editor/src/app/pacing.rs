@@ -1,4 +1,4 @@
-//! How often the window is drawn where graphics are emulated: what that takes, the renderer lacks.
+//! Limits how often the window is drawn where graphics are emulated, since drawing takes cores from the renderer.
 
 use std::{
     thread::sleep,

@@ -1,4 +1,4 @@
-//! Performs actions: hands each to the feature that it is about, and asks for paths.
+//! Performs actions: hands each to its feature, and asks for paths.
 
 use super::{state::EditorState, theme};
 use crate::{
@@ -18,7 +18,7 @@ use egui::{Context, ViewportCommand};
 use std::path::{Path, PathBuf};
 
 impl EditorState {
-    /// Does what was asked for; a path that is missing is asked for by a dialog.
+    /// Performs an action; a dialog asks for a missing path.
     pub(super) fn perform(&mut self, ctx: &Context, mut action: Action) {
         if action.path().is_some_and(|path| path.is_none()) {
             return self.ask_for_path(action);
@@ -81,19 +81,19 @@ impl EditorState {
         }
     }
 
-    /// The picture that is exported, and its scene; `None` while there is none.
+    /// The look and scene to export; `None` without a picture.
     pub(super) fn exported(&self) -> Option<Exported> {
         let baked = self.work.scene.rendered()?.clone();
         Some((self.look(self.work.viewport_size)?, baked))
     }
 
-    /// The clipboard comes as an event, some frames later.
+    /// Requests the clipboard, which comes as an event some frames later.
     fn ask_for_camera(&mut self, ctx: &Context) {
         self.interface.pasting_camera = 2;
         ctx.send_viewport_cmd(ViewportCommand::RequestPaste);
     }
 
-    /// Does what a menu or key asks for.
+    /// Performs the command of a menu or key.
     pub(super) fn command(&mut self, command: Command, actions: &mut Vec<Action>) {
         let is_step = matches!(command, Command::Mode(_) | Command::Wireframe);
         let view = |change: &dyn Fn(&mut ViewSettings)| {
@@ -176,7 +176,7 @@ impl EditorState {
         self.dialogs.ask(action, &self.work.preferences.folders, folder, name);
     }
 
-    /// Where the map in use lies, or else those that came with the program.
+    /// The folder of the map in use, else of the bundled maps.
     fn folder_of_environments(&self) -> Option<PathBuf> {
         self.work.document.environment.file().or(self.bundled.environments.first().map(PathBuf::as_path)).map(folder_of)
     }

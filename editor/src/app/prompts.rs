@@ -1,5 +1,5 @@
-//! Asks the questions that wait for an answer: unsaved changes, recovered work, files that are not where a session says, and
-//! files that are elsewhere than a scene or a material.
+//! Asks questions: unsaved changes, recovered work, missing files of a session, and files outside the folder of a scene or
+//! material.
 
 use super::state::{
     EditorState,
@@ -28,7 +28,7 @@ enum Answer {
     Choose(usize),
 }
 
-/// Shows the question that waits, if any, and does what is answered.
+/// Shows the waiting question, if any, and acts on its answer.
 pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
     let Some(prompt) = state.questions.waiting.front() else { return };
     if state.dialogs.is_open() {
@@ -55,14 +55,14 @@ pub fn show(ctx: &Context, state: &mut EditorState, actions: &mut Vec<Action>) {
 fn unsaved(ui: &mut Ui, title: &str) -> Option<Answer> {
     ui.heading("Save the changes?");
     ui.add_space(4.0);
-    ui.label(format!("{title} has changes that are not saved. They are lost if you discard them."));
+    ui.label(format!("{title} has unsaved changes. They are lost if you discard them."));
     buttons(ui, [("Save", Answer::Save), ("Discard", Answer::Discard), ("Cancel", Answer::Cancel)])
 }
 
 fn recover(ui: &mut Ui, found: &[Recovery]) -> Option<Answer> {
     ui.heading("Recover unsaved work?");
     ui.add_space(4.0);
-    ui.label("Lapidary ended before these were saved:");
+    ui.label("Lapidary closed before these were saved:");
     let mut answer = None;
     for (i, recovery) in found.iter().enumerate() {
         ui.horizontal(|ui| {
@@ -80,7 +80,7 @@ fn recover(ui: &mut Ui, found: &[Recovery]) -> Option<Answer> {
 fn missing(ui: &mut Ui, loaded: &LoadedSession) -> Option<Answer> {
     ui.heading("Files are missing");
     ui.add_space(4.0);
-    ui.label("The session names files that are not there. They may have moved.");
+    ui.label("Some files of the session were not found. They may have moved.");
     ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
         for file in &loaded.missing {
             ui.horizontal_wrapped(|ui| {
@@ -90,17 +90,17 @@ fn missing(ui: &mut Ui, loaded: &LoadedSession) -> Option<Answer> {
         }
     });
     let answers =
-        [("Look in a folder...", Answer::Look), ("Open without them", Answer::OpenWithout), ("Cancel", Answer::Cancel)];
+        [("Search a folder...", Answer::Look), ("Open without them", Answer::OpenWithout), ("Cancel", Answer::Cancel)];
     buttons(ui, answers)
 }
 
 fn outside(ui: &mut Ui, file: &Path, names: &[String], then: &Again) -> Option<Answer> {
-    ui.heading("Read files from elsewhere?");
+    ui.heading("Read files outside the folder?");
     ui.add_space(4.0);
     let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
     ui.label(format!(
-        "{name} names files outside its folder. What they hold becomes part of the dataset. Read them if you know where \
-         {name} comes from; its folder is remembered."
+        "{name} names files outside its folder. Their contents become part of the dataset. Read them only if you trust \
+         {name}; its folder is remembered."
     ));
     ScrollArea::vertical().max_height(160.0).show(ui, |ui| {
         for name in names {
@@ -135,13 +135,10 @@ fn several(ui: &mut Ui, file: &Path, names: &[String]) -> Option<Answer> {
 fn about(ui: &mut Ui) -> Option<Answer> {
     ui.heading(concat!("Lapidary ", env!("CARGO_PKG_VERSION")));
     ui.add_space(4.0);
-    ui.label(
-        "Look-dev with all-frequency light that is free of noise: visibility is baked once, then materials and light are \
-         edited while the picture follows.",
-    );
+    ui.label("Look-dev with noise-free all-frequency light: bake visibility once, then edit materials and light.");
     ui.add_space(4.0);
     ui.label(
-        "After Cheslack-Postava, Wang, Akerlund and Pellacini: Fast, Realistic Lighting and Material Design using \
+        "Based on Cheslack-Postava, Wang, Akerlund and Pellacini: Fast, Realistic Lighting and Material Design using \
          Nonlinear Cut Approximation, SIGGRAPH Asia 2008.",
     );
     buttons(ui, [("Close", Answer::Cancel)])
@@ -210,7 +207,7 @@ fn take(ctx: &Context, state: &mut EditorState, answer: Answer, actions: &mut Ve
 fn discard(state: &mut EditorState, found: Vec<Recovery>) {
     for recovery in found {
         if let Err(error) = recovery.discard() {
-            state.work.messages.warning(format!("An autosave cannot be removed: {error}"));
+            state.work.messages.warning(format!("Cannot remove an autosave: {error}"));
         }
     }
 }

@@ -1,5 +1,5 @@
-//! From the document to requests for the render thread. A request is sent when it differs from the last one, so that
-//! nothing is rendered, and nothing compared there, while nothing changes.
+//! Turns the document into requests for the render thread. A request is sent only when it differs from the last one, so that
+//! nothing is rendered or compared while nothing changes.
 
 use super::state::EditorState;
 use crate::{
@@ -14,7 +14,7 @@ use lapidary_render::{Appearance, Baked, Components, Illumination, Look, Solutio
 use std::sync::Arc;
 
 impl EditorState {
-    /// Asks for a picture of the document as it is now, in the size of the viewport.
+    /// Requests a picture of the document at the size of the viewport.
     pub(super) fn request_picture(&mut self, ctx: &Context, viewport: ViewportResponse) {
         let is_dragging = viewport.moving || self.is_editing_by_pointer(ctx);
         // A clip may play for hours.
@@ -81,7 +81,7 @@ fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
     Components { environment: shown.environment && has_environment, indirect: shown.indirect && has_bounces, ..shown }
 }
 
-/// The environment as a document has it turned and scaled.
+/// The environment with the document's rotation and intensity.
 pub fn illumination(document: &Document, environment: Arc<Environment>) -> Illumination {
     let settings = &document.environment;
     Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity, sun: settings.suns() }

@@ -1,4 +1,4 @@
-//! The autosave: the document is written aside now and then, and what is written elsewhere is removed.
+//! Writes the autosave now and then, and removes it once the document is saved.
 
 use crate::{
     document::autosave::{Autosave, Recovery},
@@ -15,17 +15,17 @@ pub struct Safekeeping {
     autosave: Autosave,
     /// Revision of the document that was written last.
     autosaved: u64,
-    /// The autosave that the document was recovered from, until it is written elsewhere.
+    /// The autosave that the document was recovered from, until it is saved.
     pub recovered: Option<Recovery>,
 }
 
 impl Safekeeping {
-    /// With nothing to keep in the folder of the state.
+    /// With nothing to keep yet, in the state folder.
     pub fn new(work: &Workspace) -> Self {
         Self { autosave: Autosave::new(&work.folders.state, INTERVAL), autosaved: 0, recovered: None }
     }
 
-    /// Writes the document aside when it is time, and comes back for it.
+    /// Writes the autosave when due, and requests a frame for the next.
     pub fn keep(&mut self, work: &mut Workspace, ctx: &Context) {
         let session = work.scene.session.as_deref();
         let tick = self.autosave.tick(Instant::now(), &work.document, &work.history, &work.scene.unknown, session);
@@ -35,19 +35,19 @@ impl Safekeeping {
                 self.forget_recovered(work);
             }
             Ok(false) => {}
-            Err(error) => work.messages.error(format!("The autosave failed: {error}")),
+            Err(error) => work.messages.error(format!("Autosave failed: {error}")),
         }
         if work.history.is_modified() && self.autosaved != work.history.revision() {
             ctx.request_repaint_after(INTERVAL);
         }
     }
 
-    /// Recovered work is written elsewhere by now.
+    /// Removes the autosave of recovered work that is now saved.
     pub fn forget_recovered(&mut self, work: &mut Workspace) {
         if let Some(recovered) = self.recovered.take()
             && let Err(error) = recovered.discard()
         {
-            work.messages.warning(format!("An autosave cannot be removed: {error}"));
+            work.messages.warning(format!("Cannot remove an autosave: {error}"));
         }
     }
 

@@ -1,5 +1,5 @@
-//! The panels at both sides of the picture. The user alone decides their widths: neither what a panel holds nor which tab it
-//! shows changes them. In a narrow window each is a strip of icons, which open it over the picture.
+//! The panels at both sides of the picture. Only the user changes their widths; contents and tabs do not. In a narrow window each
+//! is a strip of icons, which open it over the picture.
 
 use super::icons::{self, Icon};
 use crate::{
@@ -16,9 +16,9 @@ const NARROW: f32 = 1100.0;
 /// Width of a strip in points, and of its buttons.
 const STRIP: f32 = 40.0;
 const BUTTON: f32 = 30.0;
-/// Points that are left for the picture between both panels, however wide they are.
+/// Least width of the picture between both panels in points.
 const LEAST_PICTURE: f32 = 320.0;
-/// Points beside an edge in which it is taken hold of: the panel's margin, and little of the picture, which is clicked too.
+/// Points beside an edge where a drag begins: the panel's margin, and little of the picture, which takes clicks too.
 const GRIP: [f32; 2] = [7.0, 2.0];
 
 /// A side of the window.
@@ -60,22 +60,22 @@ impl Edge {
     }
 }
 
-/// What is kept of the panels between frames.
+/// State of the panels between frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SidePanels {
-    /// Widths in points that the user gave them, left and right.
+    /// Widths in points that the user chose, left and right.
     pub widths: [f32; 2],
     /// Whether an edge is dragged.
     pub is_dragged: bool,
 }
 
 impl SidePanels {
-    /// With the widths that they had last.
+    /// With the widths of the last run.
     pub fn new(widths: [f32; 2]) -> Self {
         Self { widths, is_dragged: false }
     }
 
-    /// The widths that there is room for: the inspector gives way first, then the left side.
+    /// Widths that fit `room`: the inspector shrinks first, then the left side.
     fn fitted(&self, room: f32) -> [f32; 2] {
         let [left, right] = self.widths;
         let room = room - LEAST_PICTURE;
@@ -93,15 +93,15 @@ pub fn are_strips(ctx: &Context) -> bool {
 pub fn column<R>(ui: &mut Ui, edge: Edge, panels: &SidePanels, room: f32, contents: impl FnOnce(&mut Ui) -> R) -> Rect {
     let width = panels.fitted(room)[edge as usize];
     let fixed = |ui: &mut Ui| {
-        // What is wider than the panel would move its edges, if the panel heard of it.
+        // Reporting contents wider than the panel would move its edges.
         let inside = ui.max_rect();
         contents(&mut ui.new_child(UiBuilder::new().max_rect(inside)))
     };
     edge.panel(width).show(ui, fixed).response.rect
 }
 
-/// Lets the user drag the edge of a panel that lies in `rect`. Returns whether a drag has ended. To be called after what is
-/// beside the panel was shown.
+/// Lets the user drag the edge of a panel that lies in `rect`. Returns whether a drag has ended. Call it after the panel's neighbor
+/// is shown.
 pub fn drag_edge(ui: &Ui, edge: Edge, panels: &mut SidePanels, rect: Rect) -> bool {
     let x = if edge == Edge::Left { rect.right() } else { rect.left() };
     let [inward, outward] = GRIP;

@@ -20,18 +20,18 @@ use std::{path::PathBuf, sync::Arc, time::Duration};
 /// How the window begins.
 #[derive(Clone, Debug)]
 pub struct Launch {
-    /// What to open; `None` for the bundled scene.
+    /// File to open; `None` for the bundled scene.
     pub file: Option<PathBuf>,
     /// The renderer.
     pub backend: BackendOption,
-    /// The folder of bundled data; `None` for that of the source tree.
+    /// The folder of bundled data; `None` for the source tree's.
     pub data: Option<PathBuf>,
 }
 
 /// Runs the window until it is closed.
 ///
 /// # Errors
-/// A folder given that has no data, or no display.
+/// A data folder without data, or no display.
 pub fn run(launch: &Launch) -> Result<()> {
     let bundled = bundled(launch)?;
     let folders = Folders::find()?;
@@ -63,8 +63,8 @@ pub fn run(launch: &Launch) -> Result<()> {
     )
 }
 
-/// What draws the window itself, and what does if that fails. Where graphics are emulated, OpenGL comes first: the window's
-/// shader for wgpu takes seven times as long there, which the renderer of the pictures would lack.
+/// First and second choice for drawing the window. Where graphics are emulated, OpenGL comes first: the window's wgpu shader takes
+/// seven times as long there, at the renderer's cost.
 fn drawers(is_emulated: bool) -> [eframe::Renderer; 2] {
     let (wgpu, opengl) = (eframe::Renderer::Wgpu, eframe::Renderer::Glow);
     if is_emulated { [opengl, wgpu] } else { [wgpu, opengl] }
@@ -82,7 +82,7 @@ fn is_display_missing() -> bool {
     cfg!(all(unix, not(target_os = "macos"))) && unset("DISPLAY") && unset("WAYLAND_DISPLAY") && unset("WAYLAND_SOCKET")
 }
 
-/// The data are required if they were asked for by name; otherwise the window opens without them.
+/// Bundled data. They are required if their folder was given; otherwise the window opens without them.
 fn bundled(launch: &Launch) -> Result<Bundled> {
     match DataFolder::find(launch.data.as_deref()) {
         Ok(data) => Ok(Bundled {
@@ -113,8 +113,7 @@ fn options(renderer: eframe::Renderer, preferences: &Preferences) -> NativeOptio
 fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders, pacing: Option<Pacing>) -> EditorApp {
     let wake: Wake = {
         let ctx = ctx.clone();
-        // A request without delay would draw the window twice, for widgets that settle; news from other threads need no such
-        // thing.
+        // A request without delay would draw the window twice, for widgets that settle; results of other threads do not need that.
         Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)))
     };
     let backend = launch.backend;

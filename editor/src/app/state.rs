@@ -1,5 +1,5 @@
-//! The state of the window: what features share, one field for each feature, and what the frame keeps. What crosses
-//! features is in the files of `app`; each adds a part to [`EditorState`], which knows none of them.
+//! The state of the window: shared state, one field per feature, and state of the interface. Code across features is in the files
+//! of `app`, each of which extends [`EditorState`].
 
 pub mod interface;
 pub mod prompt;
@@ -33,7 +33,7 @@ use std::path::PathBuf;
 
 /// Parts of the window.
 pub struct Setup {
-    /// Where preferences, autosaves and bakes that begin by themselves are.
+    /// Folders of preferences, autosaves and automatic bakes.
     pub folders: Folders,
     /// The bundled scenes, and the bundled environments.
     pub bundled: Bundled,
@@ -45,20 +45,20 @@ pub struct Setup {
     pub system_dialogs: bool,
 }
 
-/// Data bundled with the program, as far as they were found.
+/// Bundled data that were found.
 #[derive(Clone, Debug, Default)]
 pub struct Bundled {
-    /// The scenes; the first one opens where no file is named.
+    /// The scenes; the first one opens if no file is given.
     pub scenes: Vec<PathBuf>,
     /// The environments.
     pub environments: Vec<PathBuf>,
 }
 
-/// All that the window knows.
+/// All state of the window.
 pub struct EditorState {
-    /// What all features share.
+    /// State that features share.
     pub(super) work: Workspace,
-    /// What the frame keeps.
+    /// State of the interface.
     pub(super) interface: Interface,
     pub(super) dialogs: FileDialogs,
     pub(super) questions: Questions,
@@ -82,7 +82,7 @@ pub struct EditorState {
 }
 
 impl EditorState {
-    /// With nothing open; offers to recover what a process that ended too early left.
+    /// With nothing open; offers to recover work of crashed processes.
     pub fn new(setup: Setup) -> Self {
         let Setup { folders, bundled, factory, wake, system_dialogs } = setup;
         let work = Workspace::new(folders, factory.clone(), wake.clone());
@@ -113,12 +113,12 @@ impl EditorState {
         }
     }
 
-    /// Begins to open something. Whether changes would be lost is asked once the new document is ready.
+    /// Begins to open a target. Asks about unsaved changes once the new document is ready.
     pub fn open(&mut self, target: Target) {
         self.open_with(target, Consent::from(self.work.preferences.outside.clone()));
     }
 
-    /// Begins to open something without files outside the folder of its scene.
+    /// Begins to open a target without files outside its scene's folder.
     pub fn open_without(&mut self, target: Target) {
         self.open_with(target, Consent::refused());
     }

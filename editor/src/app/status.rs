@@ -1,4 +1,4 @@
-//! The status line: what happened last, and the figures of the picture.
+//! The status line: the last message, and the figures of the picture.
 
 use super::state::EditorState;
 use crate::{
@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState) {
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let running = state.exporting.is_running();
                 if running
-                    && ui.small_button("Cancel").on_hover_text("Stop the export; what is complete stays").clicked()
+                    && ui.small_button("Cancel").on_hover_text("Stop the export and keep complete frames").clicked()
                 {
                     state.exporting.cancel();
                 }
@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, state: &mut EditorState) {
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
     let remark = || state.work.messages.last_remark().map(str::to_owned);
-    let held = || state.ladder.is_climbing().then(|| "The full picture waits for the trial of cut sizes".to_owned());
+    let held = || state.ladder.is_climbing().then(|| "The full picture waits while cut sizes are tried".to_owned());
     let work = || state.exporting.line().or_else(|| state.baking.line()).or_else(held);
     let text = match opening.or_else(work).or_else(remark) {
         Some(line) => RichText::new(line),
@@ -47,18 +47,18 @@ fn message(ui: &mut Ui, state: &EditorState) {
 /// From right to left, so that they stay at the edge while their figures change.
 fn figures(ui: &mut Ui, shown: Option<&RenderedFrame>) {
     if let Some(bytes) = resident_bytes() {
-        figure(ui, format!("{:>5} MB", bytes >> 20), "Memory of this program");
+        figure(ui, format!("{:>5} MB", bytes >> 20), "Memory used by Lapidary");
     }
     let Some(shown) = shown else { return };
     let stats = &shown.stats;
     figure(ui, format!("{:>4.0} BRDFs", stats.mean_brdf_evaluations), "BRDF evaluations per pixel");
     figure(ui, format!("{:>4.0} nodes", stats.mean_merged_nodes), "Nodes of the merged cut per pixel");
-    figure(ui, time_text(shown.millis), "Render time of the picture");
+    figure(ui, time_text(shown.millis), "Render time");
     let size = format!("{} x {}", shown.size[0], shown.size[1]);
     let reduced = if shown.full_size && shown.samples > 0 { "" } else { " (preview)" };
     let samples = format!("{:>3}/{}", shown.samples, shown.of_samples);
     figure(ui, format!("{size}{reduced}  {samples}"), "Picture size in pixels, and samples per pixel");
-    figure(ui, shown.backend.clone(), "What renders");
+    figure(ui, shown.backend.clone(), "Renderer");
 }
 
 fn figure(ui: &mut Ui, text: String, what: &str) {
@@ -66,7 +66,7 @@ fn figure(ui: &mut Ui, text: String, what: &str) {
     ui.add_space(8.0);
 }
 
-/// Memory of this process, where the system tells.
+/// Memory of this process, if the system reports it.
 fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -1,4 +1,4 @@
-//! The window without a window: files are opened, edited, saved and found again, and questions are asked when they must be.
+//! The editor without a window: files are opened, edited, saved and reopened, and questions appear when they must.
 
 mod actual_window;
 mod animations;
@@ -74,7 +74,7 @@ impl Place {
     fn window_of(&self, size: egui::Vec2) -> Window {
         let home = self.path("home");
         let folders = Folders { config: home.join("config"), state: home.join("state"), cache: home.join("cache") };
-        // Tests say themselves when something is baked.
+        // Tests start bakes themselves.
         let quiet = Preferences { bakes_scenes: false, ..Preferences::load(&folders.config).0 };
         quiet.save(&folders.config).unwrap();
         let setup = Setup {
@@ -89,7 +89,7 @@ impl Place {
     }
 }
 
-/// Of so few lights boundaries tell little.
+/// Traces every light, since boundaries between so few reveal little.
 fn few_lights() -> BakeSettings {
     let draft = Preset::Draft.settings();
     BakeSettings { lights: 256, pilot_clusters: 8, max_vertices: None, exhaustive: true, ..draft }
@@ -106,7 +106,7 @@ impl Window {
         self.wait("the file", |s| s.opening.is_none());
     }
 
-    /// Runs frames until something is so.
+    /// Runs frames until a condition holds.
     fn wait(&mut self, what: &str, is_so: impl Fn(&EditorState) -> bool) {
         let start = Instant::now();
         self.0.step();
@@ -118,8 +118,7 @@ impl Window {
         self.0.run_steps(2);
     }
 
-    /// Changes a file, again and again, until the window has taken note. The watch looks at files on a thread of its own, and
-    /// never tells of a change that is older than its first look.
+    /// Changes a file until the window notices. The watcher runs on a thread of its own, and misses changes before its first look.
     fn wait_for_watch(&mut self, what: &str, change: impl Fn(), is_so: impl Fn(&EditorState) -> bool) {
         const BETWEEN_CHANGES: Duration = Duration::from_secs(5);
         let changed = Cell::new(None::<Instant>);
@@ -132,7 +131,7 @@ impl Window {
         });
     }
 
-    /// Begins a bake that nobody asked for.
+    /// Begins an automatic bake.
     fn bake_by_itself(&mut self, draft_first: bool) {
         let order = BakeOrder { asked_by: Asker::Nobody, from: From::Beginning, draft_first };
         let state = self.0.state_mut();
@@ -185,7 +184,7 @@ impl Window {
         self.0.run_steps(2);
     }
 
-    /// What undo would take back.
+    /// Name of the step that undo would revert.
     fn undo_name(&self) -> Option<String> {
         let state = self.0.state();
         state.work.history.undo_name(&state.work.document)
@@ -259,7 +258,7 @@ fn an_exported_picture_is_that_of_the_window_with_its_wireframe() {
     assert!(lines(&with) > 100 && lines(&without) == 0, "{} and {}", lines(&with), lines(&without));
 }
 
-/// Exports the picture, which is that on the screen, and reads it.
+/// Exports the picture on the screen and reads it.
 fn exported(window: &mut Window, path: &Path) -> Vec<[u8; 4]> {
     window.perform(Action::Export(ExportAction::Picture(Some(path.to_owned()))));
     window.wait("the file", |_| path.is_file());
@@ -332,7 +331,7 @@ fn a_changed_texture_of_the_scene_is_loaded_again() {
     window.wait_for_watch("the new texture", repaint, |s| s.work.document.textures[0].texture.size == [4, 2]);
     assert_eq!((old.size, &*old.name), ([2, 2], "paint.png"));
     assert_eq!(window.0.state().work.document.textures[0].texture.name, "paint.png", "as the scene has it");
-    assert!(window.has_said("Loaded again"));
+    assert!(window.has_said("Reloaded"));
 }
 
 #[test]
@@ -351,7 +350,7 @@ fn a_changed_texture_is_loaded_again() {
     let repaint =
         || image::write(&lapidary_core::image::Image::filled([4, 2], glam::Vec3::Y), &place.path("paint.png")).unwrap();
     window.wait_for_watch("the new texture", repaint, |s| !Arc::ptr_eq(&s.work.document.textures[0].texture, &old));
-    assert!(window.has_said("Loaded again"));
+    assert!(window.has_said("Reloaded"));
 }
 
 #[test]

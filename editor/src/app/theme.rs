@@ -97,7 +97,7 @@ fn style(theme: egui::Theme, palette: &Palette) -> Style {
     style.spacing.indent = 14.0;
     style.spacing.scroll = ScrollStyle::thin();
     style.animation_time = 0.08;
-    // A drag over the panels is no selection of their labels; what is worth copying says so itself.
+    // A drag over the panels selects no labels; text worth copying is made selectable one by one.
     style.interaction.selectable_labels = false;
     let sized = |size, family| FontId::new(size, family);
     style.text_styles = [

@@ -1,4 +1,4 @@
-//! The few tools that are always at hand.
+//! The toolbar.
 
 use super::{
     keys::{self, Command},
@@ -12,7 +12,7 @@ use crate::{
 use egui::{Button, ComboBox, DragValue, TextStyle, Ui};
 use lapidary_render::{ToneMap, ViewMode};
 
-/// Shows them.
+/// Shows the toolbar.
 pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.add_space(1.0);
     ui.horizontal(|ui| {
@@ -41,7 +41,7 @@ fn tool(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>, command
     }
 }
 
-/// What handles do to the selected objects.
+/// The tools of the handles.
 fn pose_tools(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let tools =
         [(None, "Select"), (Some(Tool::Move), "Move"), (Some(Tool::Turn), "Turn"), (Some(Tool::Scale), "Scale")];
@@ -71,7 +71,8 @@ fn view_tools(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     ui.style_mut().drag_value_text_style = TextStyle::Monospace;
     let exposure =
         DragValue::new(&mut new.post.exposure).range(-30.0..=30.0).speed(0.02).fixed_decimals(2).suffix(" EV");
-    let response = ui.add(exposure).accessible_name("Exposure tool").on_hover_text("Stops; drag, or click to type");
+    let response =
+        ui.add(exposure).accessible_name("Exposure tool").on_hover_text("Exposure in stops. Drag, or click and type");
     push(actions, view, &new, "Exposure", response.drag_stopped() || response.lost_focus());
 
     let mut new = view.clone();
@@ -89,7 +90,7 @@ fn combo<T: Copy + PartialEq>(ui: &mut Ui, name: &str, shown: &str, value: &mut 
     combo.response.on_hover_text(name).accessible_name(format!("{name} tool"));
 }
 
-/// Asks for the new settings if they are new; `ended` closes the step of undo.
+/// Asks for the new settings if they differ; `ended` closes the step of undo.
 fn push(actions: &mut Vec<Action>, old: &ViewSettings, new: &ViewSettings, label: &'static str, ended: bool) {
     let changed = old != new;
     if changed {

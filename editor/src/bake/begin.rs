@@ -1,4 +1,4 @@
-//! Beginning a bake: what the driver of bakes is given, and what an interrupted bake left.
+//! Begins a bake: the task for the driver of bakes, and the remains of an interrupted bake.
 
 use super::state::{Asker, BakeOrder, Baking, From, Looked};
 use crate::{
@@ -21,11 +21,11 @@ use std::{
     time::SystemTime,
 };
 
-/// Why a bake does not start while there is one.
-pub const UNDER_WAY: &str = "A bake is under way; cancel it first";
+/// Why no second bake starts.
+pub const UNDER_WAY: &str = "A bake is already running; cancel it first";
 
 impl Baking {
-    /// Bakes with the document's settings, or goes on with what was interrupted. What the user began stays for the user to resume.
+    /// Bakes with the document's settings, or resumes an interrupted bake. Only the user resumes bakes that the user began.
     pub fn bake(&mut self, work: &mut Workspace, order: BakeOrder) {
         let output = match (order.asked_by, order.from) {
             (Asker::Nobody, _) => work.scene.kept_output.clone(),
@@ -38,13 +38,13 @@ impl Baking {
         }
         match self.task(work, order, output) {
             Ok(Some(task)) => self.begin(task, order, work.wake.clone()),
-            // What would be written over was told of.
+            // The user has been warned that a file would be overwritten.
             Ok(None) => {}
             Err(error) => work.messages.error(error),
         }
     }
 
-    /// What the driver of bakes is given for an order; `None` if its output may not be written.
+    /// The driver's task for an order; `None` if its output may not be written.
     fn task(
         &self,
         work: &mut Workspace,
@@ -55,8 +55,7 @@ impl Baking {
         let nothing = || format!("There is no scene file to bake; open a scene ({scenes})");
         let (source, output) = work.scene.source.clone().zip(output).ok_or_else(nothing)?;
         let settings = resolve(work.document.bake.clone());
-        let settings =
-            settings.map_err(|error| format!("The bake settings do not work: {}", error.text(control_name)))?;
+        let settings = settings.map_err(|error| format!("Invalid bake settings: {}", error.text(control_name)))?;
         if let Some(folder) = output.parent().filter(|f| !f.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder)
                 .map_err(|error| format!("cannot create the folder for the bake: {error} ({})", folder.display()))?;
@@ -64,7 +63,7 @@ impl Baking {
         if !work.may_write(&output, Written::Dataset) {
             return Ok(None);
         }
-        // Of another version than the bake that is seen, it may have its objects in another order.
+        // Another version of the scene may order its objects differently from the bake on the screen.
         let document = work.document.with_objects_of(&source.scene).into_owned();
         let (poses, clip_time) = poses_to_bake(&document, &source)?;
         let Imported { mut scene, import_secs, report, .. } = source;
@@ -84,8 +83,7 @@ impl Baking {
         }))
     }
 
-    /// What an interrupted bake left for a bake with the present settings. It is read again only when its inputs have
-    /// changed.
+    /// The remains of an interrupted bake that suit the present settings. They are read again only when their inputs have changed.
     pub fn leftover(&mut self, work: &Workspace) -> Leftover {
         let Some((source, output)) = work.scene.source.as_ref().zip(interrupted(&work.scene)) else {
             return Leftover::Nothing;
@@ -105,20 +103,20 @@ impl Baking {
     }
 }
 
-/// The output of an interrupted bake: the user's, or else one that began by itself.
+/// The output of an interrupted bake: the user's, or else an automatic one.
 fn interrupted(scene: &OpenScene) -> Option<PathBuf> {
     let outputs = [&scene.bake_output, &scene.kept_output];
     outputs.into_iter().flatten().find(|output| checkpoint_time(output).is_some()).cloned()
 }
 
-/// A long bake begins with a draft if it brings light that cannot be seen yet.
+/// Whether a bake begins with a draft: a long one does if it adds light that is not visible yet.
 pub fn wants_draft(work: &Workspace) -> bool {
     let wanted = &work.document.bake;
     let has_all = work.scene.shown().is_some_and(|baked| baked.dataset.settings.mode.has_all(wanted.mode));
     !has_all && (wanted.mode.bounces() || wanted.lights > Preset::Draft.settings().lights) && draft_is_sooner(wanted)
 }
 
-/// Where a bake of a document has the objects, relative to the file, and the time of the animation that it is at.
+/// Poses of the objects in a bake of a document, relative to the file, and the time of its animation.
 fn poses_to_bake(document: &Document, source: &Imported) -> Result<(Poses, Option<ClipTime>), String> {
     let poses = document.poses.clone();
     let Some((animation, time)) = source.animation.as_ref().zip(document.clip_time.clone()) else {
@@ -131,7 +129,7 @@ fn poses_to_bake(document: &Document, source: &Imported) -> Result<(Poses, Optio
     posed.map(|poses| (poses, Some(time))).map_err(|error| error.to_string())
 }
 
-/// Time of the last change of the folder that an interrupted bake leaves beside its output, if there is one.
+/// Time of the last change of the checkpoint folder beside an output, if there is one.
 fn checkpoint_time(output: &Path) -> Option<SystemTime> {
     let mut folder = output.as_os_str().to_owned();
     folder.push(".partial");

@@ -1,4 +1,4 @@
-//! A bake at work: its messages, its result on the screen, and how things stand.
+//! A running bake: its messages, its result on the screen, and its status.
 
 use super::{
     begin::UNDER_WAY,
@@ -17,7 +17,7 @@ impl Baking {
         self.run.iter().for_each(|run| run.job.cancel());
     }
 
-    /// What the user does not want is not begun anew either.
+    /// Cancels the bake, and starts no other for the ground.
     pub fn cancel_for_good(&mut self) {
         (self.wants_ground, self.begins_anew) = (false, false);
         self.cancel();
@@ -57,7 +57,7 @@ impl Baking {
         self.ended = Some(ended);
     }
 
-    /// How things stand, for the bake panel.
+    /// Status for the bake panel.
     pub fn status(&mut self, work: &Workspace) -> BakeStatus {
         if let Some(run) = &self.run {
             return run.status();
@@ -82,7 +82,7 @@ fn show_baked(work: &mut Workspace, baked: Baked, is_draft: bool) {
     let changed = work.scene.source.as_ref().filter(|source| source.hash != baked.dataset.scene_hash);
     let preview = changed.map(|source| source.unshadowed(work.document.bake.ground));
     work.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
-    // The hierarchies are for the picture, and no guests.
+    // The picture needs the hierarchies at once, at full priority.
     baked.begin();
     (work.scene.baked, work.scene.preview) = (Some(baked), preview);
     (work.scene.is_draft, work.scene.show_stale) = (is_draft, false);

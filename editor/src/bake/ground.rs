@@ -1,4 +1,4 @@
-//! A ground that is asked for: shown at once without shadows, then baked.
+//! A requested ground: shown at once without shadows, then baked.
 
 use super::state::{Asker, BakeOrder, Baking, From};
 use crate::workspace::Workspace;
@@ -6,8 +6,8 @@ use lapidary_core::ground::Ground;
 use lapidary_render::Baked;
 
 impl Baking {
-    /// Shows a ground that was asked for and is not in the bake: at once without shadows, and baked anew. One that is not wanted any
-    /// more is hidden, whatever the bake has.
+    /// Shows a requested ground that the bake lacks: at once without shadows, then baked. Hides a ground that is no longer wanted,
+    /// even if the bake has one.
     pub fn follow_ground(&mut self, work: &mut Workspace) {
         let ground = work.document.bake.ground;
         let Some(source) = work.scene.source.clone().filter(|_| !work.scene.show_stale) else { return };
@@ -30,8 +30,8 @@ impl Baking {
         self.bake_ground(work);
     }
 
-    /// Begins a bake for a ground if one is wanted. A bake without one that began by itself ends for it, and what is chosen by then
-    /// is baked; one that the user asked for is finished first.
+    /// Begins a bake for a wanted ground. A running automatic bake without one is canceled first, and the next takes the settings
+    /// chosen by then; a bake that the user asked for is finished first.
     fn bake_ground(&mut self, work: &mut Workspace) {
         let wants_ground = self.wants_ground && work.document.bake.ground != Ground::Off;
         match &self.run {

@@ -1,4 +1,4 @@
-//! Bakes that are kept: one that began by itself and goes where the user wants it, drafts for the next start, and how many stay.
+//! Kept bakes: writes an automatic bake where the user wants it, keeps drafts for the next start, and limits how many stay.
 
 use super::{
     stale::stale_now,
@@ -13,7 +13,7 @@ use lapidary_studies::jobs::spawn;
 use std::sync::{Arc, mpsc::channel};
 
 impl Baking {
-    /// Writes the bake that is shown to where the user wants it, if it is what a bake would give. Returns whether it is.
+    /// Writes the shown bake where the user wants it, if another bake would give the same. Returns whether it would.
     pub fn write_kept(&mut self, work: &mut Workspace) -> bool {
         let is_elsewhere = work.scene.kept_output != work.scene.bake_output && work.document.dataset.is_none();
         let whole = work.scene.shown().filter(|_| is_elsewhere && !work.scene.is_draft && stale_now(work).is_empty());
@@ -21,11 +21,11 @@ impl Baking {
         if work.may_write(&output, Written::Dataset) {
             let (sender, written) = channel();
             self.written = Some(written);
-            // How a ground is shown is the document's.
+            // The document decides how a ground is shown.
             let settings = BakeSettings { ground: work.document.bake.ground, ..whole.dataset.settings.clone() };
             let wake = work.wake.clone();
             spawn("write the bake", move || {
-                // Nobody is left to tell if another scene was opened.
+                // Fails only if another scene was opened.
                 let _ = sender.send(
                     whole.dataset.write_as(&output, &settings).map(|()| output).map_err(|error| error.to_string()),
                 );
@@ -35,13 +35,13 @@ impl Baking {
         true
     }
 
-    /// Tells of a bake that was written.
+    /// Reports a written bake.
     pub fn collect_written(&mut self, work: &mut Workspace) {
         let Some(written) = self.written.as_ref().and_then(|written| written.try_recv().ok()) else { return };
         self.written = None;
         match written {
             Ok(output) => {
-                work.messages.note(format!("The bake was written ({})", output.display()));
+                work.messages.note(format!("Bake written ({})", output.display()));
                 work.document.dataset = Some(output);
             }
             Err(error) => work.messages.error(error),
@@ -49,7 +49,7 @@ impl Baking {
     }
 }
 
-/// Tells of a bake that is done, and remembers its file if the user asked for it.
+/// Reports a finished bake, and remembers its file if the user asked for it.
 pub fn note_bake(work: &mut Workspace, run: &Run, vertices: usize) {
     work.messages.note(format!("Baked {vertices} vertices in {:.0} s", run.job.elapsed_secs()));
     if work.scene.bake_output.as_ref() == Some(&run.output) {
@@ -58,17 +58,17 @@ pub fn note_bake(work: &mut Workspace, run: &Run, vertices: usize) {
     let (folder, latest) = (work.folders.bakes(), run.output.clone());
     if latest.starts_with(&folder) {
         spawn("kept bakes", move || {
-            // A draft that stays is as old as the others some day.
+            // A draft that cannot be removed ages like the others.
             let _ = std::fs::remove_file(draft_of(&latest));
             kept_bakes::remove_oldest(&folder, &latest, kept_bakes::MOST_BYTES);
         });
     }
 }
 
-/// The draft is shown at the next start, if the bake is not finished by then.
+/// Keeps the draft for the next start, in case the bake is not finished by then.
 pub fn keep_draft(work: &Workspace, dataset: &Arc<Dataset>) {
     let Some(scene) = &work.document.scene else { return };
-    // It is of the scene as it was when its bake began.
+    // Named after the scene as it was when the bake began.
     let path = draft_of(&kept_in(&work.folders.bakes(), scene, &dataset.scene_hash));
     let dataset = dataset.clone();
     spawn("keep draft", move || {

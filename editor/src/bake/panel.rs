@@ -25,21 +25,21 @@ use egui::{RichText, Ui};
 use lapidary_core::dataset::{BakeParts, Dataset};
 use lapidary_precompute::{BounceTrial, Leftover, Phase, Trial, resolve};
 
-/// What the panel shows.
+/// Input of the panel.
 pub struct BakeContext<'a> {
     /// The document.
     pub document: &'a Document,
     /// The dataset that is shown, with its report.
     pub dataset: Option<&'a Dataset>,
-    /// How things stand.
+    /// Status of the bake.
     pub status: &'a BakeStatus,
-    /// What differs between the dataset and what a bake would give.
+    /// Differences between the dataset and a new bake.
     pub reasons: &'a [String],
     /// Size of the scene before tessellation, if it is known.
     pub scene_stats: Option<SceneStats>,
-    /// What a few of its points told, if they have.
+    /// Result of a trial of a few of its points, if known.
     pub trial: Option<Trial>,
-    /// The same of the parts that bounce light, if they are to be baked.
+    /// The same for the parts that bounce light, if they are to be baked.
     pub bounce_trial: Option<BounceTrial>,
     /// Cores that a bake may use, for estimates.
     pub cores: usize,
@@ -53,32 +53,32 @@ impl BakeContext<'_> {
     }
 }
 
-/// Where a bake is that may begin with a draft.
+/// Stage of a bake that may begin with a draft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Draft {
     /// There is none.
     None,
     /// It is being baked.
     UnderWay,
-    /// It is shown while the bake goes on.
+    /// It is shown while the bake continues.
     Shown,
 }
 
-/// How things stand with the bake.
+/// Status of the bake.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BakeStatus {
     /// Nothing was baked yet.
     None,
-    /// The dataset is what a bake would give.
+    /// Another bake would give the same dataset.
     UpToDate,
-    /// A bake would give something else.
+    /// Another bake would give another dataset.
     Stale {
-        /// What differs, in sentences.
+        /// The differences, in sentences.
         reasons: Vec<String>,
     },
-    /// A bake is under way.
+    /// A bake is running.
     Running {
-        /// What is baked.
+        /// Parts that are baked.
         mode: BakeParts,
         /// Whether a draft comes first.
         draft: Draft,
@@ -88,9 +88,9 @@ pub enum BakeStatus {
         done: u64,
         /// Units of the phase; 0 if unknown.
         total: u64,
-        /// What a unit is.
+        /// Name of a unit.
         unit: &'static str,
-        /// Whether it was asked to stop, and has not noticed yet.
+        /// Whether it was asked to stop, and has not stopped yet.
         cancelling: bool,
         /// Seconds since the bake began.
         elapsed_secs: f64,
@@ -99,14 +99,14 @@ pub enum BakeStatus {
     },
     /// It was stopped.
     Cancelled {
-        /// What it has left.
+        /// Its remains.
         leftover: Leftover,
     },
     /// It went wrong.
     Failed {
-        /// What happened, and what to do.
+        /// Cause and remedy.
         message: String,
-        /// What it has left.
+        /// Its remains.
         leftover: Leftover,
     },
 }
@@ -135,23 +135,23 @@ pub fn show(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
     }
 }
 
-/// What the artist should know before baking.
+/// Notice before a bake.
 fn notice(ui: &mut Ui, status: &BakeStatus) {
     let warn = ui.visuals().warn_fg_color;
     match status {
-        BakeStatus::None => ui.label("Not baked yet. A bake is made once; then materials and light change freely."),
+        BakeStatus::None => ui.label("Not baked yet. After one bake, edit materials and light freely."),
         BakeStatus::UpToDate => ui.label("The bake is up to date."),
         BakeStatus::Stale { reasons } => {
             ui.label(RichText::new("The bake is out of date").color(warn).strong());
             ui.label(listed(reasons))
         }
         BakeStatus::Cancelled { leftover } => ui.label(match leftover {
-            Leftover::Fitting => "The bake was stopped. Resume goes on where it was.",
+            Leftover::Fitting => "The bake was stopped. Resume continues it.",
             Leftover::OfAnother => {
                 "A bake with other settings, or of another version of the scene, was stopped. Choose its settings again \
                  to resume it; another bake discards it."
             }
-            Leftover::Nothing => "The bake was stopped before there was work to keep.",
+            Leftover::Nothing => "The bake was stopped before anything could be kept.",
         }),
         BakeStatus::Failed { message, .. } => {
             copyable(ui, RichText::new(message).color(ui.visuals().error_fg_color))
@@ -164,10 +164,10 @@ fn listed(reasons: &[String]) -> String {
     reasons.iter().map(|r| format!("• {r}")).collect::<Vec<_>>().join("\n")
 }
 
-/// The parts that are out of date in the bake that is shown, after another bake did not finish.
+/// The parts of the shown bake that are out of date, after another bake did not finish.
 fn differences(ui: &mut Ui, reasons: &[String]) {
     if !reasons.is_empty() {
-        ui.label("The bake before it is shown, and is out of date:");
+        ui.label("The previous bake is shown, and is out of date:");
         ui.label(listed(reasons));
     }
 }
@@ -186,7 +186,7 @@ fn buttons(ui: &mut Ui, context: &BakeContext, actions: &mut Vec<Action>) {
             }
         };
         if can_resume {
-            button("Resume", "Goes on from the checkpoint.", true);
+            button("Resume", "Continues from the checkpoint.", true);
             button("Start over", "Bakes from the beginning.", false);
         } else {
             button("Bake", "Traces the visibility of the scene.", false);

@@ -1,4 +1,4 @@
-//! The parts of a bake as one table: what the panel shows and says of each. A new part is its file here and its line in [`of`].
+//! The parts of a bake as one table of panel entries. A new part needs a file here and a line in [`of`].
 
 mod environment;
 mod meshless;
@@ -22,10 +22,10 @@ use lapidary_precompute::Phase;
 /// A name and a value with its unit.
 pub type Row = (&'static str, String);
 
-/// A phase of a bake, its name for people, and what it does.
+/// A phase of a bake, its displayed name, and its description.
 pub type Step = (Phase, &'static str, &'static str);
 
-/// What a part takes.
+/// Cost of a part.
 #[derive(Clone, Copy, Debug)]
 pub struct Cost {
     /// Seconds.
@@ -34,18 +34,18 @@ pub struct Cost {
     pub bytes: f64,
 }
 
-/// What the panel shows of one part.
+/// Panel entry of one part.
 pub trait PartOfPanel: Sync {
     /// Its controls under *Advanced*.
     fn controls(&self, ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>);
 
-    /// Its settings in words, by which bakes are compared.
+    /// Its settings in words, for comparing bakes.
     fn described(&self, settings: &BakeSettings) -> Vec<Row>;
 
     /// Phases that only it needs, in a bake of `mode`.
     fn steps(&self, mode: BakeParts) -> Vec<Step>;
 
-    /// What it takes in a bake of so many vertices.
+    /// Its cost in a bake of `vertices` vertices.
     fn cost(&self, speed: &Speed, settings: &BakeSettings, vertices: f64) -> Cost;
 
     /// Its rows of the report; none if it was not baked.
@@ -74,9 +74,9 @@ fn bouncing() -> impl Iterator<Item = &'static dyn PartOfPanel> {
     BakePart::ALL.iter().filter(|part| part.bounces()).map(|part| of(*part))
 }
 
-/// All settings in words, those of all parts between the environment's and the others'.
+/// All settings in words: the environment's, those of no part, then the other parts'.
 pub fn described(settings: &BakeSettings) -> Vec<Row> {
-    // Destructured, so that a new setting cannot be forgotten: those without a name are described by their parts.
+    // Destructured, so that a new setting cannot be forgotten; parts describe the settings without a name here.
     let BakeSettings {
         lights: _,
         tree: _,
@@ -96,18 +96,18 @@ pub fn described(settings: &BakeSettings) -> Vec<Row> {
     let mut rows = of(BakePart::Environment).described(settings);
     rows.extend([
         ("Vertices", limit(max_vertices.map(|v| v as u64))),
-        // Whether it is a surface or catches shadows is not baked.
+        // A bake is the same for a surface and a shadow catcher.
         ("Ground", if *ground == Ground::Off { "none" } else { "under the scene" }.into()),
         ("Placing", if *even_vertices { "evenly" } else { "where visibility varies" }.into()),
         ("Views", described_shots(shots)),
         ("Tracing", if *exhaustive { "every light and source" } else { "boundaries" }.into()),
-        ("Bake of", mode_name(*mode).to_lowercase()),
+        ("Bake type", mode_name(*mode).to_lowercase()),
     ]);
     rows.extend(bouncing().flat_map(|part| part.described(settings)));
     rows
 }
 
-/// Which views a bake is for, with all that tells one from another.
+/// The views of a bake, with everything that distinguishes them.
 fn described_shots(shots: &[Shot]) -> String {
     let place = |Vec3 { x, y, z }: Vec3| format!("({x}, {y}, {z})");
     let described = |Shot { camera, aspect }: &Shot| {
@@ -142,7 +142,7 @@ pub fn count(n: usize) -> String {
     grouped(n as u64)
 }
 
-/// How much of the lights or sources following boundaries has missed.
+/// Share of the lights or sources that following boundaries has missed.
 fn missed(audit: &BakeAudit, leaves: &str) -> String {
     match audit.leaves_per_probe {
         1 => "none, all traced".into(),

@@ -1,4 +1,4 @@
-//! What is asked of bakes.
+//! Performs the actions of bakes.
 
 use super::{
     begin::wants_draft,
@@ -16,7 +16,7 @@ use lapidary_core::{
 };
 
 impl Baking {
-    /// Does what is asked.
+    /// Performs an action.
     pub fn perform(&mut self, work: &mut Workspace, action: BakeAction) {
         match action {
             BakeAction::Begin { resume } => {
@@ -32,7 +32,7 @@ impl Baking {
 
 fn choose(work: &mut Workspace, mode: BakeParts) {
     work.tabs.show_inspector(Inspector::Bake);
-    work.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..work.document.bake.clone() })), "Bake of");
+    work.do_step(Edit::Bake(Box::new(BakeSettings { mode, ..work.document.bake.clone() })), "Bake type");
 }
 
 fn bake_for_views(work: &mut Workspace, cameras: Vec<Camera>) {

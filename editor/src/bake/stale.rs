@@ -1,24 +1,24 @@
-//! Whether a bake would give another dataset than the one there is, and why.
+//! Whether another bake would give another dataset, and why.
 
 use super::parts::described;
 use crate::{document::Document, workspace::Workspace};
 use lapidary_core::dataset::Dataset;
 
-/// Differences between the document's settings and those of the dataset, in sentences; empty if there are none.
-/// `scene_hash_now` is the hash of the scene file in its present state, if that is known.
+/// Differences between the settings of the document and of the dataset, in sentences; empty if there are none. `scene_hash_now` is
+/// the hash of the scene file in its present state, if that is known.
 pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Option<&str>) -> Vec<String> {
     let mut reasons = Vec::new();
     if scene_hash_now.is_some_and(|hash| hash != dataset.scene_hash) {
         reasons.push("The scene file changed since the bake".into());
     }
     if document.lets_through_otherwise(&dataset.scene) {
-        reasons.push("Opacity of materials was edited; shadows are of those in the bake".into());
+        reasons.push("Material opacity was edited; shadows show the baked opacity".into());
     }
     if document.poses != dataset.scene.placed_poses() {
-        reasons.push("Objects were moved; shadows and bounces of what moved are a preview".into());
+        reasons.push("Objects were moved; their shadows and bounces are a preview".into());
     }
     if document.clip_time != dataset.scene.clip_time {
-        reasons.push("The animation is at another time than in the bake".into());
+        reasons.push("The animation is at another time than the bake".into());
     }
     let (now, baked) = (described(&document.bake), described(&dataset.settings));
     let differing = now.iter().zip(&baked).filter(|(now, baked)| now != baked);
@@ -26,7 +26,7 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
     reasons
 }
 
-/// Differences between the bake that there is and what another would give now.
+/// Differences between the present bake and a new one.
 pub fn stale_now(work: &Workspace) -> Vec<String> {
     let hash = work.scene.source.as_ref().map(|source| source.hash.as_str());
     let baked = work.scene.baked.as_ref();

@@ -1,4 +1,4 @@
-//! The bake at work, and how the last one ended.
+//! The running bake, and how the last one ended.
 
 use super::panel::{BakeStatus, Draft, line};
 use crate::workspace::BakeStage;
@@ -14,24 +14,24 @@ use std::{
     time::SystemTime,
 };
 
-/// The bake at work, or how the last one ended.
+/// The running bake, or how the last one ended.
 #[derive(Default)]
 pub struct Baking {
     pub run: Option<Run>,
     pub ended: Option<Ended>,
-    /// Held by the bake at work, also by one that was left and has not noticed yet.
+    /// Held by the running bake, and by an abandoned one until it stops.
     pub turn: Arc<Mutex<()>>,
-    /// A kept bake that is being written to where the user wants it.
+    /// A kept bake that is being written where the user wants it.
     pub written: Option<Receiver<Result<PathBuf, String>>>,
-    /// What an interrupted bake left, and when it was read.
+    /// The remains of an interrupted bake, and the inputs for which they were read.
     pub leftover: Option<(Looked, Leftover)>,
-    /// A bake is to begin for a ground that was asked for, once the one at work has ended.
+    /// A bake for a requested ground begins once the running one has ended.
     pub wants_ground: bool,
-    /// The bake at work was cancelled for a ground, and another is to follow whatever is chosen by then.
+    /// The running bake was canceled for a ground; another follows, with or without a ground.
     pub begins_anew: bool,
 }
 
-/// The inputs that decide what an interrupted bake left, small enough to compare every frame.
+/// Inputs that decide the remains of an interrupted bake, small enough to compare every frame.
 #[derive(PartialEq)]
 pub struct Looked {
     pub output: PathBuf,
@@ -41,15 +41,15 @@ pub struct Looked {
     pub written: SystemTime,
 }
 
-/// A bake at work.
+/// A running bake.
 pub struct Run {
     pub job: BakeRun,
     pub mode: BakeParts,
-    /// Where it goes.
+    /// Its output.
     pub output: PathBuf,
     /// A draft of it is shown.
     pub draft_shown: bool,
-    /// It is of a scene on a ground.
+    /// Its scene has a ground.
     pub has_ground: bool,
     /// Who asked for it.
     pub asked_by: Asker,
@@ -58,9 +58,9 @@ pub struct Run {
 /// Who asks for a bake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asker {
-    /// The user, whose checkpoints of other settings are a reason to stop.
+    /// The user; a checkpoint of other settings stops the bake.
     User,
-    /// Nobody: it begins by itself, and afresh where a checkpoint is of other settings.
+    /// Nobody: it begins automatically, and replaces a checkpoint of other settings.
     Nobody,
 }
 
@@ -69,22 +69,22 @@ pub enum Asker {
 pub enum From {
     /// At its first phase; a checkpoint is discarded.
     Beginning,
-    /// At the checkpoint that an interrupted one left.
+    /// At the checkpoint of an interrupted bake.
     Checkpoint,
 }
 
-/// How a bake is to go.
+/// Order for a bake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BakeOrder {
     /// Who asks for it.
     pub asked_by: Asker,
     /// Where it begins.
     pub from: From,
-    /// Whether a draft is baked first, to look at.
+    /// Whether a draft is baked and shown first.
     pub draft_first: bool,
 }
 
-/// How a bake ended that has no result.
+/// How a bake without a result ended.
 pub enum Ended {
     /// It can be resumed.
     Cancelled,
@@ -102,22 +102,22 @@ impl Baking {
         self.ended = None;
     }
 
-    /// Makes the bake at work wait, or go on.
+    /// Holds the running bake, or lets it continue.
     pub fn hold(&self, hold: bool) {
         self.run.iter().for_each(|run| run.job.hold(hold));
     }
 
-    /// How far the bake at work is.
+    /// Progress of the running bake.
     pub fn progress(&self) -> Option<BakeProgress> {
         self.run.as_ref().map(|run| run.job.progress())
     }
 
-    /// One line about the bake at work: what it does, how far that is, and what comes.
+    /// One line about the running bake: its phase, its progress and what follows.
     pub fn line(&self) -> Option<String> {
         line(&self.run.as_ref()?.status())
     }
 
-    /// A few words, to lie over the picture, about what is seen and what comes.
+    /// A short note over the picture about its bake.
     pub fn words(&self, seen: BakeStage) -> Option<&'static str> {
         match (seen, self.run.is_some()) {
             (BakeStage::Unshadowed, true) => Some("No shadows yet; baking"),
@@ -129,14 +129,14 @@ impl Baking {
         }
     }
 
-    /// Stops what is at work, and forgets how the last one ended: another scene was opened.
+    /// Stops the running bake and forgets how the last one ended: another scene was opened.
     pub fn clear(&mut self) {
         *self = Self { turn: self.turn.clone(), ..Self::default() };
     }
 }
 
 impl Run {
-    /// How far it is, as the panel shows it.
+    /// Status of the running bake for the panel.
     pub fn status(&self) -> BakeStatus {
         let BakeProgress { draft, phase, unit, done, total } = self.job.progress();
         let draft = match (draft, self.draft_shown) {

@@ -1,5 +1,4 @@
-//! The comparison with a reference: it begins anew for another picture, and measures again when only the display
-//! changes.
+//! Follows the picture: the comparison restarts for another picture, and measures again when only the display changes.
 
 use super::{panel::KindChoice, state::Comparison};
 use crate::{actions::CompareAction, picture::Picture, workspace::Workspace};
@@ -8,7 +7,7 @@ use lapidary_studies::jobs::comparison::ComparisonEvent;
 use std::path::PathBuf;
 
 impl Comparison {
-    /// Does what is asked.
+    /// Performs an action.
     pub fn perform(&mut self, work: &mut Workspace, picture: &Picture, action: CompareAction) {
         match action {
             CompareAction::Toggle => self.toggle(work, picture),
@@ -19,7 +18,7 @@ impl Comparison {
         }
     }
 
-    /// Compares the picture that was asked for last, once nothing moves.
+    /// Compares the picture requested last, once nothing moves.
     pub fn follow(&mut self, work: &Workspace, picture: &Picture) {
         let panel = &self.panel;
         if !panel.open || work.scene.rendered().is_none() {
@@ -39,7 +38,7 @@ impl Comparison {
         self.measure(work.document.view.post, work.viewport_size);
     }
 
-    /// Takes what the comparison's threads have made.
+    /// Takes results of the comparison's threads.
     pub fn collect(&mut self, work: &mut Workspace, ctx: &Context) {
         let Some(jobs) = &mut self.jobs else { return };
         let (traced, measured) = (jobs.tracing.events(), jobs.measuring.events());

@@ -1,4 +1,4 @@
-//! The strip under the viewport: the reference, how both pictures are shown, and their differences.
+//! The strip under the viewport: the reference, the view of both pictures, and their differences.
 
 mod figures;
 #[cfg(test)]
@@ -21,16 +21,16 @@ use lapidary_studies::{
 };
 use std::path::{Path, PathBuf};
 
-/// Pixels of the live picture along each axis for one of the comparison.
+/// Pixels of the live picture along each axis per pixel of the comparison.
 const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 size"), (8, "1/8 size")];
-/// Regions begin and end at multiples of it, so that coarse references have pixels in them.
+/// Grid of regions in pixels, so that coarse references have pixels in them.
 const GRID: u32 = 4;
-/// Width in points of the button that pauses tracing and goes on.
+/// Width in points of the button that pauses and resumes tracing.
 const PAUSE_WIDTH: f32 = 50.0;
 /// Width in points of the button that ends the comparison.
 const CLOSE: f32 = 22.0;
 
-/// Which reference, apart from the figures that go with it.
+/// Kind of reference, without its settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum KindChoice {
     /// All light samples.
@@ -42,7 +42,7 @@ pub enum KindChoice {
     File,
 }
 
-/// What the next drag or click in the viewport does.
+/// Effect of the next drag or click in the viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tool {
     /// A drag draws the region: where it began, in shares of the viewport, and the rectangle so far.
@@ -51,12 +51,12 @@ pub enum Tool {
     Why,
 }
 
-/// What the strip remembers.
+/// State of the strip.
 #[derive(Clone, Debug)]
 pub struct ComparisonPanel {
     /// Whether anything is compared.
     pub open: bool,
-    /// Which reference.
+    /// Kind of reference.
     pub kind: KindChoice,
     /// Light paths per pixel.
     pub spp: u32,
@@ -66,19 +66,19 @@ pub struct ComparisonPanel {
     pub scale: u32,
     /// How both are shown.
     pub view: CompareView,
-    /// The reference is shown as long as the key is held.
+    /// The reference is shown while the key is held.
     pub flicker: bool,
-    /// Where the line between both is, as a share of the width.
+    /// Position of the line between both, as a share of the width.
     pub swipe: f32,
     /// Which error is mapped.
     pub map: ShownMap,
-    /// The error at the end of the map's colors, where it was set.
+    /// The error at the end of the map's colors, if kept.
     pub top: Option<f32>,
     /// Pixels without surfaces do not count.
     pub surfaces_only: bool,
     /// The part that counts, in shares of the viewport: left, top, right, bottom.
     pub region: Option<[f32; 4]>,
-    /// What the pointer does.
+    /// Tool of the pointer.
     pub tool: Option<Tool>,
 }
 
@@ -103,14 +103,14 @@ impl Default for ComparisonPanel {
 }
 
 impl ComparisonPanel {
-    /// What is seen now.
+    /// The view shown now.
     pub fn shown_view(&self) -> CompareView {
         if self.flicker { CompareView::Reference } else { self.view }
     }
 
-    /// What is to be compared with the live picture; `None` where no file was chosen yet.
+    /// The request for the live picture; `None` if no file was chosen yet.
     pub fn request(&self, baked: Option<Baked>, mut look: Look) -> Option<ComparisonRequest> {
-        // What the comparison has no part in begins nothing anew.
+        // Settings without effect on the comparison do not restart it.
         (look.view.mode, look.view.wireframe) = (ViewMode::Shaded, false);
         if self.kind != KindChoice::File {
             look.view.aa = 1;
@@ -127,7 +127,7 @@ impl ComparisonPanel {
         Some(request)
     }
 
-    /// The region that is drawn over the viewport: the one that is being dragged, or else the one that counts.
+    /// The region drawn over the viewport: the one being dragged, else the measured one.
     pub fn drawn_region(&self) -> Option<[f32; 4]> {
         match self.tool {
             Some(Tool::Region(Some((_, part)))) => Some(part),
@@ -135,8 +135,7 @@ impl ComparisonPanel {
         }
     }
 
-    /// The region in pixels of a picture that is as high as the viewport of shape `aspect` (width over height), and as wide as it
-    /// may be.
+    /// The region in pixels of a picture as high as the viewport of shape `aspect` (width over height), and of any width.
     pub fn region_in(&self, size: [u32; 2], aspect: f32) -> Option<Region> {
         let wider = aspect * size[1] as f32 / size[0].max(1) as f32;
         let across = |x: f32| 0.5 + (x - 0.5) * wider;
@@ -154,7 +153,7 @@ impl ComparisonPanel {
         Region { x, y, width, height }.within(size)
     }
 
-    /// What the picture is, in a few words.
+    /// Label of the picture.
     pub fn picture_label(&self, cuts: Cuts) -> String {
         match cuts.size() {
             Some(_) => format!("A: illumination cut of {}", cuts.label()),
@@ -162,7 +161,7 @@ impl ComparisonPanel {
         }
     }
 
-    /// What the reference is, in a few words; its noise is that of what is measured.
+    /// Label of the reference, with its noise in the measured part.
     pub fn reference_label(&self, reference: &ReferencePicture, noise: Option<f64>, progress: f32) -> String {
         let done = if reference.finished { String::new() } else { format!(", {:.0} % done", 100.0 * progress) };
         match self.kind {
@@ -188,7 +187,7 @@ pub struct ComparisonContext<'a> {
     pub progress: f32,
     /// Whether tracing was paused.
     pub paused: bool,
-    /// Whether tracing waits until other work is done.
+    /// Whether tracing waits for other work.
     pub held: bool,
     /// Whether there is something to pause.
     pub tracing: bool,
@@ -209,12 +208,12 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         ui.separator();
         views(ui, panel, context.measured);
         ui.separator();
-        let help = "Pictures at growing sizes of the light cut, and of lit cuts, beside a reference: which is enough for this shot";
+        let help = "Render with growing light cuts and with lit cuts, and compare each with a reference";
         if ui.button("Cut sizes...").on_hover_text(help).clicked() {
             actions.push(Action::Ladder(LadderAction::Start));
         }
         let asking = panel.tool == Some(Tool::Why);
-        let help = "Click a pixel in the viewport: its cuts, nodes and light, and what its error comes from";
+        let help = "Click a pixel in the viewport to see its cuts, nodes, light and causes of error";
         if ui.selectable_label(asking, "Why?").on_hover_text(help).clicked() {
             panel.tool = if asking { None } else { Some(Tool::Why) };
         }
@@ -229,7 +228,7 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
     ui.add_space(2.0);
 }
 
-/// The button that ends the comparison, in the corner: nothing that changes its width pushes it under the pointer.
+/// The button that ends the comparison, in the corner, where no changing width can push it under the pointer.
 fn close(ui: &mut Ui, panel: &mut ComparisonPanel) {
     let size = vec2(CLOSE, ui.spacing().interact_size.y);
     let corner = Align2::RIGHT_TOP.align_size_within_rect(size, ui.available_rect_before_wrap());
@@ -242,17 +241,21 @@ fn close(ui: &mut Ui, panel: &mut ComparisonPanel) {
 
 fn waiting(panel: &ComparisonPanel) -> &'static str {
     if panel.kind == KindChoice::File && panel.file.is_none() {
-        "Choose the picture to compare with: it should show this view, scene-linear if it can"
+        "Choose a picture of this view to compare with, scene-linear if possible"
     } else {
-        "The first pass of the reference is being traced"
+        "Tracing the first pass of the reference"
     }
 }
 
 fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>) {
     let kinds = [
-        (KindChoice::Samples, "Light samples", "All light samples, traced at every pixel: shows what the cuts lose"),
-        (KindChoice::Paths, "Light paths", "Traced paths of light: the whole error, with some noise"),
-        (KindChoice::File, "Picture file", "A picture of this view by another program"),
+        (
+            KindChoice::Samples,
+            "Light samples",
+            "Trace all light samples at every pixel, to measure the error of the cuts",
+        ),
+        (KindChoice::Paths, "Light paths", "Trace light paths, to measure the whole error, with some noise"),
+        (KindChoice::File, "Picture file", "Use a picture of this view from another program"),
     ];
     let chosen = kinds.iter().find(|k| k.0 == panel.kind).map_or("", |k| k.1);
     let combo = ComboBox::from_id_salt("reference").selected_text(chosen).show_ui(ui, |ui| {
@@ -260,7 +263,7 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
             ui.selectable_value(&mut panel.kind, kind, label).on_hover_text(help);
         }
     });
-    combo.response.on_hover_text("What the picture is compared with").accessible_name("Reference");
+    combo.response.on_hover_text("Reference to compare with").accessible_name("Reference");
     if panel.kind == KindChoice::File {
         if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
             actions.push(Action::Compare(CompareAction::Reference(None)));
@@ -279,11 +282,11 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
             ui.selectable_value(&mut panel.scale, scale, label);
         }
     });
-    let help = "Size of both pictures that are compared: full size of light samples takes long";
+    let help = "Size of both compared pictures. Light samples are slow at full size";
     combo.response.on_hover_text(help).accessible_name("Comparison size");
 }
 
-/// Always as wide, so that nothing behind it moves when tracing begins or ends.
+/// Of constant width, so that nothing beside it moves when tracing begins or ends.
 fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) {
     let finished = context.measured.filter(|m| m.reference.finished);
     let text = match finished {
@@ -292,7 +295,11 @@ fn tracing(ui: &mut Ui, context: &ComparisonContext, actions: &mut Vec<Action>) 
         None if context.held => format!("{:.0} %, waits", 100.0 * context.progress),
         None => format!("{:.0} %", 100.0 * context.progress),
     };
-    let help = if context.held { "Of the reference: waits until cut sizes are tried" } else { "Of the reference" };
+    let help = if context.held {
+        "Tracing of the reference, which waits while cut sizes are tried"
+    } else {
+        "Tracing of the reference"
+    };
     ui.add(ProgressBar::new(context.progress).desired_width(90.0).text(text)).on_hover_text(help);
     let label = if context.paused { "Go on" } else { "Pause" };
     let button = Button::new(label).min_size(vec2(PAUSE_WIDTH, 0.0));
@@ -316,7 +323,7 @@ fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) 
         }
     });
     combo.response.accessible_name("Error map");
-    let help = "Keeps the range of the colors, so that maps before and after an edit can be compared";
+    let help = "Keep the color range, to compare maps before and after an edit";
     if ui.add(Button::selectable(panel.top.is_some(), "Keep range")).on_hover_text(help).clicked() {
         panel.top = if panel.top.is_some() { None } else { measured.map(|m| m.field.top) };
     }
@@ -324,12 +331,12 @@ fn views(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) 
 
 fn map_meaning(map: ShownMap) -> &'static str {
     let ShownMap::Error(map) = map else {
-        return "What the clusters are expected to err by, from their variances; no reference is needed";
+        return "Error predicted from the variances of the clusters, without a reference";
     };
     match map {
-        ErrorMap::Relative => "Difference over the reference's value: dark parts count as much as bright ones",
+        ErrorMap::Relative => "Difference divided by the reference: dark parts count as much as bright ones",
         ErrorMap::Absolute => "Difference in scene-linear units",
         ErrorMap::Signed => "Orange where the picture is too bright, blue where it is too dark",
-        ErrorMap::Flip => "The difference that is seen when both flicker",
+        ErrorMap::Flip => "Difference visible when flipping between both pictures",
     }
 }

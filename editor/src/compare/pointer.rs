@@ -1,4 +1,4 @@
-//! The pointer's part in the comparison: the line between both pictures is dragged, and so is the region that counts.
+//! The pointer in the comparison: drags of the line between both pictures and of the measured region.
 
 use super::panel::{ComparisonPanel, Tool};
 use crate::{
@@ -7,27 +7,26 @@ use crate::{
 };
 use egui::{CursorIcon, Pos2, Rect, Sense, Ui, Vec2};
 
-/// Points around the line between both that take hold of it.
+/// Points around the line where a drag takes hold of it.
 const GRIP: f32 = 7.0;
 /// Least side of a region in points: a click is none.
 const LEAST_REGION: f32 = 6.0;
 
-/// Takes the pointer where the comparison has use for it, over the viewport that was shown in `rect`. Returns a pixel that is to be
-/// explained, in shares of the viewport.
+/// Takes the pointer for the comparison, over the viewport in `rect`. Returns a pixel to explain, in shares of the viewport.
 pub fn interact(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
     match (panel.tool, panel.shown_view()) {
         (Some(_), CompareView::SideBySide) => panel.view = CompareView::Swipe,
         (Some(Tool::Region(drawn)), _) => draw_region(ui, rect, panel, drawn),
         (Some(Tool::Why), _) => return asked_pixel(ui, rect, panel),
         (None, CompareView::Swipe) => drag_line(ui, rect, panel),
-        // What is clicked is not where the picture alone would have it.
+        // Side by side, a click would select the wrong place.
         (None, CompareView::SideBySide) => drop(ui.interact(rect, ui.scope_id().with("both"), Sense::click())),
         (None, _) => {}
     }
     None
 }
 
-/// Where a click asks why.
+/// The pixel that a click asks to explain.
 fn asked_pixel(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel) -> Option<[f32; 2]> {
     let response = ui.interact(rect, ui.scope_id().with("why"), Sense::click()).on_hover_cursor(CursorIcon::Help);
     if take_escape(ui.ctx()) {
@@ -61,7 +60,7 @@ fn draw_region(ui: &mut Ui, rect: Rect, panel: &mut ComparisonPanel, drawn: Opti
         let part = spanned(start, end);
         panel.tool = Some(Tool::Region(Some((start, part))));
         if response.drag_stopped() {
-            // What counts changes once, for each change traces anew.
+            // The region changes once, since each change traces again.
             panel.tool = None;
             panel.region =
                 Some(part).filter(|part| part_of(rect, *part).size().min_elem() >= LEAST_REGION).or(panel.region);

@@ -15,7 +15,7 @@ use lapidary_studies::{
 };
 use std::sync::Arc;
 
-/// Both threads; they are there while something is compared.
+/// Both threads; they exist while something is compared.
 pub struct Jobs {
     pub tracing: ComparisonThread,
     pub measuring: MeasureThread,
@@ -32,7 +32,7 @@ pub struct Asked {
     pub post: Post,
 }
 
-/// Pictures, measures and what they are shown by.
+/// State of the comparison: pictures, measures, textures.
 pub struct Comparison {
     /// The strip under the viewport.
     pub panel: ComparisonPanel,
@@ -41,13 +41,13 @@ pub struct Comparison {
     pub jobs: Option<Jobs>,
     pub test: Option<Arc<TestPicture>>,
     pub reference: Option<ReferencePicture>,
-    /// Counts the pictures that came: places in memory are used again.
+    /// Counts pictures that arrived, since addresses are reused.
     pub pictures: u64,
     pub measured: Option<Box<Measured>>,
-    /// Why nothing is traced, and why what was traced cannot be measured.
+    /// Why tracing and measuring failed.
     pub trace_problem: Option<String>,
     pub measure_problem: Option<String>,
-    /// Counts what was compared, to tell measures of what was before.
+    /// Counts comparisons, to drop measures of earlier ones.
     pub generation: u64,
     pub asked: Option<Asked>,
     pub shown: Option<(TextureHandle, [u32; 2])>,
@@ -122,18 +122,18 @@ impl Comparison {
         }
     }
 
-    /// How often something else was compared.
+    /// Number of comparisons.
     #[cfg(test)]
     pub fn begun(&self) -> u64 {
         self.generation
     }
 
-    /// Holds the tracing, or goes on.
+    /// Pauses tracing, or continues.
     pub fn pause(&self, paused: bool) {
         self.jobs.iter().for_each(|jobs| jobs.tracing.pause(paused));
     }
 
-    /// Gives the cores to other work, or goes on.
+    /// Leaves the cores to other work, or continues.
     pub fn hold(&self, held: bool) {
         self.jobs.iter().for_each(|jobs| jobs.tracing.hold(held));
     }
@@ -159,7 +159,7 @@ impl Comparison {
         })
     }
 
-    /// Asks for measures of what there is, unless they are known or on their way.
+    /// Requests measures of the present pictures, unless they are known or requested.
     pub fn measure(&mut self, post: Post, [width, height]: [u32; 2]) {
         let (Some(test), Some(reference)) = (self.test.clone(), self.reference.clone()) else { return };
         let panel = &self.panel;

@@ -18,24 +18,24 @@ use std::{
 
 const PREFIX: &str = "autosave-";
 
-/// Where processes cannot be looked up, a running one touches its file this often,
+/// Where processes cannot be looked up, a running one touches its file at this interval,
 const HEARTBEAT: Duration = Duration::from_secs(20);
 
-/// and one that has not for this long is taken for gone.
+/// and one that has not for this long counts as ended.
 const GONE_AFTER: Duration = Duration::from_secs(60);
 
-/// Writes the session of a changed document aside every now and then.
+/// Saves the session of a changed document separately now and then.
 #[derive(Debug)]
 pub struct Autosave {
     file: PathBuf,
     interval: Duration,
-    /// When the changes so far are to be written.
+    /// Time to write the changes so far.
     due: Option<Instant>,
     /// The revision that the file holds, and when it was last written or touched.
     written: Option<(u64, Instant)>,
 }
 
-/// A process, told from later ones of the same number by when it began.
+/// A process, identified by its number and the time at which it began.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Process {
     id: u32,
@@ -67,7 +67,7 @@ impl Autosave {
     /// Writes below the state folder `folder`, at most `interval` after a change and not more often.
     pub fn new(folder: &Path, interval: Duration) -> Self {
         let Process { id, start } = Process::this();
-        // Nobody can know the name before: what lies there is ours.
+        // Nobody can guess the name: a file there is ours.
         let random = RandomState::new().build_hasher().finish();
         let file = folder.join(format!("{PREFIX}{id}-{start}-{random:016x}.{EXTENSION}"));
         Self { file, interval, due: None, written: None }
@@ -131,8 +131,7 @@ impl Autosave {
         save_for_recovery(document, kept, note, &self.file)
     }
 
-    /// Shows other processes that this one is alive. If that fails, they offer its work for recovery, which is
-    /// harmless.
+    /// Marks this process as alive for others. If that fails, they offer its work for recovery, which is harmless.
     fn beat(&mut self, now: Instant) {
         if let Some((_, at)) = &mut self.written
             && now.saturating_duration_since(*at) >= HEARTBEAT
@@ -144,7 +143,7 @@ impl Autosave {
     }
 }
 
-/// Autosaves in the state folder whose processes are gone, the newest first. Unreadable ones are left where they are.
+/// Autosaves in the state folder whose processes have ended, the newest first. Unreadable ones stay there.
 pub fn recoverable(folder: &Path) -> Vec<Recovery> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut found: Vec<Recovery> = entries.flatten().filter_map(|entry| Recovery::of(entry.path())).collect();
@@ -199,9 +198,8 @@ fn start_of(id: u32) -> Option<u64> {
     start_in(&std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?)
 }
 
-/// The 22nd field of a process's status, the second of which is a name in parentheses. `None` of a process that has
-/// ended but is still listed: while its memory is freed, which takes a second if there is much, it has a flag, and until
-/// its parent has taken note of its end it is a zombie.
+/// The 22nd field of a process's status; the second is a name in parentheses. `None` for a process that has ended but is still
+/// listed: it has a flag while its memory is freed, which may take a second, and is a zombie until its parent has noticed.
 fn start_in(status: &str) -> Option<u64> {
     const EXITING: u64 = 4;
     let fields: Vec<&str> = status.rsplit_once(')')?.1.split_whitespace().collect();
@@ -212,7 +210,7 @@ fn start_in(status: &str) -> Option<u64> {
 
 fn was_touched(file: &Path) -> bool {
     let modified = std::fs::metadata(file).and_then(|m| m.modified());
-    // A time in the future cannot be told from now.
+    // A time in the future counts as now.
     modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age < GONE_AFTER))
 }
 

@@ -1,4 +1,4 @@
-//! Which parts of the light are in the picture.
+//! The parts of the light in the picture.
 
 use lapidary_core::{dataset::Dataset, lights::Light};
 use lapidary_render::Components;
@@ -21,7 +21,7 @@ impl Component {
     pub const ALL: [Self; 3] = [Self::Environment, Self::Direct, Self::Indirect];
 }
 
-/// The switches of the parts, and the one that is looked at alone.
+/// The switches of the parts, and the solo part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ComponentSettings {
@@ -31,7 +31,7 @@ pub struct ComponentSettings {
     pub direct: bool,
     /// See [`Component::Indirect`].
     pub indirect: bool,
-    /// Only this one is shown, whatever its switch says.
+    /// Only this part is shown, whatever its switch says.
     pub solo: Option<Component>,
 }
 
@@ -63,18 +63,17 @@ impl ComponentSettings {
     }
 }
 
-/// Why a picture is black whatever the materials are.
+/// Why a picture is black with any material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unlit {
     /// The bake has no light of the environment, and the scene has no lights.
     NoLights,
-    /// There is light, and none of it is switched on.
+    /// There is light, but all of it is switched off.
     SwitchedOff,
 }
 
 impl Unlit {
-    /// Why lights, surfaces that may shine by themselves, and what is shown of them leave a dataset in the dark; `None` where they
-    /// do not.
+    /// Why these lights, emissive surfaces and components leave a dataset in the dark; `None` if they do not.
     pub fn of(lights: &[Light], shines: bool, components: ComponentSettings, dataset: &Dataset) -> Option<Self> {
         let (shown, environment) = (components.shown(), dataset.settings.mode.environment());
         let bounces = shown.indirect && dataset.has_bounces();

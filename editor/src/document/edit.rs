@@ -22,13 +22,13 @@ pub enum Edit {
         /// Its new value.
         material: Box<Material>,
     },
-    /// Other materials of parts.
+    /// Other materials for parts.
     Assigned(Assignment),
-    /// A material more, or the last of those that were added less, and other materials of parts.
+    /// Adds a material or removes the last added one, with other materials for parts.
     Added {
         /// The new material; `None` to take one away.
         material: Option<Box<Material>>,
-        /// The materials of parts with it, or without.
+        /// The materials of parts with it, or without it.
         assigned: Assignment,
     },
     /// Other poses of objects, by index.
@@ -44,7 +44,7 @@ pub enum Edit {
     },
     /// Other local lights: more, fewer, or in another order.
     Lights(Vec<Light>),
-    /// Other parts of the light in the picture.
+    /// Other switches of the parts of the light.
     Components(ComponentSettings),
     /// Another way to compute bounced light.
     Solution(Solution),
@@ -83,13 +83,13 @@ impl Edit {
         }
     }
 
-    /// Whether the document has the part that this edit replaces.
+    /// Whether the document has the value that this edit replaces.
     pub fn fits(&self, document: &Document) -> bool {
         match self {
             Self::Material { index, .. } => *index < document.materials.len(),
             Self::Light { index, .. } => *index < document.lights.len(),
             Self::Added { material, .. } => material.is_some() || document.added > 0,
-            // Those of objects that are gone have none.
+            // Poses of deleted objects have no target.
             Self::Poses(poses) => {
                 !poses.is_empty() && poses.keys().all(|&object| (object as usize) < document.objects.len())
             }
@@ -97,7 +97,7 @@ impl Edit {
         }
     }
 
-    /// Whether the document has another value there than the edit.
+    /// Whether the document's value differs from the edit's.
     pub fn changes(&self, document: &Document) -> bool {
         match self {
             Self::Material { index, material } => document.materials.get(*index).is_some_and(|m| *m != **material),
@@ -115,7 +115,7 @@ impl Edit {
         }
     }
 
-    /// What undo calls it, after what is done: of poses that says the object by its name, or how many there are.
+    /// Its name in undo. For poses it is the verb and the object's name, or the number of objects.
     pub fn name(&self, label: &str, document: &Document) -> String {
         let Self::Poses(poses) = self else { return label.to_owned() };
         match (poses.len(), poses.keys().next()) {
@@ -124,7 +124,7 @@ impl Edit {
         }
     }
 
-    /// Whether both change the same part of a document.
+    /// Whether both edits change the same part of a document.
     pub fn same_target(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Material { index: a, .. }, Self::Material { index: b, .. })
@@ -135,7 +135,7 @@ impl Edit {
         }
     }
 
-    /// Gives the materials that it names other numbers.
+    /// Renumbers the materials that it names.
     pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
         match self {
             Self::Material { index, .. } => *index = renumbering.of(*index),
@@ -145,7 +145,7 @@ impl Edit {
         }
     }
 
-    /// Gives the objects that it names other numbers, and leaves out those that are gone.
+    /// Renumbers the objects that it names, and drops deleted ones.
     pub fn renumber_objects(&mut self, numbers: &ObjectNumbers) {
         match self {
             Self::Poses(poses) => {

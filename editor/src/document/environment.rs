@@ -4,7 +4,7 @@ use lapidary_core::environment::SunSettings;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The environment: which map, and how it lies.
+/// The environment: its map and orientation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct EnvironmentSettings {
@@ -14,21 +14,21 @@ pub struct EnvironmentSettings {
     pub rotation_degrees: f32,
     /// Scales radiance; 0 or more.
     pub intensity: f32,
-    /// How the map was made to lie.
+    /// Direction of the map's center.
     pub orientation: Orientation,
     /// Small bright parts of the map.
     pub sun: SunChoice,
 }
 
-/// What becomes of small bright parts of a map.
+/// Treatment of small bright parts of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SunChoice {
-    /// Whether they are suns; otherwise light samples stand for them.
+    /// Whether they are suns; otherwise they stay in the light samples.
     pub enabled: bool,
     /// Luminance above which light belongs to a sun, over the mean of the map.
     pub threshold: f32,
-    /// Largest angle in degrees that a sun is seen under.
+    /// Largest angular diameter of a sun in degrees.
     pub largest_degrees: f32,
 }
 
@@ -43,10 +43,10 @@ impl Default for SunChoice {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Orientation {
-    /// +Z, as OpenEXR, Mitsuba and MaterialX have it.
+    /// +Z, as in OpenEXR, Mitsuba and MaterialX.
     #[default]
     OpenExr,
-    /// +X, as Blender and three.js have it.
+    /// +X, as in Blender and three.js.
     Blender,
 }
 
@@ -73,12 +73,12 @@ impl Default for EnvironmentSettings {
 }
 
 impl EnvironmentSettings {
-    /// The whole turn in radians.
+    /// The total rotation in radians.
     pub fn rotation(&self) -> f32 {
         (self.rotation_degrees + self.orientation.yaw_degrees()).to_radians()
     }
 
-    /// What is a sun, if anything is.
+    /// Settings of suns, if enabled.
     pub fn suns(&self) -> Option<SunSettings> {
         let SunChoice { enabled, threshold, largest_degrees } = self.sun;
         enabled.then(|| SunSettings { threshold, largest_angle: largest_degrees.to_radians() })

@@ -4,8 +4,8 @@ use super::{Document, TextureEntry, objects::ObjectNumbers};
 use lapidary_core::{dataset::Dataset, texture::Texture};
 use std::sync::Arc;
 
-/// A scene that was changed in another program may have other materials. Materials that the document lacks are added,
-/// so that there are as many as the mesh refers to. Returns the numbers of its objects.
+/// Adds materials that the document lacks, since a scene changed in another program may have others, so that there are as many as
+/// the mesh refers to. Returns the numbers of its objects.
 pub fn fit_materials(document: &mut Document, dataset: &Dataset) -> ObjectNumbers {
     let materials = &dataset.scene.materials;
     let added = document.materials.split_off(document.own_materials());

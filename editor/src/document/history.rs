@@ -1,21 +1,21 @@
-//! Undo and redo: a list of edits, each of which holds the value that the document does not have at the moment.
+//! Undo and redo: a list of edits, each of which holds the value that the document does not have now.
 
 use super::{Document, Edit, objects::ObjectNumbers, parts::Renumbering};
 use lapidary_core::material::Material;
 use std::collections::VecDeque;
 
-/// More steps than anyone undoes by hand; the oldest is removed first. A step holds one value, at most some kB.
+/// Most steps, more than anyone undoes by hand; the oldest is removed first. A step holds one value, at most some kB.
 const DEPTH: usize = 1000;
 
 /// The edits of a document in their order, and where in it the document was saved.
 ///
-/// Every state that the document was in has a number of its own, so a saved state that was cut off with its redo branch
-/// is never taken for another one.
+/// Every state of the document has its own number, so a saved state that is lost with its redo branch is never confused with
+/// another.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     done: VecDeque<Step>,
     undone: Vec<Step>,
-    /// The last step takes in further edits of its kind.
+    /// The last step absorbs further edits of its kind.
     gesture_open: bool,
     state: u64,
     saved: Option<u64>,
@@ -39,12 +39,12 @@ impl Step {
 }
 
 impl History {
-    /// Of a document that agrees with its file, or has none and nothing to lose.
+    /// For a document that agrees with its file, or has no file and no changes.
     pub fn new() -> Self {
         Self { saved: Some(0), ..Self::default() }
     }
 
-    /// Of a document with changes that no file of the user's has, as after recovery.
+    /// For a document with unsaved changes, as after recovery.
     pub fn unsaved() -> Self {
         Self::default()
     }
@@ -81,7 +81,7 @@ impl History {
         }
     }
 
-    /// The last step keeps the value from before the gesture; a gesture that came back to it leaves no step.
+    /// The last step keeps the value from before the gesture; a gesture that returns to it leaves no step.
     fn extend_last_step(&mut self, document: &Document) {
         let Some(step) = self.done.back_mut() else { return };
         step.after = self.state;
@@ -92,7 +92,7 @@ impl History {
         }
     }
 
-    /// The materials of all steps, for what is read again of files that they name.
+    /// The materials of all steps, for files that are reloaded.
     pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
         self.edits_mut().filter_map(|edit| match edit {
             Edit::Material { material, .. } => Some(&mut **material),
@@ -101,12 +101,12 @@ impl History {
         })
     }
 
-    /// Gives the materials that its steps name other numbers.
+    /// Renumbers the materials that its steps name.
     pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
         self.edits_mut().for_each(|edit| edit.renumber_materials(renumbering));
     }
 
-    /// Gives the objects that its steps name other numbers. A step of objects that are all gone is passed over by undo.
+    /// Renumbers the objects that its steps name. Undo skips a step whose objects are all gone.
     pub fn renumber_objects(&mut self, numbers: &ObjectNumbers) {
         self.edits_mut().for_each(|edit| edit.renumber_objects(numbers));
     }

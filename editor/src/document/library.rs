@@ -8,7 +8,7 @@ use anyhow::Result;
 use lapidary_interchange::formats::PictureFormat;
 use std::path::{Path, PathBuf};
 
-/// Environment maps to choose from; those of the user are kept in the configuration folder.
+/// Environment maps to choose from; the user's are kept in the configuration folder.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLibrary {
     bundled: Vec<LibraryEntry>,
@@ -22,14 +22,14 @@ pub struct LibraryEntry {
     pub path: PathBuf,
     /// The file's name without extension.
     pub name: String,
-    /// Came with the program, and cannot be removed.
+    /// Whether it is bundled, and cannot be removed.
     pub bundled: bool,
-    /// It was not there when the library was read.
+    /// Whether its file was missing when the library was read.
     pub missing: bool,
 }
 
 impl EnvironmentLibrary {
-    /// Reads the user's list; a damaged one is empty. The bundled maps are those in `bundled`, as [`maps_in`] finds them.
+    /// Reads the user's list; a damaged one is empty. `bundled` holds the bundled maps, as [`maps_in`] finds them.
     pub fn open(config: &Path, bundled: impl IntoIterator<Item = PathBuf>) -> Self {
         let bundled = bundled.into_iter().map(|path| entry(absolute(&path), true, !path.exists())).collect();
         Self { bundled, list: PathList::open(config.join("environments.json")) }
@@ -41,7 +41,7 @@ impl EnvironmentLibrary {
         self.bundled.iter().cloned().chain(own).collect()
     }
 
-    /// Adds maps that are not in the library yet; of a folder, all that lie in it. Returns how many were new.
+    /// Adds maps that are not in the library yet; for a folder, all maps in it. Returns the number of new ones.
     ///
     /// # Errors
     /// A list that cannot be written; the maps are in it until the program ends.

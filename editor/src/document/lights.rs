@@ -20,9 +20,9 @@ pub const MOST_INTENSITY: f32 = 1e9;
 /// How a light emits, without its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
-    /// Into all directions.
+    /// In all directions.
     Point,
-    /// Into a cone.
+    /// In a cone.
     Spot,
     /// Parallel light.
     Directional,
@@ -44,7 +44,7 @@ impl LightKind {
         }
     }
 
-    /// Name for people.
+    /// Displayed name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Point => "Point",
@@ -57,10 +57,10 @@ impl LightKind {
     /// Its description.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Point => "Shines into all directions, as a bare bulb.",
-            Self::Spot => "Shines into a cone with a soft edge.",
-            Self::Directional => "Parallel light from far away, as the sun.",
-            Self::Rectangle => "A panel that shines from its front: soft light.",
+            Self::Point => "Shines in all directions, like a bare bulb.",
+            Self::Spot => "Shines in a cone with a soft edge.",
+            Self::Directional => "Parallel light from far away, like the sun.",
+            Self::Rectangle => "A panel that emits soft light from its front.",
         }
     }
 
@@ -73,7 +73,7 @@ impl LightKind {
         }
     }
 
-    /// As it is first, `distance` meters from what it lights.
+    /// Default emission of a light `distance` meters from its subject.
     pub fn emission(self, distance: f32) -> Emission {
         match self {
             Self::Point => Emission::Point,
@@ -86,7 +86,7 @@ impl LightKind {
         }
     }
 
-    /// The intensity by which white paper at `distance` meters is about as bright as a radiance of 1.
+    /// The intensity at which white paper at `distance` meters has a radiance of about 1.
     fn intensity_for(self, distance: f32) -> f32 {
         let intensity = match self.emission(distance) {
             Emission::Point | Emission::Spot { .. } => PI * distance * distance,
@@ -97,13 +97,13 @@ impl LightKind {
     }
 }
 
-/// Two significant digits, as people set numbers.
+/// Rounded to two significant digits.
 fn short(value: f32) -> f32 {
     let digits = format!("{value:.1e}");
     digits.parse().ok().filter(|v: &f32| v.is_finite()).unwrap_or(value)
 }
 
-/// A light that was just added: it lights the target of `camera` from `position`.
+/// A new light that lights the target of `camera` from `position`.
 pub fn new_light(kind: LightKind, lights: &[Light], camera: &Camera, position: Vec3) -> Light {
     let distance = position.distance(camera.target).max(1e-3);
     let (position, target) = (position.to_array().map(short_meters), camera.target.to_array().map(short_meters));
@@ -121,14 +121,14 @@ fn short_meters(coordinate: f32) -> f32 {
     (1e4 * coordinate).round() / 1e4
 }
 
-/// `base` and the least number that no light has.
+/// `base` and the least unused number.
 pub fn free_name(lights: &[Light], base: &str) -> String {
     let name = |number: usize| format!("{base} {number}");
     let taken = |name: &String| lights.iter().any(|light| light.name == *name);
     (1..).map(name).find(|name| !taken(name)).unwrap_or_default()
 }
 
-/// The name for a copy: that of the original with another number.
+/// The name for a copy: the original's with another number.
 pub fn copied_name(lights: &[Light], name: &str) -> String {
     let base = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
     free_name(lights, if base.is_empty() { "Light" } else { base })
@@ -141,7 +141,7 @@ pub fn color_and_intensity(intensity: Vec3) -> (Vec3, f32) {
     if brightest > 0.0 { (intensity / brightest, brightest) } else { (Vec3::ONE, 0.0) }
 }
 
-/// A light of another kind in the same place, about as bright where it is aimed at.
+/// A light of another kind in the same place, about as bright at its target.
 pub fn with_kind(light: &Light, kind: LightKind) -> Light {
     let distance = light.position.distance(light.target).max(1e-3);
     let brighter = kind.intensity_for(distance) / LightKind::of(light).intensity_for(distance);

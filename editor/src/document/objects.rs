@@ -1,4 +1,4 @@
-//! Objects of a document: another version of its scene may have them in another order, and finds them by their names.
+//! Objects of a document, matched by name, since another version of the scene may order them differently.
 
 use super::{Document, parts::Assignment};
 use lapidary_core::{ground, parts::Part, scene::Scene};
@@ -8,19 +8,19 @@ use std::{
     mem::take,
 };
 
-/// Other numbers of objects.
+/// A renumbering of objects.
 #[derive(Clone, Debug)]
 pub struct ObjectNumbers(Vec<Option<u32>>);
 
 impl ObjectNumbers {
-    /// From the names of objects to those that they have now. Several of one name stay in their order.
+    /// From the names before to the names now. Objects of one name stay in their order.
     pub fn between(before: &[String], now: &[String]) -> Self {
         let mut places: HashMap<&str, VecDeque<u32>> = HashMap::new();
         (0..).zip(now).for_each(|(place, name)| places.entry(name).or_default().push_back(place));
         Self(before.iter().map(|name| places.get_mut(name.as_str())?.pop_front()).collect())
     }
 
-    /// The number of an object; `None` if it is gone.
+    /// The new number of an object; `None` if it is gone.
     pub fn of(&self, object: u32) -> Option<u32> {
         *self.0.get(object as usize)?
     }
@@ -30,7 +30,7 @@ impl ObjectNumbers {
         Some(Part { object: self.of(part.object)?, ..part })
     }
 
-    /// Gives the objects of an assignment their numbers.
+    /// Renumbers the objects of an assignment.
     pub fn renumber(&self, assigned: &mut Assignment) {
         let found = take(assigned).into_iter().filter_map(|(part, material)| Some((self.of_part(part)?, material)));
         *assigned = found.collect();
@@ -38,8 +38,8 @@ impl ObjectNumbers {
 }
 
 impl Document {
-    /// Takes the objects of another version of the scene, and returns their numbers. Parts and poses are found again by the names
-    /// of their objects.
+    /// Takes the objects of another version of the scene, and returns their numbers. Parts and poses follow the names of their
+    /// objects.
     pub fn take_objects(&mut self, scene: &Scene) -> ObjectNumbers {
         self.take_names(names_of(scene))
     }
@@ -52,7 +52,7 @@ impl Document {
         numbers
     }
 
-    /// Itself with the objects of another version of its scene, and the ground after them if it has one.
+    /// The document with the objects of another version of its scene, followed by its ground, if any.
     pub fn with_objects_of(&self, scene: &Scene) -> Cow<'_, Self> {
         let mut names = names_of(scene);
         names.extend(self.objects.last().filter(|name| *name == ground::NAME).cloned());
@@ -64,7 +64,7 @@ impl Document {
         Cow::Owned(other)
     }
 
-    /// The object of a name, first that at `place`.
+    /// The object of a name, preferably at `place`.
     pub fn object_called(&self, name: &str, place: u32) -> Option<u32> {
         let is_there = self.objects.get(place as usize).is_some_and(|known| known == name);
         let found = || self.objects.iter().position(|known| known == name).map(|found| found as u32);
@@ -97,7 +97,7 @@ mod tests {
         Part { object, material: 0 }
     }
 
-    /// With the second object raised and of another material.
+    /// A document whose second object is raised and has another material.
     fn document(objects: &[&str]) -> Document {
         let mut document = Document { objects: names(objects), ..Document::empty() };
         document.poses.set(1, RAISED);

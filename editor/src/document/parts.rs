@@ -1,4 +1,4 @@
-//! Materials of parts of the scene: which parts have others than the mesh says, and the materials that were added for that.
+//! Materials of parts: parts with another material than the mesh's, and the materials added for them.
 
 use super::{Document, ShownMaterials, ViewSettings};
 use lapidary_core::{
@@ -10,11 +10,11 @@ use lapidary_core::{
 use lapidary_render::Assigned;
 use std::collections::BTreeMap;
 
-/// Parts that have another material than the mesh says, by its index in the document.
+/// Parts with another material than the mesh's, by its index in the document.
 pub type Assignment = BTreeMap<Part, usize>;
 
 impl Document {
-    /// Number of materials that are the scene's; those that were added come after them.
+    /// Number of the scene's own materials; added ones come after them.
     pub fn own_materials(&self) -> usize {
         self.materials.len().saturating_sub(self.added)
     }
@@ -25,7 +25,7 @@ impl Document {
         assigned.copied().unwrap_or(part.material as usize)
     }
 
-    /// What a part is called: its object, or the material that the mesh says if that has no name.
+    /// Name of a part: its object's, or its mesh material's if the object has none.
     pub fn part_name(&self, part: Part) -> String {
         match self.objects.get(part.object as usize) {
             Some(name) if !name.is_empty() => name.clone(),
@@ -46,14 +46,14 @@ impl Document {
         assigned
     }
 
-    /// The material of each triangle, as renderers want it; `None` if the mesh says it all.
+    /// The material of each triangle for renderers; `None` if the mesh's apply.
     pub fn assigned_to(&self, mesh: &Mesh) -> Assigned {
         let is_any = self.added > 0 || !self.assigned.is_empty();
         let of = |triangle| Part::of_triangle(mesh, triangle).map_or(0, |part| self.material_of(part) as u32);
         is_any.then(|| (0..mesh.triangles.len()).map(of).collect())
     }
 
-    /// With a material for the parts that let through other light in a scene than theirs says.
+    /// With materials for the parts whose opacity in a scene differs from their material's.
     pub fn with_opacities_of_parts(mut self, scene: &Scene) -> Self {
         for other in &scene.part_opacities {
             let material = as_added(&self, other.shown(&scene.materials));
@@ -64,13 +64,13 @@ impl Document {
         self
     }
 
-    /// Makes a scene let through the light that the document says.
+    /// Gives a scene the opacities of the document.
     pub fn give_opacities(&self, scene: &mut Scene) {
         let assigned = self.assigned.keys().map(|&part| (part, self.material_of(part)));
         scene.take_opacities(&self.materials, self.own_materials(), assigned, &self.shared_textures());
     }
 
-    /// A scene without a mesh that lets through the light that the document says, for [`bake_hash`].
+    /// A scene without a mesh but with the document's opacities, for [`bake_hash`].
     pub fn opacities_for(&self, scene: &Scene) -> Scene {
         let Scene { materials, textures, objects, .. } = scene;
         let (materials, textures, objects) = (materials.clone(), textures.clone(), objects.clone());
@@ -79,7 +79,7 @@ impl Document {
         found
     }
 
-    /// Whether surfaces let through other light than in a scene, as it was baked.
+    /// Whether opacities differ from a baked scene's.
     pub fn lets_through_otherwise(&self, scene: &Scene) -> bool {
         let textures = self.shared_textures();
         let shown = |index: usize| self.materials.get(index).map(|material| Opacity::of(material, &textures));
@@ -91,7 +91,7 @@ impl Document {
         own.into_iter().any(is_other) || self.assigned.keys().chain(of_scene).any(is_other_part)
     }
 
-    /// The variant that is shown: `Some(None)` for what the file shows first, `None` for a mixture.
+    /// The shown variant: `Some(None)` for the file's default, `None` for a mixture.
     pub fn shown_variant(&self, variants: &Variants) -> Option<Option<usize>> {
         let is_shown = |variant: &Option<usize>| {
             variants.shown(*variant).all(|(part, material)| self.material_of(part) == material as usize)
@@ -99,7 +99,7 @@ impl Document {
         (0..variants.names.len()).map(Some).chain([None]).find(is_shown)
     }
 
-    /// A name that no material has: this one, or with a number.
+    /// An unused material name: this one, or with a number.
     pub fn free_name(&self, name: &str) -> String {
         let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
         let stem = if stem.is_empty() { "Material" } else { stem };
@@ -108,7 +108,7 @@ impl Document {
         [name.to_owned()].into_iter().filter(|name| !name.is_empty()).chain(numbered).find(is_free).unwrap_or_default()
     }
 
-    /// Gives the indices of materials that the document holds other numbers.
+    /// Renumbers the materials that the document refers to.
     pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
         renumber(&mut self.assigned, renumbering);
         self.view.renumber_materials(renumbering);
@@ -116,7 +116,7 @@ impl Document {
 }
 
 impl ViewSettings {
-    /// Gives the material that is shown alone another number.
+    /// Renumbers the solo material.
     pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
         if let ShownMaterials::Solo(index) = &mut self.materials {
             *index = renumbering.of(*index);
@@ -124,21 +124,21 @@ impl ViewSettings {
     }
 }
 
-/// Gives the materials of an assignment other numbers.
+/// Renumbers the materials of an assignment.
 pub fn renumber(assigned: &mut Assignment, renumbering: &Renumbering) {
     assigned.values_mut().for_each(|material| *material = renumbering.of(*material));
 }
 
-/// The scene's own materials in a document: how many, and which of them is that of a ground.
+/// The scene's own materials in a document: their number, and the ground's among them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OwnMaterials {
-    /// With that of the ground.
+    /// Including the ground's.
     pub count: usize,
-    /// The last one, if there is one.
+    /// Index of the ground's, which is the last, if there is one.
     pub ground: Option<usize>,
 }
 
-/// Another number of the scene's own materials, behind which those that were added move.
+/// A change in the number of the scene's own materials, which moves the added ones behind them.
 #[derive(Clone, Copy, Debug)]
 pub struct Renumbering {
     /// The scene's own so far.
@@ -148,11 +148,11 @@ pub struct Renumbering {
 }
 
 impl Renumbering {
-    /// Stands for the material of a ground while that is hidden, and for a material that is gone.
+    /// Stands for the material of a hidden ground, and for a material that is gone.
     const HIDDEN_GROUND: usize = usize::MAX;
     const GONE: usize = usize::MAX - 1;
 
-    /// The new index of a material. One that is not there any more has an index that no material has.
+    /// The new index of a material; a removed one gets an unused index.
     pub fn of(&self, index: usize) -> usize {
         let Self { before, after } = *self;
         let is_ground = index == Self::HIDDEN_GROUND || before.ground == Some(index);

@@ -1,4 +1,4 @@
-//! A list of paths in a JSON file of its own, which may be damaged, and which other windows change as well.
+//! A list of paths in its own JSON file, which may be damaged and which other windows change too.
 
 use super::relative::absolute;
 use anyhow::{Context, Result};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub struct ListedFile {
     /// Absolute.
     pub path: PathBuf,
-    /// It was not there when the list was read: on a drive that is away, or gone.
+    /// Whether it was missing when the list was read: deleted, or on a detached drive.
     pub missing: bool,
 }
 
@@ -23,7 +23,7 @@ pub struct PathList {
 }
 
 impl PathList {
-    /// Reads the list; what cannot be read is left out.
+    /// Reads the list; leaves out unreadable entries.
     pub fn open(file: PathBuf) -> Self {
         let entries = entries(read(&file));
         Self { file, entries }
@@ -66,7 +66,7 @@ fn write(file: &Path, paths: &[PathBuf]) -> Result<()> {
     write_setting(file, &format!("{list:#}\n"))
 }
 
-/// Writes a file of the configuration folder, which is made if need be.
+/// Writes a file of the configuration folder, creating the folder if needed.
 ///
 /// # Errors
 /// Errors of the file system, with the remedy.
@@ -80,7 +80,7 @@ pub fn write_setting(file: &Path, text: &str) -> Result<()> {
     })
 }
 
-/// Whether both are one file, through links as well. Files that are not there are compared by path.
+/// Whether both are the same file, also through links. Missing files are compared by path.
 pub fn same_file(a: &Path, b: &Path) -> bool {
     let canonical = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| absolute(path));
     canonical(a) == canonical(b)

@@ -1,4 +1,4 @@
-//! Files that were open lately, for the File menu.
+//! Recent files for the File menu.
 
 use super::{
     path_list::{PathList, same_file},
@@ -9,7 +9,7 @@ use std::path::Path;
 
 pub use super::path_list::ListedFile;
 
-/// As many as a menu shows.
+/// Most files in the menu.
 const COUNT: usize = 12;
 
 /// The list, kept in the configuration folder.
@@ -22,7 +22,7 @@ impl RecentFiles {
         Self(PathList::open(config.join("recent.json")))
     }
 
-    /// The newest first; files that are not there are kept, since their drive may come back.
+    /// The newest first; missing files are kept, since their drive may come back.
     pub fn entries(&self) -> &[ListedFile] {
         let entries = self.0.entries();
         &entries[..entries.len().min(COUNT)]

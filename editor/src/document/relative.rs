@@ -1,4 +1,4 @@
-//! Paths as session files have them: relative to the file, with forward slashes on every system.
+//! Paths in session files: relative to the file, with forward slashes on every system.
 //!
 //! `..` is resolved in the text and not by the file system, on writing and on reading alike, so that a path comes back
 //! as it was even where folders are links.
@@ -16,8 +16,8 @@ pub fn folder_of(file: &Path) -> PathBuf {
     file.parent().unwrap_or(&file).to_owned()
 }
 
-/// `path` as seen from `folder`, which is absolute. Where they share no more than the root, as on two drives, moving
-/// both together is unlikely, and the path stays absolute.
+/// `path` as seen from `folder`, which is absolute. If they share only the root, as on two drives, the path stays absolute, since
+/// they will hardly move together.
 pub fn relative_to(path: &Path, folder: &Path) -> PathBuf {
     let path = absolute(path);
     let (to, from): (Vec<_>, Vec<_>) = (path.components().collect(), folder.components().collect());

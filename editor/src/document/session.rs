@@ -1,10 +1,10 @@
 //! Session files: a document as versioned JSON, without its pictures and its dataset, which it names by path.
 //!
-//! `{"lapidary_session": 2, "scene", "dataset", "materials", "added", "assigned", "environment", "lights", "components", "solution", "camera",
-//! "bookmarks", "view", "bake"}`; the lights are those of a lights file.
-//! Paths are relative to the file, angles in degrees. A reader takes what it can: values that cannot be are replaced
-//! with a warning, keys that it does not know are kept and written back ([`Unknown`]), files that are not there are
-//! listed and can be looked for ([`LoadedSession::relink`]). Only a newer version or damaged JSON is refused.
+//! `{"lapidary_session": 2, "scene", "dataset", "materials", "added", "assigned", "environment", "lights", "components",
+//! "solution", "camera", "bookmarks", "view", "bake"}`; the lights are those of a lights file. Paths are relative to the file,
+//! angles in degrees. Reading is lenient: invalid values are replaced with a warning, unknown keys are kept and written back
+//! ([`Unknown`]), missing files are listed and can be searched for ([`LoadedSession::relink`]). Only a newer version or damaged
+//! JSON is refused.
 
 mod brdfs;
 mod checks;
@@ -33,12 +33,12 @@ pub(super) use write::save_for_recovery;
 /// Extension of session files.
 pub const EXTENSION: &str = "lapidary";
 
-/// Version that is written, and the newest that is read.
+/// Written version, and the newest that is read.
 ///
-/// In version 1 `ward` was the model that is `ward-duer` now.
+/// In version 1, `ward` was today's `ward-duer`.
 pub const VERSION: u64 = 2;
 
-/// Key of the note in an autosave that says what it is of.
+/// Key of an autosave's note about its document.
 pub const AUTOSAVE_KEY: &str = "autosave";
 
 /// Key of the version.

@@ -21,7 +21,7 @@ pub enum BackgroundKind {
     Blurred,
     /// One color.
     Flat,
-    /// A chequerboard stands for nothing.
+    /// Transparent, shown as a checkerboard.
     Transparent,
 }
 
@@ -39,7 +39,7 @@ pub struct ViewSettings {
     pub background_color: Vec3,
     /// Most nodes of the illumination cut, 1 to 32,768.
     pub illum_cut: u32,
-    /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1.
+    /// Largest share of a vertex's light that a node of its lit cut displaces, 0 to 1.
     pub tau: f32,
     /// How the BRDF is sampled on merged nodes.
     pub sampling: BrdfSampling,
@@ -47,13 +47,13 @@ pub struct ViewSettings {
     pub aa: u32,
     /// The quantity that the pixels show.
     pub mode: ViewMode,
-    /// What the views of the meshless basis show of it.
+    /// The part of the meshless basis that its views show.
     pub basis: BasisView,
-    /// Whose materials are shown.
+    /// Materials to show.
     pub materials: ShownMaterials,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
-    /// Milliseconds that a picture may take while something moves; resolution adapts to it.
+    /// Milliseconds per picture while something moves; resolution adapts to it.
     pub frame_budget_ms: f32,
 }
 
@@ -77,11 +77,11 @@ impl Default for ViewSettings {
     }
 }
 
-/// Whose materials a picture shows. The document's own stay as they are.
+/// Materials that a picture shows; the document keeps its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShownMaterials {
-    /// Those of the document.
+    /// The document's own.
     #[default]
     Own,
     /// Gray clay on all, to judge light and shape.
@@ -91,12 +91,12 @@ pub enum ShownMaterials {
     Gray,
     /// A mirror on all, to judge reflections and smoothness.
     Chrome,
-    /// That of one material; the others are gray clay.
+    /// One material; the others are gray clay.
     Solo(usize),
 }
 
 impl ShownMaterials {
-    /// What is shown in place of a material of the document.
+    /// The material shown in place of the document's.
     pub fn instead_of(self, index: usize, own: &Material) -> Material {
         let all = |model, name, value: brdf::Value| {
             let parameters = Parameters::default().with(name, value);
@@ -118,7 +118,7 @@ impl ShownMaterials {
 }
 
 impl ViewSettings {
-    /// What pictures merge.
+    /// The cuts that pictures merge.
     pub fn cuts(&self) -> Cuts {
         Cuts::of(self.sampling, self.illum_cut, self.tau)
     }

@@ -1,4 +1,4 @@
-//! Environment maps that are loaded, chosen, added to the library, or looked for.
+//! Loads environment maps, chooses them, adds them to the library and searches for missing ones.
 
 use super::state::Environments;
 use crate::{
@@ -15,7 +15,7 @@ use std::{
 };
 
 impl Environments {
-    /// Does what is asked.
+    /// Performs an action.
     pub fn perform(&mut self, work: &mut Workspace, action: EnvironmentAction) {
         match action {
             EnvironmentAction::Load(Some(path)) => use_environment(work, &path.to_string_lossy()),
@@ -25,7 +25,7 @@ impl Environments {
         }
     }
 
-    /// Loads the map that the document names, unless that was tried already.
+    /// Loads the document's map, unless that was tried already.
     pub fn load(&mut self, work: &Workspace, loader: &mut Loader) {
         let spec = &work.document.environment.spec;
         if self.asked.as_ref() != Some(spec) {
@@ -34,7 +34,7 @@ impl Environments {
         }
     }
 
-    /// A map is there, or cannot be: then the one before stays in use.
+    /// Takes a loaded map. After a failure the previous map stays in use.
     pub fn take_loaded(&mut self, work: &mut Workspace, result: Result<(Arc<Environment>, Vec<String>), String>) {
         match result {
             Ok((environment, warnings)) => {
@@ -52,7 +52,7 @@ impl Environments {
         }
     }
 
-    /// Something must light the scene; the studio is made by a formula and needs no file.
+    /// Falls back to the studio, a formula that needs no file, so that something lights the scene.
     fn fall_back_to_studio(&mut self) {
         if let Ok((studio, _)) = environment::from_spec("studio") {
             self.loaded = Some(studio.into());
@@ -61,13 +61,13 @@ impl Environments {
 
     fn add_to_library(&mut self, work: &mut Workspace, path: PathBuf) {
         match self.library.add(&[path]) {
-            Ok(0) => work.messages.note("It is in the library already"),
+            Ok(0) => work.messages.note("Already in the library"),
             Ok(count) => work.messages.note(format!("Added to the library: {count}")),
             Err(error) => work.messages.error(format!("{error:#}")),
         }
     }
 
-    /// Looks for the maps of the library that are not where they were.
+    /// Searches for missing maps of the library.
     pub fn relink_library(&mut self, work: &mut Workspace, folder: &Path) {
         let maps = maps_in(folder);
         let mut found = 0;
@@ -83,7 +83,7 @@ impl Environments {
     }
 }
 
-/// Lights the scene by a map or formula, as a step of undo.
+/// Lights the scene with a map or formula, as a step of undo.
 fn use_environment(work: &mut Workspace, spec: &str) {
     let environment = EnvironmentSettings { spec: spec.into(), ..work.document.environment.clone() };
     work.do_step(Edit::Environment(environment), "Environment");

@@ -30,10 +30,10 @@ use lapidary_core::{
 use lapidary_render::SceneLighting;
 use std::sync::Arc;
 
-/// Elevation of the sun in degrees where a specification names none.
+/// Default elevation of the sun in degrees.
 const SUN_ELEVATION: f32 = 45.0;
 
-/// What the panel shows.
+/// Input of the panel.
 pub struct EnvironmentContext<'a> {
     /// The document.
     pub document: &'a Document,
@@ -45,15 +45,15 @@ pub struct EnvironmentContext<'a> {
     pub tree: Option<&'a LightTree>,
     /// The tree under the present light, with its illumination cut.
     pub lighting: Option<&'a Arc<SceneLighting>>,
-    /// Another number whenever tree or lighting are others.
+    /// Changes whenever tree or lighting change.
     pub light_revision: u64,
-    /// Whether what is rendered has no ground, and no scene file is there to bake one.
+    /// Whether the rendered scene has no ground, and no scene file to bake one.
     pub lacks_ground: bool,
-    /// What is to be told about the map: that it loads, or why it could not be read.
+    /// A message about the map: loading, or why it could not be read.
     pub message: Option<&'a str>,
 }
 
-/// What the panel keeps between frames.
+/// State of the panel between frames.
 #[derive(Default)]
 pub struct EnvironmentPanel {
     map_view: map_view::MapView,
@@ -95,32 +95,31 @@ fn placement(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>
     let intensity = Decades {
         decimals: 2,
         note: Some(stops_text(light.intensity)),
-        ..Decades::count("Intensity", "Scales the light, 0 to 10; the stops are beside it.", 0.0..=10.0, 1.0)
+        ..Decades::count("Intensity", "Scales the light, 0 to 10; the value in stops is below.", 0.0..=10.0, 1.0)
     };
     edit_row(actions, "Intensity", light, Edit::Environment, |l| decades_row(ui, &intensity, &mut l.intensity));
     let orientations = [
-        (Orientation::OpenExr, "OpenEXR", "The center of the map is +Z, as OpenEXR, Mitsuba and MaterialX have it."),
-        (Orientation::Blender, "Blender, three.js", "The center of the map is +X, as Blender and three.js have it."),
+        (Orientation::OpenExr, "OpenEXR", "The center of the map is +Z, as in OpenEXR, Mitsuba and MaterialX."),
+        (Orientation::Blender, "Blender, three.js", "The center of the map is +X, as in Blender and three.js."),
     ];
     edit_row(actions, "Orientation", light, Edit::Environment, |l| {
-        choice_row(ui, "Orientation", "How the map was made to lie.", &mut l.orientation, &orientations)
+        choice_row(ui, "Orientation", "Direction of the center of the map.", &mut l.orientation, &orientations)
     });
 }
 
-/// What of the map is a sun, and what suns there are.
+/// Settings of suns, and the suns of the map.
 fn sun(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     let light = &context.document.environment;
-    let help = "Small bright parts of the map shine as directional lights, with sharp shadows. Otherwise they are spread over \
-                the light samples around them.";
+    let help = "Turns small bright parts of the map into directional lights with sharp shadows.";
     edit_row(actions, "Sun", light, Edit::Environment, |l| check_row(ui, "Sun", help, &mut l.sun.enabled));
     let Some(settings) = light.suns() else { return };
     let usual = SunChoice::default();
-    let help = "A sun is brighter than this many times the mean of the map.";
+    let help = "Least brightness of a sun, as a multiple of the map's mean.";
     let threshold = Decades { decimals: 0, ..Decades::count("Threshold", help, 1.0..=1e6, f64::from(usual.threshold)) };
     edit_row(actions, "Threshold of suns", light, Edit::Environment, |l| {
         decades_row(ui, &threshold, &mut l.sun.threshold)
     });
-    let help = "A sun is seen under no more than this angle, from rim to rim. Larger lights stay in the map.";
+    let help = "Largest angular diameter of a sun. Larger lights stay in the map.";
     let largest = Number::new("Largest angle", help, 0.1..=90.0, usual.largest_degrees).unit("°", 1);
     edit_row(actions, "Largest angle of suns", light, Edit::Environment, |l| {
         slider_row(ui, &largest, &mut l.sun.largest_degrees)
@@ -134,18 +133,17 @@ fn sun(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
 fn ground(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     let bake = &context.document.bake;
     let kinds = [
-        (Ground::Off, "None", "The scene hovers before its background, and light reaches it from below."),
+        (Ground::Off, "None", "No ground: light also reaches the scene from below."),
         (
             Ground::Shadow,
             "Shadow",
-            "A ground that is not seen itself catches shadows and light over the background, and over nothing in pictures with an \
-             alpha channel.",
+            "An invisible ground catches shadows and bounced light over the background, or in the alpha channel.",
         ),
-        (Ground::On, "Surface", "A ground with a material of its own."),
+        (Ground::On, "Surface", "A visible ground with its own material."),
     ];
     let wrap = |bake: BakeSettings| Edit::Bake(Box::new(bake));
     edit_row(actions, "Ground", bake, wrap, |bake| {
-        combo_row(ui, "Ground", "A plane under the scene, which is baked with it.", &mut bake.ground, &kinds)
+        combo_row(ui, "Ground", "Plane under the scene, baked with it.", &mut bake.ground, &kinds)
     });
     if context.lacks_ground && bake.ground != Ground::Off {
         let text = "This bake has no ground. Open its scene file to bake one.";
@@ -153,7 +151,7 @@ fn ground(ui: &mut Ui, context: &EnvironmentContext, actions: &mut Vec<Action>) 
     }
 }
 
-/// How many suns there are, and how large the brightest is.
+/// Number of suns, and size of the brightest.
 fn suns_text(suns: &[Sun]) -> String {
     let size = |sun: &Sun| format!("{:.1}°", sun.angle.to_degrees());
     match suns {
@@ -172,7 +170,7 @@ fn stops_text(intensity: f32) -> String {
     if intensity > 0.0 { format!("{:+.1} EV", intensity.log2()) } else { "off".into() }
 }
 
-/// The numbers of the formula that makes the map, if one does.
+/// The parameters of the map's formula, if it has one.
 fn formula(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>) {
     if let Some(now) = sun_elevation(&light.spec) {
         let elevation = Number::new("Sun height", "Degrees above the horizon.", 0.0..=90.0, SUN_ELEVATION);
@@ -189,7 +187,7 @@ fn formula(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>) 
     if let Some(now) = constant_radiance(&light.spec) {
         spec_row(actions, "Constant color", light, |spec| {
             let mut color = now;
-            let edited = color_row(ui, "Color", "The same radiance from everywhere.", &mut color, Vec3::ONE);
+            let edited = color_row(ui, "Color", "Same radiance from all directions.", &mut color, Vec3::ONE);
             if edited.changed {
                 let [r, g, b] = color.to_array().map(|c| (1e4 * c).round() / 1e4);
                 *spec = format!("constant:{r},{g},{b}");
@@ -208,7 +206,7 @@ fn spec_row(
     edit_row(actions, label, light, Edit::Environment, |l| row(&mut l.spec));
 }
 
-/// The sun's elevation in degrees, if the specification is that of sun and sky.
+/// The sun's elevation in degrees, if the specification is a sun and sky.
 fn sun_elevation(spec: &str) -> Option<f32> {
     match spec.split_once(':') {
         Some(("sun-sky", degrees)) => Some(degrees.trim().parse().unwrap_or(SUN_ELEVATION)),
@@ -217,7 +215,7 @@ fn sun_elevation(spec: &str) -> Option<f32> {
     }
 }
 
-/// The radiance, if the specification is that of a constant.
+/// The radiance, if the specification is a constant.
 fn constant_radiance(spec: &str) -> Option<Vec3> {
     let Some(("constant", numbers)) = spec.split_once(':') else {
         return (spec == "constant").then_some(Vec3::ONE);

@@ -1,4 +1,4 @@
-//! Environment maps: the one that lights the scene, and small pictures of those in the library.
+//! Environment maps: the one that lights the scene, and thumbnails of the library.
 
 use super::panel::EnvironmentPanel;
 use crate::{document::library::EnvironmentLibrary, environment::panel::thumbnail, jobs::thumbnails::Thumbnails};
@@ -11,16 +11,16 @@ use std::{collections::HashMap, sync::Arc};
 /// Width and height of the library's pictures in pixels.
 const THUMBNAIL: [usize; 2] = [160, 80];
 
-/// The map in use, and pictures of others.
+/// The map in use, and thumbnails of others.
 pub struct Environments {
-    /// What the panel keeps between frames.
+    /// State of the panel between frames.
     pub panel: EnvironmentPanel,
     /// Maps to choose from.
     pub library: EnvironmentLibrary,
     pub loaded: Option<Arc<Environment>>,
-    /// The specification that was last asked for.
+    /// The specification requested last.
     pub asked: Option<String>,
-    /// Why the map that the document names is not in use.
+    /// Why the document's map is not in use.
     pub problem: Option<String>,
     pub thumbnails: Thumbnails,
     pub pictures: HashMap<String, Option<TextureHandle>>,
@@ -46,16 +46,16 @@ impl Environments {
         self.pictures.get(spec)?.as_ref()
     }
 
-    /// Takes the pictures that were made.
+    /// Takes finished thumbnails.
     pub fn collect(&mut self, ctx: &Context) {
         for (spec, picture) in self.thumbnails.ready() {
-            // A map that cannot be read is told about when it is chosen.
+            // Choosing an unreadable map reports the error.
             let texture = picture.ok().map(|image| ctx.load_texture(&spec, image, TextureOptions::LINEAR));
             self.pictures.insert(spec, texture);
         }
     }
 
-    /// The file of a map has changed.
+    /// Makes the thumbnail of a changed file again.
     pub fn forget_picture(&mut self, spec: &str) {
         self.thumbnails.forget(spec);
     }

@@ -14,16 +14,16 @@ use lapidary_core::color::luminance;
 use lapidary_render::{CutMap, ErrorSplit, PixelExplanation, TreeOf};
 use std::sync::Arc;
 
-/// What the panel shows.
+/// Input of the panel.
 #[derive(Clone, Copy, Default)]
 pub struct ExplainContext<'a> {
     /// The pixel that was chosen.
     pub explanation: Option<&'a PixelExplanation>,
-    /// Its merged cut; another one is told by its place in memory.
+    /// Its merged cut, compared by address.
     pub map: Option<&'a Arc<CutMap>>,
-    /// The error of the picture, as it was split last.
+    /// The last split of the picture's error.
     pub split: Option<&'a ErrorSplit>,
-    /// How much of a split is done, 0 to 1, while one is made.
+    /// Progress of a running split, 0 to 1.
     pub progress: Option<f32>,
     /// Why there is no explanation, if one was asked for.
     pub message: Option<&'a str>,
@@ -31,14 +31,14 @@ pub struct ExplainContext<'a> {
     pub outdated: bool,
 }
 
-/// What the panel keeps between frames.
+/// State of the panel between frames.
 #[derive(Default)]
 pub struct ExplainPanel {
     map: map::MapView,
     table: nodes::NodeTable,
 }
 
-/// What the panel asks for.
+/// A request of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExplainRequest {
     /// Split the error of the picture.
@@ -56,11 +56,11 @@ impl ExplainPanel {
     }
 }
 
-/// Shows the panel. Returns what is asked for.
+/// Shows the panel. Returns its request.
 pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> Option<ExplainRequest> {
     let Some(explanation) = context.explanation else {
         panel.table.hovered = None;
-        let text = context.message.unwrap_or("Choose a pixel in the picture to see what its light is made of.");
+        let text = context.message.unwrap_or("Choose a pixel in the picture to see where its light comes from.");
         ui.label(RichText::new(text).weak());
         return causes(ui, context);
     };
@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext) -> 
         copyable(ui, RichText::new(message).color(ui.visuals().error_fg_color));
     }
     let again = context.outdated && outdated(ui);
-    // Above the many nodes, for it is what one asks first.
+    // Above the many nodes, since it answers the first question.
     let asked = causes(ui, context).or(again.then_some(ExplainRequest::Again));
     show_pixel(ui, panel, context, explanation);
     asked
@@ -98,7 +98,7 @@ fn show_pixel(ui: &mut Ui, panel: &mut ExplainPanel, context: &ExplainContext, e
     section(ui, "Nodes", true, |ui| panel.table.show(ui, explanation));
 }
 
-/// Sizes of the cuts that are merged.
+/// Sizes of the merged cuts.
 fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
     let nodes = |count: usize| format!("{} nodes", grouped(count as u64));
     let mut rows: Vec<(String, String)> = Vec::new();
@@ -123,7 +123,7 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
     }
     if explanation.mirror != Vec3::ZERO {
         let share = 100.0 * luminance(explanation.mirror) / whole;
-        rows.push(("Mirror".into(), format!("{share:.1} %, from the map in place of nodes")));
+        rows.push(("Mirror".into(), format!("{share:.1} %, from the map instead of nodes")));
     }
     let [r, g, b] = explanation.radiance.to_array();
     rows.push(("Radiance".into(), format!("{r:.3}, {g:.3}, {b:.3}")));

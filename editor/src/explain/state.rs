@@ -1,4 +1,4 @@
-//! The pixel that is explained, and what is known about it.
+//! The explained pixel, and its explanation.
 
 use crate::{explain::panel::ExplainPanel, viewport::compare::NodeMark};
 use lapidary_render::{ErrorSplit, TreeOf};
@@ -13,9 +13,9 @@ pub struct ExplainWindow {
     pub panel: ExplainPanel,
     pub open: bool,
     pub pixel: Option<[u32; 2]>,
-    /// The picture that it was chosen in.
+    /// The picture in which it was chosen.
     pub picture: Option<ExplainedPicture>,
-    /// Which light, where there are both.
+    /// The shown tree, if there are both.
     pub tree: Option<TreeOf>,
     pub job: Option<ExplainJob<ExplainedPixel>>,
     pub splitting: Option<ExplainJob<Option<ErrorSplit>>>,
@@ -25,12 +25,12 @@ pub struct ExplainWindow {
 }
 
 impl ExplainWindow {
-    /// The pixel that is explained, for a mark in the viewport.
+    /// The explained pixel, for a mark in the viewport.
     pub fn pixel(&self) -> Option<[u32; 2]> {
         self.pixel.filter(|_| self.open)
     }
 
-    /// Where the light of the pixel comes from on surfaces.
+    /// Nodes on surfaces from which the pixel's light comes.
     pub fn marks(&self) -> Vec<NodeMark> {
         let Some(ExplainedPixel { explanation, .. }) = self.explained.as_ref().filter(|_| self.open) else {
             return Vec::new();
@@ -52,7 +52,7 @@ impl ExplainWindow {
         self.explained.as_ref().is_some_and(|e| !e.explanation.nodes.is_empty())
     }
 
-    /// How many causes the error was split into.
+    /// Number of causes in the last split.
     #[cfg(test)]
     pub fn causes(&self) -> usize {
         self.split.as_ref().map_or(0, |split| split.steps.len())

@@ -1,4 +1,4 @@
-//! Why is this pixel wrong? A click in the viewport explains it, in a window of its own.
+//! The window that explains a pixel clicked in the viewport.
 
 use super::{
     panel::{self, ExplainContext, ExplainRequest},
@@ -27,14 +27,14 @@ impl ExplainWindow {
         self.picture = self.picture_to_explain(picture);
         match self.picture.clone() {
             Some(picture) => self.job = Some(ExplainJob::pixel(picture, pixel, work.wake.clone())),
-            None => self.message = Some("The picture has no light that is gathered by cuts".into()),
+            None => self.message = Some("No light in the picture is gathered by cuts".into()),
         }
     }
 
     /// The picture on the screen, with its light.
     fn picture_to_explain(&self, picture: &Picture) -> Option<ExplainedPicture> {
         let (picture, shown) = (picture.requests.last_sent()?, picture.shown()?);
-        // The cuts of what moved are not those of the bake.
+        // Moved objects have other cuts than the bake.
         let baked = picture.baked.clone().filter(|_| picture.look.poses.is_empty())?;
         let mode = baked.dataset.settings.mode;
         let environment = mode.environment().then(|| GatheredLight::Environment(shown.lighting.clone()));
@@ -46,7 +46,7 @@ impl ExplainWindow {
         Some(ExplainedPicture { baked, look: picture.look.clone(), gathered })
     }
 
-    /// Whether the picture on the screen is another than the one that is explained.
+    /// Whether the picture on the screen differs from the explained one.
     fn is_outdated(&self, picture: &Picture) -> bool {
         let (then, now) = (self.picture.as_ref(), picture.requests.last_sent());
         then.zip(now).is_some_and(|(then, now)| {

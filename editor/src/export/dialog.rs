@@ -1,4 +1,4 @@
-//! The dialog for an image sequence: what rotates, which parameter is swept, how many frames, and the output folder.
+//! The dialog for an image sequence: turntable, swept parameters, frames and output folder.
 
 use crate::widgets::{check_box, copyable};
 use anyhow::{Result, bail};
@@ -19,12 +19,12 @@ use std::path::{Path, PathBuf};
 const WIDTH: f32 = 500.0;
 /// Width of fields for paths and names in points.
 const FIELD: f32 = 290.0;
-/// Time of all layers over that of the picture alone: 29 s over 8 s, measured on the still life.
+/// Time of all layers over the picture's alone: 29 s over 8 s, measured on the still life.
 const LAYERS: f64 = 3.8;
 /// Name of the contact sheet in the folder of the frames.
 const SHEET: &str = "contact-sheet.png";
 
-/// The sequence that is being described.
+/// The sequence being described.
 #[derive(Clone, Debug)]
 pub struct SequenceDialog {
     settings: SequenceSettings,
@@ -35,10 +35,10 @@ pub struct SequenceDialog {
     layers: bool,
     sheet: bool,
     existing: Existing,
-    /// Where the frames go.
+    /// Folder of the frames.
     pub folder: String,
     name: String,
-    /// Why it cannot be exported as it is.
+    /// Why it cannot be exported.
     pub problem: Option<String>,
 }
 
@@ -54,7 +54,7 @@ pub enum SequenceAnswer {
 }
 
 impl SequenceDialog {
-    /// A turntable of a look, beside what is open.
+    /// A turntable of a look, in `folder`.
     pub fn new(look: &Look, folder: &Path) -> Self {
         Self {
             settings: SequenceSettings::default(),
@@ -71,7 +71,7 @@ impl SequenceDialog {
         }
     }
 
-    /// The sequence of a look that is described.
+    /// The described sequence of a look.
     ///
     /// # Errors
     /// The problem, in words.
@@ -95,7 +95,7 @@ impl SequenceDialog {
         Ok(SequenceTask { frames, outputs, layers, existing: self.existing, sheet })
     }
 
-    /// Shows it; `pixel_secs` is how long a sample of a pixel takes, if that is known.
+    /// Shows the dialog; `pixel_secs` is the time of a sample of a pixel, if known.
     pub fn show(&mut self, ctx: &Context, look: &Look, pixel_secs: Option<f64>) -> Option<SequenceAnswer> {
         let modal = Modal::new(egui::Id::unique("sequence")).show(ctx, |ui| {
             ui.set_width(WIDTH);
@@ -127,7 +127,7 @@ impl SequenceDialog {
                     ui.selectable_value(&mut self.settings.turn, turn, turn_name(turn)).on_hover_text(turn_help(turn));
                 }
             });
-            combo.response.accessible_name("What turns").on_hover_text(turn_help(self.settings.turn));
+            combo.response.accessible_name("Turntable subject").on_hover_text(turn_help(self.settings.turn));
             let degrees = DragValue::new(&mut self.settings.degrees).range(-3600.0..=3600.0).suffix("°");
             ui.add_enabled(self.settings.turn.is_some(), degrees)
                 .accessible_name("Degrees")
@@ -151,7 +151,7 @@ impl SequenceDialog {
             self.settings.sweeps.remove(i);
         }
         ui.label(if self.settings.sweeps.is_empty() { "Sweep" } else { "" });
-        if ui.button("Add a sweep").on_hover_text("A parameter that changes over the frames").clicked() {
+        if ui.button("Add a sweep").on_hover_text("Add a parameter that changes over the frames").clicked() {
             self.settings.sweeps.push(new_sweep(Parameter::Brdf("roughness"), look));
         }
         ui.end_row();
@@ -181,15 +181,15 @@ impl SequenceDialog {
     fn file_rows(&mut self, ui: &mut Ui) -> Option<SequenceAnswer> {
         ui.label("Format");
         ui.horizontal(|ui| {
-            check_box(ui, &mut self.png, "PNG").on_hover_text("As the window shows it");
+            check_box(ui, &mut self.png, "PNG").on_hover_text("As displayed");
             check_box(ui, &mut self.exr, "EXR").on_hover_text("Scene-linear, 32-bit float");
             ui.add_enabled_ui(self.exr, |ui| {
                 check_box(ui, &mut self.layers, "with layers").on_hover_text(
-                    "Parts of the light, surfaces and work, each as a layer: takes about four times as long",
+                    "Write parts of the light, surface data and work as layers; takes about four times as long",
                 );
             });
             check_box(ui, &mut self.sheet, "Contact sheet")
-                .on_hover_text(format!("All frames on one picture, {SHEET}"));
+                .on_hover_text(format!("All frames in one picture, {SHEET}"));
         });
         ui.end_row();
         ui.label("Folder");
@@ -201,14 +201,14 @@ impl SequenceDialog {
         ui.end_row();
         ui.label("Name");
         let field = TextEdit::singleline(&mut self.name).desired_width(FIELD);
-        ui.add(field).accessible_name("Name of the frames").on_hover_text("#### stands for the frame's number");
+        ui.add(field).accessible_name("Name of the frames").on_hover_text("#### becomes the frame number");
         ui.end_row();
-        ui.label("Files there");
+        ui.label("Existing files");
         ui.horizontal(|ui| {
             for (choice, name, help) in [
-                (Existing::Refuse, "Stop", "Nothing is rendered if frames of these names are there"),
-                (Existing::Resume, "Keep", "Goes on with a sequence that was interrupted"),
-                (Existing::Overwrite, "Replace", "Renders all frames anew"),
+                (Existing::Refuse, "Stop", "Stop if any frame already exists"),
+                (Existing::Resume, "Keep", "Keep existing frames and render the rest"),
+                (Existing::Overwrite, "Replace", "Render all frames again"),
             ] {
                 ui.selectable_value(&mut self.existing, choice, name).on_hover_text(help);
             }
@@ -217,7 +217,7 @@ impl SequenceDialog {
         chosen.inner
     }
 
-    /// How many frames there are, and how long they take at the pace of the window's picture.
+    /// Number of frames, and their time at the pace of the window's picture.
     fn estimate(&self, pixel_secs: Option<f64>) -> String {
         let frames = self.settings.frames;
         let pixels = f64::from(self.size[0]) * f64::from(self.size[1]) * f64::from(self.samples) * f64::from(frames);
@@ -248,13 +248,11 @@ fn turn_name(turn: Option<Turn>) -> &'static str {
 
 fn turn_help(turn: Option<Turn>) -> &'static str {
     match turn {
-        None => "Only what is swept changes",
-        Some(Turn::Object) => {
-            "The scene turns as a whole before the camera and under its lights: its visibility is baked"
-        }
-        Some(Turn::Camera) => "The camera orbits the point that it looks at",
-        Some(Turn::Environment) => "The environment turns",
-        Some(Turn::Lights) => "The local lights turn about the point that the camera looks at",
+        None => "Change swept parameters only",
+        Some(Turn::Object) => "Turn the whole baked scene under fixed camera and lights",
+        Some(Turn::Camera) => "Orbit the camera around its target",
+        Some(Turn::Environment) => "Turn the environment",
+        Some(Turn::Lights) => "Turn the local lights around the camera's target",
     }
 }
 
@@ -271,7 +269,7 @@ fn buttons(ui: &mut Ui) -> Option<SequenceAnswer> {
     answer
 }
 
-/// Shows one sweep; returns whether it is to go.
+/// Shows one sweep; returns whether to remove it.
 fn sweep_fields(ui: &mut Ui, sweep: &mut Sweep, look: &Look) -> bool {
     let mut parameter = sweep.parameter;
     let removed = ui.vertical(|ui| {
@@ -303,7 +301,7 @@ fn sweep_fields(ui: &mut Ui, sweep: &mut Sweep, look: &Look) -> bool {
     removed.inner
 }
 
-/// Which material or light is swept.
+/// The swept material or light.
 fn owner(ui: &mut Ui, sweep: &mut Sweep, look: &Look) {
     let names: Vec<&str> = match sweep.parameter.target() {
         Target::Material => look.appearance.materials.iter().map(|m| m.name.as_str()).collect(),
@@ -345,7 +343,7 @@ fn words(parameter: Parameter) -> String {
     letters.next().map(|first| first.to_uppercase().collect::<String>() + letters.as_str()).unwrap_or_default()
 }
 
-/// A sweep over what a parameter usually takes, or from where things are.
+/// A sweep over the usual range of a parameter, or from its present value.
 fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
     let light = look.lights.first();
     let from_to = |from: f32, to: f32| (Value::Number(from), Value::Number(to));

@@ -30,19 +30,19 @@ use std::{
     time::Instant,
 };
 
-/// Why an export does not start while there is one.
-const UNDER_WAY: &str = "An export is under way; cancel it first";
+/// Why no second export starts.
+const UNDER_WAY: &str = "An export is already running; cancel it first";
 /// Why there is nothing to export.
 const NOTHING: &str = "There is nothing to export; open and bake a scene first";
 
-/// What is told where a glTF file is written with its materials alone anew.
-const KEEPS_PARTS: &str = "Surfaces that were given other materials have those of the scene's file there: only its materials are written anew";
+/// Warning if a glTF file is written with only its materials new.
+const KEEPS_PARTS: &str = "The glTF file keeps the scene file's material assignments; only its materials are rewritten";
 
-/// The picture that is exported, and its scene.
+/// The look and scene of an export.
 pub type Exported = (Look, Baked);
 
 impl Exporting {
-    /// Does what is asked; nothing is exported while there is no picture.
+    /// Performs an action; exports nothing without a picture.
     pub fn perform(&mut self, work: &mut Workspace, exported: Option<Exported>, action: ExportAction) {
         match action {
             ExportAction::Layers(Some(path)) => self.export_layers(work, exported, path),
@@ -50,7 +50,7 @@ impl Exporting {
             ExportAction::DescribeSequence => self.describe_sequence(work, exported),
             ExportAction::SequenceFolder(Some(folder)) => self.choose_sequence_folder(&folder),
             ExportAction::Cancel => self.cancel(),
-            // The picture writes itself, and a path is asked for first.
+            // The picture feature performs `Picture`; a dialog asks for missing paths first.
             ExportAction::Picture(_)
             | ExportAction::Layers(None)
             | ExportAction::Materials(None)
@@ -65,14 +65,14 @@ impl Exporting {
         self.dialog = Some(SequenceDialog::new(&look, &folder));
     }
 
-    /// The folder that was chosen for the frames.
+    /// Takes the folder chosen for the frames.
     fn choose_sequence_folder(&mut self, folder: &Path) {
         if let Some(dialog) = &mut self.dialog {
             dialog.folder = folder.display().to_string();
         }
     }
 
-    /// Shows the dialog, if it is open, and does what is answered.
+    /// Shows the dialog, if it is open, and acts on its answer.
     pub fn show_dialog(
         &mut self,
         ctx: &Context,
@@ -112,7 +112,7 @@ impl Exporting {
         Ok(())
     }
 
-    /// Writes the picture with all layers that it has.
+    /// Writes the picture with all its layers.
     fn export_layers(&mut self, work: &mut Workspace, exported: Option<Exported>, path: PathBuf) {
         if self.is_running() {
             return work.messages.note(UNDER_WAY);
@@ -132,7 +132,7 @@ impl Exporting {
         self.run = Some(Run { job, since: None, cancelling: false });
     }
 
-    /// Stops the export; what is complete stays.
+    /// Stops the export; keeps complete frames.
     pub fn cancel(&mut self) {
         if let Some(run) = &mut self.run {
             run.cancelling = true;
@@ -140,7 +140,7 @@ impl Exporting {
         }
     }
 
-    /// Takes what the export tells.
+    /// Takes messages of the export.
     pub fn collect(&mut self, work: &mut Workspace) {
         let Some(run) = &mut self.run else { return };
         let (done, total) = run.job.progress();
@@ -165,7 +165,7 @@ impl Exporting {
     }
 }
 
-/// Writes the materials of the document. A glTF scene is written with the materials in place of its own.
+/// Writes the materials of the document. A glTF scene is written with these materials in place of its own.
 fn export_materials(work: &mut Workspace, path: PathBuf) {
     let Some(baked) = work.scene.rendered().cloned() else { return work.messages.error(NOTHING) };
     let copies = |path: &Path| MaterialFormat::of(path).is_some_and(|format| format.copies_scene);
@@ -188,7 +188,7 @@ fn export_materials(work: &mut Workspace, path: PathBuf) {
     }
 }
 
-/// The scene with the materials and textures as they are edited.
+/// The scene with the edited materials and textures.
 fn scene_of_document(work: &Workspace, baked: &Baked) -> Scene {
     let textures = work.document.shared_textures();
     let materials = work.document.materials.clone();

@@ -1,4 +1,4 @@
-//! The export at work, and the dialog that describes the next.
+//! The running export, and the dialog that describes the next.
 
 use super::dialog::{SequenceDialog, duration};
 use lapidary_studies::jobs::export::ExportRun;
@@ -11,26 +11,26 @@ pub struct Exporting {
     pub dialog: Option<SequenceDialog>,
 }
 
-/// An export at work.
+/// A running export.
 pub struct Run {
     pub job: ExportRun,
-    /// When its pace began to be known, and how many pictures were there then.
+    /// Time and number of pictures at the start of measuring its pace.
     pub since: Option<(Instant, u64)>,
     pub cancelling: bool,
 }
 
 impl Exporting {
-    /// Whether an export is at work.
+    /// Whether an export is running.
     pub fn is_running(&self) -> bool {
         self.run.is_some()
     }
 
-    /// One line about the export at work: how far it is, and how long it may take.
+    /// One line about the running export: its progress and the time left.
     pub fn line(&self) -> Option<String> {
         let run = self.run.as_ref()?;
         let (done, total) = run.job.progress();
         Some(match (run.cancelling, total) {
-            (true, _) => "Cancelling the export...".into(),
+            (true, _) => "Canceling the export...".into(),
             (false, 0 | 1) => "Exporting...".into(),
             (false, total) => {
                 let frame = format!("Exporting frame {} of {total}", (done + 1).min(total));

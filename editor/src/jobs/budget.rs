@@ -4,8 +4,8 @@
 /// measurement does not change the size from frame to frame.
 const STEPS: u32 = 8;
 
-/// Steps of the smallest picture: pixels of a smaller one, stretched, would be a mosaic. It also keeps what each picture
-/// costs whatever its size from being taken for the cost of its pixels.
+/// Steps of the smallest picture: pixels of a smaller one, stretched, would be a mosaic. It also keeps the fixed cost of a picture
+/// from being mistaken for the cost of its pixels.
 const LEAST_STEPS: u32 = 3;
 
 /// Target time of a band of rows in milliseconds: short enough to drop everything for a new request, long enough that
@@ -36,7 +36,7 @@ impl Pace {
         let steps = self.ms_per_pixel.map_or(LEAST_STEPS, |ms| {
             let pixels = f64::from(full[0]) * f64::from(full[1]);
             let scale = (f64::from(budget_ms) / (ms * pixels)).sqrt();
-            // The cast takes what is not a number to the least size, and infinity to the largest.
+            // The cast turns NaN into the least size, and infinity into the largest.
             ((scale * f64::from(STEPS)) as u32).clamp(LEAST_STEPS, STEPS)
         });
         full.map(|side| (u64::from(side) * u64::from(steps)).div_ceil(STEPS.into()).max(1) as u32)
@@ -48,18 +48,18 @@ impl Pace {
         Self { ms_per_pixel: self.ms_per_pixel.map(sum) }
     }
 
-    /// Milliseconds for some pixels, if that was measured.
+    /// Milliseconds for `pixels` pixels, if measured.
     pub fn millis(&self, pixels: u64) -> Option<f64> {
         self.ms_per_pixel.map(|ms| ms * pixels as f64)
     }
 
-    /// How often `pixels` pixels are rendered in some milliseconds, if that was measured.
+    /// How many times `pixels` pixels can be rendered in `millis` milliseconds, if measured.
     pub fn times_within(&self, millis: f64, pixels: f64) -> Option<usize> {
-        // The cast takes what is negative or not a number to zero, and infinity to the largest.
+        // The cast turns negatives and NaN into zero, and infinity into the largest number.
         self.ms_per_pixel.map(|ms| (millis / (ms * pixels)) as usize)
     }
 
-    /// Rows of a picture of some width that take the time of a band.
+    /// Rows of a picture of `width` pixels that take the time of a band.
     pub fn band_rows(&self, width: u32) -> u32 {
         self.ms_per_pixel
             .map_or(FIRST_BAND, |ms| (BAND_MS / (ms * f64::from(width.max(1)))).clamp(1.0, 32_768.0) as u32)

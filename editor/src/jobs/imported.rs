@@ -26,13 +26,13 @@ use std::{
 pub struct Imported {
     /// As imported.
     pub scene: Arc<Scene>,
-    /// Tells whether a dataset was baked from it.
+    /// Identifies the scene in its datasets.
     pub hash: String,
     /// Seconds that the import took.
     pub import_secs: f64,
     /// Report of the import and its repairs.
     pub report: ImportReport,
-    /// What moves in it, if anything does.
+    /// Its animation, if any.
     pub animation: Option<Arc<Animation>>,
     trial: Arc<Tried<Trial>>,
     bounces: Arc<Tried<BounceTrial>>,
@@ -70,13 +70,12 @@ impl Imported {
         })
     }
 
-    /// It without shadows, over a ground of this kind, to be seen until it is baked.
+    /// The scene without shadows, over a ground of this kind, shown until it is baked.
     pub fn unshadowed(&self, ground: Ground) -> Baked {
         Baked::begun(unshadowed((*self.scene).clone(), self.hash.clone(), ground))
     }
 
-    /// What a bake of it will find. The first call that `may_begin` begins to find out, on a thread; later ones tell it when it
-    /// is known.
+    /// Trial of a bake. The first call with `may_begin` starts it on a thread; later ones return its result once known.
     pub fn trial(&self, may_begin: bool) -> Option<Trial> {
         self.trial.get(&self.scene, may_begin, Trial::of)
     }
@@ -87,7 +86,7 @@ impl Imported {
     }
 }
 
-/// A trial of a scene, as far as it is.
+/// A trial of a scene, running or finished.
 #[derive(Debug)]
 struct Tried<T> {
     found: OnceLock<Option<T>>,
@@ -104,7 +103,7 @@ impl<T: Copy + Send + Sync + 'static> Tried<T> {
     fn get(self: &Arc<Self>, scene: &Arc<Scene>, may_begin: bool, of: fn(&Scene) -> Option<T>) -> Option<T> {
         if may_begin && !self.has_begun.swap(true, Ordering::Relaxed) {
             let (scene, tried) = (scene.clone(), self.clone());
-            // It measures time, so that it is no guest.
+            // At full priority, since it measures time.
             std::thread::spawn(move || tried.found.set(of(&scene)));
         }
         self.found.get().copied().flatten()

@@ -1,4 +1,4 @@
-//! Bakes that began by themselves are kept, so that a scene need not be baked again; the oldest make room for new ones.
+//! Automatic bakes are kept, so that a scene need not be baked again; the oldest make room for new ones.
 
 use std::{
     fs::{DirEntry, File},
@@ -6,7 +6,7 @@ use std::{
     time::SystemTime,
 };
 
-/// Most bytes of such bakes.
+/// Most bytes of kept bakes.
 pub const MOST_BYTES: u64 = 8 << 30;
 
 /// Path of the draft of a bake, which is shown at once while the bake continues.
@@ -14,7 +14,7 @@ pub fn draft_of(output: &Path) -> PathBuf {
     output.with_extension("draft.cuts")
 }
 
-/// Path in the folder `bakes` of a bake that began by itself. Another version of the scene has another bake.
+/// Path of an automatic bake in the folder `bakes`. Another version of the scene has another path.
 pub fn kept_in(bakes: &Path, scene: &Path, hash: &str) -> PathBuf {
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
     bakes.join(format!("{stem}-{}.cuts", hash.get(..16).unwrap_or(hash)))
@@ -22,12 +22,12 @@ pub fn kept_in(bakes: &Path, scene: &Path, hash: &str) -> PathBuf {
 
 /// Makes a bake the newest.
 pub fn touch(bake: &Path) {
-    // One that cannot be touched is removed somewhat earlier.
+    // An untouched bake is only removed somewhat earlier.
     let _ = File::options().append(true).open(bake).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
-/// Removes what is the oldest of a folder of bakes, and of what interrupted ones left, until the rest has at most `most` bytes.
-/// `latest` stays in any case, and so does what cannot be removed.
+/// Removes the oldest bakes and checkpoints of a folder until the rest has at most `most` bytes. `latest` always stays, as do files
+/// that cannot be removed.
 pub fn remove_oldest(folder: &Path, latest: &Path, most: u64) {
     let mut bakes: Vec<(SystemTime, u64, PathBuf)> =
         std::fs::read_dir(folder).into_iter().flatten().flatten().filter_map(bake).collect();
@@ -44,7 +44,7 @@ pub fn remove_oldest(folder: &Path, latest: &Path, most: u64) {
     }
 }
 
-/// When a bake, or what is left of one, was written, and its size.
+/// Time and size of a bake or checkpoint.
 fn bake(entry: DirEntry) -> Option<(SystemTime, u64, PathBuf)> {
     let (path, data) = (entry.path(), entry.metadata().ok()?);
     let extension = path.extension().and_then(|extension| extension.to_str())?;

@@ -20,10 +20,10 @@ use std::{
     },
 };
 
-/// The purpose of a load. Of two for the same only the later counts.
+/// The purpose of a load. Of two with the same purpose only the later counts.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Topic {
-    /// The light.
+    /// The environment.
     Environment,
     /// A map of a material.
     Map {
@@ -60,7 +60,7 @@ pub enum Source {
     Material {
         /// Which.
         path: PathBuf,
-        /// Those of the document: pictures that are among them are not loaded again.
+        /// The document's textures; pictures among them are not loaded again.
         textures: Vec<Arc<Texture>>,
         /// Whether it may name files outside its folder.
         allow_outside: bool,
@@ -81,7 +81,7 @@ impl Source {
 /// The opened file.
 #[derive(Clone, Debug)]
 pub enum Loaded {
-    /// A light.
+    /// An environment.
     Environment {
         /// The map.
         environment: Arc<Environment>,
@@ -94,18 +94,18 @@ pub enum Loaded {
     Texture(Arc<Texture>),
     /// The contents of a BRDF's file.
     Brdf {
-        /// What was read.
+        /// The contents.
         content: Content,
-        /// What is to be told, in sentences.
+        /// Remarks for the user, in sentences.
         remarks: Vec<String>,
     },
     /// A material that refers to `textures`.
     Material {
         /// The material.
         material: Box<Material>,
-        /// Those that were given and, after them, those that the material added.
+        /// The given textures, followed by those that the material added.
         textures: Vec<Arc<Texture>>,
-        /// How many were given.
+        /// Number of given textures.
         given: usize,
         /// Repairs, in sentences.
         warnings: Vec<String>,
@@ -120,11 +120,11 @@ pub enum Loaded {
 #[derive(Clone, Debug)]
 pub struct LoadResult {
     id: u64,
-    /// The file, but for formulas.
+    /// The file; `None` for formulas.
     pub path: Option<PathBuf>,
     /// Its purpose.
     pub topic: Topic,
-    /// What was opened, or why not.
+    /// The opened file, or the error.
     pub result: Result<Loaded, String>,
 }
 
@@ -139,13 +139,13 @@ pub struct Loader {
 }
 
 impl Loader {
-    /// With nothing to do.
+    /// A loader with nothing to do.
     pub fn new(wake: Wake) -> Self {
         let (sender, results) = channel();
         Self { wake, sender, results, latest: HashMap::new(), loads: 0 }
     }
 
-    /// Begins to open something. An earlier load on the same topic no longer counts.
+    /// Begins to open a source. An earlier load on the same topic no longer counts.
     pub fn load(&mut self, topic: Topic, source: Source) {
         self.loads += 1;
         let id = self.loads;
@@ -154,19 +154,19 @@ impl Loader {
         spawn("load", move || {
             let path = source.path();
             let result = guarded("opening the file", || open(source));
-            // Nobody is left to tell if the window is gone.
+            // Fails only if the window is gone.
             let _ = sender.send(LoadResult { id, path, topic, result });
             wake();
         });
     }
 
-    /// Whether all that was asked for has been opened.
+    /// Whether all requests have been opened.
     #[cfg(test)]
     pub fn is_idle(&self) -> bool {
         self.latest.is_empty()
     }
 
-    /// No load that is under way counts any more, but for that of the light: another document was opened.
+    /// Drops running loads, except the environment's, since another document was opened.
     pub fn forget_document(&mut self) {
         self.latest.retain(|topic, _| *topic == Topic::Environment);
     }

@@ -41,7 +41,7 @@ use std::{
 pub enum Target {
     /// A scene, a dataset or a session.
     File(PathBuf),
-    /// A scene that comes with the program; nothing is written beside it.
+    /// A bundled scene; nothing is written beside it.
     Bundled(PathBuf),
     /// The autosave of a process that did not exit cleanly.
     Recovered(Recovery),
@@ -51,9 +51,9 @@ pub enum Target {
         loaded: Box<LoadedSession>,
         /// Its file; `None` for recovered work without one.
         path: Option<PathBuf>,
-        /// The autosave it was read from, which nothing else keeps.
+        /// The autosave that it was read from, the only copy.
         recovery: Option<Recovery>,
-        /// The folder to look for them in; `None` to open it without them.
+        /// The folder to search; `None` to open it without the files.
         look_in: Option<PathBuf>,
     },
 }
@@ -62,7 +62,7 @@ pub enum Target {
 pub enum Opened {
     /// A document to edit.
     Ready(Box<Ready>),
-    /// Files of a session are not there; the user decides.
+    /// Files of a session are missing; the user decides.
     Missing {
         /// The session.
         loaded: Box<LoadedSession>,
@@ -70,12 +70,12 @@ pub enum Opened {
         path: Option<PathBuf>,
         /// The autosave it was read from, which nothing else keeps.
         recovery: Option<Recovery>,
-        /// How many were found, if they were looked for.
+        /// Number of files found, if searched.
         found: Option<usize>,
     },
     /// The scene names files outside its folder; the user decides.
     Outside {
-        /// What was to be opened.
+        /// The requested target.
         target: Box<Target>,
         /// The scene.
         scene: PathBuf,
@@ -84,11 +84,11 @@ pub enum Opened {
     },
 }
 
-/// Whether scenes may name files outside their folders, and which did where nothing is known.
+/// Whether scenes may read files outside their folders, and the scenes for which the user must be asked.
 #[derive(Debug, Default)]
 pub struct Consent {
     allowed: AllowedFolders,
-    /// The user need not be asked.
+    /// Refuse without asking the user.
     is_refused: bool,
     /// The scene and the files that it names.
     unknown: RefCell<Option<(PathBuf, Vec<String>)>>,
@@ -101,12 +101,12 @@ impl From<AllowedFolders> for Consent {
 }
 
 impl Consent {
-    /// Nothing outside is read, and the user is not asked.
+    /// Refuses outside files without asking the user.
     pub fn refused() -> Self {
         Self { is_refused: true, ..Self::default() }
     }
 
-    /// Imports a scene as far as it is allowed.
+    /// Imports a scene with the files that it may read.
     fn import(&self, path: &Path) -> Result<Imported, ImportError> {
         let allowed = !self.is_refused && self.allowed.allow(path);
         let imported = Imported::read(path, allowed);
@@ -122,7 +122,7 @@ impl Consent {
     }
 }
 
-/// A document and what belongs to it.
+/// A document with its scene and files.
 pub struct Ready {
     /// The document.
     pub document: Document,
@@ -138,11 +138,11 @@ pub struct Ready {
     pub preview: Option<Baked>,
     /// The scene, which can be baked.
     pub source: Option<Imported>,
-    /// What moves in a scene that cannot be baked: that of the file beside its dataset.
+    /// The animation of a scene that cannot be baked, from the file beside its dataset.
     pub animation: Option<Arc<Animation>>,
-    /// Where a bake goes that the user asks for.
+    /// Output of a bake that the user asks for.
     pub bake_output: Option<PathBuf>,
-    /// Where a bake goes that begins by itself.
+    /// Output of an automatic bake.
     pub kept_output: Option<PathBuf>,
     /// Whether there is no bake, or only a draft of one.
     pub lacks_bake: bool,
@@ -156,25 +156,25 @@ pub struct Ready {
 
 /// A thread that opens something. Dropping it drops the result.
 pub struct Opening {
-    /// The message meanwhile.
+    /// Displayed name.
     pub what: String,
     result: Receiver<Result<Opened, String>>,
 }
 
 impl Opening {
-    /// Begins. Bakes that began by themselves are in the folder `bakes`.
+    /// Begins to open a target. Automatic bakes are in the folder `bakes`.
     pub fn start(target: Target, bakes: PathBuf, consent: Consent, wake: Wake) -> Self {
         let (sender, result) = channel();
         let what = name(&target);
         spawn("open", move || {
-            // A window that opened something else meanwhile needs no result.
+            // Fails only if the window opened something else meanwhile.
             let _ = sender.send(guarded("opening the file", || open(target, &bakes, &consent)));
             wake();
         });
         Self { what, result }
     }
 
-    /// The result, once it is there.
+    /// The result, once it is ready.
     pub fn poll(&self) -> Option<Result<Opened, String>> {
         match self.result.try_recv() {
             Ok(result) => Some(result),
@@ -194,7 +194,7 @@ fn name(target: &Target) -> String {
     }
 }
 
-/// Reads all that the target names, and bakes of it that are kept in the folder `bakes`.
+/// Reads all files of the target, and its bakes kept in the folder `bakes`.
 ///
 /// # Errors
 /// A file that cannot be read, in words for the user.
@@ -206,23 +206,23 @@ pub fn open(target: Target, bakes: &Path, consent: &Consent) -> Result<Opened> {
     }
 }
 
-/// Why a file that is not edited by itself cannot be opened, and where it goes instead.
+/// Why a file that is no document cannot be opened, and where to use it.
 fn no_document(path: &Path, kind: Kind) -> String {
     let what = match kind {
-        Kind::Environment => "this is an environment and no scene; use Library > Load..., or drop it on the window",
-        Kind::Texture => "this is a picture and no scene; load it as a map of a material, or drop it on an object",
-        Kind::Material => "this is a material and no scene; use Load... in the Material tab, or drop it on an object",
+        Kind::Environment => "this is an environment, not a scene; use Library > Load..., or drop it on the window",
+        Kind::Texture => "this is a picture, not a scene; load it as a map of a material, or drop it on an object",
+        Kind::Material => "this is a material, not a scene; use Load... in the Material tab, or drop it on an object",
         Kind::Brdf => {
-            "this is a BRDF and no scene; use Load... under the model in the Material tab, or drop it on an object"
+            "this is a BRDF, not a scene; use Load... under the model in the Material tab, or drop it on an object"
         }
-        Kind::Lights => "these are lights and no scene; use Load... in the Lights tab, or drop them on the window",
+        Kind::Lights => "these are lights, not a scene; use Load... in the Lights tab, or drop them on the window",
         Kind::Scene | Kind::Dataset | Kind::Session | Kind::Unknown => return foreign(path),
     };
     format!("{what} ({})", path.display())
 }
 
-/// What moves in the glTF file beside a dataset that has its name, as the window and most others write it. Files that cannot be
-/// read or do not fit are passed over: the dataset does not say that they are its own.
+/// The animation of the glTF file beside a dataset that has its name, as the window and most users name it. Files that are
+/// unreadable or do not fit are skipped: the dataset does not claim them.
 fn animation_beside(dataset: &Path, scene: &Scene) -> Option<Arc<Animation>> {
     let mut files = animation::endings().into_iter().map(|ending| dataset.with_extension(ending));
     let file = files.find(|file| file.is_file())?;

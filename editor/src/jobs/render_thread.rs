@@ -25,22 +25,22 @@ use std::{
 /// Everything that decides the picture. Copying it copies no texels and no maps.
 #[derive(Clone, Debug)]
 pub struct RenderRequest {
-    /// The scene; compared by pointer. `None` while nothing is open.
+    /// The scene, compared by pointer; `None` while nothing is open.
     pub baked: Option<Baked>,
-    /// What it looks like, in the size of the full picture; its environment is compared by pointer.
+    /// The look at the size of the full picture; its environment is compared by pointer.
     pub look: Look,
-    /// Whether the user is at it, as during a drag: what costs time and is not seen is left out.
+    /// Whether the user is editing, as in a drag: slow invisible work is left out.
     pub moving: bool,
-    /// Whether an object is at hand that may be posed next.
+    /// Whether an object may be posed next.
     pub may_pose: bool,
-    /// Milliseconds until something is to be seen of a change.
+    /// Milliseconds until a change is visible.
     pub frame_budget_ms: f32,
-    /// Where the pointer is, 0 to 1 from the upper left corner of the picture: what lies there is refined first.
+    /// Position of the pointer, 0 to 1 from the upper left corner of the picture, where refinement begins.
     pub pointer: Option<Vec2>,
 }
 
 impl RenderRequest {
-    /// What a renderer that was asked for this does again for `new`.
+    /// The work that a renderer of this request repeats for `new`.
     pub fn redo(&self, new: &Self) -> Redo {
         if Baked::are_same(self.baked.as_ref(), new.baked.as_ref()) {
             Redo::between(&self.look, &new.look)
@@ -49,7 +49,7 @@ impl RenderRequest {
         }
     }
 
-    /// Whether both ask for the same, made in the same way.
+    /// Whether both ask for the same picture, made in the same way.
     pub fn is_same(&self, other: &Self) -> bool {
         self.redo(other) == Redo::NOTHING
             && (self.moving, self.may_pose) == (other.moving, other.may_pose)
@@ -60,19 +60,19 @@ impl RenderRequest {
 /// A picture to show.
 #[derive(Clone, Debug)]
 pub struct RenderedFrame {
-    /// The scene that it shows.
+    /// The shown scene.
     pub dataset: Arc<Dataset>,
-    /// As [`lapidary_render::Backend::display`] gives them.
+    /// Pixels from [`lapidary_render::Backend::display`].
     pub pixels: Vec<[u8; 4]>,
     /// Width and height of the picture.
     pub size: [u32; 2],
-    /// By what its light was found.
+    /// Method of its light.
     pub tier: Tier,
-    /// How finely posed objects are lit, if any are.
+    /// Detail of posed objects' light, if any.
     pub detail: Option<ImplicitDetail>,
-    /// Whether that is the size asked for, and not a reduced one.
+    /// Whether it has the requested size, not a reduced one.
     pub full_size: bool,
-    /// Samples per pixel so far; 0 while the first one is filled in between the pixels that have it.
+    /// Samples per pixel so far; 0 while the first one is interpolated between lattice pixels.
     pub samples: u32,
     /// Samples per pixel when it is done.
     pub of_samples: u32,
@@ -80,11 +80,11 @@ pub struct RenderedFrame {
     pub stats: PictureStats,
     /// Milliseconds of rendering.
     pub millis: f64,
-    /// The light that it was made with.
+    /// Light of the environment in it.
     pub lighting: Arc<SceneLighting>,
     /// Changes whenever `lighting` does.
     pub light_revision: u64,
-    /// The local lights and the bounced light that it was made with.
+    /// Local lights and bounced light in it.
     pub local: LocalLighting,
     /// Name of the renderer.
     pub backend: String,
@@ -93,38 +93,38 @@ pub struct RenderedFrame {
 /// A full picture, scene-linear.
 #[derive(Clone, Debug)]
 pub struct LinearPicture {
-    /// Radiance, or what the view's mode shows; not exposed.
+    /// Radiance, or the quantity of the view mode; not exposed.
     pub image: Image,
-    /// How much of each pixel is covered by surfaces, 0 to 1.
+    /// Coverage of each pixel by surfaces, 0 to 1.
     pub coverage: Vec<f32>,
 }
 
-/// Something to tell the user, or to write to a file.
+/// A message for the user, or a picture for a file.
 #[derive(Clone, Debug)]
 pub enum RenderEvent {
-    /// What had to be done to make something fit, or that the renderer was started again.
+    /// A reduction to fit a limit, or a restart of the renderer.
     Remark(String),
-    /// There is no picture, and why.
+    /// Why there is no picture.
     Failed(String),
     /// The answer to [`RenderThread::read_picture`].
     Picture {
-        /// What it was asked for by.
+        /// Identifier of the request.
         id: u64,
         /// The picture, or why there is none.
         result: Result<LinearPicture, String>,
     },
 }
 
-/// What the window sends.
+/// Messages from the window.
 enum Message {
     Request(Box<RenderRequest>),
     ReadPicture(u64),
     Reload,
 }
 
-/// Where pictures and events are left for the window.
+/// Pictures and events for the window.
 struct Outbox {
-    /// Only the newest: the window may be hidden and collect none for a while.
+    /// Only the newest, since a hidden window collects none for a while.
     frame: Arc<Mutex<Option<RenderedFrame>>>,
     events: Sender<RenderEvent>,
     wake: Wake,
@@ -137,7 +137,7 @@ impl Outbox {
     }
 
     fn event(&self, event: RenderEvent) {
-        // Nobody is left to tell if the window is gone.
+        // Fails only if the window is gone.
         let _ = self.events.send(event);
         (self.wake)();
     }
@@ -145,7 +145,7 @@ impl Outbox {
 
 /// The window's end of the thread.
 pub struct RenderThread {
-    /// `None` once the thread was told to end.
+    /// `None` once the thread was asked to end.
     messages: Option<Sender<Message>>,
     frame: Arc<Mutex<Option<RenderedFrame>>>,
     events: Receiver<RenderEvent>,
@@ -156,7 +156,7 @@ pub struct RenderThread {
 }
 
 impl RenderThread {
-    /// Starts the thread. The renderer is made when there is something to render.
+    /// Starts the thread. The renderer is created with the first picture.
     pub fn start(factory: BackendFactory, wake: Wake) -> Self {
         let (messages, inbox) = channel();
         let (events_sender, events) = channel();
@@ -170,7 +170,7 @@ impl RenderThread {
         Self { messages: Some(messages), frame, events, held, is_preview, works, thread: Some(thread) }
     }
 
-    /// Gives the cores to other work: only the first coarse picture is made meanwhile, and the full one goes on afterwards.
+    /// Leaves the cores to other work: only the first coarse picture is made meanwhile, and the full one continues afterwards.
     pub fn hold(&self, held: bool) {
         self.held.store(held, SeqCst);
     }
@@ -180,27 +180,27 @@ impl RenderThread {
         self.is_preview.store(is_preview, SeqCst);
     }
 
-    /// Whether it renders, and does not wait for anything.
+    /// Whether it is rendering, not waiting.
     pub fn works(&self) -> bool {
         self.works.load(SeqCst)
     }
 
-    /// Asks for a picture; costs nothing if nothing has changed since the last time.
+    /// Requests a picture; free if nothing has changed since the last request.
     pub fn request(&self, request: RenderRequest) {
         self.send(Message::Request(Box::new(request)));
     }
 
-    /// Asks for the full picture, scene-linear, once it is complete: see [`RenderEvent::Picture`].
+    /// Requests the full scene-linear picture once it is complete: see [`RenderEvent::Picture`].
     pub fn read_picture(&self, id: u64) {
         self.send(Message::ReadPicture(id));
     }
 
-    /// Builds the renderer's shaders anew, as after they have changed.
+    /// Rebuilds the renderer's shaders after a change.
     pub fn reload(&self) {
         self.send(Message::Reload);
     }
 
-    /// The newest picture, if there is one that was not taken yet.
+    /// The newest picture not yet taken.
     pub fn frames(&mut self) -> Option<RenderedFrame> {
         self.frame.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
@@ -212,7 +212,7 @@ impl RenderThread {
 
     fn send(&self, message: Message) {
         if let Some(messages) = &self.messages {
-            // The thread only ends when it is told to.
+            // The thread ends only when asked to.
             let _ = messages.send(message);
         }
     }

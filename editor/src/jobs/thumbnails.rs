@@ -10,7 +10,7 @@ use std::{
 /// A small picture, or why there is none.
 pub type Thumbnail = Result<ColorImage, String>;
 
-/// Makes pictures of what keys (paths, formulas) stand for.
+/// Makes pictures for keys: paths and formulas.
 pub struct Thumbnails {
     keys: Sender<String>,
     ready: Receiver<(String, Thumbnail)>,
@@ -37,17 +37,17 @@ impl Thumbnails {
     /// Asks for a picture. May be called every frame: each is made once.
     pub fn request(&mut self, key: &str) {
         if self.requested.insert(key.to_owned()) {
-            // The thread only ends with this.
+            // The thread ends only with this.
             let _ = self.keys.send(key.to_owned());
         }
     }
 
-    /// Makes a picture anew when it is next asked for, since its file has changed.
+    /// Makes a picture again at its next request, since its file has changed.
     pub fn forget(&mut self, key: &str) {
         self.requested.remove(key);
     }
 
-    /// Pictures that were made since the last call, with their keys.
+    /// Pictures made since the last call, with their keys.
     pub fn ready(&mut self) -> Vec<(String, Thumbnail)> {
         self.ready.try_iter().collect()
     }

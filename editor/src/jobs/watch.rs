@@ -14,14 +14,14 @@ use std::{
 /// Time between two looks.
 const PERIOD: Duration = Duration::from_millis(500);
 
-/// What tells two versions of a file apart. `None` if there is no file.
+/// Identifies a version of a file; `None` if there is no file.
 type Stamp = Option<(SystemTime, u64)>;
 
 /// Watches files.
 pub struct Watcher {
     files: Sender<Vec<PathBuf>>,
     changed: Receiver<PathBuf>,
-    /// Those that it watches.
+    /// The watched files.
     pub watched: Vec<PathBuf>,
 }
 
@@ -38,10 +38,10 @@ impl Watcher {
         Self { files, changed, watched: Vec::new() }
     }
 
-    /// Watches these files and no others. Those that were not watched before count as known as they are.
+    /// Watches these files and no others. New ones count as known in their present version.
     pub fn watch(&mut self, files: Vec<PathBuf>) {
         if files != self.watched {
-            // The thread only ends with the watcher.
+            // The thread ends only with the watcher.
             let _ = self.files.send(files.clone());
             self.watched = files;
         }
@@ -77,7 +77,7 @@ fn stamp(path: &Path) -> Stamp {
     Some((metadata.modified().ok()?, metadata.len()))
 }
 
-/// What was seen of each file.
+/// Seen versions of each file.
 #[derive(Default)]
 struct Looks(HashMap<PathBuf, FileVersions>);
 
@@ -90,7 +90,7 @@ struct FileVersions {
 }
 
 impl Looks {
-    /// Watches other files; what is known of those that stay is kept.
+    /// Watches other files; keeps the versions of files that stay.
     fn replace(&mut self, files: &[PathBuf], stamp: impl Fn(&Path) -> Stamp) {
         let seen = |path: &PathBuf| {
             let now = || {
@@ -102,12 +102,12 @@ impl Looks {
         self.0 = files.iter().map(seen).collect();
     }
 
-    /// Files that differ from what is known and are as they were at the last look.
+    /// Files that differ from the known version and have not changed since the last look.
     fn look(&mut self, stamp: impl Fn(&Path) -> Stamp) -> Vec<PathBuf> {
         let mut changed = Vec::new();
         for (path, seen) in &mut self.0 {
             let now = stamp(path);
-            // A file that is gone is most likely being replaced.
+            // A missing file is most likely being replaced.
             if now.is_some() && now == seen.last && now != seen.known {
                 seen.known = now;
                 changed.push(path.clone());
@@ -174,7 +174,7 @@ mod tests {
         watcher.watch(vec![a.clone(), b]);
         std::thread::sleep(Duration::from_millis(100));
         assert!(watcher.changed().is_empty());
-        // The first look may be later than the first change, which is then not told.
+        // The first look may come after the first change, which then goes unreported.
         let mut text = String::from("1");
         let changed = wait_for("the change", || {
             text.push('2');

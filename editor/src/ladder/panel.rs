@@ -1,5 +1,5 @@
-//! The size of the illumination cut that suffices for this shot: pictures of growing sizes and of lit cuts beside the reference,
-//! each with its error and time, both curves, and two sentences.
+//! Finds the cut size that suffices for a shot: shows pictures of growing sizes and of lit cuts beside the reference, each with its
+//! error and time, two curves, and a verdict.
 
 use crate::{
     actions::{Action, LadderAction},
@@ -17,9 +17,9 @@ use lapidary_studies::{
 const TILE: f32 = 216.0;
 /// Points between tiles.
 const GAP: f32 = 10.0;
-/// Points beside them for the scroll bar.
+/// Points beside the tiles for the scroll bar.
 const BAR: f32 = 16.0;
-/// Size of a window in points that has four of them side by side, and both curves below.
+/// Window size in points for four tiles side by side, and both curves below.
 pub const SIZE: Vec2 = vec2(4.0 * (TILE + GAP) + BAR, 800.0);
 /// Height of the curves.
 const CURVE: f32 = 150.0;
@@ -32,11 +32,11 @@ pub const LEAST_WIDTH: f32 = 2.0 * (TILE + GAP) + BAR;
 
 /// A picture of some cuts.
 pub struct LadderTile {
-    /// What was merged.
+    /// The merged cuts.
     pub cuts: Cuts,
     /// The picture.
     pub texture: TextureHandle,
-    /// Its figures, once there is some of the reference.
+    /// Its figures, once part of the reference exists.
     pub figures: Option<StepFigures>,
 }
 
@@ -46,24 +46,24 @@ pub struct LadderTruth {
     pub texture: TextureHandle,
     /// Seconds of tracing.
     pub seconds: f64,
-    /// What was traced.
+    /// Description of the reference.
     pub what: String,
 }
 
-/// What is known so far.
+/// Results so far.
 #[derive(Default)]
 pub struct LadderResult {
-    /// The pictures, by growing size, and that of lit cuts.
+    /// The pictures, by growing size, then lit cuts.
     pub tiles: Vec<LadderTile>,
     /// The reference, once it is traced.
     pub truth: Option<LadderTruth>,
-    /// Share of the reference that is traced; `None` when nothing is on its way.
+    /// Traced share of the reference; `None` when nothing runs.
     pub progress: Option<f32>,
-    /// Why there is no more.
+    /// Why the ladder stopped.
     pub problem: Option<String>,
 }
 
-/// Shows all of it. `current` are the cuts in use.
+/// Shows the results. `current` are the cuts in use.
 pub fn show(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec<Action>) {
     if let Some(problem) = &result.problem {
         copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color));
@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec
         }
         let [width, height] = result.tiles.first().map_or([0; 2], |tile| tile.texture.size());
         ui.weak(format!(
-            "Times are for {width} x {height} pixels with one sample each, a size whose reference is traced quickly."
+            "Times are for {width} x {height} pixels with one sample each, a size with a quick reference."
         ));
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -94,7 +94,7 @@ pub fn show(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec
     });
 }
 
-/// As many side by side as there is room for.
+/// Lays out as many tiles side by side as fit.
 fn tiles(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec<Action>) {
     let columns = (((ui.available_width() + GAP) / (TILE + GAP)) as usize).max(1);
     Grid::new("cut sizes").num_columns(columns).spacing(Vec2::splat(GAP)).show(ui, |ui| {
@@ -108,7 +108,7 @@ fn tiles(ui: &mut Ui, result: &LadderResult, current: Cuts, actions: &mut Vec<Ac
     });
 }
 
-/// What the figures say of sizes, and of lit cuts.
+/// Verdict on sizes, and on lit cuts.
 fn verdict(figures: &[StepFigures]) -> Option<String> {
     let (stored, lit): (Vec<StepFigures>, Vec<StepFigures>) = figures.iter().partition(|f| f.cuts.size().is_some());
     let sentences: Vec<String> = size_verdict(&stored).into_iter().chain(lit.iter().map(lit_verdict)).collect();
@@ -116,14 +116,14 @@ fn verdict(figures: &[StepFigures]) -> Option<String> {
 }
 
 fn lit_verdict(lit: &StepFigures) -> String {
-    format!("Lit cuts leave {} in {}, their making included.", error_text(lit), time_text(lit.seconds))
+    format!("Lit cuts leave {} in {}, including making them.", error_text(lit), time_text(lit.seconds))
 }
 
 fn error_text(f: &StepFigures) -> String {
     format!("{:.1} % (FLIP {:.3})", 100.0 * f.metrics.rel_rmse, f.metrics.flip)
 }
 
-/// The smallest size whose error is about that of the largest, in words.
+/// Verdict on the smallest size whose error is about the largest size's.
 fn size_verdict(figures: &[StepFigures]) -> Option<String> {
     let last = figures.last()?;
     let is_enough = |f: &&StepFigures| {
@@ -136,7 +136,7 @@ fn size_verdict(figures: &[StepFigures]) -> Option<String> {
         format!("Every size lowers the error: {all} leave {left} in {}.", time(last))
     } else {
         format!(
-            "{} enough: {} of error in {}, where {all} leave {left} in {}. A larger illumination cut does not help further: Why? tells what would.",
+            "{} enough: {} of error in {}, where {all} leave {left} in {}. A larger illumination cut does not help further: Why? shows the causes of the rest.",
             if enough.cuts.size() == Some(1) { "1 node is".into() } else { format!("{} are", enough.cuts.label()) },
             error_text(enough),
             time(enough),
@@ -189,7 +189,7 @@ fn show_truth(ui: &mut Ui, truth: &LadderTruth) {
     });
 }
 
-/// Marks of one strength, as far apart as they are from zero to the last.
+/// Grid marks of equal strength.
 fn marks(at: impl Iterator<Item = f64>, largest: f64) -> Vec<GridMark> {
     at.map(|value| GridMark { value, step_size: largest }).collect()
 }
@@ -201,7 +201,7 @@ fn round_marks(largest: f64) -> Vec<GridMark> {
     marks((0..=count).map(|i| f64::from(i) * step), largest)
 }
 
-/// Error in percent against size, which is on a logarithmic scale, and against time. Lit cuts have no size: there they are a
+/// Error in percent against size, which is on a logarithmic scale, and against time. Lit cuts have no size: against size they are a
 /// level line.
 fn curves(ui: &mut Ui, figures: &[StepFigures]) {
     let (stored, lit): (Vec<StepFigures>, Vec<StepFigures>) = figures.iter().partition(|f| f.cuts.size().is_some());
@@ -222,7 +222,7 @@ fn log_size(figures: &StepFigures) -> f64 {
     figures.cuts.size().map_or(0.0, |size| f64::from(size).log10())
 }
 
-/// Something and the error in percent.
+/// Points of a quantity against the error in percent.
 fn points(figures: &[StepFigures], of: impl Fn(&StepFigures) -> f64) -> Vec<[f64; 2]> {
     let point = |f: &StepFigures| [of(f), 100.0 * f.metrics.rel_rmse];
     figures.iter().filter(|f| f.metrics.rel_rmse.is_finite()).map(point).collect()
@@ -230,9 +230,9 @@ fn points(figures: &[StepFigures], of: impl Fn(&StepFigures) -> f64) -> Vec<[f64
 
 /// The horizontal axis of a curve.
 struct Horizontal {
-    /// Turns a place into what is written there.
+    /// Labeled value of a position.
     value: fn(f64) -> f64,
-    /// Where something is written, of the places of points and the largest place shown.
+    /// Positions of labels, from the positions of points and the largest position shown.
     marks: fn(&[f64], f64) -> Vec<GridMark>,
 }
 
@@ -316,7 +316,7 @@ mod tests {
         with_lit[3].cuts = Cuts::Lit(0.003);
         let text = verdict(&with_lit).unwrap();
         assert!(text.starts_with("Every size lowers the error: 128 nodes leave 10.0 %"), "of sizes alone: {text}");
-        assert!(text.ends_with("Lit cuts leave 1.0 % (FLIP 0.010) in 400 ms, their making included."), "{text}");
+        assert!(text.ends_with("Lit cuts leave 1.0 % (FLIP 0.010) in 400 ms, including making them."), "{text}");
         assert!(!verdict(&with_lit[..3]).unwrap().contains("Lit"), "negative control");
     }
 

@@ -1,4 +1,4 @@
-//! The ladder of cut sizes, as far as it is climbed.
+//! State of the ladder of cut sizes.
 
 use super::panel::{LadderResult, LadderTile, LadderTruth};
 use crate::widgets::texture_of;

@@ -1,4 +1,4 @@
-//! The ladder of cuts in the window: climbed on request, shown in its own window; one click chooses a size, or lit cuts.
+//! The ladder of cut sizes: started on request, shown in its own window; one click chooses a size, or lit cuts.
 
 use super::{
     panel::{self, LadderResult},
@@ -14,7 +14,7 @@ use egui::{Context, Window};
 use lapidary_studies::{jobs::ladder::LadderJob, ladder::Cuts};
 
 impl LadderWindow {
-    /// Does what is asked.
+    /// Performs an action.
     pub fn perform(&mut self, work: &mut Workspace, picture: &Picture, action: LadderAction) {
         match action {
             LadderAction::Start => self.start(work, picture),
@@ -22,7 +22,7 @@ impl LadderWindow {
         }
     }
 
-    /// Begins to climb for the picture that is shown.
+    /// Starts the ladder for the shown picture.
     fn start(&mut self, work: &mut Workspace, picture: &Picture) {
         let Some(asked) = picture.asked(work).cloned() else {
             work.messages.warning("There is no picture to try cut sizes on; open and bake a scene first");
@@ -32,7 +32,7 @@ impl LadderWindow {
         *self = Self { job: Some(job), result: LadderResult::default(), open: true };
     }
 
-    /// Takes what was found. Closing the window ends the work.
+    /// Takes results. Closing the window ends the work.
     pub fn collect(&mut self, ctx: &Context) {
         let events = self.job.as_ref().map(LadderJob::events).unwrap_or_default();
         events.into_iter().for_each(|event| self.take(ctx, event));
@@ -55,7 +55,7 @@ impl LadderWindow {
         shown.show(ctx, |ui| panel::show(ui, &self.result, current, actions));
     }
 
-    /// How many pictures have figures, once it has ended.
+    /// Number of pictures with figures, once it has ended.
     #[cfg(test)]
     pub fn figures(&self) -> usize {
         let with_figures = self.result.tiles.iter().filter(|tile| tile.figures.is_some());
@@ -63,7 +63,7 @@ impl LadderWindow {
     }
 }
 
-/// Other cuts, as a step of undo: then the viewport shows the picture that was chosen.
+/// Uses other cuts, as a step of undo, so that the viewport shows the chosen picture.
 fn use_cuts(work: &mut Workspace, cuts: Cuts) {
     let before = work.document.view.clone();
     let settings = ViewSettings {

@@ -1,4 +1,4 @@
-//! Local lights: what is done with them, as steps of undo.
+//! Edits of local lights, as steps of undo.
 
 use super::panel::LightsPanel;
 use crate::{
@@ -17,17 +17,17 @@ use lapidary_core::{
 use lapidary_render::Baked;
 use std::path::Path;
 
-/// Offset of a new light from its target, in distances of the eye from that target: to the right, up, toward the eye.
+/// Offset of a new light from its target, in units of the eye's distance: to the right, up, toward the eye.
 const NEW_AT: Vec3 = Vec3::new(0.25, 0.45, 0.25);
-/// Share of the distance to a wall at which a new light is placed, if the wall is nearer than its usual position.
+/// Position of a new light, as a share of the distance to a wall that is nearer than its usual position.
 const BEFORE_A_WALL: f32 = 0.8;
-/// A copy stands beside the original by this share of the scene's diagonal.
+/// Offset of a copy from the original, as a share of the scene's diagonal.
 const COPY_BESIDE: f32 = 0.03;
-/// Extent that is framed around a light without a target, in diagonals of the scene.
+/// Extent framed around a light without a target, in diagonals of the scene.
 const FRAMED_AROUND: f32 = 0.1;
 
 impl LightsPanel {
-    /// Does what is asked.
+    /// Performs an action.
     pub fn perform(&mut self, work: &mut Workspace, action: LightAction) {
         match action {
             LightAction::Select(light) => self.select_light(work, light),
@@ -86,7 +86,7 @@ impl LightsPanel {
         let light = Light { target, ..work.document.lights[index].clone() };
         match light.validate() {
             Ok(()) => work.do_step(Edit::Light { index, light: Box::new(light) }, "Aim light"),
-            Err(problem) => work.messages.warning(format!("The light stays as it is, since {problem}")),
+            Err(problem) => work.messages.warning(format!("Light unchanged, since {problem}")),
         }
     }
 
@@ -115,7 +115,7 @@ impl LightsPanel {
     ) -> bool {
         let count = lights.len();
         if count > MAX_LIGHTS {
-            work.messages.error(format!("{count} lights are more than the {MAX_LIGHTS} of a scene; remove some first"));
+            work.messages.error(format!("A scene can have {MAX_LIGHTS} lights, not {count}; remove some first"));
             return false;
         }
         work.do_step(Edit::Lights(lights), label);
@@ -135,7 +135,7 @@ fn save_lights(work: &mut Workspace, path: &Path) {
     }
 }
 
-/// Where a new light stands: beside the view, but before any wall, as the eye is.
+/// Position of a new light: beside the view, and on the eye's side of any wall.
 fn place_for_light(work: &Workspace) -> Vec3 {
     let camera = &work.document.camera;
     let distance = camera.eye.distance(camera.target).min(work.scene_size());
@@ -146,7 +146,7 @@ fn place_for_light(work: &Workspace) -> Vec3 {
     camera.eye + direction * wall.map_or(reach, |wall| reach.min(BEFORE_A_WALL * wall))
 }
 
-/// The selected light and what it is aimed at.
+/// Bounds of the selected light and its target.
 pub fn light_bounds(work: &Workspace) -> Option<Bounds> {
     let light = &work.document.lights[work.selected_light()?];
     let around = Vec3::splat(FRAMED_AROUND * work.scene_size());
@@ -154,7 +154,7 @@ pub fn light_bounds(work: &Workspace) -> Option<Bounds> {
     Some(Bounds::around([light.position - around, light.position + around, target]))
 }
 
-/// Lights files may leave names out; here they are how lights are told apart.
+/// Names a nameless light of a lights file, since the window identifies lights by name.
 fn named(light: Light) -> Light {
     let name = if light.name.is_empty() { LightKind::of(&light).label().to_owned() } else { light.name };
     Light { name, ..light }

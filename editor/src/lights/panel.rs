@@ -15,19 +15,19 @@ use egui::{RichText, Ui};
 use lapidary_core::{dataset::BakeParts, lights::Light, transport::BounceEnergy};
 use lapidary_render::Baked;
 
-/// What the panel shows.
+/// Input of the panel.
 pub struct LightsContext<'a> {
     /// The document.
     pub document: &'a Document,
     /// The selected light.
     pub selected: Option<usize>,
-    /// What the bake that is shown has for bounced light; `None` without a bake.
+    /// Parts of the shown bake that bounce light; `None` without a bake.
     pub bounces: Option<BakeParts>,
-    /// What that bake is of.
+    /// Parts of the shown bake.
     pub baked: Option<BakeParts>,
-    /// How much light the bounces in the picture carry, if that is known.
+    /// Light carried by the bounces in the picture, if known.
     pub energy: Option<BounceEnergy>,
-    /// What lights may be buried in.
+    /// The scene in which lights may be buried.
     pub scene: Option<&'a Baked>,
     /// Whether there is a scene to bake.
     pub can_bake: bool,
@@ -35,13 +35,13 @@ pub struct LightsContext<'a> {
     pub suns: &'a [Light],
 }
 
-/// What the panel keeps between frames.
+/// State of the panel between frames.
 pub struct LightsPanel {
     /// Whether the next click into the viewport aims the selected light.
     pub aiming: bool,
     /// Whether lights are drawn in the viewport.
     pub in_viewport: bool,
-    /// Whether the clusters that bounced light is gathered from are drawn there.
+    /// Whether clusters of bounced light are drawn there.
     pub shows_clusters: bool,
     buried: buried::Buried,
     renaming: Option<list::Renaming>,

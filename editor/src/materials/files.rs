@@ -1,4 +1,4 @@
-//! Files of materials: what was loaded goes on a material as a step of undo, and materials are written.
+//! Files of materials: applies loaded files to a material as a step of undo, and writes materials.
 
 use super::panel::new_slot;
 use crate::{
@@ -51,8 +51,8 @@ pub fn use_brdf(work: &mut Workspace, index: usize, file: BrdfFile) {
     work.do_step(Edit::Material { index, material: material.into() }, "Load BRDF");
 }
 
-/// `added` are the textures that the material refers to after the first `given` ones of the document, which may
-/// have got more textures since.
+/// Indices of `material` beyond the first `given` textures of the document refer to `added`; the document may have more textures
+/// since.
 pub fn use_material(
     work: &mut Workspace,
     index: usize,
@@ -71,7 +71,7 @@ pub fn use_material(
         work.document.textures.push(TextureEntry { texture, file: path.is_file().then_some(path) });
     }
     let Some(old) = work.document.materials.get(index) else { return };
-    // Which sides reflect was baked.
+    // The bake decides which sides reflect.
     let material = Material { double_sided: old.double_sided, ..material };
     work.do_step(Edit::Material { index, material: material.into() }, "Load material");
 }
@@ -88,15 +88,15 @@ pub fn save_material(work: &mut Workspace, index: usize, path: &Path) {
     match written {
         Ok(_) if left_out == 0 => work.messages.note(format!("Material written ({})", path.display())),
         Ok(_) => work.messages.warning(format!(
-            "Material written without {left_out} maps that came inside the scene's file; load pictures of their own for \
-             them first ({})",
+            "Material written without {left_out} maps embedded in the scene file; load them from picture files \
+             first ({})",
             path.display()
         )),
         Err(error) => work.messages.error(format!("{error:#}")),
     }
 }
 
-/// A material for a file of its own, and how many of its maps have no file to name.
+/// A material for its own file, and the number of its maps that have no file.
 fn material_file(material: &Material, document: &Document, path: &Path) -> (MaterialFile, usize) {
     let folder = path.parent().unwrap_or(Path::new(""));
     let material = &*without_foreign(material);
@@ -112,14 +112,14 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
         Some(SlotFile::of(slot, file))
     });
     let Material { name, model, file, parameters, double_sided, .. } = material.clone();
-    // Its contents are not written, but formats without such files estimate by them.
+    // Its contents are not written, but formats without such files approximate them.
     let beside =
         |file: BrdfFile| BrdfFile { path: file.path.strip_prefix(folder).unwrap_or(&file.path).into(), ..file };
     let file = file.filter(|_| model.has_file()).map(beside);
     (MaterialFile { name, model, file, parameters, maps, double_sided }, left_out)
 }
 
-/// A material without what only the file of a BRDF that it had before declares: without that file, no reader knows it.
+/// A material without the parameters of an earlier BRDF file, which no reader would know.
 fn without_foreign(material: &Material) -> Cow<'_, Material> {
     let is_known = |name: &str| BrdfModel::declared_by_models(name).is_some() || [NORMAL, BUMP].contains(&name);
     let mut names = material.parameters.iter().map(|(name, _)| name).chain(material.maps.iter().map(|(name, _)| name));
@@ -129,7 +129,7 @@ fn without_foreign(material: &Material) -> Cow<'_, Material> {
     Cow::Owned(material.own())
 }
 
-/// As MaterialX or JSON, by the extension. Returns what the file does not hold.
+/// Writes MaterialX or JSON, by extension. Returns remarks on values that the file cannot hold.
 fn write_material(file: &MaterialFile, path: &Path) -> Result<Vec<String>> {
     let (text, remarks) = if is_materialx(path) {
         let materialx::Written { text, remarks } = materialx::write(std::slice::from_ref(file), Surface::OpenPbr)?;

@@ -40,34 +40,34 @@ use transfer::Copied;
 
 /// Points of the preview's side.
 const PREVIEW_SIDE: f32 = 128.0;
-/// Gray of the disc that stands for a ball that is being made, between ground and text.
+/// Gray of the placeholder disc of a ball, between background and text.
 const PLACEHOLDER: Color32 = Color32::from_gray(72);
 
-/// What the panel shows.
+/// Input of the panel.
 #[derive(Clone, Copy)]
 pub struct MaterialContext<'a> {
     /// The document.
     pub document: &'a Document,
-    /// Which of its materials, if any.
+    /// Its selected material, if any.
     pub selected: Option<usize>,
-    /// The part of the scene that is selected, if any.
+    /// The selected part of the scene, if any.
     pub part: Option<Part>,
-    /// All parts that can have other materials.
+    /// All parts that can be assigned other materials.
     pub parts: &'a [Part],
     /// The material of a ground, which no other surface has.
     pub ground: Option<usize>,
-    /// The light of the environment, if it is in the picture.
+    /// The environment's light, if it is in the picture.
     pub lighting: Option<&'a Arc<SceneLighting>>,
-    /// Another number for each change of the light.
+    /// Changes with the light.
     pub light_revision: u64,
 }
 
-/// What the panel remembers between frames.
+/// State of the panel between frames.
 #[derive(Default)]
 pub struct MaterialPanel {
     copied: Option<Copied>,
     clear_maps: bool,
-    /// Maps whose horizontal and vertical scale are edited apart.
+    /// Maps whose horizontal and vertical scale are edited separately.
     unlinked: HashSet<(usize, &'static str)>,
     thumbnails: Thumbnails,
     patterns: PatternThumbnails,
@@ -92,7 +92,7 @@ struct Changes {
 }
 
 impl Changes {
-    /// Takes note of what a row did; `label` is what undo calls it.
+    /// Records a row's edit; `label` is its name in undo.
     fn note(&mut self, label: &'static str, edited: Edited) {
         if edited.changed {
             self.label = label;
@@ -117,7 +117,7 @@ impl Changes {
     }
 }
 
-/// A slot for a picture just loaded: as the map `kind` is usually read, with bumps of a millimeter.
+/// A slot for a picture just loaded: with the usual settings of the map `kind`, and bumps of a millimeter.
 pub fn new_slot(kind: &'static str, texture: u32) -> TextureSlot {
     let slot = TextureSlot { texture, color_space: map_color_space(kind), ..TextureSlot::default() };
     if kind == "bump" { TextureSlot { strength: 1e-3, ..slot } } else { slot }
@@ -147,7 +147,7 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
     changes.finish(index, original, actions);
 }
 
-/// Which material, of how many.
+/// Chooses the material.
 fn choose(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
     let materials = &context.document.materials;
     let title = |i: usize| context.document.material_name(i);
@@ -179,11 +179,11 @@ fn ball(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, index
     let post = context.document.view.post;
     let (lighting, post, where_) = match context.lighting {
         Some(lighting) => (Some(lighting.clone()), post, "Under the environment"),
-        // The exposure is for lamps of some other brightness.
+        // The exposure of the view suits other lights.
         None => (
             studio::light(),
             Post { exposure: 0.0, ..post },
-            "Under a studio's light: no environment is in the picture",
+            "Under studio light, since no environment is in the picture",
         ),
     };
     place.on_hover_text(where_);

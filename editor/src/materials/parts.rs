@@ -1,4 +1,4 @@
-//! Other materials of parts: one of the document, one of their own, those of a variant. None of it needs a bake.
+//! Assigns materials to parts: another of the document, their own, a variant's. None of it needs a bake.
 
 use crate::{
     document::{
@@ -16,12 +16,11 @@ pub fn assign(work: &mut Workspace, part: Part, material: usize) {
         return;
     }
     let assigned = work.document.assigning([(part, material)]);
-    work.do_step(Edit::Assigned(assigned), "Material of a surface");
+    work.do_step(Edit::Assigned(assigned), "Assign material");
     show_part(work, part);
 }
 
-/// Gives a part a material that no other has: a copy of what it has, or `material`. One that no other has already takes the
-/// values.
+/// Gives a part its own material: a copy of its present one, or `material`. If it has its own already, that takes the values.
 pub fn make_unique(work: &mut Workspace, part: Part, material: Option<Material>) {
     let index = work.document.material_of(part);
     let Some(present) = work.document.materials.get(index).cloned().filter(|_| !is_of_ground(work, part)) else {
@@ -36,11 +35,11 @@ pub fn make_unique(work: &mut Workspace, part: Part, material: Option<Material>)
     } else {
         Edit::Material { index, material: in_place_of(&present, material).into() }
     };
-    work.do_step(edit, "Material of its own");
+    work.do_step(edit, "Make unique");
     show_part(work, part);
 }
 
-/// Shows a variant, or what the file shows first; materials of other parts stay.
+/// Shows a variant, or the file's default; materials of other parts stay.
 pub fn choose_variant(work: &mut Workspace, variant: Option<usize>) {
     let Some(assigned) = work.scene.rendered().map(|baked| assigning_variant(work, &baked.dataset.scene, variant))
     else {
@@ -60,7 +59,7 @@ fn show_part(work: &mut Workspace, part: Part) {
     work.selection.material = Some(work.document.material_of(part));
 }
 
-/// A ground has the material that its bake gave it, and no other surface has that.
+/// A ground keeps its material, and no other surface can have it.
 fn is_of_ground(work: &Workspace, part: Part) -> bool {
     work.scene.ground_object() == Some(part.object)
 }

@@ -11,7 +11,7 @@ fn close(a: Vec3, b: Vec3) -> bool {
     (a - b).length() < 1e-4
 }
 
-/// Where a point is seen, in pixels.
+/// Position of a point in the picture, in pixels.
 fn projected(camera: &Camera, point: Vec3) -> Vec2 {
     let view = camera.world_from_view().transpose() * (point - camera.eye);
     let size = Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
@@ -45,7 +45,7 @@ fn nothing_flips_at_the_poles() {
         }
         assert!((now.eye.y - now.target.y) * up > 0.99 * distance(&now));
     }
-    // A camera that looks exactly along the vertical keeps its yaw when it is turned away from there.
+    // A camera that looks exactly along the vertical keeps its yaw when turned away from it.
     let down = Camera { up: Vec3::NEG_Z, ..Camera::look_at(Vec3::Y, Vec3::ZERO, 40.0) };
     let tilted = orbit(&down, 0.0, -0.5);
     assert!(close(tilted.world_from_view().x_axis, Vec3::X));

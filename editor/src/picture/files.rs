@@ -19,11 +19,11 @@ use std::{
 };
 
 impl Picture {
-    /// Takes what the render thread has made.
+    /// Takes results of the render thread.
     pub fn collect(&mut self, work: &mut Workspace, ctx: &Context) {
-        // Before the frames, so that a picture that was waited for is on the screen when its event is looked at.
+        // Before the frames, so that an awaited picture is on the screen when its event is handled.
         let events = self.render.events();
-        // A picture of the scene before may still have been on its way.
+        // A picture of the previous scene may arrive late.
         if let Some(frame) = self.render.frames()
             && work.scene.rendered().is_some_and(|baked| Arc::ptr_eq(&baked.dataset, &frame.dataset))
         {
@@ -47,7 +47,7 @@ impl Picture {
         }
     }
 
-    /// Asks for the complete picture, which is written when it is there.
+    /// Requests the complete picture, and writes it when ready.
     pub fn export(&mut self, work: &mut Workspace, path: PathBuf) {
         if work.scene.rendered().is_none() {
             work.messages.error("There is no picture to export; open and bake a scene first");
@@ -61,7 +61,7 @@ impl Picture {
         let id = self.exports_asked;
         self.exports.push(Export { id, path, transparent });
         self.render.read_picture(id);
-        work.messages.note("The picture is written when all its samples are there");
+        work.messages.note("The picture will be written once all samples are done");
     }
 
     fn write(&mut self, work: &Workspace, id: u64, result: Result<LinearPicture, String>) {
@@ -69,7 +69,7 @@ impl Picture {
         let shown = self.shown.as_ref().filter(|s| s.full_size && s.samples == s.of_samples);
         let is_png = self.exports[place].is_png();
         if is_png && result.is_ok() && shown.is_none() {
-            // The next one is on its way already; it is waited for.
+            // Waits for the next one, which was requested already.
             return self.render.read_picture(id);
         }
         let shown = shown.filter(|_| is_png).map(|shown| (shown.pixels.clone(), shown.size));
@@ -81,7 +81,7 @@ impl Picture {
                 None => write_linear(&picture, transparent, &path),
             };
             let written = result.and_then(|picture| guarded("the export", || write(picture)));
-            // Nobody is left to tell if the window is gone.
+            // Fails only if the window is gone.
             let _ = sender.send(written.map(|()| path));
             wake();
         });
@@ -92,7 +92,7 @@ fn write_linear(picture: &LinearPicture, transparent: bool, path: &Path) -> Resu
     Ok(image::write_with(&picture.image, transparent.then_some(picture.coverage.as_slice()), path)?)
 }
 
-/// Writes pixels as a display shows them. Alpha is the coverage of a pixel, and its color that of the surfaces alone.
+/// Writes display values. Alpha is the coverage of a pixel; its color is of the surfaces alone.
 fn write_png(pixels: &[[u8; 4]], size: [u32; 2], transparent: bool, path: &Path) -> Result<()> {
     let alpha = |alpha| if transparent { alpha } else { 255 };
     let pixels = pixels.iter().map(|&[r, g, b, a]| [r, g, b, alpha(a)]).collect();

@@ -10,17 +10,17 @@ use std::cell::RefCell;
 /// The last request.
 #[derive(Default)]
 pub struct Requests {
-    /// As it was sent.
+    /// The request as sent.
     pub sent: Option<RenderRequest>,
-    /// The next one is sent even if it is the same.
+    /// Send the next one even if it is the same.
     pub is_forgotten: bool,
-    /// Revision of the document when no button was held.
+    /// Revision of the document when no button was last held.
     pub at_rest: u64,
-    /// The materials of triangles that were found last.
+    /// The last materials of triangles.
     assigned: RefCell<Option<Found>>,
 }
 
-/// The materials of all triangles, and what they were found of: that takes a pass over the mesh.
+/// The materials of all triangles and their inputs, kept since they take a pass over the mesh.
 struct Found {
     baked: Baked,
     assignment: Assignment,

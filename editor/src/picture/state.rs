@@ -16,27 +16,27 @@ use std::{
 
 /// A picture to write, once it is complete.
 pub struct Export {
-    /// What the render thread was asked for it by.
+    /// Identifier of its request.
     pub id: u64,
     pub path: PathBuf,
-    /// Nothing lies behind the surfaces.
+    /// Whether the background is transparent.
     pub transparent: bool,
 }
 
 impl Export {
-    /// A png holds what the window shows; exr and hdr are scene-linear.
+    /// A png holds display values; exr and hdr are scene-linear.
     pub fn is_png(&self) -> bool {
         self.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
     }
 }
 
-/// The file that a picture was written to, or why it was not.
+/// The written file, or why it could not be written.
 type Written = Result<PathBuf, String>;
 
-/// How long a picture of other means takes to appear, in seconds.
+/// Seconds of a fade.
 const FADE_SECONDS: f64 = 0.15;
 
-/// The last picture whose light was found by other means than that of the present one, or less finely: it goes over into the next.
+/// The last picture with another method or coarser detail of its light, which fades into the present one.
 struct Fading {
     texture: TextureHandle,
     size: [u32; 2],
@@ -45,9 +45,9 @@ struct Fading {
 
 /// Pictures, on the screen and on their way to files.
 pub struct Picture {
-    /// What renders it.
+    /// The thread that renders it.
     pub render: RenderThread,
-    /// What was asked of the render thread last.
+    /// The last request to the render thread.
     pub requests: Requests,
     pub texture: Option<TextureHandle>,
     fading: Option<Fading>,
@@ -73,7 +73,7 @@ impl Picture {
         }
     }
 
-    /// What is shown was asked for by this, if anything is shown.
+    /// The request of the shown picture, if any.
     pub fn asked(&self, work: &Workspace) -> Option<&RenderRequest> {
         self.requests.last_sent().filter(|_| self.can_be_compared(work))
     }
@@ -93,7 +93,7 @@ impl Picture {
         self.shown.as_ref()
     }
 
-    /// How long a sample of a pixel takes, by the picture in the window.
+    /// Seconds per sample of a pixel, measured on the picture in the window.
     pub fn pixel_secs(&self) -> Option<f64> {
         let shown = self.shown()?;
         let samples = f64::from(shown.size[0]) * f64::from(shown.size[1]) * f64::from(shown.samples);
@@ -105,7 +105,7 @@ impl Picture {
         (self.texture, self.fading, self.shown) = (None, None, None);
     }
 
-    /// What is left of the picture before, as long as anything is; it wants another frame then.
+    /// The fading picture while it is visible; requests another frame then.
     pub fn faded(&self, ctx: &Context) -> Option<Faded> {
         let Fading { texture, size, since } = self.fading.as_ref()?;
         let opacity = left_after(ctx.input(|input| input.time) - since)?;
@@ -129,15 +129,15 @@ impl Picture {
     }
 }
 
-/// By what the light of a picture was found, and how finely that of posed objects.
+/// Method of a picture's light, and the detail of posed objects' light.
 type Means = (Tier, Option<ImplicitDetail>);
 
-/// Whether a picture goes over into the next. It does not where the next is coarser: then something has just begun to move.
+/// Whether a picture fades into the next. It does not if the next is coarser, since then something has just begun to move.
 fn fades(shown: Means, next: Means) -> bool {
     shown.0 != next.0 || shown.1 < next.1
 }
 
-/// How much of a picture is left when it has faded for some seconds, if anything is.
+/// Opacity of a picture after fading for some seconds, if above 0.
 fn left_after(seconds: f64) -> Option<f32> {
     let left = 1.0 - seconds / FADE_SECONDS;
     (left > 0.0).then_some(left as f32)

@@ -1,4 +1,4 @@
-//! Scenes in poses and animations bound to bakes, kept while nothing of them changes.
+//! Caches posed scenes, and animations bound to bakes.
 
 use crate::{document::Document, viewport::gizmo::Subject};
 use glam::Vec3;
@@ -13,14 +13,14 @@ use lapidary_core::{
 use lapidary_render::Baked;
 use std::{cell::RefCell, sync::Arc};
 
-/// What was found of the poses of a document, as long as nothing of it changes.
+/// Cached poses of a document.
 #[derive(Default)]
 pub struct PoseCache {
-    /// The scene as it was posed last.
+    /// The last posed scene.
     posed: RefCell<Option<Posed>>,
     /// The animation of the scene, bound to its bake.
     bound: RefCell<Option<Bound>>,
-    /// Where objects were at the time that was asked for last.
+    /// Poses at the time requested last.
     in_time: RefCell<Option<InTime>>,
     /// The objects of the scene as it was baked.
     objects: RefCell<Option<(Baked, Objects)>>,
@@ -33,7 +33,7 @@ struct Bound {
     bound: Result<Arc<BoundAnimation>, String>,
 }
 
-/// Where objects are at a time of an animation, relative to a bake, and what that was found of.
+/// Poses at a time of an animation, relative to a bake, and their inputs.
 struct InTime {
     baked: Baked,
     animation: Option<Arc<Animation>>,
@@ -42,7 +42,7 @@ struct InTime {
     found: Result<Poses, String>,
 }
 
-/// A scene and where its objects are.
+/// A posed scene, and its poses.
 struct Posed {
     baked: Baked,
     poses: Poses,
@@ -65,10 +65,10 @@ impl PoseCache {
         known.as_ref().map_or_else(|| Err(String::new()), |known| known.bound.clone())
     }
 
-    /// Where a document has objects, relative to a bake: by themselves, and at its time of an animation.
+    /// Poses of a document relative to a bake: its own, and those of its animation at its time.
     ///
     /// # Errors
-    /// In words, why they are nowhere at that time.
+    /// In words, why there are no poses at that time.
     pub fn in_time(
         &self,
         document: &Document,
@@ -113,8 +113,8 @@ impl PoseCache {
         posed.map_err(|error| error.to_string())
     }
 
-    /// The scene under some poses, to be pointed at. While a button is held it is that of before: posing takes longer than
-    /// a frame should. Objects that cannot be posed so stay where they were.
+    /// The posed scene, for picking. While a button is held it is the previous one, since posing takes longer than a frame should.
+    /// Objects that cannot be posed stay in place.
     pub fn posed(&self, poses: Poses, baked: &Baked, is_held: bool) -> Baked {
         if poses.is_empty() {
             return baked.clone();
@@ -153,7 +153,7 @@ impl PoseCache {
     }
 }
 
-/// A place of an object as baked, in meters, where it would be without the pose that it was baked in.
+/// Moves a point of an object as baked, in meters, to its position without the baked pose.
 fn without_pose(scene: &Scene, object: u32, place: Vec3) -> Vec3 {
     let placed = scene.placed.iter().find(|placed| placed.object == object);
     placed.map_or(place, |placed| placed.pose.world_from_baked(placed.center).inverse().transform_point3(place))

@@ -7,7 +7,7 @@ use crate::{
 };
 
 impl Posing {
-    /// The selected objects, if they have handles: a ground has none, nor has anything beside a selected light.
+    /// The selected objects, if they have handles: none for a ground, or while a light is selected.
     pub fn movable(&self, work: &Workspace) -> Option<Movable> {
         let tool = self.tool.filter(|_| work.selected_light().is_none())?;
         let posable = self.posable(work);
@@ -15,7 +15,7 @@ impl Posing {
         Some(Movable { active, others: others.to_vec(), pivot: self.pivot, tool })
     }
 
-    /// The selected objects that can be posed, the active one first; none without that, which may be a ground.
+    /// The selected objects that can be posed, the active one first; none if the active one cannot be, as a ground.
     pub fn posable(&self, work: &Workspace) -> Vec<Subject> {
         let Some(baked) = work.scene.rendered() else { return Vec::new() };
         let can_be_posed =

@@ -1,4 +1,4 @@
-//! The time of an animation that the document shows, and where objects are then.
+//! Plays the document's animation, and finds the poses at its time.
 
 use super::Posing;
 use crate::{actions::PoseAction, workspace::Workspace};
@@ -8,7 +8,7 @@ use lapidary_render::Baked;
 use std::sync::Arc;
 
 impl Posing {
-    /// Does what is asked.
+    /// Performs an action.
     pub fn perform(&mut self, work: &mut Workspace, action: PoseAction) {
         match action {
             PoseAction::ClipTime(time) => work.document.clip_time = time,
@@ -16,21 +16,21 @@ impl Posing {
         }
     }
 
-    /// Where the document has objects, relative to a bake: by themselves, and at its time of an animation. What cannot be posed in
-    /// time stays as it was baked.
+    /// Poses of the document relative to a bake: its own, and those of its animation at its time. Objects without a pose at that
+    /// time stay as baked.
     pub fn poses_since(&self, work: &Workspace, baked: &Baked) -> Poses {
         let in_time = self.cache.in_time(&work.document, work.scene.animation(), baked);
         in_time.unwrap_or_else(|_| baked.dataset.scene.poses_since_baked(&work.document.poses))
     }
 
-    /// Why the scene that is seen cannot be posed as its animation says, in words.
+    /// Why the animation cannot pose the shown scene, in words.
     pub fn trouble_in_time(&self, work: &Workspace) -> Option<String> {
         let (animation, baked) = work.scene.animation().zip(work.scene.rendered())?;
         let in_time = || self.cache.in_time(&work.document, Some(animation), baked);
         self.cache.bound(animation, baked).map(drop).and_then(|()| in_time().map(drop)).err()
     }
 
-    /// The scene that is seen where its objects are, to be pointed at. While something moves it is that of before.
+    /// The posed shown scene, for picking. While something moves it is the previous one.
     pub fn posed(&self, work: &Workspace, ctx: &Context) -> Option<Baked> {
         self.posed_while(work, self.timeline.playing || ctx.input(|input| input.pointer.any_down()))
     }
@@ -51,7 +51,7 @@ impl Posing {
         self.timeline.toggle(&mut work.document.clip_time, &animation.clips);
     }
 
-    /// Goes on in time where the animation plays. Nothing plays without one that poses the scene that is seen.
+    /// Advances the time of a playing animation. Stops without one that poses the shown scene.
     pub fn play(&mut self, work: &mut Workspace, ctx: &Context) {
         if !self.timeline.playing {
             return;

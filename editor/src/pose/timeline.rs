@@ -1,18 +1,18 @@
-//! The timeline: which clip of the scene file plays, and where it is.
+//! The timeline: the clip of the scene file, and its time.
 
 use crate::actions::{Action, PoseAction};
 use egui::{Button, ComboBox, DragValue, Label, RichText, Slider, Ui};
 use lapidary_core::animation::{Clip, ClipTime, Playback};
 
-/// Frames a second at first, as films have them.
+/// Default frames a second, as in film.
 const FILM: f32 = 24.0;
 
 /// How clips play.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timeline {
-    /// Whether time goes on.
+    /// Whether it plays.
     pub playing: bool,
-    /// Whether a clip begins anew at its end.
+    /// Whether a clip restarts at its end.
     pub looping: bool,
     /// Length of a step, in frames a second.
     pub frames_per_second: f32,
@@ -25,7 +25,7 @@ impl Default for Timeline {
 }
 
 impl Timeline {
-    /// Plays, or stops. At its end a clip that does not loop begins anew.
+    /// Plays, or stops. A clip that does not loop restarts if it is at its end.
     pub fn toggle(&mut self, time: &mut Option<ClipTime>, clips: &[Clip]) {
         self.playing = !self.playing;
         let is_over = |time: &ClipTime| clip_of(time, clips).is_some_and(|clip| time.seconds >= clip.seconds());
@@ -45,7 +45,7 @@ impl Timeline {
         !self.looping && seconds < wanted
     }
 
-    /// The time some frames later, on whole frames.
+    /// The time `frames` frames later, on whole frames.
     fn stepped(&self, time: &ClipTime, clip: &Clip, frames: f32) -> ClipTime {
         let frame = (time.seconds * self.frames_per_second).round() + frames;
         let mode = if self.looping { Playback::Loop } else { Playback::Once };
@@ -62,17 +62,17 @@ fn beginning(clips: &[Clip]) -> Option<ClipTime> {
     clips.first().map(|clip| ClipTime { clip: clip.name.clone(), seconds: 0.0 })
 }
 
-/// What there is to play.
+/// Input of the timeline.
 pub struct TimelineContext<'a> {
-    /// At least one.
+    /// The clips; at least one.
     pub clips: &'a [Clip],
-    /// What is shown; `None` at rest.
+    /// The shown time; `None` at rest.
     pub time: Option<&'a ClipTime>,
-    /// Why the time is not seen, in words.
+    /// Why the time cannot be shown, in words.
     pub trouble: Option<String>,
 }
 
-/// Shows the timeline. Returns whether its place is dragged.
+/// Shows the timeline. Returns whether its position is dragged.
 pub fn show(ui: &mut Ui, timeline: &mut Timeline, context: &TimelineContext, actions: &mut Vec<Action>) -> bool {
     let is_scrubbing = ui.horizontal(|ui| show_controls(ui, timeline, context, actions)).inner;
     if let Some(trouble) = &context.trouble {
@@ -90,7 +90,7 @@ fn show_controls(ui: &mut Ui, timeline: &mut Timeline, context: &TimelineContext
     let is_scrubbing = scrub(ui, &shown, clip, actions);
     ui.checkbox(&mut timeline.looping, "Loop");
     let rate = DragValue::new(&mut timeline.frames_per_second).range(1.0..=240.0).max_decimals(2).suffix(" fps");
-    ui.add(rate).on_hover_text("Frames a second, for steps of one frame");
+    ui.add(rate).on_hover_text("Frames per second, for stepping");
     is_scrubbing
 }
 
@@ -116,21 +116,21 @@ fn transport(ui: &mut Ui, timeline: &Timeline, shown: &ClipTime, clip: &Clip, ac
             actions.push(Action::Pose(PoseAction::ClipTime(Some(time))));
         }
     };
-    go(ui, "|<", "To the beginning", ClipTime { seconds: 0.0, ..shown.clone() });
-    go(ui, "<", "One frame back", timeline.stepped(shown, clip, -1.0));
-    go(ui, ">", "One frame on", timeline.stepped(shown, clip, 1.0));
+    go(ui, "|<", "Go to the start", ClipTime { seconds: 0.0, ..shown.clone() });
+    go(ui, "<", "Step back one frame", timeline.stepped(shown, clip, -1.0));
+    go(ui, ">", "Step forward one frame", timeline.stepped(shown, clip, 1.0));
     let label = if timeline.playing { "Stop" } else { "Play" };
-    if ui.button(label).on_hover_text("Plays the clip, or stops (Space)").clicked() {
+    if ui.button(label).on_hover_text("Play or stop the clip (Space)").clicked() {
         actions.push(Action::Pose(PoseAction::Play));
     }
 }
 
-/// The place in the clip. Returns whether it is dragged.
+/// The position in the clip. Returns whether it is dragged.
 fn scrub(ui: &mut Ui, shown: &ClipTime, clip: &Clip, actions: &mut Vec<Action>) -> bool {
     let (mut seconds, length) = (shown.seconds, clip.seconds());
     ui.spacing_mut().slider_width = (ui.available_width() - 320.0).max(80.0);
     let slider = Slider::new(&mut seconds, 0.0..=length.max(f32::MIN_POSITIVE)).fixed_decimals(2).suffix(" s");
-    let response = ui.add_enabled(length > 0.0, slider).accessible_name("Place in the clip");
+    let response = ui.add_enabled(length > 0.0, slider).accessible_name("Clip position");
     if response.changed() {
         actions.push(Action::Pose(PoseAction::ClipTime(Some(ClipTime { seconds, ..shown.clone() }))));
     }

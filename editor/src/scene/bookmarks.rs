@@ -1,4 +1,4 @@
-//! Cameras of the scene and bookmarks: go there, add the present view, rename, delete.
+//! Cameras of the scene and bookmarks: apply, add, rename, delete.
 
 use super::{SceneContext, name_button};
 use crate::{
@@ -18,8 +18,8 @@ pub struct Renaming {
 /// Shows the cameras of the scene, then the bookmarks.
 pub fn show(ui: &mut Ui, renaming: &mut Option<Renaming>, context: &SceneContext, actions: &mut Vec<Action>) {
     let document = context.document;
-    // Above the list, which grows: below it, what a click adds would come to lie under the pointer.
-    if ui.button("Add view").on_hover_text("Keeps the view as it is now").clicked() {
+    // Above the list, which grows: below it, an added row would appear under the pointer.
+    if ui.button("Add view").on_hover_text("Bookmark the current view").clicked() {
         let camera = Camera { name: free_name(document), ..document.camera.clone() };
         let bookmarks = document.bookmarks.iter().cloned().chain([camera]).collect();
         ask(actions, bookmarks, "Add view");
@@ -42,7 +42,7 @@ fn scene_camera(ui: &mut Ui, index: usize, camera: &Camera, actions: &mut Vec<Ac
     let name = if camera.name.is_empty() { &unnamed } else { &camera.name };
     let button = Button::selectable(false, "").left_text(name.as_str()).truncate();
     let button = ui.add_sized([ui.available_width(), ui.spacing().interact_size.y], button).accessible_name(name);
-    if button.on_hover_text("A camera of the scene file").clicked() {
+    if button.on_hover_text("Camera from the scene file").clicked() {
         actions.push(Action::Camera(CameraAction::To(camera.clone())));
     }
 }
@@ -72,7 +72,7 @@ fn bookmark(
     }
 }
 
-/// The name as a text field: Enter or a click elsewhere takes it, Escape does not.
+/// The name as a text field: Enter or a click elsewhere accepts it, Escape cancels.
 fn rename(ui: &mut Ui, renaming: &mut Option<Renaming>, document: &Document, actions: &mut Vec<Action>) {
     let Some(Renaming { index, name, focused }) = renaming else { return };
     let field = ui.add(TextEdit::singleline(name).desired_width(ui.available_width())).accessible_name("View name");
@@ -98,7 +98,7 @@ fn ask(actions: &mut Vec<Action>, bookmarks: Vec<Camera>, label: &'static str) {
     actions.extend([Action::Edit { edit: Edit::Bookmarks(bookmarks), label }, Action::EndGesture]);
 }
 
-/// "View" and the least number that no bookmark has.
+/// "View" and the least unused number.
 fn free_name(document: &Document) -> String {
     let name = |number: usize| format!("View {number}");
     let taken = |name: &String| document.bookmarks.iter().any(|b| b.name == *name);

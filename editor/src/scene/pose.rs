@@ -1,4 +1,4 @@
-//! Where the selected objects are, relative to where their file has them.
+//! Poses of the selected objects, relative to the scene file.
 
 use super::SceneContext;
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
 use egui::Ui;
 use lapidary_core::scene::pose::{MOST_SCALE, Pose};
 
-/// Shows the pose of the active object, and lets it be changed together with those of all that are selected.
+/// Shows the pose of the active object, and edits it together with all selected objects.
 pub fn show(ui: &mut Ui, pivot: &mut Pivot, context: &SceneContext, actions: &mut Vec<Action>) {
     if context.posable.is_empty() {
         return;
@@ -28,18 +28,18 @@ pub fn show(ui: &mut Ui, pivot: &mut Pivot, context: &SceneContext, actions: &mu
     });
 }
 
-/// A choice of what several objects turn and scale about.
+/// The pivot of several objects.
 fn pivot_row(ui: &mut Ui, pivot: &mut Pivot, selected: usize) {
-    let help = "What the selected objects turn and scale about, by handles and by numbers.";
-    // The interface keeps it, and no step of undo.
+    let help = "Point about which the selected objects turn and scale.";
+    // The pivot is state of the interface, without undo.
     let _ = combo_row(ui, "Pivot", help, pivot, &Pivot::CHOICES);
-    note(ui, &format!("The numbers are of the object selected last; all {selected} follow"));
+    note(ui, &format!("Values of the object selected last; all {selected} follow"));
 }
 
 fn reset_button(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
     let edit = Edit::Poses(context.posable.iter().map(|subject| (subject.object, Pose::AS_BAKED)).collect());
     let reset = ui.add_enabled(edit.changes(context.document), egui::Button::new("Reset pose"));
-    if reset.on_hover_text("Puts all selected objects back to where their file has them").clicked() {
+    if reset.on_hover_text("Restore the poses that the scene file gives all selected objects").clicked() {
         actions.extend([Action::Edit { edit, label: "Reset pose of" }, Action::EndGesture]);
     }
 }
@@ -48,16 +48,17 @@ fn rows(ui: &mut Ui, pivot: Pivot, context: &SceneContext, actions: &mut Vec<Act
     let mut row = |tool: Tool, add: &mut dyn FnMut(&mut Ui, &mut Pose) -> Edited| {
         pose_row(tool, pivot, context, actions, |pose| add(ui, pose));
     };
-    let help = "How far the object is from where its file has it, in meters.";
+    let help = "Offset from the position in the scene file, in meters.";
     row(Tool::Move, &mut |ui, pose| point_row(ui, "Move", help, &mut pose.translate));
-    let help = "Turns about the object's center, in degrees: first about X, then Y, then Z.";
+    let help = "Rotation about the object's center in degrees: first about X, then Y, then Z.";
     row(Tool::Turn, &mut |ui, pose| turns_row(ui, "Turn", help, &mut pose.rotate_degrees));
     let range = f64::from(1.0 / MOST_SCALE)..=f64::from(MOST_SCALE);
-    let scale = Decades::count("Scale", "Size about the object's center; 1 is as in the file.", range, 1.0);
+    let scale =
+        Decades::count("Scale", "Scale about the object's center; 1 is the size in the scene file.", range, 1.0);
     row(Tool::Scale, &mut |ui, pose| decades_row(ui, &Decades { decimals: 3, ..scale.clone() }, &mut pose.scale));
 }
 
-/// One row with a number of the active object's pose. What it changes there, a tool does to all.
+/// One row with a number of the active object's pose. The tool applies its change to all.
 fn pose_row(
     tool: Tool,
     pivot: Pivot,

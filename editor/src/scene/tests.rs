@@ -25,7 +25,7 @@ struct Probe {
     actions: Vec<Action>,
 }
 
-/// Where the centers of objects are: along X, so many meters apart as their numbers are.
+/// Centers of objects: along X, as many meters apart as their numbers.
 fn center(object: u32) -> Vec3 {
     object as f32 * Vec3::X
 }
@@ -68,7 +68,7 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
     panel
 }
 
-/// The names of the bookmarks that were asked for last.
+/// The bookmarks' names in the last request.
 fn bookmarks_asked(panel: &Harness<Probe>) -> Option<Vec<String>> {
     panel.state().actions.iter().rev().find_map(|action| match action {
         Action::Edit { edit: Edit::Bookmarks(cameras), .. } => Some(cameras.iter().map(|c| c.name.clone()).collect()),
@@ -93,7 +93,7 @@ fn the_pose_of_the_selected_object_is_typed_and_reset() {
     assert_eq!(reset(&mut panel), [(0, Pose::AS_BAKED)]);
 }
 
-/// The poses that a number asks for when it is typed.
+/// The poses requested by typing a number.
 fn typed(panel: &mut Harness<Probe>, entry: &str, text: &str) -> Vec<(u32, Pose)> {
     panel.state_mut().actions.clear();
     panel.get_by_label(entry).click();
@@ -172,7 +172,7 @@ fn a_drag_of_a_number_is_one_gesture_of_all() {
     assert!(matches!(panel.state().actions[..], [Action::EndGesture]), "{:?}", panel.state().actions);
 }
 
-/// The poses that a click on *Reset pose* asks for.
+/// The poses requested by a click on *Reset pose*.
 fn reset(panel: &mut Harness<Probe>) -> Vec<(u32, Pose)> {
     panel.get_by_label("Reset pose").click();
     panel.run();
@@ -194,7 +194,7 @@ fn all_selected_objects_are_reset_and_their_pivot_is_chosen() {
     assert_eq!(panel.state().pivot, Pivot::Active);
     panel.get_by_role_and_label(Role::ComboBox, "Pivot").click();
     panel.run();
-    panel.get_by_label("Each its own").click();
+    panel.get_by_label("Own centers").click();
     panel.run();
     assert_eq!(panel.state().pivot, Pivot::Own);
 }

@@ -29,7 +29,7 @@ fn typed(panel: &mut Panel, label: &str, text: &str) {
     panel.run();
 }
 
-/// The last view that was asked for, and how many were.
+/// The last requested view, and the number of requests.
 fn asked(panel: &Panel) -> (ViewSettings, usize) {
     let views = panel.state().1.iter().filter_map(|action| match action {
         Action::Edit { edit: Edit::View(view), .. } => Some(view.clone()),
@@ -81,7 +81,7 @@ fn presets_and_counts_set_the_cut_and_the_samples() {
     let mut document = Document::empty();
     document.view.sampling = BrdfSampling::Refine;
     let mut panel = panel(document);
-    assert!(panel.query_by_label("Light moved value").is_none(), "lit cuts are not merged");
+    assert!(panel.query_by_label("Lit cut error value").is_none(), "lit cuts are not merged");
     panel.get_by_label("Light cut 64").click();
     panel.run();
     assert_eq!(asked(&panel).0.illum_cut, 64);

@@ -1,8 +1,7 @@
-//! A camera as text for the clipboard, written as the options of `lapidary render`, so that what is framed in the
-//! window can be rendered from a script, and the other way around.
+//! A camera as clipboard text, in the options of `lapidary render`, so that a view of the window can be rendered from a script, and
+//! the other way around.
 //!
-//! The options have no roll: +Y is upward in what is read from them. A camera as JSON, as session files hold it, is
-//! read too.
+//! The options have no roll: they read with +Y upward. A camera as JSON, as in session files, is read too.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use glam::Vec3;
@@ -12,7 +11,7 @@ use lapidary_core::{
 };
 use lapidary_studies::values;
 
-/// Vertical field of view in degrees where the text gives none, as on the command line.
+/// Default vertical field of view in degrees, as on the command line.
 const DEFAULT_FOV: f32 = 40.0;
 
 /// The camera as `--eye x,y,z --target x,y,z --fov degrees`; positions are kept to the last bit.
@@ -23,10 +22,10 @@ pub fn text(camera: &Camera) -> String {
     format!("--eye {} --target {} --fov {fov}", vector(camera.eye), vector(camera.target))
 }
 
-/// The camera of such a text, of a whole command line with these options, or of JSON.
+/// Parses such a text, a whole command line with these options, or JSON.
 ///
 /// # Errors
-/// A text without a camera, or one that nothing can be seen through.
+/// A text without a camera, or an invalid camera.
 pub fn parse(text: &str) -> Result<Camera> {
     let text = text.trim();
     let camera = if text.starts_with('{') { from_json(text)? } else { from_options(text)? };

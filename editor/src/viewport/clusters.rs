@@ -1,5 +1,5 @@
-//! The clusters that bounced light is gathered from, over the picture: a dot for each surface source that is in sight, in
-//! the color of the node of the illumination cut that it belongs to.
+//! The clusters of bounced light over the picture: a dot for each visible surface source, in the color of its node in the
+//! illumination cut.
 
 use super::gizmo::Projection;
 use egui::{Color32, Mesh, Rect, Shape, Ui, ecolor::Hsva, vec2};
@@ -14,7 +14,7 @@ const DOT: f32 = 3.0;
 /// A surface this much nearer than a source, as a share of its distance, hides it.
 const IN_FRONT: f32 = 2e-3;
 
-/// The dots as they were drawn last, and what of.
+/// The dots drawn last, and their inputs.
 #[derive(Default)]
 pub struct Clusters {
     drawn: Option<(Arc<SourceLighting>, Camera, Rect, Arc<Mesh>)>,
@@ -63,7 +63,7 @@ fn dots(projection: &Projection, rect: Rect, intersector: &Intersector, lighting
     mesh
 }
 
-/// For every source the number of its node in the illumination cut.
+/// The index of each source's node in the illumination cut.
 fn node_of_each(lighting: &SourceLighting) -> impl Iterator<Item = usize> + '_ {
     let leaves = lighting.lights.len();
     let of_node = move |(number, node): (usize, &u16)| std::iter::repeat_n(number, leaves >> packed::depth(*node));

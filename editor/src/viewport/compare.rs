@@ -30,52 +30,52 @@ pub enum CompareView {
 }
 
 impl CompareView {
-    /// All of them, with a label and what each shows.
+    /// All views, each with its label and tooltip.
     pub const ALL: [(Self, &str, &str); 5] = [
         (Self::Picture, "A", "The picture with cuts"),
         (Self::Reference, "B", "The reference; hold R to see it for a moment in any view"),
-        (Self::Swipe, "A | B", "The picture to the left of a line that can be dragged, the reference to the right"),
-        (Self::SideBySide, "Side by side", "Both, each as a whole"),
-        (Self::Difference, "Difference", "Where they differ, in colors"),
+        (Self::Swipe, "A | B", "Picture to the left of a draggable line, reference to the right"),
+        (Self::SideBySide, "Side by side", "Both pictures in full"),
+        (Self::Difference, "Difference", "Map of the differences"),
     ];
 }
 
-/// A node of the explained pixel that has a place in the scene.
+/// A node of the explained pixel with a position in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeMark {
     /// Middle of its sources, in meters.
     pub center: Vec3,
-    /// Its contribution over that of the largest.
+    /// Its contribution over the largest one.
     pub share: f32,
-    /// Whether the pointer is on it in the table.
+    /// Whether the pointer is on its row of the table.
     pub hovered: bool,
 }
 
-/// What there is to compare with.
+/// The shown comparison.
 pub struct Compared<'a> {
     /// How both are shown.
     pub view: CompareView,
-    /// Where the line is, as a share of the width.
+    /// Position of the line, as a share of the width.
     pub swipe: f32,
-    /// The reference as it is shown, and its size in pixels.
+    /// The displayed reference, and its size in pixels.
     pub reference: Option<(TextureId, [u32; 2])>,
     /// The map of errors, and the shares of the picture that it covers.
     pub map: Option<(TextureId, [f32; 4])>,
-    /// What the map shows.
+    /// The error in the map.
     pub field: Option<&'a ErrorField>,
-    /// What picture and reference are.
+    /// Labels of picture and reference.
     pub labels: [String; 2],
-    /// The part that counts, in shares of the viewport.
+    /// The measured region, in shares of the viewport.
     pub region: Option<[f32; 4]>,
     /// Color of its outline.
     pub accent: Color32,
-    /// The middle of the pixel that is explained, in shares of the viewport.
+    /// The middle of the explained pixel, in shares of the viewport.
     pub explained: Option<[f32; 2]>,
-    /// Where its light comes from.
+    /// The nodes from which its light comes.
     pub marks: Vec<NodeMark>,
 }
 
-/// Paints over the picture, which is there already.
+/// Paints over the picture, which is painted already.
 pub fn paint(ui: &Ui, rect: Rect, camera: &Camera, picture: Option<(TextureId, [u32; 2])>, compared: &Compared) {
     let painter = ui.painter_at(rect);
     match (compared.view, compared.reference) {
@@ -106,7 +106,7 @@ fn image(painter: &Painter, rect: Rect, (texture, size): (TextureId, [u32; 2])) 
     painter.image(texture, placed(size, rect), all, Color32::WHITE);
 }
 
-/// Where a picture of another shape lies: a camera's field of view is that of the height.
+/// The rectangle of a picture of another shape, as high as the viewport, since the field of view is vertical.
 fn placed([width, height]: [u32; 2], rect: Rect) -> Rect {
     let width = rect.height() * width as f32 / height.max(1) as f32;
     Rect::from_center_size(rect.center(), vec2(width, rect.height()))
@@ -148,7 +148,7 @@ fn difference(painter: &Painter, rect: Rect, compared: &Compared) {
     label(painter, rect.center_top(), Align2::CENTER_TOP, &format!("{}; {}", compared.labels[0], compared.labels[1]));
 }
 
-/// A cross at the pixel that is explained, and discs where its light comes from, larger for more of it.
+/// A cross at the explained pixel, and discs where its light comes from, larger for more light.
 fn explained(painter: &Painter, rect: Rect, camera: &Camera, compared: &Compared) {
     let projection = Projection::new(camera, rect);
     for mark in &compared.marks {
@@ -171,12 +171,12 @@ pub fn part_of(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
     Rect::from_min_max(at(left, top), at(right, bottom))
 }
 
-/// Where the line between both is.
+/// The position of the line between both.
 pub fn line_at(rect: Rect, share: f32) -> f32 {
     rect.left() + share.clamp(0.0, 1.0) * rect.width()
 }
 
-/// Words on a dark ground, at a distance from an edge of the picture.
+/// Text on a dark background, at a distance from an edge of the picture.
 fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), Color32::from_gray(235));
     let ground = align.anchor_size(at + vec2(0.0, MARGIN), galley.size() + 2.0 * PADDING);

@@ -1,5 +1,4 @@
-//! A preset or a material is dragged over the picture: the surface that would take it is outlined and named, and takes it
-//! where it is let go.
+//! Drags of a preset or material over the picture: outlines and names the surface under the pointer, which takes it when dropped.
 
 use super::{ViewportContext, outline};
 use crate::{
@@ -11,16 +10,16 @@ use crate::{
 use egui::{Align2, Color32, Context, DragAndDrop, Id, LayerId, Order, Rect, Response, TextStyle, Ui, Vec2, vec2};
 use lapidary_core::{bounds::Bounds, material::Material, parts::Part};
 
-/// Where the words lie beside the pointer, and the room around them, in points.
+/// Offset of the text from the pointer, and margin around it, in points.
 const BESIDE: Vec2 = vec2(16.0, 18.0);
 const PADDING: Vec2 = vec2(6.0, 3.0);
 
-/// What is dragged over the picture.
+/// A drag over the picture.
 #[derive(Default)]
 pub(super) struct Dropping {
     /// The surface under it.
     over: Option<Surface>,
-    /// What it is and where it would go.
+    /// Name of the dragged material, and its target.
     words: Option<String>,
 }
 
@@ -35,13 +34,13 @@ impl Dropping {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Surface {
     part: Part,
-    /// Whether it alone takes what is dragged, and not all surfaces of its material.
+    /// Whether only this part takes it, not all surfaces of its material.
     alone: bool,
-    /// Finding them takes a pass over the mesh, so they are kept while the pointer stays on the surface.
+    /// Kept while the pointer stays on the surface, since finding them takes a pass over the mesh.
     bounds: Option<Bounds>,
 }
 
-/// Follows what is dragged, and drops it where it is let go.
+/// Follows the drag, and performs the drop.
 pub(super) fn handle(
     ui: &Ui,
     response: &Response,
@@ -50,7 +49,7 @@ pub(super) fn handle(
     context: &ViewportContext,
     actions: &mut Vec<Action>,
 ) {
-    // Taken before it is looked at: egui forgets it at the end of the frame in which it is let go.
+    // Taken first: egui forgets the payload at the end of the frame of the drop.
     let hovering = response.dnd_hover_payload::<Dragged>();
     let is_dropped = response.dnd_release_payload::<Dragged>().is_some();
     let pointer = ui.input(|input| input.pointer.latest_pos()).filter(|_| hovering.is_some());
@@ -73,7 +72,7 @@ fn surface(known: Option<Surface>, context: &ViewportContext, part: Part, alone:
     Surface { part, alone: alone && !is_ground, bounds }
 }
 
-/// One step of undo, and the surface is selected.
+/// Drops in one step of undo, and selects the surface.
 fn drop_on(context: &ViewportContext, dragged: Dragged, surface: Surface, actions: &mut Vec<Action>) {
     let Surface { part, alone, .. } = surface;
     if alone {
@@ -91,7 +90,7 @@ fn drop_on(context: &ViewportContext, dragged: Dragged, surface: Surface, action
     actions.extend([Action::Select(SelectAction::Material(Some(index))), Action::Select(SelectAction::Part(part))]);
 }
 
-/// Gives a part what is dragged as a material that other surfaces of its present one do not get.
+/// Applies the drag to one part, not to other surfaces of its material.
 fn alone_on(part: Part, dragged: Dragged, document: &Document) -> Action {
     match dragged {
         Dragged::Preset { .. } => {
@@ -107,7 +106,7 @@ fn alone_on(part: Part, dragged: Dragged, document: &Document) -> Action {
     }
 }
 
-/// Outlines and names the surface that would take what is dragged.
+/// Outlines and names the surface under the drag.
 pub(super) fn paint(ui: &Ui, rect: Rect, state: &Dropping, context: &ViewportContext) {
     let bounds = state.over.and_then(|surface| surface.bounds);
     if let Some(bounds) = bounds {
@@ -118,7 +117,7 @@ pub(super) fn paint(ui: &Ui, rect: Rect, state: &Dropping, context: &ViewportCon
     }
 }
 
-/// What is dragged, and on what.
+/// The dragged material and its target, in words.
 fn description(dragged: Dragged, over: Option<Surface>, context: &ViewportContext) -> String {
     let document = context.document;
     let name = dragged.name(document);
@@ -129,7 +128,7 @@ fn description(dragged: Dragged, over: Option<Surface>, context: &ViewportContex
     }
 }
 
-/// Writes above all else.
+/// Writes above everything else.
 fn write_beside_pointer(ctx: &Context, text: &str) {
     let Some(pointer) = ctx.pointer_latest_pos() else { return };
     let painter = ctx.layer_painter(LayerId::new(Order::Tooltip, Id::unique("dragged material")));

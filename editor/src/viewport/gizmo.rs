@@ -1,8 +1,7 @@
-//! Handles over the picture: icons that select local lights, and handles that move the selected light or pose the selected
-//! objects.
+//! Handles over the picture: icons select local lights, handles move the selected light or pose the selected objects.
 //!
-//! A drag of a handle is one step of undo; Escape puts back what was moved. The target of an aimed light follows the surface
-//! under the pointer, or with Ctrl the plane of the view. Objects are posed in whole steps while Ctrl is held.
+//! A drag of a handle is one step of undo; Escape reverts it. The target of an aimed light follows the surface under the pointer,
+//! or with Ctrl the plane of the view. With Ctrl, poses snap to steps.
 
 mod change;
 mod drag;
@@ -35,16 +34,16 @@ pub use paint::paint;
 pub use projection::Projection;
 pub use tool::Tool;
 
-/// What goes on with handles in the viewport.
+/// State of the handles in the viewport.
 #[derive(Default)]
 pub struct Gizmo {
     drag: Option<Drag>,
-    /// A drag was given up: until the button is let go it does nothing.
+    /// A canceled drag does nothing until the button is released.
     is_given_up: bool,
     hot: Option<Hot>,
 }
 
-/// What the pointer is on.
+/// The thing under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Hot {
     Handle(Handle),
@@ -58,7 +57,7 @@ impl Gizmo {
     }
 }
 
-/// What is seen, and how.
+/// The contents of the view, and its projection.
 struct View<'a> {
     context: &'a ViewportContext<'a>,
     projection: Projection,
@@ -78,7 +77,7 @@ impl<'a> View<'a> {
         Some((index, self.context.document.lights.get(index)?))
     }
 
-    /// The handles that are shown.
+    /// The shown handles.
     fn handles(&self) -> Option<ObjectHandles> {
         match self.light() {
             Some((_, light)) => light::handles(light, self).map(ObjectHandles::Move),
@@ -95,12 +94,12 @@ impl<'a> View<'a> {
         let (mesh, intersector) = (self.context.mesh?, self.context.intersector?);
         let size = super::pixels(self.rect, self.pixels_per_point);
         let pixel = super::pixel(pointer, self.rect, size);
-        // What it aims at may be a shadow on the ground.
+        // A light may aim at a shadow on the ground.
         let picked = pick::pick((mesh, intersector), Ground::On, &self.context.document.camera, pixel, size);
         picked.map(|picked| picked.position)
     }
 
-    /// What is at a position: a handle, or else the lamp that is nearest to it.
+    /// The handle at a position, else the nearest lamp.
     fn hit(&self, pointer: Pos2) -> Option<Hot> {
         if let Some(handle) = self.handles().and_then(|handles| handles.at(pointer)) {
             return Some(Hot::Handle(handle));
@@ -113,7 +112,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// The part of the input of a frame that goes to handles and lights. Returns whether the pointer is busy with them.
+/// Handles a frame's input for handles and lights. Returns whether they take the pointer.
 pub fn handle(
     ui: &Ui,
     response: &Response,
@@ -138,7 +137,7 @@ struct Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// Goes on with a drag, or begins one. Returns whether there is one.
+    /// Continues or begins a drag. Returns whether there is one.
     fn drag(&mut self) -> bool {
         let held = self.ui.input(|i| i.pointer.primary_down());
         if !held {
@@ -157,7 +156,7 @@ impl Pass<'_> {
         self.gizmo.drag.is_some() || self.gizmo.is_given_up
     }
 
-    /// Returns whether there was a drag, other than a click on the middle of an object.
+    /// Ends a drag. Returns whether there was one, other than a click on the middle of an object.
     fn end_drag(&mut self) -> bool {
         let Some(drag) = self.gizmo.drag.take() else { return false };
         if drag.has_moved {
@@ -186,14 +185,14 @@ impl Pass<'_> {
     }
 
     fn go_on(&mut self) {
-        // A click that trembles moves nothing.
+        // A shaky click moves nothing.
         let (pointer, moves, command) = self.ui.input(|i| {
             let moves = i.pointer.delta() != egui::Vec2::ZERO && i.pointer.is_decidedly_dragging();
             (i.pointer.latest_pos(), moves, i.modifiers.command)
         });
         let (Some(pointer), Some(drag)) = (pointer, &mut self.gizmo.drag) else { return };
         if !drag.has_subject(&self.view) {
-            // What was dragged is gone: what the drag has done so far is a step of its own.
+            // The dragged thing is gone; the drag so far is a step of its own.
             self.end_drag();
             self.gizmo.is_given_up = true;
             return;
@@ -205,7 +204,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Aims, or selects a light. Returns whether the click was for that.
+    /// Aims or selects a light. Returns whether it took the click.
     fn click(&mut self) -> bool {
         let alt = self.ui.input(|i| i.modifiers.alt);
         let Some(pointer) = self.response.interact_pointer_pos() else { return self.stop_aiming() };
@@ -228,7 +227,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Escape gives up aiming.
+    /// Escape cancels aiming.
     fn stop_aiming(&mut self) -> bool {
         if self.view.context.aiming && take_escape(self.ui.ctx()) {
             self.actions.push(Action::Light(LightAction::Aim(None)));

@@ -1,4 +1,4 @@
-//! Mouse, trackpad and keys to moves of the camera, turns of the environment and selections.
+//! Turns input of mouse, trackpad and keys into camera moves, turns of the environment and selections.
 
 mod keys;
 
@@ -15,27 +15,26 @@ use glam::Vec2;
 use lapidary_core::camera::Camera;
 use std::f32::consts::PI;
 
-/// Degrees that the environment turns by for each point of a drag.
+/// Degrees of the environment's turn per point of a drag.
 const ENVIRONMENT_DEGREES_PER_POINT: f32 = 0.25;
 
-/// Points that a notch of a wheel scrolls by, as in the rest of the interface.
+/// Points per notch of a wheel, as in the rest of the interface.
 const POINTS_PER_LINE: f32 = 40.0;
 
-/// Seconds after a scroll with Alt in which what still comes of it (momentum of a trackpad, the rest of a smoothed
-/// notch) does not dolly.
+/// Seconds after a scroll with Alt in which its remainder (momentum of a trackpad, a smoothed notch) does not dolly.
 const ORBIT_SCROLL_SECS: f64 = 0.3;
 
-/// Natural logarithm of the change of distance for each point of scrolling and dragging.
+/// Natural logarithm of the change of distance per point of scrolling and dragging.
 const DOLLY_PER_POINT: f32 = 0.004;
 
-/// Fields of view that the look in flight turns by for a drag over the height of the viewport.
+/// Turn of the view in flight for a drag over the height of the viewport, in fields of view.
 const LOOK_RATE: f32 = 2.0;
 
-/// Diagonals of the scene that a flight crosses in a second, and how much faster with Shift.
+/// Speed of flight in diagonals of the scene a second, and its factor with Shift.
 const FLY_SPEED: f32 = 0.3;
 const FLY_FASTER: f32 = 4.0;
 
-/// A drag that began in the viewport. What it does is settled when it begins.
+/// A drag that began in the viewport. Its kind is fixed at its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Gesture {
     kind: Kind,
@@ -79,7 +78,7 @@ impl Gesture {
     }
 }
 
-/// Scale of the speed of flight, set by the wheel.
+/// Factor of the speed of flight, set by the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pace(f32);
 
@@ -112,7 +111,7 @@ pub(super) fn handle(
     }
 }
 
-/// Forgets the drag that goes on, if any.
+/// Ends the current drag, if any.
 pub(super) fn end_gesture(state: &mut ViewportState, actions: &mut Vec<Action>) {
     if state.gesture.take().is_some_and(|gesture| gesture.kind == Kind::TurnEnvironment) {
         actions.push(Action::EndGesture);
@@ -127,7 +126,7 @@ struct Pass<'a> {
     state: &'a mut ViewportState,
     context: &'a ViewportContext<'a>,
     actions: &'a mut Vec<Action>,
-    /// Where the camera is after the input so far.
+    /// The camera after the input so far.
     camera: Camera,
 }
 
@@ -143,7 +142,7 @@ impl Pass<'_> {
         }
         let Some(gesture) = self.state.gesture else { return };
         self.ui.set_cursor_icon(gesture.cursor());
-        // A pen may come down somewhere else than it left: that is no drag.
+        // A pen may come down elsewhere than it left, which is no drag.
         let delta = self.input(|i| if i.pointer.any_pressed() { egui::Vec2::ZERO } else { i.pointer.delta() });
         self.drag(gesture.kind, Vec2::new(delta.x, delta.y));
         if gesture.is_flight() {
@@ -151,7 +150,7 @@ impl Pass<'_> {
         }
     }
 
-    /// A press that turned into a drag. Only the left button waits for it, since it selects as well.
+    /// A press that became a drag. Only the left button waits for that, since it selects too.
     fn begun(&self) -> Option<Gesture> {
         let held = |button| self.input(|input| input.pointer.button_down(button));
         let on_viewport = self.response.is_pointer_button_down_on();
@@ -160,7 +159,7 @@ impl Pass<'_> {
         } else {
             [PointerButton::Middle, PointerButton::Secondary].into_iter().find(|&b| on_viewport && held(b))?
         };
-        // Keys belong to the viewport from now on.
+        // The viewport takes the keys from now on.
         self.ui.memory_mut(|memory| memory.stop_text_input());
         Some(Gesture::of(button, self.input(|input| input.modifiers)))
     }
@@ -183,7 +182,7 @@ impl Pass<'_> {
         };
     }
 
-    /// Turns what is seen with the pointer: half a turn for a drag over the height of the viewport.
+    /// Orbits with the pointer: half a turn for a drag over the height of the viewport.
     fn orbit(&mut self, delta: Vec2) {
         let turn = delta * PI / self.height();
         self.camera = navigation::orbit(&self.camera, -turn.x, turn.y);
@@ -216,7 +215,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Orbits by what is scrolled with Alt, and by what comes after it. Returns whether it does.
+    /// Orbits by scrolling with Alt, and by its remainder. Returns whether it does.
     fn scroll_orbits(&mut self) -> bool {
         let (scrolled, alt, now) = self.input(|input| (scrolled(input), input.modifiers.alt, input.time));
         let goes_on = self.state.orbit_scrolled_at.is_some_and(|at| now - at < ORBIT_SCROLL_SECS);
@@ -290,13 +289,13 @@ fn turn(environment: &EnvironmentSettings, degrees: f32) -> Action {
     Action::Edit { edit: Edit::Environment(turned(environment, degrees)), label: "Rotate environment" }
 }
 
-/// The environment turned by some degrees, kept between -180 and 180.
+/// The environment turned by `degrees`, wrapped to -180 to 180.
 fn turned(environment: &EnvironmentSettings, degrees: f32) -> EnvironmentSettings {
     let rotation = (environment.rotation_degrees + degrees + 180.0).rem_euclid(360.0) - 180.0;
     EnvironmentSettings { rotation_degrees: rotation, ..environment.clone() }
 }
 
-/// Points scrolled in both directions; the smoothed scroll of egui has only one while Alt is held.
+/// Points scrolled in both directions; egui's smoothed scroll has only one with Alt.
 fn scrolled(input: &InputState) -> Vec2 {
     let points = |event: &Event| match event {
         Event::MouseWheel { unit: MouseWheelUnit::Point, delta, .. } => Vec2::new(delta.x, delta.y),

@@ -1,7 +1,6 @@
-//! What the colors of a view mode mean, painted into the lower right corner of the picture.
+//! Legend of a view mode's colors, in the lower right corner of the picture.
 //!
-//! The colors are those that the renderers display: counts by magma, base color encoded as sRGB, normals and
-//! roughness as they are.
+//! The colors match the renderers': magma for counts, sRGB for base color, plain values for normals and roughness.
 
 use super::ViewportContext;
 use crate::{document::Component, widgets::units::grouped};
@@ -14,7 +13,7 @@ use lapidary_render::{
     shows_source_cuts,
 };
 
-/// Distance to the edges of the picture, and inside of the legend.
+/// Distance to the edges of the picture, and padding of the legend.
 const MARGIN: f32 = 12.0;
 const PADDING: f32 = 10.0;
 
@@ -46,12 +45,12 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
     }
 }
 
-/// What a view of the meshless basis shows, in two lines.
+/// Legend of a view of the meshless basis, in two lines.
 fn of_basis(mode: ViewMode, basis: BasisView) -> [String; 2] {
     let second = match mode {
-        ViewMode::BasisLevel => "Red adds light, blue takes it away",
+        ViewMode::BasisLevel => "Red adds light, blue subtracts it",
         ViewMode::BasisFunction => "Red where it is 1, gray where it is 0",
-        _ => "One color a level: red is the coarsest",
+        _ => "One color per level; red is the coarsest",
     };
     let number = match mode {
         ViewMode::BasisLevel => format!(" {}", basis.level),
@@ -61,7 +60,7 @@ fn of_basis(mode: ViewMode, basis: BasisView) -> [String; 2] {
     [format!("{}{number}", mode.label()), second.into()]
 }
 
-/// The colors of a map of errors.
+/// Legend of an error map.
 pub fn errors(painter: &Painter, rect: Rect, field: &ErrorField) {
     let color: fn(f32) -> Color32 = match field.kind {
         ErrorMap::Signed => |place| color(ErrorMap::Signed.color(ErrorMap::Signed.error_at(place))),
@@ -70,7 +69,7 @@ pub fn errors(painter: &Painter, rect: Rect, field: &ErrorField) {
     bar(painter, rect, &ColorScale { title: field.title.into(), color, ticks: field.ticks(4) });
 }
 
-/// What counts are of.
+/// Light that is counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gathered {
     environment: bool,
@@ -87,7 +86,7 @@ impl Gathered {
         Self { environment, bounce: context.sources.is_some() }
     }
 
-    /// Where the sizes of cuts are from.
+    /// Light of the cuts in a bake.
     fn baked(mode: BakeParts) -> Self {
         Self { environment: mode.environment(), bounce: shows_source_cuts(mode) }
     }
@@ -102,11 +101,11 @@ impl Gathered {
     }
 }
 
-/// What a color bar says.
+/// A color bar and its labels.
 struct ColorScale {
     title: String,
     color: fn(f32) -> Color32,
-    /// From the left end to the right, evenly spaced.
+    /// Labels from left to right, evenly spaced.
     ticks: Vec<String>,
 }
 
@@ -123,7 +122,7 @@ impl ColorScale {
     }
 }
 
-/// Quarters of the range. Above the top all counts have the same color, which the plus says.
+/// Quarters of the range. The plus marks that all counts above the top have the same color.
 fn count_ticks(top: f32) -> Vec<String> {
     let quarters = (0..=4).map(|i| format!("{:.0}", top * i as f32 / 4.0));
     quarters.enumerate().map(|(i, tick)| if i == 4 { tick + "+" } else { tick }).collect()
@@ -187,7 +186,7 @@ fn ball(painter: &Painter, rect: Rect, camera: &Camera) {
     for (axis, name) in [(Vec3::X, "X"), (Vec3::Y, "Y"), (Vec3::Z, "Z")] {
         let view = world_from_view.transpose() * axis;
         let at = center + (BALL_RADIUS + 0.5 * LINE) * vec2(view.x, -view.y);
-        // An axis that points away is dimmed.
+        // Axes that point away are dimmed.
         let strength = if view.z > -0.05 { 1.0 } else { 0.45 };
         painter.text(at, Align2::CENTER_CENTER, name, FONT, TEXT.gamma_multiply(strength));
     }
@@ -215,14 +214,14 @@ fn ball_mesh(center: Pos2, world_from_view: Mat3) -> Mesh {
     mesh
 }
 
-/// The color at a place of the unit disc (y downward): the normal of the ball there.
+/// The color at a point of the unit disc (y downward): the normal of the ball there.
 fn ball_color(place: Vec2, world_from_view: Mat3) -> Color32 {
     let toward_eye = (1.0 - place.length_sq()).max(0.0).sqrt();
     let normal = world_from_view * Vec3::new(place.x, -place.y, toward_eye);
     color(0.5 + 0.5 * normal)
 }
 
-/// Darkens a panel for `content` in the corner, and returns where the content goes.
+/// Darkens a panel for `content` in the corner, and returns the content's rectangle.
 fn panel(painter: &Painter, rect: Rect, content: Vec2) -> Rect {
     let size = content + Vec2::splat(2.0 * PADDING);
     let panel = Align2::RIGHT_BOTTOM.align_size_within_rect(size, rect.shrink(MARGIN));

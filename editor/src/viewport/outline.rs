@@ -1,11 +1,11 @@
-//! The bounding boxes of what is selected, drawn over the picture for a moment after the selection changes.
+//! Bounding boxes of the selection, drawn over the picture briefly after the selection changes.
 
 use super::gizmo::Projection;
 use egui::{Color32, Painter, Pos2, Rect, Stroke};
 use glam::Vec3;
 use lapidary_core::{bounds::Bounds, camera::Camera};
 
-/// Seconds that the box is shown in full, and that it takes to fade.
+/// Seconds of the box at full strength, and of its fade.
 const HOLD_SECS: f64 = 1.0;
 const FADE_SECS: f64 = 0.35;
 
@@ -16,12 +16,12 @@ pub struct Flash {
     since: f64,
 }
 
-/// How much of the box is seen, and when to paint again.
+/// Opacity of the box, and time of the next paint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glow {
     /// 0 to 1.
     pub opacity: f32,
-    /// Seconds until it looks different; `None` if it stays.
+    /// Seconds until it changes; `None` if it stays.
     pub next_secs: Option<f32>,
 }
 
@@ -49,7 +49,7 @@ pub fn paint(painter: &Painter, rect: Rect, camera: &Camera, bounds: Bounds, col
     }
 }
 
-/// The edges of the box that lie before the eye, in points.
+/// The edges of the box in front of the eye, in points.
 fn edges(camera: &Camera, bounds: Bounds, rect: Rect) -> Vec<[Pos2; 2]> {
     let projection = Projection::new(camera, rect);
     let corner = |index: usize| {

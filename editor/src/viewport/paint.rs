@@ -1,4 +1,4 @@
-//! The picture and the few words over it.
+//! Paints the picture and the text over it.
 
 use super::{Faded, ViewportContext, ViewportState};
 use egui::{
@@ -6,19 +6,19 @@ use egui::{
     Vec2, pos2, vec2,
 };
 
-/// Side of a square of the chequerboard in points.
+/// Side of a square of the checkerboard in points.
 const SQUARE: f32 = 12.0;
 
-/// Distance of words from the edges of the picture, and room around them.
+/// Distance of text from the edges of the picture, and margin around it.
 const MARGIN: f32 = 12.0;
 const PADDING: Vec2 = vec2(8.0, 4.0);
 
-/// Paints the picture, or the plain ground where there is none yet.
+/// Paints the picture, or a plain background if there is none yet.
 pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &ViewportContext) {
     let painter = ui.painter_at(rect);
     let picture = context.picture.filter(|_| context.placeholder.is_none());
     let (place, part) = placed(context.picture_size, rect);
-    // What a picture covers is not painted twice: where graphics are emulated, each layer takes time from the renderer.
+    // Nothing is painted under a picture: where graphics are emulated, each layer takes time from the renderer.
     if picture.is_none() || !place.contains_rect(rect) {
         painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
     }
@@ -35,13 +35,13 @@ pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &Viewpor
     }
 }
 
-/// Where a picture lies in a viewport that may have got another shape since, and the part of it that is seen, in texture
-/// coordinates. A camera's field of view is that of the height: so the picture is as high as the viewport, and all in it
-/// lies where it will lie in the next one. Where it is too narrow, the ground is seen beside it.
+/// Rectangle of a picture in a viewport whose shape may have changed, and its visible part in texture coordinates. The field of
+/// view is vertical, so the picture is as high as the viewport, and everything in it is where the next picture will have it. If it
+/// is too narrow, the background shows beside it.
 fn placed(picture: [u32; 2], rect: Rect) -> (Rect, Rect) {
     let size = vec2(picture[0] as f32, picture[1] as f32);
     let scale = rect.height() / size.y;
-    // A coarser picture is too narrow by less than a texel, by rounding. That is no gap.
+    // A coarser picture is too narrow by less than a texel, by rounding, which is no gap.
     let is_narrow = (size.x + 1.0) * scale < rect.width();
     let place = if is_narrow { Rect::from_center_size(rect.center(), scale * size) } else { rect };
     let share = place.size() / (scale.max(place.width() / size.x) * size);
@@ -52,10 +52,10 @@ fn placed(picture: [u32; 2], rect: Rect) -> (Rect, Rect) {
 fn checker_texture(ui: &Ui) -> TextureHandle {
     let [dark, light] = [Color32::from_gray(96), Color32::from_gray(128)];
     let image = ColorImage::new([2, 2], vec![dark, light, light, dark]);
-    ui.ctx().load_texture("chequerboard", image, TextureOptions::NEAREST_REPEAT)
+    ui.ctx().load_texture("checkerboard", image, TextureOptions::NEAREST_REPEAT)
 }
 
-/// What is rendered now, and whether it is out of date.
+/// Badges: the running work, and whether the bake is out of date.
 pub fn badges(ui: &mut Ui, rect: Rect, context: &ViewportContext) {
     if context.stale {
         let warning = ui.visuals().warn_fg_color;
@@ -73,7 +73,7 @@ fn badge(ui: &mut Ui, rect: Rect, align: Align2, text: &str, color: Color32) {
     ui.put(outer.shrink2(PADDING), Label::new(galley).selectable(false));
 }
 
-/// What to say where nothing is open.
+/// Shows a text in place of a picture.
 pub fn placeholder(ui: &mut Ui, rect: Rect, text: &str) {
     let color = ui.visuals().weak_text_color();
     let body = TextStyle::Body.resolve(ui.style());
@@ -82,7 +82,7 @@ pub fn placeholder(ui: &mut Ui, rect: Rect, text: &str) {
     ui.put(place, Label::new(galley).selectable(false));
 }
 
-/// Shows while files are held over the window that they can be dropped.
+/// Hints at dropping while files hover over the window.
 pub fn drop_hint(ui: &mut Ui, rect: Rect, accent: Color32) {
     if ui.input(|input| input.raw.hovered_files.is_empty()) {
         return;

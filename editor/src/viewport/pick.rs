@@ -1,4 +1,4 @@
-//! What lies under a pixel, by one ray.
+//! Picks the surface under a pixel, by one ray.
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -9,16 +9,16 @@ use lapidary_core::{
     scene::Mesh,
 };
 
-/// What lies under a pixel.
+/// The surface under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Picked {
     /// Index of the object.
     pub object: u32,
-    /// Index of the material that the mesh says.
+    /// Index of the mesh's material.
     pub material: usize,
     /// Index of the triangle in the mesh.
     pub triangle: u32,
-    /// Where the ray met it, in meters.
+    /// Position of the hit, in meters.
     pub position: Vec3,
 }
 
@@ -29,8 +29,8 @@ impl Picked {
     }
 }
 
-/// What `camera` sees at `pixel` of a picture of `size`. `intersector` is made of `mesh`. A ground can be picked if it is shown as a
-/// surface, from above.
+/// Picks what `camera` sees at `pixel` of a picture of `size`. `intersector` belongs to `mesh`. A ground can be picked from above,
+/// if it is shown as a surface.
 pub fn pick(
     (mesh, intersector): (&Mesh, &Intersector),
     ground: Ground,
@@ -39,7 +39,7 @@ pub fn pick(
     size: [u32; 2],
 ) -> Option<Picked> {
     let ray @ (origin, direction) = camera.projection(size).ray(pixel, PINHOLE);
-    // Whatever stops any light can be picked.
+    // Every surface that stops some light can be picked.
     let first = intersector.closest_above(origin, direction, |_| 0.0);
     let hit = intersector.past_ground(mesh, first, ray, ground == Ground::On, |_| 0.0)?;
     let index = hit.triangle as usize;

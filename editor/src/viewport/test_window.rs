@@ -1,4 +1,4 @@
-//! A viewport without a screen around a made-up scene, and hands that use it.
+//! A viewport without a screen on a synthetic scene, and simulated input.
 
 use super::*;
 use crate::{
@@ -11,7 +11,7 @@ use egui_kittest::{Harness, kittest::Queryable};
 use glam::Vec3;
 use lapidary_core::camera::Camera;
 
-/// What stands around the viewport: a document, a scene and what was asked for.
+/// The environment of the viewport: a document, a scene and its requests.
 pub struct App {
     pub document: Document,
     pub state: ViewportState,
@@ -135,7 +135,7 @@ pub fn viewport_center(harness: &Harness<App>) -> Pos2 {
     harness.get_by_label("Viewport").rect().center()
 }
 
-/// Where a point of the plane z = 0 is seen by the camera at the start.
+/// Position of a point of the plane z = 0 in the first view.
 pub fn seen_at(harness: &Harness<App>, x: f32, y: f32) -> Pos2 {
     let rect = harness.get_by_label("Viewport").rect();
     let focal = 0.5 * rect.height() / 20.0_f32.to_radians().tan();

@@ -1,4 +1,4 @@
-//! The viewport in a window without a screen: what mouse and keys do to a made-up scene.
+//! The viewport without a screen: mouse and keys on a synthetic scene.
 
 mod camera;
 mod dropping;
@@ -48,7 +48,7 @@ fn a_click_with_ctrl_adds_or_takes_away_what_is_under_it_and_nothing_beside_it()
             "{:?}",
             harness.state().log
         );
-        // The second click is no double click, which would move the camera.
+        // Without a double click, which would move the camera.
         harness.state_mut().log.clear();
     }
     wait(&mut harness);
@@ -68,7 +68,7 @@ fn a_shift_right_drag_turns_what_is_seen_with_the_pointer() {
     drag(&mut harness, PointerButton::Secondary, Modifiers::SHIFT, vec2(120.0, 0.0));
     let turned = harness.state().document.environment.rotation().to_degrees();
     assert!((turned + 30.0).abs() < 0.01, "{turned}");
-    // What was straight ahead is now to the right of the camera, which looks along -Z with +X to its right.
+    // The direction ahead is now to the right of the camera, which looks along -Z with +X to its right.
     let ahead = glam::Quat::from_rotation_y(turned.to_radians()) * Vec3::NEG_Z;
     assert!(ahead.x > 0.4);
     let log = &harness.state().log;

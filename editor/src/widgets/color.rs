@@ -19,24 +19,24 @@ pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default
         if swatch.changed() {
             *color = Vec3::from_array(rgb);
         }
-        // The picker tells of changes only; its gesture ends when the pointer is let go, wherever that is.
+        // The picker reports changes only; its gesture ends when the pointer is released, anywhere.
         let picked = Edited::until(ui, swatch.id, swatch.changed(), !ui.input(|i| i.pointer.any_down()));
         picked | hex_entry(ui, &name.full, color)
     })
 }
 
-/// The button that opens the picker. The toolkit outlines it in the fill of buttons, which a white one drowns in.
+/// The button that opens the picker, with an outline of its own: the toolkit's vanishes on a white button.
 fn swatch(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
     ui.scope(|ui| {
         ui.visuals_mut().widgets.inactive.bg_fill = outline(ui).color;
-        // As wide as a slider would be.
+        // As wide as a slider.
         ui.spacing_mut().interact_size.x = slider_width(ui);
         ui.color_edit_button_rgb(rgb)
     })
     .inner
 }
 
-/// The color as sRGB hex; what is typed counts when the field is left, if it is a color.
+/// The color as sRGB hex; typed text counts when the field is left, if it is a color.
 fn hex_entry(ui: &mut Ui, name: &str, color: &mut Vec3) -> Edited {
     let id = ui.make_persistent_id(("hex", name));
     let shown = hex_from_linear(*color);
@@ -63,7 +63,7 @@ pub fn hex_from_linear(color: Vec3) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The scene-linear color that `#rrggbb` or `rgb` stands for.
+/// The scene-linear color of `#rrggbb` or `rgb`.
 pub fn linear_from_hex(text: &str) -> Option<Vec3> {
     let digits = text.trim().trim_start_matches('#');
     let digits = match digits.len() {

@@ -3,7 +3,7 @@
 use super::Edited;
 use crate::{actions::Action, document::Edit};
 
-/// Shows `row` on a copy of `value`. If it changed the copy, asks for the `edit`; if the gesture ended, says so.
+/// Shows `row` on a copy of `value`. If it changed the copy, requests the `edit`; if the gesture ended, reports that.
 pub fn edit_row<T: Clone>(
     actions: &mut Vec<Action>,
     label: &'static str,

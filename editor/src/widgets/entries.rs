@@ -7,29 +7,29 @@ use egui::{
 use glam::Vec3;
 use std::ops::RangeInclusive;
 
-/// Numbers from this on are shown without decimals.
+/// Numbers from this value on have no decimals.
 const LARGE: f64 = 1e5;
-/// Points between the numbers of a row with several, and on both sides of each in its button.
+/// Points between several numbers in a row, and padding on both sides of each.
 const CLOSE: f32 = 2.0;
-/// The longest coordinate or turn that a row with several numbers leaves room for.
+/// The longest coordinate or turn that fits a row with several numbers.
 const LONG_NUMBER: &str = "-00.000";
 
-/// A number whose slider is logarithmic: a whole one if it has no decimals.
+/// A number with a logarithmic slider; a whole number if it has no decimals.
 #[derive(Clone, Debug)]
 pub struct Decades<'a> {
     /// The parameter's name.
     pub label: &'a str,
-    /// What it does, its range and its unit.
+    /// Its effect, range and unit.
     pub help: &'a str,
-    /// What the slider covers and what can be typed.
+    /// Range of slider and typed values.
     pub range: RangeInclusive<f64>,
-    /// What reset puts back.
+    /// Value after a reset.
     pub default: f64,
-    /// Shown after the number, with its space.
+    /// Unit after the number, with its space.
     pub unit: &'a str,
     /// Digits after the point.
     pub decimals: usize,
-    /// The value in other words, shown under it.
+    /// The value in other terms, shown under it.
     pub note: Option<String>,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Decades<'a> {
 
     fn entry(&self, ui: &mut Ui, name: &RowName, number: &mut f64) -> Response {
         ui.style_mut().drag_value_text_style = TextStyle::Monospace;
-        // Of large numbers only the whole part fits the column.
+        // Only the whole part of large numbers fits the column.
         let decimals = if number.abs() < LARGE { self.decimals } else { 0 };
         let entry = DragValue::new(number)
             .range(self.range.clone())
@@ -87,7 +87,7 @@ pub fn decades_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut T) ->
     edited
 }
 
-/// One row with a check box that sets a limit, and the limit. Ticking it puts the default in.
+/// One row with a check box that sets a limit, and the limit. Ticking it sets the default.
 pub fn limit_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut Option<T>) -> Edited {
     row(ui, decades.label, decades.help, false, |ui, name, _| {
         let mut on = value.is_some();
@@ -107,7 +107,7 @@ pub fn limit_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut Option<
     })
 }
 
-/// One row with a list that drops down: each choice a value, its name and what it means.
+/// One row with a drop-down list: each choice a value, its name and its tooltip.
 pub fn combo_row<T: PartialEq + Copy>(
     ui: &mut Ui,
     label: &str,
@@ -129,7 +129,7 @@ pub fn combo_row<T: PartialEq + Copy>(
     })
 }
 
-/// A number out of a list, which also has the present one.
+/// A number from a list that also has the present one.
 pub fn count_row(
     ui: &mut Ui,
     label: &str,
@@ -147,7 +147,7 @@ pub fn count_row(
     combo_row(ui, label, help, value, &choices)
 }
 
-/// Points that a list takes at least if it cuts none of its choices.
+/// Least width of a list in points that truncates none of its choices.
 fn list_width<T>(ui: &Ui, choices: &[(T, &str, &str)]) -> f32 {
     let widest = choices.iter().map(|choice| text_width(ui, choice.1, TextStyle::Button)).fold(0.0, f32::max);
     let spacing = ui.spacing();
@@ -168,8 +168,8 @@ pub fn turns_row(ui: &mut Ui, label: &str, help: &str, degrees: &mut Vec3) -> Ed
     axes_row(ui, label, help, degrees, "degrees", 0.5)
 }
 
-/// One row with a number for each axis, which changes by `speed` for each point that it is dragged. They stand below one
-/// another where there is no room beside.
+/// One row with a number for each axis, which changes by `speed` per point of a drag. In a narrow panel they stand below one
+/// another.
 fn axes_row(ui: &mut Ui, label: &str, help: &str, numbers: &mut Vec3, unit: &str, speed: f64) -> Edited {
     let number = text_width(ui, LONG_NUMBER, TextStyle::Monospace) + 2.0 * CLOSE;
     let least = 3.0 * number + 2.0 * CLOSE;

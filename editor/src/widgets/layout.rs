@@ -3,17 +3,17 @@
 use super::{Edited, GROUP, LEAST_SLIDER, NUMBER_WIDTH};
 use egui::{Align, Button, Id, Label, Layout, Rect, Response, RichText, Sense, Ui, UiBuilder, pos2, vec2};
 
-/// Points that the labels of all rows take, so that controls align.
+/// Width of the labels of all rows in points, so that controls align.
 const LABEL_WIDTH: f32 = 84.0;
-/// Points for the reset button, kept free where there is none.
+/// Width of the reset button in points, kept free if there is none.
 pub(super) const RESET_WIDTH: f32 = 20.0;
 
-/// How a row's controls are called for screen readers.
+/// Name of a row's controls for screen readers.
 #[derive(Clone, Debug)]
 pub struct RowName {
-    /// The name, with that of the group.
+    /// The name, with the group's.
     pub full: String,
-    /// The visible label, if that alone is the name.
+    /// The visible label, if it alone is the name.
     label: Option<Id>,
 }
 
@@ -27,17 +27,17 @@ impl RowName {
     }
 }
 
-/// Points that a slider and its number take at least.
+/// Least width of a slider and its number in points.
 fn least_controls(ui: &Ui) -> f32 {
     LEAST_SLIDER + ui.spacing().item_spacing.x + NUMBER_WIDTH
 }
 
-/// Points that a row `total` points wide has for controls beside its label.
+/// Width for controls beside the label in a row `total` points wide.
 fn room_beside_label(ui: &Ui, total: f32) -> f32 {
     total - LABEL_WIDTH - RESET_WIDTH - 2.0 * ui.spacing().item_spacing.x
 }
 
-/// Points before the controls of rows that have a label: none where labels stand above.
+/// Indent of controls in rows with a label, in points: 0 where labels stand above.
 pub(super) fn indent(ui: &Ui) -> f32 {
     let is_beside = room_beside_label(ui, ui.available_width()) >= least_controls(ui);
     if is_beside { LABEL_WIDTH + ui.spacing().item_spacing.x } else { 0.0 }
@@ -48,8 +48,8 @@ pub(super) fn full_name(ui: &Ui, label: &str) -> Option<String> {
     Some(format!("{group} {}", label.to_lowercase()))
 }
 
-/// Lays a row out: label, `body`, and a reset button where the value `differs` from its default. `body` is told whether
-/// to reset, by the button or a double click on the label.
+/// Lays a row out: label, `body`, and a reset button where the value `differs` from its default. The last argument of `body` is
+/// whether to reset, by the button or a double click on the label.
 pub fn row(
     ui: &mut Ui,
     label: &str,
@@ -60,7 +60,7 @@ pub fn row(
     row_of(ui, least_controls(ui), label, help, differs, body)
 }
 
-/// A [`row`] whose `body` takes at least so many points.
+/// A [`row`] whose `body` has a least width in points.
 pub fn row_of(
     ui: &mut Ui,
     least: f32,
@@ -87,7 +87,7 @@ fn row_label(ui: &mut Ui, label: &str, help: &str) -> Response {
     shown.on_hover_text(help).on_disabled_hover_text(help)
 }
 
-/// The controls of a row `total` points wide, of which `width` are for `body`.
+/// The controls of a row `total` points wide; `body` gets `width` of them.
 fn controls(
     ui: &mut Ui,
     [total, width]: [f32; 2],
@@ -123,5 +123,5 @@ pub(super) fn cell<R>(ui: &mut Ui, width: f32, height: f32, body: impl FnOnce(&m
 fn reset_button(ui: &mut Ui, name: &str) -> bool {
     let button = Button::new(RichText::new("↺").monospace().weak()).frame(false);
     let name = format!("Reset {name}");
-    ui.add(button).on_hover_text("Back to the default (also: double-click the name)").accessible_name(name).clicked()
+    ui.add(button).on_hover_text("Reset to default (or double-click the name)").accessible_name(name).clicked()
 }

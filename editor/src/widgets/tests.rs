@@ -23,7 +23,7 @@ impl Probe {
 
 fn slider() -> Harness<'static, Probe> {
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let number = Number::new("Width", "Metres.", 0.0..=1.0, 0.5).entry(0.0..=10.0);
+        let number = Number::new("Width", "Meters.", 0.0..=1.0, 0.5).entry(0.0..=10.0);
         let edited = slider_row(ui, &number, &mut probe.value);
         probe.note(edited);
     };
@@ -125,7 +125,7 @@ fn a_typed_hex_colour_arrives_when_the_field_is_left() {
     assert_eq!((harness.state().changes, harness.state().ends), (1, 1));
 }
 
-/// How many shapes have an outline as [`outline`] gives it.
+/// Number of shapes with an outline from [`outline`].
 fn outlined(show: fn(&mut Ui)) -> usize {
     fn count(shape: &Shape, color: Color32) -> usize {
         match shape {

@@ -1,9 +1,9 @@
-//! Pictures of studies on the screen.
+//! Textures for pictures of studies.
 
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use lapidary_studies::sheet::DisplayPicture;
 
-/// A picture as a texture: that of before with other pixels, if there is one.
+/// A picture as a texture, which replaces the pixels of the previous one, if any.
 pub fn texture_of(
     ctx: &Context,
     name: &str,

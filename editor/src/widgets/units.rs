@@ -23,7 +23,7 @@ pub fn bytes(count: u64) -> String {
     }
 }
 
-/// A duration from tenths of a second to hours, no finer than it is worth reading.
+/// A duration from tenths of a second to hours, in readable precision.
 pub fn duration(secs: f64) -> String {
     let whole = secs.max(0.0).round() as u64;
     match whole {

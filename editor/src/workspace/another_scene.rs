@@ -1,5 +1,5 @@
-//! Another dataset, or another version of the scene, under the same document: edited materials stay, and all that names materials
-//! and objects follows.
+//! Exchanges the dataset or the version of the scene under a document: edited materials stay, and references to materials and
+//! objects follow.
 
 use super::Workspace;
 use crate::{
@@ -13,7 +13,7 @@ use lapidary_core::{animation::AnimationError, dataset::Dataset};
 use std::path::Path;
 
 impl Workspace {
-    /// Gives the document the materials that another dataset needs. That of a ground is kept while no ground is shown.
+    /// Gives the document the materials that another dataset needs. Keeps the ground's material while no ground is shown.
     pub fn take_materials_of(&mut self, next: &Dataset) {
         let ground_of = |dataset: &Dataset| dataset.scene.mesh.ground_material().map(|index| index as usize);
         let own = self.document.own_materials();
@@ -40,13 +40,13 @@ impl Workspace {
         self.selection.material = selected.filter(|&index| index < self.document.materials.len());
     }
 
-    /// The scene file has changed. Its bake is out of date, unless only appearances or animations were changed.
+    /// Takes a changed scene file. Its bake is out of date, unless only appearances or animations changed.
     pub fn scene_changed(&mut self, path: &Path, source: Imported) {
         if self.document.scene.as_deref() != Some(path) {
             return;
         }
         match self.scene.source.as_mut().filter(|known| known.hash == source.hash) {
-            // What was tried of its mesh stays known.
+            // Trials of its mesh stay known.
             Some(known) => (known.scene, known.animation) = (source.scene, source.animation),
             None => self.take_changed(path, source),
         }
@@ -60,7 +60,7 @@ impl Workspace {
         if self.scene.baked.is_none() {
             take_textures(&mut self.document, &source.scene.textures);
         }
-        // What is on the screen stays there, and is marked.
+        // The picture stays on the screen, marked as out of date.
         self.scene.show_stale = self.scene.shown().is_some();
         let preview = (!self.scene.show_stale).then(|| source.unshadowed(self.document.bake.ground));
         preview.iter().for_each(|preview| self.take_materials_of(&preview.dataset));
@@ -69,7 +69,7 @@ impl Workspace {
         self.scene.source = Some(source);
     }
 
-    /// Goes on without the time of a clip that the scene file does not have, and tells why.
+    /// Drops the time of a clip that the scene file lacks, with a warning.
     pub fn drop_lost_clip(&mut self) {
         let Some((source, time)) = self.scene.source.as_ref().zip(self.document.clip_time.as_ref()) else {
             return;

@@ -1,12 +1,12 @@
-//! The camera by which a document is first seen, and goes back to.
+//! The camera of a document's first view, to which *Reset camera* returns.
 
 use crate::{document::Document, navigation};
 use lapidary_core::{bounds::Bounds, camera::Camera};
 
-/// Width by height of the pictures that cameras of scene files are taken to be set up for.
+/// Aspect (width by height) for which cameras of scene files are assumed to be set up.
 const SHAPE: f32 = 1.5;
 
-/// The camera by which a document is first seen.
+/// The camera of a document's first view.
 #[derive(Clone, Debug)]
 pub struct FirstView {
     camera: Camera,
@@ -16,16 +16,16 @@ pub struct FirstView {
 /// How the camera is fitted to the viewport.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fit {
-    /// As it was left: that of a session or of recovered work.
+    /// Unchanged: from a session or recovered work.
     Kept,
-    /// That of a scene file: a viewport narrower than its picture sees as much in width.
+    /// From a scene file: a narrower viewport keeps the width of its view.
     Width,
-    /// That of a scene without cameras: all of it is framed.
+    /// For a scene without cameras: frames all of it.
     All,
 }
 
 impl FirstView {
-    /// The first view of a document just opened, which was `kept` in a session or an autosave or comes from a scene.
+    /// The first view of a newly opened document, `kept` from a session or an autosave, or from a scene.
     pub fn of(document: &Document, kept: bool) -> Self {
         let fit = match (kept, document.bookmarks.is_empty()) {
             (true, _) => Fit::Kept,

@@ -1,23 +1,23 @@
-//! What may be written where: no file that the document is made of is lost.
+//! Guards outputs, so that no file of the document is overwritten.
 
 use super::Workspace;
 use crate::document::Document;
 use lapidary_core::{brdf::BrdfFile, output::check_output};
 use std::path::{Path, PathBuf};
 
-/// What is written.
+/// Kind of output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Written {
-    /// The session, whose file it may replace.
+    /// The session, which may replace its file.
     Session,
-    /// A bake, which may replace the one before.
+    /// A bake, which may replace the previous one.
     Dataset,
-    /// Something that the document does not read.
+    /// A file that the document does not read.
     Other,
 }
 
 impl Workspace {
-    /// Whether a file can be written without a loss; says why not.
+    /// Whether a file can be written without a loss; shows an error if not.
     pub fn may_write(&mut self, path: &Path, what: Written) -> bool {
         let inputs = self.inputs(what);
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
@@ -28,7 +28,7 @@ impl Workspace {
         checked.is_ok()
     }
 
-    /// Files that are lost if something is written over them that is no successor of theirs.
+    /// Files that only their own successors may overwrite.
     pub fn inputs(&self, what: Written) -> Vec<PathBuf> {
         let dataset =
             [&self.document.dataset, &self.scene.bake_output].into_iter().filter(|_| what != Written::Dataset);
@@ -37,7 +37,7 @@ impl Workspace {
     }
 }
 
-/// Files that the document's scene, materials and light are made of, each once.
+/// Files of the document's scene, materials and light, each once.
 pub fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let slots = document.materials.iter().flat_map(|m| m.maps.slots());
     let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
@@ -49,7 +49,7 @@ pub fn files_in_use(document: &Document) -> Vec<PathBuf> {
     files
 }
 
-/// The files of materials' BRDFs.
+/// BRDF files of materials.
 pub fn brdf_files(document: &Document) -> impl Iterator<Item = &BrdfFile> {
     document.materials.iter().filter_map(|material| material.file.as_ref())
 }

@@ -1,4 +1,4 @@
-//! What is selected.
+//! The selection.
 
 use super::{Inspector, Workspace};
 use crate::{actions::SelectAction, document::objects::ObjectNumbers};
@@ -7,15 +7,15 @@ use lapidary_core::parts::Part;
 /// The selection.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// The active object of the mesh: the one that was selected last, which panels show.
+    /// The active object of the mesh: the one selected last, which panels show.
     pub object: Option<u32>,
-    /// Objects that move along with it, in the order in which they were selected; none without an active one.
+    /// Objects that move along with it, in order of selection; none without an active one.
     pub others: Vec<u32>,
-    /// A part of the active object, or of the object that was selected before the material.
+    /// A part of the active object, or of the object selected before the material.
     pub part: Option<Part>,
     /// A material.
     pub material: Option<usize>,
-    /// A local light; undo may have taken it away, see [`Workspace::selected_light`].
+    /// A local light; undo may have removed it, see [`Workspace::selected_light`].
     pub light: Option<usize>,
 }
 
@@ -31,8 +31,7 @@ impl Selection {
         self.others.clear();
     }
 
-    /// Adds an object, which becomes the active one, or takes it away. The object that was selected before the active one takes
-    /// the place of that.
+    /// Adds an object, which becomes the active one, or removes it. After a removal the object selected before becomes active.
     pub fn toggle_object(&mut self, object: u32) {
         if self.object == Some(object) {
             self.object = self.others.pop();
@@ -43,13 +42,13 @@ impl Selection {
         }
     }
 
-    /// Takes away the objects that do not fulfil a condition.
+    /// Keeps only objects that fulfill a condition.
     pub fn retain_objects(&mut self, mut is_kept: impl FnMut(u32) -> bool) {
         self.others.retain(|&other| is_kept(other));
         self.object = self.object.filter(|&object| is_kept(object)).or_else(|| self.others.pop());
     }
 
-    /// Gives objects other numbers, and takes away those that are gone.
+    /// Renumbers objects, and drops deleted ones.
     pub fn renumber_objects(&mut self, numbers: &ObjectNumbers) {
         self.retain_objects(|object| numbers.of(object).is_some());
         self.object
@@ -61,7 +60,7 @@ impl Selection {
 }
 
 impl Workspace {
-    /// Selects what is asked for.
+    /// Performs an action.
     pub fn perform_select(&mut self, action: SelectAction) {
         match action {
             SelectAction::Object(object) => self.select_object(object),
@@ -77,11 +76,11 @@ impl Workspace {
         self.show_active_object();
     }
 
-    /// Adds an object to the selection, or takes it away. A ground, which cannot be moved, is only selected alone.
+    /// Adds an object to the selection, or removes it. A ground, which cannot be moved, is only selected alone.
     pub fn toggle_object(&mut self, object: u32) {
         let ground = self.scene.ground_object();
         if ground == Some(object) {
-            self.messages.remark("The ground stays where it is, and is only selected alone");
+            self.messages.remark("The ground cannot move, and can only be selected alone");
             return;
         }
         self.selection.retain_objects(|selected| Some(selected) != ground);
@@ -110,7 +109,7 @@ impl Workspace {
         }
     }
 
-    /// The selected light, if it is there.
+    /// The selected light, if it exists.
     pub fn selected_light(&self) -> Option<usize> {
         self.selection.light.filter(|&index| index < self.document.lights.len())
     }

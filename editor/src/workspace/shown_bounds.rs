@@ -1,4 +1,4 @@
-//! Bounds of what is shown, kept from frame to frame.
+//! Bounds of the shown scene, kept between frames.
 
 use crate::bounds::object_bounds;
 use lapidary_core::{
@@ -14,16 +14,16 @@ use std::sync::Arc;
 pub struct ShownBounds {
     /// Address of the dataset, and the selected objects.
     of: Option<(usize, Vec<u32>)>,
-    /// All of it.
+    /// Bounds of the whole scene.
     pub scene: Option<Bounds>,
-    /// The selected objects, each.
+    /// Bounds of each selected object.
     pub selection: Vec<Bounds>,
     /// All parts.
     pub parts: Vec<Part>,
 }
 
 impl ShownBounds {
-    /// Follows what is shown and selected.
+    /// Follows the shown scene and the selection.
     pub fn update(&mut self, shown: Option<&Baked>, selected: impl Iterator<Item = u32>) {
         let of = shown.map(|baked| (Arc::as_ptr(&baked.dataset) as usize, selected.collect::<Vec<_>>()));
         if of != self.of {

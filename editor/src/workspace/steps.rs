@@ -16,7 +16,7 @@ impl Workspace {
         self.history.end_gesture();
     }
 
-    /// Takes back the last step.
+    /// Undoes the last step.
     pub fn undo(&mut self) {
         let before = self.material_of_selected_part();
         if let Some(name) = self.history.undo(&mut self.document) {
@@ -25,7 +25,7 @@ impl Workspace {
         }
     }
 
-    /// Does the last step that was taken back again.
+    /// Repeats the step last undone.
     pub fn redo(&mut self) {
         let before = self.material_of_selected_part();
         if let Some(name) = self.history.redo(&mut self.document) {
@@ -38,7 +38,7 @@ impl Workspace {
         self.selection.part.map(|part| self.document.material_of(part))
     }
 
-    /// Selects the material of the selected part if that was another one before.
+    /// Selects the material of the selected part if it has changed.
     fn follow_selected_part(&mut self, before: Option<usize>) {
         let now = self.material_of_selected_part();
         if now != before {

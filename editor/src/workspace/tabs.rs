@@ -6,18 +6,18 @@ pub enum Inspector {
     /// The selected material.
     #[default]
     Material,
-    /// The light from all around.
+    /// The environment.
     Environment,
-    /// Local lights, and which light is in the picture.
+    /// Local lights, and the parts of the light in the picture.
     Lights,
-    /// How the picture is made and shown.
+    /// Settings of the picture and its display.
     View,
     /// Visibility.
     Bake,
 }
 
 impl Inspector {
-    /// All of them, in the order in which they are shown.
+    /// All tabs, in the order shown.
     pub const ALL: [Self; 5] = [Self::Material, Self::Environment, Self::Lights, Self::View, Self::Bake];
 
     /// Its name.
@@ -38,12 +38,12 @@ pub enum Side {
     /// Objects, materials and cameras.
     #[default]
     Scene,
-    /// Environments to choose from.
+    /// The library of environments.
     Library,
 }
 
 impl Side {
-    /// Both of them.
+    /// Both tabs.
     pub const ALL: [Self; 2] = [Self::Scene, Self::Library];
 
     /// Its name.
@@ -55,14 +55,14 @@ impl Side {
     }
 }
 
-/// Which panels are seen.
+/// The visible panels and tabs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tabs {
     /// The tab of the inspector.
     pub inspector: Inspector,
     /// The tab of the left side.
     pub side: Side,
-    /// Only the picture is shown.
+    /// Whether only the picture is shown.
     pub panels_hidden: bool,
     /// Which sides are opened over the picture in a narrow window: the left one, and the inspector.
     pub unfolded: [bool; 2],

@@ -19,7 +19,7 @@ pub struct PathEntry {
     text: String,
     entries: Vec<Entry>,
     problem: Option<String>,
-    /// A file that would be replaced, and whose replacing was not confirmed yet.
+    /// An existing file whose replacement is not confirmed yet.
     replacing: Option<PathBuf>,
     fresh: bool,
 }
@@ -29,7 +29,7 @@ struct Entry {
     is_folder: bool,
 }
 
-/// `None` while the dialog stays open; then the path, or `None` if it was cancelled.
+/// `None` while the dialog stays open; then the path, or `None` if it was canceled.
 type Answer = Option<Option<PathBuf>>;
 
 impl PathEntry {
@@ -48,7 +48,7 @@ impl PathEntry {
         entry
     }
 
-    /// Shows it.
+    /// Shows the dialog.
     pub fn show(&mut self, ctx: &Context) -> Answer {
         let modal = Modal::new(egui::Id::unique("path entry")).show(ctx, |ui| self.contents(ui));
         let closed = modal.should_close();
@@ -60,7 +60,7 @@ impl PathEntry {
         ui.heading(self.purpose.title);
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            if ui.button("Up").on_hover_text("The folder above").clicked() {
+            if ui.button("Up").on_hover_text("Go to the parent folder").clicked() {
                 self.enter_parent();
             }
             ui.add(Label::new(RichText::new(self.folder.display().to_string()).weak()).truncate().selectable(true));
@@ -78,8 +78,8 @@ impl PathEntry {
         if picked || typed || accepted { self.accept().map(Some) } else { None }
     }
 
-    /// Returns whether the path was accepted or the dialog cancelled. What replaces a file is not where the first click on
-    /// the way there was.
+    /// Returns whether the path was accepted or the dialog canceled. The button that replaces a file is not where the first click
+    /// was.
     fn buttons(&self, ui: &mut Ui) -> (bool, bool) {
         let replaces = self.replacing.is_some();
         let row = ui.horizontal(|ui| {
@@ -131,7 +131,7 @@ impl PathEntry {
         let field = output.response.response.accessible_name("Path");
         if std::mem::take(&mut self.fresh) {
             field.request_focus();
-            // What is typed first replaces the suggested name and leaves its extension.
+            // Typing replaces the suggested name and keeps its extension.
             let stem = Path::new(&self.text).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count());
             let range = CCursorRange::two(CCursor::new(0), CCursor::new(stem));
             output.state.cursor.set_char_range(Some(range));
@@ -157,7 +157,7 @@ impl PathEntry {
             _ if typed.is_empty() => self.problem = Some("Choose a file or type a path.".into()),
             Mode::Save => return self.accept_to_write(path),
             Mode::Open | Mode::OpenMany if path.is_file() => return Some(path),
-            _ => self.problem = Some(format!("There is no such file; check the path ({})", path.display())),
+            _ => self.problem = Some(format!("File not found; check the path ({})", path.display())),
         }
         None
     }
@@ -165,9 +165,9 @@ impl PathEntry {
     fn accept_to_write(&mut self, path: PathBuf) -> Option<PathBuf> {
         let path = self.purpose.with_extension(path);
         if path.parent().is_some_and(|folder| !folder.is_dir()) {
-            self.problem = Some(format!("There is no such folder; create it first ({})", path.display()));
+            self.problem = Some(format!("Folder not found; create it first ({})", path.display()));
         } else if path.exists() && self.replacing.as_ref() != Some(&path) {
-            self.problem = Some(format!("There is such a file already. Replace it? ({})", path.display()));
+            self.problem = Some(format!("File already exists. Replace it? ({})", path.display()));
             self.replacing = Some(path);
         } else {
             return Some(path);
@@ -193,7 +193,7 @@ impl PathEntry {
                 self.problem = None;
             }
             Err(error) => {
-                self.problem = Some(format!("The folder cannot be read: {error} ({})", folder.display()));
+                self.problem = Some(format!("Cannot read the folder: {error} ({})", folder.display()));
                 if self.folder.as_os_str().is_empty() {
                     self.folder = folder;
                 }

@@ -11,10 +11,10 @@ use lapidary_interchange::{
 };
 use std::path::{Path, PathBuf};
 
-/// Which dialog.
+/// Kind of dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// One file that is there.
+    /// One existing file.
     Open,
     /// One or many.
     OpenMany,
@@ -82,7 +82,7 @@ impl Purpose {
                 Self::save(FileUse::Session, "Save the session", "Sessions", vec!["lapidary"])
             }
             Action::File(FileAction::Relink(_)) => {
-                Self::folder(FileUse::Missing, "Look for the files in a folder", "Look here")
+                Self::folder(FileUse::Missing, "Search a folder for the files", "Search here")
             }
             Action::Export(ExportAction::Picture(_)) => {
                 Self::picture("Export the picture", PictureFormat::all_endings(PictureFormat::is_written))
@@ -93,7 +93,7 @@ impl Purpose {
                 Self::new(FileUse::Material, ["Export the materials", "Export"], &files, Mode::Save, export::endings())
             }
             Action::Export(ExportAction::SequenceFolder(_)) => {
-                Self::folder(FileUse::Picture, "Choose the folder of the frames", "Choose")
+                Self::folder(FileUse::Picture, "Choose a folder for the frames", "Choose")
             }
             Action::Material(MaterialAction::LoadTexture { .. }) => {
                 Self::load(FileUse::Texture, "Load a texture", "Pictures", pictures())

@@ -11,26 +11,26 @@ const WINDOW_REST_SECS: f64 = 0.15;
 pub struct Interface {
     /// The keyboard map is shown.
     pub keys_open: bool,
-    /// Where the viewport was in the last frame.
+    /// The viewport's rectangle in the last frame.
     pub viewport_rect: Rect,
-    /// Frames in which a text from the clipboard is a camera.
+    /// Frames left in which a clipboard text is taken as a camera.
     pub pasting_camera: u8,
     /// The panels at both sides.
     pub sides: SidePanels,
     /// Size of the window in points, and when it changed last, in seconds.
     window: (Vec2, f64),
-    /// The preferences that the theme was made of.
+    /// Preferences of the present theme.
     pub themed: Option<Preferences>,
     /// Size of the window in points, but not while it fills the screen.
     pub window_size: Option<[f32; 2]>,
-    /// What the viewport remembers.
+    /// State of the viewport.
     pub viewport: ViewportState,
     /// The panel of the scene.
     pub scene: ScenePanel,
 }
 
 impl Interface {
-    /// As it begins, with panels of these widths in points.
+    /// Initial state, with panels of these widths in points.
     pub fn new(widths: [f32; 2]) -> Self {
         Self {
             keys_open: false,
@@ -45,8 +45,8 @@ impl Interface {
         }
     }
 
-    /// The size in pixels that the picture should have in a viewport of `size`. While the edge of a panel or of the window
-    /// moves, it is `size_before`: the picture is kept then, and made anew once at the end.
+    /// The picture size in pixels for a viewport of `size`. While the edge of a panel or the window moves, it is `size_before`: the
+    /// picture is kept, and rendered again once at the end.
     pub fn settled_size(&mut self, ctx: &Context, size_before: [u32; 2], size: [u32; 2]) -> [u32; 2] {
         let (window, now) = (ctx.content_rect().size(), ctx.input(|i| i.time));
         let (before, changed_at) = self.window;

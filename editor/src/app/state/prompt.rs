@@ -10,12 +10,12 @@ use std::{collections::VecDeque, path::PathBuf};
 pub enum Prompt {
     /// Changes would be lost.
     Unsaved {
-        /// What was asked for.
+        /// The action that waits.
         then: Then,
     },
-    /// Work of processes that ended too early was found.
+    /// Work of crashed processes was found.
     Recover(Vec<Recovery>),
-    /// Files of a session are not there.
+    /// Files of a session are missing.
     Missing {
         /// The session.
         loaded: Box<LoadedSession>,
@@ -30,7 +30,7 @@ pub enum Prompt {
         file: PathBuf,
         /// The files, as it names them.
         names: Vec<String>,
-        /// What is done once there is an answer.
+        /// The step after the answer.
         then: Again,
     },
     /// A file has several materials.
@@ -42,11 +42,11 @@ pub enum Prompt {
         /// The material that one of them replaces.
         material: usize,
     },
-    /// The identity of this program.
+    /// Name and version of the program.
     About,
 }
 
-/// What waits for the answer whether files outside a folder are read.
+/// The step that waits for permission to read files outside a folder.
 pub enum Again {
     /// A document is opened.
     Open(Target),
@@ -62,7 +62,7 @@ pub enum Then {
     Show(Box<Ready>),
 }
 
-/// Questions that wait, and what follows their answers.
+/// Waiting questions, and the steps after their answers.
 #[derive(Default)]
 pub struct Questions {
     /// The one that is asked comes first.
@@ -74,12 +74,12 @@ pub struct Questions {
 }
 
 impl Questions {
-    /// With one to begin with, if there is one.
+    /// With a first question, if there is one.
     pub fn of(first: Option<Prompt>) -> Self {
         Self { waiting: first.into_iter().collect(), ..Self::default() }
     }
 
-    /// Asks a question, after those that wait. Of two about leaving the document the later counts.
+    /// Queues a question. Of two about leaving the document, the later counts.
     pub fn ask(&mut self, prompt: Prompt) {
         if let Prompt::Unsaved { .. } = prompt {
             self.waiting.retain(|waiting| !matches!(waiting, Prompt::Unsaved { .. }));

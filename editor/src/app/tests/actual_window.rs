@@ -1,7 +1,7 @@
-//! The real window on a virtual display: it is driven by input events, and what it shows is compared with what the
-//! document asks for. Where controls are is learned from the same interface run without a window.
+//! The real window on a virtual display, driven by input events. Its screen is compared with the picture that the document asks
+//! for. Positions of controls come from the same interface run without a window.
 //!
-//! It keeps the cores busy for long. It may run beside any other test: all of them wait for answers longer than they take.
+//! It keeps the cores busy for long, yet may run beside any other test: all of them wait with ample margin.
 
 use super::{Place, Window};
 use crate::{
@@ -26,7 +26,7 @@ use std::{
 
 /// Size of the window, and of the screen, in pixels.
 const SIZE: [u32; 2] = [1440, 900];
-/// What the harness leaves free around the interface, in points.
+/// Margin of the harness around the interface in points.
 const MARGIN: egui::Vec2 = egui::Vec2::splat(8.0);
 
 /// A virtual display with the program on it; both end with it.
@@ -38,7 +38,7 @@ struct Screen {
 impl Drop for Screen {
     fn drop(&mut self) {
         for process in self.processes.iter_mut().rev() {
-            // It may have ended by itself.
+            // It may have ended already.
             let _ = process.kill();
             let _ = process.wait();
         }
@@ -68,7 +68,7 @@ impl Screen {
         Self { display, processes: vec![server, editor] }
     }
 
-    /// Sends input, as `xdotool` has it.
+    /// Sends input in the syntax of `xdotool`.
     fn input(&self, words: &str) {
         let status = Command::new("xdotool").args(words.split(' ')).env("DISPLAY", &self.display).status().unwrap();
         assert!(status.success(), "xdotool {words}");
@@ -83,7 +83,7 @@ impl Screen {
         }
     }
 
-    /// What is on the screen inside a rectangle.
+    /// Pixels of the screen in a rectangle.
     fn capture(&mut self, rect: egui::Rect) -> Vec<[u8; 4]> {
         assert!(self.processes[1].try_wait().unwrap().is_none(), "the program has ended");
         let picture = Command::new("import").args(["-window", "root", "png:-"]).env("DISPLAY", &self.display).output();
@@ -143,7 +143,7 @@ fn expected(document: &Document, dataset: &Arc<Dataset>, size: [u32; 2]) -> Vec<
     scene.display(&look.post).unwrap()
 }
 
-/// What the test needs that is missing.
+/// A missing requirement of the test, if any.
 fn missing() -> Option<String> {
     let tools = ["Xvfb", "xdotool", "import"];
     let is_there = |tool: &&str| {
@@ -179,7 +179,7 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     twin.open(&place.path("scene.cuts"));
     // Program, twin and expectation all render large pictures beside other tests, whose work would wait for theirs.
     twin.0.state_mut().work.document.view.aa = 2;
-    // A session keeps the camera as it is; that of a scene is fitted to the viewport, which has no size yet at first.
+    // A session keeps its camera; a scene's camera is fitted to the viewport, which has no size at first.
     twin.perform(Action::File(FileAction::SaveAs(Some(place.path("look.lapidary")))));
     let viewport = twin.0.get_by_label("Viewport").rect().translate(-MARGIN);
     let size = twin.0.state().work.viewport_size;
@@ -192,7 +192,7 @@ fn dragging_roughness_and_turning_the_environment_show_in_the_real_window() {
     let rough = shown(&twin.0.state().work.document);
     let seen = difference(&rough, &before);
     assert!(seen > 2.0, "negative control: roughness is seen: {seen}");
-    // The toolkit takes press and release within one frame for no drag, and on a busy machine a frame can be long.
+    // Press and release within one frame are no drag, and on a busy machine a frame can be long.
     for patience in [10, 20, 30] {
         screen.drag(slider);
         if screen.shows(viewport, &rough, Duration::from_secs(patience)).is_ok() {
@@ -217,7 +217,7 @@ fn polished(path: &Path) -> Dataset {
     dataset
 }
 
-/// Drags the slider in the window that can be asked what it comes to, and returns from where to where.
+/// Drags the slider in the twin, and returns both ends of the drag.
 fn drag_roughness(twin: &mut Window) -> [egui::Pos2; 2] {
     let slider = twin.0.get_by_label("Roughness").rect();
     let (from, to) = (slider.center().round(), slider.lerp_inside(egui::vec2(0.04, 0.5)).round());

@@ -26,7 +26,7 @@ const FLOOR: [f32; 12] = [-1.0, 0.0, -1.0, 1.0, 0.0, -1.0, 1.0, 0.0, 1.0, -1.0, 
 const PYRAMID: [f32; 15] = [-0.3, 0.0, -0.3, 0.3, 0.0, -0.3, 0.3, 0.0, 0.3, -0.3, 0.0, 0.3, 0.0, 0.6, 0.0];
 const PYRAMID_OBJECT: u32 = 1;
 
-/// Writes a floor and a pyramid on it, which the clip "slide" takes along X by some meters in a second, if there is one.
+/// Writes a floor and a pyramid, which the clip "slide" moves along X by `metres` in a second, if given.
 fn write_sliding(path: &Path, metres: Option<f32>) {
     let slide = [0.0, 0.0, 0.0, metres.unwrap_or_default(), 0.0, 0.0];
     let floats = [&FLOOR[..], &PYRAMID, &[0.0, 1.0], &slide].concat();
@@ -79,7 +79,7 @@ fn middle(scene: &Scene) -> Vec3 {
     Objects::of(scene).center(PYRAMID_OBJECT)
 }
 
-/// The middle of the pyramid's box where pictures have it.
+/// The middle of the pyramid's box in pictures.
 fn middle_shown(state: &EditorState) -> Vec3 {
     let baked = state.work.scene.rendered().unwrap();
     middle(&baked.posed(&state.pose.poses_since(&state.work, baked)).unwrap().dataset.scene)
@@ -187,7 +187,7 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
         |window: &Window| window.0.state().picture.requests.last_sent().is_some_and(|sent: &RenderRequest| sent.moving);
     let button =
         |pos, pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: super::NONE };
-    let slider = window.0.get_by_label("Place in the clip").rect().left_center() + egui::vec2(16.0, 0.0);
+    let slider = window.0.get_by_label("Clip position").rect().left_center() + egui::vec2(16.0, 0.0);
     assert!(!is_moving(&window), "negative control");
     window.frame_of([Event::PointerMoved(slider), button(slider, true)]);
     let beside = slider + egui::vec2(12.0, 0.0);
@@ -198,7 +198,7 @@ fn pictures_of_a_scrubbed_clip_are_those_of_a_drag() {
     assert!(!is_moving(&window));
 }
 
-/// Where the handles of the pyramid lie.
+/// The position of the pyramid's handles.
 fn handles(window: &mut Window) -> Vec3 {
     window.0.run_steps(2);
     let state = window.0.state();
@@ -241,7 +241,7 @@ fn keyframes_that_change_on_disk_are_seen_at_once() {
     assert_eq!(window.0.state().work.scene.source.as_ref().unwrap().hash, hash, "the mesh is the same");
 }
 
-/// Writes the scene file anew, and lets the window know.
+/// Rewrites the scene file, and notifies the window.
 fn change(window: &mut Window, path: &Path, metres: Option<f32>) {
     write_sliding(path, metres);
     let changed = Imported::read(path, false).unwrap();

@@ -1,5 +1,5 @@
-//! What an artist does in a room with a lamp: the bounce follows the lamp, the paint of a wall and the gloss of a floor, and the
-//! environment adds to it, all without another bake.
+//! Edits in a room with a lamp: the bounce follows the lamp, the paint of a wall and the gloss of a floor, and the environment adds
+//! to it, all without another bake.
 
 use super::{Place, Window};
 use crate::{
@@ -28,7 +28,7 @@ fn opened(place: &Place) -> Window {
     let output = place.path("box.cuts");
     let job = BakeJob::new(resolve(settings).unwrap(), output);
     bake(import(Path::new(BOX)).unwrap().scene, &job, &Silent).unwrap();
-    // A narrow window has no panels beside the picture, which is small.
+    // A narrow window has a small picture without panels.
     let mut window = place.window_of(egui::vec2(240.0, 480.0));
     window.open(&place.path("box.cuts"));
     window
@@ -46,7 +46,7 @@ fn halves(state: &EditorState) -> Option<[Vec3; 2]> {
     Some([false, true].map(mean))
 }
 
-/// The same of the first finished picture that shows something else than `before`.
+/// The halves of the first finished picture that differs from `before`.
 fn settled(window: &mut Window, before: Option<[Vec3; 2]>) -> [Vec3; 2] {
     window.wait("a picture of something else", |s| halves(s).is_some_and(|now| before != Some(now)));
     halves(window.0.state()).unwrap()
@@ -86,7 +86,7 @@ fn the_bounce_follows_lamp_paint_and_gloss_and_the_environment_adds_to_it() {
     edit_material(&mut window, "Red paint", |m| m.parameters.set("base_color", Vec3::new(0.05, 0.1, 0.6)));
     let blue_wall = settled(&mut window, Some(first));
     assert!(ratio(blue_wall, blue, red) > 1.2 * ratio(first, blue, red), "{first:?} {blue_wall:?}");
-    // The half that the red wall is not in changes by what it sends there alone.
+    // The half without the red wall changes only by the wall's bounce.
     let far = usize::from(red(first[0]) / green(first[0]) > red(first[1]) / green(first[1]));
     let (before, after) = (blue(first[far]) / red(first[far]), blue(blue_wall[far]) / red(blue_wall[far]));
     assert!(after > 1.02 * before, "{before} {after}");

@@ -1,4 +1,4 @@
-//! BRDFs that users write: their sliders, and what happens when their files change.
+//! BRDFs that users write: their sliders, and changes of their files.
 
 use super::*;
 use lapidary_core::{brdf::BrdfModel, material::Material};

@@ -44,7 +44,7 @@ fn rel_rmse(window: &Window) -> f64 {
 fn a_key_begins_the_comparison_and_its_figures_are_shown() {
     let place = Place::new();
     let mut window = comparing(&place);
-    assert!(window.shows("Relative RMSE") && window.shows("of it noise"));
+    assert!(window.shows("Relative RMSE") && window.shows("Reference noise"));
     let error = rel_rmse(&window);
     assert!(error > 0.0 && error < 0.5, "{error}");
     let before = window.0.state().work.viewport_size;

@@ -107,7 +107,7 @@ fn changes_are_not_asked_about_before_there_is_a_document_to_take_their_place() 
     window.open(&place.path("scene.obj"));
     window.type_roughness("0.1");
     for (file, said) in
-        [("red.png", "a picture and no scene"), ("broken.gltf", "broken.gltf"), ("gone.obj", "gone.obj")]
+        [("red.png", "a picture, not a scene"), ("broken.gltf", "broken.gltf"), ("gone.obj", "gone.obj")]
     {
         window.perform(Action::File(FileAction::Open(Some(place.path(file)))));
         window.wait("the answer", |s| s.opening.is_none());
@@ -187,17 +187,17 @@ fn files_outside_the_folder_of_a_scene_are_read_after_a_question_that_is_asked_o
     let texture = |window: &Window| window.0.state().work.document.textures[0].texture.size;
     let mut window = place.window();
     window.open(&scene);
-    assert!(window.shows("Read files from elsewhere?") && window.shows("../red.png"));
+    assert!(window.shows("Read files outside the folder?") && window.shows("../red.png"));
     assert!(window.0.state().work.scene.source.is_none(), "nothing is opened before the answer");
     window.click("Open without them");
     window.wait("the scene", |s| s.work.scene.source.is_some());
-    assert_eq!(texture(&window), [8, 8], "the chequerboard");
+    assert_eq!(texture(&window), [8, 8], "the checkerboard");
     window.open(&scene);
     window.click("Read them");
     window.wait("the picture", |s| s.work.document.textures.first().is_some_and(|t| t.texture.size == [3, 3]));
     let mut later = place.window();
     later.open(&scene);
-    assert!(!later.shows("Read files from elsewhere?"), "the folder is remembered");
+    assert!(!later.shows("Read files outside the folder?"), "the folder is remembered");
     assert_eq!(texture(&later), [3, 3]);
     assert!(later.has_said("were read, as was allowed"));
 }

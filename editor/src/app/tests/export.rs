@@ -1,4 +1,4 @@
-//! Sequences and layered pictures from the window: described in the dialog, made on a worker, cancelled.
+//! Sequences and layered pictures from the window: described in the dialog, made on a worker, canceled.
 
 use super::{Place, Window};
 use crate::{
@@ -17,7 +17,7 @@ fn opened(place: &Place) -> Window {
     window
 }
 
-/// Types into a field in place of what is there.
+/// Replaces the text of a field.
 fn fill(window: &mut Window, field: &str, text: &str) {
     window.click(field);
     window.0.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);

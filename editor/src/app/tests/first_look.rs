@@ -1,4 +1,4 @@
-//! A scene that opens: seen at once, baked by itself, and what of that is kept.
+//! A scene that opens is seen at once and baked automatically, and its bakes are kept.
 
 use super::{Place, few_lights};
 use crate::{
@@ -13,7 +13,7 @@ use lapidary_core::{
 };
 use lapidary_interchange::image;
 
-/// Opens the scene and bakes it as if that had begun by itself, with few lights.
+/// Opens the scene and bakes it automatically, with few lights.
 fn baked_by_itself(place: &Place) -> super::Window {
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
@@ -83,7 +83,7 @@ fn a_bake_that_is_kept_is_written_beside_the_scene_without_baking_again() {
     let mut window = baked_by_itself(&place);
     window.perform(Action::Bake(BakeAction::Begin { resume: false }));
     assert!(window.0.state().baking.progress().is_none());
-    window.wait("the file", |s| s.work.messages.any_contains("The bake was written"));
+    window.wait("the file", |s| s.work.messages.any_contains("Bake written"));
     assert_eq!(Dataset::read(&place.path("scene.cuts"), image::decode).unwrap().tree.len(), few_lights().lights);
     assert_eq!(window.0.state().work.document.dataset, Some(place.path("scene.cuts")));
     // With other settings it is baked.
@@ -98,7 +98,7 @@ fn a_draft_of_an_own_scene_outlives_its_bake() {
     let place = Place::new();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    // The whole takes a minute, and is cancelled long before that.
+    // The full bake takes a minute, and is canceled long before that.
     let long = BakeSettings { lights: 32_768, max_vertices: Some(100_000), ..few_lights() };
     window.0.state_mut().work.document.bake = long;
     window.bake_by_itself(true);
@@ -134,7 +134,7 @@ fn a_bake_that_is_kept_has_the_look_of_the_scene_as_it_is_now() {
     assert_eq!(
         (again.0.state().work.scene.seen(), color(&again)),
         (BakeStage::Whole, Vec3::Z),
-        "colours make no bake stale"
+        "colors make no bake stale"
     );
 }
 

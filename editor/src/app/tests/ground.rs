@@ -16,7 +16,7 @@ fn choose(window: &mut Window, ground: Ground) {
     window.perform(Action::EndGesture);
 }
 
-/// The scene with its bake, which has no ground; `by_itself` tells whether scenes are baked without being asked.
+/// The scene with a bake without a ground; with `by_itself` scenes are baked automatically.
 fn opened(place: &Place, by_itself: bool) -> Window {
     place.bake();
     let mut window = place.window();
@@ -40,7 +40,7 @@ fn a_ground_that_is_chosen_is_seen_at_once_and_baked() {
     let mut window = opened(&place, true);
     choose(&mut window, Ground::Shadow);
     assert!(window.0.state().work.scene.seen() == BakeStage::Unshadowed && has_ground(&window) && is_baking(&window));
-    // The bake at work has it.
+    // The running bake has it.
     choose(&mut window, Ground::Off);
     choose(&mut window, Ground::Shadow);
     assert!(!window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
@@ -119,7 +119,7 @@ fn a_bake_that_ended_for_a_ground_begins_anew_whatever_is_chosen_by_then() {
     assert!(window.0.state().baking.run.as_ref().unwrap().job.is_cancelling());
     window.wait("another bake", |s| s.work.scene.seen() == BakeStage::Whole && s.baking.progress().is_none());
     assert_eq!(window.0.state().work.scene.shown().unwrap().dataset.tree.len(), 256);
-    // What the user cancels stays cancelled.
+    // A bake that the user cancels stays canceled.
     window.0.state_mut().work.document.bake.lights = 8192;
     window.bake_by_itself(false);
     window.perform(Action::Bake(BakeAction::Cancel));

@@ -1,4 +1,4 @@
-//! Which tool the keys choose, and what has handles.
+//! Tools chosen by keys, and the objects that have handles.
 
 use super::{Place, Window};
 use crate::{
@@ -43,7 +43,7 @@ fn keys_and_buttons_choose_the_tool_and_r_is_for_the_reference_while_comparing()
     assert_eq!(press(&mut window, Key::R), Some(Tool::Turn));
 }
 
-/// Shows a ground, and returns which object it is.
+/// Shows a ground, and returns its object.
 fn show_ground(window: &mut Window) -> u32 {
     let bake = BakeSettings { ground: Ground::On, ..window.0.state().work.document.bake.clone() };
     window.perform(Action::Edit { edit: Edit::Bake(Box::new(bake)), label: "Ground" });
@@ -51,7 +51,7 @@ fn show_ground(window: &mut Window) -> u32 {
     window.0.state().work.scene.ground_object().unwrap()
 }
 
-/// Drags the middle of the viewport, where the center of what is selected is seen.
+/// Drags the middle of the viewport, at the center of the selection.
 fn drag_middle(window: &mut Window) {
     window.perform(Action::Camera(CameraAction::FrameSelection));
     drag_middle_as_it_is(window);

@@ -1,4 +1,4 @@
-//! Keys and clicks land where they should: in fields, in commands, in what has popped up.
+//! Keys and clicks land where they should: in fields, in commands, in popups.
 
 use super::{NONE, Place, Window};
 use crate::{
@@ -13,7 +13,7 @@ fn opened(place: &Place) -> Window {
     place.bake();
     let mut window = place.window();
     window.open(&place.path("scene.obj"));
-    // Somewhere that no command goes to.
+    // A camera that no command leads to.
     let camera = Camera { eye: glam::Vec3::new(0.3, 2.0, 0.4), ..window.0.state().work.document.camera.clone() };
     window.perform(Action::Camera(CameraAction::To(camera)));
     window.wait("what clicks meet", |s| s.work.scene.shown().is_some_and(|b| b.intersector_if_ready().is_some()));
@@ -43,7 +43,7 @@ pub fn click(position: Pos2) -> [Event; 3] {
 }
 
 impl Window {
-    /// All that happens in one frame, and the frames after it.
+    /// Sends events in one frame, and runs the frames after it.
     pub fn frame_of(&mut self, events: impl IntoIterator<Item = Event>) {
         self.0.input_mut().events.extend(events);
         self.0.run_steps(3);
@@ -60,7 +60,7 @@ fn a_hex_color_typed_fast_changes_the_color_alone() {
     let mut window = opened(&place);
     let (camera, view) = (window.camera(), window.0.state().work.document.view.clone());
     let field = window.0.get_by_label("Base color hex").rect().center();
-    // The last letters, the key that leaves the field and what is typed blindly after it arrive together.
+    // The last letters, the key that leaves the field and the keys typed blindly after it arrive together.
     window.frame_of(click(field).into_iter().chain(typed("fa")));
     window.0.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.0.run_steps(2);

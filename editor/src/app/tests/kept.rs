@@ -1,4 +1,4 @@
-//! What a user made is kept: recovered work, edits while something opens, sessions of scenes without a bake, bakes.
+//! Work is kept: recovered work, edits while a file opens, sessions of scenes without a bake, bakes.
 
 use super::{Place, Window, few_lights};
 use crate::{
@@ -160,7 +160,7 @@ fn only_a_bake_of_the_same_settings_is_resumed() {
     assert_eq!(window.bake_status(), BakeStatus::UpToDate);
 }
 
-/// An autosave of a process that is gone.
+/// An autosave of an ended process.
 fn autosaved(place: &Place, document: &Document) -> PathBuf {
     let state = place.path("home/state");
     let mut autosave = Autosave::new(&state, Duration::ZERO);
@@ -217,7 +217,7 @@ fn edits_made_while_a_file_opens_are_asked_about() {
     window.open(&place.path("scene.obj"));
     window.0.state_mut().open(Target::File(place.path("scene.cuts")));
     let ctx = window.0.ctx.clone();
-    // Before the frame that would collect what was opened.
+    // Before the frame that collects the opened document.
     window.0.state_mut().perform(&ctx, Action::Environment(EnvironmentAction::Load(Some("sun-sky".into()))));
     window.wait("the file", |s| s.opening.is_none());
     assert!(window.shows("Save the changes?"));
@@ -246,7 +246,7 @@ fn a_session_whose_texture_moved_is_relinked() {
     std::fs::create_dir(place.path("elsewhere")).unwrap();
     window.perform(Action::File(FileAction::Relink(Some(place.path("elsewhere")))));
     window.wait("the question again", |s| s.opening.is_none());
-    assert!(window.shows("Files are missing") && window.has_said("Found 0 of the missing files; 1 are still missing"));
+    assert!(window.shows("Files are missing") && window.has_said("Found 0 files; 1 still missing"));
     window.perform(Action::File(FileAction::Relink(Some(place.path("moved")))));
     window.wait("the session", |s| s.opening.is_none() && !s.work.document.materials.is_empty());
     assert!(!window.shows("Files are missing") && !is_stand_in(&window.0.state().work.document));

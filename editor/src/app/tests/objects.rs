@@ -1,4 +1,4 @@
-//! A scene file whose objects have other numbers after a change: what was said of an object stays with it.
+//! Objects of a changed scene file have other numbers, and keep their poses, materials and selection.
 
 use super::{Place, Window, few_lights, kept::StopsInVisibility};
 use crate::{
@@ -16,7 +16,7 @@ const FLOOR: u32 = 0;
 const PYRAMID: u32 = 1;
 const PYRAMID_NOW: u32 = 2;
 
-/// A window with a bake, whose pyramid was moved and is selected, and whose file has a rug more since.
+/// A window with a bake, whose pyramid is moved and selected, and whose file gained a rug.
 fn with_a_rug(place: &Place) -> Window {
     place.bake();
     let mut window = place.window();

@@ -1,4 +1,4 @@
-//! The panels stand still: the user alone moves their edges, and the picture is kept meanwhile.
+//! Panels stay put: only the user moves their edges, and the picture is kept meanwhile.
 
 use super::{Place, Window, hands};
 use crate::{
@@ -146,7 +146,7 @@ fn sliders_and_numbers_of_all_tabs_stand_in_the_same_columns() {
     let tabs: [(Inspector, &[&str]); 3] = [
         (Inspector::Material, &["Roughness", "Metalness", "Specular", "IOR", "Anisotropy"]),
         (Inspector::Environment, &["Rotation", "Intensity"]),
-        (Inspector::View, &["Light moved", "Samples", "Frame budget", "Field of view", "Focal length"]),
+        (Inspector::View, &["Lit cut error", "Samples", "Frame budget", "Field of view", "Focal length"]),
     ];
     let mut columns = Vec::new();
     for (tab, rows) in tabs {
@@ -159,7 +159,7 @@ fn sliders_and_numbers_of_all_tabs_stand_in_the_same_columns() {
     assert!(left < right && right < number_left && number_left < number_right);
 }
 
-/// Whether a text is shown, and shown whole.
+/// Whether a text is shown in full.
 fn is_whole(window: &Window, text: &str) -> bool {
     fn is_it(shape: &Shape, text: &str) -> bool {
         match shape {

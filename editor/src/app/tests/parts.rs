@@ -1,4 +1,4 @@
-//! Parts get materials of their own and those of variants, without a bake.
+//! Parts get materials of their own, and variants, without a bake.
 
 use super::{Place, Window};
 use crate::{
@@ -94,7 +94,7 @@ fn a_part_gets_a_material_of_its_own_without_a_bake_and_sessions_keep_it() {
 fn a_bake_takes_the_opacity_of_a_part_with_a_material_of_its_own() {
     let place = Place::new();
     let mut window = opened(&place);
-    let words = "Opacity was edited; bake again for its shadows";
+    let words = "Opacity was edited; bake again to update its shadows";
     window.perform(Action::Material(MaterialAction::MakeUnique { part: PYRAMID, material: None }));
     window.0.run_ok();
     assert!(!window.shows(words), "negative control: nothing lets light through");
@@ -181,7 +181,7 @@ fn a_surface_that_has_a_material_alone_already_takes_the_values_of_others() {
         assert_eq!(document.materials[1].parameters.number("roughness"), roughness);
     }
     window.perform(Action::Material(MaterialAction::MakeUnique { part: PYRAMID, material: None }));
-    assert_eq!(window.undo_name().as_deref(), Some("Material of its own"));
+    assert_eq!(window.undo_name().as_deref(), Some("Make unique"));
     window.perform(Action::Undo);
     assert_eq!(window.0.state().work.document.materials[1].parameters.number("roughness"), 0.25, "one step each");
     window.perform(Action::Undo);

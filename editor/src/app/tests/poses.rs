@@ -73,7 +73,7 @@ fn the_picture_as_baked_goes_over_into_that_of_a_posed_object() {
     assert!(window.0.state().picture.faded(&ctx).is_none(), "negative control: nothing was before it");
     pose(&mut window, Pose { translate: Vec3::new(0.4, 0.3, 0.0), ..Pose::AS_BAKED });
     let of = |s: &EditorState, tier| s.picture.shown().is_some_and(|shown| shown.tier == tier);
-    // The window's time goes on by more than a fade with each frame.
+    // Each frame advances the window's time by more than a fade.
     let faded = Cell::new(None);
     window.wait("the preview", |s| {
         faded.set(s.picture.faded(&ctx));

@@ -1,12 +1,12 @@
-//! What a bake will cost, from what the last one did.
+//! Estimates the cost of a bake from the last one.
 
 use super::BakeContext;
 use crate::bake::parts::{self, Cost};
 use lapidary_core::dataset::{BakeReport, BakeSettings};
 use lapidary_precompute::{BounceTrial, POINTS_PER_VERTEX, Trial, most_vertices};
 
-/// Core seconds for each vertex of placing vertices where visibility varies, where no trial has measured it; and of all else
-/// before the light tree.
+/// Core seconds per vertex, where no trial has measured them: placing vertices where visibility varies, and all else before the
+/// light tree.
 const TESSELLATION: [f64; 2] = [2.5e-4, 5e-5];
 /// Bytes of a packed node.
 pub const NODE_BYTES: f64 = 2.0;
@@ -20,22 +20,22 @@ pub struct SceneStats {
     pub triangles: usize,
 }
 
-/// What is known for estimates: the last bake counts more than a trial, and a trial more than averages.
+/// Input of estimates: the last bake goes before a trial, and a trial before averages.
 #[derive(Clone, Copy, Debug)]
 pub struct Speed<'a> {
     /// Vertices before tessellation.
     pub source_vertices: Option<usize>,
     /// Report and settings of the last bake.
     pub last: Option<(&'a BakeReport, &'a BakeSettings)>,
-    /// What a trial found.
+    /// Result of a trial.
     pub trial: Option<Trial>,
-    /// What a trial of the bounces found.
+    /// Result of a trial of the bounces.
     pub bounces: Option<BounceTrial>,
     /// Cores that a bake may use, 1 or more.
     pub cores: usize,
 }
 
-/// What a bake will take, roughly.
+/// Rough cost of a bake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Vertices after tessellation, at most.
@@ -47,7 +47,7 @@ pub struct Estimate {
 }
 
 impl<'a> Speed<'a> {
-    /// All that the panel knows.
+    /// From the panel's input.
     pub fn known(context: &BakeContext<'a>) -> Self {
         Self {
             source_vertices: context.source_vertices(),
@@ -58,7 +58,7 @@ impl<'a> Speed<'a> {
         }
     }
 
-    /// What a bake with `settings` will take; `None` if its number of vertices cannot be told.
+    /// Estimated cost of a bake with `settings`; `None` if its number of vertices is unknown.
     pub fn estimate(&self, settings: &BakeSettings) -> Option<Estimate> {
         self.source_vertices.max(settings.max_vertices)?;
         let vertices = most_vertices(self.source_vertices.unwrap_or(0), settings);
@@ -69,7 +69,7 @@ impl<'a> Speed<'a> {
         Some(Estimate { vertices, secs, bytes })
     }
 
-    /// Seconds until vertices are where they sample.
+    /// Seconds until the vertices are placed.
     fn tessellation(&self, settings: &BakeSettings, vertices: f64) -> f64 {
         let of_trial = |trial: Trial| POINTS_PER_VERTEX as f64 * trial.core_secs_per_split;
         let splits = settings.max_vertices > self.source_vertices;
@@ -78,7 +78,7 @@ impl<'a> Speed<'a> {
     }
 }
 
-/// What is known of a scene of 5,000 vertices on two cores.
+/// Input for a scene of 5,000 vertices on two cores.
 #[cfg(test)]
 pub fn test_speed(report: Option<&BakeReport>) -> Speed<'_> {
     static SETTINGS: std::sync::LazyLock<BakeSettings> = std::sync::LazyLock::new(BakeSettings::default);

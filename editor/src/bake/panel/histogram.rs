@@ -7,7 +7,7 @@ use egui_plot::{Bar, BarChart, Plot};
 /// Height of the histogram in points.
 const PLOT_HEIGHT: f32 = 110.0;
 
-/// Bars over the powers of two; the pointer tells the range and the number of bake points.
+/// Bars over the powers of two; the tooltip has the range and the number of bake points.
 pub fn histogram(ui: &mut Ui, counts: &[u64]) {
     let bars = counts.iter().enumerate().map(|(i, &n)| Bar::new(i as f64, n as f64).width(0.9).name(bar_text(i, n)));
     let chart = BarChart::new("Bake points", bars.collect()).element_formatter(Box::new(|bar, _| bar.name.clone()));

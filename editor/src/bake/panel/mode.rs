@@ -8,7 +8,7 @@ use crate::{
 use egui::{RichText, Ui};
 use lapidary_core::dataset::{BakeParts, BakeSettings};
 
-/// The choice for most bakes, and what the chosen one gives and costs.
+/// The list of bake types, and the effect and cost of the chosen one.
 pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<Action>) {
     let mode = bake.mode;
     let mut modes = vec![
@@ -25,13 +25,13 @@ pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<A
         modes.iter().map(|&mode| gives_and_costs(&BakeSettings { mode, ..bake.clone() }, speed)).collect();
     let choices: Vec<_> = modes.iter().zip(&costs).map(|(&mode, text)| (mode, name(mode), text.as_str())).collect();
     let mut chosen = mode;
-    if combo_row(ui, "Bake of", "What is baked; more takes longer.", &mut chosen, &choices).changed {
+    if combo_row(ui, "Bake type", "Light to bake; more takes longer.", &mut chosen, &choices).changed {
         actions.push(Action::Bake(BakeAction::Choose(chosen)));
     }
     ui.label(RichText::new(gives_and_costs(bake, speed)).weak().small());
 }
 
-/// Name for people.
+/// Displayed name.
 pub fn name(mode: BakeParts) -> &'static str {
     match (mode.environment(), mode.sources(), mode.meshless()) {
         (_, false, false) => "Environment",
@@ -73,7 +73,7 @@ fn gives_and_costs(bake: &BakeSettings, speed: &Speed) -> String {
     gives(bake.mode).to_owned() + &cost
 }
 
-/// The choice for few: many bounces without the cuts.
+/// The rare choice of many bounces without cuts.
 pub fn advanced(ui: &mut Ui, mode: BakeParts, actions: &mut Vec<Action>) {
     let mut is_meshless = mode == BakeParts::MESHLESS;
     if check_row(ui, "Many soft bounces only", gives(BakeParts::MESHLESS), &mut is_meshless).changed {

@@ -1,5 +1,4 @@
-//! Progress of a bake: one bar per step, and the end of the present one. Phases are named after the light that they are
-//! for.
+//! Progress of a bake: one bar per step, and the time left in the present one. Phases are named after their light.
 
 use super::{BakeStatus, Draft};
 use crate::{
@@ -11,12 +10,12 @@ use egui::{Align, Button, Grid, Layout, ProgressBar, RichText, Ui};
 use lapidary_core::dataset::BakeParts;
 use lapidary_precompute::Phase;
 
-/// The phases of any bake.
+/// Phases of every bake.
 const OF_ALL: [Step; 4] = [
     (Phase::Import, "Reading the scene", "Geometry and materials."),
     (Phase::Tessellate, "Refining the mesh", "Splitting triangles where shadows vary."),
-    (Phase::Tree, "Building the light tree", "Clustering directions of the environment that are alike."),
-    (Phase::Pack, "Writing the bake", "Packing it and writing the file."),
+    (Phase::Tree, "Building the light tree", "Clustering similar directions of the environment."),
+    (Phase::Pack, "Writing the bake", "Packing and writing the file."),
 ];
 
 /// Shows a running bake, with a button to stop it.
@@ -53,27 +52,27 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
         ui.label(format!("{} of {} {unit}", grouped(done), grouped(total)));
     }
     if cancelling {
-        ui.label("Cancelling: it stops at the next point");
+        ui.label("Canceling: stops at the next point");
     } else {
         let left = left_secs.map(duration);
-        ui.label(left.map_or("Time left is not known".into(), |left| format!("About {left} left in this step")));
+        ui.label(left.map_or("Time left unknown".into(), |left| format!("About {left} left in this step")));
     }
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
-    // At the other side than the button that begins a bake, of which a second click would cancel it.
+    // On the other side than the button that begins a bake, whose double click would cancel it.
     ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
         let cancel = ui.add_enabled(!cancelling, Button::new("Cancel"));
-        if cancel.on_hover_text("Stops the bake and keeps what was done, to resume later.").clicked() {
+        if cancel.on_hover_text("Stops the bake and keeps its progress for later.").clicked() {
             actions.push(Action::Bake(BakeAction::Cancel));
         }
     });
 }
 
 impl Draft {
-    /// What is on the screen, and what comes.
+    /// Describes the present picture and the next.
     fn meaning(self) -> &'static str {
         match self {
             Self::None => "The picture stays as it is until the bake is complete.",
-            Self::UnderWay => "The draft is coarse, and shown as soon as it is done. The full bake follows by itself.",
+            Self::UnderWay => "The coarse draft is shown when it is done. The full bake follows.",
             Self::Shown => {
                 "The picture shows the draft: lights and materials can be edited. The full bake replaces it."
             }
@@ -81,7 +80,7 @@ impl Draft {
     }
 }
 
-/// One line about a bake at work: what it does, how far that is, and when it ends.
+/// One line about a running bake: its phase, its progress and the time left.
 pub fn line(status: &BakeStatus) -> Option<String> {
     let BakeStatus::Running { mode, draft, phase, done, total, left_secs, .. } = *status else { return None };
     let shown = steps(phase, mode);
@@ -112,7 +111,7 @@ fn runs_in(phase: Phase, mode: BakeParts) -> bool {
     steps.any(|(step, ..)| step == phase)
 }
 
-/// A phase's name and what it does.
+/// Name and description of a phase.
 pub fn described(phase: Phase) -> (&'static str, &'static str) {
     let mut steps = OF_ALL.into_iter().chain(parts::all().flat_map(|part| part.steps(BakeParts::ALL)));
     let step = steps.find(|(step, ..)| *step == phase);

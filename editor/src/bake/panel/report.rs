@@ -1,4 +1,4 @@
-//! What the last bake did: a table, the sizes of its cuts, and what it remarked.
+//! Report of the last bake: a table, the sizes of its cuts, and its remarks.
 
 use super::progress::described;
 use crate::{
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, report: &BakeReport, settings: &BakeSettings) {
     }
 }
 
-/// The table: names and values with units. Only what was baked has rows.
+/// The table: names and values with units. Only baked parts have rows.
 fn rows(report: &BakeReport, settings: &BakeSettings) -> Vec<(String, String)> {
     let mut rows = vec![
         ("Vertices", format!("{} ({} points)", count(report.vertices), count(report.bake_points))),

@@ -1,4 +1,4 @@
-//! The settings of the next bake: presets with their cost, and every setting by itself.
+//! The settings of the next bake: presets with their cost, and every single setting.
 
 use super::{
     BakeContext,
@@ -29,7 +29,7 @@ const PRESETS: [(Preset, &str, &str); 3] = [
     (Preset::High, "High", "Finer cuts and three times the vertices, for final pictures."),
 ];
 
-/// The presets, and what each will take.
+/// The presets with their estimated cost.
 pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut Vec<Action>) {
     let bake = &context.document.bake;
     Grid::new("presets").num_columns(4).show(ui, |ui| {
@@ -58,7 +58,7 @@ pub fn presets(ui: &mut Ui, context: &BakeContext, speed: &Speed, actions: &mut 
     ui.label(RichText::new(format!("Times and sizes are estimates from {source}.")).weak().small());
 }
 
-/// A preset for what is baked now, over the same ground, for the same views and from the same viewpoint.
+/// A preset with the present parts, ground, views and viewpoint.
 fn of_preset(preset: Preset, context: &BakeContext) -> BakeSettings {
     let bake = &context.document.bake;
     let settings = preset.settings_for(context.source_vertices().unwrap_or(0));
@@ -77,16 +77,15 @@ fn cost(ui: &mut Ui, estimate: Option<Estimate>) {
     ui.end_row();
 }
 
-/// Every setting by itself, and what is wrong with them. Those of the environment are there in any bake, since its light tree is.
+/// Every single setting, and errors in them. Every bake has the environment's settings, since it has its light tree.
 pub fn advanced(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     parts::of(BakePart::Environment).controls(ui, bake, actions);
-    let help = "Spreads further vertices evenly, without asking where visibility varies: faster, for a first look.";
+    let help = "Spreads added vertices evenly instead of where visibility varies: faster, for a first look.";
     bake_row(actions, "Even vertices", bake, |b| check_row(ui, "Even vertices", help, &mut b.even_vertices));
-    let help = "Traces every light and surface source from every vertex. Otherwise boundaries are followed, which takes a \
-                fraction of the time; an audit keeps the error within 1 %.";
+    let help = "Traces every light and surface source from every vertex. Off follows boundaries, which is faster; an audit \
+                keeps its error within 1 %.";
     bake_row(actions, "Trace every light", bake, |b| check_row(ui, "Trace every light", help, &mut b.exhaustive));
-    let help =
-        "Splits triangles where visibility varies until there are this many. Without it the mesh stays as it is.";
+    let help = "Splits triangles where visibility varies, up to this many vertices. Off keeps the mesh as it is.";
     let vertices = Decades::count("Max vertices", help, 0.0..=1e9, 100_000.0);
     bake_row(actions, "Max vertices", bake, |b| limit_row(ui, &vertices, &mut b.max_vertices));
     if let Err(error) = resolve(bake.clone()) {

@@ -64,7 +64,7 @@ fn panel_of_scene(
     panel
 }
 
-/// Clicks what has this label and returns the actions.
+/// Clicks the control of this label and returns the actions.
 fn clicked(panel: &mut Harness<Probe>, label: &str) -> Vec<Action> {
     panel.get_by_label(label).click();
     panel.run();
@@ -116,13 +116,13 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);
     assert!(panel.query_by_label("Bake").is_none());
     assert!(panel.query_by_label("Source visibility progress").is_none(), "negative control: no bounces");
-    assert!(panel.query_by_label_contains("Cancelling").is_none());
+    assert!(panel.query_by_label_contains("Canceling").is_none());
     assert!(matches!(clicked(&mut panel, "Cancel")[..], [Action::Bake(BakeAction::Cancel)]));
     let BakeStatus::Running { cancelling, .. } = &mut panel.state_mut().status else { panic!("it runs") };
     *cancelling = true;
     panel.run();
     assert!(
-        panel.query_by_label("250 of 1,000 points").is_some() && panel.query_by_label_contains("Cancelling").is_some()
+        panel.query_by_label("250 of 1,000 points").is_some() && panel.query_by_label_contains("Canceling").is_some()
     );
     assert!(clicked(&mut panel, "Cancel").is_empty(), "once is enough");
 }
@@ -171,7 +171,7 @@ fn reasons_name_both_values_and_only_what_differs() {
     document.bake.max_vertices = None;
     let expected = ["Lights: 8,192 now, 32,768 in the bake", "Vertices: no limit now, 100,000 in the bake"];
     assert_eq!(stale_reasons(&document, &dataset, Some("abc")), expected);
-    // Beta is of no account in a geometric tree.
+    // A geometric tree ignores beta.
     (document.bake, dataset.settings) = (Preset::Normal.settings(), Preset::Normal.settings());
     (document.bake.tree, dataset.settings.tree) = (TreeKind::Geometric, TreeKind::Geometric);
     document.bake.beta = 0.9;
@@ -257,7 +257,7 @@ fn advanced_settings_of_bounces_are_those_that_the_bake_has() {
 fn a_bake_is_for_the_views_that_are_chosen() {
     let asked = |document: Document, name: &str| {
         let mut panel = panel(BakeStatus::None, document, None);
-        panel.get_by_label("For").click();
+        panel.get_by_label("Views").click();
         panel.run();
         match &clicked(&mut panel, name)[..] {
             [Action::Bake(BakeAction::ForViews(cameras))] => cameras.clone(),
@@ -322,7 +322,7 @@ fn what_is_baked_is_chosen_and_presets_keep_it() {
     });
     assert_eq!(preset, Some((BakeParts::ALL, Preset::Draft.settings().lights)));
     both.state_mut().actions.clear();
-    both.get_by_label("Bake of").click();
+    both.get_by_label("Bake type").click();
     both.run();
     assert!(both.query_by_label_contains("Takes longest").is_some(), "what it gives and costs");
     both.get_by_label("Bounced light").click();

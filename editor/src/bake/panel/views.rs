@@ -1,4 +1,4 @@
-//! Which views a bake is for: all alike, or those that most vertices are meant for.
+//! Views of a bake: all equally, or those that get most vertices.
 
 use crate::{
     actions::{Action, BakeAction},
@@ -20,25 +20,23 @@ enum Views {
 /// The choice.
 pub fn show(ui: &mut Ui, document: &Document, actions: &mut Vec<Action>) {
     let mut chosen = chosen(document);
-    let present = "Most vertices go where the camera looks now: shadows and bounced light are finer there. Other views get the rest.";
-    let mut choices =
-        vec![(Views::All, "All views", "All views get vertices alike."), (Views::Present, "This view", present)];
+    let present = "Puts most vertices where the camera looks now, for finer shadows and bounced light there.";
+    let mut choices = vec![
+        (Views::All, "All views", "Spreads vertices over all views equally."),
+        (Views::Present, "This view", present),
+    ];
     if !document.bookmarks.is_empty() {
         choices.push((
             Views::Bookmarked,
             "Bookmarked views",
-            "Most vertices go where the views of Scene > Cameras look.",
+            "Puts most vertices where the views of Scene > Cameras look.",
         ));
     }
     if chosen == Views::Others {
         let name = if document.bake.shots.len() == 1 { "Another view" } else { "Other views" };
-        choices.push((
-            Views::Others,
-            name,
-            "The camera as it was when this was chosen, or the views given on the command line.",
-        ));
+        choices.push((Views::Others, name, "The view chosen earlier, or the views of the command line."));
     }
-    if combo_row(ui, "For", "Which views the bake is for.", &mut chosen, &choices).changed {
+    if combo_row(ui, "Views", "Views that get most vertices.", &mut chosen, &choices).changed {
         match chosen {
             Views::All => actions.push(Action::Bake(BakeAction::ForViews(Vec::new()))),
             Views::Present => actions.push(Action::Bake(BakeAction::ForViews(vec![document.camera.clone()]))),

@@ -22,19 +22,19 @@ use lapidary_precompute::Phase;
 /// Height of the smallest tree in the list: 256 lights. Fewer are for tests.
 const LEAST_HEIGHT: u32 = 8;
 
-/// (vertex, light) pairs per second and core of a bake that follows boundaries, where no bake has measured it, at the lights
-/// that it holds for: 40 to 60 million in nine scenes.
+/// (vertex, light) pairs per second and core of a bake that follows boundaries, and its number of lights, where no bake has
+/// measured it: 40 to 60 million in nine scenes.
 const PAIRS_PER_SECOND_AND_CORE: (f64, usize) = (45e6, 32_768);
-/// A vertex takes a time that grows by this power of the lights: probes are as many as the lights, boundaries as long as the
-/// square root. A quarter of the lights take a third of the time.
+/// Time per vertex grows with this power of the lights: the number of probes is proportional to the lights, the length of
+/// boundaries to their square root. A quarter of the lights takes a third of the time.
 const LIGHTS_POWER: f64 = 0.8;
-/// How much longer it takes to trace every light.
+/// Factor in time for tracing every light.
 const EXHAUSTIVE: f64 = 2.7;
-/// Points of each pilot cluster that are traced as vertices are.
+/// Points of each pilot cluster that are traced like vertices.
 const PILOT_POINTS: f64 = 8.0;
 /// Mean nodes of a cut at 32,768 lights and sigma 2 on the test scenes.
 const MEAN_CUT: f64 = 170.0;
-/// The lights and sigma that it holds for.
+/// Lights and sigma of [`MEAN_CUT`].
 const MEAN_CUT_AT: (usize, f32) = (32_768, 2.0);
 
 /// The entry.
@@ -66,8 +66,8 @@ impl PartOfPanel for Environment {
     }
 
     fn steps(&self, _mode: BakeParts) -> Vec<Step> {
-        let pilot = "Tracing a few vertices, by whose visibility light directions are clustered.";
-        let visibility = "Following what every vertex sees of the environment.";
+        let pilot = "Tracing a few vertices, to cluster directions by visibility.";
+        let visibility = "Tracing the environment's visibility from every vertex.";
         vec![(Phase::Pilot, "Pilot visibility", pilot), (Phase::Visibility, "Environment visibility", visibility)]
     }
 
@@ -112,7 +112,7 @@ impl PartOfPanel for Environment {
 
 /// The light tree, which every bake has.
 fn tree(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
-    let help = "Samples of the environment: a power of two.";
+    let help = "Number of environment samples, a power of two.";
     bake_row(actions, "Lights", bake, |b| {
         count_row(ui, "Lights", help, (LEAST_HEIGHT..=MAX_HEIGHT).map(|h| 1 << h), &mut b.lights)
     });
@@ -122,7 +122,7 @@ fn tree(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
         (TreeKind::DataDriven, tree_name(TreeKind::DataDriven), "By visibility alone (Eq. 11)."),
     ];
     bake_row(actions, "Light tree", bake, |b| {
-        combo_row(ui, "Light tree", "The metric that clusters lights.", &mut b.tree, &kinds)
+        combo_row(ui, "Light tree", "Metric for clustering lights.", &mut b.tree, &kinds)
     });
     let unused = (bake.tree != TreeKind::Mixed).then_some("Only mixed trees use it.");
     let beta = Number::new("Beta", "Weight of direction against visibility in a mixed tree, 0 to 1.", 0.0..=1.0, 0.5);
@@ -130,7 +130,7 @@ fn tree(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
 }
 
 fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
-    let help = "Limit of the environment cuts in megabytes. All cuts are coarsened alike until they fit.";
+    let help = "Size limit of the environment cuts in megabytes. All cuts are coarsened equally until they fit.";
     let size = Decades { unit: " MB", decimals: 1, ..Decades::count("Byte budget", help, 0.0..=1e7, 64.0) };
     bake_row(actions, "Byte budget", bake, |b| {
         let mut megabytes = b.max_bytes.map(|bytes| bytes as f64 / 1e6);
@@ -145,7 +145,7 @@ fn limits(ui: &mut Ui, bake: &BakeSettings, actions: &mut Vec<Action>) {
     bake_row(actions, "Total error", bake, |b| limit_row(ui, &error, &mut b.criterion.total_error));
 }
 
-/// Name for people.
+/// Displayed name.
 fn tree_name(tree: TreeKind) -> &'static str {
     match tree {
         TreeKind::Geometric => "Geometric",
@@ -154,19 +154,19 @@ fn tree_name(tree: TreeKind) -> &'static str {
     }
 }
 
-/// Points that a pilot traces as vertices are.
+/// Points that a pilot traces like vertices.
 pub fn pilot_points(settings: &BakeSettings, vertices: f64) -> f64 {
     (PILOT_POINTS * settings.pilot_clusters as f64).min(vertices)
 }
 
-/// Seconds of the environment's visibility from so many points.
+/// Seconds of tracing the environment's visibility from `points` points.
 pub fn tracing(speed: &Speed, settings: &BakeSettings, points: f64) -> f64 {
     let (rate, at) = pairs_per_second(speed);
     let pairs = at as f64 * (settings.lights as f64 / at as f64).powf(LIGHTS_POWER);
     points * pairs / rate * if settings.exhaustive { EXHAUSTIVE } else { 1.0 }
 }
 
-/// (vertex, light) pairs a second along boundaries, and the lights that it came from.
+/// (vertex, light) pairs a second along boundaries, and the number of lights at which it was measured.
 fn pairs_per_second(speed: &Speed) -> (f64, usize) {
     let along_boundaries = |r: &BakeReport| if r.lights_per_probe() == 1 { EXHAUSTIVE } else { 1.0 };
     let of_report = |r: &BakeReport| Some((r.run.as_ref()?.samples_per_second * along_boundaries(r), r.lights));
@@ -187,7 +187,7 @@ pub fn cut_size(speed: &Speed, settings: &BakeSettings) -> f64 {
     (size * finer / coarser).clamp(1.0, most.max(1.0))
 }
 
-/// A mean cut size, and the lights and sigma that it came from.
+/// A mean cut size, and the lights and sigma at which it was measured.
 fn mean_cut(speed: &Speed) -> (f64, usize, f32) {
     let has_cuts = |r: &&BakeReport| r.mode.environment() && r.mean_cut > 0.0 && r.sigma > 0.0;
     let measured = speed.last.map(|(report, _)| report).filter(has_cuts).map(|r| (r.mean_cut, r.lights, r.sigma));
@@ -255,7 +255,7 @@ mod tests {
         let settings = BakeSettings { max_vertices: None, ..Preset::Normal.settings() };
         let estimate = speed(Some(&report)).estimate(&settings).unwrap();
         assert_eq!((estimate.vertices, estimate.bytes), (5000, 1_000_000));
-        // The pilot traces all points, and all rays at the rate of an exhaustive bake, as it was.
+        // The pilot traces all points, and all rays at the rate of an exhaustive bake.
         let expected = 5000.0 * 5e-5 / 2.0 + 2.0 * 5000.0 * 0.032768 / 2.7;
         assert!((estimate.secs - expected).abs() < 1e-6);
         let exhaustive = BakeSettings { exhaustive: true, ..settings.clone() };

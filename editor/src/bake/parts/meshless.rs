@@ -18,10 +18,10 @@ const MOST_LEVELS: usize = 8;
 /// Core seconds, bytes and levels of the color box's meshless basis. Each level has about four times the functions of
 /// the one above it; their number depends on the surface in units of the coarsest distance, not on the vertices.
 const MESHLESS: (f64, f64, usize) = (110.0, 13e6, 6);
-/// Functions that gather light, in terms of those of the first two levels: all of three and four levels do, and as many of each
-/// further level as need detail.
+/// Functions that gather light, relative to those of the first two levels: all functions of three and four levels, and of each
+/// further level those that need detail.
 const GATHERING: [f64; 3] = [3.75, 13.3, 16.3];
-/// How much longer a ray of a whole basis takes than one of its first two levels, with what placing its points takes.
+/// Time of a ray of a whole basis relative to one of its first two levels, including the placing of points.
 const OF_WHOLE_BASIS: f64 = 1.25;
 
 /// The entry.
@@ -35,7 +35,8 @@ impl PartOfPanel for Meshless {
             b.meshless.sender_levels = b.meshless.sender_levels.min(b.meshless.levels);
             edited
         });
-        let help = "Levels that send light, counted from the coarsest. One more is slightly more accurate, and doubles the time.";
+        let help =
+            "Levels that send light, from the coarsest. One more is slightly more accurate and doubles the time.";
         bake_row(actions, "Sender levels", bake, |b| {
             let levels = 1..=b.meshless.levels;
             count_row(ui, "Sender levels", help, levels, &mut b.meshless.sender_levels)
@@ -44,7 +45,7 @@ impl PartOfPanel for Meshless {
         bake_row(actions, "Gather rays", bake, |b| {
             count_row(ui, "Gather rays", help, (6..=12).map(|power| 1 << power), &mut b.meshless.rays)
         });
-        let help = "Links that carry less than this share of the light are dropped. Smaller is more accurate, takes more memory, and is slower when a light moves.";
+        let help = "Drops links that carry less than this share of the light. Smaller is more accurate, takes more memory, and slows moving lights.";
         let default = f64::from(MeshlessSettings::default().epsilon);
         let epsilon = Decades { decimals: 5, ..Decades::count("Epsilon", help, 0.0..=1.0, default) };
         bake_row(actions, "Epsilon", bake, |b| decades_row(ui, &epsilon, &mut b.meshless.epsilon));
@@ -55,7 +56,7 @@ impl PartOfPanel for Meshless {
         let rows = [
             ("Levels", levels.to_string()),
             ("Sender levels", sender_levels.to_string()),
-            ("Coarse radius", coarse_radius.map_or("found".into(), |r| r.to_string())),
+            ("Coarse radius", coarse_radius.map_or("automatic".into(), |r| r.to_string())),
             ("Gather rays", rays.to_string()),
             ("Epsilon", epsilon.to_string()),
         ];
@@ -69,7 +70,7 @@ impl PartOfPanel for Meshless {
         ]
     }
 
-    /// It goes with the levels.
+    /// The cost depends on the levels.
     fn cost(&self, speed: &Speed, settings: &BakeSettings, _vertices: f64) -> Cost {
         let settings = &settings.meshless;
         let (core_secs, bytes, measured_levels) = MESHLESS;
@@ -90,7 +91,7 @@ impl PartOfPanel for Meshless {
     }
 }
 
-/// Functions that gather light in a basis of so many levels, as a multiple of those of the first two.
+/// Functions that gather light in a basis of `levels` levels, as a multiple of those of the first two.
 fn gathering(levels: usize) -> f64 {
     match levels {
         0..=2 => 1.0,

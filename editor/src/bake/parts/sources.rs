@@ -1,4 +1,4 @@
-//! Surface sources, which gather one bounce.
+//! Surface sources, for one bounce.
 
 use super::{Cost, PartOfPanel, Row, Step, bake_row, count, environment, missed, used};
 use crate::{
@@ -14,24 +14,24 @@ use lapidary_core::{
 };
 use lapidary_precompute::{BounceTrial, Phase};
 
-/// Height of the smallest tree of sources in the list: 1,024 of them.
+/// Height of the smallest tree of sources in the list: 1,024 sources.
 const LEAST_HEIGHT: u32 = 10;
 
-/// Pairs of vertex and source that a core resolves per second along boundaries, where nothing has measured them, at the sources
-/// that it holds for: 4.5 to 16.5 million in rooms.
+/// (vertex, source) pairs per second and core along boundaries, and its number of sources, where nothing has measured it: 4.5 to
+/// 16.5 million in rooms.
 const SOURCE_PAIRS_PER_SECOND_AND_CORE: (f64, usize) = (8e6, 32_768);
-/// A vertex takes a time that grows by this power of the sources, beside what is near: in the color box and the interior eight
-/// times as many take 1.55 times as long, and 32 times as many 2.6 and 3.0 times.
+/// Time per vertex grows with this power of the sources, besides the near field: in the color box and the interior, eight times as
+/// many sources take 1.55 times as long, 32 times as many 2.6 and 3.0 times.
 const SOURCES_POWER: f64 = 0.3;
-/// Core seconds for each source of placing it and measuring its area, where no trial has measured them.
+/// Core seconds per source for placing it and measuring its area, where no trial has measured them.
 const PLACING: f64 = 7.5e-4;
-/// How much longer it takes to trace every source: 1.2 times in a furnished room, twice in an empty one.
+/// Factor in time for tracing every source: 1.2 times in a furnished room, twice in an empty one.
 const EXHAUSTIVE_SOURCES: f64 = 1.5;
 /// Mean nodes of a cut over surface samples: between the 500 of the color box and the 1,340 of the Cornell box.
 const MEAN_SOURCE_CUT: f64 = 800.0;
-/// The samples and sigma that it holds for.
+/// Samples and sigma of [`MEAN_SOURCE_CUT`].
 const MEAN_SOURCE_CUT_AT: (usize, f32) = (32_768, 2.0);
-/// How it changes with their number and with sigma, to whose inverse it is proportional. In the color box 330 nodes
+/// Power of the number of samples with which the mean cut grows; it is inversely proportional to sigma. In the color box 330 nodes
 /// for 8,192 samples at sigma 1, 100 at sigma 4; in the Cornell box 1,336 at sigma 2, 650 at sigma 4, 328 at sigma 8.
 const SOURCE_CUT_POWER: f64 = 0.7;
 /// Bytes of a source beside its cut: place, normal, area, triangle.
@@ -52,12 +52,12 @@ impl PartOfPanel for Sources {
         bake_row(actions, "Source sigma", bake, |b| slider_row(ui, &sigma, &mut b.indirect.criterion.sigma));
     }
 
-    /// All parts that bounce light are of the space around the viewpoint.
+    /// All parts that bounce light cover the space around the viewpoint.
     fn described(&self, settings: &BakeSettings) -> Vec<Row> {
         let IndirectSettings { sources, criterion, viewpoint } = settings.indirect;
         let SourceCriterion { sigma, max_solid_angle, contrast } = criterion;
         let of_sources = |text: String| used(settings.mode.sources(), text);
-        let viewpoint = viewpoint.map_or("found".into(), |v| v.to_string());
+        let viewpoint = viewpoint.map_or("automatic".into(), |v| v.to_string());
         vec![
             ("Sources", of_sources(count(sources))),
             ("Source sigma", of_sources(sigma.to_string())),
@@ -70,7 +70,7 @@ impl PartOfPanel for Sources {
     fn steps(&self, mode: BakeParts) -> Vec<Step> {
         let environment = "Tracing every surface source against the environment.";
         let environment = (Phase::SourceEnvironment, "Environment on sources", environment);
-        let placing = "Points that send bounced light, where light can reach.";
+        let placing = "Placing points that send bounced light.";
         let clustering = "Clustering surface sources that send similar light.";
         let tracing = "Tracing every vertex against the surface sources.";
         let mut steps = vec![
@@ -92,7 +92,7 @@ impl PartOfPanel for Sources {
         let longer = if settings.exhaustive { EXHAUSTIVE_SOURCES } else { 1.0 };
         let (rate, at) = pairs_per_second(speed);
         let per_point = longer * at as f64 * (sources / at as f64).powf(SOURCES_POWER) / rate;
-        // Their tree has a pilot of its own, unless it is by place alone.
+        // Their tree has a pilot of its own, unless it clusters by place alone.
         let has_pilot = settings.tree != TreeKind::Geometric;
         let pilot = if has_pilot { environment::pilot_points(settings, vertices) } else { 0.0 };
         let placing = speed.bounces.map_or(PLACING, |trial| trial.sources.core_secs_per_source) / speed.cores as f64;
@@ -116,7 +116,7 @@ impl PartOfPanel for Sources {
     }
 }
 
-/// (vertex, source) pairs a second along boundaries, and the sources that it came from.
+/// (vertex, source) pairs a second along boundaries, and the number of sources at which it was measured.
 fn pairs_per_second(speed: &Speed) -> (f64, usize) {
     let cores = speed.cores as f64;
     let of_trial = |BounceTrial { sources: trial, .. }: BounceTrial| {
@@ -127,7 +127,7 @@ fn pairs_per_second(speed: &Speed) -> (f64, usize) {
     measured.or(speed.bounces.map(of_trial)).unwrap_or((rate * cores, at))
 }
 
-/// What the last bake has measured along boundaries, if it had sources, and their number.
+/// The same from the last bake, if it had sources.
 fn measured_pairs_per_second(report: &BakeReport) -> Option<(f64, usize)> {
     let secs = report.seconds(Phase::SourceVisibility.name())?;
     let indirect = report.indirect.as_ref()?;
@@ -144,7 +144,7 @@ fn cut_size(speed: &Speed, settings: &IndirectSettings) -> f64 {
     (size * finer / coarser).clamp(1.0, settings.sources as f64)
 }
 
-/// A mean cut over sources, and the sources and sigma that it came from.
+/// A mean cut over sources, and the sources and sigma at which it was measured.
 fn mean_cut(speed: &Speed) -> (f64, usize, f32) {
     let measured = speed.last.and_then(|(report, settings)| measured_cut(report, settings));
     let of_trial =
@@ -164,7 +164,7 @@ mod tests {
     use lapidary_core::dataset::{BakeAudit, BakeRun, IndirectReport};
     use lapidary_precompute::Preset;
 
-    /// Of a bounce: what its segments take, and its size.
+    /// Estimated time and size of a bounce.
     fn bounce(speed: &Speed, sources: usize, sigma: f32) -> Estimate {
         let mut settings = BakeSettings { mode: BakeParts::INDIRECT, max_vertices: None, ..Preset::Normal.settings() };
         (settings.indirect.sources, settings.indirect.criterion.sigma) = (sources, sigma);

@@ -1,4 +1,4 @@
-//! What both pictures differ by: metrics, and how the errors are distributed.
+//! Differences of both pictures: metrics, and the histogram of errors.
 
 use super::{ComparisonPanel, Tool};
 use crate::widgets::copyable;
@@ -9,10 +9,10 @@ use lapidary_studies::jobs::{comparison::TestPicture, measure::Measured};
 /// Size of the histogram in points, and its bars.
 const HISTOGRAM: egui::Vec2 = vec2(150.0, 34.0);
 const BINS: usize = 50;
-/// Points that the options take.
+/// Width of the options in points.
 const OPTIONS: f32 = 116.0;
 
-/// Shows options, histogram and figures, or what `otherwise` says in their place.
+/// Shows options, histogram and figures, or else the text `otherwise`.
 pub fn show(
     ui: &mut Ui,
     panel: &mut ComparisonPanel,
@@ -53,7 +53,7 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
     )];
     if let Some(noise) = noise {
         texts.push((
-            "of it noise",
+            "Reference noise",
             percent(noise),
             "Noise of the reference, estimated from its two halves; more paths lower it",
         ));
@@ -69,30 +69,26 @@ fn texts(metrics: &Metrics, noise: Option<f64>) -> Vec<(&'static str, String, &'
             format!("{:.5}", metrics.rel_mse),
             "Mean over the pixels of the squared error relative to the squared reference",
         ),
-        ("Pixels", metrics.pixels.to_string(), "Pixels that were compared"),
+        ("Pixels", metrics.pixels.to_string(), "Number of compared pixels"),
     ]);
     texts
 }
 
-/// What the picture with cuts took, in the size of the comparison.
+/// Cost of the picture with cuts, at comparison size.
 fn costs(test: &TestPicture) -> [(&'static str, String, &'static str); 2] {
     let nodes = format!("{:.0}", test.stats.mean_merged_nodes);
     [
-        (
-            "Picture",
-            format!("{:.0} ms", test.millis),
-            "Render time of the picture with cuts, at the size of the comparison",
-        ),
+        ("Picture", format!("{:.0} ms", test.millis), "Render time of the picture with cuts, at comparison size"),
         ("Nodes", nodes, "Nodes of the merged cut per pixel"),
     ]
 }
 
 fn options(ui: &mut Ui, panel: &mut ComparisonPanel) {
     ui.checkbox(&mut panel.surfaces_only, "Surfaces only")
-        .on_hover_text("Background counts as equal, so that it hides no error");
+        .on_hover_text("Count the background as equal, so that it hides no error");
     ui.horizontal(|ui| {
         let drawing = matches!(panel.tool, Some(Tool::Region(_)));
-        let help = "Drag a rectangle in the viewport: only it is traced and measured";
+        let help = "Drag a rectangle in the viewport to trace and measure only that part";
         if ui.selectable_label(drawing, "Region").on_hover_text(help).clicked() {
             panel.tool = if drawing { None } else { Some(Tool::Region(None)) };
         }
@@ -102,7 +98,7 @@ fn options(ui: &mut Ui, panel: &mut ComparisonPanel) {
     });
 }
 
-/// Bars in the colors of the map, their heights by the logarithm of the counts: single wrong pixels are to be seen.
+/// Bars in the colors of the map, their heights by the logarithm of the counts: single wrong pixels stay visible.
 fn histogram(ui: &mut Ui, field: &ErrorField) {
     let (rect, response) = ui.allocate_exact_size(HISTOGRAM, Sense::hover());
     let painter = ui.painter_at(rect);
@@ -124,7 +120,7 @@ fn histogram(ui: &mut Ui, field: &ErrorField) {
     ));
 }
 
-/// The map's color, but never as dark as the ground.
+/// The map's color, but never as dark as the panel.
 fn bar_color(field: &ErrorField, place: f32) -> Color32 {
     let color = field.kind.color(field.kind.error_at(place)).max(glam::Vec3::splat(0.28));
     let [r, g, b] = (color * 255.0).round().to_array().map(|v| v as u8);
@@ -148,7 +144,7 @@ mod tests {
             non_finite_pixels: 0,
         };
         let value = |name| texts(&metrics, Some(0.0123)).into_iter().find(|t| t.0 == name).unwrap().1;
-        assert_eq!([value("Relative RMSE"), value("PSNR"), value("of it noise")], ["infinite", "equal", "1.23 %"]);
-        assert!(texts(&metrics, None).iter().all(|t| t.0 != "of it noise"));
+        assert_eq!([value("Relative RMSE"), value("PSNR"), value("Reference noise")], ["infinite", "equal", "1.23 %"]);
+        assert!(texts(&metrics, None).iter().all(|t| t.0 != "Reference noise"));
     }
 }

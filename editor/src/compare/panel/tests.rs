@@ -1,4 +1,4 @@
-//! What the strip asks for, and where regions lie.
+//! Requests of the strip, and positions of regions.
 
 use super::*;
 use lapidary_render::test_looks::plain_look;

@@ -36,7 +36,7 @@ impl Setup {
         self.folder.path().join("state")
     }
 
-    /// As if the process had crashed: the file is that of one of this number that began at another time.
+    /// Simulates a crash: the file belongs to a process of this number that began at another time.
     fn crash(&self) -> PathBuf {
         let Process { id, start } = Process::this();
         let orphan = self.state().join(format!("{PREFIX}{id}-{}.{EXTENSION}", start + 1));

@@ -1,10 +1,10 @@
-//! The files of BRDFs that the materials of a session name.
+//! BRDF files that the materials of a session name.
 
 use lapidary_core::{brdf::Content, material::Material};
 use std::{collections::HashMap, path::PathBuf};
 
-/// Reads the files of `materials`, each once. Where one cannot be read, the contents that the material of the scene has from a
-/// file of the same name count. Says in `warnings` what was remarked.
+/// Reads the files of `materials`, each once. If one cannot be read, the contents of the scene material's file of the same name
+/// serve. Remarks go to `warnings`.
 pub fn read(materials: &mut [Material], of_scene: &[Material], warnings: &mut Vec<String>) {
     let mut known: HashMap<PathBuf, Option<Content>> = HashMap::new();
     for (index, material) in materials.iter_mut().enumerate() {

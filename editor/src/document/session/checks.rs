@@ -7,7 +7,7 @@ use lapidary_core::lights::{Emission, Light, MAX_LIGHTS};
 use lapidary_precompute::{Preset, resolve};
 use std::fmt::Display;
 
-/// Brings all values of `session` into range; says in `warnings` which were not.
+/// Brings all values of `session` into range, each change with a warning.
 pub fn sanitize(session: &mut Session, warnings: &mut Vec<String>) {
     let mut checks = Checks { warnings };
     session.materials.iter_mut().for_each(|m| checks.material(m));
@@ -28,7 +28,7 @@ struct Checks<'a> {
 }
 
 impl Checks<'_> {
-    /// Clamps; what cannot be compared becomes `fallback`.
+    /// Clamps; NaN becomes `fallback`.
     fn range<T: PartialOrd + Copy + Display>(&mut self, what: &str, value: &mut T, [low, high, fallback]: [T; 3]) {
         if *value >= low && *value <= high {
             return;
@@ -144,7 +144,7 @@ impl Checks<'_> {
             && axis.is_finite()
             && axis != Vec3::ZERO;
         if !usable {
-            self.warnings.push(format!("the camera \"{name}\" looks nowhere; {otherwise}"));
+            self.warnings.push(format!("the camera \"{name}\" has no view direction; {otherwise}"));
             return false;
         }
         if camera.up == Vec3::ZERO {

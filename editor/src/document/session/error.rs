@@ -24,14 +24,14 @@ pub enum SessionError {
         /// Bytes that are read at most.
         limit: u64,
     },
-    /// No JSON; the reason has line and column.
+    /// Invalid JSON; the reason has line and column.
     Damaged {
         /// Which file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The error and its place.
         source: serde_json::Error,
     },
-    /// JSON of something else.
+    /// JSON, but not a session.
     Foreign {
         /// Which file.
         path: PathBuf,
@@ -66,7 +66,7 @@ impl fmt::Display for SessionError {
                 path.display()
             ),
             Self::Foreign { path } => {
-                write!(f, "the file is no session; open a file that Lapidary saved ({})", path.display())
+                write!(f, "not a session file; open a file that Lapidary saved ({})", path.display())
             }
             Self::Newer { path, found } => write!(
                 f,

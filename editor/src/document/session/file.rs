@@ -23,26 +23,26 @@ pub struct Session {
     pub scene: Option<PathBuf>,
     /// The dataset.
     pub dataset: Option<PathBuf>,
-    /// In the order of the dataset, and after them those that were added.
+    /// In the order of the dataset, then the added ones.
     pub materials: Vec<SessionMaterial>,
-    /// How many were added.
+    /// Number of added materials.
     pub added: usize,
-    /// Parts that have another material than the mesh says.
+    /// Parts with another material than the mesh's.
     pub assigned: Vec<SessionAssignment>,
-    /// Objects that are not where their file has them.
+    /// Objects moved from their place in the file.
     pub poses: Vec<SessionPose>,
-    /// The time of an animation that is shown; `None` at rest.
+    /// The shown time of an animation; `None` at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip_time: Option<ClipTime>,
-    /// The light from all around.
+    /// The environment.
     pub environment: EnvironmentSettings,
-    /// Local lights; `None` for those of the scene, in files from before there were any.
+    /// Local lights; `None`, in old files, for the scene's.
     pub lights: Option<Vec<Light>>,
-    /// Which parts of the light are in the picture.
+    /// The parts of the light in the picture.
     pub components: ComponentSettings,
     /// How bounced light is computed.
     pub solution: Solution,
-    /// Where from; `None` for that of the dataset.
+    /// The camera; `None` for the dataset's.
     pub camera: Option<SessionCamera>,
     /// Cameras to go back to.
     pub bookmarks: Vec<SessionCamera>,
@@ -55,11 +55,11 @@ pub struct Session {
 /// See [`Material`].
 pub type SessionMaterial = MaterialOf<SessionSlot>;
 
-/// Where an object is, see [`Pose`].
+/// The pose of an object, see [`Pose`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SessionPose {
-    /// The object's name, which decides if another has its index.
+    /// The object's name, which decides if another object has its index.
     pub name: String,
     /// Index of the object.
     pub object: u32,
@@ -75,19 +75,19 @@ impl Default for SessionPose {
 }
 
 impl SessionPose {
-    /// That of an object.
+    /// The pose of an object.
     pub fn new(name: String, object: u32, pose: Pose) -> Self {
         let Pose { translate, rotate_degrees, scale } = pose;
         Self { name, object, translate, rotate_degrees, scale }
     }
 
-    /// As a document has it.
+    /// The pose in a document.
     pub fn pose(&self) -> Pose {
         Pose { translate: self.translate, rotate_degrees: self.rotate_degrees, scale: self.scale }
     }
 }
 
-/// A part that has another material than the mesh says.
+/// A part with another material than the mesh's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct SessionAssignment {
@@ -95,9 +95,9 @@ pub struct SessionAssignment {
     pub name: String,
     /// Index of the object.
     pub object: u32,
-    /// The material that the mesh says, among those of the session.
+    /// The mesh's material, by index in the session.
     pub own: usize,
-    /// The material that it has.
+    /// Its material, by index in the session.
     pub material: usize,
 }
 
@@ -119,14 +119,14 @@ pub struct SessionSlot {
     pub rotation_degrees: f64,
     /// Scales normals and heights.
     pub strength: f32,
-    /// Normals have their green channel down.
+    /// Whether the green channel of normals points down.
     pub flip_y: bool,
     /// A pattern in place of a picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub procedural: Option<Procedural>,
 }
 
-/// Where a texture comes from.
+/// Origin of a texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureSource {
@@ -134,9 +134,9 @@ pub enum TextureSource {
     File(PathBuf),
     /// A texture that came with the scene and lies in the dataset.
     Scene {
-        /// Among those of the scene.
+        /// Index among the scene's textures.
         index: u32,
-        /// Its name there, which decides if the index has another.
+        /// Its name there, which decides if another texture has the index.
         name: String,
     },
 }
@@ -155,12 +155,12 @@ pub struct SessionCamera {
 impl Session {
     /// The parts of `document`; no texels.
     pub fn of(document: &Document) -> Self {
-        // A ground's is the last of the scene.
+        // The ground's material is the last of the scene.
         let (own, added) = document.materials.split_at(document.own_materials());
         let material = |material: &Material| session_material(material, document);
         let hidden = usize::from(document.hidden_ground.is_some());
         let index = |index: usize| if index < own.len() { index } else { index + hidden };
-        // Those of a hidden ground, or of a material that is gone, are no one's.
+        // Parts of a hidden ground or with a removed material are left out.
         let is_there = |(_, material): &(&Part, &usize)| **material < document.materials.len();
         let name = |object: u32| document.objects.get(object as usize).cloned().unwrap_or_default();
         let pose = |object: u32| SessionPose::new(name(object), object, document.poses.of(object));
@@ -189,7 +189,7 @@ impl Session {
         }
     }
 
-    /// Calls `visit` with the kind and path of every file that the session names, to read or change it.
+    /// Calls `visit` with the kind and path of every file that the session names; it may change the path.
     pub fn visit_paths(&mut self, visit: &mut dyn FnMut(&'static str, &mut PathBuf)) {
         self.scene.iter_mut().for_each(|path| visit("scene", path));
         self.dataset.iter_mut().for_each(|path| visit("dataset", path));
@@ -305,7 +305,7 @@ impl Default for SessionCamera {
     }
 }
 
-/// Degrees that come back as exactly the same radians: short ones if they do.
+/// Degrees that convert back to exactly the same radians, with few digits if possible.
 fn degrees(radians: f32) -> f64 {
     let short = f64::from(radians.to_degrees());
     if short.to_radians() as f32 == radians { short } else { f64::from(radians).to_degrees() }

@@ -1,5 +1,5 @@
-//! Reads JSON that people and other versions write: value by value over a template, so that one bad value costs no
-//! other. Unknown keys are kept for writing back.
+//! Reads JSON that people and other versions write, value by value over a template, so that one bad value spoils no other. Unknown
+//! keys are kept for writing back.
 
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 pub struct Unknown(pub(super) Map<String, Value>);
 
 impl Unknown {
-    /// Adds the keys to what is about to be written, where it does not have them.
+    /// Adds the keys that `written` lacks.
     pub(super) fn merge_into(&self, written: &mut Map<String, Value>) {
         merge_objects(written, &self.0);
     }
@@ -28,7 +28,7 @@ fn merge_objects(written: &mut Map<String, Value>, unknown: &Map<String, Value>)
     }
 }
 
-/// Entries belong together by name, first those in the same place.
+/// Matches entries by name, preferably in the same place.
 fn merge_lists(written: &mut [Value], unknown: &[Value]) {
     for (i, entry) in written.iter_mut().enumerate() {
         let same = |other: &&Value| other.get("name") == entry.get("name");
@@ -75,7 +75,7 @@ struct Overlay<'a, F> {
 }
 
 impl<F: Fn(&Value) -> bool> Overlay<'_, F> {
-    /// Puts the values of `given` in their places below `pointer`; returns those that have none.
+    /// Puts the values of `given` in their places below `pointer`; returns those without a place.
     fn object(&mut self, given: &Map<String, Value>, pointer: &str, at: &str) -> Map<String, Value> {
         let mut unknown = Map::new();
         for (key, value) in given {

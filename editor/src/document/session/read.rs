@@ -31,7 +31,7 @@ const MAX_BYTES: u64 = 64 << 20;
 pub struct LoadedSession {
     /// Its parts; paths are absolute.
     pub session: Session,
-    /// Files that it names and that are not there, each once.
+    /// Missing files, each once.
     pub missing: Vec<MissingFile>,
     /// Replacements and omissions, in sentences.
     pub warnings: Vec<String>,
@@ -39,7 +39,7 @@ pub struct LoadedSession {
     pub unknown: Unknown,
 }
 
-/// A file that is not where a session says.
+/// A missing file of a session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MissingFile {
     /// `scene`, `dataset`, `environment`, `BRDF` or `texture`.
@@ -66,7 +66,7 @@ pub fn load(path: &Path) -> Result<LoadedSession, SessionError> {
     Ok(LoadedSession { session, missing, warnings: reader.warnings, unknown: Unknown(reader.unknown) })
 }
 
-/// The top-level object of a session file of a version that can be read.
+/// The top-level object of a session file, if its version can be read.
 pub fn read_json(path: &Path) -> Result<Map<String, Value>, SessionError> {
     let io_error = |source| SessionError::Io { action: "read", path: path.into(), source };
     let bytes = std::fs::metadata(path).map_err(io_error)?.len();
@@ -85,7 +85,7 @@ pub fn read_json(path: &Path) -> Result<Map<String, Value>, SessionError> {
     }
 }
 
-/// Files that the session names and that are not there.
+/// Missing files of the session.
 fn missing_files(session: &mut Session) -> Vec<MissingFile> {
     let mut missing: Vec<MissingFile> = Vec::new();
     session.visit_paths(&mut |what, path| {
@@ -97,7 +97,7 @@ fn missing_files(session: &mut Session) -> Vec<MissingFile> {
     missing
 }
 
-/// A dataset can be made again while its scene is there; a session may even be saved before the first bake.
+/// Drops a missing dataset whose scene is there: it can be baked again, and a session may be saved before the first bake.
 pub fn forget_what_can_be_baked(session: &Session, missing: &mut Vec<MissingFile>) {
     if session.scene.as_deref().is_some_and(Path::is_file) {
         missing.retain(|file| file.what != "dataset");
@@ -163,7 +163,7 @@ impl Reader {
         part
     }
 
-    /// Entries with unknown keys keep their names beside them, by which they are found when these are written back.
+    /// Entries with unknown keys keep their names beside the keys, to match them when writing back.
     fn list<T: Serialize + DeserializeOwned>(
         &mut self,
         root: &Map<String, Value>,
@@ -189,12 +189,12 @@ impl Reader {
     }
 }
 
-/// A material with the parameters and slots that `given` has, so that their values are read one by one as well.
+/// A material with the parameters and slots of `given`, so that their values are read one by one too.
 fn material_template(given: &Value) -> SessionMaterial {
     let file = given.get("file").map(|_| BrdfFile::unread(""));
     let mut template = SessionMaterial { file, ..Default::default() };
     let named = |key| given.get(key).and_then(Value::as_object).into_iter().flatten();
-    // What the file of a BRDF declares is known when it is read.
+    // The parameters of a BRDF file are known only once it is read.
     let may_declare = given.get("file").and_then(Value::as_str).is_some_and(|file| file.ends_with(".wgsl"));
     for (name, value) in named("parameters") {
         match BrdfModel::declared(name) {
@@ -215,7 +215,7 @@ fn material_template(given: &Value) -> SessionMaterial {
     template
 }
 
-/// A light with the numbers that its kind has.
+/// A light with the fields of its kind.
 fn light_template(given: &Value) -> Light {
     let kind = given.get("kind").and_then(Value::as_str);
     let kind = LightKind::ALL.into_iter().find(|k| kind == Some(&k.label().to_lowercase()));

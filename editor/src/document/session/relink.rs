@@ -1,4 +1,4 @@
-//! Finding files that moved: by name, below a folder that the user points at.
+//! Finds moved files by name, below a folder that the user chooses.
 
 use super::{LoadedSession, read::forget_what_can_be_baked};
 use std::{
@@ -9,11 +9,11 @@ use std::{
 /// Folders this deep below the given one are searched.
 const DEPTH: usize = 4;
 
-/// Files and folders that are looked at, so that a whole disk does not stop the window for long.
+/// Most files and folders searched, so that a whole disk does not stop the window for long.
 const MAX_ENTRIES: usize = 100_000;
 
 impl LoadedSession {
-    /// Looks in `folder` and below for the missing files, by their names. Returns how many were found.
+    /// Searches `folder` and below for the missing files by name. Returns the number found.
     pub fn relink(&mut self, folder: &Path) -> usize {
         let files = files_below(folder);
         let find = |missing: &Path| Some((missing.to_owned(), best(&files, missing)?));

@@ -1,4 +1,4 @@
-//! From a session and the scene that it names to a document.
+//! Turns a session and its scene into a document.
 
 use super::{
     LoadedSession, Session, SessionAssignment, SessionMaterial, SessionPose, TextureSource, brdfs,
@@ -12,14 +12,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Largest number of scene textures with stand-ins when there is no scene; a file may name any number.
+/// Most stand-ins for scene textures without a scene; a file may name any number.
 const MAX_STAND_INS: u32 = 10_000;
 
 impl LoadedSession {
-    /// The document, and what was remarked on loading and now. Pictures are read here, so this takes a while.
+    /// The document, and the warnings of loading and of this step. Reads pictures, so it takes a while.
     ///
-    /// Without a scene the materials are those of the session. With one they are its own, each with the session's
-    /// values if that has a material of the same name, or, if no other has the name, in the same place.
+    /// Without a scene the materials are the session's. With one they are the scene's, each with the values of the session's
+    /// material of the same name, or else in the same place.
     pub fn into_document(self, scene: Option<&Scene>) -> (Document, Vec<String>) {
         let Self { mut session, mut warnings, .. } = self;
         let mut document = match scene {
@@ -43,7 +43,7 @@ impl LoadedSession {
         document.materials.extend(added.iter().map(|m| textures.material(m)));
         document.textures = textures.entries;
         brdfs::read(&mut document.materials, scene.map_or(&[], |scene| &scene.materials), &mut warnings);
-        // Not as the scene was baked: the session says it all.
+        // The session, not the bake, decides assignments.
         document.assigned.clear();
         let assigned = session.assigned.iter().map(|assignment| (assignment.object, &assignment.name));
         name_stand_ins(&mut document, assigned.chain(session.poses.iter().map(|pose| (pose.object, &pose.name))));
@@ -68,7 +68,7 @@ impl LoadedSession {
     }
 }
 
-/// Names the objects of a document without a scene as a session does.
+/// Names the objects of a document without a scene by the session.
 fn name_stand_ins<'a>(document: &mut Document, named: impl Iterator<Item = (u32, &'a String)>) {
     if !document.objects.is_empty() {
         return;
@@ -80,21 +80,20 @@ fn name_stand_ins<'a>(document: &mut Document, named: impl Iterator<Item = (u32,
     }
 }
 
-/// Poses the objects of the document as a session does. Objects that the scene does not have any more are left out, and its ground.
+/// Applies a session's poses. Leaves out the ground and objects that the scene no longer has.
 fn take_poses(document: &mut Document, poses: &[SessionPose], ground: Option<u32>, warnings: &mut Vec<String>) {
     for session in poses {
         let (pose, object) = (session.pose(), document.object_called(&session.name, session.object));
         let object = object.filter(|&object| Some(object) != ground);
         match pose.validate(&session.name) {
             Ok(()) => object.into_iter().for_each(|object| document.poses.set(object, pose)),
-            Err(error) => warnings.push(format!("{error}; it is where its file has it")),
+            Err(error) => warnings.push(format!("{error}; the object is placed as in the scene file")),
         }
     }
 }
 
-/// Gives parts of the document the materials that a session assigns. The session has `own_count` materials beside those that were
-/// added, and material `i` of the scene is that at `places[i]`. Objects that the scene does not have any more, and materials, are left
-/// out.
+/// Applies a session's material assignments. The session has `own_count` materials besides the added ones, and material `i` of the
+/// scene is its `places[i]`. Leaves out objects and materials that the scene no longer has.
 fn take_assignments(
     document: &mut Document,
     assigned: &[SessionAssignment],
@@ -115,7 +114,7 @@ fn take_assignments(
     document.assigned = document.assigning(found);
 }
 
-/// Takes the material of a ground from those of a session, if the scene has no ground.
+/// Takes the ground's material from a session's materials, if the scene has no ground.
 fn hidden_ground(scene: &Scene, session: &mut Vec<SessionMaterial>) -> Option<SessionMaterial> {
     let is_left = scene.mesh.ground.is_none() && session.len() == scene.materials.len() + 1;
     session.pop_if(|last| is_left && last.name == ground::NAME)
@@ -129,15 +128,15 @@ fn merged_materials(
 ) -> Vec<Material> {
     warn_of_differences(own, session, places, textures.warnings);
     let merge = |(own, place): (&Material, &Option<usize>)| match place {
-        // Which sides reflect was baked.
+        // The bake decides which sides reflect.
         Some(i) => Material { double_sided: own.double_sided, ..textures.material(&session[*i]) },
         None => own.clone(),
     };
     own.iter().zip(places).map(merge).collect()
 }
 
-/// For each material of the scene the session's material: of the same name, first at the same index. In lists of the
-/// same length, a remaining one at the same index counts too, because artists rename materials.
+/// For each material of the scene the session's material of the same name, preferably at the same index. In lists of the same
+/// length, a remaining one at the same index counts too, because artists rename materials.
 fn match_materials(own: &[Material], session: &[SessionMaterial]) -> Vec<Option<usize>> {
     let mut places = vec![None; own.len()];
     let mut free = vec![true; session.len()];
@@ -198,18 +197,18 @@ fn warn_of_differences(
 /// The textures of the document so far.
 struct Textures<'a> {
     entries: Vec<TextureEntry>,
-    /// How many came with the scene.
+    /// Number of the scene's textures.
     of_scene: usize,
     by_file: HashMap<PathBuf, u32>,
     stand_ins: HashMap<String, u32>,
-    /// Whether the scene's textures are known, so that one that is not there is worth a warning.
+    /// Whether the scene's textures are known, so that a missing one deserves a warning.
     scene_known: bool,
     warnings: &'a mut Vec<String>,
 }
 
 impl<'a> Textures<'a> {
-    /// With the textures of the scene; where they are not known, with stand-ins at the indices that the session names,
-    /// so that saving it again writes the same.
+    /// With the textures of the scene, or, if unknown, stand-ins at the indices that the session names, so that saving it writes
+    /// the same.
     fn new(
         of_scene: Vec<TextureEntry>,
         session: &mut Session,
@@ -249,7 +248,7 @@ impl<'a> Textures<'a> {
         let entry = match image::read_texture(file) {
             Ok(texture) => TextureEntry { texture: texture.into(), file: Some(file.into()) },
             Err(error) => {
-                self.warnings.push(format!("a texture is replaced by a magenta chequerboard: {error}"));
+                self.warnings.push(format!("a texture is replaced by a magenta checkerboard: {error}"));
                 let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
                 stand_in(&name, Some(file))
             }
@@ -271,7 +270,7 @@ impl<'a> Textures<'a> {
         }
         if self.scene_known {
             self.warnings.push(format!(
-                "the scene has no texture \"{name}\", it is replaced by a magenta chequerboard; bake the scene again or \
+                "the scene has no texture \"{name}\", it is replaced by a magenta checkerboard; bake the scene again or \
                  choose another picture"
             ));
         }

@@ -1,4 +1,4 @@
-//! A session survives the disk, moves, other versions and other datasets; damage is refused or said.
+//! A session survives the disk, moves, other versions and other datasets; damage is refused or reported.
 
 mod brdfs;
 mod broken_writes;
@@ -56,7 +56,7 @@ impl Project {
         self.path("sessions/evening.lapidary")
     }
 
-    /// Nothing in it is as by default.
+    /// A document without any default value.
     fn document(&self) -> Document {
         let mut document = Document::of_dataset(&self.dataset, self.path("a.cuts"), Some(self.path("a.gltf")));
         let picture = self.path("maps/linen.png");
@@ -113,7 +113,7 @@ impl Project {
         serde_json::from_slice(&std::fs::read(self.file()).unwrap()).unwrap()
     }
 
-    /// Reads the saved document after `change` of its file.
+    /// Reads the saved document after `change` to its file.
     fn changed(&self, change: impl FnOnce(&mut Value)) -> LoadedSession {
         save(&self.document(), &Unknown::default(), &self.file()).unwrap();
         let mut json = self.json();
@@ -179,7 +179,7 @@ fn what_is_stored_and_not_rendered_survives_the_disk() {
     assert_eq!(read.materials[1].parameters.number("transmission_weight"), 1.0);
 }
 
-/// A document with a material that was added, which one of two objects has.
+/// A document with an added material on one of two objects.
 fn with_a_part(project: &mut Project) -> Document {
     project.dataset.scene.objects = ["lid", "pot"].map(|name| Object { name: name.into() }).to_vec();
     let mut document = project.document();

@@ -9,7 +9,7 @@ use lapidary_core::output::write_atomically;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Writes `document` as a session, with the keys of the file it came from that this version does not know.
+/// Writes `document` as a session, with the unknown keys of its original file.
 ///
 /// # Errors
 /// Errors of the file system; an existing file is kept then.
@@ -18,7 +18,7 @@ pub fn save(document: &Document, kept: &Unknown, path: &Path) -> Result<(), Sess
     write(value(document, kept, |path| relative_to(path, &folder)), path)
 }
 
-/// Writes `document` so that it can be read from anywhere on this machine, and `note` about it.
+/// Writes `document` with absolute paths, and `note` about it.
 ///
 /// # Errors
 /// As [`save`].

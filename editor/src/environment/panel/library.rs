@@ -29,13 +29,13 @@ const FORMULAS: [(&str, &str); 4] = [
 /// A map of the library.
 #[derive(Clone)]
 pub struct LibraryEntry {
-    /// Name for people.
+    /// Displayed name.
     pub name: String,
-    /// What `environment::from_spec` reads.
+    /// Specification for `environment::from_spec`.
     pub spec: String,
-    /// The file is not where it was.
+    /// Whether its file is missing.
     pub missing: bool,
-    /// A picture of twice its height in width, once it is made.
+    /// A thumbnail twice as wide as high, once it is made.
     pub thumbnail: Option<TextureHandle>,
 }
 
@@ -54,7 +54,7 @@ impl FormulaThumbnails {
             std::thread::spawn(move || {
                 let maps = FORMULAS.iter().filter_map(|(_, spec)| environment::from_spec(spec).ok());
                 for (map, _) in maps {
-                    // Nobody listens any more if the window was closed meanwhile.
+                    // Fails only if the window was closed meanwhile.
                     if sender.send(thumbnail(&map, THUMBNAIL)).is_ok() {
                         context.request_repaint();
                     }
@@ -68,7 +68,7 @@ impl FormulaThumbnails {
     }
 }
 
-/// Shows the grids, and what adds to them.
+/// Shows the grids, and the buttons that add to them.
 pub fn show(ui: &mut Ui, formulas: &mut FormulaThumbnails, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     formulas.receive(ui);
     let light = &context.document.environment;
@@ -86,16 +86,16 @@ pub fn show(ui: &mut Ui, formulas: &mut FormulaThumbnails, context: &Environment
         missing: entry.missing,
         thumbnail: entry.thumbnail.as_ref().map(TextureHandle::id),
     });
-    ui.label(RichText::new("Formulas").weak()).on_hover_text("Made by Lapidary; they need no file");
+    ui.label(RichText::new("Formulas").weak()).on_hover_text("Built-in environments that need no file");
     grid(ui, &formula_cells.collect::<Vec<_>>(), light, actions);
     ui.add_space(4.0);
-    ui.label(RichText::new("Maps").weak()).on_hover_text("Files: those that come with Lapidary, then your own");
+    ui.label(RichText::new("Maps").weak()).on_hover_text("Bundled map files, then your own");
     grid(ui, &library_cells.collect::<Vec<_>>(), light, actions);
     ui.horizontal(|ui| {
-        if ui.button("Load...").on_hover_text("Lights the scene by an .hdr or .exr file").clicked() {
+        if ui.button("Load...").on_hover_text("Light the scene with an .hdr or .exr file").clicked() {
             actions.push(Action::Environment(EnvironmentAction::Load(None)));
         }
-        if ui.button("Add to library...").on_hover_text("Keeps maps here for other scenes too").clicked() {
+        if ui.button("Add to library...").on_hover_text("Keep maps here for all scenes").clicked() {
             actions.push(Action::Environment(EnvironmentAction::AddToLibrary(None)));
         }
     });
@@ -129,7 +129,7 @@ fn grid(ui: &mut Ui, cells: &[Cell], light: &EnvironmentSettings, actions: &mut 
     }
 }
 
-/// What a click on a cell asks for.
+/// The actions of a click on a cell.
 fn chosen(cell: &Cell, light: &EnvironmentSettings) -> Vec<Action> {
     if cell.missing {
         return vec![Action::File(FileAction::Relink(None))];
@@ -148,7 +148,7 @@ fn show_cell(ui: &mut Ui, cell: &Cell, width: f32) -> Response {
         paint_cell(ui, cell, rect, response.hovered());
     }
     if cell.missing {
-        return response.on_hover_text(format!("The file is not there; click to say where it went ({})", cell.spec));
+        return response.on_hover_text(format!("File not found; click to locate it ({})", cell.spec));
     }
     response.on_hover_text(cell.spec)
 }

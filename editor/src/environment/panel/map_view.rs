@@ -25,14 +25,14 @@ const PICTURE: [usize; 2] = [512, 256];
 /// Deepest subtrees that have a color of their own.
 const DEEPEST_SUBTREE: u32 = 8;
 
-/// What the picture keeps between frames.
+/// State of the picture between frames.
 #[derive(Default)]
 pub struct MapView {
     picture: Option<Picture>,
     overlay: Overlay,
 }
 
-/// A map's picture. It is made on a thread, since a large map has a hundred million numbers.
+/// A map's picture, made on a thread, since a large map has a hundred million numbers.
 struct Picture {
     environment: Arc<Environment>,
     made: Receiver<ColorImage>,
@@ -44,7 +44,7 @@ impl Picture {
         let (sender, made) = channel();
         let (context, map) = (ui.ctx().clone(), environment.clone());
         std::thread::spawn(move || {
-            // Nobody listens any more if another map was chosen meanwhile.
+            // Fails only if another map was chosen meanwhile.
             if sender.send(thumbnail(&map, PICTURE)).is_ok() {
                 context.request_repaint();
             }
@@ -61,7 +61,7 @@ impl Picture {
     }
 }
 
-/// Shows the picture with its marks, and what can be shown over it.
+/// Shows the picture with its marks and overlays.
 pub fn show(ui: &mut Ui, state: &mut MapView, context: &EnvironmentContext, actions: &mut Vec<Action>) {
     let light = &context.document.environment;
     let width = ui.available_width();
@@ -79,7 +79,7 @@ pub fn show(ui: &mut Ui, state: &mut MapView, context: &EnvironmentContext, acti
     choices(ui, &mut state.overlay, context);
 }
 
-/// A drag across the picture is one whole turn; the map goes with the pointer.
+/// Rotates the map with the pointer; a drag across the picture is one whole turn.
 fn drag(response: &Response, light: &EnvironmentSettings, actions: &mut Vec<Action>) {
     let moved = response.drag_delta().x / response.rect.width().max(1.0);
     if response.dragged() && moved != 0.0 {
@@ -104,8 +104,8 @@ fn draw_map(ui: &Ui, state: &mut MapView, context: &EnvironmentContext, painter:
     }
 }
 
-/// Where in the map, 0 to 1, the left edge of the picture lies when the map is turned by `rotation` radians: the
-/// direction of longitude `phi` in the world is that of `phi - rotation` in the map, and `u = 1/2 - phi / 2π`.
+/// Position in the map, 0 to 1, of the left edge of the picture when the map is turned by `rotation` radians: longitude `phi` in
+/// the world is `phi - rotation` in the map, and `u = 1/2 - phi / 2π`.
 fn map_left(rotation: f32) -> f32 {
     (rotation / TAU).rem_euclid(1.0)
 }
@@ -128,7 +128,7 @@ fn draw_overlay(
     Some(hovered)
 }
 
-/// Names of the axes along the lower edge: they stand where `uv_from_direction` has them.
+/// Names of the axes along the lower edge, placed by `uv_from_direction`.
 fn draw_compass(painter: &Painter, rect: Rect) {
     let font = FontId::proportional(11.0);
     let axes = [
@@ -145,7 +145,7 @@ fn draw_compass(painter: &Painter, rect: Rect) {
     }
 }
 
-/// What the pointer tells of a node.
+/// Tooltip of a node.
 fn mark_text(mark: &Mark) -> String {
     let leaves = mark.leaves.len();
     let [r, g, b] = mark.radiance.to_array();
@@ -160,7 +160,7 @@ fn mark_text(mark: &Mark) -> String {
 fn choices(ui: &mut Ui, overlay: &mut Overlay, context: &EnvironmentContext) {
     ui.add_enabled_ui(context.tree.is_some(), |ui| {
         ui.horizontal(|ui| {
-            let missing = "There is no light tree before a bake.";
+            let missing = "Available after a bake.";
             let samples = check_box(ui, &mut overlay.samples, "Light samples").on_disabled_hover_text(missing);
             samples.on_hover_text("The leaves of the light tree, colored by subtree.");
             let deepest = context.tree.map_or(DEEPEST_SUBTREE, |t| t.height().min(DEEPEST_SUBTREE));
@@ -171,12 +171,12 @@ fn choices(ui: &mut Ui, overlay: &mut Overlay, context: &EnvironmentContext) {
             depth.on_hover_text(help).on_disabled_hover_text(help);
             let cut = check_box(ui, &mut overlay.cut, "Light cut").on_disabled_hover_text(missing);
             let merged = if context.document.view.cuts().size().is_some() {
-                "The picture merges it with those of the vertices."
+                "The picture merges it with the vertices' cuts."
             } else {
-                "The picture has lit cuts, and does without it."
+                "The picture uses lit cuts instead."
             };
             cut.on_hover_text(format!(
-                "The nodes of the illumination cut, as large as their solid angle and as bright as their light. {merged}"
+                "The nodes of the illumination cut, sized by solid angle and shaded by light. {merged}"
             ));
         });
     });
@@ -197,7 +197,7 @@ mod tests {
             let shown = (map_left(rotation) + u).rem_euclid(1.0);
             assert!((shown - in_map).abs() < 1e-5, "{degrees}: {shown} for {in_map}");
         }
-        // Counter-clockwise from above: what was at +Z comes to +X, a quarter to the left.
+        // Counter-clockwise from above: +Z comes to +X, a quarter to the left.
         let in_map = map_left(90_f32.to_radians()) + uv_from_direction(Vec3::X).x;
         assert!((in_map - 0.5).abs() < 1e-6);
     }

@@ -1,6 +1,6 @@
 //! Light samples and illumination cut over a picture of the environment.
 //!
-//! Samples are fixed in the world, as the tree is; the map turns under them.
+//! Samples are fixed in the world, like the tree; the map turns under them.
 
 use super::thumbnail::{adapted, display_color};
 use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, ecolor::Hsva, vec2};
@@ -22,11 +22,11 @@ const DOTS: [f32; 2] = [1.5, 24.0];
 /// How near the pointer must come to a small dot, in points.
 const REACH: f32 = 5.0;
 
-/// What is shown over the picture, and what that takes to draw.
+/// The overlays of the picture, with cached drawing.
 pub struct Overlay {
     /// Shows the light samples.
     pub samples: bool,
-    /// Samples are colored by the subtree of this depth that they lie in.
+    /// Depth of the subtrees by which samples are colored.
     pub subtree_depth: u32,
     /// Shows the nodes of the illumination cut.
     pub cut: bool,
@@ -40,7 +40,7 @@ impl Default for Overlay {
     }
 }
 
-/// What the drawn samples depend on.
+/// Inputs of the drawn samples.
 type SampleKey = (u64, usize, u32, Rect);
 
 /// One node of the illumination cut.
@@ -54,7 +54,7 @@ pub struct Mark {
     pub radiance: Vec3,
     /// Solid angle of the leaves together, in steradians.
     pub solid_angle: f32,
-    /// Where its direction lies in the picture, 0 to 1.
+    /// Position of its direction in the picture, 0 to 1.
     place: Vec2,
     color: Color32,
 }
@@ -64,7 +64,7 @@ impl Mark {
         picture.min + self.place * picture.size()
     }
 
-    /// Radius of the dot: that of a cap of the node's solid angle at the horizon.
+    /// Radius of the dot: of a cap of the node's solid angle at the horizon.
     fn dot(&self, picture: Rect) -> f32 {
         let cap = (1.0 - self.solid_angle / (0.5 * SPHERE)).clamp(-1.0, 1.0).acos();
         (cap * picture.width() / TAU).clamp(DOTS[0], DOTS[1])
@@ -116,7 +116,7 @@ fn dot_rect(picture: Rect, direction: Vec3) -> Rect {
     Rect::from_center_size(picture.min + place(direction) * picture.size(), Vec2::splat(2.0 * SAMPLE))
 }
 
-/// Where a world direction lies in the picture, 0 to 1.
+/// Position of a world direction in the picture, 0 to 1.
 fn place(direction: Vec3) -> Vec2 {
     let uv = uv_from_direction(direction);
     vec2(uv.x, uv.y)
@@ -179,7 +179,7 @@ mod tests {
 
     fn lit(budget: u32) -> (LightTree, SceneLighting) {
         let tree = LightTree::geometric(1024).unwrap();
-        // One bright leaf, so that nodes around it are small.
+        // One bright leaf makes the nodes around it small.
         let bright = |i: usize| Vec3::splat(if i == 300 { 500.0 } else { 0.2 });
         let leaves: Vec<Vec3> = (0..1024).map(bright).collect();
         let lighting = SceneLighting::new(&tree, &leaves, budget);

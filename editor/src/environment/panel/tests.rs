@@ -65,7 +65,7 @@ fn panel(probe: Probe) -> Harness<'static, Probe> {
     panel
 }
 
-/// The lights that were asked for.
+/// The requested lights.
 fn asked(panel: &Harness<Probe>) -> Vec<EnvironmentSettings> {
     let lights = panel.state().actions.iter().filter_map(|action| match action {
         Action::Edit { edit: Edit::Environment(light), .. } => Some(light.clone()),

@@ -10,12 +10,12 @@ use lapidary_core::{
 use lapidary_render::{Post, ToneMap};
 use std::ops::Range;
 
-/// Luminance that the log-average is shown at.
+/// Displayed luminance of the log-average.
 const KEY: f32 = 0.18;
-/// What is darker than this part of the mean counts as this, so that black does not drag the log-average to zero.
+/// Least luminance relative to the mean, so that black does not drag the log-average to zero.
 const DARKEST: f32 = 1e-3;
 
-/// A picture of a map, as bright as an eye would have it that looked at this map alone.
+/// A picture of a map, exposed for this map alone.
 pub fn thumbnail(environment: &Environment, size: [usize; 2]) -> ColorImage {
     let small = reduced(&environment.map, size.map(|s| s.max(1) as u32));
     let weighted = small.pixels.iter().enumerate().map(|(i, &p)| {
@@ -54,7 +54,7 @@ fn reduced(map: &Image, size: [u32; 2]) -> Image {
     })
 }
 
-/// Which of `from` texels the `i`-th of `to` covers; at least one.
+/// The texels of `from` that the `i`-th of `to` covers; at least one.
 fn covered(i: u32, to: u32, from: usize) -> Range<usize> {
     let at = |i: u32| i as usize * from / to as usize;
     at(i)..at(i + 1).max(at(i) + 1)

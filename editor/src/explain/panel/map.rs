@@ -1,4 +1,4 @@
-//! The merged cut as a latitude-longitude picture, beside what rays find there.
+//! The merged cut as a latitude-longitude picture, beside the result of rays.
 
 use egui::{Color32, ColorImage, Rect, Role, Sense, Stroke, TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2};
 use lapidary_core::{color::codes, environment::uv_from_direction, image::Image};
@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Radius of the mark of a node in points.
 const MARK: f32 = 5.0;
 
-/// Which picture is shown.
+/// The shown picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MapPicture {
     /// Clusters with their mean light.
@@ -20,16 +20,16 @@ pub enum MapPicture {
     Visibility,
 }
 
-/// The picture as it was drawn last.
+/// The picture drawn last.
 #[derive(Default)]
 pub struct MapView {
-    /// What is chosen.
+    /// The chosen picture.
     pub picture: MapPicture,
     drawn: Option<(Arc<CutMap>, MapPicture, TextureHandle)>,
 }
 
 impl MapView {
-    /// Shows the choice and the picture, with a mark where a node is pointed at.
+    /// Shows the choice and the picture, with a mark at the hovered node.
     pub fn show(&mut self, ui: &mut Ui, map: &Arc<CutMap>, hovered: Option<&ExplainedNode>) {
         if map.visibility.is_none() && self.picture == MapPicture::Visibility {
             self.picture = MapPicture::Cut;
@@ -55,10 +55,10 @@ impl MapView {
                 ui.add_enabled_ui(enabled, |ui| {
                     ui.selectable_value(&mut self.picture, picture, name)
                         .on_hover_text(help)
-                        .on_disabled_hover_text("Surface sources have no visibility apart from their solid angle.");
+                        .on_disabled_hover_text("For surface sources, visibility is part of the solid angle.");
                 });
             };
-            choice(MapPicture::Cut, "Cut", "The clusters, each with its mean light times its visibility.", true);
+            choice(MapPicture::Cut, "Cut", "The mean light of each cluster times its visibility.", true);
             choice(MapPicture::Traced, "Rays", "The light found by rays from the pixel.", true);
             let help = "Red: the cuts let blocked light through. Blue: the cuts block visible light.";
             choice(MapPicture::Visibility, "Difference", help, has_visibility);
@@ -76,7 +76,7 @@ impl MapView {
     }
 }
 
-/// Linear values as they are shown.
+/// Linear values of the shown picture.
 fn pixels(map: &CutMap, picture: MapPicture) -> Image {
     let exposure = map.exposure();
     match (picture, &map.visibility) {

@@ -5,12 +5,12 @@ use egui::{Button, FontId, Grid, Label, RichText, Sense, Ui};
 use lapidary_core::color::luminance;
 use lapidary_render::{ExplainedNode, PixelExplanation};
 
-/// Rows that are shown: beyond them nodes hardly contribute.
+/// Rows shown; further nodes hardly contribute.
 const ROWS: usize = 50;
 /// Size of the figures in points: seven columns fit a narrow panel.
 const FIGURES: f32 = 10.0;
 
-/// What a column shows, and rows are sorted by.
+/// A column, by which rows can be sorted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Column {
     /// Share of the pixel's luminance.
@@ -34,13 +34,13 @@ impl Column {
     const ALL: [Self; 7] =
         [Self::Share, Self::Node, Self::Depth, Self::SolidAngle, Self::Visibility, Self::Radiance, Self::Brdf];
 
-    /// Heading, and what it means.
+    /// Heading and tooltip.
     fn heading(self) -> (&'static str, &'static str) {
         match self {
             Self::Share => ("%", "Share of the pixel's luminance"),
             Self::Node => ("node", "Index in the light tree: the root is 1, the children of i are 2i and 2i + 1"),
             Self::Depth => ("d", "Depth in the light tree"),
-            Self::SolidAngle => ("sr", "Solid angle in steradians; of surface sources, as far as it is seen"),
+            Self::SolidAngle => ("sr", "Solid angle in steradians; for surface sources, the visible part"),
             Self::Visibility => ("vis", "Visibility, interpolated between the vertices"),
             Self::Radiance => ("L", "Luminance of the mean radiance"),
             Self::Brdf => ("f cos", "Luminance of BRDF times cosine"),
@@ -81,7 +81,7 @@ fn short(value: f32) -> String {
     }
 }
 
-/// How the table is sorted, and what is pointed at.
+/// Sorting of the table, and the hovered row.
 #[derive(Default)]
 pub struct NodeTable {
     column: Column,
@@ -124,7 +124,7 @@ impl NodeTable {
         }
     }
 
-    /// A click sorts by a column, the greatest first; another one turns the order round.
+    /// A click sorts by a column, the greatest first; another click reverses the order.
     fn headings(&mut self, ui: &mut Ui) {
         for column in Column::ALL {
             let (name, help) = column.heading();

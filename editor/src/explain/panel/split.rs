@@ -4,23 +4,23 @@ use super::ExplainRequest;
 use egui::{Align, Layout, ProgressBar, Rect, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use lapidary_render::{ErrorSplit, SplitStep};
 
-/// Points that the names of the causes take.
+/// Width of the names of causes in points.
 const NAMES: f32 = 112.0;
-/// Points that the numbers take.
+/// Width of the numbers in points.
 const NUMBERS: f32 = 56.0;
 
-/// Shows the bars, or how far they are, and the button that makes them.
+/// Shows the bars or their progress, and the button that makes them.
 pub fn show(ui: &mut Ui, split: Option<&ErrorSplit>, progress: Option<f32>) -> Option<ExplainRequest> {
     if let Some(split) = split {
         bars(ui, split);
     }
     if let Some(done) = progress {
         ui.add(ProgressBar::new(done).show_percentage()).accessible_name("Error split progress");
-        // At the other side than the button that begins.
+        // On the other side than the button that begins.
         let cancel = ui.with_layout(Layout::right_to_left(Align::Min), |ui| ui.button("Cancel").clicked()).inner;
         return cancel.then_some(ExplainRequest::CancelSplit);
     }
-    let help = "Replaces one factor at a time by its exact value. This traces light paths, and takes a while.";
+    let help = "Replaces one factor at a time with its exact value. Traces light paths and takes a while.";
     let name = if split.is_some() { "Split again" } else { "Split the error" };
     ui.button(name).on_hover_text(help).clicked().then_some(ExplainRequest::Split)
 }
@@ -37,7 +37,7 @@ fn bars(ui: &mut Ui, split: &ErrorSplit) {
     ui.label(RichText::new(text).weak());
 }
 
-/// One cause: its name, a bar up to `top`, its relative RMSE; the pointer tells the rest.
+/// One cause: its name, a bar up to `top`, its relative RMSE; the tooltip has the rest.
 fn bar(ui: &mut Ui, step: &SplitStep, top: f64) {
     let height = ui.spacing().interact_size.y;
     let text = format!("{:.1} %", 100.0 * step.rel_rmse);

@@ -6,7 +6,7 @@ use glam::Vec3;
 use lapidary_core::{camera::Camera, environment::Environment, image::Image, test_scenes::dataset};
 use lapidary_render::{BrdfSampling, CutLight, Illumination, Quiet, Region, Renderer, SplitJob, View};
 
-/// What a panel is shown, and what it asked for last.
+/// Input of a panel, and its last request.
 #[derive(Default)]
 struct Probe {
     explanation: Option<PixelExplanation>,

@@ -8,7 +8,7 @@ use lapidary_interchange::{
 };
 use std::path::Path;
 
-/// What a file holds.
+/// Kind of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// A scene to import and bake.
@@ -17,7 +17,7 @@ pub enum Kind {
     Dataset,
     /// A session of this program.
     Session,
-    /// Light from all around.
+    /// An environment map.
     Environment,
     /// A picture for a map.
     Texture,
@@ -31,7 +31,7 @@ pub enum Kind {
     Unknown,
 }
 
-/// What the file of a path holds. Reads no more than the header of a picture and the text of a JSON file.
+/// The kind of a file. Reads at most the header of a picture and the text of a JSON file.
 pub fn kind_of(path: &Path) -> Kind {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match name.rsplit_once('.').map_or("", |(_, extension)| extension) {
@@ -47,11 +47,11 @@ pub fn kind_of(path: &Path) -> Kind {
     }
 }
 
-/// A picture twice as wide as high is most likely a map of all directions.
+/// A picture twice as wide as high is most likely an environment map.
 fn kind_of_picture(path: &Path) -> Kind {
     match dimensions(path) {
         Ok([width, height]) if u64::from(width) == 2 * u64::from(height) => Kind::Environment,
-        // Opening a damaged one says what is wrong with it.
+        // Opening a damaged picture reports its error.
         _ => Kind::Texture,
     }
 }
@@ -61,7 +61,7 @@ fn kind_of_json(path: &Path) -> Kind {
     if serde_json::from_str::<MaterialFile>(&text).is_ok() {
         return Kind::Material;
     }
-    // A glTF or other JSON file has no such keys; a material with a mistake in it is opened as one, to name the mistake.
+    // A glTF or other JSON file has no such keys; a material with a mistake is opened as a material, to report the mistake.
     let Ok(serde_json::Value::Object(keys)) = serde_json::from_str(&text) else { return Kind::Unknown };
     if keys.contains_key("lapidary_session") {
         Kind::Session
@@ -74,9 +74,9 @@ fn kind_of_json(path: &Path) -> Kind {
     }
 }
 
-/// Why a file that is of no known kind cannot be opened.
+/// Why a file of unknown kind cannot be opened.
 pub fn foreign(path: &Path) -> String {
-    let what = if path.exists() { "Lapidary does not know this kind of file" } else { "there is no such file" };
+    let what = if path.exists() { "Lapidary does not know this kind of file" } else { "file not found" };
     let named = |endings: Vec<&str>| listed(&endings, ", ");
     let pictures = |is_light| PictureFormat::ALL.iter().filter(move |format| format.is_light == is_light);
     let usual = |is_light| pictures(is_light).map(|format| format.endings()[0]).collect();

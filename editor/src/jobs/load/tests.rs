@@ -1,4 +1,4 @@
-//! What was asked for last is what arrives.
+//! The last request is the one that arrives.
 
 use super::*;
 use glam::Vec3;

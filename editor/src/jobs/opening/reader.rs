@@ -1,4 +1,4 @@
-//! Reads a scene, a dataset or a session, with the bakes that there are of it.
+//! Reads a scene, a dataset or a session, with its bakes.
 
 use super::{Consent, Opened, Ready, Target, no_document};
 use crate::{
@@ -21,11 +21,11 @@ use lapidary_interchange::image;
 use lapidary_render::Baked;
 use std::path::{Path, PathBuf};
 
-/// What reading needs besides the file.
+/// Settings of reading.
 pub struct Reader<'a> {
-    /// The folder of bakes that are kept.
+    /// The folder of kept bakes.
     pub bakes: &'a Path,
-    /// Which files may be read.
+    /// Permission to read files.
     pub consent: &'a Consent,
 }
 
@@ -56,7 +56,7 @@ fn ready(ready: Ready) -> Opened {
     Opened::Ready(ready.into())
 }
 
-/// A dataset that is not there, or damaged, only has to be baked again.
+/// Reads a dataset; a missing or damaged one only has to be baked again.
 fn read_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Baked> {
     if !path.is_file() {
         return None;
@@ -64,7 +64,7 @@ fn read_if_there(path: &Path, warnings: &mut Vec<String>) -> Option<Baked> {
     match Dataset::read(path, image::decode) {
         Ok(dataset) => Some(Baked::begun(dataset)),
         Err(error) => {
-            warnings.push(format!("The bake cannot be used, bake again: {error}"));
+            warnings.push(format!("Cannot use the bake; bake again: {error}"));
             None
         }
     }
@@ -78,11 +78,11 @@ fn open_dataset(path: &Path) -> Result<Ready> {
 
 /// The bakes of a scene.
 struct Found {
-    /// The whole one, or one of another version of the scene, and its file.
+    /// The full bake, perhaps of another version of the scene, and its file.
     whole: Option<(Baked, PathBuf)>,
-    /// A draft of one, if there is no whole one.
+    /// A draft, if there is no full bake.
     draft: Option<Baked>,
-    /// Where a bake goes that begins by itself.
+    /// Output of an automatic bake.
     kept_output: PathBuf,
 }
 
@@ -96,7 +96,7 @@ impl Reader<'_> {
             Some((baked, file)) if *file == output => {
                 Document::of_dataset(&baked.dataset, output.clone(), Some(path.into()))
             }
-            // The look is that of the scene as it is now. The file is not named: another machine would look for it in vain.
+            // The look comes from the present scene. The file is not named: another machine would not find it.
             Some((kept, _)) => Document::of_scene(&source.scene, Some(path.into())).with_bake(&kept.dataset),
             None => Document::of_scene(&source.scene, Some(path.into())),
         };
@@ -109,18 +109,17 @@ impl Reader<'_> {
         let mut warnings = source.report.warnings.clone();
         let found = self.bakes_of(&source, scene, &output, &mut warnings);
         let document = Document::of_scene(&source.scene, Some(scene.into()));
-        // A bake of other settings, poses or times is one that the user asked for.
+        // A bake of other settings, poses or times is the user's choice.
         let document = match &found.whole {
             Some((baked, _)) => document.with_bake(&baked.dataset),
             None => document,
         };
-        // Named before it is there, so that a session finds it later.
+        // Named before it exists, so that a session finds it later.
         let document = Document { dataset: Some(output.clone()), ..document };
         Ok(Ready { bake_output: Some(output), ..found.ready(document, source, warnings) })
     }
 
-    /// The bakes of a scene: the one at `output`, or else one that is kept, or else a draft. Of another version of the scene
-    /// only the first counts.
+    /// The bakes of a scene: at `output`, else a kept one, else a draft. Only the first may be of another version of the scene.
     fn bakes_of(&self, source: &Imported, scene: &Path, output: &Path, warnings: &mut Vec<String>) -> Found {
         let kept_output = kept_in(self.bakes, scene, &source.hash);
         let is_of_scene = |baked: &Baked| baked.dataset.scene_hash == source.hash;
@@ -146,7 +145,7 @@ impl Reader<'_> {
         Ok(Opened::Missing { loaded: loaded.into(), path, recovery, found: None })
     }
 
-    /// Looks for the missing files of a session.
+    /// Searches for the missing files of a session.
     fn look(
         &self,
         mut loaded: Box<LoadedSession>,
@@ -161,7 +160,7 @@ impl Reader<'_> {
         Opened::Missing { loaded, path, recovery, found }
     }
 
-    /// All files that the session names, as far as they can be read; unreadable ones are left out with a warning.
+    /// Reads all files that the session names; leaves out unreadable ones with a warning.
     fn resolve(&self, loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>) -> Ready {
         let mut warnings = Vec::new();
         let scene_path = loaded.session.scene.clone();
@@ -171,12 +170,12 @@ impl Reader<'_> {
         let found = named.map(|((source, scene), output)| self.bakes_of(source, scene, output, &mut warnings));
         let baked = match &found {
             Some(found) => found.best(),
-            // A dataset whose scene is gone can still be seen.
+            // A dataset without its scene can still be shown.
             None => output.as_deref().and_then(|output| read_if_there(output, &mut warnings)),
         };
         let unknown = loaded.unknown.clone();
         let ground = loaded.session.bake.ground;
-        // What will be shown: a bake of the scene as it is, with the ground that the session has.
+        // Only a bake of the present scene with the session's ground is shown.
         let suits = |baked: &Baked| match &source {
             Some(source) => baked.dataset.scene_hash == source.hash && (ground == Ground::Off || baked.has_ground()),
             None => true,
@@ -194,7 +193,7 @@ impl Reader<'_> {
         Ready { unknown, session: path, recovery, bake_output, recent, ..ready }
     }
 
-    /// Without its scene a session can still be seen, but not baked again.
+    /// Reads the scene; without it a session can be shown, but not baked again.
     fn source_if_there(&self, path: &Path, warnings: &mut Vec<String>) -> Option<Imported> {
         if !path.is_file() {
             return None;
@@ -205,15 +204,15 @@ impl Reader<'_> {
 }
 
 impl Found {
-    /// The best of them.
+    /// The best bake.
     fn best(&self) -> Option<Baked> {
         self.whole.as_ref().map(|(baked, _)| baked).or(self.draft.as_ref()).cloned()
     }
 
-    /// The document of a scene with these bakes.
+    /// The document of a scene and these bakes.
     fn ready(self, mut document: Document, source: Imported, warnings: Vec<String>) -> Ready {
         let baked = self.best();
-        // Of another version of the scene there may be something to see, but only if the user says so.
+        // A bake of another version of the scene is shown only if the user says so.
         let is_seen = baked.as_ref().is_some_and(|baked| baked.dataset.scene_hash == source.hash);
         let preview = (!is_seen).then(|| source.unshadowed(document.bake.ground));
         // A ground has a material of its own.

@@ -1,19 +1,19 @@
-//! How far the first sample of a picture is: which tiles of which lattice come next, and when to show it.
+//! Progress of a picture's first sample: the next tiles and lattice, and when to show it.
 
 use crate::jobs::budget::Pace;
 use glam::Vec2;
 use lapidary_render::{STRIDES, Tiles, share_of_lattice};
 use std::time::{Duration, Instant};
 
-/// Most milliseconds of tiles that are computed at once: short enough to drop everything for a new request.
+/// Most milliseconds of tiles computed at once: short enough to drop everything for a new request.
 const STEP_MS: f64 = 45.0;
 
-/// Measured speed of sketches, by what takes the time.
+/// Measured speed of sketches, by kind of work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SketchPace {
-    /// The coarsest lattice, with what all pixels see.
+    /// The coarsest lattice, with the first hits of all pixels.
     first: Pace,
-    /// Pixels that finer lattices shade.
+    /// Pixels shaded by finer lattices.
     finer: Pace,
     /// Filling and display.
     show: Pace,
@@ -31,7 +31,7 @@ impl SketchPace {
         self.first.and(self.show).reduced_size(full, budget_ms)
     }
 
-    /// Pixels that are shaded in some milliseconds.
+    /// Pixels shaded in `millis` milliseconds.
     pub fn pixels_within(&self, millis: f64) -> u32 {
         self.finer.times_within(millis, 1.0).unwrap_or(0).min(u32::MAX as usize) as u32
     }
@@ -43,18 +43,18 @@ pub struct Sketching {
     size: [u32; 2],
     /// Tiles in the order in which each lattice takes them.
     order: Vec<u32>,
-    /// Index into [`STRIDES`] of the lattice in the making.
+    /// Index into [`STRIDES`] of the current lattice.
     level: usize,
-    /// Tiles of `order` that have it.
+    /// Tiles of `order` with the current lattice.
     done: usize,
-    /// Since when it is in the making.
+    /// When the sketch began.
     since: Instant,
-    /// Lattices that all tiles had when it was last shown.
+    /// Complete lattices when it was last shown.
     shown: usize,
 }
 
 impl Sketching {
-    /// Of a picture of `size`, with the tiles near `place` first.
+    /// For a picture of `size`, with the tiles near `place` first.
     pub fn new(size: [u32; 2], place: Vec2) -> Self {
         let order = Tiles::of(size).nearest_first(place);
         Self { size, order, level: 0, done: 0, since: Instant::now(), shown: 0 }
@@ -75,12 +75,12 @@ impl Sketching {
         self.shown > 0
     }
 
-    /// Stride of the finest lattice that all tiles have.
+    /// Stride of the finest complete lattice.
     pub fn stride(&self) -> Option<u32> {
         self.level.checked_sub(1).map(|level| STRIDES[level])
     }
 
-    /// Stride and tiles that come next, as many as fit the time that is left of `budget_ms`.
+    /// The next stride and tiles, as many as fit the rest of `budget_ms`.
     pub fn next(&self, pace: &SketchPace, budget_ms: f32) -> (u32, &[u32]) {
         let stride = STRIDES[self.level];
         let left = &self.order[self.done..];
@@ -90,7 +90,7 @@ impl Sketching {
         (stride, &left[..wanted.max(threads).min(left.len())])
     }
 
-    /// Records that the first `tiles` of those that came next took `millis` milliseconds.
+    /// Records that the first `tiles` of the next tiles took `millis` milliseconds.
     pub fn advance(&mut self, tiles: usize, pace: &mut SketchPace, millis: f64) {
         let taken = &self.order[self.done..self.done + tiles];
         let pixels: u64 = taken.iter().map(|&tile| Tiles::of(self.size).region(tile).pixels()).sum();
@@ -102,7 +102,7 @@ impl Sketching {
         }
     }
 
-    /// Whether to show the picture now: the first time when the time for it is over, and then once for each lattice.
+    /// Whether to show the picture now: first when `budget_ms` is spent, then once for each lattice.
     pub fn is_due(&self, pace: &SketchPace, budget_ms: f32) -> bool {
         match self.shown {
             0 => self.level > 0 && !(self.millis_left(pace, budget_ms) > 0.0),
@@ -117,7 +117,7 @@ impl Sketching {
 
     /// Pixels that a tile's part of the lattice adds, per pixel of the tile.
     fn share(&self) -> f64 {
-        // The coarsest lattice looks at all pixels.
+        // The coarsest lattice traces all pixels.
         if self.level == 0 { 1.0 } else { share_of_lattice(STRIDES[self.level]) }
     }
 
@@ -125,7 +125,7 @@ impl Sketching {
         if self.level == 0 { &pace.first } else { &pace.finer }
     }
 
-    /// Milliseconds until it is to be shown for the first time, or the longest step after that.
+    /// Milliseconds until it is first shown, or the longest step after that.
     fn millis_left(&self, pace: &SketchPace, budget_ms: f32) -> f64 {
         if self.is_shown() {
             return STEP_MS;

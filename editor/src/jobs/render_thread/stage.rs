@@ -1,18 +1,18 @@
-//! Where the making of a picture stands, and how often a lost device is tried again.
+//! Stage of a picture, and restarts of lost devices.
 
 use std::time::{Duration, Instant};
 
-/// How long nothing must have changed before the full picture is begun.
+/// Time without changes before the full picture begins.
 const SETTLE: Duration = Duration::from_millis(120);
 
-/// Where the making of a picture stands.
+/// Stage of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureStage {
     /// The picture is complete, or there is nothing to show.
     Rest,
-    /// A picture is to be begun.
+    /// The next picture is about to begin.
     Begin,
-    /// Its first sample is in the making.
+    /// Its first sample is being computed.
     Sketch,
     /// A reduced picture is shown; the full one follows if nothing changes for a while.
     Settle {
@@ -23,7 +23,7 @@ pub enum PictureStage {
     Full {
         /// The sample that is added.
         sample: u32,
-        /// The first row that it lacks.
+        /// The first missing row.
         row: u32,
     },
 }
@@ -44,16 +44,16 @@ impl PictureStage {
     }
 }
 
-/// When the renderer was started again.
+/// Restarts of the renderer.
 #[derive(Debug, Default)]
 pub struct Restarts(Vec<Instant>);
 
 impl Restarts {
-    /// Most within [`Self::PERIOD`]: a driver that keeps failing would otherwise keep the machine busy.
+    /// Most restarts within [`Self::PERIOD`], so that a failing driver does not keep the machine busy.
     pub const MOST: usize = 3;
     const PERIOD: Duration = Duration::from_secs(60);
 
-    /// Whether it may be started once more, which is then counted.
+    /// Whether one more restart is allowed; counts it if so.
     pub fn allow(&mut self, now: Instant) -> bool {
         self.0.retain(|&then| now.saturating_duration_since(then) < Self::PERIOD);
         let allowed = self.0.len() < Self::MOST;

@@ -1,4 +1,4 @@
-//! The thread over a renderer that only counts what it is asked for.
+//! The thread with a renderer that only counts calls.
 
 mod failures;
 mod fake;
@@ -55,7 +55,7 @@ fn failure(thread: &mut RenderThread) -> String {
     wait_for("a failure", || thread.events().into_iter().find_map(failed))
 }
 
-/// Long enough for the thread to do what it should not.
+/// Long enough for the thread to make a mistake.
 fn linger() {
     std::thread::sleep(Duration::from_millis(250));
 }
@@ -407,7 +407,7 @@ fn unhurried() -> RenderRequest {
     request
 }
 
-/// The same in a drag of its object, elsewhere by so many meters.
+/// The same request while its object is dragged `x` meters away.
 fn dragged(still: &RenderRequest, x: f32) -> RenderRequest {
     let mut request = RenderRequest { moving: true, ..still.clone() };
     request.look.poses.set(0, Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });

@@ -1,4 +1,4 @@
-//! What the thread does: takes the newest request, then one step of rendering, and again.
+//! The loop of the thread: take the newest request, do one step of rendering, repeat.
 
 mod refining;
 mod telling;
@@ -24,39 +24,38 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// How soon the full picture goes on when other work has ended.
+/// Delay until the full picture continues after other work.
 const HELD_WAIT: Duration = Duration::from_millis(100);
 
-/// Share of the frame time for what a picture needs at least: the coarsest lattice and its display. The rest is for finer
-/// ones.
+/// Share of the frame time for the coarsest lattice and its display. The rest is for finer ones.
 const FIRST_SHARE: f32 = 0.9;
 
-/// How soon a pose is lit more finely when that is prepared.
+/// Delay until a pose is lit more finely.
 const FINER_WAIT: Duration = Duration::from_millis(50);
 
-/// Share of the frame time that the picture has at least, however long its light takes. That of posed objects is as fine as fits the
+/// Least share of the frame time for the picture, however long its light takes. The light of posed objects is as fine as fits the
 /// rest.
 const PICTURE_SHARE: f32 = 0.4;
 
-/// Share of the frame time for pixels that nothing on the lattice resembles.
+/// Share of the frame time for pixels that resemble no lattice pixel.
 const HOLES_SHARE: f32 = 0.1;
 
-/// The picture that the renderer is at.
+/// The picture being rendered.
 struct Begun {
     size: [u32; 2],
     full_size: bool,
     of_samples: u32,
-    /// Samples that all rows have.
+    /// Samples complete in all rows.
     complete: u32,
     millis: f64,
     /// Its first sample.
     sketching: Sketching,
-    /// Pixels that were shaded when it was last filled.
+    /// Pixels shaded at the last fill.
     holes: u32,
 }
 
 impl Begun {
-    /// Distance of a lattice in pixels of the full picture.
+    /// Spacing of a lattice in pixels of the full picture.
     fn apart(&self, stride: u32, full: [u32; 2]) -> f32 {
         stride as f32 * full[0] as f32 / self.size[0].max(1) as f32
     }
@@ -66,13 +65,13 @@ fn millis_since(start: Instant) -> f64 {
     1e3 * start.elapsed().as_secs_f64()
 }
 
-/// What the thread and the window tell each other at any time.
+/// Flags shared by thread and window.
 pub struct Shared {
     /// Whether other work needs the cores.
     pub held: Arc<AtomicBool>,
-    /// Whether one sample for each pixel is enough for now.
+    /// Whether one sample per pixel is enough for now.
     pub is_preview: Arc<AtomicBool>,
-    /// Whether the thread has something to do that waits for nothing.
+    /// Whether the thread has work that waits for nothing.
     pub works: Arc<AtomicBool>,
 }
 
@@ -84,33 +83,33 @@ pub struct Worker {
     factory: BackendFactory,
     /// The scene on its renderer, once there is one.
     scene: Option<LitScene>,
-    /// Lights of the environment that renderers made which were given up.
+    /// Revisions of the environment's light from renderers given up since.
     lights_before: u64,
     wanted: Option<Arc<RenderRequest>>,
     stage: PictureStage,
     begun: Option<Begun>,
-    /// Camera, full size and poses of the last picture that was begun: what pixels see is known then.
+    /// Camera, full size and poses of the last picture begun, for which first hits are known.
     seen_from: Option<(Camera, [u32; 2], Poses)>,
-    /// Whether the picture replaces that of another bake of the scene, which stays on the screen until it has a whole sample.
+    /// Whether the picture replaces one of another bake, which stays on the screen until this has a full sample.
     replaces: bool,
-    /// What its light left of the frame time, in milliseconds.
+    /// The rest of the frame time after its light, in milliseconds.
     budget_ms: f32,
-    /// Distance of the lattice that was shown of the wanted look, in pixels of the full picture.
+    /// Spacing of the last lattice shown of the present look, in pixels of the full picture.
     shown_apart: Option<f32>,
     /// Speed of first samples.
     sketch_pace: SketchPace,
     /// Speed of the last bands, for their height: rows of sky are faster than others.
     band_pace: Pace,
-    /// The shaders are to be read again.
+    /// The shaders must be reloaded.
     reload_wanted: bool,
-    /// The picture is to be displayed again.
+    /// The picture must be displayed again.
     redisplay: bool,
-    /// Who waits for the full picture.
+    /// Requests that wait for the full picture.
     reads: Vec<u64>,
     restarts: Restarts,
-    /// Work of the last picture that was counted: reading it back takes too long while something moves.
+    /// Statistics of the last picture read back, which takes too long while something moves.
     stats: PictureStats,
-    /// The last failure, which is not told again until there was a picture.
+    /// The last failure, which is not reported again until there was a picture.
     reported: Option<String>,
 }
 
@@ -152,7 +151,7 @@ impl Worker {
                     self.reset();
                     let reason = panic_text(&*panic);
                     self.give_up(format!(
-                        "the renderer failed by a mistake in Lapidary ({reason}); change something to try again, and \
+                        "the renderer failed because of a bug in Lapidary ({reason}); change something to try again, and \
                          please report it"
                     ));
                 }
@@ -160,7 +159,7 @@ impl Worker {
         }
     }
 
-    /// Takes all messages, waiting for one if there is nothing else to do. Returns whether to go on.
+    /// Takes all messages, waiting for one if there is nothing else to do. Returns whether to continue.
     fn receive(&mut self) -> bool {
         if self.is_urgent() {
             return true;
@@ -195,8 +194,7 @@ impl Worker {
         true
     }
 
-    /// Whether a picture must be shown before newer requests are looked at: while they keep coming, none would be finished
-    /// otherwise.
+    /// Whether a picture must be shown before newer requests are taken: a stream of requests would never show one otherwise.
     fn is_urgent(&self) -> bool {
         self.stage == PictureStage::Sketch && self.shown_apart.is_none() && !self.replaces
     }
@@ -228,17 +226,17 @@ impl Worker {
 
     /// Rebuilds the renderer's shaders; the previous ones stay if that fails.
     fn reload(&mut self) {
-        // A renderer that is yet to be made reads them when it is.
+        // A renderer created later reads them then.
         let reloaded = self.scene.as_mut().map_or(Ok(()), |scene| scene.backend().reload());
         self.begun = None;
         self.stage = PictureStage::Begin;
         self.outbox.event(match reloaded {
-            Ok(()) => RenderEvent::Remark("the shaders were read again".into()),
-            Err(error) => RenderEvent::Remark(format!("the shaders stay as they were: {error}")),
+            Ok(()) => RenderEvent::Remark("shaders reloaded".into()),
+            Err(error) => RenderEvent::Remark(format!("shaders not reloaded: {error}")),
         });
     }
 
-    /// Decides what a new request sets going.
+    /// Starts the work for a new request.
     fn accept(&mut self, request: RenderRequest) {
         let redo = self.wanted.as_ref().map_or(Redo::ALL, |wanted| wanted.redo(&request));
         if redo.renders() {
@@ -250,12 +248,12 @@ impl Worker {
     }
 
     fn post_changed(&mut self) {
-        // What was not shown yet will have the new curve.
+        // A picture not shown yet will have the new curve.
         self.redisplay = self.stage != PictureStage::Begin
             && self.begun.as_ref().is_some_and(|begun| begun.complete > 0 || begun.sketching.is_shown());
     }
 
-    /// One step, not much longer than a band of rows.
+    /// Does one step, not much longer than a band of rows.
     fn step(&mut self) -> Result<(), BackendError> {
         if std::mem::take(&mut self.reload_wanted) {
             self.reload();
@@ -284,8 +282,7 @@ impl Worker {
         }
     }
 
-    /// Begins a picture: the full one if the pixels are known to see the same as before, or else as large as fits the
-    /// frame time, which may be the full one too.
+    /// Begins a picture: full size if first hits are unchanged, else as large as fits the frame time.
     fn begin_any(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         self.begun = None;
         self.replaces = false;
@@ -312,7 +309,7 @@ impl Worker {
         self.begin(request, size)
     }
 
-    /// Some tiles of the first sample, and shows it when that is due.
+    /// Computes some tiles of the first sample, and shows it when due.
     fn sketch(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
         let sketching = &mut begun.sketching;
@@ -326,7 +323,7 @@ impl Worker {
             return self.sketch_complete(request);
         }
         let is_due = sketching.is_due(&self.sketch_pace, self.budget_ms);
-        // Nothing worse is shown than what was shown of the same look.
+        // Never shows a coarser picture of the same look than before.
         let apart = begun.sketching.stride().map(|stride| begun.apart(stride, request.look.view.size));
         if is_due && !self.replaces && apart.is_some_and(|apart| self.shown_apart.is_none_or(|shown| apart <= shown)) {
             self.show_sketch(request)?;
@@ -362,7 +359,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Gives the renderer the scene, its materials and its light, as far as they have changed.
+    /// Updates scene, materials and light of the renderer where they have changed.
     fn light(&mut self, baked: &Baked, look: &Look) -> Result<(), BackendError> {
         let scene = match &mut self.scene {
             Some(scene) => {
@@ -386,7 +383,7 @@ impl Worker {
         self.lights_before += self.scene.take().map_or(0, |scene| scene.light_revision());
     }
 
-    /// A band of rows of the full picture.
+    /// Renders a band of rows of the full picture.
     fn band(&mut self, request: &RenderRequest, sample: u32, row: u32) -> Result<(), BackendError> {
         let [width, height] = request.look.view.size;
         let end = row.saturating_add(self.band_pace.band_rows(width)).min(height);
@@ -414,7 +411,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Renders rows of a sample after the first, and returns the milliseconds that it took.
+    /// Renders rows of a sample after the first, and returns the milliseconds taken.
     fn render(&mut self, sample: u32, rows: Range<u32>) -> Result<f64, BackendError> {
         let start = Instant::now();
         let Some(scene) = &mut self.scene else { return Ok(0.0) };
@@ -426,8 +423,8 @@ impl Worker {
         Ok(millis)
     }
 
-    /// Counts a sample, and shows the picture when it has twice as many as the one shown, or all. Returns whether it
-    /// is the full picture and complete.
+    /// Counts a sample, and shows the picture when it has all, or twice as many as the shown one. Returns whether it is the full
+    /// picture and complete.
     fn sample_complete(&mut self, request: &RenderRequest) -> Result<bool, BackendError> {
         let Some(begun) = &mut self.begun else { return Ok(false) };
         begun.complete += 1;

@@ -1,15 +1,14 @@
-//! Lights inside an object, which light nothing visible. They are searched for among the visible rows only, and again
-//! only when a light or the scene has changed.
+//! Finds lights inside an object, which light nothing visible. Searches the visible rows only, and again only when a light or the
+//! scene has changed.
 
 use lapidary_core::lights::Light;
 use lapidary_render::{Baked, is_buried};
 use std::collections::HashMap;
 
-/// What is said of such a light.
-pub const NOTICE: &str =
-    "This light is inside an object or a wall, and lights nothing that is seen. Move it into the open.";
+/// Warning on such a light.
+pub const NOTICE: &str = "This light is inside an object or a wall and lights nothing visible. Move it out.";
 
-/// What was found, by the place of the light in the list.
+/// Results, by index in the list of lights.
 #[derive(Default)]
 pub struct Buried {
     scene: Option<Baked>,
@@ -17,7 +16,7 @@ pub struct Buried {
 }
 
 impl Buried {
-    /// Whether the light at `index` is inside an object. Not, while that cannot be told yet.
+    /// Whether the light at `index` is inside an object; false until known.
     pub fn contains(&mut self, scene: Option<&Baked>, index: usize, light: &Light) -> bool {
         let Some((scene, intersector)) = scene.and_then(|s| Some((s, s.intersector_if_ready()?))) else { return false };
         if !self.scene.as_ref().is_some_and(|known| known.is_same(scene)) {

@@ -1,4 +1,4 @@
-//! Which parts of the light are in the picture, and how bounced light is computed.
+//! The parts of the light in the picture, and the method of bounced light.
 
 use super::{LightsContext, LightsPanel};
 use crate::{
@@ -35,10 +35,9 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     }
 }
 
-/// The switch of the clusters, or why it can do nothing now.
+/// The switch of the clusters, or why it has no effect now.
 fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
-    let help =
-        "Draws the surface sources, each in the color of its cluster. Light is gathered from one cluster at a time";
+    let help = "Draws the surface sources, colored by cluster. Cuts gather light cluster by cluster";
     ui.add_enabled_ui(obstacle.is_none(), |ui| {
         let switch = check_box(ui, shown, "Show clusters in the viewport").on_hover_text(help);
         switch.on_disabled_hover_text(obstacle.unwrap_or_default());
@@ -47,17 +46,17 @@ fn clusters(ui: &mut Ui, shown: &mut bool, obstacle: Option<&str>) {
 
 fn no_clusters(document: &Document, solution: Option<Solution>) -> Option<&'static str> {
     if !document.components.shows(Component::Indirect) {
-        Some("Bounced light is not in the picture: switch it on above")
+        Some("Bounced light is off: switch it on above")
     } else if solution.is_some_and(|solution| !solution.needs().sources()) {
-        Some("Only cuts gather light from clusters: choose another solution above")
+        Some("Only cuts use clusters: choose another method above")
     } else if document.view.mode != ViewMode::Shaded {
-        Some("Clusters lie over the lit picture: choose the view mode Shaded")
+        Some("Clusters are drawn over the lit picture: choose the view mode Shaded")
     } else {
         None
     }
 }
 
-/// Says that there is no light of the environment in a bake without it, and leads to one with it.
+/// Hints that the bake has no environment light, with a button to bake it.
 pub fn environment_hint(
     ui: &mut Ui,
     baked: Option<BakeParts>,
@@ -67,11 +66,11 @@ pub fn environment_hint(
 ) {
     let Some(baked) = baked.filter(|mode| !mode.environment()) else { return };
     let mode = baked.with(wanted).with(BakeParts::ENVIRONMENT);
-    let text = "This bake has no light of the environment.";
+    let text = "This bake has no environment light.";
     hint(ui, text, "Bake with the environment", mode, can_bake, actions);
 }
 
-/// How much light the bounces carry, and what to do if much is left when they end.
+/// Light carried by the bounces, and advice if much is missing.
 fn bounce_energy(ui: &mut Ui, energy: Option<BounceEnergy>) {
     let Some(energy) = energy else { return };
     let BounceEnergy { bounces, last_share, .. } = energy;
@@ -85,12 +84,10 @@ fn bounce_energy(ui: &mut Ui, energy: Option<BounceEnergy>) {
 fn texts(component: Component) -> (&'static str, &'static str) {
     match component {
         Component::Environment => {
-            ("Environment", "Light that comes straight from the environment, and the environment behind the scene.")
+            ("Environment", "Direct light of the environment, and the environment as background.")
         }
-        Component::Direct => ("Lights", "Light that comes straight from the lights below, with their shadows."),
-        Component::Indirect => {
-            ("Bounce", "Light of the lights and of the environment that surfaces reflect onto each other.")
-        }
+        Component::Direct => ("Lights", "Direct light of the lights below, with shadows."),
+        Component::Indirect => ("Bounce", "Light that surfaces reflect onto each other."),
     }
 }
 
@@ -98,7 +95,7 @@ fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSett
     let (label, help) = texts(component);
     row(ui, label, help, false, |ui, name, _| {
         let before = *settings;
-        // What is soloed elsewhere does not show here, whatever the switch says.
+        // A part that is not soloed is grayed, whatever its switch says.
         ui.scope(|ui| {
             if settings.solo.is_some_and(|solo| solo != component) {
                 ui.set_opacity(0.5);
@@ -107,10 +104,7 @@ fn component_row(ui: &mut Ui, component: Component, settings: &mut ComponentSett
         });
         let is_solo = settings.solo == Some(component);
         let solo = ui.add(Button::new("Solo").selected(is_solo).small()).accessible_name(format!("Solo {}", name.full));
-        if solo
-            .on_hover_text("Shows this part of the light alone; click again to show all parts that are switched on")
-            .clicked()
-        {
+        if solo.on_hover_text("Shows only this part of the light; click again to show all enabled parts").clicked() {
             settings.solo = (!is_solo).then_some(component);
         }
         Edited::at_once(*settings != before)
@@ -121,13 +115,13 @@ fn solution(ui: &mut Ui, bounces: BakeParts, wanted: Solution, actions: &mut Vec
     let solutions = Solution::of(bounces);
     let Some(now) = Solution::closest_to(wanted, bounces) else { return };
     let choices: Vec<_> = solutions.iter().map(|&s| (s, s.label(), s.summary())).collect();
-    edit_row(actions, "Bounced light by", &now, Edit::Solution, |solution| {
-        combo_row(ui, "Bounced by", "How bounced light is computed.", solution, &choices)
+    edit_row(actions, "Bounce method", &now, Edit::Solution, |solution| {
+        combo_row(ui, "Bounce method", "Method that computes bounced light.", solution, &choices)
     });
     note(ui, now.summary());
 }
 
-/// Leads to a bake of bounced light that loses nothing of what is baked.
+/// Hints at bounced light, with a button to bake it and all present parts.
 fn bounce_hint(ui: &mut Ui, text: &str, context: &LightsContext, actions: &mut Vec<Action>) {
     let asked = context.document.bake.mode;
     let wanted = context.baked.map_or(asked, |baked| asked.with(baked));
@@ -140,7 +134,7 @@ fn hint(ui: &mut Ui, text: &str, button: &str, mode: BakeParts, can_bake: bool, 
     ui.horizontal_wrapped(|ui| {
         ui.weak(text);
         let button = ui.add_enabled(can_bake, Button::new(button));
-        let button = button.on_hover_text("Opens the bake settings, with this chosen");
+        let button = button.on_hover_text("Opens the bake settings with this type chosen");
         if button.on_disabled_hover_text("Open the scene file to bake it").clicked() {
             actions.push(Action::Bake(BakeAction::Choose(mode)));
         }

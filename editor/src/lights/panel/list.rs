@@ -22,7 +22,7 @@ const EYE: f32 = 17.0;
 /// A light's name while it is typed.
 pub struct Renaming {
     index: usize,
-    /// The name that it had, and how many lights there were: if these change, others have moved to its index.
+    /// Its name and the number of lights at the beginning: if these change, another light has its index.
     before: String,
     count: usize,
     name: String,
@@ -30,7 +30,7 @@ pub struct Renaming {
 }
 
 impl Renaming {
-    /// Begins with the name as it is.
+    /// Begins with the present name.
     pub fn of(index: usize, lights: &[Light]) -> Self {
         let before = lights[index].name.clone();
         Self { index, name: before.clone(), before, count: lights.len(), focused: false }
@@ -41,7 +41,7 @@ impl Renaming {
         lights.len() == self.count && lights.get(self.index).is_some_and(|light| light.name == self.before)
     }
 
-    /// Asks for the name that was typed, if it is one and another.
+    /// Asks for the typed name, if it is new and not empty.
     fn take(&self, light: &Light, actions: &mut Vec<Action>) {
         let name = self.name.trim();
         if !name.is_empty() && name != light.name {
@@ -51,13 +51,13 @@ impl Renaming {
     }
 }
 
-/// Shows the list and what is done with it.
+/// Shows the list and its buttons.
 pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actions: &mut Vec<Action>) {
     let lights = &context.document.lights;
-    // Above the list, which grows: below it, what a click adds would come to lie under the pointer.
+    // Above the list, which grows: below it, an added row would appear under the pointer.
     buttons(ui, context, actions);
     check_box(ui, &mut state.in_viewport, "Show in the viewport")
-        .on_hover_text("Draws the lights over the picture, to select and move them there");
+        .on_hover_text("Draws the lights over the picture, to select and move them");
     suns(ui, context, actions);
     if lights.is_empty() && context.suns.is_empty() {
         ui.weak("No lights yet");
@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     let limit = VISIBLE_ROWS * (height + ui.spacing().item_spacing.y);
     let area = ScrollArea::vertical().id_salt("lights").max_height(limit).auto_shrink([false, true]);
     area.show_rows(ui, height, lights.len(), |ui, rows| {
-        // As a click elsewhere, for a field that is out of sight cannot end by itself.
+        // Ends renaming as a click elsewhere does, since a field out of sight cannot end by itself.
         if let Some(hidden) = state.renaming.take_if(|renaming| !rows.contains(&renaming.index)) {
             hidden.take(&lights[hidden.index], actions);
         }
@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     });
 }
 
-/// A row for the suns of the environment, which are all switched at once.
+/// A row for the suns of the environment, which switches all of them.
 fn suns(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
     let Some(brightest) = context.suns.first() else { return };
     let settings = &context.document.environment;
@@ -97,7 +97,7 @@ fn suns(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
             count => format!("{count} suns of the environment"),
         };
         let text = RichText::new(name);
-        let help = "Turns with the environment, whose tab has its settings";
+        let help = "Turns with the environment; edit it in the Environment tab";
         ui.label(if settings.sun.enabled { text } else { text.weak() }).on_hover_text(help);
     });
 }
@@ -152,7 +152,7 @@ fn eye(ui: &mut Ui, name: &str, enabled: bool) -> Response {
     eye.on_hover_text(verb)
 }
 
-/// The toolkit's font has no such sign.
+/// Paints the eye, which the toolkit's font lacks.
 fn paint_eye(ui: &Ui, rect: Rect, open: bool, hovered: bool) {
     let visuals = ui.visuals();
     let color = if hovered || open { visuals.strong_text_color() } else { visuals.weak_text_color() };
@@ -175,7 +175,7 @@ fn swatch(ui: &mut Ui, light: &Light) {
     ui.painter().rect(rect, 2.0, display_color(light.intensity), outline(ui), StrokeKind::Inside);
 }
 
-/// The name as a text field: Enter or a click elsewhere takes it, Escape does not.
+/// The name as a text field: Enter or a click elsewhere accepts it, Escape cancels.
 fn rename(ui: &mut Ui, renaming: &mut Option<Renaming>, light: &Light, actions: &mut Vec<Action>) {
     let Some(typed) = renaming else { return };
     let field = TextEdit::singleline(&mut typed.name).desired_width(ui.available_width());
@@ -185,7 +185,7 @@ fn rename(ui: &mut Ui, renaming: &mut Option<Renaming>, light: &Light, actions: 
         typed.focused = true;
         return;
     }
-    // Without the focus also after the list was out of sight.
+    // It may lack the focus because the list was out of sight.
     if field.has_focus() {
         return;
     }
@@ -206,9 +206,9 @@ fn buttons(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
         };
         let copy = Action::Light(LightAction::Duplicate(context.selected.unwrap_or_default()));
         button(ui, "Duplicate", "Adds a copy of the selected light (Ctrl+D)", is_selected, copy);
-        button(ui, "Load...", "Adds the lights of a lights file", true, Action::Light(LightAction::Load(None)));
+        button(ui, "Load...", "Adds the lights from a file", true, Action::Light(LightAction::Load(None)));
         let any = !context.document.lights.is_empty();
-        let help = "Writes all lights to a file, which lapidary render --lights reads too";
+        let help = "Writes all lights to a file for lapidary render --lights";
         button(ui, "Save...", help, any, Action::Light(LightAction::Save(None)));
     });
 }

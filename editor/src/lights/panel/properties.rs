@@ -45,7 +45,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// One row. Its change counts only if the resulting light is valid: other values of the light may not fit.
+    /// One row. Its change counts only if the resulting light is valid.
     fn row(&mut self, label: &'static str, row: impl FnOnce(&mut Ui, &mut Light) -> Edited) {
         let (ui, index) = (&mut *self.ui, self.index);
         let edit = |light| Edit::Light { index, light: Box::new(light) };
@@ -60,7 +60,7 @@ impl Rows<'_> {
         let choices = LightKind::ALL.map(|kind| (kind, kind.label(), kind.meaning()));
         self.row("Light kind", |ui, light| {
             let mut kind = LightKind::of(light);
-            let edited = combo_row(ui, "Kind", "How the light shines.", &mut kind, &choices);
+            let edited = combo_row(ui, "Kind", "Kind of light source.", &mut kind, &choices);
             if edited.changed {
                 *light = with_kind(light, kind);
             }
@@ -68,14 +68,14 @@ impl Rows<'_> {
         });
     }
 
-    /// Color and intensity apart: the color's brightest channel is 1.
+    /// Color and intensity separately: the color's brightest channel is 1.
     fn color(&mut self) {
         let (color, intensity) = color_and_intensity(self.light.intensity);
         self.row("Light color", |ui, light| {
             let mut picked = color;
-            let help = "The color only. The intensity sets how bright it is.";
+            let help = "Color without brightness, which Intensity sets.";
             let edited = color_row(ui, "Color", help, &mut picked, Vec3::ONE);
-            // Black is no color of a light.
+            // A light cannot be black.
             if edited.changed && picked.max_element() > 0.0 {
                 light.intensity = intensity * color_and_intensity(picked).0;
             }
@@ -109,8 +109,7 @@ impl Rows<'_> {
 
     fn angle(&mut self) {
         let [least, most] = ANGLE_DEGREES;
-        let help =
-            "The angle that the light is seen under, in degrees: 0 for sharp shadows, 0.53 for those of the sun.";
+        let help = "Angular diameter in degrees: 0 for sharp shadows, 0.53 for the sun.";
         let angle = Number::new("Angle", help, least..=most, 0.53).unit("°", 2);
         self.row("Angle", |ui, light| match &mut light.emission {
             Emission::Directional { angle_degrees } => slider_row(ui, &angle, angle_degrees),
@@ -133,7 +132,7 @@ impl Rows<'_> {
             let Emission::Spot { cone_degrees, penumbra_degrees } = &mut light.emission else {
                 return Edited::default();
             };
-            let help = "How far inside the edge the light begins to fall off, in degrees.";
+            let help = "Width of the soft edge inside the cone, in degrees.";
             let soft = Number::new("Penumbra", help, 0.0..=*cone_degrees, cone_degrees.min(8.0)).unit("°", 1);
             slider_row(ui, &soft, penumbra_degrees)
         });
@@ -154,11 +153,11 @@ impl Rows<'_> {
 
     fn place(&mut self) {
         self.row("Move light", |ui, light| {
-            point_row(ui, "Position", "Where the light is, in meters.", &mut light.position)
+            point_row(ui, "Position", "Position of the light in meters.", &mut light.position)
         });
         if self.light.emission.is_aimed() {
             self.row("Aim light", |ui, light| {
-                point_row(ui, "Target", "What the light is aimed at, in meters.", &mut light.target)
+                point_row(ui, "Target", "Point that the light aims at, in meters.", &mut light.target)
             });
         }
     }
@@ -173,7 +172,8 @@ fn tools(
     actions: &mut Vec<Action>,
 ) {
     ui.horizontal_wrapped(|ui| {
-        let place = ui.button("Place at camera").on_hover_text("Puts the light where the camera is, aimed as it looks");
+        let place =
+            ui.button("Place at camera").on_hover_text("Moves the light to the camera and aims it along the view");
         if place.clicked() {
             let light = Box::new(Light { position: camera.eye, target: camera.target, ..light.clone() });
             let edit = Edit::Light { index, light };
@@ -181,7 +181,7 @@ fn tools(
         }
         if light.emission.is_aimed() {
             let aim = ui.add(Button::new("Aim by click").selected(state.aiming));
-            if aim.on_hover_text("Then click in the viewport the point that the light is aimed at").clicked() {
+            if aim.on_hover_text("Click a point in the viewport to aim the light at it").clicked() {
                 state.aiming = !state.aiming;
             }
         }

@@ -76,7 +76,7 @@ fn typed(panel: &mut Harness<Probe>, label: &str, text: &str) -> Vec<Light> {
     edited(&panel.state().actions)
 }
 
-/// The lights that were asked for.
+/// The requested lights.
 fn edited(actions: &[Action]) -> Vec<Light> {
     let lights = actions.iter().filter_map(|action| match action {
         Action::Edit { edit: Edit::Light { light, .. }, .. } => Some((**light).clone()),
@@ -267,7 +267,7 @@ fn solo_is_set_and_taken_back_and_switches_stay() {
 #[test]
 fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     let none = panel(None, Some(BakeParts::NONE));
-    assert!(none.query_by_label("Bounced by").is_none());
+    assert!(none.query_by_label("Bounce method").is_none());
     let mut none = none;
     let asked = click(&mut none, "Bake with bounced light");
     assert!(matches!(asked[..], [Action::Bake(BakeAction::Choose(BakeParts::CUTS))]), "the environment stays baked");
@@ -281,12 +281,12 @@ fn solutions_are_those_of_the_bake_and_without_any_a_bake_is_offered() {
     assert!(matches!(asked[..], [Action::Bake(BakeAction::Choose(BakeParts::CUTS))]), "the environment is baked");
     let mut both = panel(None, Some(BakeParts::INDIRECT.with(BakeParts::MESHLESS)));
     assert!(both.query_by_label("Bake with bounced light").is_none());
-    click(&mut both, "Bounced by");
+    click(&mut both, "Bounce method");
     let chosen = click(&mut both, "Cuts over meshless");
     let is_it = |a: &Action| matches!(a, Action::Edit { edit: Edit::Solution(Solution::CutsMeshless), .. });
     assert!(chosen.iter().any(is_it), "{chosen:?}");
     let mut cuts = panel(None, Some(BakeParts::INDIRECT));
-    click(&mut cuts, "Bounced by");
+    click(&mut cuts, "Bounce method");
     assert!(cuts.query_by_label("Meshless").is_none());
 }
 
@@ -323,7 +323,7 @@ fn bounces_are_reported_and_missing_light_comes_with_a_remedy() {
     assert_eq!(show(0.2, 1.0), (true, true, false), "without end");
 }
 
-/// A closed box around the origin whose triangles face outward, of which each light sees the inside.
+/// A closed box around the origin whose triangles face outward; lights inside see its back faces.
 fn closed_box() -> Baked {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 0.2 - 0.1;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -351,7 +351,7 @@ fn a_light_inside_an_object_is_marked_and_told_how_to_mend() {
     panel.state_mut().document.lights = vec![point.clone()];
     panel.run();
     let marked = |panel: &Harness<Probe>| panel.query_by_label("Point is inside an object").is_some();
-    assert!(marked(&panel) && panel.query_by_label_contains("Move it into the open").is_some());
+    assert!(marked(&panel) && panel.query_by_label_contains("Move it out").is_some());
     assert_fits(&panel, WIDTH);
     panel.state_mut().document.lights[0].position = Vec3::ONE;
     panel.run();
@@ -369,7 +369,7 @@ fn thousands_of_lights_have_as_many_rows_as_can_be_seen() {
         panel.step();
         start.elapsed()
     };
-    // The median: other tests hold up some of them.
+    // The median, since other tests delay some frames.
     let mut times: Vec<_> = (0..20).map(|_| frame(&mut panel)).collect();
     times.sort_unstable();
     let rows = panel.query_all_by_label_contains("Switch off Lamp").count();

@@ -1,4 +1,4 @@
-//! The row of a BRDF's file.
+//! The row of a BRDF file.
 
 use super::maps::dropped_on;
 use crate::{
@@ -8,18 +8,20 @@ use crate::{
 use egui::{Button, Label, RichText, Ui};
 use lapidary_core::material::Material;
 
-/// Points of the row's height.
+/// Height of the row in points.
 const HEIGHT: f32 = 16.0;
 
-/// Which file the material's BRDF is in, and the button that loads another.
+/// Shows the file of the material's BRDF, and the button that loads another.
 pub fn show(ui: &mut Ui, index: usize, material: &Material, actions: &mut Vec<Action>) {
     let file = material.file.as_ref();
     let named = |ui: &mut Ui| {
         let (shown, full) = match file {
             Some(file) if file.content.is_some() => (RichText::new(file.name()), file.path.display().to_string()),
             Some(file) => {
-                let why =
-                    format!("It cannot be read, so the material is magenta. Load it again.\n{}", file.path.display());
+                let why = format!(
+                    "Cannot read this file, so the material is magenta. Load it again.\n{}",
+                    file.path.display()
+                );
                 (RichText::new(file.name()).color(ui.visuals().warn_fg_color), why)
             }
             None => (RichText::new("No file").weak(), "Without a file the material is magenta.".to_owned()),
@@ -29,7 +31,7 @@ pub fn show(ui: &mut Ui, index: usize, material: &Material, actions: &mut Vec<Ac
     let choose = |ui: &mut Ui| {
         let verb = if file.is_some() { "Swap" } else { "Load" };
         let button = Button::new(format!("{verb}…")).small().min_size([ui.available_width(), 0.0].into());
-        let hint = "Choose the file of a BRDF, or drop one on this row.";
+        let hint = "Choose a BRDF file, or drop one on this row.";
         if ui.add(button).on_hover_text(hint).accessible_name(format!("{verb} BRDF")).clicked() {
             actions.push(Action::Material(MaterialAction::LoadBrdf { material: index, path: None }));
         }

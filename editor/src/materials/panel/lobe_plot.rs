@@ -1,5 +1,5 @@
-//! The reflection lobe as a polar plot: how much of the light that arrives along one ray leaves in each direction of the
-//! plane of incidence. Drag in the plot to move the light.
+//! The reflection lobe as a polar plot: the share of light from one direction that leaves in each direction of the plane of
+//! incidence. Drag in the plot to move the light.
 
 use crate::widgets::{Number, choice_row, slider_row};
 use egui::{Color32, Ui};
@@ -18,32 +18,32 @@ const DIRECTIONS: usize = 181;
 /// Greatest angle of the light in degrees: at 90 nothing arrives.
 const STEEPEST: f32 = 89.0;
 
-/// Angles of the curve of reflected light, and the root of its samples at each.
+/// Angles of the curve of reflected light, and the square root of the samples at each.
 const ANGLES: usize = 31;
 const STRATA: usize = 16;
-/// What rounding and samples may add to all light.
+/// Largest albedo that rounding and sampling noise explain.
 const MOST_ALBEDO: f32 = 1.02;
 
-/// In which plane the light moves.
+/// Plane in which the light moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
-    /// That of the normal and the tangent.
+    /// Of the normal and the tangent.
     #[default]
     Tangent,
-    /// That of the normal and the bitangent.
+    /// Of the normal and the bitangent.
     Bitangent,
 }
 
-/// Where the plot's light is.
+/// Position of the plot's light.
 #[derive(Clone, Copy, Debug)]
 pub struct LobePlot {
     /// Degrees from the normal, 0 to 89.
     pub light_degrees: f32,
-    /// In which plane.
+    /// Its plane.
     pub plane: Plane,
 }
 
-/// What was estimated of a BRDF of a file, and its tint: integrating it for each picture of the window takes too long.
+/// The sampled lobe of a BRDF file, and its tint: integrating the BRDF in each frame takes too long.
 fn estimate(material: &Material) -> Option<(SampledLobe, Vec3)> {
     let file = material.file.as_ref().filter(|_| material.model.has_file())?;
     let tint = material.parameter("tint").filter(|_| material.model == BrdfModel::Merl);
@@ -74,7 +74,7 @@ impl LobePlot {
         let light = self.light_degrees.to_radians();
         let wi = self.direction(-light);
         let width = brdf.narrowest_lobe().unwrap_or(1.0);
-        // By reciprocity the roles can change: what the kernel calls the light is where the light leaves to.
+        // By reciprocity the roles can be swapped: the kernel's light direction is the outgoing one here.
         let value = |angle: f32| luminance(brdf.brdf_cos(self.direction(angle), wi));
         let samples: Vec<(f32, f32)> = angles(light, width).into_iter().map(|a| (a, value(a))).collect();
         let largest = samples.iter().fold(0.0, |most: f32, s| most.max(s.1));
@@ -101,18 +101,18 @@ impl LobePlot {
             (Plane::Tangent, "Tangent", "The light moves along the tangent: the direction of positive anisotropy."),
             (Plane::Bitangent, "Bitangent", "The light moves across the tangent."),
         ];
-        let _ = choice_row(ui, "Plane", "In which plane the light moves.", &mut self.plane, &planes);
+        let _ = choice_row(ui, "Plane", "Plane in which the light moves.", &mut self.plane, &planes);
         let energy = self.energy(material);
         self.draw_energy(ui, &energy);
         let most = energy.iter().map(|&(_, albedo)| albedo.max_element()).fold(0.0, f32::max);
-        ui.weak(format!("Reflected light by angle of the light: {:.1} % at most.", 100.0 * most));
+        ui.weak(format!("Reflected light by light angle: at most {:.1} %.", 100.0 * most));
         if most > MOST_ALBEDO {
-            let warning = "It reflects more light than it receives at some angles.";
+            let warning = "Reflects more light than it receives at some angles.";
             ui.colored_label(ui.visuals().warn_fg_color, warning);
         }
     }
 
-    /// Share of the light that is reflected in all directions, by the light's angle in degrees, per color.
+    /// Share of the light reflected in all directions, by the light's angle in degrees, per color.
     pub fn energy(&self, material: &Material) -> Vec<(f32, Vec3)> {
         let brdf = material.plain_brdf();
         let estimate = estimate(material);
@@ -178,7 +178,7 @@ impl LobePlot {
     }
 }
 
-/// The mean over directions that the model draws, stratified.
+/// The stratified mean over directions drawn by the model.
 fn albedo(brdf: &dyn Brdf, wo: Vec3) -> Vec3 {
     let sample = |i: usize| {
         let (x, y) = ((i % STRATA) as f32 + 0.5, (i / STRATA) as f32 + 0.5);

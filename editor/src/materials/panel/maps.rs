@@ -1,4 +1,4 @@
-//! The row of a texture map: thumbnail, file, and how the picture lies and is read.
+//! The row of a texture map: thumbnail, file, placement and encoding.
 
 use super::{Changes, MaterialPanel, patterns, target::Target};
 use crate::{
@@ -16,12 +16,12 @@ use lapidary_core::{
 };
 use std::path::PathBuf;
 
-/// Points of a thumbnail's side.
+/// Side of a thumbnail in points.
 const THUMBNAIL: f32 = 26.0;
-/// Points of the empty frame where there is none: rows without a map are to take little room.
+/// Side of the empty frame in points: rows without a map take little room.
 const EMPTY: f32 = 16.0;
 
-/// Shows the row of a map, and below it what can be set if there is a picture.
+/// Shows the row of a map, and its settings below if there is a picture.
 pub fn slot(
     ui: &mut Ui,
     state: &mut MaterialPanel,
@@ -44,7 +44,7 @@ pub fn slot(
     });
 }
 
-/// What is loaded and the buttons, each with a place of its own: what removes is never where a click has just loaded.
+/// The picture and the buttons, each in its own place: the button that removes is never where a click has just loaded.
 fn picture_row(
     ui: &mut Ui,
     state: &mut MaterialPanel,
@@ -64,7 +64,7 @@ fn picture_row(
         };
         thumbnail(ui, handle);
         let (shown, full) = match &pattern {
-            Some(pattern) => (pattern.pattern.label().into(), "A pattern by formula, sharp at any distance".to_owned()),
+            Some(pattern) => (pattern.pattern.label().into(), "A procedural pattern".to_owned()),
             None => caption(&name, entry),
         };
         ui.add(Label::new(shown).truncate()).on_hover_text(full);
@@ -72,7 +72,7 @@ fn picture_row(
     let choose = |ui: &mut Ui| {
         let verb = if is_there { "Swap" } else { "Load" };
         let hint = "Choose a png, jpg, tga, hdr or exr file, or drop one on this row.";
-        // From the right, so that the button takes what the menu leaves.
+        // From the right, so that the button takes the width that the menu leaves.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             patterns::menu(ui, target, changes, actions);
             let button = Button::new(format!("{verb}…")).small().min_size(vec2(ui.available_width(), 0.0));
@@ -97,10 +97,10 @@ fn picture_row(
     row.response
 }
 
-/// What stands beside a thumbnail, and in its tooltip.
+/// Text beside a thumbnail, and its tooltip.
 fn caption(name: &str, entry: Option<&TextureEntry>) -> (RichText, String) {
     let Some(entry) = entry else {
-        let hint = format!("No {}: the value above counts everywhere.", lower_first(name));
+        let hint = format!("No {}: the value above applies everywhere.", lower_first(name));
         return (RichText::new(format!("No {}", lower_first(name))).weak(), hint);
     };
     let [w, h] = entry.texture.size;
@@ -136,7 +136,7 @@ fn thumbnail(ui: &mut Ui, picture: Option<TextureHandle>) {
     });
 }
 
-/// The file that was dropped on `rect`, if any; marks the row while a file is held over it.
+/// The file dropped on `rect`, if any; marks the row while a file hovers.
 pub fn dropped_on(ui: &Ui, rect: Rect) -> Option<PathBuf> {
     if !ui.rect_contains_pointer(rect) {
         return None;
@@ -176,18 +176,18 @@ fn settings(
 }
 
 fn normal_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
-    let help = "How steep the normals are, 0 (flat) to 2 (twice as steep); as far as 10 by typing.";
+    let help = "Steepness of the normals, 0 (flat) to 2 (twice as steep); type up to 10.";
     let row = Number::new("Strength", help, 0.0..=2.0, 1.0).entry(-10.0..=10.0);
     changes.note("Normal strength", slider_row(ui, &row, &mut slot.strength));
     let help = "For normal maps made for DirectX, whose green channel points down. If bumps look like dents, try this.";
     changes.note("Flip Y", check_row(ui, "Flip Y (DirectX)", help, &mut slot.flip_y));
 }
 
-/// Heights are in millimeters; inverting is a sign, which stays on a height of zero too.
+/// Heights are in millimeters; inverting is a sign, which a height of zero keeps too.
 fn bump_strength(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     let mut inverted = slot.strength.is_sign_negative();
     let mut height = slot.strength.abs() * 1000.0;
-    let help = "Height of white above black in millimeters, 0 to 10; as far as 1,000 by typing.";
+    let help = "Height of white above black in millimeters, 0 to 10; type up to 1,000.";
     let row = Number::new("Height", help, 0.0..=10.0, 1.0).unit(" mm", 2).entry(0.0..=1000.0);
     let edited = slider_row(ui, &row, &mut height);
     let help = "White is low and black is high.";
@@ -218,7 +218,7 @@ fn placement(ui: &mut Ui, state: &mut MaterialPanel, target: Target, slot: &mut 
         changes.note("Map scale", slider_row(ui, &scale("Scale X"), &mut slot.scale.x));
         changes.note("Map scale", slider_row(ui, &scale("Scale Y"), &mut slot.scale.y));
     }
-    if check_row(ui, "Link X and Y", "Scale both directions alike.", &mut linked).changed {
+    if check_row(ui, "Link X and Y", "Scale both directions equally.", &mut linked).changed {
         if linked {
             state.unlinked.remove(&key);
             slot.scale.y = slot.scale.x;
@@ -227,7 +227,7 @@ fn placement(ui: &mut Ui, state: &mut MaterialPanel, target: Target, slot: &mut 
             state.unlinked.insert(key);
         }
     }
-    let help = "Shift of the coordinates in repetitions, -1 to 1; more by typing.";
+    let help = "Shift of the coordinates in repetitions, -1 to 1; type for more.";
     let offset = |label| Number::new(label, help, -1.0..=1.0, 0.0).unit("", 3).entry(-100.0..=100.0);
     changes.note("Map offset", slider_row(ui, &offset("Offset X"), &mut slot.offset.x));
     changes.note("Map offset", slider_row(ui, &offset("Offset Y"), &mut slot.offset.y));
@@ -245,7 +245,7 @@ fn rotation(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
     changes.note("Map rotation", edited);
 }
 
-/// Channel and color space, where the map has a choice.
+/// Channel and color space, if the map has a choice.
 fn reading(
     ui: &mut Ui,
     kind: &'static str,
@@ -260,7 +260,7 @@ fn reading(
             (Channel::B, "B", "Blue: the metalness in packed glTF pictures."),
             (Channel::A, "A", "Alpha."),
         ];
-        let help = "Which component of the picture is read.";
+        let help = "Picture channel to read.";
         changes.note("Map channel", choice_row(ui, "Channel", help, &mut slot.channel, &channels));
     }
     if matches!(kind, "normal" | "bump") || slot.procedural.is_some() {
@@ -269,7 +269,7 @@ fn reading(
     let floats = entry.is_some_and(|e| matches!(e.texture.texels, Texels::F32(_)));
     let help = match floats {
         true => "No effect on this picture: its texels are floating point and always linear.",
-        false => "How 8-bit texels are read: sRGB for colors, linear for values as roughness.",
+        false => "How 8-bit texels are read: sRGB for colors, linear for values such as roughness.",
     };
     let spaces = [
         (ColorSpace::Srgb, "sRGB", "Texels are sRGB encoded: colors."),

@@ -56,7 +56,7 @@ pub fn show(
 fn model(ui: &mut Ui, changes: &mut Changes) {
     let models: Vec<_> = BrdfModel::ALL.iter().map(|&m| (m, m.label(), m.summary())).collect();
     let mut model = changes.material.model;
-    let edited = combo_row(ui, "Model", "How light is reflected.", &mut model, &models);
+    let edited = combo_row(ui, "Model", "How the surface reflects light.", &mut model, &models);
     if edited.changed {
         changes.material.change_model(model);
     }
@@ -87,11 +87,11 @@ fn number(ui: &mut Ui, parameter: &'static Parameter, changes: &mut Changes) {
     changes.note(parameter.label, edited);
 }
 
-/// What a value comes to, as a sentence.
+/// The meaning of a value, as a sentence.
 fn figure(parameter: &Parameter, value: f32) -> String {
     match parameter.quantity {
         "roughness" => format!(" Now alpha = {:.4}.", value * value),
-        "ior" => format!(" At normal incidence it reflects {:.1} %.", 100.0 * ((value - 1.0) / (value + 1.0)).powi(2)),
+        "ior" => format!(" Reflects {:.1} % at normal incidence.", 100.0 * ((value - 1.0) / (value + 1.0)).powi(2)),
         _ => String::new(),
     }
 }
@@ -100,7 +100,7 @@ fn figure(parameter: &Parameter, value: f32) -> String {
 fn unread(material: &Material, parameter: &Parameter) -> Option<&'static str> {
     let metalness = material.parameter_for("metalness")?;
     let is_metal = material.parameters.value(metalness).number() >= 1.0 && material.maps.get(metalness.name).is_none();
-    // That of OpenPBR scales what a metal reflects as well.
+    // OpenPBR's specular scales the reflection of metals too.
     let of_dielectrics = ["ior", "specular", "specular_ior"];
     (is_metal && of_dielectrics.contains(&parameter.name))
         .then_some("No effect now: a full metal's reflectance is its base color.")

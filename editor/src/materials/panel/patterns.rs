@@ -12,9 +12,9 @@ use lapidary_core::{
     texture::{Pattern, Procedural, TextureSlot},
 };
 
-/// Pixels of a thumbnail's side.
+/// Side of a thumbnail in pixels.
 const SIDE: u32 = 64;
-/// Thumbnails that are kept; a slider that moves makes one in each frame.
+/// Most thumbnails kept; a moving slider makes one in each frame.
 const KEPT: usize = 16;
 
 /// Thumbnails of the patterns shown last.
@@ -22,7 +22,7 @@ const KEPT: usize = 16;
 pub struct PatternThumbnails(Vec<(Procedural, TextureHandle)>);
 
 impl PatternThumbnails {
-    /// That of `pattern`.
+    /// The thumbnail of `pattern`.
     pub fn of(&mut self, context: &Context, pattern: &Procedural) -> TextureHandle {
         if let Some((_, known)) = self.0.iter().find(|(known, _)| known == pattern) {
             return known.clone();
@@ -35,14 +35,14 @@ impl PatternThumbnails {
     }
 }
 
-/// The button that opens a menu of what a map can be.
+/// The button that opens the menu of images and patterns.
 pub fn menu(ui: &mut Ui, target: Target, changes: &mut Changes, actions: &mut Vec<Action>) {
     let name = target.name();
     let (button, _) = MenuButton::from_button(Button::new("…").small()).ui(ui, |ui| {
         if ui.button("Image…").clicked() {
             target.load(None, actions);
         }
-        // A pattern is no normal.
+        // Patterns give no normals.
         if target.kind == "normal" {
             return;
         }
@@ -52,7 +52,7 @@ pub fn menu(ui: &mut Ui, target: Target, changes: &mut Changes, actions: &mut Ve
             }
         }
     });
-    button.on_hover_text("An image, or a pattern by formula").accessible_name(format!("Kinds of {name}"));
+    button.on_hover_text("Use an image or a procedural pattern").accessible_name(format!("Kinds of {name}"));
 }
 
 fn choose(target: Target, pattern: Pattern, changes: &mut Changes) {
@@ -68,8 +68,8 @@ pub fn controls(ui: &mut Ui, kind: &'static str, pattern: &mut Procedural, chang
     let is_color = BrdfModel::declared(kind).is_some_and(Parameter::is_color);
     let default = Procedural::default();
     let rows = [
-        ("Low", "Value of the first square, of the dark of the noise, and where the gradient begins.", default.low),
-        ("High", "Value of the other square, of the bright of the noise, and where the gradient ends.", default.high),
+        ("Low", "Value of the first square, of dark noise and of the start of the gradient.", default.low),
+        ("High", "Value of the second square, of bright noise and of the end of the gradient.", default.high),
     ];
     for ((label, help, default), value) in rows.into_iter().zip([&mut pattern.low, &mut pattern.high]) {
         let edited = if is_color {
@@ -86,7 +86,7 @@ pub fn controls(ui: &mut Ui, kind: &'static str, pattern: &mut Procedural, chang
     }
     if pattern.pattern == Pattern::Noise {
         let mut octaves = pattern.octaves as f32;
-        let help = "Layers of noise, each with cells half as large and half as strong, 1 to 8.";
+        let help = "Layers of noise, 1 to 8, each half as large and half as strong.";
         let row = Number::new("Octaves", help, 1.0..=Procedural::MOST_OCTAVES as f32, default.octaves as f32);
         let edited = slider_row(ui, &row.unit("", 0), &mut octaves);
         if edited.changed {

@@ -1,5 +1,5 @@
-//! The menu of presets: a ball of each under a studio's light, group by group. The balls are made once, on a thread of their
-//! own, when the menu is first opened.
+//! The menu of presets: a ball of each under studio light, by group. The balls are made once, on a thread of their own, when the
+//! menu is first opened.
 
 use super::{
     Changes,
@@ -26,7 +26,7 @@ const PIXELS: u32 = 88;
 const WIDTH: f32 = 70.0;
 const COLUMNS: usize = 5;
 
-/// The balls that are there.
+/// The balls made so far.
 #[derive(Default)]
 pub struct PresetBalls {
     pictures: Vec<Option<TextureHandle>>,
@@ -59,8 +59,8 @@ impl PresetBalls {
     /// Shows the menu.
     pub fn show(&mut self, ui: &mut Ui, clear_maps: &mut bool, changes: &mut Changes) {
         self.update(ui.ctx());
-        check_box(ui, clear_maps, "Clear the maps")
-            .on_hover_text("Otherwise they stay and modulate the preset's values");
+        check_box(ui, clear_maps, "Clear maps")
+            .on_hover_text("Remove maps, which otherwise modulate the preset's values");
         egui::ScrollArea::vertical().min_scrolled_height(600.0).max_height(640.0).show(ui, |ui| {
             let mut index = 0;
             for group in PRESETS.chunk_by(|a, b| a.group == b.group) {
@@ -85,7 +85,7 @@ impl PresetBalls {
         });
     }
 
-    /// A ball with its name below, to be clicked or dragged.
+    /// A ball with its name below, to click or drag.
     fn entry(&self, ui: &mut Ui, index: usize, preset: &Preset) -> Response {
         let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, SIDE + 32.0), Sense::click_and_drag());
         let response = response.on_hover_text(preset.source);

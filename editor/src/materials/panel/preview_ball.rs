@@ -11,7 +11,7 @@ use std::{
     sync::Arc,
 };
 
-/// Radius in meters: what a bump map's height is relative to.
+/// Radius in meters, to which a bump map's height is relative.
 const RADIUS: f32 = 0.1;
 /// Unit squares of texture coordinates around the equator and from pole to pole, about 16 cm each.
 const TILES: Vec2 = Vec2::new(4.0, 2.0);
@@ -23,7 +23,7 @@ pub const MARGIN: f32 = 1.06;
 pub struct Ball {
     /// The material; its maps refer to `textures`.
     pub material: Material,
-    /// As many as the material's maps refer to; if one lacks, the material is shown without maps, as in the renderer.
+    /// Textures of the material's maps; if one is missing, the material is shown without maps, as in the renderer.
     pub textures: Vec<Arc<Texture>>,
     /// The light.
     pub lighting: Arc<SceneLighting>,

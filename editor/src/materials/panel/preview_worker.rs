@@ -15,9 +15,9 @@ use std::{
 
 /// A picture to make.
 struct Request {
-    /// Counts the documents that were open.
+    /// Counts opened documents.
     document: u64,
-    /// Which of the document's materials.
+    /// Index of the document's material.
     index: usize,
     ball: Ball,
     post: Post,
@@ -31,18 +31,18 @@ pub struct Preview {
     pictures: Receiver<Made>,
     document: u64,
     asked: Option<Asked>,
-    /// The last picture, and of which material it is.
+    /// The last picture, and its material.
     shown: Option<(usize, TextureHandle)>,
 }
 
-/// A picture, and of which material of which document it is.
+/// A picture, its document and its material.
 struct Made {
     document: u64,
     index: usize,
     image: ColorImage,
 }
 
-/// What the last request was for.
+/// The last request.
 #[derive(Clone, PartialEq)]
 struct Asked {
     index: usize,
@@ -56,7 +56,7 @@ struct Asked {
 
 impl Asked {
     fn new(index: usize, ball: &Ball, light_revision: u64, post: Post, size: u32) -> Self {
-        // A name does not show.
+        // The name has no effect.
         let material = Material { name: String::new(), ..ball.material.clone() };
         let textures = ball.textures.iter().map(|t| Arc::as_ptr(t) as usize).collect();
         let lighting = Arc::as_ptr(&ball.lighting) as usize;
@@ -75,8 +75,8 @@ impl Default for Preview {
 }
 
 impl Preview {
-    /// The latest picture of the material of this index, `size` pixels across: that of `ball`, or of its state before
-    /// an edit; `None` while there are only pictures of other materials. Asks for a new one if anything changed.
+    /// The latest picture of the material at `index`, `size` pixels across: of `ball`, or of its state before an edit; `None` while
+    /// there are only pictures of other materials. Asks for a new one if anything changed.
     pub fn picture(
         &mut self,
         context: &Context,
@@ -89,7 +89,7 @@ impl Preview {
         let wanted = Asked::new(index, &ball, light_revision, post, size);
         if self.asked.as_ref() != Some(&wanted) {
             self.asked = Some(wanted);
-            // A worker that is gone leaves the last picture.
+            // Without a worker the last picture stays.
             let (document, context) = (self.document, context.clone());
             let _ = self.requests.send(Request { document, index, ball, post, size, context });
         }
@@ -100,7 +100,7 @@ impl Preview {
         self.shown.as_ref().filter(|(shown, _)| *shown == index).map(|(_, picture)| picture)
     }
 
-    /// Another document is open: no picture is of its materials, not even the one that is being made.
+    /// Another document is open: drops all pictures, even the one being made.
     pub fn forget(&mut self) {
         self.document += 1;
         (self.asked, self.shown) = (None, None);
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn a_picture_stays_while_another_of_its_material_is_made_and_is_not_shown_for_another() {
         let (mut preview, context, ball) = (Preview::default(), Context::default(), ball());
-        // The worker's own pictures would come at times of their own.
+        // A real worker's pictures would arrive at random times.
         let (outgoing, pictures) = channel();
         preview.pictures = pictures;
         let made = |index| Made { document: 0, index, image: ColorImage::filled([8, 8], Color32::RED) };

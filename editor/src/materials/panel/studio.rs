@@ -1,4 +1,4 @@
-//! The light of the ball where no environment is in the picture: a neutral studio, so that a material can always be judged.
+//! The ball's light if no environment is in the picture: a neutral studio, so that a material can always be judged.
 
 use lapidary_core::light_tree::LightTree;
 use lapidary_interchange::environment;
@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 /// Samples of the studio's light, and most nodes of its cut: its lamps are large.
 const LIGHTS: usize = 4096;
 const CUT: u32 = 256;
-/// White paint stays below white under it.
+/// Keeps white paint below white.
 const INTENSITY: f32 = 0.6;
 
 /// The studio under which the ball stands. Made at the first use, in some hundredths of a second.

@@ -1,14 +1,14 @@
-//! Which material the selected surface has: another of the scene, or one of its own.
+//! Assigns another material to the selected surface, or makes its own unique.
 
 use super::MaterialContext;
 use crate::actions::{Action, MaterialAction};
 use egui::{Button, ComboBox, Ui};
 use lapidary_core::parts::Part;
 
-/// Points that the button takes beside the list.
+/// Width of the button beside the list in points.
 const BUTTON_WIDTH: f32 = 100.0;
 
-/// Shows the rows, if a surface is selected that can have another material.
+/// Shows the rows, if the selected surface can have another material.
 pub fn show(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
     let Some(part) = context.part.filter(|part| context.ground != Some(part.material as usize)) else { return };
     ui.horizontal(|ui| {
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, context: &MaterialContext, actions: &mut Vec<Action>) {
     });
 }
 
-/// The name of its object, and where that has several parts the material that the file gives it.
+/// The name of its object, with the file's material if the object has several parts.
 fn title(context: &MaterialContext, part: Part) -> String {
     let document = context.document;
     let name = document.part_name(part);

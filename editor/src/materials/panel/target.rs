@@ -1,4 +1,4 @@
-//! The map of a material that is edited.
+//! The edited map of a material.
 
 use crate::actions::{Action, MaterialAction};
 use lapidary_core::material::map_label;

@@ -44,7 +44,7 @@ impl App {
     }
 }
 
-/// The panel over a document of two materials and one texture. Edits are done as the window does them.
+/// The panel over a document of two materials and one texture. Edits are performed as in the window.
 fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
     let named = |name: &str| Material { name: name.into(), ..Default::default() };
     let texels = Texels::U8(vec![[255, 0, 0, 255]]);
@@ -88,7 +88,7 @@ fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
     harness
 }
 
-/// As a screen reader does, also what is scrolled out of sight.
+/// Clicks as a screen reader does, even out of sight.
 fn click_hidden(harness: &mut Harness<App>, label: &str) {
     harness.get_by_label(label).click_accesskit();
     harness.run();
@@ -252,7 +252,7 @@ fn presets_keep_the_maps_unless_they_are_cleared() {
     assert_eq!(harness.state().material().parameters.number("metalness"), 1.0);
     assert!(harness.state().material().maps.get("bump").is_some());
     click(&mut harness, "Presets");
-    click(&mut harness, "Clear the maps");
+    click(&mut harness, "Clear maps");
     click_hidden(&mut harness, "Rubber");
     assert_eq!(harness.state().material().maps, MaterialMaps::default());
     let rubber = PRESETS.iter().find(|p| p.name == "Rubber").unwrap();

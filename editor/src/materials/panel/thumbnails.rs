@@ -31,7 +31,7 @@ impl Thumbnails {
     }
 }
 
-/// The texture at most [`SIDE`] pixels wide and high: means over what each pixel covers, at most four by four texels of it.
+/// The texture at most [`SIDE`] pixels wide and high: means over at most four by four of the texels that each pixel covers.
 pub(super) fn shrunk(texture: &Texture) -> ColorImage {
     let [w, h] = texture.size;
     let longer = w.max(h).max(SIDE);

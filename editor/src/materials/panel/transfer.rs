@@ -1,4 +1,4 @@
-//! Materials from elsewhere and to elsewhere: presets, copy and paste, files.
+//! Transfers materials: presets, copy and paste, files.
 
 use super::{Changes, MaterialPanel};
 use crate::{
@@ -16,7 +16,7 @@ use lapidary_core::{
 use lapidary_interchange::import::MaterialFile;
 use std::sync::{Arc, Weak};
 
-/// A material that was copied, and the textures that its maps meant then.
+/// A copied material, and the textures of its maps.
 pub struct Copied {
     material: Material,
     textures: Vec<(u32, Weak<Texture>)>,
@@ -29,7 +29,7 @@ impl Copied {
         Self { material: material.clone(), textures }
     }
 
-    /// `target` with what was copied, but for its name and sides. Maps of another document stay behind.
+    /// `target` with the copied values; its name and sides stay. Maps of another document are left out.
     fn pasted_on(&self, target: &Material, document: &Document) -> Material {
         let same = |index: u32| {
             let now = document.textures.get(index as usize).map(|t| Arc::as_ptr(&t.texture));
@@ -53,24 +53,24 @@ pub fn show(
     actions: &mut Vec<Action>,
 ) {
     ui.horizontal_wrapped(|ui| {
-        // The check box in it must not close the menu.
+        // A click on its check box must not close the menu.
         let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
         MenuButton::new("Presets").config(config).ui(ui, |ui| {
             let MaterialPanel { presets, clear_maps, .. } = state;
             presets.show(ui, clear_maps, changes);
         });
-        if ui.button("Copy").on_hover_text("Copy this material; as text too, without its maps").clicked() {
+        if ui.button("Copy").on_hover_text("Copy this material, also as text without maps").clicked() {
             ui.ctx().copy_text(text_of(&changes.material));
             state.copied = Some(Copied::new(&changes.material, document));
         }
-        let hint = "Paste the copied material onto this one. Ctrl+V pastes a material that is text on the clipboard.";
+        let hint = "Paste the copied material onto this one. Ctrl+V pastes material text from the clipboard.";
         if ui.button("Paste").on_hover_text(hint).clicked() {
             match &state.copied {
                 Some(copied) => changes.replace("Paste material", copied.pasted_on(&changes.material, document)),
                 None => ui.ctx().send_viewport_cmd(ViewportCommand::RequestPaste),
             }
         }
-        if ui.button("Load…").on_hover_text("Replace this material by that of a file").clicked() {
+        if ui.button("Load…").on_hover_text("Replace this material with one from a file").clicked() {
             actions.push(Action::Material(MaterialAction::Load { material: index, path: None }));
         }
         if ui.button("Save…").on_hover_text("Write this material to a file").clicked() {
@@ -86,7 +86,7 @@ pub fn show(
 pub fn solo(ui: &mut Ui, document: &Document, index: usize, actions: &mut Vec<Action>) {
     let alone = ShownMaterials::Solo(index);
     let mut is_alone = document.view.materials == alone;
-    let hint = "Show this material alone, and the others as clay. Nothing is changed.";
+    let hint = "Show this material and render the others as clay, without changing them.";
     if ui.toggle_value(&mut is_alone, "Solo").on_hover_text(hint).clicked() {
         let materials = if is_alone { alone } else { ShownMaterials::Own };
         let edit = Edit::View(ViewSettings { materials, ..document.view.clone() });
@@ -95,13 +95,13 @@ pub fn solo(ui: &mut Ui, document: &Document, index: usize, actions: &mut Vec<Ac
     }
 }
 
-/// A material as text, which is also a valid material file. Maps are indices into a document: they stay behind.
+/// A material as text, which is also a valid material file. Maps are indices into a document, and are left out.
 fn text_of(material: &Material) -> String {
     let portable = Material { maps: MaterialMaps::default(), ..material.clone() };
     serde_json::to_string_pretty(&portable).unwrap_or_default()
 }
 
-/// `target` with the model and values that `text` describes, if it describes a material.
+/// `target` with the model and values in `text`, if it describes a material.
 fn material_of(text: &str, target: &Material) -> Option<Material> {
     let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(text).ok()?;
     // Every field has a default; without this, any empty object would be a material.

@@ -1,15 +1,15 @@
-//! What a drag does to the poses of objects: from amounts that handles give to poses. Knows no screen.
+//! Turns the amounts of a handle's drag into poses of objects. Independent of the screen.
 
 use glam::{Quat, Vec3};
 use lapidary_core::scene::pose::{MOST_SCALE, Pose, Similarity};
 
-/// Steps while Ctrl is held: of turns in degrees, and of factors.
+/// Steps with Ctrl: of turns in degrees, and of factors.
 pub const TURN_STEP_DEGREES: f32 = 15.0;
 pub const SCALE_STEP: f32 = 0.1;
-/// Steps of moves fit this often into the diagonal of a scene, at least.
+/// Least number of move steps in the diagonal of a scene.
 const STEPS_ACROSS: f32 = 20.0;
 
-/// By how much poses are changed.
+/// A change of poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// An offset in meters.
@@ -26,7 +26,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// The nearest whole number of steps, those of moves in meters.
+    /// The nearest whole number of steps; `move_step` is in meters.
     pub fn snapped(self, move_step: f32) -> Self {
         let snap = |value: f32, step: f32| (value / step).round() * step;
         match self {
@@ -36,14 +36,14 @@ impl Change {
         }
     }
 
-    /// As much of it as objects of these scales can take: none is made larger or smaller than allowed.
+    /// Limits the change for objects of these scales, so that none becomes larger or smaller than allowed.
     pub fn limited(self, scales: impl IntoIterator<Item = f32>) -> Self {
         let Self::Scale(factor) = self else { return self };
         let limit = |factor: f32, scale: f32| factor.max(1.0 / MOST_SCALE / scale).min(MOST_SCALE / scale);
         Self::Scale(scales.into_iter().fold(factor, limit))
     }
 
-    /// What it does to the world, about the origin.
+    /// The similarity of the world, about the origin.
     pub fn similarity(self) -> Similarity {
         let identity = Similarity::IDENTITY;
         match self {
@@ -55,7 +55,7 @@ impl Change {
         }
     }
 
-    /// As it is read over the picture.
+    /// The text over the picture.
     pub fn words(self) -> String {
         match self {
             Self::Move(Vec3 { x, y, z }) => format!("Move by {x:.3}, {y:.3}, {z:.3} m"),
@@ -68,7 +68,7 @@ impl Change {
 /// The pose of an object with a center in meters after a similarity whose factor was [limited](Change::limited).
 pub fn posed(before: Pose, by: &Similarity, center: Vec3) -> Pose {
     let pose = before.followed_by(by, center);
-    // The factor may be beyond the limit by its rounding.
+    // Rounding may put the factor beyond the limit.
     Pose { scale: pose.scale.clamp(1.0 / MOST_SCALE, MOST_SCALE), ..pose }
 }
 

@@ -1,10 +1,10 @@
-//! A handle that is dragged: of a light or of an object.
+//! A drag of a handle of a light or an object.
 
 use super::{View, handles::Handle, light::LightDrag, object::ObjectDrag};
 use crate::document::Edit;
 use egui::Pos2;
 
-/// A handle that is dragged.
+/// A drag of a handle.
 pub struct Drag {
     subject: Subject,
     /// Whether it has changed anything.
@@ -27,7 +27,7 @@ impl Drag {
         Some(Self { subject, has_moved: false })
     }
 
-    /// What the pointer holds.
+    /// The dragged handle.
     pub fn handle(&self) -> Handle {
         match &self.subject {
             Subject::Light(drag) => drag.handle(),
@@ -35,7 +35,7 @@ impl Drag {
         }
     }
 
-    /// Whether it began where clicks are for what lies under the handle.
+    /// Whether it began where clicks go through the handle.
     pub fn is_for_clicks(&self) -> bool {
         matches!(self.subject, Subject::Object(_)) && self.handle().is_for_clicks()
     }
@@ -48,7 +48,7 @@ impl Drag {
         }
     }
 
-    /// Puts back what is moved.
+    /// The edit that reverts the drag.
     pub fn restored(&self) -> Edit {
         match &self.subject {
             Subject::Light(drag) => drag.restored(),
@@ -56,7 +56,7 @@ impl Drag {
         }
     }
 
-    /// Whether what is moved is still there.
+    /// Whether the moved thing still exists.
     pub fn has_subject(&self, view: &View) -> bool {
         match &self.subject {
             Subject::Light(drag) => drag.has_subject(view),
@@ -64,7 +64,7 @@ impl Drag {
         }
     }
 
-    /// What the pointer asks for, if that is something new. With `command` a target leaves surfaces, and objects snap.
+    /// The edit for the pointer, if it changes anything. With `command` a target leaves surfaces, and objects snap.
     pub fn moved(&mut self, view: &View, pointer: Pos2, command: bool) -> Option<Edit> {
         match &mut self.subject {
             Subject::Light(drag) => drag.moved(view, pointer, command),
@@ -72,7 +72,7 @@ impl Drag {
         }
     }
 
-    /// What has been done so far, to be read over the picture.
+    /// The change so far, in words over the picture.
     pub fn words(&self) -> Option<String> {
         match &self.subject {
             Subject::Light(_) => None,

@@ -1,21 +1,21 @@
-//! What the selected light or object is moved by: three axes, the planes between them, a disc for the plane of the view, and
-//! the target of a light that has one.
+//! Move handles of the selected light or object: three axes, the planes between them, a disc for the plane of the view, and the
+//! target of an aimed light.
 
 use super::projection::Projection;
 use egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2, vec2};
 use glam::Vec3;
 
-/// Length of an axis in points, and where on it the part begins that can be grabbed.
+/// Length of an axis in points, and start of its grabbable part.
 pub const AXIS: f32 = 84.0;
 const AXIS_FROM: f32 = 0.22;
-/// Where the square of a plane begins and ends, in lengths of an axis.
+/// Start and end of the square of a plane, in lengths of an axis.
 const PLANE: [f32; 2] = [0.28, 0.46];
 /// Radii of the disc in the middle and of the target in points.
 const FREE_RADIUS: f32 = 9.0;
 const TARGET_RADIUS: f32 = 8.0;
-/// How far from a line the pointer may be, in points.
+/// Largest distance of the pointer from a line, in points.
 pub const REACH: f32 = 7.0;
-/// An axis that is seen shorter than this share of its length, and a plane that is seen so thin, cannot be dragged.
+/// Axes and planes foreshortened to less than this share cannot be dragged.
 pub const LEAST_SEEN: f32 = 0.16;
 
 /// The axes of the world and their colors.
@@ -23,7 +23,7 @@ pub const AXES: [Vec3; 3] = Vec3::AXES;
 pub const COLORS: [Color32; 3] =
     [Color32::from_rgb(235, 87, 87), Color32::from_rgb(111, 191, 78), Color32::from_rgb(86, 146, 245)];
 
-/// What is dragged.
+/// A handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Handle {
     /// Along X, Y or Z.
@@ -32,7 +32,7 @@ pub enum Handle {
     Plane(usize),
     /// In the plane of the view.
     Free,
-    /// What the light is aimed at.
+    /// The target of the light.
     Target,
     /// About X, Y or Z.
     Ring(usize),
@@ -41,7 +41,7 @@ pub enum Handle {
 }
 
 impl Handle {
-    /// Where a drag may lead, if it moves something.
+    /// The constraint of a drag, if it moves something.
     pub fn constraint(self, forward: Vec3) -> Option<Constraint> {
         match self {
             Self::Axis(axis) => Some(Constraint::Line(AXES[axis])),
@@ -51,13 +51,13 @@ impl Handle {
         }
     }
 
-    /// Whether it lies on the middle of an object, so that clicks are for what is there.
+    /// Whether it lies on the middle of an object, so that clicks go through.
     pub fn is_for_clicks(self) -> bool {
         self == Self::Free
     }
 }
 
-/// The places that a drag may lead to, through where it began.
+/// The positions that a drag can reach, through its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Constraint {
     /// Along a unit direction.
@@ -67,7 +67,7 @@ pub enum Constraint {
 }
 
 impl Constraint {
-    /// The place nearest to what a pointer is at, whose ray is given; `None` if they hardly meet, or behind the eye.
+    /// The position nearest to the pointer's ray; `None` if they hardly meet, or behind the eye.
     pub fn meet(self, through: Vec3, eye: Vec3, direction: Vec3) -> Option<Vec3> {
         let to_origin = through - eye;
         let place = match self {
@@ -88,13 +88,13 @@ impl Constraint {
             }
         };
         let is_ahead = (place - eye).dot(direction) > 0.0;
-        // Near the horizon of a plane a point of the screen is any distance.
+        // Near the horizon of a plane, a point of the screen covers any distance.
         let is_near = place.distance(eye) < 1e3 * to_origin.length().max(1e-3);
         (is_ahead && is_near).then_some(place)
     }
 }
 
-/// The handles of a place as they are seen.
+/// The handles at a position, projected.
 pub struct Handles {
     center: Pos2,
     axes: [Option<[Pos2; 2]>; 3],
@@ -103,7 +103,7 @@ pub struct Handles {
 }
 
 impl Handles {
-    /// Those of a place, and of what it is aimed at; `None` behind the eye.
+    /// The handles of a position and its target; `None` behind the eye.
     pub fn of(place: Vec3, target: Option<Vec3>, projection: &Projection) -> Option<Self> {
         let center = projection.point(place)?;
         let length = AXIS * projection.metres_per_point(place)?;
@@ -141,7 +141,7 @@ impl Handles {
         nearest.filter(|(_, distance)| *distance <= REACH).map(|(i, _)| Handle::Axis(i))
     }
 
-    /// Draws them, `hot` brighter.
+    /// Draws the handles, `hot` brighter.
     pub fn paint(&self, painter: &Painter, hot: Option<Handle>, accent: Color32) {
         let tint = |handle: Handle, color: Color32| if hot == Some(handle) { Color32::WHITE } else { color };
         for (i, corners) in self.planes.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The pictures of lights: a lamp in the color of its light, and as much of its shape as says where it shines.
+//! Icons of lights: a lamp in the color of its light, and the shape of its emission.
 
 use super::projection::Projection;
 use crate::widgets::display_color;
@@ -7,33 +7,33 @@ use glam::Vec3;
 use lapidary_core::lights::{Emission, Light, RectangleShape};
 use std::f32::consts::TAU;
 
-/// Radius of a lamp in points, and how far from it a click still counts.
+/// Radius of a lamp in points, and largest distance of a click.
 const LAMP: f32 = 5.0;
 pub const REACH: f32 = 11.0;
-/// Length in points of the shapes of lights that are not selected, and the least that is drawn of one that is.
+/// Length in points of the shapes of unselected lights, and least length for a selected light.
 const SHORT: f32 = 42.0;
 const ROUND: u32 = 40;
-/// Cones are drawn no wider than this: their base would be far away.
+/// Widest drawn cone: the base of a wider one would be far away.
 const WIDEST_CONE_DEGREES: f32 = 80.0;
 
-/// How a light is drawn.
+/// Drawing of a light.
 pub struct Icon<'a> {
-    /// Draws.
+    /// The painter.
     pub painter: &'a Painter,
-    /// Where things are seen.
+    /// The projection.
     pub projection: &'a Projection,
-    /// Color of what is selected.
+    /// Color of the selection.
     pub accent: Color32,
-    /// Whether this one is.
+    /// Whether the light is selected.
     pub selected: bool,
-    /// Whether the pointer is on it.
+    /// Whether the pointer is on the light.
     pub hot: bool,
-    /// Whether it is one of so many that only lamps are drawn.
+    /// Whether only lamps are drawn, since there are many lights.
     pub plain: bool,
 }
 
 impl Icon<'_> {
-    /// Draws `light`; nothing of it if it is behind the eye.
+    /// Draws `light`, unless it is behind the eye.
     pub fn paint(&self, light: &Light) {
         let (Some(at), Some(scale)) =
             (self.projection.point(light.position), self.projection.metres_per_point(light.position))
@@ -63,7 +63,7 @@ impl Icon<'_> {
         if self.selected || self.hot { self.accent } else { Color32::from_gray(215) }
     }
 
-    /// A line with a dark edge, to be seen on any picture.
+    /// A line with a dark edge, visible on any picture.
     fn line(&self, a: Vec3, b: Vec3) {
         if let Some(seen) = self.projection.segment(a, b) {
             self.painter.line_segment(seen, Stroke::new(3.0, Color32::from_black_alpha(90)));
@@ -93,7 +93,7 @@ impl Icon<'_> {
         }
     }
 
-    /// The cone, and inside it where the light begins to fall off.
+    /// The cone, and the inner cone where the light begins to fall off.
     fn cone(&self, apex: Vec3, axis: Vec3, length: f32, [edge, core]: [f32; 2]) {
         let base = |degrees: f32| {
             let radius = length * degrees.min(WIDEST_CONE_DEGREES).to_radians().tan();

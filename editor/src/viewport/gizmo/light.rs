@@ -9,14 +9,14 @@ use egui::Pos2;
 use glam::Vec3;
 use lapidary_core::lights::Light;
 
-/// A light that is moved.
+/// A drag of a light.
 pub struct LightDrag {
     index: usize,
     handle: Handle,
     constraint: Constraint,
     /// The light when the drag began.
     before: Light,
-    /// Where the pointer took hold of the constraint.
+    /// Start of the drag on the constraint.
     grabbed: Vec3,
 }
 
@@ -33,7 +33,7 @@ impl LightDrag {
         Some(Self { index, handle, constraint, before: light.clone(), grabbed })
     }
 
-    /// What the pointer holds.
+    /// The dragged handle.
     pub fn handle(&self) -> Handle {
         self.handle
     }
@@ -43,17 +43,17 @@ impl LightDrag {
         if self.handle == Handle::Target { "Aim light" } else { "Move light" }
     }
 
-    /// Puts the light back.
+    /// The edit that reverts the drag.
     pub fn restored(&self) -> Edit {
         Edit::Light { index: self.index, light: Box::new(self.before.clone()) }
     }
 
-    /// Whether the light is still there.
+    /// Whether the light still exists.
     pub fn has_subject(&self, view: &View) -> bool {
         self.index < view.context.document.lights.len()
     }
 
-    /// The light where the pointer takes it, if that is another place. A target follows surfaces unless it is `free`.
+    /// The edit for the pointer, if it moves the light. A target follows surfaces unless it is `free`.
     pub fn moved(&self, view: &View, pointer: Pos2, free: bool) -> Option<Edit> {
         let now = view.context.document.lights.get(self.index)?;
         let surface = if self.handle == Handle::Target && !free { view.surface(pointer) } else { None };

@@ -1,4 +1,4 @@
-//! The selected objects that handles and numbers move together, and the pivot that they turn and scale about. Knows no screen.
+//! The selected objects that handles and numbers move together, and their pivot. Independent of the screen.
 
 use super::{
     change::{Change, posed},
@@ -8,25 +8,25 @@ use glam::Vec3;
 use lapidary_core::scene::pose::{Pose, Poses, Similarity};
 use std::collections::BTreeMap;
 
-/// What objects turn and scale about.
+/// The pivot about which objects turn and scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pivot {
-    /// The center of the object that was selected last.
+    /// The center of the object selected last.
     #[default]
     Active,
-    /// The mean of the centers of all selected objects. Turns and scales about it leave it where it is, which the center of a box
-    /// around them would not be.
+    /// The mean of the centers of all selected objects. It is invariant under turns and scales about itself, unlike the center of a
+    /// box around the objects.
     Selection,
     /// Each object's own center.
     Own,
 }
 
 impl Pivot {
-    /// All of them, each with its name and what it means.
+    /// All pivots, each with its name and tooltip.
     pub const CHOICES: [(Self, &str, &str); 3] = [
-        (Self::Active, "Selected last", "Turns and scales all about the center of the object that was selected last"),
+        (Self::Active, "Selected last", "Turns and scales all about the center of the object selected last"),
         (Self::Selection, "All selected", "Turns and scales all about the middle of their centers"),
-        (Self::Own, "Each its own", "Turns and scales each object about its own center"),
+        (Self::Own, "Own centers", "Turns and scales each object about its own center"),
     ];
 }
 
@@ -35,30 +35,30 @@ impl Pivot {
 pub struct Subject {
     /// Its index.
     pub object: u32,
-    /// What its pose turns and scales it about: its center where its file has it, in meters.
+    /// The center of its pose: its own center in the file, in meters.
     pub center: Vec3,
-    /// The center of its present shape without its pose, in meters. It is another where an animation moves it.
+    /// The center of its present shape without its pose, in meters; an animation may move it.
     pub middle: Vec3,
 }
 
 impl Subject {
-    /// Where the middle of its shape is, in meters.
+    /// Position of the middle of its shape, in meters.
     fn place(&self, poses: &Poses) -> Vec3 {
         let pose = poses.of(self.object);
         self.center + pose.translate + pose.rotation() * (pose.scale * (self.middle - self.center))
     }
 }
 
-/// Objects that are posed together, and by what.
+/// Objects posed together, with pivot and tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Movable {
-    /// The one that was selected last.
+    /// The object selected last.
     pub active: Subject,
-    /// Those that move along.
+    /// The objects that move along.
     pub others: Vec<Subject>,
-    /// What they turn and scale about.
+    /// The pivot.
     pub pivot: Pivot,
-    /// What is done to them.
+    /// The tool.
     pub tool: Tool,
 }
 
@@ -67,13 +67,13 @@ impl Movable {
         [&self.active].into_iter().chain(&self.others)
     }
 
-    /// Whether both pose the same objects alike, wherever these are.
+    /// Whether both pose the same objects the same way, wherever these are.
     pub fn is_same(&self, other: &Self) -> bool {
         let objects = |movable: &Self| movable.subjects().map(|subject| subject.object).collect::<Vec<_>>();
         (self.pivot, self.tool) == (other.pivot, other.tool) && objects(self) == objects(other)
     }
 
-    /// Where the handles lie, in meters: at the pivot, or the active object if each has its own.
+    /// Position of the handles, in meters: at the pivot, or the active object if each has its own.
     pub fn place(&self, poses: &Poses) -> Vec3 {
         match self.pivot {
             Pivot::Active | Pivot::Own => self.active.place(poses),
@@ -89,7 +89,7 @@ impl Movable {
         self.subjects().map(|subject| (subject.object, of_all.of(subject.object))).collect()
     }
 
-    /// As much of a change as all objects can take.
+    /// The change, limited to what all objects allow.
     pub fn limited(&self, change: Change, before: &Poses) -> Change {
         change.limited(self.subjects().map(|subject| before.of(subject.object).scale))
     }
@@ -105,8 +105,7 @@ impl Movable {
         self.subjects().map(changed).collect()
     }
 
-    /// The objects' poses after the tool's number of the active one became that of `typed`: the others follow what that
-    /// changes.
+    /// The objects' poses after typing a number of the active one's pose, which becomes `typed`; the others follow the change.
     pub fn typed(&self, before: &Poses, typed: Pose) -> BTreeMap<u32, Pose> {
         let active = before.of(self.active.object);
         let by = match self.tool {
@@ -117,7 +116,7 @@ impl Movable {
             Tool::Scale => self.limited(Change::Scale(typed.scale / active.scale), before).similarity(),
         };
         let mut poses = self.changed(before, by);
-        // The same place and turn have many numbers; these are kept.
+        // One pose has many numbers; the typed ones are kept.
         match (self.tool, poses.get_mut(&self.active.object)) {
             (Tool::Move, Some(active)) => active.translate = typed.translate,
             (Tool::Turn, Some(active)) => active.rotate_degrees = typed.rotate_degrees,

@@ -15,7 +15,7 @@ use glam::Vec3;
 use lapidary_core::scene::pose::Poses;
 
 impl Movable {
-    /// Their handles; `None` behind the eye.
+    /// The projected handles; `None` behind the eye.
     pub(super) fn handles(&self, view: &View) -> Option<ObjectHandles> {
         let (place, projection) = (self.place(&view.context.document.poses), &view.projection);
         Some(match self.tool {
@@ -25,13 +25,13 @@ impl Movable {
         })
     }
 
-    /// What their handles can do, to be read over the picture.
+    /// A hint on their handles, shown over the picture.
     pub(super) fn hint(&self, view: &View) -> String {
         self.tool.steps(step_in(view))
     }
 }
 
-/// The handles of objects as they are seen.
+/// The projected handles of objects.
 pub enum ObjectHandles {
     /// Arrows, planes and a disc.
     Move(Handles),
@@ -51,7 +51,7 @@ impl ObjectHandles {
         }
     }
 
-    /// Draws them, `hot` brighter.
+    /// Draws the handles, `hot` brighter.
     pub fn paint(&self, painter: &Painter, hot: Option<Handle>, accent: Color32) {
         match self {
             Self::Move(handles) => handles.paint(painter, hot, accent),
@@ -61,7 +61,7 @@ impl ObjectHandles {
     }
 }
 
-/// Objects that are posed.
+/// A drag of objects.
 pub struct ObjectDrag {
     movable: Movable,
     handle: Handle,
@@ -71,9 +71,9 @@ pub struct ObjectDrag {
     change: Option<Change>,
 }
 
-/// How the pointer holds a handle.
+/// The grip of the pointer on a handle.
 enum Grip {
-    /// Of a line or a plane, at a place.
+    /// On a line or a plane, at a position.
     Place(Constraint, Vec3),
     Ring(usize, Sweep),
     Size(SizeHandle, Pos2),
@@ -95,7 +95,7 @@ impl ObjectDrag {
         Some(Self { movable, handle, before, grip, change: None })
     }
 
-    /// What the pointer holds.
+    /// The dragged handle.
     pub fn handle(&self) -> Handle {
         self.handle
     }
@@ -105,7 +105,7 @@ impl ObjectDrag {
         self.movable.tool.verb()
     }
 
-    /// Puts the objects back.
+    /// The edit that reverts the drag.
     pub fn restored(&self) -> Edit {
         Edit::Poses(self.movable.poses(&self.before))
     }
@@ -115,7 +115,7 @@ impl ObjectDrag {
         view.context.movable.as_ref().is_some_and(|movable| movable.is_same(&self.movable))
     }
 
-    /// The objects posed as the pointer asks, if these are other poses; in whole steps where it `snaps`.
+    /// The edit for the pointer, if it changes the poses; in whole steps if it `snaps`.
     pub fn moved(&mut self, view: &View, pointer: Pos2, snaps: bool) -> Option<Edit> {
         let change = self.asked(view, pointer)?;
         let change = if snaps { change.snapped(step_in(view)) } else { change };
@@ -142,13 +142,13 @@ impl ObjectDrag {
         })
     }
 
-    /// What has been done so far, to be read over the picture.
+    /// The change so far, in words over the picture.
     pub fn words(&self) -> Option<String> {
         self.change.map(Change::words)
     }
 }
 
-/// The step of moves in the scene that is seen, in meters.
+/// The step of moves in the shown scene, in meters.
 fn step_in(view: &View) -> f32 {
     move_step(view.context.scene_bounds.map_or(0.0, |bounds| bounds.diagonal()))
 }

@@ -1,4 +1,4 @@
-//! Lamps, handles and the words on what handles do, over the picture.
+//! Paints lamps, handles and their hints over the picture.
 
 use super::{Gizmo, Hot, View, ViewportContext, drag::Drag, icons::Icon};
 use egui::{Align2, Color32, FontId, Painter, Rect, Ui, vec2};
@@ -6,10 +6,10 @@ use egui::{Align2, Color32, FontId, Painter, Rect, Ui, vec2};
 /// More lights than this are drawn as lamps only.
 const MOST_SHAPES: usize = 100;
 
-/// Draws all lights, and the handles of what is selected.
+/// Draws all lights, and the handles of the selection.
 pub fn paint(ui: &Ui, rect: Rect, gizmo: &Gizmo, context: &ViewportContext) {
     let (painter, view) = (ui.painter_at(rect), View::new(ui, rect, context));
-    // On a dark picture the accent of the panels is hardly seen.
+    // The accent of the panels is hardly visible on a dark picture.
     let accent = context.accent.lerp_to_gamma(Color32::WHITE, 0.45);
     if context.shows_lights {
         paint_lights(&painter, &view, gizmo, accent);
@@ -32,14 +32,14 @@ fn paint_lights(painter: &Painter, view: &View, gizmo: &Gizmo, accent: Color32) 
     }
 }
 
-/// What to say of what the pointer does, or can do on a handle.
+/// Text on the running drag, or a hint on the hovered handle.
 fn words(view: &View, gizmo: &Gizmo, is_hot: bool) -> Option<String> {
     if view.context.aiming {
         return Some("Click the point to aim at (Esc: cancel)".into());
     }
     let hint = view.context.movable.as_ref().filter(|_| is_hot && view.light().is_none())?.hint(view);
     match gizmo.drag.as_ref().and_then(Drag::words) {
-        Some(done) => Some(format!("{done} ({hint}, Esc: put it back)")),
+        Some(done) => Some(format!("{done} ({hint}, Esc: cancel)")),
         None => Some(hint),
     }
 }

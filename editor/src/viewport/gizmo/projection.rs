@@ -4,7 +4,7 @@ use egui::{Pos2, Rect, vec2};
 use glam::{Vec2, Vec3};
 use lapidary_core::camera::{self, Camera, PINHOLE};
 
-/// What is nearer to the eye than this share of the distance to the target is not drawn.
+/// Near plane, as a share of the distance to the target.
 const NEAR: f32 = 1e-3;
 
 /// How a camera shows the world in a rectangle.
@@ -17,14 +17,14 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// That of `camera` in `rect`.
+    /// The projection of `camera` in `rect`.
     pub fn new(camera: &Camera, rect: Rect) -> Self {
         let size = rect.size().max(vec2(1.0, 1.0));
         let of_camera = camera::Projection::new(camera, Vec2::new(size.x, size.y));
         Self { rect, of_camera, near: NEAR * camera.eye.distance(camera.target) }
     }
 
-    /// Where the eye is.
+    /// The eye.
     pub fn eye(&self) -> Vec3 {
         self.of_camera.eye
     }
@@ -34,13 +34,13 @@ impl Projection {
         self.of_camera.forward()
     }
 
-    /// Where a point is seen; `None` behind the eye.
+    /// Projects a point; `None` behind the eye.
     pub fn point(&self, world: Vec3) -> Option<Pos2> {
         let view = self.view(world);
         (-view.z > self.near).then(|| self.project(view)).filter(|p| p.is_finite())
     }
 
-    /// What is seen of a line.
+    /// Projects the visible part of a line.
     pub fn segment(&self, a: Vec3, b: Vec3) -> Option<[Pos2; 2]> {
         let (a, b) = (self.view(a), self.view(b));
         let ahead = |v: Vec3| -v.z - self.near;
@@ -51,12 +51,12 @@ impl Projection {
             (false, true) => [crossing(), b],
             (false, false) => return None,
         };
-        // A crossing that rounding has put at the eye would lie at infinity.
+        // A crossing rounded to the eye would project to infinity.
         let seen = clipped.map(|view| self.project(Vec3 { z: view.z.min(-0.5 * self.near), ..view }));
         seen.iter().all(|p| p.is_finite()).then_some(seen)
     }
 
-    /// Meters that a point of the screen covers at the depth of `world`; `None` behind the eye.
+    /// Meters per point of the screen at the depth of `world`; `None` behind the eye.
     pub fn metres_per_point(&self, world: Vec3) -> Option<f32> {
         let depth = -self.view(world).z;
         (depth > self.near).then(|| self.of_camera.pixel_span(depth))

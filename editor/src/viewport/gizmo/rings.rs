@@ -1,4 +1,4 @@
-//! What an object is turned by: a ring about each axis of the world.
+//! Turn handles of an object: a ring about each axis of the world.
 
 use super::{
     handles::{AXES, AXIS, COLORS, Constraint, Handle, LEAST_SEEN, REACH, distance_to_segment},
@@ -10,16 +10,16 @@ use std::f32::consts::TAU;
 
 /// Chords of a ring.
 const CHORDS: usize = 64;
-/// How far behind its center a ring is still drawn, in radii: one that faces the eye is whole.
+/// Depth behind the center to which a ring is drawn, in radii; a ring that faces the eye is drawn in full.
 const BEHIND: f32 = 0.15;
 
-/// The rings as they are seen: of each the chords before the center.
+/// The projected rings: the chords of each in front of the center.
 pub struct Rings {
     chords: [Vec<[Pos2; 2]>; 3],
 }
 
 impl Rings {
-    /// Those around a place; `None` behind the eye.
+    /// The rings around a position; `None` behind the eye.
     pub fn of(center: Vec3, projection: &Projection) -> Option<Self> {
         let radius = AXIS * projection.metres_per_point(center)?;
         let toward_eye = (projection.eye() - center).normalize_or(Vec3::Z);
@@ -41,7 +41,7 @@ impl Rings {
         nearest.filter(|(_, distance)| *distance <= REACH).map(|(axis, _)| Handle::Ring(axis))
     }
 
-    /// Draws them, `hot` brighter.
+    /// Draws the rings, `hot` brighter.
     pub fn paint(&self, painter: &Painter, hot: Option<Handle>) {
         for (axis, chords) in self.chords.iter().enumerate() {
             let color = if hot == Some(Handle::Ring(axis)) { Color32::WHITE } else { COLORS[axis] };
@@ -52,25 +52,25 @@ impl Rings {
     }
 }
 
-/// The unit vector across an axis at an angle, counter-clockwise seen against the axis.
+/// The unit vector normal to an axis at an angle, counter-clockwise seen against the axis.
 fn on_ring(axis: usize, radians: f32) -> Vec3 {
     let (sin, cos) = radians.sin_cos();
     cos * AXES[(axis + 1) % 3] + sin * AXES[(axis + 2) % 3]
 }
 
-/// A turn about an axis by a pointer that took hold of a ring.
+/// A turn about an axis by a drag of a ring.
 #[derive(Clone, Copy, Debug)]
 pub struct Sweep {
     axis: Vec3,
     center: Vec3,
     constraint: Constraint,
-    /// For a ring that is seen edge on, where its near side moves to, in radians a meter.
+    /// For a ring seen edge on, the motion of its near side, in radians a meter.
     along: Option<Vec3>,
     grabbed: Vec3,
 }
 
 impl Sweep {
-    /// Takes hold of the ring about an axis by a ray from `eye`.
+    /// Takes hold of the ring about an axis at the pointer.
     pub fn begun(axis: usize, center: Vec3, projection: &Projection, pointer: Pos2) -> Option<Self> {
         let (axis, eye) = (AXES[axis], projection.eye());
         let toward_eye = (eye - center).normalize_or(Vec3::Z);
@@ -82,7 +82,7 @@ impl Sweep {
         Some(Self { axis, center, constraint, along, grabbed })
     }
 
-    /// The angle from where it was taken hold of, counter-clockwise seen against the axis, -π to π for a ring that is seen open.
+    /// The angle from the start of the drag, counter-clockwise seen against the axis, -π to π unless the ring is seen edge on.
     pub fn radians(&self, projection: &Projection, pointer: Pos2) -> Option<f32> {
         let now = self.constraint.meet(self.center, projection.eye(), projection.direction(pointer))?;
         Some(match self.along {
@@ -92,7 +92,7 @@ impl Sweep {
     }
 }
 
-/// The angle about an axis from one direction across it to another.
+/// The angle about an axis from one direction normal to it to another.
 fn angle_about(axis: Vec3, from: Vec3, to: Vec3) -> f32 {
     axis.dot(from.cross(to)).atan2(from.dot(to))
 }

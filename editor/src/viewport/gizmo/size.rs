@@ -1,4 +1,4 @@
-//! What an object is scaled by: a square at the end of a line from its center.
+//! Scale handle of an object: a square at the end of a line from its center.
 
 use super::{
     handles::{AXIS, Handle, REACH, distance_to_segment},
@@ -10,18 +10,18 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 /// Half the side of the square in points.
 const HALF: f32 = 5.0;
-/// A drag makes nothing smaller than this share of what it was.
+/// Least factor of a drag.
 const LEAST_FACTOR: f32 = 0.01;
-/// Where the square is seen from the center: up and to the right, as far as the tips of arrows.
+/// Direction of the square from the center: up and to the right, as far out as the tips of arrows.
 const OUT: Vec2 = vec2(FRAC_1_SQRT_2, -FRAC_1_SQRT_2);
 
-/// The handle as it is seen.
+/// The projected handle.
 pub struct SizeHandle {
     center: Pos2,
 }
 
 impl SizeHandle {
-    /// That of a place; `None` behind the eye.
+    /// The handle at a position; `None` behind the eye.
     pub fn of(center: Vec3, projection: &Projection) -> Option<Self> {
         Some(Self { center: projection.point(center)? })
     }
@@ -37,12 +37,12 @@ impl SizeHandle {
         (near && clear).then_some(Handle::Size)
     }
 
-    /// The factor of a drag: how much farther out the pointer is than where it took hold, above 0.
+    /// The factor of a drag, above 0: the pointer's distance from the center over that at the start.
     pub fn factor(&self, grabbed: Pos2, pointer: Pos2) -> f32 {
         ((pointer - self.center).dot(OUT) / (grabbed - self.center).dot(OUT)).max(LEAST_FACTOR)
     }
 
-    /// Draws it, `hot` brighter.
+    /// Draws the handle, `hot` brighter.
     pub fn paint(&self, painter: &Painter, hot: Option<Handle>, accent: Color32) {
         let color = if hot == Some(Handle::Size) { Color32::WHITE } else { accent };
         let dark = Color32::from_black_alpha(110);

@@ -1,4 +1,4 @@
-//! Handles in a viewport without a window. Here are those of lights: what is selected, and where drags lead.
+//! Handles in a viewport without a window. This file tests handles of lights: selection, and results of drags.
 
 mod objects;
 
@@ -33,7 +33,7 @@ fn at(harness: &Harness<App>, world: Vec3) -> Pos2 {
     Projection::new(&harness.state().document.camera, rect).point(world).unwrap()
 }
 
-/// Where along an axis of the selected light the pointer takes hold.
+/// Position of the pointer on an axis of the selected light.
 fn on_axis(harness: &Harness<App>, axis: Vec3) -> Pos2 {
     let rect = harness.get_by_label("Viewport").rect();
     let projection = Projection::new(&harness.state().document.camera, rect);
@@ -70,7 +70,7 @@ fn select(harness: &mut Harness<App>) {
     harness.run();
 }
 
-/// A light on its way, the button still down; where the lamp was, and the camera before.
+/// A light during a drag, with the button down; the lamp's position and the camera before.
 fn half_dragged() -> (Harness<'static, App>, Pos2, Camera) {
     let mut harness = lit();
     select(&mut harness);

@@ -1,8 +1,8 @@
-//! What drags of handles do to the selected objects.
+//! Tools of the handles for selected objects.
 
 use super::change::{SCALE_STEP, TURN_STEP_DEGREES};
 
-/// What drags of handles do to the selected objects.
+/// A tool of the handles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tool {
     /// Moves them along axes and planes.
@@ -14,7 +14,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    /// All of them.
+    /// All tools.
     pub const ALL: [Self; 3] = [Self::Move, Self::Turn, Self::Scale];
 
     /// The name of its command.
@@ -26,7 +26,7 @@ impl Tool {
         }
     }
 
-    /// What it does, for the name of its step of undo.
+    /// Its verb, for the name of its step of undo.
     pub const fn verb(self) -> &'static str {
         match self {
             Self::Move => "Move",
@@ -35,7 +35,7 @@ impl Tool {
         }
     }
 
-    /// What Ctrl does, where moves have steps of so many meters.
+    /// Hint on the steps with Ctrl, with steps of `move_step` meters for moves.
     pub fn steps(self, move_step: f32) -> String {
         match self {
             Self::Move => format!("Ctrl: steps of {move_step} m"),

@@ -1,12 +1,11 @@
-//! The keys that are held to move the camera or to turn the environment. Those that are pressed once are commands of the
-//! window.
+//! Keys held to move the camera or turn the environment. Single presses are commands of the window.
 
 use super::turn;
 use crate::{actions::Action, document::Document};
 use egui::{Context, Event, InputState, Key};
 use glam::Vec3;
 
-/// Degrees that a bracket key turns the environment by, and with Shift.
+/// Degrees of a turn by a bracket key, without and with Shift.
 const TURN_DEGREES: f32 = 5.0;
 const FINE_TURN_DEGREES: f32 = 1.0;
 
@@ -20,13 +19,12 @@ const FLIGHT: [(Key, Vec3); 6] = [
     (Key::S, Vec3::NEG_Z),
 ];
 
-/// Where the keys that are held fly to; opposite ones cancel.
+/// Direction of flight of the held keys; opposite ones cancel.
 pub(super) fn flight_direction(input: &InputState) -> Vec3 {
     FLIGHT.iter().filter(|(key, _)| input.key_down(*key)).map(|(_, direction)| *direction).sum()
 }
 
-/// Turns the environment by the brackets that were pressed: `[` turns what is seen to the left, `]` to the right. Holding
-/// one is a single gesture.
+/// Turns the environment by pressed brackets: `[` to the left in the picture, `]` to the right. Holding one is a single gesture.
 pub fn turn_environment(ctx: &Context, document: &Document, actions: &mut Vec<Action>) {
     let (mut degrees, mut released) = (0.0, false);
     ctx.input_mut(|input| {
@@ -47,7 +45,7 @@ pub fn turn_environment(ctx: &Context, document: &Document, actions: &mut Vec<Ac
     }
 }
 
-/// Direction of a bracket key; Shift makes a brace of it.
+/// Direction of a bracket key, or a brace with Shift.
 fn bracket(key: Key) -> Option<f32> {
     match key {
         Key::OpenBracket | Key::OpenCurlyBracket => Some(1.0),

@@ -1,4 +1,4 @@
-//! What moves the camera.
+//! Input that moves the camera.
 
 use super::*;
 use crate::actions::CameraAction;

@@ -1,4 +1,4 @@
-//! Presets and materials that are dropped on surfaces.
+//! Presets and materials dropped on surfaces.
 
 use super::*;
 use crate::{
@@ -11,7 +11,7 @@ use lapidary_core::{
     parts::Part,
 };
 
-/// The viewport of the squares of "Right", "Left" and a material that no surface has, and one of those dragged.
+/// A viewport with the squares of "Right" and "Left" and an unused material, and a drag.
 fn dragging(dragged: Dragged) -> Harness<'static, App> {
     let mut harness = harness();
     let named = |name: &str| Material { name: name.into(), double_sided: name == "Left", ..Default::default() };

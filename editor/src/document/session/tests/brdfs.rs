@@ -1,9 +1,9 @@
-//! Materials whose BRDF is in a file, and those of the first version.
+//! Materials with BRDF files, and materials of the first version.
 
 use super::*;
 use lapidary_core::brdf::{BrdfFile, Content, example_file};
 
-/// A document of which one material is measured.
+/// A document with one measured material.
 fn measured(project: &Project) -> Document {
     let mut document = project.document();
     let path = project.path("maps/paint.binary");

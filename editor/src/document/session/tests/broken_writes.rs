@@ -18,7 +18,7 @@ fn documents() -> [Document; 2] {
     [short.clone(), Document { bookmarks, ..short }]
 }
 
-/// What the started test does; on its own it does nothing.
+/// The body of the started test; on its own it does nothing.
 #[test]
 fn saves_when_another_test_asks() {
     let Some(file) = std::env::var_os(FILE).map(PathBuf::from) else { return };

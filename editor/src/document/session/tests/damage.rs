@@ -1,9 +1,9 @@
-//! What cannot be read is refused, what cannot be used is replaced, and nothing panics.
+//! Unreadable files are refused, unusable values are replaced, and nothing panics.
 
 use super::*;
 
 impl Project {
-    /// What reading a file of this text says.
+    /// The error of reading a file of this text.
     fn error(&self, text: &[u8]) -> SessionError {
         std::fs::write(self.file(), text).unwrap();
         load(&self.file()).unwrap_err()

@@ -1,4 +1,4 @@
-//! What becomes of devices that are lost, of panics and of scenes that are refused.
+//! Lost devices, panics and refused scenes.
 
 use super::*;
 
@@ -22,7 +22,7 @@ fn a_panic_is_reported_and_the_next_change_starts_anew() {
     let (log, mut thread) = start(Log { panics: 1, ..Log::default() });
     thread.request(request(1));
     thread.read_picture(3);
-    assert!(failure(&mut thread).contains("a mistake"));
+    assert!(failure(&mut thread).contains("a bug"));
     thread.request(request(2));
     complete(&mut thread);
     assert_eq!(log.lock().unwrap().made, 2);

@@ -1,8 +1,8 @@
-//! A renderer that renders nothing and only counts what it is asked for.
+//! A renderer that renders nothing and only counts calls.
 
 use super::*;
 
-/// What the renderer was asked for, and how it is to behave.
+/// Calls to the renderer, and its behavior.
 #[derive(Default)]
 pub struct Log {
     pub made: u32,
@@ -18,7 +18,7 @@ pub struct Log {
     pub displays: u32,
     pub local: Vec<LocalLighting>,
     pub micros_per_pixel: u64,
-    /// So many calls to render pixels lose the device.
+    /// Number of calls to render pixels that lose the device.
     pub losses: u32,
     pub panics: u32,
     pub refuse_scenes: bool,
@@ -40,7 +40,7 @@ impl Fake {
         self.view.as_ref().unwrap().size
     }
 
-    /// Takes the time of some pixels.
+    /// Takes the time of `pixels` pixels.
     fn render(&self, pixels: u64, note: impl FnOnce(&mut Log)) -> Result<(), BackendError> {
         let mut log = self.log.lock().unwrap();
         if log.losses > 0 {
@@ -104,7 +104,7 @@ impl Backend for Fake {
     fn sketch(&mut self, stride: u32, tiles: &[u32]) -> Result<(), BackendError> {
         let all = Tiles::of(self.size());
         let pixels: u64 = tiles.iter().map(|&tile| all.region(tile).pixels()).sum();
-        // The coarsest lattice looks at all pixels, each at an eighth of the cost of shading.
+        // The coarsest lattice traces all pixels, each at an eighth of the cost of shading.
         let share = if stride == STRIDES[0] { 0.125 } else { share_of_lattice(stride) };
         let pixels = pixels as f64 * share;
         self.render(pixels as u64, |log| log.sketched.extend(tiles.iter().map(|&tile| (stride, tile))))

@@ -1,4 +1,4 @@
-//! Steps of the light beyond those that a drag has time for, once nothing moves.
+//! Refines the light once nothing moves.
 
 use super::{PictureStage, RenderRequest, Worker};
 use lapidary_render::{BackendError, LitScene};
@@ -11,12 +11,12 @@ impl Worker {
         !is_moving && self.scene.as_ref().is_some_and(LitScene::is_coarse)
     }
 
-    /// Whether other work needs the cores, or a better picture is on its way.
+    /// Whether other work needs the cores, or a better picture is coming.
     pub(super) fn must_wait(&self) -> bool {
         self.shared.held.load(SeqCst) || self.shared.is_preview.load(SeqCst)
     }
 
-    /// Makes the light finer once the full picture is due. Returns whether a picture has begun with it.
+    /// Refines the light once the full picture is due. Returns whether a picture has begun with it.
     pub(super) fn refine(&mut self, request: &RenderRequest) -> Result<bool, BackendError> {
         let is_due = match self.stage {
             PictureStage::Rest | PictureStage::Full { .. } => self.begun.is_some(),

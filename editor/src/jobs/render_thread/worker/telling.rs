@@ -1,4 +1,4 @@
-//! What the window is told: pictures, those that it asked for, and failures.
+//! Messages to the window: pictures, requested pictures, and failures.
 
 use super::{HOLES_SHARE, LinearPicture, PictureStage, RenderEvent, RenderRequest, RenderedFrame, Restarts, Worker};
 use crate::control_names::remedy_control;
@@ -6,7 +6,7 @@ use lapidary_render::{BackendError, Remedy};
 use std::time::Instant;
 
 impl Worker {
-    /// Shows the picture as it is.
+    /// Publishes the present picture.
     pub(super) fn publish(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         let (Some(begun), Some(scene)) = (&mut self.begun, &mut self.scene) else { return Ok(()) };
         let Some((lighting, local)) = scene.environment().cloned().zip(scene.local().cloned()) else { return Ok(()) };
@@ -39,7 +39,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Gives the complete picture to those who wait for it.
+    /// Sends the complete picture to the requests that wait.
     pub(super) fn answer_reads(&mut self) -> Result<(), BackendError> {
         while let Some(&id) = self.reads.first() {
             let result = match (&self.begun, &mut self.scene) {
@@ -71,7 +71,7 @@ impl Worker {
         }
     }
 
-    /// Shows nothing more until a request changes something.
+    /// Reports a failure, and renders nothing until a request changes something.
     pub(super) fn give_up(&mut self, reason: String) {
         (self.stage, self.begun, self.redisplay) = (PictureStage::Rest, None, false);
         for id in std::mem::take(&mut self.reads) {

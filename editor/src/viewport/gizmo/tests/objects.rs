@@ -1,4 +1,4 @@
-//! The selected objects in a viewport without a window: where drags of their handles lead.
+//! The selected objects in a viewport without a window: results of drags of their handles.
 
 use super::*;
 use crate::{
@@ -27,7 +27,7 @@ fn pose(harness: &Harness<App>) -> Pose {
     harness.state().document.poses.of(OBJECT)
 }
 
-/// Where a point so many points of the screen from the center is seen.
+/// A position at a distance in points from the center, in a direction of the world.
 fn beside_center(harness: &Harness<App>, direction: Vec3, points: f32) -> Pos2 {
     let rect = harness.get_by_label("Viewport").rect();
     let projection = Projection::new(&harness.state().document.camera, rect);
@@ -57,7 +57,7 @@ fn a_drag_of_an_arrow_moves_the_object_by_as_much_as_the_pointer_in_one_gesture(
         let grabbed = beside_center(&harness, axis, 60.0);
         let rect = harness.get_by_label("Viewport").rect();
         let scale = Projection::new(&harness.state().document.camera, rect).metres_per_point(CENTER).unwrap();
-        // The same place of the arrow after a move by one meter.
+        // The same point of the arrow after a move by one meter.
         let to = at(&harness, CENTER + (60.0 * scale + 1.0) * axis);
         drag(&mut harness, grabbed, to - grabbed);
         let moved = pose(&harness).translate;
@@ -97,7 +97,7 @@ fn a_quarter_of_a_ring_turns_the_object_by_ninety_degrees() {
     let turned = pose(&harness).rotation();
     assert!((turned * Vec3::Z).distance(Vec3::X) < 1e-3, "{:?}", pose(&harness));
     assert_eq!((labels(&harness)[0], gestures(&harness)), ("Turn", 1));
-    // Another turn adds to the one that was.
+    // Another turn adds to the first.
     drag_with(&mut harness, Modifiers::COMMAND, from, to);
     assert!((pose(&harness).rotation() * Vec3::Z).distance(Vec3::NEG_Z) < 1e-3, "{:?}", pose(&harness));
 }
@@ -167,7 +167,7 @@ fn posing_both(tool: Tool, pivot: Pivot) -> Harness<'static, App> {
     harness
 }
 
-/// Where the centers of both squares are: the active one, and the other.
+/// Centers of both squares: the active one, and the other.
 fn centers(harness: &Harness<App>) -> [Vec3; 2] {
     [(OBJECT, CENTER), (OTHER, -CENTER)]
         .map(|(object, center)| center + harness.state().document.poses.of(object).translate)
