@@ -4,10 +4,10 @@
 override IS_FIRST: bool = true;
 
 // Ends a pixel without a surface to shade. The environment is not a count, and backs are black.
-fn with_background(begun: Begun) -> Sums {
+fn with_background(begun: Begun, direction: vec3<f32>) -> Sums {
     var shown = vec3(0.0);
     if IS_FIRST && !begun.is_done && begun.g.x == 0u && frame.view_mode == VIEW_SHADED {
-        shown = background_radiance(ray(begun.pixel, PINHOLE).direction);
+        shown = background_radiance(direction);
     }
     return without_surface(begun, shown);
 }

@@ -12,21 +12,26 @@
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let begun = begin(vec2<u32>(position.xy) * frame.stride);
-    if !begun.has_surface {
-        return with_background(begun);
+    if begun.is_done {
+        return begun.sums;
     }
-    let point = begun_point(begun);
+    let direction = ray(begun.pixel, PINHOLE).direction;
+    if !begun.has_surface {
+        return with_background(begun, direction);
+    }
+    let point = surface_point(begun.g, begun.pixel, direction);
     var shaded = no_light();
     if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
-    // The first part also has values that need no merge.
-    var value = vec3(0.0);
-    if IS_FIRST || needs_merge() {
-        value = view_value(begun, point, shaded);
-    }
     let work = vec2(shaded.merged_nodes, shaded.brdf_evaluations);
-    return with_sample(begun, vec4(value, lines_at(begun.pixel, point.vertices)), work);
+    // The first part also has values that need no merge. Both ends are written out: joined, the merge took 231 instead of 183 ms on
+    // an H200.
+    if !IS_FIRST {
+        let value = select(vec3(0.0), view_value(begun, point, shaded), needs_merge());
+        return with_sample(begun, vec4(value, 0.0), work);
+    }
+    return with_sample(begun, vec4(view_value(begun, point, shaded), lines_at(begun.pixel, point.vertices)), work);
 }
 
 fn needs_merge() -> bool {

@@ -16,7 +16,7 @@ const OTHER: f32 = 1e-3;
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let begun = begin(vec2<u32>(position.xy));
     if !begun.has_surface {
-        return with_background(begun);
+        return with_background(begun, ray(begun.pixel, PINHOLE).direction);
     }
     let here = guide(begun.g, begun.pixel);
     let lines = lines_at(begun.pixel, triangles[begun.g.x - 1u].vertices);

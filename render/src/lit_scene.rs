@@ -96,7 +96,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     pub fn new(mut backend: Box<B>, baked: Baked) -> Result<Self, BackendError> {
         let (environment_rig, local_rig) = rigs(&mut *backend, &baked)?;
         Ok(Self {
-            situation: Situation::unlit(&baked),
+            situation: Situation { compute: backend.compute(), ..Situation::unlit(&baked) },
             baked,
             is_posed: true,
             posing: None,
@@ -134,7 +134,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
             return Ok(false);
         }
         (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
-        (self.baked, self.situation) = (baked.clone(), Situation::unlit(baked));
+        self.situation = Situation { compute: self.backend.compute(), ..Situation::unlit(baked) };
+        self.baked = baked.clone();
         (self.posing, self.pose_rigs, self.lit) = (None, PoseRigs::default(), None);
         (self.is_posed, self.is_unsolved) = (true, false);
         self.forget_pictures();

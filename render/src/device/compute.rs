@@ -9,6 +9,7 @@ use super::{
 use crate::error::BackendError;
 use std::{
     collections::HashMap,
+    fmt,
     sync::{Arc, Mutex, PoisonError},
 };
 
@@ -26,6 +27,15 @@ pub enum Compute {
 pub struct SharedDevice {
     pub(crate) gpu: Arc<GpuDevice>,
     kernels: Arc<Mutex<HashMap<&'static str, Arc<Kernel>>>>,
+}
+
+impl fmt::Debug for Compute {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Cores => f.write_str("Cores"),
+            Self::Device(device) => f.debug_tuple("Device").field(&device.name()).finish(),
+        }
+    }
 }
 
 impl Compute {

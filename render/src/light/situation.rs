@@ -2,7 +2,7 @@
 //! changes once; every rig and solver receives both.
 
 use super::environment::SceneLighting;
-use crate::{appearance::Appearance, baked::Baked};
+use crate::{appearance::Appearance, baked::Baked, device::Compute};
 use lapidary_core::{
     cut::lit::DEFAULT_TAU,
     lights::{Emission, Light},
@@ -27,6 +27,8 @@ pub struct Situation {
     pub lights: Arc<[Light]>,
     /// How cuts gather bounced light.
     pub gathering: Gathering,
+    /// Where solvers may compute.
+    pub compute: Compute,
 }
 
 /// How cuts gather light from the solvers' trees; cuts over the environment use the same settings.
@@ -49,6 +51,7 @@ impl Situation {
             suns: Arc::default(),
             lights: Arc::default(),
             gathering: Gathering { illum_cut: 1, tau: DEFAULT_TAU },
+            compute: Compute::Cores,
         }
     }
 

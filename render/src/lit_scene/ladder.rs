@@ -77,7 +77,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     fn prepare(&mut self, detail: ImplicitDetail) -> bool {
         if self.check_objects().is_ok() {
-            self.pose_rigs.prepare(detail, &self.baked, || self.backend.compute());
+            self.pose_rigs.prepare(detail, &self.baked, &self.situation.compute);
         }
         self.pose_rigs.is_made(detail)
     }

@@ -25,9 +25,9 @@ impl PoseRigs {
     }
 
     /// Starts to build a rig on a thread. Only one is built at a time: the call does nothing while another is being built.
-    pub fn prepare(&mut self, detail: ImplicitDetail, baked: &Baked, compute: impl FnOnce() -> Compute) {
+    pub fn prepare(&mut self, detail: ImplicitDetail, baked: &Baked, compute: &Compute) {
         if !self.is_made(detail) && self.in_the_making.is_none() {
-            let (baked, compute) = (baked.clone(), compute());
+            let (baked, compute) = (baked.clone(), compute.clone());
             let made = std::thread::spawn(move || PoseRig::new(&baked, &compute, detail));
             self.in_the_making = Some((detail, made));
         }
@@ -42,15 +42,10 @@ impl PoseRigs {
     }
 
     /// The rig of a detail; built or awaited if missing.
-    pub fn at(
-        &mut self,
-        detail: ImplicitDetail,
-        baked: &Baked,
-        compute: impl FnOnce() -> Compute,
-    ) -> &mut Pending<PoseRig> {
+    pub fn at(&mut self, detail: ImplicitDetail, baked: &Baked, compute: &Compute) -> &mut Pending<PoseRig> {
         if !self.is_made(detail) {
             let making = self.in_the_making.take_if(|(of, _)| *of == detail);
-            let made = making.map_or_else(|| PoseRig::new(baked, &compute(), detail), |(_, made)| joined(made));
+            let made = making.map_or_else(|| PoseRig::new(baked, compute, detail), |(_, made)| joined(made));
             self.beside = Some(Pending::new(made));
         }
         if self.detail() != Some(detail) {
@@ -84,23 +79,17 @@ mod tests {
     use crate::test_scenes::white;
     use lapidary_core::scene::pose::Pose;
 
-    fn cores() -> Compute {
-        Compute::Cores
-    }
-
-    fn no_more() -> Compute {
-        panic!("it is built already")
-    }
+    const CORES: &Compute = &Compute::Cores;
 
     #[test]
     fn the_one_in_use_and_the_newest_are_kept() {
         let baked = Baked::from(blocked(white(), 4));
         let [a, b, c, ..] = ImplicitDetail::LADDER;
         let mut rigs = PoseRigs::default();
-        assert!(rigs.detail().is_none() && rigs.at(a, &baked, cores).before().detail() == a);
-        rigs.at(b, &baked, cores);
-        assert!([a, b].into_iter().all(|detail| rigs.at(detail, &baked, no_more).before().detail() == detail));
-        rigs.at(c, &baked, cores);
+        assert!(rigs.detail().is_none() && rigs.at(a, &baked, CORES).before().detail() == a);
+        rigs.at(b, &baked, CORES);
+        assert!([a, b].into_iter().all(|d| rigs.is_made(d) && rigs.at(d, &baked, CORES).before().detail() == d));
+        rigs.at(c, &baked, CORES);
         let made = ImplicitDetail::LADDER.map(|detail| rigs.is_made(detail));
         assert_eq!(made, [false, true, true, false, false], "the rig that was not used last is gone");
     }
@@ -109,14 +98,15 @@ mod tests {
     fn one_is_made_on_a_thread_and_is_that_of_its_detail() {
         let baked = Baked::from(blocked(white(), 4));
         let (mut rigs, detail) = (PoseRigs::default(), ImplicitDetail::LADDER[0]);
-        rigs.prepare(detail, &baked, cores);
-        rigs.prepare(detail, &baked, no_more);
+        rigs.prepare(detail, &baked, CORES);
+        assert!(rigs.in_the_making.is_some());
         assert!(rigs.detail().is_none(), "no rig is used before it is requested");
         let poses = posed(Pose { translate: glam::Vec3::X, ..Pose::AS_BAKED });
         let situation = Situation { scene: baked.posed(&poses).unwrap(), poses, ..Situation::unlit(&baked) };
         let moved = |rig: &mut Pending<PoseRig>| rig.lit(&situation).moved_vertices().to_vec();
-        let ahead = moved(rigs.at(detail, &baked, no_more));
-        let made = &mut Pending::new(PoseRig::new(&baked, &cores(), detail));
+        let ahead = moved(rigs.at(detail, &baked, CORES));
+        let made = &mut Pending::new(PoseRig::new(&baked, CORES, detail));
+        assert!(rigs.in_the_making.is_none(), "the thread's rig is used");
         assert!(ahead == moved(made) && ahead.contains(&true));
         assert!(!rigs.is_made(ImplicitDetail::FINEST), "negative control");
     }

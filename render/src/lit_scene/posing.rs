@@ -27,7 +27,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let posed = match situation.poses.is_empty() {
             true => situation.scene.clone(),
             false => {
-                let rig = self.pose_rigs.at(self.detail, &self.baked, || self.backend.compute());
+                let rig = self.pose_rigs.at(self.detail, &self.baked, &situation.compute);
                 rig.lit(situation).with_cuts(&situation.scene)
             }
         };
