@@ -80,8 +80,8 @@ impl BakeParts {
     pub const MESHLESS: Self = Self::only(BakePart::Meshless);
     /// Visibility of distant light and the meshless basis, without surface sources.
     pub const ENVIRONMENT_MESHLESS: Self = Self::ENVIRONMENT.with(Self::MESHLESS);
-    /// All parts.
-    pub const ALL: Self = Self { bits: (1 << BakePart::ALL.len()) - 1 };
+    /// Environment, sources and basis: the meaning of `all` in files, which stays when there are more parts.
+    pub const ALL: Self = Self::CUTS.with(Self::MESHLESS);
 
     /// Named sets of more than one part. Others are written as the names of their parts.
     const NAMED: [(&str, Self); 2] = [("cuts", Self::CUTS), ("all", Self::ALL)];

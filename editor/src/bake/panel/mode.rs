@@ -6,24 +6,55 @@ use crate::{
     widgets::{check_row, entries::combo_row, units::duration},
 };
 use egui::{RichText, Ui};
-use lapidary_core::dataset::{BakeParts, BakeSettings};
+use lapidary_core::dataset::{BakePart, BakeParts, BakeSettings};
+
+/// Bake types with name and effect. The list offers the first [`LISTED`].
+const TYPES: [(BakeParts, &str, &str); 7] = [
+    (BakeParts::ENVIRONMENT, "Environment", "Environment light without bounces. For objects lit from outside."),
+    (
+        BakeParts::INDIRECT,
+        "Bounced light",
+        "One bounce of the local lights, sharp in glossy surfaces. No environment light. Fastest for a room with lamps.",
+    ),
+    (
+        BakeParts::CUTS,
+        "Environment and bounced light",
+        "Environment light, and one bounce of it and of the local lights. For a room with windows.",
+    ),
+    (
+        BakeParts::ENVIRONMENT_MESHLESS,
+        "Environment and many soft bounces",
+        "Environment light, and many soft bounces of it and of the local lights, none sharp in glossy surfaces.",
+    ),
+    (
+        BakeParts::ALL,
+        "All, with many bounces",
+        "Environment light, and many bounces: the first is sharp in glossy surfaces, later ones are soft. Takes longest.",
+    ),
+    (
+        BakeParts::MESHLESS,
+        "Many soft bounces only",
+        "Many soft bounces of the local lights, none sharp in glossy surfaces. No environment light.",
+    ),
+    (
+        BakeParts::INDIRECT.with(BakeParts::MESHLESS),
+        "Bounced light, with many bounces",
+        "Many bounces of the local lights: the first is sharp in glossy surfaces, later ones are soft. No environment light.",
+    ),
+];
+/// Types in the list.
+const LISTED: usize = 5;
 
 /// The list of bake types, and the effect and cost of the chosen one.
 pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<Action>) {
     let mode = bake.mode;
-    let mut modes = vec![
-        BakeParts::ENVIRONMENT,
-        BakeParts::INDIRECT,
-        BakeParts::CUTS,
-        BakeParts::ENVIRONMENT_MESHLESS,
-        BakeParts::ALL,
-    ];
+    let mut modes: Vec<BakeParts> = TYPES[..LISTED].iter().map(|(mode, ..)| *mode).collect();
     if !modes.contains(&mode) {
         modes.push(mode);
     }
-    let costs: Vec<String> =
-        modes.iter().map(|&mode| gives_and_costs(&BakeSettings { mode, ..bake.clone() }, speed)).collect();
-    let choices: Vec<_> = modes.iter().zip(&costs).map(|(&mode, text)| (mode, name(mode), text.as_str())).collect();
+    let told = |&mode: &BakeParts| (mode, name(mode), gives_and_costs(&BakeSettings { mode, ..bake.clone() }, speed));
+    let told: Vec<_> = modes.iter().map(told).collect();
+    let choices: Vec<_> = told.iter().map(|(mode, name, text)| (*mode, name.as_str(), text.as_str())).collect();
     let mut chosen = mode;
     if combo_row(ui, "Bake type", "Light to bake; more takes longer.", &mut chosen, &choices).changed {
         actions.push(Action::Bake(BakeAction::Choose(chosen)));
@@ -31,41 +62,14 @@ pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<A
     ui.label(RichText::new(gives_and_costs(bake, speed)).weak().small());
 }
 
-/// Displayed name.
-pub fn name(mode: BakeParts) -> &'static str {
-    match (mode.environment(), mode.sources(), mode.meshless()) {
-        (_, false, false) => "Environment",
-        (false, true, false) => "Bounced light",
-        (true, true, false) => "Environment and bounced light",
-        (false, false, true) => "Many soft bounces only",
-        (true, false, true) => "Environment and many soft bounces",
-        (false, true, true) => "Bounced light, with many bounces",
-        (true, true, true) => "All, with many bounces",
-    }
+/// Displayed name: that of the type, or else what the parts store.
+pub fn name(mode: BakeParts) -> String {
+    let known = TYPES.iter().find(|(known, ..)| *known == mode).map(|(_, name, _)| (*name).to_owned());
+    known.unwrap_or_else(|| mode.parts().map(BakePart::noun).collect::<Vec<_>>().join(", "))
 }
 
 fn gives(mode: BakeParts) -> &'static str {
-    match (mode.environment(), mode.sources(), mode.meshless()) {
-        (_, false, false) => "Environment light without bounces. For objects lit from outside.",
-        (false, true, false) => {
-            "One bounce of the local lights, sharp in glossy surfaces. No environment light. Fastest for a room with lamps."
-        }
-        (true, true, false) => {
-            "Environment light, and one bounce of it and of the local lights. For a room with windows."
-        }
-        (false, false, true) => {
-            "Many soft bounces of the local lights, none sharp in glossy surfaces. No environment light."
-        }
-        (true, false, true) => {
-            "Environment light, and many soft bounces of it and of the local lights, none sharp in glossy surfaces."
-        }
-        (false, true, true) => {
-            "Many bounces of the local lights: the first is sharp in glossy surfaces, later ones are soft. No environment light."
-        }
-        (true, true, true) => {
-            "Environment light, and many bounces: the first is sharp in glossy surfaces, later ones are soft. Takes longest."
-        }
-    }
+    TYPES.iter().find(|(known, ..)| *known == mode).map_or("", |(.., gives)| gives)
 }
 
 fn gives_and_costs(bake: &BakeSettings, speed: &Speed) -> String {
