@@ -48,7 +48,7 @@ const SQUASH: f32 = 2.0;
 const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
 const LAYERS: f32 = 8.0;
 const LEAST_WEIGHT: f32 = 0.02;
-// See render/src/light/bounce/functions.rs and render/src/shade/painter.rs.
+// See render/src/light/bounce/meshless/functions.rs and render/src/shade/painter.rs.
 const POINT_RADIUS: f32 = 0.08;
 const BASIS_GREY: f32 = 0.4;
 

@@ -12,6 +12,11 @@ fn previous_sums(pixel: vec2<u32>) -> Sums {
     return Sums(textureLoad(previous_value, pixel, 0), textureLoad(previous_work, pixel, 0));
 }
 
+// Whether a pixel lacks the sample that is rendered. Others stay as they are.
+fn lacks_sample(sums: Sums) -> bool {
+    return sample_count(sums.work) == frame.sample;
+}
+
 // A pixel of a pass that adds a sample to the sums of a part of the light.
 struct Begun {
     pixel: vec2<u32>,
@@ -27,7 +32,7 @@ struct Begun {
 // Begins the current sample.
 fn begin(pixel: vec2<u32>) -> Begun {
     let sums = previous_sums(pixel);
-    if sample_count(sums.work) != frame.sample {
+    if !lacks_sample(sums) {
         return Begun(pixel, sums, vec4(0u), true, false);
     }
     let g = textureLoad(geometry, pixel, 0);

@@ -99,7 +99,8 @@ mod tests {
         let baked = Baked::from(blocked(white(), 4));
         let (mut rigs, detail) = (PoseRigs::default(), ImplicitDetail::LADDER[0]);
         rigs.prepare(detail, &baked, CORES);
-        assert!(rigs.in_the_making.is_some());
+        rigs.prepare(ImplicitDetail::FINEST, &baked, CORES);
+        assert!(rigs.in_the_making.as_ref().is_some_and(|(of, _)| *of == detail), "one at a time");
         assert!(rigs.detail().is_none(), "no rig is used before it is requested");
         let poses = posed(Pose { translate: glam::Vec3::X, ..Pose::AS_BAKED });
         let situation = Situation { scene: baked.posed(&poses).unwrap(), poses, ..Situation::unlit(&baked) };

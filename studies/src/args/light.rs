@@ -156,7 +156,7 @@ impl LocalLights {
         let components = self.components.unwrap_or(Components { indirect: has, ..Components::ALL });
         if !has && (components.indirect || self.solution.is_some()) {
             let nouns: Vec<&str> = missing.parts().map(BakePart::noun).collect();
-            let mode = wanted.needs().with(bounces);
+            let mode = wanted.needs().with(dataset.settings.mode);
             bail!("the dataset has no {}; bake it with --mode {mode}", nouns.join(" and no "));
         }
         Ok((components, wanted))
