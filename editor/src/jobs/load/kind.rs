@@ -147,7 +147,7 @@ mod tests {
     fn a_foreign_file_is_told_what_can_be_opened() {
         assert_eq!(
             foreign(Path::new("a.fbx")),
-            "there is no such file; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an \
+            "file not found; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an \
              environment (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json, .mtlx), a BRDF (.binary, .wgsl) or \
              lights (.json) (a.fbx)"
         );
