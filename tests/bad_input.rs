@@ -151,16 +151,16 @@ fn lights_that_cannot_shine_are_refused_by_name() {
     }
     assert!(folder.fail("render a.cuts --lights missing.json --size 8x6 --out a.png").contains("missing.json"));
     for (options, mode) in [
-        ("--components indirect", "--mode indirect"),
-        ("--solution cuts", "--mode indirect"),
-        ("--solution meshless", "--mode meshless"),
+        ("--components indirect", "--mode cuts"),
+        ("--solution cuts", "--mode cuts"),
+        ("--solution meshless", "--mode environment,meshless"),
         ("--solution cuts+meshless", "--mode all"),
     ] {
         let message = folder.fail(&format!("render a.cuts {options} --size 8x6 --out a.png"));
         assert!(message.contains(mode), "{options}: {message}");
     }
     for (options, remedy) in
-        [("--bounces 1", "--kind path"), ("--components indirect", "--mode indirect"), ("--spp 4", "--kind path")]
+        [("--bounces 1", "--kind path"), ("--components indirect", "--mode cuts"), ("--spp 4", "--kind path")]
     {
         let message = folder.fail(&format!("reference a.cuts {options} --size 8x6 --out a.png"));
         assert!(message.contains(remedy), "{options}: {message}");
