@@ -6,7 +6,7 @@ use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use lapidary_core::{
-    color::linear_from_codes,
+    color::{linear_from_codes, linear_from_deep_codes},
     image::{Image, ImageError},
     input, memory,
     texture::{Texels, Texture},
@@ -46,8 +46,7 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 
 /// Decodes the bytes of a png, jpg, tga, hdr or exr file read from `path`, and keeps them with the texture.
 ///
-/// 8-bit files stay 8-bit. So do 16-bit colors, because only the slot that uses them knows their encoding (sRGB or
-/// linear). 16-bit grays, which hold heights, become floats.
+/// Files of 8 and 16 bits keep their codes, because only the slot that uses them knows their encoding (sRGB or linear).
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.
@@ -96,7 +95,11 @@ pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(|e| damaged(path, e))?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), path)?;
-    let bytes_per_texel = if is_float(decoder.color_type()) { 16 } else { 4 };
+    let bytes_per_texel = match Depth::of(decoder.color_type()) {
+        Depth::Eight => 4,
+        Depth::Sixteen => 8,
+        Depth::Float => 16,
+    };
     let held = u64::from(width) * u64::from(height) * bytes_per_texel;
     Ok(Footprint { held, decoding: held.max(decoder.total_bytes()) })
 }
@@ -120,10 +123,11 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
 /// The first bytes of every OpenEXR file.
 pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// The RGB texels of a texture as a scene-linear picture: 8-bit texels are decoded from sRGB.
+/// The RGB texels of a texture as a scene-linear picture: codes are decoded from sRGB.
 fn linear_image(texture: &Texture) -> Image {
     let pixels = match &texture.texels {
         Texels::U8(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_codes([r, g, b])).collect(),
+        Texels::U16(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_deep_codes([r, g, b])).collect(),
         Texels::F32(texels) => texels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
     };
     Image { size: texture.size, pixels }
@@ -164,16 +168,28 @@ fn decode_common(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageE
 }
 
 fn texels_of(decoded: DynamicImage) -> Texels {
-    if is_float(decoded.color()) {
-        Texels::F32(decoded.into_rgba32f().pixels().map(|p| p.0).collect())
-    } else {
-        Texels::U8(decoded.into_rgba8().pixels().map(|p| p.0).collect())
+    match Depth::of(decoded.color()) {
+        Depth::Eight => Texels::U8(decoded.into_rgba8().pixels().map(|p| p.0).collect()),
+        Depth::Sixteen => Texels::U16(decoded.into_rgba16().pixels().map(|p| p.0).collect()),
+        Depth::Float => Texels::F32(decoded.into_rgba32f().pixels().map(|p| p.0).collect()),
     }
 }
 
-/// Whether a picture with these components is stored as floats.
-fn is_float(color: ColorType) -> bool {
-    matches!(color, ColorType::Rgb32F | ColorType::Rgba32F | ColorType::L16 | ColorType::La16)
+/// What a component is stored as.
+enum Depth {
+    Eight,
+    Sixteen,
+    Float,
+}
+
+impl Depth {
+    fn of(color: ColorType) -> Self {
+        match color {
+            ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => Self::Sixteen,
+            ColorType::Rgb32F | ColorType::Rgba32F => Self::Float,
+            _ => Self::Eight,
+        }
+    }
 }
 
 /// A part of an OpenEXR file, from its header.
@@ -239,6 +255,7 @@ fn exr_texels(channels: &[openexr::AnyChannel<openexr::FlatSamples>], count: usi
 mod tests {
     use super::*;
     use crate::image::{encode_png, write::encode};
+    use lapidary_core::texture::ColorSpace;
 
     fn ramp() -> Image {
         Image::from_fn([13, 7], |x, y| Vec3::new(x as f32 / 12.0, y as f32 / 6.0, 0.25))
@@ -251,14 +268,38 @@ mod tests {
     }
 
     #[test]
-    fn sixteen_bit_grays_become_floats_and_colours_stay_for_the_slot_to_decode() {
-        let gray = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([257 * 51])));
-        let texture = decode(&png(gray), Path::new("height.png")).unwrap();
-        let Texels::F32(texels) = &texture.texels else { panic!("a height map lost its precision") };
-        assert!((texels[0][0] - 0.2).abs() < 1e-6);
-        let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([257 * 51, 0, 65535])));
+    fn sixteen_bits_stay_for_the_slot_to_decode() {
+        let half = 257 * 128;
+        let gray = png(DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([half]))));
+        let texture = decode(&gray, Path::new("height.png")).unwrap();
+        assert_eq!(texture.texels, Texels::U16(vec![[half, half, half, 65535]; 2]));
+        let value = |space| texture.texel(0, 0, space).x;
+        assert!((value(ColorSpace::Linear) - 128.0 / 255.0).abs() < 1e-6, "as a height");
+        assert!((value(ColorSpace::Srgb) - 0.2159).abs() < 1e-4, "as a color");
+        // Negative control and comparison: 8 bits of the same gray.
+        let eight = png(DynamicImage::ImageLuma8(image::ImageBuffer::from_pixel(2, 1, image::Luma([128]))));
+        let eight = decode(&eight, Path::new("a.png")).unwrap();
+        assert_eq!(eight.texels, Texels::U8(vec![[128, 128, 128, 255]; 2]));
+        let difference = linear_image(&texture).pixels[0] - linear_image(&eight).pixels[0];
+        assert!(difference.abs().max_element() < 1e-6, "{difference}");
+        let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([300, 0, 65535])));
         let texture = decode(&png(colour), Path::new("colour.png")).unwrap();
-        assert_eq!(texture.texels, Texels::U8(vec![[51, 0, 255, 255]; 2]));
+        assert_eq!(texture.texels, Texels::U16(vec![[300, 0, 65535, 65535]; 2]));
+    }
+
+    #[test]
+    fn gentle_slopes_of_a_sixteen_bit_normal_map_are_no_steps() {
+        // A slope from 0 to 0.02 over 256 texels; one step of 8 bits is 0.0078.
+        let code = |x: u32| (32767.5 + 32767.5 * 0.02 * x as f32 / 255.0) as u16;
+        let deep = image::ImageBuffer::from_fn(256, 1, |x, _| image::Rgb([code(x), 32768, 65535]));
+        let steps = |image: DynamicImage| {
+            let texture = decode(&png(image), Path::new("normal.png")).unwrap();
+            let x = |i: i64| 2.0 * texture.texel(i, 0, ColorSpace::Linear).x - 1.0;
+            (1..256).map(|i| x(i) - x(i - 1)).fold(0.0, f32::max)
+        };
+        let deep = DynamicImage::ImageRgb16(deep);
+        assert!(steps(deep.clone()) < 1.5e-4);
+        assert!(steps(deep.into_rgb8().into()) > 5e-3, "negative control: 8 bits");
     }
 
     #[test]
@@ -331,6 +372,6 @@ mod tests {
         let worst = read.pixels.iter().zip(&expected.pixels).map(|(a, b)| (*a - *b).abs().max_element());
         assert!(worst.fold(0.0, f32::max) < 0.005);
         // Negative control: the same bytes read as linear are far off in the middle of the ramp.
-        assert!((texture.texel(6, 3, lapidary_core::texture::ColorSpace::Linear).x - 0.5).abs() > 0.1);
+        assert!((texture.texel(6, 3, ColorSpace::Linear).x - 0.5).abs() > 0.1);
     }
 }
