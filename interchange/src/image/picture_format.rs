@@ -1,7 +1,7 @@
 //! The list of picture formats. The crates `image` and `exr` determine the readable ones.
 
 use super::{
-    read::EXR_MAGIC,
+    open_exr::EXR_MAGIC,
     write::{encode_exr, encode_hdr, encode_png_with},
 };
 use crate::file_format::FileFormat;

@@ -1,8 +1,8 @@
-//! Decoding of picture files. The `image` crate reads png, jpg, tga and hdr, the `exr` crate OpenEXR.
+//! Decoding of picture files by their contents. The `image` crate reads png, jpg, tga and hdr.
 //!
 //! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the free memory, channels by name.
 
-use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
+use super::open_exr::{self, EXR_MAGIC};
 use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use lapidary_core::{
@@ -53,7 +53,7 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
     footprint(bytes, path)?.check(memory::available(), path)?;
     let (size, texels) =
-        if bytes.starts_with(&EXR_MAGIC) { decode_exr(bytes, path)? } else { decode_common(bytes, path)? };
+        if bytes.starts_with(&EXR_MAGIC) { open_exr::decode(bytes, path)? } else { decode_common(bytes, path)? };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     Ok(Texture { encoded: Arc::from(bytes), ..Texture::new(name, size, texels) })
 }
@@ -87,12 +87,13 @@ impl Footprint {
 pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
     if bytes.starts_with(&EXR_MAGIC) {
         // Only one of the parts is decoded.
-        let parts = exr_parts(bytes, path)?;
-        let largest = parts.into_iter().max_by_key(|part| part.samples).unwrap_or_default();
+        let parts = open_exr::headers(bytes, path)?;
+        let largest = parts.iter().map(open_exr::Part::of).max_by_key(|part| part.samples).unwrap_or_default();
         return Ok(Footprint { held: largest.pixels.saturating_mul(16), decoding: largest.samples });
     }
     let format = format_of(bytes, path)?;
-    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(|e| damaged(path, e))?;
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
+    let decoder = decoder.map_err(|e| undecodable(path, e))?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), path)?;
     let bytes_per_texel = match Depth::of(decoder.color_type()) {
@@ -104,7 +105,7 @@ pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
     Ok(Footprint { held, decoding: held.max(decoder.total_bytes()) })
 }
 
-/// Width and height of a png, jpg, tga or hdr file, from its header alone.
+/// Width and height of a png, jpg or tga file, from its header alone.
 ///
 /// # Errors
 /// A file that is unreadable, or not such a picture.
@@ -116,12 +117,9 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
         reader.set_format(format);
     }
     let reader = reader.with_guessed_format().map_err(io_error)?;
-    let (width, height) = reader.into_dimensions().map_err(|e| damaged(path, e))?;
+    let (width, height) = reader.into_dimensions().map_err(|e| undecodable(path, e))?;
     Ok([width, height])
 }
-
-/// The first bytes of every OpenEXR file.
-pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// The RGB texels of a texture as a scene-linear picture: codes are decoded from sRGB.
 fn linear_image(texture: &Texture) -> Image {
@@ -135,6 +133,21 @@ fn linear_image(texture: &Texture) -> Image {
 
 pub(super) fn damaged(path: &Path, reason: impl ToString) -> ImageError {
     ImageError::Decode { path: path.into(), reason: reason.to_string() }
+}
+
+pub(super) fn truncated(path: &Path, reason: &str) -> ImageError {
+    ImageError::Truncated { path: path.into(), reason: reason.into() }
+}
+
+/// An error of the `image` crate: a file that ends too early is told from one that is damaged or not supported.
+pub(super) fn undecodable(path: &Path, error: image::ImageError) -> ImageError {
+    let ends_early = |error: &std::io::Error| error.kind() == std::io::ErrorKind::UnexpectedEof;
+    let cause = std::error::Error::source(&error).and_then(|source| source.downcast_ref());
+    match &error {
+        image::ImageError::IoError(error) if ends_early(error) => truncated(path, "bytes are missing"),
+        _ if cause.is_some_and(ends_early) => truncated(path, "bytes are missing"),
+        _ => damaged(path, &error),
+    }
 }
 
 pub(super) fn check_size(width: u64, height: u64, path: &Path) -> Result<(), ImageError> {
@@ -154,6 +167,7 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<ImageFormat, ImageError> {
     match format {
         Some(f) if f.reading_enabled() => Ok(f),
         Some(f) => Err(damaged(path, format!("{f:?} files are not supported"))),
+        None if bytes.is_empty() => Err(damaged(path, "the file is empty")),
         None => Err(damaged(path, "its contents are of no known format")),
     }
 }
@@ -163,7 +177,7 @@ fn decode_common(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageE
     let mut limits = Limits::default();
     limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes per pixel and what the decoder needs beside them
     reader.limits(limits);
-    let decoded = reader.decode().map_err(|e| damaged(path, e))?;
+    let decoded = reader.decode().map_err(|e| undecodable(path, e))?;
     Ok(([decoded.width(), decoded.height()], texels_of(decoded)))
 }
 
@@ -190,65 +204,6 @@ impl Depth {
             _ => Self::Eight,
         }
     }
-}
-
-/// A part of an OpenEXR file, from its header.
-#[derive(Clone, Copy, Default)]
-pub(super) struct ExrPart {
-    pub pixels: u64,
-    /// Bytes of the samples of all channels.
-    pub samples: u64,
-}
-
-pub(super) fn exr_parts(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>, ImageError> {
-    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| damaged(path, e))?;
-    let part = |header: &exr::meta::header::Header| {
-        let [width, height] = [header.layer_size.x() as u64, header.layer_size.y() as u64];
-        check_size(width, height, path)?;
-        let pixels = width * height;
-        Ok(ExrPart { pixels, samples: pixels.saturating_mul(header.channels.bytes_per_pixel as u64) })
-    };
-    meta.headers.iter().map(part).collect()
-}
-
-fn decode_exr(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
-    let file = openexr::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|e| damaged(path, e))?;
-    let (size, channels) = (file.layer_data.size, &file.layer_data.channel_data.list);
-    let texels = exr_texels(channels, size.area()).map_err(|reason| damaged(path, reason))?;
-    Ok(([size.x() as u32, size.y() as u32], Texels::F32(texels)))
-}
-
-/// Interleaves the channels R, G, B and, if present, A of the unnamed layer or the layer `beauty`; or repeats Y.
-fn exr_texels(channels: &[openexr::AnyChannel<openexr::FlatSamples>], count: usize) -> Result<Vec<[f32; 4]>, String> {
-    let channel = |name: &str| channels.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
-    let named = |name: &str| channel(name).or_else(|| channel(&format!("beauty.{name}")));
-    let [r, g, b] = match (named("R"), named("G"), named("B"), named("Y")) {
-        (Some(r), Some(g), Some(b), _) => [r, g, b],
-        (None, None, None, Some(y)) => [y, y, y],
-        _ => {
-            let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
-            return Err(format!("it has the channels {} where R, G, B or Y are needed", names.join(", ")));
-        }
-    };
-    let alpha = named("A");
-    if [r, g, b].into_iter().chain(alpha).any(|samples| samples.len() != count) {
-        return Err("its channels differ in resolution".into());
-    }
-    let texel = |i| [r, g, b].map(|c| c.value_by_flat_index(i).to_f32());
-    Ok((0..count)
-        .map(|i| {
-            let [r, g, b] = texel(i);
-            [r, g, b, alpha.map_or(1.0, |a| a.value_by_flat_index(i).to_f32())]
-        })
-        .collect())
 }
 
 #[cfg(test)]
@@ -314,9 +269,9 @@ mod tests {
 
     #[test]
     fn an_exr_without_rgb_or_y_names_its_channels() {
+        use exr::prelude::{self as openexr, WritableImage};
         let channels = openexr::SpecificChannels::build().with_channel("depth").with_pixel_fn(|_| (1.0f32,));
         let mut bytes = Cursor::new(Vec::new());
-        use exr::prelude::WritableImage;
         exr::image::Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
         let message = decode(bytes.get_ref(), Path::new("z.exr")).unwrap_err().to_string();
         assert!(message.contains("depth") && message.ends_with("(z.exr)"), "{message}");
@@ -356,6 +311,8 @@ mod tests {
                 let accepted = decode(&whole[..length], path).is_ok();
                 assert!(!accepted || length + 16 > whole.len(), "{name} cut to {length} of {}", whole.len());
             }
+            let half = decode(&whole[..whole.len() / 2], path).unwrap_err();
+            assert!(matches!(half, ImageError::Truncated { .. }), "{half}");
             for _ in 0..2000 {
                 let mut bytes = whole.clone();
                 let at = random.usize(..bytes.len());
