@@ -4,6 +4,7 @@ mod layers;
 mod open_exr;
 mod picture_format;
 mod primaries;
+mod radiance;
 mod read;
 mod write;
 

@@ -1,8 +1,11 @@
-//! Decoding of picture files by their contents. The `image` crate reads png, jpg, tga and hdr.
+//! Decoding of picture files by their contents. The `image` crate reads png, jpg and tga.
 //!
 //! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the free memory, channels by name.
 
-use super::open_exr::{self, EXR_MAGIC};
+use super::{
+    open_exr::{self, EXR_MAGIC},
+    radiance,
+};
 use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use lapidary_core::{
@@ -52,8 +55,13 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 /// Damaged, foreign or oversized contents.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
     footprint(bytes, path)?.check(memory::available(), path)?;
-    let (size, texels) =
-        if bytes.starts_with(&EXR_MAGIC) { open_exr::decode(bytes, path)? } else { decode_common(bytes, path)? };
+    let (size, texels) = if bytes.starts_with(&EXR_MAGIC) {
+        open_exr::decode(bytes, path)?
+    } else if bytes.starts_with(radiance::SIGNATURE) {
+        radiance::decode(bytes, path)?
+    } else {
+        decode_common(bytes, path)?
+    };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     Ok(Texture { encoded: Arc::from(bytes), ..Texture::new(name, size, texels) })
 }
@@ -90,6 +98,11 @@ pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
         let parts = open_exr::headers(bytes, path)?;
         let largest = parts.iter().map(open_exr::Part::of).max_by_key(|part| part.samples).unwrap_or_default();
         return Ok(Footprint { held: largest.pixels.saturating_mul(16), decoding: largest.samples });
+    }
+    if bytes.starts_with(radiance::SIGNATURE) {
+        let [width, height] = radiance::Header::read(bytes, path)?.size().map(u64::from);
+        let held = width * height * 16;
+        return Ok(Footprint { held, decoding: held });
     }
     let format = format_of(bytes, path)?;
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
