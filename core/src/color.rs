@@ -28,6 +28,12 @@ pub fn linear_from_codes(codes: [u8; 3]) -> Vec3 {
     codes.map(|code| table[code as usize]).into()
 }
 
+/// Decodes 16-bit sRGB codes.
+#[inline]
+pub fn linear_from_deep_codes(codes: [u16; 3]) -> Vec3 {
+    codes.map(|code| linear_from_srgb(f32::from(code) / 65_535.0)).into()
+}
+
 /// Encodes one linear component as sRGB, clamping to 0 to 1; NaN becomes 0.
 pub fn srgb_from_linear(x: f32) -> f32 {
     let x = if x > 0.0 { x.min(1.0) } else { 0.0 };
@@ -56,5 +62,7 @@ mod tests {
             assert_eq!(codes_from_linear(linear_from_codes([i as u8; 3])), [i as u8; 3]);
         }
         assert!((linear_from_srgb(0.5) - 0.214_041).abs() < 1e-5);
+        let difference = linear_from_deep_codes([257 * 128; 3]) - linear_from_codes([128; 3]);
+        assert!(difference.abs().max_element() < 1e-6, "8 and 16 bits of one gray");
     }
 }

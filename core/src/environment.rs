@@ -2,7 +2,7 @@
 //!
 //! The center of the map is +Z, its left quarter +X, its top +Y: `u = 1/2 - atan2(x, z) / 2π`, `v = acos(y) / π`.
 
-use crate::image::Image;
+use crate::{image::Image, texture::Texels};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::{
@@ -92,14 +92,27 @@ fn bilinear(map: &Image, uv: Vec2) -> Vec3 {
     top.lerp(bottom, f.y)
 }
 
+/// What infinite radiance becomes: at least the largest 16-bit float, of which it is the overflow, and never less than
+/// the brightest texel, so that an infinite sun stays the sun.
+fn stand_in_for_infinity(map: &Image) -> f32 {
+    let components = map.pixels.iter().flat_map(|texel| texel.to_array());
+    components.filter(|x| x.is_finite()).fold(Texels::MOST, f32::max)
+}
+
 /// Replaces invalid radiance, and reports it.
 fn repair(map: &mut Image, warnings: &mut Vec<String>) {
-    let (mut invalid, mut negative, mut too_bright) = (0, 0, 0);
+    let brightest = stand_in_for_infinity(map);
+    let (mut invalid, mut infinite, mut negative, mut too_bright) = (0, 0, 0, 0);
     for texel in &mut map.pixels {
-        if !texel.is_finite() {
+        if texel.is_nan() {
             invalid += 1;
             *texel = Vec3::ZERO;
-        } else if texel.min_element() < 0.0 {
+        }
+        if texel.max_element() == f32::INFINITY {
+            infinite += 1;
+            *texel = texel.min(Vec3::splat(brightest));
+        }
+        if texel.min_element() < 0.0 {
             negative += 1;
             *texel = texel.max(Vec3::ZERO);
         }
@@ -110,14 +123,20 @@ fn repair(map: &mut Image, warnings: &mut Vec<String>) {
     }
     if invalid > 0 {
         warnings.push(format!(
-            "{invalid} texels of the environment were not finite and became black; save the map without clipped or \
-             empty pixels"
+            "{invalid} texels of the environment were not numbers and became black; save the map without empty pixels"
+        ));
+    }
+    if infinite > 0 {
+        let limit = brightest.min(MOST_RADIANCE);
+        warnings.push(format!(
+            "{infinite} texels of the environment were infinite and became {limit}; save the map as 32-bit floats, or \
+             with less exposure"
         ));
     }
     if negative > 0 {
         warnings.push(format!(
-            "{negative} texels of the environment were negative and were raised to zero; save the map in Rec. 709 \
-             primaries"
+            "{negative} texels of the environment were negative and were raised to zero; they may be colors that Rec. 709 \
+             cannot show"
         ));
     }
     if too_bright > 0 {
@@ -218,6 +237,26 @@ mod tests {
     }
 
     #[test]
+    fn an_infinite_sun_stays_the_brightest_place() {
+        for rest in [0.5, 2.0 * Texels::MOST] {
+            let mut map = Image::filled([64, 32], Vec3::splat(0.5));
+            map.pixels[64 * 10 + 20] = Vec3::INFINITY;
+            map.pixels[7] = Vec3::splat(rest);
+            let (environment, warnings) = Environment::repaired("sun".into(), map);
+            let sun = environment.map.at(20, 10);
+            assert_eq!(sun, Vec3::splat(rest.max(Texels::MOST)));
+            assert!(environment.map.pixels.iter().all(|texel| texel.max_element() <= sun.x));
+            assert!(warnings.len() == 1 && warnings[0].contains("infinite"), "{warnings:?}");
+            // The sun lights the ground: its solid angle times the cosine to the zenith, beside the sky.
+            let zenith = texel_direction(20, 10, [64, 32]).y;
+            let light = sun.x * texel_solid_angle(10, [64, 32]) * zenith;
+            assert!(environment.irradiance_from_above().x > 0.95 * light);
+        }
+        let dark = Environment::repaired("nan".into(), Image::filled([64, 32], Vec3::NAN)).0;
+        assert!(dark.map.pixels.iter().all(|texel| *texel == Vec3::ZERO), "negative control: no number is no light");
+    }
+
+    #[test]
     fn negative_and_invalid_texels_are_repaired_counted_and_reported() {
         let mut map = Image::filled([8, 4], Vec3::ONE);
         map.pixels[3] = Vec3::new(-1.0, 2.0, 0.5);
@@ -226,8 +265,9 @@ mod tests {
         let (environment, warnings) = Environment::repaired("bad".into(), map);
         assert_eq!(environment.map.pixels[3], Vec3::new(0.0, 2.0, 0.5));
         assert_eq!(environment.map.pixels[4], Vec3::ZERO);
-        assert_eq!(warnings.len(), 2, "{warnings:?}");
-        assert!(warnings[0].starts_with("2 texels") && warnings[1].starts_with("1 texels"));
+        assert_eq!(environment.map.pixels[9], Vec3::new(1.0, Texels::MOST, 1.0));
+        assert_eq!(warnings.len(), 3, "{warnings:?}");
+        assert!(warnings.iter().all(|warning| warning.starts_with("1 texels")), "{warnings:?}");
         let mut map = Image::filled([8, 4], Vec3::splat(MOST_RADIANCE));
         map.pixels[5] = Vec3::new(3e38, 1.0, 2.0 * MOST_RADIANCE);
         let (environment, warnings) = Environment::repaired("glaring".into(), map);

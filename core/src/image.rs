@@ -21,20 +21,28 @@ pub enum ImageError {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// The contents are damaged or of a foreign format.
-    #[error("the file is not a picture that can be read ({reason}); it may be truncated: export it again as png, jpg, tga, hdr or exr ({})", path.display())]
+    /// The contents are damaged, of a foreign format, or use what is not supported.
+    #[error("the picture cannot be read: {reason}; export it again as png, jpg, tga, hdr or exr ({})", path.display())]
     Decode {
         /// Path of the file.
         path: PathBuf,
         /// Error of the decoder.
         reason: String,
     },
-    /// Its color components are not Rec. 709.
-    #[error("the components of the picture are {space}, but pictures are compared in linear Rec. 709; convert it, or export it again with that color space ({})", path.display())]
+    /// The file ends before the picture does.
+    #[error("the picture is truncated: {reason}; copy or export it again ({})", path.display())]
+    Truncated {
+        /// Path of the file.
+        path: PathBuf,
+        /// What is missing.
+        reason: String,
+    },
+    /// The primaries that the file names span no colors.
+    #[error("the file names primaries that span no colors ({space}); export it again in linear Rec. 709 ({})", path.display())]
     Primaries {
         /// Path of the file.
         path: PathBuf,
-        /// Their color space.
+        /// The chromaticities.
         space: String,
     },
     /// The extension is not a writable format.

@@ -13,7 +13,7 @@ pub use procedural::{NOISE_CELLS, Pattern, Procedural};
 pub use reduction::level_sizes;
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 
-use crate::color::linear_from_codes;
+use crate::color::{linear_from_codes, linear_from_deep_codes};
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorSpace {
-    /// 8-bit texels are sRGB encoded. Float texels are always linear.
+    /// Texels of 8 and 16 bits are sRGB encoded. Float texels are always linear.
     Srgb,
     /// Texels are linear values: roughness, normals, heights.
     #[default]
@@ -50,7 +50,7 @@ pub enum Channel {
 pub struct TextureSlot {
     /// Index into the scene's textures.
     pub texture: u32,
-    /// Color space of 8-bit texels.
+    /// Color space of 8-bit and 16-bit texels.
     pub color_space: ColorSpace,
     /// Component for scalar parameters; colors and normals read RGB.
     pub channel: Channel,
@@ -131,20 +131,27 @@ impl TextureSlot {
 pub enum Texels {
     /// 8 bits per component, as in png, jpg and tga.
     U8(Vec<[u8; 4]>),
-    /// Floating point, as in hdr, exr and 16-bit gray png. Texels of a scene are at most [`Texels::MOST`].
+    /// 16 bits per component, as in png of 16 bits.
+    U16(Vec<[u16; 4]>),
+    /// Floating point, as in hdr and exr. Texels of a scene are at most [`Texels::MOST`].
     F32(Vec<[f32; 4]>),
 }
 
 impl Texels {
     /// The texel at an index, in linear values.
     #[inline]
-    pub(crate) fn at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
+    pub fn at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
         match (self, color_space) {
             (Self::F32(t), _) => Vec4::from_array(t[index]),
             (Self::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
             (Self::U8(t), ColorSpace::Srgb) => {
                 let [r, g, b, a] = t[index];
                 linear_from_codes([r, g, b]).extend(f32::from(a) / 255.0)
+            }
+            (Self::U16(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 65_535.0)),
+            (Self::U16(t), ColorSpace::Srgb) => {
+                let [r, g, b, a] = t[index];
+                linear_from_deep_codes([r, g, b]).extend(f32::from(a) / 65_535.0)
             }
         }
     }
@@ -330,5 +337,10 @@ mod tests {
         let t = Texture { size: [1, 1], texels, ..two_by_one() };
         assert!((t.sample(Vec2::ZERO, ColorSpace::Srgb).x - 0.2158605).abs() < 1e-5);
         assert!((t.sample(Vec2::ZERO, ColorSpace::Linear).x - 128.0 / 255.0).abs() < 1e-6);
+        let deep = Texture { texels: Texels::U16(vec![[257 * 128; 4]]), ..t.clone() };
+        for space in [ColorSpace::Srgb, ColorSpace::Linear] {
+            let [deep, codes] = [&deep, &t].map(|t| t.sample(Vec2::ZERO, space).truncate());
+            assert!((deep - codes).abs().max_element() < 1e-6, "{space:?}: {deep} {codes}");
+        }
     }
 }

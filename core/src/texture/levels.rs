@@ -10,7 +10,8 @@ use super::{
 use crate::color::srgb_from_linear;
 use std::sync::OnceLock;
 
-/// A level: its size and its texels, encoded like the texture's.
+/// A level: its size and its texels, encoded like the texture's if it has 8 bits; levels of 16-bit texels are linear
+/// floats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// Size in texels.
@@ -40,9 +41,10 @@ impl std::fmt::Debug for Levels {
 }
 
 impl Texture {
-    /// The levels below it, from half its size down to one texel, with 8-bit texels in this encoding.
+    /// The levels below it, from half its size down to one texel, with codes read and 8-bit levels written in this
+    /// encoding.
     pub fn levels(&self, color_space: ColorSpace) -> &[Level] {
-        let is_srgb = color_space == ColorSpace::Srgb && matches!(self.texels, Texels::U8(_));
+        let is_srgb = color_space == ColorSpace::Srgb && !matches!(self.texels, Texels::F32(_));
         let cell = if is_srgb { &self.levels.srgb } else { &self.levels.linear };
         cell.get_or_init(|| self.reduced_levels(if is_srgb { ColorSpace::Srgb } else { ColorSpace::Linear }))
     }
@@ -51,7 +53,7 @@ impl Texture {
         let mut above = self.size;
         let count = self.size[0] as usize * self.size[1] as usize;
         let mut texels: Vec<[f32; 4]> = (0..count).map(|i| self.texels.at(i, color_space).to_array()).collect();
-        let is_float = matches!(self.texels, Texels::F32(_));
+        let is_float = !matches!(self.texels, Texels::U8(_));
         let level = |size| {
             texels = reduced(&texels, above, size);
             above = size;
@@ -107,6 +109,19 @@ mod tests {
         assert!((value(ColorSpace::Srgb) - 0.5).abs() < 0.005 && (value(ColorSpace::Linear) - 0.5).abs() < 0.005);
         assert_eq!(t.levels(ColorSpace::Srgb)[0].texels, Texels::U8(vec![[188, 188, 188, 255]]));
         assert_eq!(t.levels(ColorSpace::Linear)[0].texels, Texels::U8(vec![[128, 128, 128, 255]]), "another mean");
+    }
+
+    #[test]
+    fn levels_of_sixteen_bits_keep_them_and_are_means_of_light_too() {
+        let texels = vec![[0, 0, 0, 65535], [65535, 65535, 65535, 65535]];
+        let t = texture([2, 1], Texels::U16(texels));
+        let value = |space| t.levels(space)[0].texels.at(0, space).x;
+        assert!((value(ColorSpace::Srgb) - 0.5).abs() < 1e-6 && (value(ColorSpace::Linear) - 0.5).abs() < 1e-6);
+        let t = texture([2, 1], Texels::U16(vec![[32768, 0, 0, 0], [32800, 0, 0, 0]]));
+        let mean = t.levels(ColorSpace::Linear)[0].texels.at(0, ColorSpace::Linear).x;
+        assert!((mean - 32784.0 / 65535.0).abs() < 1e-6, "{mean}");
+        let [srgb, linear] = [ColorSpace::Srgb, ColorSpace::Linear].map(|space| t.levels(space)[0].texels.clone());
+        assert_ne!(srgb, linear, "negative control: the encoding matters");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The list of picture formats. The crates `image` and `exr` determine the readable ones.
 
 use super::{
-    read::EXR_MAGIC,
+    open_exr::EXR_MAGIC,
+    radiance,
     write::{encode_exr, encode_hdr, encode_png_with},
 };
 use crate::file_format::FileFormat;
@@ -31,7 +32,7 @@ impl FileFormat for PictureFormat {
             encode: Some(encode_png_with),
         },
         Self { endings: &["jpg", "jpeg"], signature: &[0xff, 0xd8], is_light: false, encode: None },
-        Self { endings: &["hdr"], signature: b"#?", is_light: true, encode: Some(encode_hdr) },
+        Self { endings: &["hdr"], signature: radiance::SIGNATURE, is_light: true, encode: Some(encode_hdr) },
         Self { endings: &["exr"], signature: &EXR_MAGIC, is_light: true, encode: Some(encode_exr) },
         Self { endings: &["tga"], signature: b"", is_light: false, encode: None },
     ];

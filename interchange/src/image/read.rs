@@ -1,12 +1,15 @@
-//! Decoding of picture files. The `image` crate reads png, jpg, tga and hdr, the `exr` crate OpenEXR.
+//! Decoding of picture files by their contents. The `image` crate reads png, jpg and tga.
 //!
 //! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the free memory, channels by name.
 
-use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
+use super::{
+    open_exr::{self, EXR_MAGIC},
+    radiance,
+};
 use glam::Vec3;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use lapidary_core::{
-    color::linear_from_codes,
+    color::{linear_from_codes, linear_from_deep_codes},
     image::{Image, ImageError},
     input, memory,
     texture::{Texels, Texture},
@@ -46,15 +49,19 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 
 /// Decodes the bytes of a png, jpg, tga, hdr or exr file read from `path`, and keeps them with the texture.
 ///
-/// 8-bit files stay 8-bit. So do 16-bit colors, because only the slot that uses them knows their encoding (sRGB or
-/// linear). 16-bit grays, which hold heights, become floats.
+/// Files of 8 and 16 bits keep their codes, because only the slot that uses them knows their encoding (sRGB or linear).
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
     footprint(bytes, path)?.check(memory::available(), path)?;
-    let (size, texels) =
-        if bytes.starts_with(&EXR_MAGIC) { decode_exr(bytes, path)? } else { decode_common(bytes, path)? };
+    let (size, texels) = if bytes.starts_with(&EXR_MAGIC) {
+        open_exr::decode(bytes, path)?
+    } else if bytes.starts_with(radiance::SIGNATURE) {
+        radiance::decode(bytes, path)?
+    } else {
+        decode_common(bytes, path)?
+    };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     Ok(Texture { encoded: Arc::from(bytes), ..Texture::new(name, size, texels) })
 }
@@ -88,20 +95,30 @@ impl Footprint {
 pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
     if bytes.starts_with(&EXR_MAGIC) {
         // Only one of the parts is decoded.
-        let parts = exr_parts(bytes, path)?;
-        let largest = parts.into_iter().max_by_key(|part| part.samples).unwrap_or_default();
+        let parts = open_exr::headers(bytes, path)?;
+        let largest = parts.iter().map(open_exr::Part::of).max_by_key(|part| part.samples).unwrap_or_default();
         return Ok(Footprint { held: largest.pixels.saturating_mul(16), decoding: largest.samples });
     }
+    if bytes.starts_with(radiance::SIGNATURE) {
+        let [width, height] = radiance::Header::read(bytes, path)?.size().map(u64::from);
+        let held = width * height * 16;
+        return Ok(Footprint { held, decoding: held });
+    }
     let format = format_of(bytes, path)?;
-    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(|e| damaged(path, e))?;
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
+    let decoder = decoder.map_err(|e| undecodable(path, e))?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), path)?;
-    let bytes_per_texel = if is_float(decoder.color_type()) { 16 } else { 4 };
+    let bytes_per_texel = match Depth::of(decoder.color_type()) {
+        Depth::Eight => 4,
+        Depth::Sixteen => 8,
+        Depth::Float => 16,
+    };
     let held = u64::from(width) * u64::from(height) * bytes_per_texel;
     Ok(Footprint { held, decoding: held.max(decoder.total_bytes()) })
 }
 
-/// Width and height of a png, jpg, tga or hdr file, from its header alone.
+/// Width and height of a png, jpg or tga file, from its header alone.
 ///
 /// # Errors
 /// A file that is unreadable, or not such a picture.
@@ -113,17 +130,15 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
         reader.set_format(format);
     }
     let reader = reader.with_guessed_format().map_err(io_error)?;
-    let (width, height) = reader.into_dimensions().map_err(|e| damaged(path, e))?;
+    let (width, height) = reader.into_dimensions().map_err(|e| undecodable(path, e))?;
     Ok([width, height])
 }
 
-/// The first bytes of every OpenEXR file.
-pub(super) const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-
-/// The RGB texels of a texture as a scene-linear picture: 8-bit texels are decoded from sRGB.
+/// The RGB texels of a texture as a scene-linear picture: codes are decoded from sRGB.
 fn linear_image(texture: &Texture) -> Image {
     let pixels = match &texture.texels {
         Texels::U8(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_codes([r, g, b])).collect(),
+        Texels::U16(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_deep_codes([r, g, b])).collect(),
         Texels::F32(texels) => texels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
     };
     Image { size: texture.size, pixels }
@@ -131,6 +146,21 @@ fn linear_image(texture: &Texture) -> Image {
 
 pub(super) fn damaged(path: &Path, reason: impl ToString) -> ImageError {
     ImageError::Decode { path: path.into(), reason: reason.to_string() }
+}
+
+pub(super) fn truncated(path: &Path, reason: &str) -> ImageError {
+    ImageError::Truncated { path: path.into(), reason: reason.into() }
+}
+
+/// An error of the `image` crate: a file that ends too early is told from one that is damaged or not supported.
+pub(super) fn undecodable(path: &Path, error: image::ImageError) -> ImageError {
+    let ends_early = |error: &std::io::Error| error.kind() == std::io::ErrorKind::UnexpectedEof;
+    let cause = std::error::Error::source(&error).and_then(|source| source.downcast_ref());
+    match &error {
+        image::ImageError::IoError(error) if ends_early(error) => truncated(path, "bytes are missing"),
+        _ if cause.is_some_and(ends_early) => truncated(path, "bytes are missing"),
+        _ => damaged(path, &error),
+    }
 }
 
 pub(super) fn check_size(width: u64, height: u64, path: &Path) -> Result<(), ImageError> {
@@ -150,6 +180,7 @@ fn format_of(bytes: &[u8], path: &Path) -> Result<ImageFormat, ImageError> {
     match format {
         Some(f) if f.reading_enabled() => Ok(f),
         Some(f) => Err(damaged(path, format!("{f:?} files are not supported"))),
+        None if bytes.is_empty() => Err(damaged(path, "the file is empty")),
         None => Err(damaged(path, "its contents are of no known format")),
     }
 }
@@ -159,86 +190,40 @@ fn decode_common(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageE
     let mut limits = Limits::default();
     limits.max_alloc = Some(24 * MAX_PIXELS); // sixteen bytes per pixel and what the decoder needs beside them
     reader.limits(limits);
-    let decoded = reader.decode().map_err(|e| damaged(path, e))?;
+    let decoded = reader.decode().map_err(|e| undecodable(path, e))?;
     Ok(([decoded.width(), decoded.height()], texels_of(decoded)))
 }
 
 fn texels_of(decoded: DynamicImage) -> Texels {
-    if is_float(decoded.color()) {
-        Texels::F32(decoded.into_rgba32f().pixels().map(|p| p.0).collect())
-    } else {
-        Texels::U8(decoded.into_rgba8().pixels().map(|p| p.0).collect())
+    match Depth::of(decoded.color()) {
+        Depth::Eight => Texels::U8(decoded.into_rgba8().pixels().map(|p| p.0).collect()),
+        Depth::Sixteen => Texels::U16(decoded.into_rgba16().pixels().map(|p| p.0).collect()),
+        Depth::Float => Texels::F32(decoded.into_rgba32f().pixels().map(|p| p.0).collect()),
     }
 }
 
-/// Whether a picture with these components is stored as floats.
-fn is_float(color: ColorType) -> bool {
-    matches!(color, ColorType::Rgb32F | ColorType::Rgba32F | ColorType::L16 | ColorType::La16)
+/// What a component is stored as.
+enum Depth {
+    Eight,
+    Sixteen,
+    Float,
 }
 
-/// A part of an OpenEXR file, from its header.
-#[derive(Clone, Copy, Default)]
-pub(super) struct ExrPart {
-    pub pixels: u64,
-    /// Bytes of the samples of all channels.
-    pub samples: u64,
-}
-
-pub(super) fn exr_parts(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>, ImageError> {
-    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| damaged(path, e))?;
-    let part = |header: &exr::meta::header::Header| {
-        let [width, height] = [header.layer_size.x() as u64, header.layer_size.y() as u64];
-        check_size(width, height, path)?;
-        let pixels = width * height;
-        Ok(ExrPart { pixels, samples: pixels.saturating_mul(header.channels.bytes_per_pixel as u64) })
-    };
-    meta.headers.iter().map(part).collect()
-}
-
-fn decode_exr(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
-    let file = openexr::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|e| damaged(path, e))?;
-    let (size, channels) = (file.layer_data.size, &file.layer_data.channel_data.list);
-    let texels = exr_texels(channels, size.area()).map_err(|reason| damaged(path, reason))?;
-    Ok(([size.x() as u32, size.y() as u32], Texels::F32(texels)))
-}
-
-/// Interleaves the channels R, G, B and, if present, A of the unnamed layer or the layer `beauty`; or repeats Y.
-fn exr_texels(channels: &[openexr::AnyChannel<openexr::FlatSamples>], count: usize) -> Result<Vec<[f32; 4]>, String> {
-    let channel = |name: &str| channels.iter().find(|c| c.name.eq_case_insensitive(name)).map(|c| &c.sample_data);
-    let named = |name: &str| channel(name).or_else(|| channel(&format!("beauty.{name}")));
-    let [r, g, b] = match (named("R"), named("G"), named("B"), named("Y")) {
-        (Some(r), Some(g), Some(b), _) => [r, g, b],
-        (None, None, None, Some(y)) => [y, y, y],
-        _ => {
-            let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
-            return Err(format!("it has the channels {} where R, G, B or Y are needed", names.join(", ")));
+impl Depth {
+    fn of(color: ColorType) -> Self {
+        match color {
+            ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => Self::Sixteen,
+            ColorType::Rgb32F | ColorType::Rgba32F => Self::Float,
+            _ => Self::Eight,
         }
-    };
-    let alpha = named("A");
-    if [r, g, b].into_iter().chain(alpha).any(|samples| samples.len() != count) {
-        return Err("its channels differ in resolution".into());
     }
-    let texel = |i| [r, g, b].map(|c| c.value_by_flat_index(i).to_f32());
-    Ok((0..count)
-        .map(|i| {
-            let [r, g, b] = texel(i);
-            [r, g, b, alpha.map_or(1.0, |a| a.value_by_flat_index(i).to_f32())]
-        })
-        .collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::image::{encode_png, write::encode};
+    use lapidary_core::texture::ColorSpace;
 
     fn ramp() -> Image {
         Image::from_fn([13, 7], |x, y| Vec3::new(x as f32 / 12.0, y as f32 / 6.0, 0.25))
@@ -251,14 +236,38 @@ mod tests {
     }
 
     #[test]
-    fn sixteen_bit_grays_become_floats_and_colours_stay_for_the_slot_to_decode() {
-        let gray = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([257 * 51])));
-        let texture = decode(&png(gray), Path::new("height.png")).unwrap();
-        let Texels::F32(texels) = &texture.texels else { panic!("a height map lost its precision") };
-        assert!((texels[0][0] - 0.2).abs() < 1e-6);
-        let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([257 * 51, 0, 65535])));
+    fn sixteen_bits_stay_for_the_slot_to_decode() {
+        let half = 257 * 128;
+        let gray = png(DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([half]))));
+        let texture = decode(&gray, Path::new("height.png")).unwrap();
+        assert_eq!(texture.texels, Texels::U16(vec![[half, half, half, 65535]; 2]));
+        let value = |space| texture.texel(0, 0, space).x;
+        assert!((value(ColorSpace::Linear) - 128.0 / 255.0).abs() < 1e-6, "as a height");
+        assert!((value(ColorSpace::Srgb) - 0.2159).abs() < 1e-4, "as a color");
+        // Negative control and comparison: 8 bits of the same gray.
+        let eight = png(DynamicImage::ImageLuma8(image::ImageBuffer::from_pixel(2, 1, image::Luma([128]))));
+        let eight = decode(&eight, Path::new("a.png")).unwrap();
+        assert_eq!(eight.texels, Texels::U8(vec![[128, 128, 128, 255]; 2]));
+        let difference = linear_image(&texture).pixels[0] - linear_image(&eight).pixels[0];
+        assert!(difference.abs().max_element() < 1e-6, "{difference}");
+        let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([300, 0, 65535])));
         let texture = decode(&png(colour), Path::new("colour.png")).unwrap();
-        assert_eq!(texture.texels, Texels::U8(vec![[51, 0, 255, 255]; 2]));
+        assert_eq!(texture.texels, Texels::U16(vec![[300, 0, 65535, 65535]; 2]));
+    }
+
+    #[test]
+    fn gentle_slopes_of_a_sixteen_bit_normal_map_are_no_steps() {
+        // A slope from 0 to 0.02 over 256 texels; one step of 8 bits is 0.0078.
+        let code = |x: u32| (32767.5 + 32767.5 * 0.02 * x as f32 / 255.0) as u16;
+        let deep = image::ImageBuffer::from_fn(256, 1, |x, _| image::Rgb([code(x), 32768, 65535]));
+        let steps = |image: DynamicImage| {
+            let texture = decode(&png(image), Path::new("normal.png")).unwrap();
+            let x = |i: i64| 2.0 * texture.texel(i, 0, ColorSpace::Linear).x - 1.0;
+            (1..256).map(|i| x(i) - x(i - 1)).fold(0.0, f32::max)
+        };
+        let deep = DynamicImage::ImageRgb16(deep);
+        assert!(steps(deep.clone()) < 1.5e-4);
+        assert!(steps(deep.into_rgb8().into()) > 5e-3, "negative control: 8 bits");
     }
 
     #[test]
@@ -273,9 +282,9 @@ mod tests {
 
     #[test]
     fn an_exr_without_rgb_or_y_names_its_channels() {
+        use exr::prelude::{self as openexr, WritableImage};
         let channels = openexr::SpecificChannels::build().with_channel("depth").with_pixel_fn(|_| (1.0f32,));
         let mut bytes = Cursor::new(Vec::new());
-        use exr::prelude::WritableImage;
         exr::image::Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
         let message = decode(bytes.get_ref(), Path::new("z.exr")).unwrap_err().to_string();
         assert!(message.contains("depth") && message.ends_with("(z.exr)"), "{message}");
@@ -315,6 +324,8 @@ mod tests {
                 let accepted = decode(&whole[..length], path).is_ok();
                 assert!(!accepted || length + 16 > whole.len(), "{name} cut to {length} of {}", whole.len());
             }
+            let half = decode(&whole[..whole.len() / 2], path).unwrap_err();
+            assert!(matches!(half, ImageError::Truncated { .. }), "{half}");
             for _ in 0..2000 {
                 let mut bytes = whole.clone();
                 let at = random.usize(..bytes.len());
@@ -331,6 +342,6 @@ mod tests {
         let worst = read.pixels.iter().zip(&expected.pixels).map(|(a, b)| (*a - *b).abs().max_element());
         assert!(worst.fold(0.0, f32::max) < 0.005);
         // Negative control: the same bytes read as linear are far off in the middle of the ramp.
-        assert!((texture.texel(6, 3, lapidary_core::texture::ColorSpace::Linear).x - 0.5).abs() > 0.1);
+        assert!((texture.texel(6, 3, ColorSpace::Linear).x - 0.5).abs() > 0.1);
     }
 }

@@ -31,15 +31,23 @@ impl MipContent {
         match (map, &texture.texels) {
             (NORMAL, _) => Self::Slopes(SlopeSource::Normals),
             (BUMP, _) => Self::Slopes(SlopeSource::Heights(slot.channel)),
-            (_, Texels::U8(_)) => Self::Values(slot.color_space),
+            (_, Texels::U8(_) | Texels::U16(_)) => Self::Values(slot.color_space),
             (_, Texels::F32(_)) => Self::Values(ColorSpace::Linear),
         }
     }
 
-    /// How the shader decodes a texture.
+    /// The encoding of the texels of the texture itself.
+    fn color_space(self) -> ColorSpace {
+        match self {
+            Self::Values(color_space) => color_space,
+            Self::Slopes(_) => ColorSpace::Linear,
+        }
+    }
+
+    /// How the shader decodes a texture. Texels of 16 bits are decoded before, to floats.
     fn kind(self, texture: &Texture) -> u32 {
         match (&texture.texels, self) {
-            (Texels::F32(_), _) => KIND_FLOAT,
+            (Texels::U16(_) | Texels::F32(_), _) => KIND_FLOAT,
             (Texels::U8(_), Self::Values(ColorSpace::Srgb)) => KIND_SRGB,
             (Texels::U8(_), _) => KIND_LINEAR,
         }
@@ -127,7 +135,7 @@ fn in_use(appearance: &Appearance) -> Vec<Used> {
 /// Words of a texture with its levels.
 fn words_of(texture: &Texture, detail: MipContent) -> u64 {
     let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-    let own = if matches!(texture.texels, Texels::F32(_)) { 4 } else { 1 };
+    let own = if matches!(texture.texels, Texels::U8(_)) { 1 } else { 4 };
     let below = if matches!(detail, MipContent::Slopes(_)) { 3 } else { own };
     own * texels(texture.size) + below * level_sizes(texture.size).map(texels).sum::<u64>()
 }
@@ -157,7 +165,7 @@ fn fit(textures: &[Used], capacity: u64) -> (Vec<Used>, Vec<String>) {
     (fitted, messages)
 }
 
-/// Half the size, rounded up; each texel is the mean of the four that it covers. sRGB codes are averaged as they are,
+/// Half the size, rounded up; each texel is the mean of the four that it covers. Codes are averaged as they are,
 /// which darkens hard edges a little.
 fn halved(texture: &Texture) -> Texture {
     let [width, height] = texture.size;
@@ -172,6 +180,10 @@ fn halved(texture: &Texture) -> Texture {
             let mean = |i: [usize; 4], c: usize| ((i.iter().map(|&i| u32::from(t[i][c])).sum::<u32>() + 2) / 4) as u8;
             Texels::U8(positions.map(|(x, y)| std::array::from_fn(|c| mean(sources(x, y), c))).collect())
         }
+        Texels::U16(t) => {
+            let mean = |i: [usize; 4], c: usize| ((i.iter().map(|&i| u32::from(t[i][c])).sum::<u32>() + 2) / 4) as u16;
+            Texels::U16(positions.map(|(x, y)| std::array::from_fn(|c| mean(sources(x, y), c))).collect())
+        }
         Texels::F32(t) => {
             let mean = |i: [usize; 4], c: usize| i.iter().map(|&i| t[i][c]).sum::<f32>() * 0.25;
             Texels::F32(positions.map(|(x, y)| std::array::from_fn(|c| mean(sources(x, y), c))).collect())
@@ -182,10 +194,10 @@ fn halved(texture: &Texture) -> Texture {
 
 /// Appends a texture and its levels, the largest first.
 fn append(words: &mut Vec<u32>, texture: &Texture, detail: MipContent) {
-    append_texels(words, &texture.texels);
+    append_texels(words, &texture.texels, detail.color_space());
     match detail {
         MipContent::Values(color_space) => {
-            texture.levels(color_space).iter().for_each(|level| append_texels(words, &level.texels));
+            texture.levels(color_space).iter().for_each(|level| append_texels(words, &level.texels, color_space));
         }
         MipContent::Slopes(source) => {
             let texels = texture.slope_levels(source).iter().flat_map(|level| &level.texels);
@@ -194,9 +206,12 @@ fn append(words: &mut Vec<u32>, texture: &Texture, detail: MipContent) {
     }
 }
 
-fn append_texels(words: &mut Vec<u32>, texels: &Texels) {
+fn append_texels(words: &mut Vec<u32>, texels: &Texels, color_space: ColorSpace) {
     match texels {
         Texels::U8(t) => words.extend(t.iter().map(|&c| u32::from_le_bytes(c))),
+        Texels::U16(t) => {
+            words.extend((0..t.len()).flat_map(|i| texels.at(i, color_space).to_array().map(f32::to_bits)));
+        }
         Texels::F32(t) => words.extend(t.iter().flatten().map(|c| c.to_bits())),
     }
 }
@@ -258,13 +273,30 @@ mod tests {
     fn what_is_packed_has_the_length_that_is_told() {
         let slopes = [SlopeSource::Normals, SlopeSource::Heights(Default::default())].map(MipContent::Slopes);
         let floats = Texture::new("floats", [5, 9], Texels::F32(vec![[0.5; 4]; 45]));
+        let deep = Texture::new("deep", [5, 9], Texels::U16(vec![[700; 4]; 45]));
         for detail in [MipContent::Values(ColorSpace::Srgb), slopes[0], slopes[1]] {
-            for texture in [&*gray([16, 3], 100), &floats] {
+            for texture in [&*gray([16, 3], 100), &floats, &deep] {
                 let mut words = Vec::new();
                 append(&mut words, texture, detail);
                 assert_eq!(words.len() as u64, words_of(texture, detail), "{detail:?}");
             }
         }
+    }
+
+    #[test]
+    fn sixteen_bits_are_uploaded_as_floats_in_the_color_space_of_the_slot() {
+        let deep = Texture::new("deep", [1, 1], Texels::U16(vec![[257 * 128, 300, 0, 65535]]));
+        let red = |detail: MipContent| {
+            let mut words = Vec::new();
+            append(&mut words, &deep, detail);
+            assert_eq!(detail.kind(&deep), KIND_FLOAT);
+            f32::from_bits(words[0])
+        };
+        let [srgb, linear] = [ColorSpace::Srgb, ColorSpace::Linear].map(|space| red(MipContent::Values(space)));
+        assert!((srgb - 0.21586).abs() < 1e-5 && (linear - 128.0 / 255.0).abs() < 1e-6, "{srgb} {linear}");
+        assert_eq!(red(MipContent::Slopes(SlopeSource::Normals)), linear, "normals are values");
+        let slot = TextureSlot { color_space: ColorSpace::Srgb, ..Default::default() };
+        assert_eq!(MipContent::of("base_color", &slot, &deep), MipContent::Values(ColorSpace::Srgb));
     }
 
     #[test]
@@ -274,5 +306,10 @@ mod tests {
         let half = halved(&odd);
         assert_eq!(half.size, [2, 1]);
         assert_eq!(half.texels, Texels::U8(vec![[8; 4], [14; 4]]));
+        let deep = [0, 400, 800, 1200, 1600, 2000].map(|v: u16| [v; 4]).to_vec();
+        assert_eq!(
+            halved(&Texture::new("deep", [3, 2], Texels::U16(deep))).texels,
+            Texels::U16(vec![[800; 4], [1400; 4]])
+        );
     }
 }

@@ -108,7 +108,7 @@ pub fn run(args: &CompareArgs, console: Console) -> Result<Outcome> {
 fn read(path: &Path, layer: Option<&str>) -> Result<Image> {
     Ok(match layer {
         Some(name) => image::read_layer(path, name)?,
-        None => image::read_rec_709(path)?,
+        None => image::read(path)?,
     })
 }
 

@@ -238,6 +238,11 @@ fn read_png(path: &Path) -> Result<DisplayPicture> {
     let texture = decode(&input::read(path).with_context(unreadable)?, path).with_context(unreadable)?;
     match texture.texels {
         Texels::U8(pixels) => Ok(DisplayPicture { size: texture.size, pixels }),
+        Texels::U16(pixels) => {
+            let code = |code: u16| ((u32::from(code) + 128) / 257) as u8;
+            let pixels = pixels.into_iter().map(|pixel| pixel.map(code)).collect();
+            Ok(DisplayPicture { size: texture.size, pixels })
+        }
         Texels::F32(_) => Ok(DisplayPicture::shown(&image::read(path)?, &Post::default())),
     }
 }

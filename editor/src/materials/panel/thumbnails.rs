@@ -57,6 +57,7 @@ fn encoded_texel(texture: &Texture, x: u32, y: u32) -> [f32; 3] {
     let index = y as usize * texture.size[0] as usize + x as usize;
     match &texture.texels {
         Texels::U8(texels) => [0, 1, 2].map(|c| f32::from(texels[index][c])),
+        Texels::U16(texels) => [0, 1, 2].map(|c| f32::from(texels[index][c]) / 257.0),
         Texels::F32(texels) => [0, 1, 2].map(|c| srgb_from_linear(texels[index][c]) * 255.0),
     }
 }
@@ -77,6 +78,8 @@ mod tests {
         assert!(image.pixels.iter().all(|p| (95..=105).contains(&p.r())));
         assert_eq!(shrunk(&texture([1, 4000], |_| [7, 8, 9, 255])).size, [1, 64]);
         assert_eq!(shrunk(&texture([3, 2], |i| [i as u8 * 10, 0, 0, 255])).pixels[4].r(), 40);
+        let deep = Texture::new("t", [1, 1], Texels::U16(vec![[257 * 40, 0, 0, 65535]]));
+        assert_eq!(shrunk(&deep.into()).pixels[0].r(), 40);
     }
 
     #[test]

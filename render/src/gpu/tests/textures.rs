@@ -11,20 +11,38 @@ use lapidary_core::{
 };
 use std::sync::Arc;
 
+/// Bits per component of color codes and normals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Bits {
+    Eight,
+    Sixteen,
+}
+
+impl Bits {
+    fn texels(self, texels: Vec<[u8; 4]>) -> Texels {
+        // Sixteen bits have codes between those of eight.
+        let deep = |texel: [u8; 4]| texel.map(|code| 257 * u16::from(code) - u16::from(code) / 3);
+        match self {
+            Self::Eight => Texels::U8(texels),
+            Self::Sixteen => Texels::U16(texels.into_iter().map(deep).collect()),
+        }
+    }
+}
+
 /// Colors, heights, and normals of sizes that are no powers of two.
-fn fine_textures() -> Vec<Arc<Texture>> {
+fn fine_textures(bits: Bits) -> Vec<Arc<Texture>> {
     let codes = (0..96 * 64).map(|i| std::array::from_fn(|c| noise(4 * i + c as u32))).collect();
     let floats = (0..64 * 33).map(|i| [f32::from(noise(i)) / 255.0; 4]).collect();
     let normals = (0..70 * 70).map(|i| [noise(2 * i) / 2 + 64, noise(2 * i + 1) / 3 + 80, 250, 255]).collect();
     let texture = |size, texels| Arc::new(Texture::new("fine", size, texels));
     vec![
-        texture([96, 64], Texels::U8(codes)),
+        texture([96, 64], bits.texels(codes)),
         texture([64, 33], Texels::F32(floats)),
-        texture([70, 70], Texels::U8(normals)),
+        texture([70, 70], bits.texels(normals)),
     ]
 }
 
-fn look(dataset: &Dataset, names: &[&str]) -> Appearance {
+fn look(dataset: &Dataset, names: &[&str], bits: Bits) -> Appearance {
     let slot = |texture, color_space, channel, strength| TextureSlot {
         texture,
         color_space,
@@ -46,7 +64,7 @@ fn look(dataset: &Dataset, names: &[&str]) -> Appearance {
     maps.retain(|name, _| names.contains(&name));
     let parameters = GgxParameters { roughness: 0.5, ..parameters(0.5, 0.3) };
     let looks = appearance(dataset, BrdfModel::Ggx, parameters, maps);
-    Appearance { textures: fine_textures(), ..looks }
+    Appearance { textures: fine_textures(bits), ..looks }
 }
 
 #[test]
@@ -54,12 +72,14 @@ fn maps_are_filtered_as_on_the_cpu_alone_and_together_and_by_the_footprint_of_th
     let Some(mut rig) = Rig::new(64) else { return };
     let dataset = rig.renderer.dataset().clone();
     let all = ["base_color", "roughness", "metalness", "normal", "bump"];
-    for names in [&all[..], &["base_color"], &["normal"], &["bump"]] {
-        rig.look(look(&dataset, names));
+    let eight = [&all[..], &["base_color"], &["normal"], &["bump"]].map(|names| (names, Bits::Eight));
+    let sixteen = [&all[..], &["base_color"]].map(|names| (names, Bits::Sixteen));
+    for (names, bits) in eight.into_iter().chain(sixteen) {
+        rig.look(look(&dataset, names, bits));
         for mode in [ViewMode::Shaded, ViewMode::Normals, ViewMode::Albedo] {
             let view = view(mode);
             let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
-            assert!(agrees(&gpu, &cpu), "{names:?} {mode:?}: {:?}", difference(&gpu, &cpu));
+            assert!(agrees(&gpu, &cpu), "{names:?} {bits:?} {mode:?}: {:?}", difference(&gpu, &cpu));
             let finer = View { aa: 2, ..view };
             let other = on_the_cpu(&rig.gpu, &rig.renderer, &finer, rig.lit(), BrdfSampling::Refine);
             let shows = match mode {

@@ -228,7 +228,7 @@ fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View 
 }
 
 fn read(path: &Path) -> Result<Image> {
-    let image = image::read_rec_709(path)?;
+    let image = image::read(path)?;
     let [width, height] = image.size;
     if width.max(height) > LONGEST_SIDE {
         bail!(

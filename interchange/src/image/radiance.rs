@@ -1,0 +1,297 @@
+//! Radiance pictures: what the header asks of the pixels. The `image` crate decodes the scanlines.
+//!
+//! Ward, *Real Pixels*, Graphics Gems II; Radiance, *File Formats*, "Picture File Format". The format divides by
+//! `EXPOSURE` and `COLORCORR` to get radiance; several lines multiply. Each of the eight orientations is turned upright.
+
+use super::{
+    primaries::{self, XYZ},
+    read::{check_size, damaged, truncated, undecodable},
+};
+use exr::{meta::attribute::Chromaticities, prelude as openexr};
+use glam::{Mat3, Vec3};
+use image::{ImageDecoder, codecs::hdr::HdrDecoder};
+use lapidary_core::{image::ImageError, texture::Texels};
+use std::{io::Read, path::Path};
+
+/// First bytes of the files. `#?RADIANCE` is usual; other programs write their own names, as in `#?RGBE`.
+pub(super) const SIGNATURE: &[u8] = b"#?";
+
+/// Longest text of a file that a message repeats, in characters.
+const QUOTED: usize = 40;
+
+/// The header of a picture.
+#[derive(Debug)]
+pub(super) struct Header {
+    /// The axis from scanline to scanline, and the one along a scanline.
+    axes: [Axis; 2],
+    values: Values,
+    /// First byte of the scanlines.
+    scanlines: usize,
+}
+
+/// An axis of the resolution line, as in `-Y 512`.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    is_x: bool,
+    /// Whether the coordinate, right or up, grows.
+    grows: bool,
+    length: u32,
+}
+
+/// What the variables of the header say about the pixels.
+#[derive(Debug)]
+struct Values {
+    /// Divides the stored components.
+    divisor: Vec3,
+    primaries: Option<Chromaticities>,
+    is_xyz: bool,
+}
+
+impl Header {
+    pub fn read(bytes: &[u8], path: &Path) -> Result<Self, ImageError> {
+        let mut rest = bytes;
+        let mut line = || next_line(&mut rest).ok_or_else(|| truncated(path, "its header has no end"));
+        let mut values = Values { divisor: Vec3::ONE, primaries: None, is_xyz: false };
+        line()?; // the signature
+        loop {
+            let text = line()?;
+            if text.is_empty() {
+                break;
+            }
+            values.take(&text).map_err(|reason| damaged(path, reason))?;
+        }
+        let axes = axes(&line()?).map_err(|reason| damaged(path, reason))?;
+        let header = Self { axes, values, scanlines: bytes.len() - rest.len() };
+        let [width, height] = header.size();
+        check_size(width.into(), height.into(), path)?;
+        if !(header.values.divisor.is_finite() && header.values.divisor.min_element() > 0.0) {
+            return Err(damaged(path, "the product of its EXPOSURE and COLORCORR lines is out of range"));
+        }
+        Ok(header)
+    }
+
+    /// Width and height of the upright picture.
+    pub fn size(&self) -> [u32; 2] {
+        let [across, along] = self.axes.map(|axis| axis.length);
+        if self.axes[0].is_x { [across, along] } else { [along, across] }
+    }
+
+    /// Column and row, from the top left, of a stored pixel.
+    fn position(&self, scanline: u32, pixel: u32) -> [u32; 2] {
+        let [across, along] = self.axes;
+        let (across, along) = (across.from_the_top_left(scanline), along.from_the_top_left(pixel));
+        if self.axes[0].is_x { [across, along] } else { [along, across] }
+    }
+
+    fn to_rec_709(&self) -> Result<Option<Mat3>, String> {
+        let named = if self.values.is_xyz { Some(XYZ) } else { self.values.primaries };
+        named.map_or(Ok(None), |found| primaries::rec_709_from(&found))
+    }
+}
+
+impl Axis {
+    fn parse(word: &str, length: &str) -> Option<Self> {
+        let (is_x, grows) = match word {
+            "+X" => (true, true),
+            "-X" => (true, false),
+            "+Y" => (false, true),
+            "-Y" => (false, false),
+            _ => return None,
+        };
+        Some(Self { is_x, grows, length: length.parse().ok()? })
+    }
+
+    /// Rows count down and columns to the right.
+    fn from_the_top_left(self, step: u32) -> u32 {
+        if self.is_x == self.grows { step } else { self.length - 1 - step }
+    }
+}
+
+impl Values {
+    fn take(&mut self, line: &str) -> Result<(), String> {
+        // Lines of pictures that this one was made of are indented, and so have other names.
+        let Some((name, value)) = line.split_once('=') else { return Ok(()) };
+        match name.trim_end() {
+            "FORMAT" => match value.trim() {
+                "32-bit_rle_rgbe" => self.is_xyz = false,
+                "32-bit_rle_xyze" => self.is_xyz = true,
+                other => {
+                    let formats = "only 32-bit_rle_rgbe and 32-bit_rle_xyze are supported";
+                    return Err(format!("its FORMAT is \"{}\"; {formats}", quoted(other)));
+                }
+            },
+            "EXPOSURE" => self.divisor *= numbers::<1>("EXPOSURE", value)?[0],
+            "COLORCORR" => self.divisor *= Vec3::from_array(numbers("COLORCORR", value)?),
+            "PRIMARIES" => {
+                let [rx, ry, gx, gy, bx, by, wx, wy] = numbers("PRIMARIES", value)?;
+                let [red, green, blue, white] = [(rx, ry), (gx, gy), (bx, by), (wx, wy)].map(openexr::Vec2::from);
+                self.primaries = Some(Chromaticities { red, green, blue, white });
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+fn quoted(text: &str) -> String {
+    text.chars().take(QUOTED).collect()
+}
+
+fn numbers<const N: usize>(name: &str, value: &str) -> Result<[f32; N], String> {
+    let numbers: Result<Vec<f32>, _> = value.split_whitespace().map(str::parse).collect();
+    let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    numbers.ok_or_else(|| format!("its {name} is \"{}\"; it needs {N} numbers", quoted(value)))
+}
+
+fn axes(line: &str) -> Result<[Axis; 2], String> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let parsed = match words[..] {
+        [a, length_a, b, length_b] => Axis::parse(a, length_a).zip(Axis::parse(b, length_b)),
+        _ => None,
+    };
+    match parsed {
+        Some((across, along)) if across.is_x != along.is_x => Ok([across, along]),
+        _ => Err(format!("its resolution is \"{}\"; it must be like \"-Y 512 +X 1024\"", quoted(line))),
+    }
+}
+
+fn next_line(rest: &mut &[u8]) -> Option<String> {
+    let end = rest.iter().position(|&byte| byte == b'\n')?;
+    let line = String::from_utf8_lossy(&rest[..end]).trim_end_matches('\r').to_owned();
+    *rest = &rest[end + 1..];
+    Some(line)
+}
+
+/// Radiance in linear Rec. 709, upright.
+pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
+    let header = Header::read(bytes, path)?;
+    let unusable = |space| ImageError::Primaries { path: path.into(), space };
+    let to_rec_709 = header.to_rec_709().map_err(unusable)?;
+    let stored = stored_pixels(&header, &bytes[header.scanlines..]).map_err(|e| undecodable(path, e))?;
+    let size = header.size();
+    let mut texels = vec![[0.0, 0.0, 0.0, 1.0]; stored.len()];
+    let along = header.axes[1].length;
+    for (i, &rgb) in stored.iter().enumerate() {
+        let [x, y] = header.position(i as u32 / along, i as u32 % along);
+        let color = Vec3::from_array(rgb) / header.values.divisor;
+        let [r, g, b] = to_rec_709.map_or(color, |matrix| primaries::converted(matrix, color)).to_array();
+        texels[y as usize * size[0] as usize + x as usize] = [r, g, b, 1.0];
+    }
+    Ok((size, Texels::F32(texels)))
+}
+
+/// The pixels in the order of the file. The decoder knows one signature, one format and one orientation.
+fn stored_pixels(header: &Header, scanlines: &[u8]) -> image::ImageResult<Vec<[f32; 3]>> {
+    let [across, along] = header.axes.map(|axis| axis.length);
+    let plain = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {across} +X {along}\n");
+    let mut pixels = vec![[0.0; 3]; across as usize * along as usize];
+    HdrDecoder::new(plain.as_bytes().chain(scanlines))?.read_image(bytemuck::cast_slice_mut(&mut pixels))?;
+    Ok(pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::texture::Texture;
+
+    /// A file of uncompressed pixels.
+    fn file(header: &str, pixels: &[[u8; 4]]) -> Vec<u8> {
+        [header.as_bytes(), pixels.as_flattened()].concat()
+    }
+
+    fn read(bytes: &[u8]) -> Result<Texture, String> {
+        crate::image::decode(bytes, Path::new("a.hdr")).map_err(|e| e.to_string())
+    }
+
+    fn first(header: &str, pixel: [u8; 4]) -> Vec3 {
+        let texture = read(&file(header, &[pixel])).unwrap();
+        texture.texel(0, 0, Default::default()).truncate()
+    }
+
+    #[test]
+    fn any_program_may_have_signed_the_file() {
+        for name in ["RADIANCE", "RGBE", "other\r"] {
+            let header = format!("#?{name}\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+            assert_eq!(first(&header, [128, 64, 32, 129]), Vec3::new(1.0, 0.5, 0.25), "{name}");
+        }
+    }
+
+    #[test]
+    fn exposure_and_colour_correction_are_divided_out_and_several_lines_multiply() {
+        let header = |lines: &str| format!("#?RADIANCE\n{lines}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+        let of = |lines: &str| first(&header(lines), [128, 128, 128, 131]);
+        assert_eq!(of(""), Vec3::splat(4.0), "negative control");
+        assert_eq!(of("EXPOSURE=4.0\n"), Vec3::ONE);
+        assert_eq!(of("EXPOSURE=2\nEXPOSURE= 8e0\n\tEXPOSURE=100\n"), Vec3::splat(0.25));
+        assert_eq!(of("COLORCORR=1 2 4\nEXPOSURE=0.5\n"), Vec3::new(8.0, 4.0, 2.0));
+        for (wrong, word) in
+            [("EXPOSURE=0\n", "out of range"), ("EXPOSURE=x\n", "\"x\""), ("COLORCORR=1 1\n", "3 numbers")]
+        {
+            let message = read(&file(&header(wrong), &[[128; 4]])).unwrap_err();
+            assert!(message.contains(word) && message.ends_with("(a.hdr)"), "{message}");
+        }
+    }
+
+    #[test]
+    fn every_orientation_is_turned_upright() {
+        // The upright picture has 3 x 2 pixels with the values 1 to 6.
+        let cases = [
+            ("-Y 2 +X 3", [1, 2, 3, 4, 5, 6]),
+            ("-Y 2 -X 3", [3, 2, 1, 6, 5, 4]),
+            ("+Y 2 +X 3", [4, 5, 6, 1, 2, 3]),
+            ("+Y 2 -X 3", [6, 5, 4, 3, 2, 1]),
+            ("+X 3 -Y 2", [1, 4, 2, 5, 3, 6]),
+            ("-X 3 -Y 2", [3, 6, 2, 5, 1, 4]),
+            ("+X 3 +Y 2", [4, 1, 5, 2, 6, 3]),
+            ("-X 3 +Y 2", [6, 3, 5, 2, 4, 1]),
+        ];
+        let shown = |resolution: &str, stored: [u8; 6]| {
+            let header = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{resolution}\n");
+            let texture = read(&file(&header, &stored.map(|value| [value, 0, 0, 136]))).unwrap();
+            let value = |i: i64| texture.texel(i % 3, i / 3, Default::default()).x;
+            (texture.size, [0, 1, 2, 3, 4, 5].map(value))
+        };
+        let upright = ([3, 2], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        for (resolution, stored) in cases {
+            assert_eq!(shown(resolution, stored), upright, "{resolution}");
+            assert!(resolution == "-Y 2 +X 3" || shown("-Y 2 +X 3", stored) != upright, "negative control");
+        }
+        for wrong in ["-Y 2 +Y 3", "-Y 2 +X", "-Y 2 +Z 3", "-Y -2 +X 3"] {
+            let header = format!("#?RADIANCE\n\n{wrong}\n");
+            assert!(read(header.as_bytes()).unwrap_err().contains(wrong));
+        }
+    }
+
+    #[test]
+    fn xyz_becomes_rec_709_with_gray_as_gray() {
+        let header = |format: &str| format!("#?RADIANCE\nFORMAT={format}\n\n-Y 1 +X 1\n");
+        let gray = first(&header("32-bit_rle_xyze"), [128, 128, 128, 129]);
+        assert!((gray - 1.0).abs().max_element() < 1e-5, "{gray}");
+        // Green of Rec. 709, adapted from D65 to the equal white of the format by Bradford: X Y Z.
+        let xyz = [100, 181, 28, 128]; // 0.392, 0.709, 0.110
+        let green = first(&header("32-bit_rle_xyze"), xyz);
+        assert!((green - Vec3::Y).abs().max_element() < 0.02, "{green}");
+        assert!((first(&header("32-bit_rle_rgbe"), xyz) - Vec3::Y).abs().max_element() > 0.2, "negative control");
+        let message = read(header("16-bit").as_bytes()).unwrap_err();
+        assert!(message.contains("16-bit") && message.contains("supported"), "{message}");
+    }
+
+    #[test]
+    fn primaries_of_the_header_are_converted() {
+        let header = |line: &str| format!("#?RADIANCE\n{line}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+        let ap1 = "PRIMARIES= 0.713 0.293 0.165 0.830 0.128 0.044 0.32168 0.33767\n";
+        let [with, without] = [ap1, ""].map(|line| first(&header(line), [64, 192, 32, 128]));
+        assert_eq!(without, Vec3::new(0.25, 0.75, 0.125));
+        assert!(with.x < 0.0 && with.y > 0.8, "{with}");
+    }
+
+    #[test]
+    fn a_header_without_end_is_truncated_and_says_so() {
+        for cut in ["#?RADIANCE", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n", "#?RADIANCE\n\n-Y 4 +X 4"] {
+            let message = read(cut.as_bytes()).unwrap_err();
+            assert!(message.contains("truncated"), "{message}");
+        }
+        let pixels = file("#?RADIANCE\n\n-Y 4 +X 4\n", &[[1, 2, 3, 128]]);
+        assert!(read(&pixels).unwrap_err().contains("truncated"));
+    }
+}
