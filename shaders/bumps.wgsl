@@ -138,15 +138,14 @@ fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: m
     var bumped = Bumped(smoothed[2], still, still);
     let normal_map = materials[material].normal_map;
     if normal_map.kind != 0u {
-        let s = normal_map.strength;
-        let green = s * materials[material].normal_y;
+        let axes = normal_axes(normal_map, materials[material].normal_y);
         let taps = taps_of(normal_map, uv);
         if is_point(taps) || normal_map.kind == KIND_PROCEDURAL {
-            let n = (2.0 * sample_slot(normal_map, uv).xyz - 1.0) * vec3(s, green, 1.0);
-            bumped.normal = normalize_or(smoothed * n, bumped.normal);
+            let n = 2.0 * sample_slot(normal_map, uv).xyz - 1.0;
+            bumped.normal = normalize_or(smoothed * vec3(axes * n.xy, n.z), bumped.normal);
         } else {
             let within = slopes_within(normal_map, taps, vec2(1.0, 0.0), vec2(0.0, 1.0), false);
-            let moments = moments_mapped(within, vec2(s, 0.0), vec2(0.0, green));
+            let moments = moments_mapped(within, axes[0], axes[1]);
             let shorter = 1.0 / sqrt(1.0 + dot(moments.mean, moments.mean));
             bumped.normal = (smoothed * vec3(moments.mean, 1.0)) * shorter;
             bumped.by_normals = Moving(covariance_of(moments), smoothed[0] * shorter, smoothed[1] * shorter);

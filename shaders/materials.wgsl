@@ -135,6 +135,13 @@ fn linear_column(slot: TextureSlot, axis: u32) -> vec2<f32> {
     return vec2(slot.turn.x, slot.turn.y) * slot.scale.y;
 }
 
+// The picture's axes on the surface: what a normal's x and y in the picture add along tangent and bitangent. `green` is -1
+// if green is down, else 1. Twin of `TextureSlot::normal_axes`.
+fn normal_axes(slot: TextureSlot, green: f32) -> mat2x2<f32> {
+    let mirror = slot.strength * select(vec2(1.0), vec2(-1.0), slot.scale < vec2(0.0));
+    return mat2x2<f32>(mirror * vec2(slot.turn.y, -slot.turn.x), green * mirror * slot.turn);
+}
+
 // Texture coordinates after the slot's transform.
 fn transform_uv(slot: TextureSlot, uv: vec2<f32>) -> vec2<f32> {
     let s = uv * slot.scale;

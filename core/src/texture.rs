@@ -14,7 +14,7 @@ pub use reduction::level_sizes;
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 
 use crate::color::{linear_from_codes, linear_from_deep_codes};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Mat2, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ pub struct TextureSlot {
     /// Added after scaling and rotating; at most [`TextureSlot::MOST`].
     pub offset: Vec2,
     /// Counter-clockwise rotation of the coordinates in radians, before the offset (KHR_texture_transform); at most
-    /// [`TextureSlot::MOST`].
+    /// [`TextureSlot::MOST`]. Normals turn with it.
     pub rotation: f32,
     /// Scales normals and heights; at most [`TextureSlot::MOST`]. 1 leaves other maps unchanged.
     pub strength: f32,
@@ -113,16 +113,38 @@ impl TextureSlot {
     /// Texture coordinates after this slot's transform.
     #[inline]
     pub fn transform(&self, uv: Vec2) -> Vec2 {
-        // Few textures are rotated, and the functions of the angle cost more than the lookup.
-        let (sin, cos) = if self.rotation == 0.0 { (0.0, 1.0) } else { self.rotation.sin_cos() };
+        let (sin, cos) = self.sin_cos();
         let s = uv * self.scale;
         Vec2::new(cos * s.x + sin * s.y, -sin * s.x + cos * s.y) + self.offset
     }
 
-    /// The tangent-space normal, not normalized, that a texel of a normal map encodes.
-    pub fn tangent_normal(&self, texel: Vec3) -> Vec3 {
+    /// Sine and cosine of the rotation.
+    #[inline]
+    fn sin_cos(&self) -> (f32, f32) {
+        // Few textures are rotated, and the functions of the angle cost more than the lookup.
+        if self.rotation == 0.0 { (0.0, 1.0) } else { self.rotation.sin_cos() }
+    }
+
+    /// The picture's axes on the surface: what one unit of a normal's x and y in the picture adds along the tangent (of
+    /// growing u) and the bitangent (of falling v). Includes strength and `flip_y`.
+    ///
+    /// The mesh's tangents belong to its own texture coordinates, as in glTF. The picture lies on them as
+    /// [`Self::transform`] places it, so its normals turn with the rotation and are mirrored by negative scales. The
+    /// size of the scale does not count: a normal map holds slopes of the surface, and repeating it makes it no steeper.
+    /// The axes therefore stay perpendicular under scales that differ, where those of the picture are skewed. The matrix
+    /// is [`Self::linear`] transposed, with v upward and the scale reduced to its signs.
+    pub fn normal_axes(&self) -> Mat2 {
+        let (sin, cos) = self.sin_cos();
+        let sign = |x: f32| if x < 0.0 { -1.0 } else { 1.0 };
+        let mirror = Vec2::new(sign(self.scale.x), sign(self.scale.y));
         let green = if self.flip_y { -self.strength } else { self.strength };
-        (2.0 * texel - 1.0) * Vec3::new(self.strength, green, 1.0)
+        Mat2::from_cols(self.strength * mirror * Vec2::new(cos, -sin), green * mirror * Vec2::new(sin, cos))
+    }
+
+    /// The tangent-space normal, not normalized, that a texel of a normal map encodes, see [`Self::normal_axes`].
+    pub fn tangent_normal(&self, texel: Vec3) -> Vec3 {
+        let n = 2.0 * texel - 1.0;
+        (self.normal_axes() * n.truncate()).extend(n.z)
     }
 }
 
@@ -285,6 +307,7 @@ impl Texture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::{FRAC_PI_2, PI};
 
     fn two_by_one() -> Texture {
         let texels = Texels::U8(vec![[0, 0, 0, 255], [255, 255, 255, 255]]);
@@ -329,6 +352,62 @@ mod tests {
         assert_eq!(flipped.tangent_normal(texel), Vec3::new(0.25, -0.25, 1.0));
         let old: TextureSlot = serde_json::from_str(r#"{"texture": 3}"#).unwrap();
         assert!(!old.flip_y, "files from before have their green up");
+    }
+
+    /// A placement of a picture.
+    fn placed(rotation: f32, scale: Vec2) -> TextureSlot {
+        TextureSlot { rotation, scale, ..Default::default() }
+    }
+
+    #[test]
+    fn normals_turn_and_are_mirrored_with_their_picture() {
+        // Leans along the picture's u.
+        let texel = 0.5 * Vec3::new(0.6, 0.0, 0.8) + 0.5;
+        let mirrored = Vec2::new(-1.0, 1.0);
+        for (rotation, scale, expected) in [
+            (0.0, Vec2::ONE, Vec3::new(0.6, 0.0, 0.8)),
+            (FRAC_PI_2, Vec2::ONE, Vec3::new(0.0, -0.6, 0.8)),
+            (PI, Vec2::ONE, Vec3::new(-0.6, 0.0, 0.8)),
+            (0.0, mirrored, Vec3::new(-0.6, 0.0, 0.8)),
+            (0.0, Vec2::new(3.0, 0.25), Vec3::new(0.6, 0.0, 0.8)),
+            (FRAC_PI_2, Vec2::new(3.0, 0.25), Vec3::new(0.0, -0.6, 0.8)),
+            (PI, mirrored, Vec3::new(0.6, 0.0, 0.8)),
+        ] {
+            let slot = placed(rotation, scale);
+            let normal = slot.tangent_normal(texel);
+            assert!((normal - expected).length() < 1e-6, "{rotation} {scale}: {normal}");
+            let unturned = placed(0.0, scale.abs()).tangent_normal(texel);
+            let stays = expected.x > 0.5;
+            assert_eq!((unturned - expected).length() < 1e-6, stays, "negative control, {rotation} {scale}");
+        }
+        // A quarter turn takes up to the tangent; a flip comes before it.
+        let up = 0.5 * Vec3::new(0.0, 0.6, 0.8) + 0.5;
+        let slot = TextureSlot { strength: 0.5, ..placed(FRAC_PI_2, Vec2::ONE) };
+        assert!((slot.tangent_normal(up) - Vec3::new(0.3, 0.0, 0.8)).length() < 1e-6);
+        let flipped = TextureSlot { flip_y: true, ..slot };
+        assert!((flipped.tangent_normal(up) - Vec3::new(-0.3, 0.0, 0.8)).length() < 1e-6);
+    }
+
+    #[test]
+    fn normals_of_a_plane_of_heights_turn_as_its_gradient_does() {
+        // Heights a u + b v in the picture have the gradient `linear` transposed times (a, b) in the mesh's coordinates.
+        let mut wrong = 0;
+        for seed in 0..100 {
+            let mut random = fastrand::Rng::with_seed(seed);
+            let size = 0.2 + 3.0 * random.f32();
+            let scale = Vec2::new(if random.bool() { size } else { -size }, if random.bool() { size } else { -size });
+            let slot = placed(7.0 * random.f32() - 3.5, scale);
+            let (a, b) = (random.f32() - 0.5, random.f32() - 0.5);
+            let gradient = slot.linear().transpose() * Vec2::new(a, b) / size;
+            // Normals lean against the gradient. The bitangent points to falling v.
+            let expected = Vec2::new(-gradient.x, gradient.y);
+            let encoded = 0.5 * Vec3::new(-a, b, 1.0) + 0.5;
+            let error = |slot: &TextureSlot| (slot.tangent_normal(encoded).truncate() - expected).length();
+            assert!(error(&slot) < 1e-5, "{seed}: {}", error(&slot));
+            let other_way = TextureSlot { rotation: -slot.rotation, ..slot };
+            wrong += u32::from(error(&other_way) > 0.01);
+        }
+        assert!(wrong > 90, "negative control: {wrong}");
     }
 
     #[test]

@@ -104,7 +104,7 @@ impl UvFootprint {
 impl TextureSlot {
     /// The linear part of [`Self::transform`].
     pub fn linear(&self) -> Mat2 {
-        let (sin, cos) = if self.rotation == 0.0 { (0.0, 1.0) } else { self.rotation.sin_cos() };
+        let (sin, cos) = self.sin_cos();
         Mat2::from_cols(Vec2::new(cos, -sin) * self.scale.x, Vec2::new(sin, cos) * self.scale.y)
     }
 }

@@ -204,7 +204,8 @@ impl Texture {
     }
 
     /// Slopes of a normal map within a footprint: x and y of the tangent-space normal for a z of 1, with the slot's
-    /// strength. `None` for a footprint of one point: use [`TextureSlot::tangent_normal`].
+    /// strength, turned and mirrored as the slot places the picture. `None` for a footprint of one point: use
+    /// [`TextureSlot::tangent_normal`].
     pub fn normal_moments(&self, footprint: &UvFootprint, slot: &TextureSlot) -> Option<SlopeMoments> {
         let taps = footprint.through(slot).taps(self.size);
         if taps.level <= 0.0 && taps.count == 1 {
@@ -212,8 +213,7 @@ impl Texture {
         }
         let at = |uv| slope_of(2.0 * self.sample(uv, ColorSpace::Linear).xyz() - 1.0);
         let moments = self.slope_moments(taps, SlopeSource::Normals, Mat2::IDENTITY, at);
-        let green = if slot.flip_y { -slot.strength } else { slot.strength };
-        Some(moments.mapped(Mat2::from_diagonal(Vec2::new(slot.strength, green))))
+        Some(moments.mapped(slot.normal_axes()))
     }
 
     /// Changes of a bump map's height in meters per unit of u and v within a footprint; at a point by central
@@ -259,7 +259,8 @@ impl TextureSlot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::Texels;
+    use crate::texture::{TEXELS_PER_WIDTH, Texels};
+    use std::f32::consts::PI;
 
     fn noise(i: u32) -> f32 {
         (i.wrapping_mul(0x9e37_79b9) >> 8) as f32 / (1 << 24) as f32
@@ -288,6 +289,59 @@ mod tests {
         assert!((seen.covariance()[0] / xx - 4.0).abs() < 0.02, "the variance grows with the square of the strength");
         let point = UvFootprint::from(Vec2::new(0.1, 0.2));
         assert!(t.normal_moments(&point, &strong).is_none());
+    }
+
+    /// Mean and covariance of the slopes of the normals that texels encode through a slot.
+    fn moments_of_texels(texels: &[Vec3], slot: &TextureSlot) -> SlopeMoments {
+        let mut moments = SlopeMoments::default();
+        for &texel in texels {
+            moments.add(1.0 / texels.len() as f32, &SlopeMoments::of(slope_of(slot.tangent_normal(texel))));
+        }
+        moments
+    }
+
+    fn differ(a: &SlopeMoments, b: &SlopeMoments) -> bool {
+        let (a_spread, b_spread) = (a.covariance(), b.covariance());
+        let spread = b_spread[0].max(b_spread[2]);
+        (a.mean - b.mean).length() > 0.01 * b.mean.length()
+            || a_spread.iter().zip(b_spread).any(|(a, b)| (a - b).abs() > 0.03 * spread)
+    }
+
+    #[test]
+    fn turned_levels_are_the_mean_of_the_turned_texels() {
+        // Normals that lean to the lower right, more spread along x.
+        let texel = |i: u32| Vec3::new(0.55 + 0.25 * noise(2 * i), 0.3 + 0.1 * noise(2 * i + 1), 0.95);
+        let texels: Vec<Vec3> = (0..64).map(texel).collect();
+        let stored = texels.iter().map(|t| t.extend(1.0).to_array()).collect();
+        let t = Texture::new("leaning", [8; 2], Texels::F32(stored));
+        let upright = TextureSlot { offset: Vec2::new(0.25, -0.125), strength: 0.7, ..Default::default() };
+        for (rotation, scale, flip_y) in [
+            (0.5 * PI, Vec2::ONE, false),
+            (PI, Vec2::ONE, false),
+            (0.7, Vec2::new(3.0, 0.4), false),
+            (0.0, Vec2::new(-1.0, 1.0), false),
+            (-2.2, Vec2::new(0.5, -2.0), true),
+        ] {
+            let slot = TextureSlot { rotation, scale, flip_y, ..upright.clone() };
+            // One texel of the level: a square of 2 or 8 texels from the second row and column of such squares.
+            for side in [2, 8] {
+                let first = if side == 2 { 2 } else { 0 };
+                let rows = (first..first + side).flat_map(|y| (first..first + side).map(move |x| 8 * y + x));
+                let covered: Vec<Vec3> = rows.map(|i| texels[i]).collect();
+                let back = slot.linear().inverse();
+                let center = Vec2::splat((first as f32 + 0.5 * side as f32) / 8.0);
+                let width = side as f32 / 8.0 * TEXELS_PER_WIDTH;
+                let footprint = UvFootprint {
+                    uv: back * (center - slot.offset),
+                    changes: [back * (width * Vec2::X), back * (width * Vec2::Y)],
+                };
+                let seen = t.normal_moments(&footprint, &slot).unwrap();
+                let expected = moments_of_texels(&covered, &slot);
+                assert!(!differ(&seen, &expected), "{slot:?} {side}: {seen:?} {expected:?}");
+                let unturned = moments_of_texels(&covered, &upright);
+                assert!(differ(&seen, &unturned), "negative control, {slot:?} {side}: {seen:?}");
+            }
+        }
     }
 
     #[test]

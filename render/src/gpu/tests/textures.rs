@@ -1,7 +1,10 @@
 //! Maps with many texels in a pixel: levels, taps along footprints, and slopes, as on the CPU.
 
 use super::twin::{Rig, agrees, appearance, difference, noise, on_the_cpu, parameters, view};
-use crate::{Appearance, BrdfSampling, View, ViewMode};
+use crate::{
+    Appearance, BrdfSampling, View, ViewMode,
+    test_scenes::{self, from_above, mesh},
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::GgxParameters,
@@ -9,7 +12,7 @@ use lapidary_core::{
     material::{BrdfModel, MaterialMaps},
     texture::{Channel, ColorSpace, Pattern, Procedural, Texels, Texture, TextureSlot},
 };
-use std::sync::Arc;
+use std::{f32::consts::PI, sync::Arc};
 
 /// Bits per component of color codes and normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,5 +125,62 @@ fn patterns_are_those_of_the_cpu_as_values_and_as_heights() {
             let other = on_the_cpu(&rig.gpu, &rig.renderer, &view(mode), rig.lit(), BrdfSampling::Refine);
             assert!(!agrees(&gpu, &other), "negative control, {pattern:?} {map} {scale}");
         }
+    }
+}
+
+/// Normals that lean along the picture's u on a floor, whose u and v run along +X and +Z.
+#[test]
+fn normal_maps_turn_and_are_mirrored_with_their_slot_near_and_far() {
+    let floor = test_scenes::dataset(mesh(4, false), GgxParameters::default());
+    let Some(mut rig) = Rig::of(Arc::new(floor), 16) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    let texel = (0.5 * Vec3::new(0.6, 0.0, 0.8) + 0.5).extend(1.0).to_array();
+    let texture = Arc::new(Texture::new("leaning", [4; 2], Texels::F32(vec![texel; 16])));
+    let look = |slot: TextureSlot| {
+        let maps = MaterialMaps::from([("normal", slot)]);
+        let looks = appearance(&dataset, BrdfModel::Ggx, parameters(0.5, 0.0), maps);
+        Appearance { textures: vec![texture.clone()], ..looks }
+    };
+    let view = View { mode: ViewMode::Normals, ..from_above(48) };
+    let mirrored = Vec2::new(-1.0, 1.0);
+    for (rotation, sign) in [(0.0, Vec2::ONE), (0.5 * PI, Vec2::ONE), (PI, Vec2::ONE), (0.0, mirrored)] {
+        let along = Vec3::new(sign.x * rotation.cos(), 0.0, rotation.sin());
+        let expected = 0.5 * (0.6 * along + 0.8 * Vec3::Y) + 0.5;
+        // A texel covers many pixels, or a pixel many texels.
+        for size in [0.02, 30.0] {
+            let upright = TextureSlot { scale: Vec2::splat(size), ..Default::default() };
+            rig.look(look(TextureSlot { rotation, scale: size * sign, ..upright.clone() }));
+            let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
+            assert!(agrees(&gpu, &cpu), "{rotation} {sign} {size}: {:?}", difference(&gpu, &cpu));
+            let shown: Vec<Vec3> = gpu.pixels.iter().copied().filter(|pixel| *pixel != Vec3::ZERO).collect();
+            let farthest = shown.iter().map(|n| (*n - expected).length()).fold(0.0, f32::max);
+            assert!(shown.len() > 1000 && farthest < 4e-3, "{rotation} {sign} {size}: {farthest}");
+            rig.renderer.set_appearance(look(upright));
+            let unturned = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
+            let is_upright = along.x > 0.9;
+            assert_eq!(agrees(&gpu, &unturned), is_upright, "negative control, {rotation} {sign} {size}");
+        }
+    }
+}
+
+#[test]
+fn spreads_of_turned_and_mirrored_normals_are_those_of_the_cpu() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    let look = |rotation, mirror: Vec2| {
+        let scale = mirror * Vec2::new(11.0, 5.0);
+        let slot = TextureSlot { texture: 2, rotation, scale, flip_y: true, ..Default::default() };
+        let maps = MaterialMaps::from([("normal", slot)]);
+        let looks = appearance(&dataset, BrdfModel::Ggx, parameters(0.35, 0.0), maps);
+        Appearance { textures: fine_textures(), ..looks }
+    };
+    let view = view(ViewMode::Shaded);
+    for (rotation, mirror) in [(1.1, Vec2::new(-1.0, 1.0)), (-2.0, Vec2::new(1.0, -1.0)), (0.5 * PI, Vec2::ONE)] {
+        rig.look(look(rotation, mirror));
+        let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
+        assert!(agrees(&gpu, &cpu), "{rotation} {mirror}: {:?}", difference(&gpu, &cpu));
+        rig.renderer.set_appearance(look(rotation + 0.5 * PI, mirror));
+        let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
+        assert!(!agrees(&gpu, &other), "negative control, {rotation} {mirror}");
     }
 }

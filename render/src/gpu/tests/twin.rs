@@ -196,8 +196,12 @@ pub(super) struct Rig {
 
 impl Rig {
     pub fn new(illum_cut: u32) -> Option<Self> {
+        Self::of(scene(), illum_cut)
+    }
+
+    pub fn of(dataset: Arc<Dataset>, illum_cut: u32) -> Option<Self> {
         let (one, mut gpu) = backend()?;
-        let renderer = Renderer::new(scene());
+        let renderer = Renderer::new(dataset);
         let lighting = Arc::new(renderer.lighting(&light(), illum_cut));
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
         gpu.set_light(&light(), &lighting).unwrap();

@@ -1,5 +1,5 @@
 //! Bumps seen from afar, against the mean over all their normals, against light paths through whole pixels, and while the map moves
-//! under the pixels.
+//! under the pixels; normal maps that their slots turn and mirror.
 
 use super::*;
 use crate::{
@@ -25,7 +25,7 @@ use lapidary_core::{
     simd::Vec3x8,
     texture::{Texels, Texture, TextureSlot, UvFootprint},
 };
-use std::sync::Arc;
+use std::{f32::consts::PI, sync::Arc};
 use wide::f32x8;
 
 const SIZE: u32 = 128;
@@ -230,5 +230,95 @@ fn slopes_help_at_every_distance() {
         let ([none, means, slopes], [flicker, _, still]) = (error, change);
         assert!(slopes < 0.35 && slopes < 0.4 * none && slopes < 0.4 * means, "{distance}: {error:?}");
         assert!(still < 0.6 * flicker, "{distance}: {change:?}");
+    }
+}
+
+/// A place on a quad in z = 0 as in the files of glTF: u along +X, v along -Y.
+fn quad(uv: UvFootprint) -> SurfacePlace {
+    SurfacePlace { slopes: Some([Vec3::X, Vec3::NEG_Y]), ..place(uv) }
+}
+
+fn with_normals(texture: Texture, slot: TextureSlot) -> ResolvedAppearance {
+    let mut appearance = look(BrdfModel::Lambert, 0.5, NORMAL, slot);
+    appearance.textures = vec![Arc::new(texture)];
+    appearance.into()
+}
+
+fn normal_at(appearance: &ResolvedAppearance, uv: UvFootprint) -> Vec3 {
+    quad(uv).under(appearance, appearance.material(0), Vec3::Z).world_from_local.z_axis
+}
+
+#[test]
+fn normals_that_lean_along_the_picture_turn_with_it_near_and_far() {
+    let leaning = || {
+        let texel = (0.5 * Vec3::new(0.6, 0.0, 0.8) + 0.5).extend(1.0).to_array();
+        Texture::new("leaning", [4; 2], Texels::F32(vec![texel; 16]))
+    };
+    let mirrored = Vec2::new(-1.0, 1.0);
+    let near = UvFootprint::from(Vec2::new(0.3, 0.8));
+    let far = UvFootprint { changes: [0.7 * Vec2::X, 0.9 * Vec2::Y], ..near };
+    for (rotation, scale) in [(0.0, Vec2::ONE), (0.5 * PI, Vec2::ONE), (PI, Vec2::ONE), (0.0, mirrored)] {
+        // The direction on the quad in which the picture's u grows.
+        let along = Vec3::new(scale.x * rotation.cos(), -rotation.sin(), 0.0);
+        let slot = TextureSlot { rotation, scale, ..Default::default() };
+        let appearance = with_normals(leaning(), slot);
+        let upright = with_normals(leaning(), TextureSlot::default());
+        // Levels are rounded to the upper 16 bits of floats.
+        for (footprint, bound) in [(near, 1e-5), (far, 4e-3)] {
+            let expected = 0.6 * along + 0.8 * Vec3::Z;
+            let error = |appearance: &ResolvedAppearance| (normal_at(appearance, footprint) - expected).length();
+            assert!(error(&appearance) < bound, "{rotation} {scale}: {}", normal_at(&appearance, footprint));
+            let is_upright = along.x > 0.9;
+            assert_eq!(error(&upright) < bound, is_upright, "negative control, {rotation} {scale}");
+        }
+    }
+}
+
+/// Normals of a dome beside the middle of a picture, which the slot then shows upright: the picture holds it turned.
+fn dome(slot: &TextureSlot) -> Texture {
+    let texel = |i: u32| {
+        let there = (Vec2::new((i % SIZE) as f32, (i / SIZE) as f32) + 0.5) / SIZE as f32;
+        // Where the slot shows this texel.
+        let uv = slot.linear().inverse() * (there - slot.offset);
+        let from_top = uv - Vec2::new(0.4, 0.55);
+        let steep = if from_top.length() < 0.3 { 4.0 } else { 0.0 };
+        // The gradient in the picture's own coordinates.
+        let gradient = slot.linear().inverse().transpose() * (-steep * from_top);
+        (0.5 * Vec3::new(-gradient.x, gradient.y, 1.0).normalize() + 0.5).extend(1.0).to_array()
+    };
+    Texture::new("dome", [SIZE; 2], Texels::F32((0..SIZE * SIZE).map(texel).collect()))
+}
+
+#[test]
+fn a_turned_dome_in_a_turned_picture_is_lit_as_the_upright_dome() {
+    let wo = Vec3::Z;
+    let wi = Vec3::new(0.75, 0.2, 0.63).normalize();
+    let lit = |appearance: &ResolvedAppearance| {
+        Image::from_fn([SIZE; 2], |x, y| {
+            let uv = (Vec2::new(x as f32, y as f32) + 0.5) / SIZE as f32;
+            let seen = quad(uv.into()).under(appearance, appearance.material(0), wo);
+            Vec3::splat(seen.world_from_local.z_axis.dot(wi).max(0.0))
+        })
+    };
+    let upright = TextureSlot::default();
+    let expected = lit(&with_normals(dome(&upright), upright));
+    for slot in [
+        TextureSlot { rotation: PI, offset: Vec2::ONE, ..Default::default() },
+        TextureSlot { rotation: 0.5 * PI, offset: Vec2::Y, ..Default::default() },
+        TextureSlot { scale: Vec2::new(-1.0, 1.0), offset: Vec2::X, ..Default::default() },
+        TextureSlot { scale: Vec2::new(1.0, -1.0), rotation: 0.5 * PI, offset: Vec2::ONE, ..Default::default() },
+    ] {
+        let error = rel_rmse(&lit(&with_normals(dome(&slot), slot.clone())), &expected);
+        assert!(error < 1e-3, "{slot:?}: {error}");
+        // The same picture as if its normals did not turn.
+        let mut untold = dome(&slot);
+        let Texels::F32(texels) = &mut untold.texels else { unreachable!() };
+        let back = slot.normal_axes().inverse();
+        for texel in texels {
+            let xy = back * (2.0 * Vec2::new(texel[0], texel[1]) - 1.0);
+            [texel[0], texel[1]] = (0.5 * xy + 0.5).to_array();
+        }
+        let error = rel_rmse(&lit(&with_normals(untold, slot.clone())), &expected);
+        assert!(error > 0.1, "negative control, {slot:?}: {error}");
     }
 }

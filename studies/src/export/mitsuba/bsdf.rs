@@ -83,7 +83,7 @@ impl MaterialWriter<'_, '_> {
         let maps = &self.material.maps;
         let mut wrappers = Vec::new();
         if let Some(slot) = maps.get("normal") {
-            // Mitsuba decodes 2 t - 1; strength and orientation are in the texels.
+            // Mitsuba decodes 2 t - 1 and does not turn normals by `to_uv`: the texels hold strength, orientation and turn.
             let encoded = |texel: Vec4| 0.5 * (slot.tangent_normal(texel.truncate()) + 1.0);
             wrappers.push(("normalmap", self.map(Some("normalmap"), "normal", slot, encoded)?));
         }
