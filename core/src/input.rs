@@ -3,6 +3,7 @@
 
 use crate::memory;
 use std::{
+    borrow::Cow,
     fs::{File, FileType, Metadata, metadata},
     io::{self, Error, ErrorKind, Read},
     path::Path,
@@ -26,12 +27,41 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The contents of a regular file as text.
+/// The contents of a regular file as text; see [`text`].
 ///
 /// # Errors
-/// See [`read`]; also contents that are not UTF-8.
+/// See [`read`] and [`text`]; also contents that are not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
-    String::from_utf8(read(path)?).map_err(|_| Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
+    let bytes = read(path)?;
+    String::from_utf8(text(&bytes)?.into_owned()).map_err(|_| damaged("it is not UTF-8 text"))
+}
+
+/// The bytes of a text without its byte order mark, which editors of Windows put first. UTF-16 with a mark becomes UTF-8.
+/// Bytes without a mark stay, whatever they are. Everything that is read as text passes through here.
+///
+/// # Errors
+/// Text in UTF-32, and damaged UTF-16.
+pub fn text(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
+    match bytes {
+        [0xef, 0xbb, 0xbf, rest @ ..] => Ok(rest.into()),
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Err(damaged("it is UTF-32 text; save it as UTF-8")),
+        [0xff, 0xfe, rest @ ..] => Ok(from_utf16(rest, u16::from_le_bytes)?.into()),
+        [0xfe, 0xff, rest @ ..] => Ok(from_utf16(rest, u16::from_be_bytes)?.into()),
+        _ => Ok(bytes.into()),
+    }
+}
+
+fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> io::Result<Vec<u8>> {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    let text: Result<String, _> = char::decode_utf16(pairs.iter().map(|&pair| unit(pair))).collect();
+    match text {
+        Ok(text) if rest.is_empty() => Ok(text.into_bytes()),
+        _ => Err(damaged("it is damaged UTF-16 text; save it as UTF-8")),
+    }
+}
+
+fn damaged(reason: &str) -> Error {
+    Error::new(ErrorKind::InvalidData, reason)
 }
 
 /// Opens a regular file for reading. Anything else is refused before it is opened.
@@ -118,6 +148,30 @@ mod tests {
         assert_eq!(read_text(&path).unwrap(), "ä");
         assert_eq!(read(&folder.path().join("b")).unwrap_err().kind(), ErrorKind::NotFound);
         assert!(refusal(folder.path()).contains("a folder"));
+    }
+
+    #[test]
+    fn byte_order_marks_are_removed_and_utf16_is_decoded() {
+        let marked = |mark: &[u8], units: &dyn Fn(u16) -> [u8; 2]| {
+            let units = "v ä 𝄞".encode_utf16().flat_map(units);
+            mark.iter().copied().chain(units).collect::<Vec<u8>>()
+        };
+        let (little, big) = (marked(b"\xff\xfe", &u16::to_le_bytes), marked(b"\xfe\xff", &u16::to_be_bytes));
+        for bytes in ["\u{feff}v ä 𝄞".as_bytes(), &little, &big, "v ä 𝄞".as_bytes()] {
+            assert_eq!(*text(bytes).unwrap(), *"v ä 𝄞".as_bytes(), "{bytes:?}");
+        }
+        assert_eq!(*text(b"\xef\xbbv").unwrap(), *b"\xef\xbbv", "half a mark is none");
+        assert_eq!(*text("v\u{feff}".as_bytes()).unwrap(), *"v\u{feff}".as_bytes(), "only at the start");
+        assert_eq!(*text(b"\xff\xfe").unwrap(), *b"");
+        for (bytes, named) in [
+            (&little[..little.len() - 1], "damaged UTF-16"),
+            (&little[..little.len() - 2], "damaged UTF-16"), // half a pair of surrogates
+            (&b"\xff\xfe\0\0v\0\0\0"[..], "UTF-32"),
+            (&b"\0\0\xfe\xff\0\0\0v"[..], "UTF-32"),
+        ] {
+            let message = text(bytes).unwrap_err().to_string();
+            assert!(message.contains(named), "{message}");
+        }
     }
 
     #[test]

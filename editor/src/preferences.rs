@@ -163,8 +163,8 @@ impl Preferences {
     /// Reads the preferences. Unreadable ones have their defaults, with a message for the user. A missing file gives no message.
     pub fn load(config: &Path) -> (Self, Option<String>) {
         let file = config.join(FILE);
-        let parsed = match input::read(&file) {
-            Ok(text) => serde_json::from_slice(&text).map_err(|e| e.to_string()),
+        let parsed = match input::read_text(&file) {
+            Ok(text) => serde_json::from_str(&text).map_err(|e| e.to_string()),
             Err(error) if error.kind() == ErrorKind::NotFound => return Default::default(),
             Err(error) => Err(error.to_string()),
         };

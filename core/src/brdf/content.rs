@@ -4,6 +4,7 @@
 //! shading code; leaked contents would grow with each file tried.
 
 use super::{Measured, MeasuredError, SampledLobe, Values, Written, WrittenError};
+use crate::input;
 use serde::{Deserialize, Serialize};
 use std::{
     path::{Path, PathBuf},
@@ -118,7 +119,7 @@ impl Content {
         let io_error = |source| BrdfFileError::Io { path: path.into(), source };
         let length = std::fs::metadata(path).map_err(io_error)?.len();
         kind.check_length(length, path)?;
-        Self::from_bytes(kind, &crate::input::read(path).map_err(io_error)?, path)
+        Self::from_bytes(kind, &input::read(path).map_err(io_error)?, path)
     }
 
     /// Reads the bytes of a file; the path is for messages.
@@ -136,7 +137,8 @@ impl Content {
             ContentKind::Written => {
                 let failed = |source| BrdfFileError::Written { path: path.into(), source };
                 let not_text = |_| failed(WrittenError { place: None, reason: "it is not text".into() });
-                let written = Written::new(std::str::from_utf8(bytes).map_err(not_text)?).map_err(failed)?;
+                let bytes = input::text(bytes).map_err(|source| BrdfFileError::Io { path: path.into(), source })?;
+                let written = Written::new(std::str::from_utf8(&bytes).map_err(not_text)?).map_err(failed)?;
                 let name = file_name(path);
                 let remarks = written.remarks().iter().map(|remark| format!("{name}: {remark}")).collect();
                 Ok((Self::Written(written.into()), remarks))

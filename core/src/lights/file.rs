@@ -177,6 +177,9 @@ mod tests {
         let path = folder.path().join("lights.json");
         file.write(&path).unwrap();
         assert_eq!(LightsFile::read(&path).unwrap(), file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, format!("\u{feff}{text}")).unwrap();
+        assert_eq!(LightsFile::read(&path).unwrap(), file, "with a byte order mark");
     }
 
     #[test]

@@ -56,7 +56,7 @@ fn entries(paths: Vec<PathBuf>) -> Vec<ListedFile> {
 }
 
 fn read(file: &Path) -> Vec<PathBuf> {
-    let parsed = input::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
+    let parsed = input::read_text(file).ok().and_then(|text| serde_json::from_str(&text).ok());
     let Some(Value::Array(list)) = parsed else { return Vec::new() };
     list.iter().filter_map(Value::as_str).filter(|path| !path.is_empty()).map(PathBuf::from).collect()
 }

@@ -9,6 +9,7 @@ use crate::{
 };
 use lapidary_core::{image::ImageError, input, memory};
 use std::{
+    borrow::Cow,
     collections::{BTreeSet, HashMap},
     ffi::OsString,
     io::ErrorKind,
@@ -143,11 +144,19 @@ impl Files {
     }
 }
 
-/// Reads the imported file, within its memory budget.
+/// Reads the imported file, within its memory budget and without a byte order mark.
 pub(super) fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
-    let bytes = input::read(path).map_err(|source| ImportError::Io { path: path.into(), source })?;
+    let io_error = |source| ImportError::Io { path: path.into(), source };
+    let bytes = input::read(path).map_err(io_error)?;
     files.budget.take(bytes.len() as u64).map_err(|over| over.at(path))?;
-    Ok(bytes)
+    let without_mark = match input::text(&bytes).map_err(io_error)? {
+        Cow::Borrowed(text) if text.len() == bytes.len() => None,
+        text => {
+            files.budget.take(text.len() as u64).map_err(|over| over.at(path))?;
+            Some(text.into_owned())
+        }
+    };
+    Ok(without_mark.unwrap_or(bytes))
 }
 
 /// The entries of folders by their names in lower case, cached: listing a folder for each missing name would take long.

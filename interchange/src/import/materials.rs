@@ -43,8 +43,7 @@ pub fn materials_in_file(path: &Path) -> Vec<String> {
     if wanted.is_some() || !is_materialx(file) {
         return Vec::new();
     }
-    let text = input::read(file).ok().and_then(|bytes| String::from_utf8(bytes.to_vec()).ok());
-    text.and_then(|text| materialx::names(&text).ok()).unwrap_or_default()
+    input::read_text(file).ok().and_then(|text| materialx::names(&text).ok()).unwrap_or_default()
 }
 
 /// Whether a file is a MaterialX document, by its extension.
@@ -81,7 +80,8 @@ pub fn load_material(
 /// The existing pictures that a material file names; empty for an unreadable file.
 pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
     let (path, wanted) = material_in_file(path);
-    let read = input::read(path).ok().and_then(|bytes| contents(path, &bytes, wanted).ok()).map(|read| read.material);
+    let text = input::read_text(path).ok();
+    let read = text.and_then(|text| contents(path, text.as_bytes(), wanted).ok()).map(|read| read.material);
     // The file that a name refers to depends on whether files outside are allowed.
     let found = [false, true].into_iter().flat_map(|allow_outside| {
         let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });

@@ -24,10 +24,15 @@ pub(crate) const BUMP_METRES: f32 = 0.01;
 /// A specular color up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
 pub(crate) const LARGEST_DIELECTRIC_F0: f32 = 0.2;
 
+/// Illumination models with transparency: glass, and refraction.
+const TRANSPARENT_MODELS: [f32; 4] = [4.0, 6.0, 7.0, 9.0];
+
 /// The statements of one material by lower-case key; the last of repeated ones counts.
 #[derive(Debug, Default)]
 pub(super) struct MtlEntry {
     statements: HashMap<String, String>,
+    /// Whether `Tr` is the opacity: the program that wrote the file says so nowhere, but names itself in a comment.
+    tr_is_opacity: bool,
 }
 
 /// All materials of a library by name. Unknown lines are skipped.
@@ -37,11 +42,17 @@ pub(super) struct MtlEntry {
 pub(super) fn parse(text: &str, budget: &mut Budget) -> Result<HashMap<String, MtlEntry>, OverBudget> {
     let mut entries = HashMap::new();
     let mut current: Option<(String, MtlEntry)> = None;
-    for line in text.lines().map(str::trim).filter(|l| !l.starts_with('#')) {
+    let mut tr_is_opacity = false;
+    for line in text.lines().map(str::trim) {
+        if let Some(comment) = line.strip_prefix('#') {
+            tr_is_opacity |= comment.to_ascii_lowercase().contains("meshlab");
+            continue;
+        }
         let (key, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if key == "newmtl" {
             budget.take_names(1)?;
-            entries.extend(current.replace((value.trim().to_owned(), MtlEntry::default())));
+            entries
+                .extend(current.replace((value.trim().to_owned(), MtlEntry { tr_is_opacity, ..Default::default() })));
         } else if let Some((_, entry)) = &mut current {
             entry.statements.insert(key.to_ascii_lowercase(), value.trim().to_owned());
         }
@@ -75,6 +86,20 @@ impl MtlEntry {
             _ => None,
         }
         .filter(|c| c.is_finite())
+    }
+
+    /// `d`, or else what `Tr` says: most programs write `1 - d`, and some, as MeshLab, write `d`. An opaque material of
+    /// theirs would be invisible, which its illumination model contradicts.
+    fn opacity(&self) -> f32 {
+        let Some(tr) = self.number("tr").filter(|_| self.number("d").is_none()) else {
+            return self.number("d").unwrap_or(1.0);
+        };
+        let is_transparent = self.number("illum").is_none_or(|model| TRANSPARENT_MODELS.contains(&model));
+        match self.tr_is_opacity {
+            true => tr,
+            false if tr >= 1.0 && !is_transparent => 1.0,
+            false => 1.0 - tr,
+        }
     }
 
     fn map(&self, key: &str) -> Option<MapStatement> {
@@ -200,7 +225,7 @@ fn material(
     let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
     // Programs leave the color black when a texture replaces it.
     material.set_emission(entry.color("ke").filter(|ke| ke.max_element() > 0.0).unwrap_or(whole));
-    let opacity = entry.number("d").unwrap_or_else(|| 1.0 - entry.number("tr").unwrap_or(0.0));
+    let opacity = entry.opacity();
     if opacity < 1.0 {
         material.parameters.set("geometry_opacity", opacity.max(0.0));
     }
@@ -378,6 +403,18 @@ mod tests {
     fn damaged_lines_cost_only_themselves() {
         let m = parameters(&entry("Kd 0.5\nKs spectral file.rfl\nNs\nPr 0.25\nKe 1 nan 0\nd"));
         assert_eq!((m.base_color, m.roughness), (Vec3::splat(0.5), 0.25));
+    }
+
+    #[test]
+    fn opacity_is_read_as_its_program_meant_it() {
+        let opacity = |text: &str| entry(text).opacity();
+        assert_eq!([opacity(""), opacity("d 0.25\nTr 1"), opacity("Tr 0.25\nillum 2")], [1.0, 0.25, 0.75]);
+        // As MeshLab writes an opaque material. Glass of other programs stays transparent.
+        assert_eq!([opacity("Tr 1.0\nillum 2"), opacity("Tr 1\nillum 2\nd 1"), opacity("Tr 1\nd x")], [1.0, 1.0, 0.0]);
+        assert_eq!([opacity("Tr 1\nillum 4"), opacity("Tr 1"), opacity("Tr 0\nillum 2")], [0.0, 0.0, 1.0]);
+        let by_meshlab = "#\n# Wavefront material file\n# Converted by Meshlab Group\n#\nnewmtl m\nTr 0.25\nillum 2\n";
+        let opacity = |text: &str| parse(text, &mut Budget::new(None)).unwrap()["m"].opacity();
+        assert_eq!([opacity(by_meshlab), opacity(&by_meshlab.replace("Meshlab", "Blender"))], [0.25, 0.75]);
     }
 
     #[test]

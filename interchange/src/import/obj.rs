@@ -1,9 +1,11 @@
-//! Wavefront OBJ, parsed by `tobj`.
+//! Wavefront OBJ, parsed by `tobj` after a pass of our own; see [`Outline`].
 
 use super::{
-    budget::{Budget, OverBudget},
+    budget::OverBudget,
     files::{Files, Trouble},
     mtl,
+    polygon::Polygons,
+    recenter,
     repair::RawMesh,
     textures::TextureLibrary,
 };
@@ -15,14 +17,18 @@ use crate::{
     names::listed,
 };
 use glam::{Vec2, Vec3, Vec4};
-use lapidary_core::{material::Material, scene::Object};
+use lapidary_core::{input, material::Material, scene::Object};
+use outline::Outline;
 use std::{
     cell::Cell,
     collections::{HashMap, HashSet},
     io::{BufRead, Read},
+    iter::repeat_n,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
 };
+
+mod outline;
 
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
     let failed = |trouble: Trouble| trouble.at(path, "OBJ");
@@ -33,16 +39,25 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     // The text is copied for `tobj`, and possibly again if it is not UTF-8.
     files.budget.take(2 * bytes.len() as u64).map_err(|over| over.at(path))?;
     let over_budget = |over: OverBudget| over.at(path);
-    let outline = outline(&String::from_utf8_lossy(bytes), &mut files.budget).map_err(over_budget)?;
+    let mut outline = Outline::new(&String::from_utf8_lossy(bytes), &mut files.budget).map_err(failed)?;
     check_count("vertices", outline.positions, path)?;
     check_count("triangles", outline.triangles, path)?;
     let expected = outline.vertices();
     files.budget.take_mesh(expected, outline.triangles).map_err(over_budget)?;
-    let models = parse(&outline).map_err(parse_error)?;
+    let mut source = Source::default();
+    let mut models = parse(&outline).map_err(parse_error)?;
+    let places = models.iter().flat_map(|model| triples(&model.mesh.positions));
+    if let Some(offset) = recenter::offset(places) {
+        files.budget.take(outline.bytes_of_subtraction()).map_err(over_budget)?;
+        outline.subtract(offset);
+        models = parse(&outline).map_err(parse_error)?;
+        source.warnings.push(recenter::warning(offset));
+    }
     let vertices: u64 = models.iter().map(|model| model.mesh.positions.len() as u64 / 3).sum();
     files.budget.take_mesh(vertices.saturating_sub(expected), 0).map_err(over_budget)?;
-    let mut source = Source::default();
+    outline.warn(&mut source.warnings);
     let mut damaged = Damaged::default();
+    let (mut polygons, mut smoothing) = (Polygons::default(), outline.smoothing());
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut objects = HashMap::new();
     for model in models.iter().filter(|m| !m.mesh.indices.is_empty()) {
@@ -52,97 +67,20 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
             source.objects.len() as u32 - 1
         });
         let material = model.mesh.material_id.unwrap_or(outline.materials.in_order.len());
-        add_model(&mut source.mesh, &model.mesh, object, material as u32);
+        let mesh = &mut source.mesh;
+        let base = mesh.positions.len();
+        add_vertices(mesh, &model.mesh);
+        for corners in faces(&model.mesh) {
+            mesh.push_polygon(base, corners, material as u32, object, &mut polygons);
+            if let Some(next) = &mut smoothing {
+                mesh.triangle_smoothing.resize(mesh.triangles.len(), next());
+            }
+        }
         damaged.note(&name, &model.mesh);
     }
     damaged.warn(&mut source.warnings);
     add_materials(&mut source, &outline, TextureLibrary::new(files)).map_err(failed)?;
     Ok(source)
-}
-
-/// Results of a first pass over the text, and the text in the form for `tobj`.
-#[derive(Default)]
-struct Outline {
-    text: String,
-    /// Names in the order of first use; `tobj` refers to them by index.
-    materials: Names,
-    libraries: Names,
-    positions: u64,
-    uvs: u64,
-    normals: u64,
-    corners: u64,
-    triangles: u64,
-}
-
-/// Joins continued lines, drops comments after numbers, and collects the names of materials and libraries. Line numbers stay.
-fn outline(file: &str, budget: &mut Budget) -> Result<Outline, OverBudget> {
-    let mut outline = Outline { text: String::with_capacity(file.len() + 64), ..Default::default() };
-    let mut joined = 0;
-    for line in file.lines() {
-        if let Some(start) = line.strip_suffix('\\') {
-            outline.text.push_str(start);
-            outline.text.push(' ');
-            joined += 1;
-            continue;
-        }
-        outline.push_line(line, budget)?;
-        outline.text.extend(std::iter::repeat_n('\n', 1 + std::mem::take(&mut joined)));
-    }
-    Ok(outline)
-}
-
-impl Outline {
-    /// Estimated number of vertices. Each distinct combination of a corner makes one; most programs write half as many
-    /// more as there are positions, at seams and hard edges.
-    fn vertices(&self) -> u64 {
-        let most = self.positions.max(self.uvs).max(self.normals);
-        (most + most / 2).min(self.corners)
-    }
-
-    fn push_line(&mut self, line: &str, budget: &mut Budget) -> Result<(), OverBudget> {
-        let trimmed = line.trim();
-        let (key, value) = trimmed.split_once(char::is_whitespace).unwrap_or((trimmed, ""));
-        let value = value.trim();
-        match key {
-            "mtllib" => return self.libraries.add(value, budget),
-            "usemtl" if value.is_empty() => return Ok(()),
-            "usemtl" => {
-                self.text.push_str("usemtl ");
-                self.text.push_str(value);
-                return self.materials.add(value, budget);
-            }
-            "v" => self.positions += 1,
-            "vt" => self.uvs += 1,
-            "vn" => self.normals += 1,
-            "f" => {
-                let corners = value.split_whitespace().count() as u64;
-                self.corners += corners;
-                self.triangles += corners.saturating_sub(2);
-            }
-            _ => {}
-        }
-        let numeric = matches!(key, "v" | "vt" | "vn" | "f" | "l");
-        self.text.push_str(if numeric { trimmed.split('#').next().unwrap_or_default() } else { trimmed });
-        Ok(())
-    }
-}
-
-/// Unique names.
-#[derive(Default)]
-struct Names {
-    in_order: Vec<String>,
-    known: HashSet<String>,
-}
-
-impl Names {
-    fn add(&mut self, name: &str, budget: &mut Budget) -> Result<(), OverBudget> {
-        if !self.known.contains(name) {
-            budget.take_names(1)?;
-            self.known.insert(name.to_owned());
-            self.in_order.push(name.to_owned());
-        }
-        Ok(())
-    }
 }
 
 /// Reads lines and counts them, to locate errors.
@@ -174,7 +112,7 @@ fn parse(outline: &Outline) -> Result<Vec<tobj::Model>, String> {
     let lines = Cell::new(0);
     let library = "mtllib names\n".as_bytes();
     let mut reader = library.chain(LineCounter { rest: outline.text.as_bytes(), lines: &lines });
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let options = tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
     let names = |_: &Path| {
         let materials =
             outline.materials.in_order.iter().map(|n| tobj::Material { name: n.clone(), ..Default::default() });
@@ -194,24 +132,32 @@ fn triples(values: &[f32]) -> impl Iterator<Item = Vec3> {
     values.chunks_exact(3).map(Vec3::from_slice)
 }
 
-/// Appends the mesh of one object and material. Normals and texture coordinates on only some of its faces cannot be
+/// Appends the vertices of one object and material. Normals and texture coordinates on only some of its faces cannot be
 /// assigned to vertices, and count as missing.
-fn add_model(raw: &mut RawMesh, mesh: &tobj::Mesh, object: u32, material: u32) {
-    let (base, count) = (raw.positions.len(), mesh.positions.len() / 3);
+fn add_vertices(raw: &mut RawMesh, mesh: &tobj::Mesh) {
+    let count = raw.positions.len() + mesh.positions.len() / 3;
     raw.positions.extend(triples(&mesh.positions));
-    if mesh.normals.len() == 3 * count {
+    if mesh.normals.len() == mesh.positions.len() {
         raw.normals.extend(triples(&mesh.normals));
     }
-    if mesh.texcoords.len() == 2 * count {
+    if 3 * mesh.texcoords.len() == 2 * mesh.positions.len() {
         // OBJ counts v from the bottom of the picture.
         raw.uvs.extend(mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])));
     }
-    raw.normals.resize(base + count, Vec3::ZERO);
-    raw.uvs.resize(base + count, RawMesh::NO_UV);
-    raw.tangents.resize(base + count, Vec4::ZERO);
-    for corners in mesh.indices.chunks_exact(3) {
-        raw.push_triangle(base, [corners[0], corners[1], corners[2]], material, object);
-    }
+    raw.normals.resize(count, Vec3::ZERO);
+    raw.uvs.resize(count, RawMesh::NO_UV);
+    raw.tangents.resize(count, Vec4::ZERO);
+}
+
+/// The corners of each face. `tobj` gives no counts if all are triangles.
+fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = &[u32]> {
+    let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };
+    let counts = mesh.face_arities.iter().map(|&count| count as usize).chain(repeat_n(3, triangles));
+    counts.scan(&mesh.indices[..], |rest, count| {
+        let (corners, after) = rest.split_at_checked(count)?;
+        *rest = after;
+        Some(corners)
+    })
 }
 
 /// Objects whose normals or texture coordinates were dropped.
@@ -250,7 +196,10 @@ fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLib
     let mut unread = Vec::new();
     for name in library_names(&outline.libraries.in_order, &mut library.files) {
         match library.files.find(name).and_then(|file| library.files.read(&file)) {
-            Ok(bytes) => entries.extend(mtl::parse(&String::from_utf8_lossy(&bytes), &mut library.files.budget)?),
+            Ok(bytes) => match input::text(&bytes) {
+                Ok(text) => entries.extend(mtl::parse(&String::from_utf8_lossy(&text), &mut library.files.budget)?),
+                Err(error) => unread.push(format!("{name} ({error})")),
+            },
             Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
             Err(_) => unread.push(name.to_owned()),
         }

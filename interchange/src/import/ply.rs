@@ -2,13 +2,15 @@
 
 use super::{
     files::{Files, Trouble},
+    polygon::Polygons,
+    recenter,
     repair::RawMesh,
 };
 use crate::import::{
     report::ImportError,
     source::{Source, check_count},
 };
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use lapidary_core::{material::Material, scene::Object};
 use ply_rs_bw::{
     parser::{Parser, Reader},
@@ -48,24 +50,30 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
 }
 
 fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
+    let mut positions: Vec<Vec3> = vertices.iter().map(|v| v.position.as_vec3()).collect();
+    let used = faces.iter().flat_map(|face| &face.corners).filter_map(|&corner| positions.get(corner as usize));
+    let offset = recenter::offset(used.copied());
+    if let Some(offset) = offset {
+        positions = vertices.iter().map(|v| (v.position - offset).as_vec3()).collect();
+    }
     let mut mesh = RawMesh {
-        positions: vertices.iter().map(|v| v.position).collect(),
+        positions,
         normals: vertices.iter().map(|v| v.normal).collect(),
         // PLY does not define its texture space; its writers count v from the bottom.
         uvs: vertices.iter().map(|v| Vec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
         tangents: vec![Vec4::ZERO; vertices.len()],
         ..Default::default()
     };
+    let mut polygons = Polygons::default();
     for Face { corners } in faces {
-        for pair in corners.get(1..).unwrap_or_default().windows(2) {
-            mesh.push_triangle(0, [corners[0], pair[0], pair[1]], 0, 0);
-        }
+        mesh.push_polygon(0, corners, 0, 0, &mut polygons);
     }
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Source {
         mesh,
         materials: vec![Material { name: "default".into(), ..Default::default() }],
         objects: vec![Object { name }],
+        warnings: offset.map(recenter::warning).into_iter().collect(),
         ..Default::default()
     }
 }
@@ -86,7 +94,8 @@ impl PropertyAccess for Ignored {
 
 #[derive(Clone, Debug)]
 struct Vertex {
-    position: Vec3,
+    /// In double precision: maps have coordinates of millions of meters.
+    position: DVec3,
     normal: Vec3,
     uv: Vec2,
 }
@@ -94,14 +103,14 @@ struct Vertex {
 impl PropertyAccess for Vertex {
     /// Missing positions are NaN, which the repair reports.
     fn new() -> Self {
-        Self { position: Vec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV }
+        Self { position: DVec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
         let target = match name {
-            "x" => &mut self.position.x,
-            "y" => &mut self.position.y,
-            "z" => &mut self.position.z,
+            "x" => return set_double(&mut self.position.x, &value),
+            "y" => return set_double(&mut self.position.y, &value),
+            "z" => return set_double(&mut self.position.z, &value),
             "nx" => &mut self.normal.x,
             "ny" => &mut self.normal.y,
             "nz" => &mut self.normal.z,
@@ -113,6 +122,18 @@ impl PropertyAccess for Vertex {
         *target = number;
         PropertyAccessResult::Set
     }
+}
+
+fn set_double(target: &mut f64, value: &Property) -> PropertyAccessResult {
+    let number = match *value {
+        Property::Int(number) => Some(number.into()),
+        Property::UInt(number) => Some(number.into()),
+        Property::Double(number) => Some(number),
+        _ => value.to_f32_lossy().map(f64::from),
+    };
+    let Some(number) = number else { return PropertyAccessResult::UnsupportedType };
+    *target = number;
+    PropertyAccessResult::Set
 }
 
 #[derive(Clone, Debug)]

@@ -1,12 +1,6 @@
 //! Turns the mesh of a file into a clean one: checked, welded, with normals, texture coordinates and tangents.
-//!
-//! Missing normals are rebuilt as the mean of the face normals around a position, weighted by the angle of each face's
-//! corner. A position keeps more than one normal only where edges sharper than [`CREASE_COSINE`] separate the faces
-//! around it into fans: a single sharp edge, frequent in noisy scans, splits nothing. (On a scan of 100,250 vertices
-//! this adds 6 %, where its surface folds back on itself; joining the fans with similar mean normals lowered that only
-//! to 5.9 %, and rounded off chamfers elsewhere.)
 
-use super::tangents;
+use super::{polygon::Polygons, tangents};
 use crate::import::report::ImportReport;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use lapidary_core::{
@@ -14,14 +8,11 @@ use lapidary_core::{
     mesh::check_extent,
     scene::{Mesh, MeshError},
 };
+pub(super) use normals::Smoothing;
+use normals::smooth_normals;
 use std::collections::HashMap;
 
-/// Cosine of the crease angle: faces that meet at more than 60 degrees do not share a rebuilt normal. A hexagonal prism
-/// stays smooth, and a cube does not.
-const CREASE_COSINE: f32 = 0.499;
-
-/// Largest number of faces on an edge that each face is compared with: thousands on one edge would take forever.
-const MOST_NEIGHBOURS: usize = 16;
+mod normals;
 
 /// A triangle has no area if its doubled area is below this fraction of its longest edge squared: `f32` positions
 /// cannot express its normal.
@@ -40,6 +31,8 @@ pub(super) struct RawMesh {
     pub triangles: Vec<[u32; 3]>,
     pub triangle_material: Vec<u32>,
     pub triangle_object: Vec<u32>,
+    /// How missing normals of each triangle are rebuilt; empty for all by angle.
+    pub triangle_smoothing: Vec<Smoothing>,
 }
 
 impl RawMesh {
@@ -51,6 +44,12 @@ impl RawMesh {
         self.triangles.push(corners.map(|c| u32::try_from(base + c as usize).unwrap_or(u32::MAX)));
         self.triangle_material.push(material);
         self.triangle_object.push(object);
+    }
+
+    /// Adds the triangles of a polygon of vertices relative to `base`, which has all of them.
+    pub fn push_polygon(&mut self, base: usize, corners: &[u32], material: u32, object: u32, polygons: &mut Polygons) {
+        let triangles = polygons.split(corners, &self.positions[base..]);
+        triangles.for_each(|corners| self.push_triangle(base, corners, material, object));
     }
 
     fn corners(&self, triangle: usize) -> [Vec3; 3] {
@@ -71,6 +70,9 @@ impl RawMesh {
         retain(&mut self.triangles, keep);
         retain(&mut self.triangle_material, keep);
         retain(&mut self.triangle_object, keep);
+        if !self.triangle_smoothing.is_empty() {
+            retain(&mut self.triangle_smoothing, keep);
+        }
     }
 }
 
@@ -285,95 +287,4 @@ fn box_projection(p: Vec3, normal: Vec3) -> (Vec2, Vec4) {
     };
     let tangent = (axis - normal * normal.dot(axis)).normalize_or(normal.any_orthonormal_vector());
     (uv, tangent.extend(1.0))
-}
-
-/// The rebuilt normal of every corner of every triangle; see the top of the file.
-fn smooth_normals(raw: &RawMesh) -> Vec<[Vec3; 3]> {
-    let position_ids = position_ids(raw);
-    let faces: Vec<Vec3> = (0..raw.triangles.len()).map(|t| raw.face_normal(t)).collect();
-    let mut fans = fans_around_positions(raw, &position_ids, &faces);
-    let mut sums = vec![Vec3::ZERO; 3 * raw.triangles.len()];
-    for (t, face) in faces.iter().enumerate() {
-        for (k, angle) in corner_angles(raw.corners(t)).into_iter().enumerate() {
-            sums[fans.find(3 * t + k)] += angle * *face;
-        }
-    }
-    let normal = |t: usize, k: usize, fans: &mut Fans| sums[fans.find(3 * t + k)].normalize_or(faces[t]);
-    (0..raw.triangles.len()).map(|t| [0, 1, 2].map(|k| normal(t, k, &mut fans))).collect()
-}
-
-fn corner_angles([a, b, c]: [Vec3; 3]) -> [f32; 3] {
-    let at = |p: Vec3, q: Vec3, r: Vec3| (q - p).angle_between(r - p);
-    [at(a, b, c), at(b, c, a), at(c, a, b)].map(|angle| if angle.is_finite() { angle } else { 0.0 })
-}
-
-/// A number for each distinct position within an object, per vertex; 0 if no triangle uses the vertex.
-fn position_ids(raw: &RawMesh) -> Vec<u32> {
-    let mut ids = vec![0; raw.positions.len()];
-    let mut known = HashMap::new();
-    for (corners, &object) in raw.triangles.iter().zip(&raw.triangle_object) {
-        for &v in corners {
-            let next = known.len() as u32;
-            let key = (object, bits(raw.positions[v as usize].to_array()));
-            ids[v as usize] = *known.entry(key).or_insert(next);
-        }
-    }
-    ids
-}
-
-/// Joins the corners of faces that share a smooth edge.
-fn fans_around_positions(raw: &RawMesh, position_ids: &[u32], faces: &[Vec3]) -> Fans {
-    let mut edges = Vec::with_capacity(3 * raw.triangles.len());
-    for (t, corners) in raw.triangles.iter().enumerate() {
-        let ids = corners.map(|v| position_ids[v as usize]);
-        for k in 0..3 {
-            let (a, b) = ((ids[k], 3 * t + k), (ids[(k + 1) % 3], 3 * t + (k + 1) % 3));
-            let ((low, corner_low), (high, corner_high)) = if a.0 < b.0 { (a, b) } else { (b, a) };
-            edges.push((low, high, corner_low as u32, corner_high as u32));
-        }
-    }
-    edges.sort_unstable();
-    let mut fans = Fans::new(3 * raw.triangles.len());
-    for shared in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        join_across_edge(shared, faces, &mut fans);
-    }
-    fans
-}
-
-/// An edge as two position numbers, and the corners of one of its faces there.
-type Edge = (u32, u32, u32, u32);
-
-fn join_across_edge(shared: &[Edge], faces: &[Vec3], fans: &mut Fans) {
-    for (i, a) in shared.iter().enumerate() {
-        for b in shared[i + 1..].iter().take(MOST_NEIGHBOURS) {
-            if faces[a.2 as usize / 3].dot(faces[b.2 as usize / 3]) > CREASE_COSINE {
-                fans.join(a.2 as usize, b.2 as usize);
-                fans.join(a.3 as usize, b.3 as usize);
-            }
-        }
-    }
-}
-
-/// Disjoint sets of corners.
-struct Fans {
-    parent: Vec<u32>,
-}
-
-impl Fans {
-    fn new(count: usize) -> Self {
-        Self { parent: (0..count as u32).collect() }
-    }
-
-    fn find(&mut self, mut corner: usize) -> usize {
-        while self.parent[corner] as usize != corner {
-            self.parent[corner] = self.parent[self.parent[corner] as usize];
-            corner = self.parent[corner] as usize;
-        }
-        corner
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.parent[a.max(b)] = a.min(b) as u32;
-    }
 }

@@ -8,6 +8,7 @@ mod limits;
 mod material_files;
 mod numbers;
 mod obj;
+mod other_programs;
 mod outside;
 mod repair;
 

@@ -57,9 +57,9 @@ impl Poses {
     /// A file that cannot be read, or that poses unknown objects; see [`PoseFileError`].
     pub fn read(path: &Path, scene: &Scene) -> Result<Self, PoseFileError> {
         let path = || path.to_owned();
-        let bytes = input::read(&path()).map_err(|source| PoseFileError::Read { path: path(), source })?;
+        let text = input::read_text(&path()).map_err(|source| PoseFileError::Read { path: path(), source })?;
         let file: PoseFile =
-            serde_json::from_slice(&bytes).map_err(|source| PoseFileError::Json { path: path(), source })?;
+            serde_json::from_str(&text).map_err(|source| PoseFileError::Json { path: path(), source })?;
         Self::named(&file.objects, scene).map_err(|source| PoseFileError::Pose { path: path(), source })
     }
 

@@ -94,7 +94,10 @@ fn a_file_poses_objects_by_name_and_says_what_is_wrong() {
         r#"{"objects": {"cube 1": {"translate": [0, 1, 0], "rotate_degrees": [0, 45, 0]}, "cube 0": {"scale": 0.5}}}"#;
     let poses = read(text, &scene).unwrap();
     let turned = Pose { translate: Vec3::Y, rotate_degrees: Vec3::new(0.0, 45.0, 0.0), scale: 1.0 };
-    assert_eq!([0, 1, 2].map(|o| poses.of(o)), [Pose { scale: 0.5, ..Pose::AS_BAKED }, turned, turned]);
+    let expected = [Pose { scale: 0.5, ..Pose::AS_BAKED }, turned, turned];
+    assert_eq!([0, 1, 2].map(|o| poses.of(o)), expected);
+    let marked = read(&format!("\u{feff}{text}"), &scene).unwrap();
+    assert_eq!([0, 1, 2].map(|o| marked.of(o)), expected, "with a byte order mark");
     add_ground(&mut scene);
     for (text, said) in [
         (r#"{"objects": {"cub": {}}}"#, "no object \"cub\"; it has cube 0, cube 1"),

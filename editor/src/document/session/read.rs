@@ -73,10 +73,9 @@ pub fn read_json(path: &Path) -> Result<Map<String, Value>, SessionError> {
     if bytes > MAX_BYTES {
         return Err(SessionError::TooLarge { path: path.into(), bytes, limit: MAX_BYTES });
     }
-    let text = input::read(path).map_err(io_error)?;
-    // Some text editors put a byte order mark first.
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
-    let root = serde_json::from_slice(text).map_err(|source| SessionError::Damaged { path: path.into(), source })?;
+    let bytes = input::read(path).map_err(io_error)?;
+    let text = input::text(&bytes).map_err(io_error)?;
+    let root = serde_json::from_slice(&text).map_err(|source| SessionError::Damaged { path: path.into(), source })?;
     let Value::Object(root) = root else { return Err(SessionError::Foreign { path: path.into() }) };
     match root.get(VERSION_KEY).and_then(Value::as_u64) {
         Some(found) if found > VERSION => Err(SessionError::Newer { path: path.into(), found }),

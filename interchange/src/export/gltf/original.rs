@@ -27,7 +27,9 @@ use std::{
 
 /// Writes the `original` to `path` with the materials of the scene.
 pub fn write(scene: &Scene, path: &Path, original: &Path) -> Result<Exported, ExportError> {
-    let bytes = input::read(original).map_err(|source| ImportError::Io { path: original.into(), source })?;
+    let io_error = |source| ImportError::Io { path: original.into(), source };
+    let bytes = input::read(original).map_err(io_error)?;
+    let bytes = input::text(&bytes).map_err(io_error)?;
     let imported = import_with(original, &ImportOptions { allow_outside: true, ..Default::default() })?;
     let (json, chunks) = container::parts(&bytes);
     let members: Members = serde_json::from_slice(json).map_err(|error| ExportError::text(original, error))?;
