@@ -222,7 +222,7 @@ fn ball(center: [f64; 3]) -> (Vec<String>, Vec<[usize; 4]>) {
 
 fn ball_files(center: [f64; 3]) -> [(&'static str, String); 2] {
     let (vertices, faces) = ball(center);
-    let text = |first: usize| faces.iter().map(|quad| quad.map(|corner| (corner + first).to_string()).join(" "));
+    let text = |first: usize| faces.iter().map(move |quad| quad.map(|corner| (corner + first).to_string()).join(" "));
     let mut obj: String = vertices.iter().map(|place| format!("v {place}\n")).collect();
     text(1).for_each(|corners| obj += &format!("f {corners}\n"));
     let places: Vec<&str> = vertices.iter().map(String::as_str).collect();

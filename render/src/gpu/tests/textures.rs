@@ -172,7 +172,7 @@ fn spreads_of_turned_and_mirrored_normals_are_those_of_the_cpu() {
         let slot = TextureSlot { texture: 2, rotation, scale, flip_y: true, ..Default::default() };
         let maps = MaterialMaps::from([("normal", slot)]);
         let looks = appearance(&dataset, BrdfModel::Ggx, parameters(0.35, 0.0), maps);
-        Appearance { textures: fine_textures(), ..looks }
+        Appearance { textures: fine_textures(Bits::Eight), ..looks }
     };
     let view = view(ViewMode::Shaded);
     for (rotation, mirror) in [(1.1, Vec2::new(-1.0, 1.0)), (-2.0, Vec2::new(1.0, -1.0)), (0.5 * PI, Vec2::ONE)] {
