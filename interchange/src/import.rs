@@ -4,7 +4,7 @@
 //! same way for all formats. `ranges` clamps everything else. Contents of a file never cause a panic: they are repaired with a
 //! warning, or refused with an error. `budget` bounds the memory of an import, and `files` restricts the files it reads.
 
-use crate::file_format::FileFormat;
+use crate::{file_format::FileFormat, names::told_apart};
 use files::{Files, read_file};
 use glam::Vec3;
 pub(crate) use gltf::percent_decoded;
@@ -64,24 +64,28 @@ pub fn import_with(path: &Path, options: &ImportOptions) -> Result<Imported, Imp
     if !format.holds(Content::Variants) && variant.is_some() {
         return Err(ImportError::no_variant(path, variant, Vec::new()));
     }
+    let scene = options.scene.as_deref();
+    if !format.holds(Content::Scenes) && scene.is_some() {
+        return Err(ImportError::no_scene(path, scene, Vec::new()));
+    }
     let mut files = Files::beside(path, options);
     let bytes = read_file(path, &mut files)?;
-    finish((format.read)(&bytes, path, files, variant)?, path)
+    finish((format.read)(&bytes, path, files, options)?, path)
 }
 
 /// The animation of a file; `None` for a format without animations.
 pub(crate) fn animation(path: &Path, options: &ImportOptions) -> Option<Result<Animation, ImportError>> {
     let read = SceneFormat::of(path)?.animation?;
     let mut files = Files::beside(path, options);
-    Some(read_file(path, &mut files).and_then(|bytes| read(&bytes, path, files)))
+    Some(read_file(path, &mut files).and_then(|bytes| read(&bytes, path, files, options)))
 }
 
 /// Repairs and validates the mesh.
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
-    let Source { variants, warnings, unread, outside, files, .. } = source;
+    let Source { variants, scenes, warnings, unread, outside, files, .. } = source;
     let names = variants.names.clone();
-    let mut report = ImportReport { variants: names, warnings, unread, outside, files, ..Default::default() };
+    let mut report = ImportReport { scenes, variants: names, warnings, unread, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {
@@ -96,9 +100,21 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         placed: Vec::new(),
         clip_time: None,
     };
+    tell_apart(&mut scene);
     aim_at_the_center(&mut scene);
     ranges::keep_in_range(&mut scene, &mut report.warnings);
     Ok(Imported { scene, report })
+}
+
+/// Gives objects, materials and cameras of equal names different ones: names select them.
+fn tell_apart(scene: &mut Scene) {
+    fn each<T>(items: &mut [T], name: fn(&mut T) -> &mut String) {
+        let names = told_apart(items.iter_mut().map(|item| name(item).clone()).collect());
+        items.iter_mut().zip(names).for_each(|(item, apart)| *name(item) = apart);
+    }
+    each(&mut scene.objects, |object| &mut object.name);
+    each(&mut scene.materials, |material| &mut material.name);
+    each(&mut scene.cameras, |camera| &mut camera.name);
 }
 
 /// Moves the targets of cameras and lights along their axes to the depth of the scene's center. Orbiting then turns

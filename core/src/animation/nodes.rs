@@ -66,6 +66,18 @@ impl Nodes {
         &self.nodes[node]
     }
 
+    /// Gives a node at rest a scale of `least` along each axis where it is 0. Returns whether there is such an axis.
+    pub fn extend_at_rest(&mut self, node: usize, least: f32) -> bool {
+        let node = &mut self.nodes[node];
+        let scale = node.at_rest.scale.map(|along| if along == 0.0 { least } else { along });
+        let is_changed = scale != node.at_rest.scale;
+        if is_changed {
+            node.at_rest.scale = scale;
+            node.parent_from_node = node.at_rest.parent_from_node();
+        }
+        is_changed
+    }
+
     /// The state without an animation.
     pub fn at_rest(&self) -> NodeState {
         NodeState {

@@ -21,7 +21,7 @@ use std::{
 
 /// The import may take half of an input's memory.
 const OPTIONS: ImportOptions =
-    ImportOptions { budget: Some(crate::MOST_BYTES as u64 / 2), allow_outside: false, variant: None };
+    ImportOptions { budget: Some(crate::MOST_BYTES as u64 / 2), allow_outside: false, variant: None, scene: None };
 
 fn import(path: &Path) -> Result<Imported, ImportError> {
     import_with(path, &OPTIONS)

@@ -4,6 +4,7 @@ mod bad_input;
 mod channels;
 mod damage;
 mod file;
+mod hidden;
 mod sheets;
 
 use super::AnimationFileError;

@@ -84,7 +84,8 @@ impl Budget {
     /// Takes the memory for parsing a JSON text.
     pub fn take_json(&mut self, json: &[u8]) -> Result<(), OverBudget> {
         let count = |byte: u8| json.iter().filter(|b| **b == byte).count() as u64;
-        self.take(json.len() as u64 + JSON_OBJECT * count(b'{') + JSON_ENTRY * count(b','))
+        // The text is held twice: as read for extensions, and in the parsed document.
+        self.take(2 * json.len() as u64 + JSON_OBJECT * count(b'{') + JSON_ENTRY * count(b','))
     }
 
     /// Takes the memory of a picture with its levels of detail, from its encoded length. The decoder's own memory is

@@ -4,7 +4,13 @@ use super::{
     files::{Files, Trouble},
     textures::TextureLibrary,
 };
-use crate::import::{report::ImportError, source::Source};
+use crate::{
+    import::{
+        report::{ImportError, ImportOptions},
+        source::Source,
+    },
+    names::{listed, told_apart},
+};
 use clips::Clips;
 use document::warn_of_extensions;
 use glam::{Mat4, Vec3};
@@ -22,8 +28,11 @@ use std::path::Path;
 
 mod buffers;
 mod clips;
+mod completed;
+mod container;
 mod deformations;
 mod document;
+mod glossiness;
 mod hierarchy;
 mod json;
 mod layers;
@@ -33,28 +42,40 @@ mod notes;
 mod pointers;
 mod primitive;
 mod scene_file;
+mod scenes;
 mod variants;
 
 pub(crate) use buffers::percent_decoded;
 
 /// Reads a scene at rest.
-pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<&str>) -> Result<Source, ImportError> {
+pub(super) fn read(
+    bytes: &[u8],
+    path: &Path,
+    mut files: Files,
+    options: &ImportOptions,
+) -> Result<Source, ImportError> {
     let failed = |trouble: Trouble| trouble.at(path, "glTF");
-    let file = SceneFile::open(bytes, path, &mut files, variant)?;
-    let (gltf, buffers) = (&file.gltf, &file.buffers);
+    let mut file = SceneFile::open(bytes, path, &mut files, options)?;
     // Clips are checked, and not kept.
     let clips = Clips::read(&file, &mut files.budget.clone());
     let remarks: Vec<String> = clips.remarks_of_broken().chain(clips.remarks_of_channels()).collect();
+    let hidden = file.keep_hidden(&clips.playable);
     drop(clips);
+    let (gltf, buffers) = (&file.gltf, &file.buffers);
     let mut library = TextureLibrary::new(files);
     let mut source = Source::default();
     source.variants.names.clone_from(&file.variants.names);
+    source.warnings.extend(file.scenes.remark());
+    if file.scenes.names.len() > 1 {
+        source.scenes.clone_from(&file.scenes.names);
+    }
     source.warnings.extend(file.variants.remark());
-    materials::add_materials(&mut source, gltf, bytes, buffers, &mut library).map_err(failed)?;
+    source.warnings.extend(remark_of_empty_textures(&file.without_picture));
+    materials::add_materials(&mut source, gltf, &file.json, buffers, &mut library).map_err(failed)?;
     let at_rest = file.at_rest();
     let placed: Vec<_> =
         file.nodes_of_scene().map(|node| (node.clone(), at_rest.world_from_node(node.index()))).collect();
-    if let Some(document) = document_with(bytes, lights::EXTENSION) {
+    if let Some(document) = document_with(&file.json, lights::EXTENSION) {
         lights::add_lights(&mut source, &document, &placed);
     }
     let mut notes = Notes { turned: file.turned.clone(), ..Notes::default() };
@@ -72,6 +93,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
         Ok(())
     })?;
     source.warnings.extend(remarks);
+    source.warnings.extend(hidden);
     notes.warn(&mut source.warnings);
     warn_of_extensions(gltf, &mut source.warnings);
     library.finish(&mut source);
@@ -79,11 +101,18 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files, variant: Option<
 }
 
 /// Reads the animation of a file, without materials and pictures.
-pub(super) fn read_animation(bytes: &[u8], path: &Path, mut files: Files) -> Result<Animation, ImportError> {
-    let file = SceneFile::open(bytes, path, &mut files, None)?;
+pub(super) fn read_animation(
+    bytes: &[u8],
+    path: &Path,
+    mut files: Files,
+    options: &ImportOptions,
+) -> Result<Animation, ImportError> {
+    let options = ImportOptions { variant: None, ..options.clone() };
+    let mut file = SceneFile::open(bytes, path, &mut files, &options)?;
     let clips = Clips::read(&file, &mut files.budget);
     let mut warnings: Vec<String> = clips.remarks_of_channels().collect();
     let Clips { playable: clips, broken, .. } = clips;
+    file.keep_hidden(&clips);
     let moving = file.moving(&clips);
     let (mut shapes, mut notes) = (Vec::new(), Notes::default());
     let materials = file.gltf.materials().map(|_| Material::default()).collect();
@@ -98,10 +127,17 @@ pub(super) fn read_animation(bytes: &[u8], path: &Path, mut files: Files) -> Res
         Ok(())
     })?;
     shapes.sort_by_key(|shape| shape.object);
-    let objects = source.objects.into_iter().map(|object| object.name).collect();
+    let objects = told_apart(source.objects.into_iter().map(|object| object.name).collect());
     notes.warn(&mut warnings);
     let skins = file.skins.into_iter().map(Result::unwrap_or_default).collect();
     Ok(Animation { path: path.into(), nodes: file.nodes, skins, clips, broken, shapes, objects, warnings })
+}
+
+fn remark_of_empty_textures(materials: &[String]) -> Option<String> {
+    let names = (!materials.is_empty()).then(|| listed(materials))?;
+    Some(format!(
+        "the materials {names} name textures without a picture, which were left out; export them with their pictures"
+    ))
 }
 
 fn add_camera(source: &mut Source, node: &gltf::Node, camera: &gltf::Camera, world_from_node: Mat4) {

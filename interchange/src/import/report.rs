@@ -63,6 +63,24 @@ pub enum ImportError {
         /// Names of its variants.
         known: Vec<String>,
     },
+    /// It has no scene of this name or number.
+    #[error("the file has no scene \"{name}\"; it has {}, also by number from 0 ({})", if known.is_empty() { "none".into() } else { listed(known) }, path.display())]
+    NoSuchScene {
+        /// Path of the file.
+        path: PathBuf,
+        /// The requested name or number.
+        name: String,
+        /// Names of its scenes.
+        known: Vec<String>,
+    },
+    /// It is glTF of another version.
+    #[error("the file is glTF {version}, and only glTF 2.0 is read; export it as glTF 2.0, or convert it with the program gltf-pipeline ({})", path.display())]
+    GltfVersion {
+        /// Path of the file.
+        path: PathBuf,
+        /// Its version.
+        version: String,
+    },
     /// The scene exceeds a limit.
     #[error("the scene has {count} {what}, more than the limit of {limit}; reduce it or split it up ({})", path.display())]
     TooLarge {
@@ -112,6 +130,11 @@ pub enum ImportError {
 }
 
 impl ImportError {
+    /// The error of a missing scene.
+    pub(super) fn no_scene(path: &Path, wanted: Option<&str>, known: Vec<String>) -> Self {
+        Self::NoSuchScene { path: path.into(), name: wanted.unwrap_or_default().into(), known }
+    }
+
     /// The error of a missing variant.
     pub(super) fn no_variant(path: &Path, wanted: Option<&str>, known: Vec<String>) -> Self {
         Self::NoSuchVariant { path: path.into(), name: wanted.unwrap_or_default().into(), known }
@@ -127,6 +150,8 @@ pub struct ImportOptions {
     pub allow_outside: bool,
     /// The shown variant of a glTF file's materials; `None` shows the file's default.
     pub variant: Option<String>,
+    /// The imported scene of a glTF file, by name or number from 0; `None` imports the file's default.
+    pub scene: Option<String>,
 }
 
 /// Report of an import and its repairs.
@@ -153,6 +178,8 @@ pub struct ImportReport {
     pub uvs_projected: usize,
     /// Triangles whose winding was reversed because all their normals were on their back.
     pub flipped_triangles: usize,
+    /// Names of the scenes of its file, if it has several; one of them is imported.
+    pub scenes: Vec<String>,
     /// Names of the variants of its materials.
     pub variants: Vec<String>,
     /// Files read in addition to the scene's: buffers, materials and pictures.

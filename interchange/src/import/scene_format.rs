@@ -1,6 +1,6 @@
 //! The list of scene formats. A new one needs a file beside this one, and an entry here.
 
-use super::{Files, ImportError, Source, gltf, obj, ply};
+use super::{Files, ImportError, ImportOptions, Source, gltf, obj, ply};
 use crate::file_format::{FileFormat, listed};
 use lapidary_core::animation::Animation;
 use std::path::Path;
@@ -16,16 +16,18 @@ pub enum Content {
     Cameras,
     /// Local lights.
     Lights,
+    /// Several scenes.
+    Scenes,
     /// Variants of its materials.
     Variants,
     /// Animations.
     Animations,
 }
 
-/// Reads a file at a path with its companion files, in a material variant.
-type Read = fn(&[u8], &Path, Files, Option<&str>) -> Result<Source, ImportError>;
-/// Reads the animation of a file.
-type ReadAnimation = fn(&[u8], &Path, Files) -> Result<Animation, ImportError>;
+/// Reads a file at a path with its companion files: a scene of it, in a material variant.
+type Read = fn(&[u8], &Path, Files, &ImportOptions) -> Result<Source, ImportError>;
+/// Reads the animation of a scene of a file.
+type ReadAnimation = fn(&[u8], &Path, Files, &ImportOptions) -> Result<Animation, ImportError>;
 
 /// A format of scenes.
 pub struct SceneFormat {
@@ -34,7 +36,7 @@ pub struct SceneFormat {
     endings: &'static [&'static str],
     /// Possible contents of its files.
     pub holds: &'static [Content],
-    /// Reads a file, in a material variant if it has any.
+    /// Reads a file: a scene of it and a material variant if it has any.
     pub(super) read: Read,
     /// Reads the animation of a file, if the format supports it.
     pub(super) animation: Option<ReadAnimation>,
@@ -57,6 +59,7 @@ impl FileFormat for SceneFormat {
                 Content::Materials,
                 Content::Cameras,
                 Content::Lights,
+                Content::Scenes,
                 Content::Variants,
                 Content::Animations,
             ],

@@ -19,6 +19,8 @@ pub(super) struct Source {
     pub cameras: Vec<Camera>,
     pub lights: Vec<Light>,
     pub variants: Variants,
+    /// Names of the scenes of the file, if it has several.
+    pub scenes: Vec<String>,
     pub warnings: Vec<String>,
     pub unread: Vec<String>,
     pub outside: Vec<String>,

@@ -191,7 +191,7 @@ fn alpha_counts_where_the_material_says_so() {
 }
 
 #[test]
-fn a_colored_highlight_becomes_openpbr_and_a_gray_one_is_a_weight() {
+fn a_colored_highlight_becomes_openpbr_and_a_gray_one_keeps_its_grazing_reflection() {
     let of = |color: &str| {
         let specular =
             format!(r#""KHR_materials_specular": {{"specularFactor": 0.5, "specularColorFactor": {color}}}"#);
@@ -200,6 +200,27 @@ fn a_colored_highlight_becomes_openpbr_and_a_gray_one_is_a_weight() {
     let colored = of("[1, 0.5, 0.25]");
     assert_eq!((colored.model, colored.parameters.number("specular_weight")), (BrdfModel::OpenPbr, 0.5));
     assert_eq!(colored.parameters.color("specular_color"), Vec3::new(1.0, 0.5, 0.25));
-    let gray = of("[0.5, 0.5, 0.5]");
-    assert!(gray.model == BrdfModel::Ggx && (gray.parameters.number("specular") - 0.25).abs() < 1e-6);
+    let dark = of("[0.5, 0.25, 0.125]");
+    assert_eq!(dark.parameters.color("specular_color"), Vec3::new(1.0, 0.5, 0.25), "the hue");
+    // Schlick's mean is F0 + (1 - F0) / 21, and F0 alone is scaled.
+    let mean = |ior: f32| {
+        2.0 * (0..1000).map(|k| (k as f32 + 0.5) / 1000.0).map(|c| c * fresnel(c, ior)).sum::<f32>() / 1000.0
+    };
+    for (scale, color) in [(1.0, "[1, 1, 1]"), (0.5, "[0.5, 0.5, 0.5]"), (0.0, "[0, 0, 0]")] {
+        let gray = of(color);
+        let (weight, ior) = (gray.parameters.number("specular"), gray.parameters.number("ior"));
+        assert!(gray.model == BrdfModel::Ggx && weight == 0.5, "{weight}");
+        let expected = mean(1.5) - 0.04 * (1.0 - scale) * 20.0 / 21.0;
+        assert!((mean(ior) - expected).abs() < 0.004, "{scale}: {} {expected}", mean(ior));
+        assert!(fresnel(0.1, ior) > 0.25, "the grazing reflection stays: {}", fresnel(0.1, ior));
+        assert!(fresnel(1.0, ior) < 0.02 + 0.04 * scale, "{scale}: {}", fresnel(1.0, ior));
+    }
+}
+
+/// Fresnel's reflectance of a dielectric.
+fn fresnel(cosine: f32, ior: f32) -> f32 {
+    let root = (ior * ior - 1.0 + cosine * cosine).sqrt();
+    let [across, along] =
+        [(cosine - root) / (cosine + root), (ior * ior * cosine - root) / (ior * ior * cosine + root)];
+    0.5 * (across * across + along * along)
 }

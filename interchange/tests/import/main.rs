@@ -4,6 +4,7 @@
 mod damage;
 mod gltf;
 mod gltf_extensions;
+mod gltf_foreign;
 mod limits;
 mod material_files;
 mod numbers;

@@ -65,6 +65,9 @@ struct ClipArgs {
     /// glTF file from which the scene was baked; its animation poses the scene
     #[arg(long, value_name = "FILE.gltf")]
     animation: Option<PathBuf>,
+    /// Scene of the file that was baked, if it has several, by name or by number from 0 [default: the file's default scene]
+    #[arg(long, value_name = "NAME|NUMBER", requires = "animation")]
+    scene: Option<String>,
     /// Name of an animation in the file [default: the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -168,7 +171,8 @@ impl ClipArgs {
         let Some(path) = &self.animation else {
             bail!("a dataset holds no animation; add --animation FILE.gltf, the file that it was baked of");
         };
-        let animation = animation::read(path, options)?;
+        let options = ImportOptions { scene: self.scene.clone(), ..options.clone() };
+        let animation = animation::read(path, &options)?;
         let clip = animation.clip(self.clip.as_deref())?;
         animation.warnings.iter().for_each(|warning| console.warning(warning));
         Ok(Motion { animation: BoundAnimation::new(animation, scene)?.into(), clip, times, playback })

@@ -11,7 +11,7 @@ use lapidary_core::dataset::Dataset;
 use lapidary_interchange::{
     formats::{FileFormat, SceneFormat},
     image,
-    import::{Imported, import},
+    import::{ImportOptions, Imported, import_with},
 };
 use std::path::PathBuf;
 
@@ -21,6 +21,9 @@ pub struct InfoArgs {
     /// Dataset or scene.
     #[arg(help = format!("Dataset to describe, or a scene: {}", SceneFormat::names()))]
     pub file: PathBuf,
+    /// Scene of a glTF file with several, by name or by number from 0 [default: the file's default scene]
+    #[arg(long, value_name = "NAME|NUMBER")]
+    scene: Option<String>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -38,7 +41,8 @@ impl InfoArgs {
     /// An unreadable file.
     pub fn run(&self) -> Result<()> {
         if SceneFormat::of(&self.file).is_some() {
-            let imported = import(&self.file)?;
+            let options = ImportOptions { scene: self.scene.clone(), ..Default::default() };
+            let imported = import_with(&self.file, &options)?;
             return if self.json {
                 print_out(&json_text(&scene_json(&imported))?)
             } else {
@@ -59,6 +63,7 @@ fn scene_json(Imported { scene, report }: &Imported) -> serde_json::Value {
         "vertices": scene.mesh.positions.len(),
         "triangles": scene.mesh.triangles.len(),
         "materials": names(&scene.materials, |m| &m.name),
+        "scenes": report.scenes,
         "variants": report.variants,
         "objects": names(&scene.objects, |o| &o.name),
         "cameras": scene.cameras,
@@ -87,6 +92,7 @@ fn scene_text(Imported { scene, report }: &Imported) -> String {
     );
     let lists = [
         ("material  ", names(&scene.materials, |m| &m.name)),
+        ("scenes    ", names(&report.scenes, |name| name)),
         ("variant   ", names(&report.variants, |name| name)),
         ("warning   ", names(&report.warnings, |warning| warning)),
     ];

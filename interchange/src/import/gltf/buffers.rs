@@ -5,17 +5,33 @@ use super::super::{
     files::{Files, Trouble},
     repair::RawMesh,
 };
-use base64::Engine;
+use base64::{
+    Engine, alphabet,
+    engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
+};
 use glam::{Vec2, Vec3, Vec4};
 use gltf::{
     Accessor, Semantic,
     accessor::{DataType, Dimensions, Item, Iter},
     buffer::{Source, View},
 };
+use std::borrow::Cow;
 
-/// The contents of all buffers, each at least as long as declared.
+/// The extension that allows integers for positions, normals, tangents and texture coordinates.
+pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
+
+/// Bytes by which a buffer may be shorter than declared: some programs count padding that is not there. Views are checked
+/// against the bytes that are there.
+const MOST_PADDING: usize = 3;
+
+/// Bytes and 16-bit numbers, signed and not.
+const INTEGERS: [DataType; 4] = [DataType::I8, DataType::U8, DataType::I16, DataType::U16];
+
+/// The contents of all buffers, each about as long as declared.
 pub(super) struct Buffers {
     data: Vec<Vec<u8>>,
+    /// Whether the file declares [`QUANTIZATION`].
+    is_quantized: bool,
 }
 
 impl Buffers {
@@ -29,13 +45,14 @@ impl Buffers {
                 }
                 Source::Uri(uri) => read_uri(uri, files)?,
             };
-            if data.len() < buffer.length() {
+            if data.len() + MOST_PADDING < buffer.length() {
                 let (index, found, expected) = (buffer.index(), data.len(), buffer.length());
                 return Err(format!("buffer {index} has {found} of {expected} bytes, it was truncated").into());
             }
             Ok(data)
         };
-        Ok(Self { data: gltf.buffers().map(load).collect::<Result<_, Trouble>>()? })
+        let is_quantized = gltf.extensions_used().any(|name| name == QUANTIZATION);
+        Ok(Self { data: gltf.buffers().map(load).collect::<Result<_, Trouble>>()?, is_quantized })
     }
 
     /// The bytes of a view.
@@ -51,33 +68,30 @@ impl Buffers {
 
     pub fn positions(&self, primitive: &gltf::Primitive) -> Result<Vec<Vec3>, String> {
         let accessor = primitive.get(&Semantic::Positions).ok_or("a mesh has no positions")?;
-        self.check(&accessor, &[DataType::F32], Dimensions::Vec3)?;
-        let reader = primitive.reader(|b| self.slice(&b));
-        Ok(reader.read_positions().ok_or("positions are missing")?.map(Vec3::from_array).collect())
+        Ok(self.attribute(&accessor, Dimensions::Vec3)?.chunks_exact(3).map(Vec3::from_slice).collect())
     }
 
     /// Normals; zeros if the primitive has none.
     pub fn normals(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec3>, String> {
         let Some(accessor) = primitive.get(&Semantic::Normals) else { return Ok(vec![Vec3::ZERO; count]) };
         one_per_vertex(&accessor, "normals", count)?;
-        self.check(&accessor, &[DataType::F32], Dimensions::Vec3)?;
-        let reader = primitive.reader(|b| self.slice(&b));
-        Ok(reader.read_normals().into_iter().flatten().map(Vec3::from_array).collect())
+        Ok(self.attribute(&accessor, Dimensions::Vec3)?.chunks_exact(3).map(Vec3::from_slice).collect())
     }
 
     /// Tangents; zeros if the primitive has none.
     pub fn tangents(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec4>, String> {
         let Some(accessor) = primitive.get(&Semantic::Tangents) else { return Ok(vec![Vec4::ZERO; count]) };
         one_per_vertex(&accessor, "tangents", count)?;
-        self.check(&accessor, &[DataType::F32], Dimensions::Vec4)?;
-        let reader = primitive.reader(|b| self.slice(&b));
-        Ok(reader.read_tangents().into_iter().flatten().map(Vec4::from_array).collect())
+        Ok(self.attribute(&accessor, Dimensions::Vec4)?.chunks_exact(4).map(Vec4::from_slice).collect())
     }
 
     /// The first set of texture coordinates; [`RawMesh::NO_UV`] if the primitive has none.
     pub fn uvs(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec2>, String> {
         let Some(accessor) = primitive.get(&Semantic::TexCoords(0)) else { return Ok(vec![RawMesh::NO_UV; count]) };
         one_per_vertex(&accessor, "texture coordinates", count)?;
+        if self.is_quantized {
+            return Ok(self.attribute(&accessor, Dimensions::Vec2)?.chunks_exact(2).map(Vec2::from_slice).collect());
+        }
         self.check(&accessor, &[DataType::F32, DataType::U8, DataType::U16], Dimensions::Vec2)?;
         let reader = primitive.reader(|b| self.slice(&b));
         let uvs = reader.read_tex_coords(0).into_iter().flat_map(|t| t.into_f32());
@@ -91,18 +105,34 @@ impl Buffers {
         Ok(Some(reader.read_indices().ok_or("indices are missing")?.into_u32().collect()))
     }
 
-    /// The numbers of an accessor in sequence: floats, or integers normalized to -1 to 1 or 0 to 1.
-    pub fn numbers(&self, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
-        let types: &[DataType] = match accessor.normalized() {
-            true => &[DataType::I8, DataType::U8, DataType::I16, DataType::U16],
-            false => &[DataType::F32],
+    /// The numbers of an attribute of vertices in sequence: floats, and integers if the file declares [`QUANTIZATION`].
+    pub fn attribute(&self, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
+        let types: &[DataType] = match (self.is_quantized, accessor.data_type()) {
+            (true, DataType::F32) | (false, _) => &[DataType::F32],
+            (true, _) => &INTEGERS,
         };
         self.check(accessor, types, dimensions)?;
-        let numbers = match accessor.data_type() {
-            DataType::I8 => self.components(accessor, |x: i8| (f32::from(x) / 127.0).max(-1.0)),
-            DataType::U8 => self.components(accessor, |x: u8| f32::from(x) / 255.0),
-            DataType::I16 => self.components(accessor, |x: i16| (f32::from(x) / 32_767.0).max(-1.0)),
-            DataType::U16 => self.components(accessor, |x: u16| f32::from(x) / 65_535.0),
+        self.read(accessor)
+    }
+
+    /// The numbers of an accessor in sequence: floats, or integers normalized to -1 to 1 or 0 to 1.
+    pub fn numbers(&self, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
+        let types: &[DataType] = if accessor.normalized() { &INTEGERS } else { &[DataType::F32] };
+        self.check(accessor, types, dimensions)?;
+        self.read(accessor)
+    }
+
+    /// The numbers of a checked accessor in sequence; normalized integers are from -1 to 1 or 0 to 1.
+    fn read(&self, accessor: &Accessor) -> Result<Vec<f32>, String> {
+        let numbers = match (accessor.data_type(), accessor.normalized()) {
+            (DataType::I8, true) => self.components(accessor, |x: i8| (f32::from(x) / 127.0).max(-1.0)),
+            (DataType::U8, true) => self.components(accessor, |x: u8| f32::from(x) / 255.0),
+            (DataType::I16, true) => self.components(accessor, |x: i16| (f32::from(x) / 32_767.0).max(-1.0)),
+            (DataType::U16, true) => self.components(accessor, |x: u16| f32::from(x) / 65_535.0),
+            (DataType::I8, false) => self.components(accessor, |x: i8| f32::from(x)),
+            (DataType::U8, false) => self.components(accessor, |x: u8| f32::from(x)),
+            (DataType::I16, false) => self.components(accessor, |x: i16| f32::from(x)),
+            (DataType::U16, false) => self.components(accessor, |x: u16| f32::from(x)),
             _ => self.components(accessor, |x: f32| x),
         };
         numbers.ok_or_else(|| format!("accessor {} has no data", accessor.index()))
@@ -112,6 +142,7 @@ impl Buffers {
         let (of, slice) = (accessor.clone(), |buffer: gltf::Buffer| self.slice(&buffer));
         Some(match accessor.dimensions() {
             Dimensions::Scalar => Iter::<T>::new(of, slice)?.map(number).collect(),
+            Dimensions::Vec2 => Iter::<[T; 2]>::new(of, slice)?.flatten().map(number).collect(),
             Dimensions::Vec3 => Iter::<[T; 3]>::new(of, slice)?.flatten().map(number).collect(),
             _ => Iter::<[T; 4]>::new(of, slice)?.flatten().map(number).collect(),
         })
@@ -168,8 +199,7 @@ pub(super) fn read_uri(uri: &str, files: &mut Files) -> Result<Vec<u8>, Trouble>
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, encoded) = data.split_once(";base64,").ok_or("an embedded buffer is not in base64")?;
         files.budget.take(encoded.len() as u64)?;
-        let decoded = base64::engine::general_purpose::STANDARD.decode(encoded);
-        return decoded.map_err(|e| format!("embedded data: {e}").into());
+        return base64_decoded(encoded).map_err(|e| format!("embedded data: {e}").into());
     }
     let name = percent_decoded(uri);
     let read = files.find(&name).and_then(|file| files.read(&file));
@@ -177,6 +207,17 @@ pub(super) fn read_uri(uri: &str, files: &mut Files) -> Result<Vec<u8>, Trouble>
         Trouble::Reason(reason) => format!("the file \"{name}\" cannot be read: {reason}").into(),
         other => other,
     })
+}
+
+/// Decodes base64, also without its `=`, with line breaks, and with stray bits at its end.
+fn base64_decoded(text: &str) -> Result<Vec<u8>, base64::DecodeError> {
+    let config = GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true);
+    let engine = GeneralPurpose::new(&alphabet::STANDARD, config);
+    let is_broken = text.bytes().any(|byte| byte.is_ascii_whitespace());
+    let signs = if is_broken { text.split_ascii_whitespace().collect() } else { Cow::Borrowed(text) };
+    engine.decode(signs.as_bytes())
 }
 
 /// Replaces codes such as `%20`; invalid codes stay.
@@ -202,6 +243,16 @@ pub(crate) fn percent_decoded(uri: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn base64_needs_neither_padding_nor_one_line() {
+        for text in ["AQIDBA==", "AQIDBA", "AQID\r\n BA=\n=", "AQIDBB"] {
+            assert_eq!(base64_decoded(text).unwrap(), [1, 2, 3, 4], "{text}");
+        }
+        for text in ["AQIDBA==!", "A", "AQ=DBA=="] {
+            assert!(base64_decoded(text).is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn percent_codes_are_decoded_and_stray_signs_stay() {

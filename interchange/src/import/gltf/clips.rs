@@ -2,7 +2,6 @@
 
 use super::{
     super::budget::{Budget, OverBudget},
-    buffers::Buffers,
     pointers,
     scene_file::SceneFile,
 };
@@ -181,8 +180,7 @@ impl<'a> ChannelReader<'a> {
         let count = |(accessor, dimensions): &(Accessor, Dimensions)| accessor.count() * dimensions.multiplicity();
         let bytes = numbers.iter().map(count).fold(0, usize::saturating_add) as u64 * NUMBER;
         self.budget.take(bytes).map_err(no_room)?;
-        let [times, values] =
-            numbers.map(|(accessor, dimensions)| numbers_of(&self.file.buffers, &accessor, dimensions));
+        let [times, values] = numbers.map(|(accessor, dimensions)| self.file.buffers.numbers(&accessor, dimensions));
         let keys = Arc::new(Keyframes::new(times?, values?, width, interpolation)?);
         self.samplers.insert(key, keys.clone());
         Ok(keys)
@@ -192,12 +190,4 @@ impl<'a> ChannelReader<'a> {
 fn no_room(over: OverBudget) -> String {
     let [needed, available] = over.megabytes();
     format!("with its keyframes the file takes about {needed} MB of memory, but {available} MB are free; reduce them")
-}
-
-/// Numbers of keyframes, from a buffer.
-fn numbers_of(buffers: &Buffers, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
-    if accessor.view().is_none() {
-        return Err(format!("accessor {} has no data", accessor.index()));
-    }
-    buffers.numbers(accessor, dimensions)
 }

@@ -1,12 +1,20 @@
-//! A glTF document: parsed, and checked for the extensions it requires.
+//! A glTF document: parsed, and checked for its version and the extensions it requires.
 
-use super::{json::document_with, layers, lights, pointers, variants};
-use crate::{import::report::ImportError, names::listed};
+use super::{
+    buffers,
+    completed::{Completed, completed},
+    container::{Container, Unreadable},
+    glossiness, layers, lights, pointers, variants,
+};
+use crate::{
+    import::{files::Trouble, report::ImportError},
+    names::listed,
+};
 use serde_json::Value;
 use std::path::Path;
 
 /// Supported extensions; others are named in a warning.
-const EXTENSIONS: [&str; 11] = [
+const EXTENSIONS: [&str; 13] = [
     lights::EXTENSION,
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -19,45 +27,74 @@ const EXTENSIONS: [&str; 11] = [
     variants::EXTENSION,
     // The properties it animates stay at rest, with a warning.
     pointers::EXTENSION,
+    glossiness::EXTENSION,
+    buffers::QUANTIZATION,
 ];
 
-/// Parses and validates. Also returns the animations from which channels that move no node were removed. The validation
-/// of the `gltf` crate looks up accessors of attributes before it checks their indices, so these are checked first.
-pub(super) fn parse(bytes: &[u8]) -> Result<(gltf::Gltf, Vec<usize>), String> {
-    let parsed = gltf::Gltf::from_slice_without_validation(bytes).map(|gltf| (gltf, Vec::new()));
-    let parsed = parsed.or_else(|error| pointers::parse_without(bytes).ok_or(error));
-    let (gltf::Gltf { document, blob }, pointing) = parsed.map_err(|e| e.to_string())?;
-    let mut json = document.into_json();
-    // Supported here; the crate would refuse a file that requires it.
-    json.extensions_required.retain(|e| !EXTENSIONS.contains(&e.as_str()));
-    let mut attributes = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
-    if let Some(bad) = attributes.find(|accessor| accessor.value() >= json.accessors.len()) {
-        return Err(format!("a mesh refers to accessor {bad}, but there are {}", json.accessors.len()));
-    }
-    let document = gltf::Document::from_json(json).map_err(|e| e.to_string())?;
-    Ok((gltf::Gltf { document, blob }, pointing))
+/// Whether an extension concerns looks alone: a file that requires it shows without it, with a warning. Compressed and
+/// instanced meshes are refused.
+fn is_of_looks(name: &str) -> bool {
+    const OTHERS: [&str; 5] =
+        ["KHR_texture_basisu", "EXT_texture_webp", "MSFT_texture_dds", "EXT_lights_image_based", "KHR_xmp_json_ld"];
+    name.contains("_materials_") || OTHERS.contains(&name)
 }
 
-/// Checks that all required extensions are supported.
+/// A parsed file.
+pub(super) struct Parsed {
+    pub gltf: gltf::Gltf,
+    pub completed: Completed,
+}
+
+/// The contents of a file, of version 2.
 ///
 /// # Errors
-/// [`ImportError::Extensions`].
-pub(super) fn check_extensions(bytes: &[u8], path: &Path) -> Result<(), ImportError> {
-    let required = document_with(bytes, "extensionsRequired").unwrap_or_default();
-    let names = required["extensionsRequired"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let unknown: Vec<String> = names.filter(|name| !EXTENSIONS.contains(name)).map(str::to_owned).collect();
+/// [`ImportError::GltfVersion`], or a damaged container.
+pub(super) fn container<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a>, ImportError> {
+    let other = |version: String| ImportError::GltfVersion { path: path.into(), version };
+    Container::of(bytes).map_err(|error| match error {
+        Unreadable::Version(version) => other(format!("{version}.0")),
+        Unreadable::Damaged(reason) => Trouble::from(reason).at(path, "glTF"),
+    })
+}
+
+/// Checks the version, and that all required extensions are supported, or concern looks alone.
+///
+/// # Errors
+/// [`ImportError::GltfVersion`] and [`ImportError::Extensions`].
+fn check(document: &Value, path: &Path) -> Result<(), ImportError> {
+    let version = document["asset"]["version"].as_str().unwrap_or("2.0");
+    if version.split('.').next() != Some("2") {
+        return Err(ImportError::GltfVersion { path: path.into(), version: version.into() });
+    }
+    let names = document["extensionsRequired"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let unknown = names.filter(|name| !EXTENSIONS.contains(name) && !is_of_looks(name));
+    let unknown: Vec<String> = unknown.map(str::to_owned).collect();
     if unknown.is_empty() { Ok(()) } else { Err(ImportError::Extensions { path: path.into(), names: unknown }) }
 }
 
-/// The `gltf` crate subtracts from the length in a GLB header before it checks it.
-pub(super) fn check_glb_header(bytes: &[u8]) -> Result<(), String> {
-    if !bytes.starts_with(b"glTF") {
-        return Ok(());
+/// Parses and validates. The validation of the `gltf` crate looks up accessors of attributes before it checks their indices,
+/// so these are checked first.
+///
+/// # Errors
+/// A file of another version, with other required extensions, or with invalid contents.
+pub(super) fn parse(container: &Container, path: &Path) -> Result<Parsed, ImportError> {
+    let failed = |reason: String| Trouble::from(reason).at(path, "glTF");
+    let document: Value = serde_json::from_slice(container.json).map_err(|error| failed(error.to_string()))?;
+    check(&document, path)?;
+    let completed = completed(document, container.json);
+    let mut json: gltf::json::Root =
+        serde_json::from_slice(&completed.text).map_err(|error| failed(error.to_string()))?;
+    // Checked above; the crate would refuse a file that requires them.
+    let mut required = std::mem::take(&mut json.extensions_required);
+    required.retain(|name| !json.extensions_used.contains(name));
+    json.extensions_used.extend(required);
+    let mut attributes = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
+    if let Some(bad) = attributes.find(|accessor| accessor.value() >= json.accessors.len()) {
+        return Err(failed(format!("a mesh refers to accessor {bad}, but there are {}", json.accessors.len())));
     }
-    match bytes.get(8..12) {
-        Some(length) if u32::from_le_bytes([length[0], length[1], length[2], length[3]]) >= 12 => Ok(()),
-        _ => Err("the header of the binary file is damaged".into()),
-    }
+    let document = gltf::Document::from_json(json).map_err(|error| failed(error.to_string()))?;
+    let blob = container.blob.map(<[u8]>::to_vec);
+    Ok(Parsed { gltf: gltf::Gltf { document, blob }, completed })
 }
 
 /// Warns of unsupported extensions.

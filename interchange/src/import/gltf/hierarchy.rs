@@ -10,10 +10,10 @@ const UNIT_TOLERANCE: f64 = 1e-2;
 /// Peak bytes of a morph target weight of a node: in the node, and in three postures.
 const WEIGHT: u64 = 16;
 
-/// All nodes, and the nodes of the scenes.
+/// All nodes, and the nodes of a scene.
 pub(super) struct Hierarchy {
     pub nodes: Nodes,
-    /// Every node of every scene once, parents first; a file's cycles end at the second visit.
+    /// Every node of the scene once, parents first; a file's cycles end at the second visit.
     pub order: Vec<usize>,
     /// Names of the nodes whose rotation was normalized.
     pub turned: Vec<String>,
@@ -32,15 +32,14 @@ fn targets_of_meshes(gltf: &gltf::Document) -> Vec<usize> {
     gltf.meshes().map(|mesh| of_mesh(mesh).unwrap_or(0)).collect()
 }
 
-pub(super) fn read(gltf: &gltf::Document) -> Hierarchy {
+/// The nodes of a file and of one of its scenes; without scenes, all nodes are shown.
+pub(super) fn read(gltf: &gltf::Document, scene: Option<usize>) -> Hierarchy {
     let targets = targets_of_meshes(gltf);
     let mut visit = Visit::new(gltf);
-    let mut roots: Vec<usize> = gltf.scenes().flat_map(|s| s.nodes()).map(|node| node.index()).collect();
     let above = visit.top();
-    if roots.is_empty() {
-        roots.clone_from(&above);
-    }
-    visit.below(roots);
+    let of_scene = |scene: gltf::Scene| scene.nodes().map(|node| node.index()).collect();
+    let scene = scene.and_then(|index| gltf.scenes().nth(index));
+    visit.below(scene.map_or_else(|| above.clone(), of_scene));
     let order = visit.order.clone();
     // Joints may be outside the scenes, and in cycles.
     visit.below(above);

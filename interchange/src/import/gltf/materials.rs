@@ -6,17 +6,17 @@ use super::{
         textures::{TextureLibrary, read_picture},
     },
     buffers::{Buffers, percent_decoded, read_uri},
-    layers::{Layers, Transform},
+    glossiness::{self, Glossiness, Metallic},
+    layers::{self, Layers, TextureInfo, Transform},
 };
 use crate::{
     import::{gltf::json::document_with, source::Source},
     names::listed,
 };
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use gltf::{buffer::View, material::AlphaMode, texture::WrappingMode};
 use lapidary_core::{
     brdf::GgxParameters,
-    color::luminance,
     material::Material,
     texture::{Channel, ColorSpace, TextureSlot},
 };
@@ -33,15 +33,17 @@ use std::{
 pub(super) fn add_materials(
     source: &mut Source,
     gltf: &gltf::Gltf,
-    bytes: &[u8],
+    json: &[u8],
     buffers: &Buffers,
     library: &mut TextureLibrary,
 ) -> Result<(), Trouble> {
-    let normal_transforms = normal_transforms(bytes);
+    let normal_transforms = normal_transforms(json);
     let views = gltf.views().collect();
-    let layers = layers_of(bytes);
+    let layers = layers_of(json);
+    let glossiness = document_with(json, glossiness::EXTENSION).map(|document| Glossiness::of_all(&document));
+    let glossiness = glossiness.unwrap_or_default();
     let ignored = Ignored::default();
-    let mut reader = MaterialReader { gltf, views, buffers, library, normal_transforms, layers, ignored };
+    let mut reader = MaterialReader { gltf, views, buffers, library, normal_transforms, layers, glossiness, ignored };
     source.materials = gltf.materials().map(|m| reader.material(&m)).collect::<Result<_, _>>()?;
     reader.ignored.warn(&mut source.warnings);
     Ok(())
@@ -97,8 +99,8 @@ impl Ignored {
 }
 
 /// The transform of each material's normal texture, from the JSON itself; empty if the file has none.
-fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
-    let document = document_with(bytes, "KHR_texture_transform").unwrap_or_default();
+fn normal_transforms(json: &[u8]) -> Vec<Transform> {
+    let document = document_with(json, "KHR_texture_transform").unwrap_or_default();
     let transform = |material: &Value| {
         let value = material["normalTexture"]["extensions"]["KHR_texture_transform"].clone();
         serde_json::from_value(value).unwrap_or_default()
@@ -107,8 +109,8 @@ fn normal_transforms(bytes: &[u8]) -> Vec<Transform> {
 }
 
 /// The extensions of each material; empty if the file has none.
-fn layers_of(bytes: &[u8]) -> Vec<Layers> {
-    let document = document_with(bytes, "KHR_materials_");
+fn layers_of(json: &[u8]) -> Vec<Layers> {
+    let document = document_with(json, "KHR_materials_");
     document.map(|document| Layers::of_all(&document)).unwrap_or_default()
 }
 
@@ -120,6 +122,7 @@ struct MaterialReader<'a> {
     library: &'a mut TextureLibrary,
     normal_transforms: Vec<Transform>,
     layers: Vec<Layers>,
+    glossiness: Vec<Option<Glossiness>>,
     ignored: Ignored,
 }
 
@@ -136,6 +139,7 @@ impl MaterialReader<'_> {
         material.set_emission(Vec3::from_array(source.emissive_factor()));
         self.add_maps(&mut material, source)?;
         self.add_opacity(&mut material, source);
+        self.add_glossiness(&mut material, index)?;
         self.add_layers(&mut material, index)?;
         Ok(material)
     }
@@ -196,13 +200,44 @@ impl MaterialReader<'_> {
         let mean = material.maps.get("roughness").map_or(1.0, |slot| {
             self.library.textures[slot.texture as usize].mean(slot.color_space)[slot.channel as usize]
         });
-        let told = layers.add_to(material, mean, |info| {
-            let missing = || Trouble::from(format!("a material refers to texture {}, which is not there", info.index));
-            let texture = self.gltf.textures().nth(info.index).ok_or_else(missing)?;
-            self.slot_of(&texture, info.tex_coord, info.transform(), &name)
-        })?;
+        let told = layers.add_to(material, mean, |info| self.slot_in_extension(info, &name))?;
         self.ignored.told.extend(told.into_iter().map(|text| (text, material.name.clone())));
         Ok(())
+    }
+
+    /// Sets the numbers of a material of specular color and glossiness. Of their map the mean counts: no map here has its channels.
+    fn add_glossiness(&mut self, material: &mut Material, index: usize) -> Result<(), Trouble> {
+        let Some(glossiness) = self.glossiness.get(index).cloned().flatten() else { return Ok(()) };
+        let mean =
+            |reader: &Self, slot: &TextureSlot| reader.library.textures[slot.texture as usize].mean(ColorSpace::Srgb);
+        let diffuse = material.maps.get("base_color").map_or(Vec3::ONE, |slot| mean(self, slot).truncate());
+        let mut specular = Vec4::ONE;
+        if let Some(info) = glossiness.texture() {
+            let slot = self.slot_in_extension(info, &material.name)?;
+            specular = mean(self, &slot);
+            let text = "have a map of specular color and glossiness, of which the mean was taken; bake it to maps of \
+                        metalness and roughness";
+            self.ignored.told.insert((text, material.name.clone()));
+        }
+        let Metallic { base_color, metalness, roughness } =
+            glossiness.metallic(diffuse, specular.truncate(), specular.w);
+        if metalness < 0.5 {
+            material.parameters.set("base_color", (base_color / diffuse.max(Vec3::splat(1e-3))).min(Vec3::ONE));
+        } else {
+            // The color of a metal is its specular one.
+            material.parameters.set("base_color", base_color);
+            material.maps.set("base_color", None);
+        }
+        material.parameters.set("metalness", metalness);
+        material.parameters.set("roughness", roughness);
+        Ok(())
+    }
+
+    /// The slot of a texture that an extension names.
+    fn slot_in_extension(&mut self, info: &TextureInfo, material: &str) -> Result<TextureSlot, Trouble> {
+        let missing = || Trouble::from(format!("a material refers to texture {}, which is not there", info.index));
+        let texture = self.gltf.textures().nth(info.index).ok_or_else(missing)?;
+        self.slot_of(&texture, info.tex_coord, info.transform(), material)
     }
 
     fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> Result<TextureSlot, Trouble> {
@@ -260,14 +295,13 @@ impl MaterialReader<'_> {
 fn parameters(source: &gltf::Material) -> GgxParameters {
     let pbr = source.pbr_metallic_roughness();
     let [r, g, b, _] = pbr.base_color_factor();
-    let specular =
-        source.specular().map_or(1.0, |s| s.specular_factor() * luminance(Vec3::from_array(s.specular_color_factor())));
+    let color = source.specular().map_or(Vec3::ONE, |specular| specular.specular_color_factor().into());
     GgxParameters {
         base_color: Vec3::new(r, g, b),
         roughness: pbr.roughness_factor(),
         metalness: pbr.metallic_factor(),
-        ior: source.ior().unwrap_or(1.5),
-        specular,
+        ior: layers::scaled_ior(source.ior().unwrap_or(1.5), color.max_element()),
+        specular: source.specular().map_or(1.0, |specular| specular.specular_factor()),
         ..Default::default()
     }
 }

@@ -7,18 +7,22 @@ use super::{
     hierarchy::{self, Hierarchy},
     materials,
     primitive::Primitive,
+    scenes::FileScenes,
     variants::{self, FileVariants},
 };
-use crate::import::{
-    gltf::{
-        document::{check_extensions, check_glb_header, parse},
-        hierarchy::node_name,
-        json::json_of,
-        notes::Notes,
-        primitive::is_surface,
+use crate::{
+    import::{
+        gltf::{
+            completed::Completed,
+            document::{Parsed, container, parse},
+            hierarchy::node_name,
+            notes::Notes,
+            primitive::is_surface,
+        },
+        report::{ImportError, ImportOptions},
+        source::{Source, check_count},
     },
-    report::ImportError,
-    source::{Source, check_count},
+    names::listed,
 };
 use gltf::mesh::{Mode, Semantic};
 use lapidary_core::{
@@ -33,41 +37,71 @@ use lapidary_core::{
 };
 use std::{collections::HashSet, path::Path};
 
+/// Scale at rest of nodes that have none there and get one from a clip: a thousandth hides them. It is not smaller, because clips
+/// find the vertices again by their places at rest, and coordinates of some meters have steps of a micrometer.
+const HIDDEN_SCALE: f32 = 1e-3;
+
 /// A parsed file with its buffers and nodes.
 pub(super) struct SceneFile {
     pub gltf: gltf::Gltf,
+    /// Its JSON, completed.
+    pub json: Vec<u8>,
     pub buffers: Buffers,
     pub variants: FileVariants,
+    pub scenes: FileScenes,
     pub nodes: Nodes,
-    /// Nodes of scenes, parents first.
+    /// Nodes of the scene, parents first.
     order: Vec<usize>,
     /// Nodes whose rotation was normalized.
     pub turned: Vec<String>,
     pub skins: Vec<Result<Skin, String>>,
     /// Animations that had channels without a node.
     pub pointing: HashSet<usize>,
+    /// Names of materials with textures that have no picture.
+    pub without_picture: Vec<String>,
 }
 
 impl SceneFile {
-    pub fn open(bytes: &[u8], path: &Path, files: &mut Files, variant: Option<&str>) -> Result<Self, ImportError> {
+    pub fn open(bytes: &[u8], path: &Path, files: &mut Files, options: &ImportOptions) -> Result<Self, ImportError> {
         let failed = |trouble: Trouble| trouble.at(path, "glTF");
-        let parse_error = |reason: String| failed(reason.into());
-        check_glb_header(bytes).map_err(parse_error)?;
-        files.budget.take_json(&json_of(bytes)).map_err(|over| over.at(path))?;
-        check_extensions(bytes, path)?;
-        let (gltf, pointing) = parse(bytes).map_err(parse_error)?;
+        let container = container(bytes, path)?;
+        files.budget.take_json(container.json).map_err(|over| over.at(path))?;
+        let Parsed { gltf, completed } = parse(&container, path)?;
+        let Completed { text: json, pointing, without_picture } = completed;
         let bytes_of_nodes = hierarchy::bytes_of_weights(&gltf).saturating_add(deformations::bytes_of_skins(&gltf));
         files.budget.take(bytes_of_nodes).map_err(|over| over.at(path))?;
+        let variant = options.variant.as_deref();
         let variants =
-            FileVariants::of(bytes, variant).map_err(|known| ImportError::no_variant(path, variant, known))?;
+            FileVariants::of(&json, variant).map_err(|known| ImportError::no_variant(path, variant, known))?;
+        let wanted = options.scene.as_deref();
+        let scenes = FileScenes::of(&gltf, wanted).map_err(|known| ImportError::no_scene(path, wanted, known))?;
         let buffers = Buffers::load(&gltf, files).map_err(failed)?;
-        let hierarchy = hierarchy::read(&gltf);
+        let hierarchy = hierarchy::read(&gltf, scenes.shown);
         let skins = deformations::skins(&gltf, &buffers);
         let Hierarchy { nodes, order, turned } = hierarchy;
         let pointing = pointing.into_iter().collect();
-        let file = Self { gltf, buffers, variants, nodes, order, turned, skins, pointing };
+        let file =
+            Self { gltf, json, buffers, variants, scenes, nodes, order, turned, skins, pointing, without_picture };
         file.check_size(files, path)?;
         Ok(file)
+    }
+
+    /// Keeps the triangles of nodes that have no extent at rest and get one from a clip: they take [`HIDDEN_SCALE`] instead of 0.
+    /// Returns a note.
+    pub fn keep_hidden(&mut self, clips: &[Clip]) -> Option<String> {
+        let scaled = clips.iter().flat_map(Clip::channels).filter(|channel| channel.property == Property::Scale);
+        let mut hidden: Vec<usize> = scaled.map(|channel| channel.node).collect();
+        hidden.sort_unstable();
+        hidden.dedup();
+        hidden.retain(|&node| self.nodes.extend_at_rest(node, HIDDEN_SCALE));
+        let all: Vec<gltf::Node> = self.gltf.nodes().collect();
+        let names: Vec<String> = hidden.into_iter().map(|node| node_name(&all[node])).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "the nodes {} have a scale of 0 at rest, and show at times of an animation that give them one",
+                listed(&names)
+            )
+        })
     }
 
     pub fn nodes_of_scene(&self) -> impl Iterator<Item = gltf::Node<'_>> {

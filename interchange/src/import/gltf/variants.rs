@@ -25,8 +25,8 @@ impl FileVariants {
     ///
     /// # Errors
     /// The existing names, if `wanted` is not among them.
-    pub fn of(bytes: &[u8], wanted: Option<&str>) -> Result<Self, Vec<String>> {
-        let document = document_with(bytes, EXTENSION).unwrap_or_default();
+    pub fn of(json: &[u8], wanted: Option<&str>) -> Result<Self, Vec<String>> {
+        let document = document_with(json, EXTENSION).unwrap_or_default();
         let list = document["extensions"][EXTENSION]["variants"].as_array().cloned().unwrap_or_default();
         let name = |(index, variant): (usize, &Value)| {
             variant["name"].as_str().map_or_else(|| format!("variant {index}"), str::to_owned)

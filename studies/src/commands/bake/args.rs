@@ -70,6 +70,10 @@ pub struct BakeArgs {
     /// materials]
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
+    /// Scene of a glTF file with several, by name or by number from 0; `lapidary info FILE` lists them [default: the file's default
+    /// scene]
+    #[arg(long = "scene", value_name = "NAME|NUMBER")]
+    of_scene: Option<String>,
     /// Objects to move from their place in the scene file: {"objects": {"NAME": {"translate": [X,Y,Z], "rotate_degrees": [X,Y,Z],
     /// "scale": S}}}, each turned about its center in the order X, Y, Z
     #[arg(long, value_name = "FILE.json")]
@@ -188,7 +192,8 @@ impl BakeArgs {
         let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
         progress.cancel_on_interrupt();
         let start = Instant::now();
-        let options = ImportOptions { variant: self.variant.clone(), ..self.outside.into() };
+        let options =
+            ImportOptions { variant: self.variant.clone(), scene: self.of_scene.clone(), ..self.outside.into() };
         let imported = import_with(&self.scene, &options)?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
         // The scene's own buffers and pictures are only known now.

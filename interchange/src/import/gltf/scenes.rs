@@ -1,0 +1,50 @@
+//! The scenes of a glTF file (glTF 2.0, section 3.5.1). One of them is imported: programs store alternatives, and unused
+//! scenes.
+
+use crate::names::{listed, told_apart};
+
+/// The scenes of a file.
+pub(super) struct FileScenes {
+    /// Their names, told apart; those without a name have one derived from their number.
+    pub names: Vec<String>,
+    /// The imported one; `None` if the file has none, and all its nodes are imported.
+    pub shown: Option<usize>,
+    /// Names of the others that have nodes.
+    left_out: Vec<String>,
+}
+
+impl FileScenes {
+    /// The scenes of a file, of which the `wanted` one is shown: a name, or a number from 0. By default it is the file's own
+    /// choice, else the first.
+    ///
+    /// # Errors
+    /// The existing names, if `wanted` is not among them.
+    pub fn of(gltf: &gltf::Document, wanted: Option<&str>) -> Result<Self, Vec<String>> {
+        let name = |scene: gltf::Scene| scene.name().map_or_else(|| format!("scene {}", scene.index()), str::to_owned);
+        let names = told_apart(gltf.scenes().map(name).collect());
+        let own = || gltf.default_scene().map_or(0, |scene| scene.index());
+        let shown = match wanted {
+            None => Some(own()).filter(|_| !names.is_empty()),
+            Some(wanted) => {
+                let named = names.iter().position(|name| name == wanted);
+                let numbered = || wanted.parse().ok().filter(|number| *number < names.len());
+                match named.or_else(numbered) {
+                    Some(found) => Some(found),
+                    None => return Err(names),
+                }
+            }
+        };
+        let is_left_out = |scene: &gltf::Scene| Some(scene.index()) != shown && scene.nodes().next().is_some();
+        let left_out = gltf.scenes().filter(is_left_out).map(|scene| names[scene.index()].clone()).collect();
+        Ok(Self { names, shown, left_out })
+    }
+
+    /// The remark on scenes that are left out.
+    pub fn remark(&self) -> Option<String> {
+        let shown = &self.names[self.shown.filter(|_| !self.left_out.is_empty())?];
+        let others = listed(&self.left_out);
+        Some(format!(
+            "the file has several scenes: \"{shown}\" is shown, and {others} left out; bake another with --scene NAME"
+        ))
+    }
+}
