@@ -171,7 +171,7 @@ fn choose(headers: &[Header]) -> Result<Chosen, String> {
         for (layer, channels) in layers(header) {
             let has = |name: &&str| channels.iter().any(|channel| channel.eq_ignore_ascii_case(name));
             let rank = 2 * rank(part_name, &layer);
-            let rank = match (["R", "G", "B"].iter().all(|name| has(name)), has(&"Y")) {
+            let rank = match (["R", "G", "B"].iter().all(has), has(&"Y")) {
                 (true, _) => rank,
                 // A layer of one channel may hold depth or anything else, unless its name says otherwise.
                 (false, true) if rank <= 2 * WHOLE.len() => rank + 1,

@@ -79,7 +79,7 @@ impl Header {
     /// Column and row, from the top left, of a stored pixel.
     fn position(&self, scanline: u32, pixel: u32) -> [u32; 2] {
         let [across, along] = self.axes;
-        let (across, along) = (across.from_the_top_left(scanline), along.from_the_top_left(pixel));
+        let (across, along) = (across.along(scanline), along.along(pixel));
         if self.axes[0].is_x { [across, along] } else { [along, across] }
     }
 
@@ -101,8 +101,8 @@ impl Axis {
         Some(Self { is_x, grows, length: length.parse().ok()? })
     }
 
-    /// Rows count down and columns to the right.
-    fn from_the_top_left(self, step: u32) -> u32 {
+    /// Place on this axis of the `step`-th row from the top, or column from the left.
+    fn along(self, step: u32) -> u32 {
         if self.is_x == self.grows { step } else { self.length - 1 - step }
     }
 }

@@ -79,7 +79,7 @@ mod tests {
         assert_eq!(shrunk(&texture([1, 4000], |_| [7, 8, 9, 255])).size, [1, 64]);
         assert_eq!(shrunk(&texture([3, 2], |i| [i as u8 * 10, 0, 0, 255])).pixels[4].r(), 40);
         let deep = Texture::new("t", [1, 1], Texels::U16(vec![[257 * 40, 0, 0, 65535]]));
-        assert_eq!(shrunk(&deep.into()).pixels[0].r(), 40);
+        assert_eq!(shrunk(&deep).pixels[0].r(), 40);
     }
 
     #[test]
