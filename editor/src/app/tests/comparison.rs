@@ -139,10 +139,10 @@ fn a_picture_file_is_compared_with_and_a_bad_one_is_told_in_the_strip() {
     std::fs::write(&path, b"nothing").unwrap();
     window.perform(Action::Compare(CompareAction::Reference(Some(path))));
     window.wait("the problem", |s| s.comparison.context().problem.is_some());
-    assert!(window.shows("not a picture"));
+    assert!(window.shows("cannot be read"));
     panel(&mut window).kind = KindChoice::Samples;
     finished(&mut window);
-    assert!(!window.shows("not a picture"), "negative control: light samples go on");
+    assert!(!window.shows("cannot be read"), "negative control: light samples go on");
 }
 
 #[test]
