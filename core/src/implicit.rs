@@ -36,6 +36,4 @@ pub use vertices::{Receiver, VertexWeights};
 pub use views::Views;
 
 #[cfg(test)]
-mod measure;
-#[cfg(test)]
 mod tests;

@@ -52,16 +52,6 @@ pub fn furnished(surfels: u32) -> Furnished {
     with_surfels(mesh_of(&objects), surfels)
 }
 
-/// A closed room of 2 m with a cubic lattice of `boxes` boxes in it, each an object.
-pub fn crowded(boxes: u32, surfels: u32) -> Furnished {
-    let side = (1..).find(|side: &u32| side.pow(3) >= boxes).unwrap_or(1);
-    let pitch = 1.6 / side as f32;
-    let place = |i: u32| Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
-    let at = |i: u32| cuboid((place(i) + 0.5) * pitch - 0.8, Vec3::splat(0.2 * pitch));
-    let objects: Vec<_> = std::iter::once(room(Vec3::ZERO, Vec3::ONE)).chain((0..boxes).map(at)).collect();
-    with_surfels(mesh_of(&objects), surfels)
-}
-
 fn views_of(forest: &DiscForest) -> Views {
     Bins::walk(forest, BinLayout::FINEST, &|_| true).views()
 }
