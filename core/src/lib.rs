@@ -60,6 +60,7 @@ pub mod material;
 pub mod memory;
 pub mod mesh;
 pub mod meshless;
+pub mod names;
 pub mod offset;
 pub mod opacity;
 pub mod output;

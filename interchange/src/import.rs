@@ -4,17 +4,17 @@
 //! same way for all formats. `ranges` clamps everything else. Contents of a file never cause a panic: they are repaired with a
 //! warning, or refused with an error. `budget` bounds the memory of an import, and `files` restricts the files it reads.
 
-use crate::{file_format::FileFormat, names::told_apart};
+use crate::file_format::FileFormat;
 use files::{Files, read_file};
 use glam::Vec3;
 pub(crate) use gltf::percent_decoded;
-use lapidary_core::{animation::Animation, scene::Scene};
+use lapidary_core::{animation::Animation, names::told_apart, scene::Scene};
 use source::Source;
 use std::path::Path;
 
 mod budget;
 mod files;
-mod gltf;
+pub(crate) mod gltf;
 mod materials;
 pub(crate) mod mtl;
 mod obj;

@@ -3,6 +3,7 @@
 use super::{Animation, AnimationError, Clip, ClipTime, binding::BoundObject, shape::Posture};
 use crate::{
     bounds::is_within_reach,
+    names::told_apart,
     scene::{
         Object, Scene,
         placed::Placed,
@@ -133,15 +134,16 @@ impl BoundAnimation {
 /// Checks that a scene has the objects of a file, by name and in order. A ground follows them.
 fn check_objects(animation: &Animation, scene: &Scene) -> Result<(), AnimationError> {
     let of_scene = (0..).zip(&scene.objects).filter(|(object, _)| scene.mesh.ground_object() != Some(*object));
-    let names: Vec<&str> = of_scene.map(|(_, Object { name })| name.as_str()).collect();
+    // Older bakes have equal names.
+    let names = told_apart(of_scene.map(|(_, Object { name })| name.clone()).collect());
     let of_file = &animation.objects;
     if names == *of_file {
         return Ok(());
     }
     let path = animation.path.clone();
-    Err(match of_file.iter().zip(&names).find(|(a, b)| a != *b).filter(|_| names.len() == of_file.len()) {
+    Err(match of_file.iter().zip(&names).find(|(a, b)| a != b).filter(|_| names.len() == of_file.len()) {
         Some((found, expected)) => {
-            AnimationError::OtherObject { path, found: found.clone(), expected: (*expected).to_owned() }
+            AnimationError::OtherObject { path, found: found.clone(), expected: expected.clone() }
         }
         None => AnimationError::OtherCount { path, found: of_file.len(), expected: names.len() },
     })

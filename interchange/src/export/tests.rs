@@ -261,6 +261,47 @@ fn an_original_keeps_all_but_the_materials_that_changed() {
     }
 }
 
+/// The original after a change of its text, edited and written: what the file shows afterwards.
+fn edited(change: impl Fn(&[u8]) -> Vec<u8>, binary: bool) -> (Material, Material) {
+    let folder = tempfile::tempdir().unwrap();
+    let original = original(folder.path(), binary);
+    fs::write(&original, change(&fs::read(&original).unwrap())).unwrap();
+    let mut scene = import(&original).unwrap().scene;
+    scene.materials[0].parameters.set("roughness", 0.75);
+    let path = folder.path().join(if binary { "out.glb" } else { "out.gltf" });
+    write_materials(&scene, &path, &ExportOptions { original: Some(&original), ..Default::default() }).unwrap();
+    (import(&path).unwrap().scene.materials.swap_remove(0), scene.materials.swap_remove(0))
+}
+
+#[test]
+fn an_edited_material_of_specular_color_and_glossiness_shows_the_edit() {
+    let plain = r#""pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "roughnessFactor": 0.50}"#;
+    let glossy = r#""extensions": {"KHR_materials_pbrSpecularGlossiness": {"glossinessFactor": 0.9,
+        "specularFactor": [0.04, 0.04, 0.04]}}"#;
+    let change = |bytes: &[u8]| {
+        let text = String::from_utf8(bytes.to_vec()).unwrap();
+        assert!(text.contains(plain));
+        text.replace(plain, glossy).into_bytes()
+    };
+    let (read, written) = edited(change, false);
+    assert!((read.parameters.number("roughness") - 0.75).abs() < 1e-6, "{:?}", read.parameters);
+    assert_eq!(written.parameters.number("roughness"), 0.75);
+}
+
+#[test]
+fn a_binary_original_with_wrong_padding_is_written_right() {
+    // Its JSON is padded with zeros in place of spaces.
+    let change = |bytes: &[u8]| {
+        let end = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        let padded = [&bytes[..end], &[0; 4], &bytes[end..]].concat();
+        let length = (padded.len() as u32).to_le_bytes();
+        let json = (end as u32 - 20 + 4).to_le_bytes();
+        [&padded[..8], &length, &json, &padded[16..]].concat()
+    };
+    let (read, _) = edited(change, true);
+    assert!((read.parameters.number("roughness") - 0.75).abs() < 1e-6, "{:?}", read.parameters);
+}
+
 #[test]
 fn an_original_that_cannot_be_used_is_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -173,8 +173,9 @@ fn choose(headers: &[Header]) -> Result<Chosen, String> {
             let rank = 2 * rank(part_name, &layer);
             let rank = match (["R", "G", "B"].iter().all(has), has(&"Y")) {
                 (true, _) => rank,
-                // A layer of one channel may hold depth or anything else, unless its name says otherwise.
+                // A layer of one channel may hold depth or anything else, unless its name says otherwise: the last choice.
                 (false, true) if rank <= 2 * WHOLE.len() => rank + 1,
+                (false, true) if layer.is_empty() => usize::MAX,
                 _ => continue,
             };
             if best.as_ref().is_none_or(|(other, _)| rank < *other) {
@@ -389,6 +390,9 @@ mod tests {
         let shown = |parts| first(&written(parts));
         assert_eq!(shown(vec![depth(), colors("left", 1.0), colors("right", 2.0)]), [1.0, 1.0, 1.0, 0.5]);
         assert_eq!(shown(vec![colors("left", 1.0), depth(), colors("rgba", 2.0)]), [2.0, 2.0, 2.0, 0.5]);
+        let gray = |name, value| part(Some(name), &[("Y", value)]);
+        assert_eq!(shown(vec![gray("height", 3.0), gray("mask", 4.0)]), [3.0, 3.0, 3.0, 1.0], "the first of grays");
+        assert_eq!(shown(vec![gray("height", 3.0), colors("left", 1.0)]), [1.0, 1.0, 1.0, 0.5], "colors before grays");
         let message = read(&written(vec![depth(), part(Some("more"), &[("id", 1.0)])])).unwrap_err();
         assert!(message.contains("Z") && message.contains("id"), "{message}");
     }

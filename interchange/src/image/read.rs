@@ -71,11 +71,22 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
 pub struct Footprint {
     /// Bytes of its texels as a texture.
     pub held: u64,
+    /// Bytes of its levels of detail: a third of the texels, which are floats beyond 8 bits.
+    pub levels: u64,
     /// Additional bytes for the decoder.
     pub decoding: u64,
 }
 
 impl Footprint {
+    fn of(pixels: u64, depth: Depth, decoding: u64) -> Self {
+        let [held, of_level] = match depth {
+            Depth::Eight => [4, 4],
+            Depth::Sixteen => [8, 16],
+            Depth::Float => [16, 16],
+        };
+        Self { held: pixels.saturating_mul(held), levels: pixels.saturating_mul(of_level) / 3, decoding }
+    }
+
     pub(super) fn check(self, available: Option<u64>, path: &Path) -> Result<(), ImageError> {
         let needed = self.held.saturating_add(self.decoding);
         match available {
@@ -97,25 +108,20 @@ pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
         // Only one of the parts is decoded.
         let parts = open_exr::headers(bytes, path)?;
         let largest = parts.iter().map(open_exr::Part::of).max_by_key(|part| part.samples).unwrap_or_default();
-        return Ok(Footprint { held: largest.pixels.saturating_mul(16), decoding: largest.samples });
+        return Ok(Footprint::of(largest.pixels, Depth::Float, largest.samples));
     }
     if bytes.starts_with(radiance::SIGNATURE) {
         let [width, height] = radiance::Header::read(bytes, path)?.size().map(u64::from);
-        let held = width * height * 16;
-        return Ok(Footprint { held, decoding: held });
+        return Ok(Footprint::of(width * height, Depth::Float, width * height * 16));
     }
     let format = format_of(bytes, path)?;
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
     let decoder = decoder.map_err(|e| undecodable(path, e))?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), path)?;
-    let bytes_per_texel = match Depth::of(decoder.color_type()) {
-        Depth::Eight => 4,
-        Depth::Sixteen => 8,
-        Depth::Float => 16,
-    };
-    let held = u64::from(width) * u64::from(height) * bytes_per_texel;
-    Ok(Footprint { held, decoding: held.max(decoder.total_bytes()) })
+    let pixels = u64::from(width) * u64::from(height);
+    let footprint = Footprint::of(pixels, Depth::of(decoder.color_type()), decoder.total_bytes());
+    Ok(Footprint { decoding: footprint.held.max(footprint.decoding), ..footprint })
 }
 
 /// Width and height of a png, jpg or tga file, from its header alone.
@@ -304,9 +310,10 @@ mod tests {
             footprint(&encode(&ramp(), None, path).unwrap(), path).unwrap()
         };
         let pixels = 13 * 7;
-        assert_eq!(of("a.png"), Footprint { held: 4 * pixels, decoding: 4 * pixels });
-        assert_eq!(of("a.hdr"), Footprint { held: 16 * pixels, decoding: 16 * pixels });
-        assert_eq!(of("a.exr"), Footprint { held: 16 * pixels, decoding: 12 * pixels });
+        assert_eq!(of("a.png"), Footprint::of(pixels, Depth::Eight, 4 * pixels));
+        assert_eq!(of("a.hdr"), Footprint::of(pixels, Depth::Float, 16 * pixels));
+        assert_eq!(of("a.exr"), Footprint::of(pixels, Depth::Float, 12 * pixels));
+        assert_eq!([Depth::Eight, Depth::Sixteen].map(|depth| Footprint::of(30, depth, 0).levels), [40, 160]);
         let message = of("a.png").check(Some(8 * pixels - 1), Path::new("a.png")).unwrap_err().to_string();
         assert!(message.contains("1 MB") && message.contains("0 MB") && message.ends_with("(a.png)"), "{message}");
         assert!(of("a.png").check(Some(8 * pixels), Path::new("a.png")).is_ok());

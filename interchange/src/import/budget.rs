@@ -91,8 +91,7 @@ impl Budget {
     /// Takes the memory of a picture with its levels of detail, from its encoded length. The decoder's own memory is
     /// free again afterwards.
     pub fn take_picture(&mut self, encoded: usize, footprint: Footprint) -> Result<(), OverBudget> {
-        let levels = footprint.held / 3;
-        let held = footprint.held.saturating_add(levels).saturating_add(encoded as u64);
+        let held = footprint.held.saturating_add(footprint.levels).saturating_add(encoded as u64);
         self.take(held.saturating_add(footprint.decoding))?;
         self.used -= footprint.decoding;
         Ok(())
@@ -108,7 +107,7 @@ mod tests {
         let mut budget = Budget::new(Some(1000));
         budget.take(600).unwrap();
         assert_eq!(budget.take(500), Err(OverBudget { needed: 1100, limit: 1000 }));
-        budget.take_picture(10, Footprint { held: 90, decoding: 270 }).unwrap();
+        budget.take_picture(10, Footprint { held: 90, levels: 30, decoding: 270 }).unwrap();
         assert_eq!(budget.take(271), Err(OverBudget { needed: 1001, limit: 1000 }), "90, and 30 for its levels");
         assert!(budget.take(270).is_ok() && budget.take(u64::MAX).is_err() && budget.take_mesh(u64::MAX, 1).is_err());
         assert!(Budget::new(None).take(1 << 20).is_ok());

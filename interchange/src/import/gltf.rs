@@ -9,7 +9,7 @@ use crate::{
         report::{ImportError, ImportOptions},
         source::Source,
     },
-    names::{listed, told_apart},
+    names::listed,
 };
 use clips::Clips;
 use document::warn_of_extensions;
@@ -20,6 +20,7 @@ use lapidary_core::{
     animation::{Animation, shape::Shape},
     camera::Camera,
     material::Material,
+    names::told_apart,
 };
 use notes::Notes;
 use primitive::Primitive;
@@ -29,7 +30,7 @@ use std::path::Path;
 mod buffers;
 mod clips;
 mod completed;
-mod container;
+pub(crate) mod container;
 mod deformations;
 mod document;
 mod glossiness;

@@ -40,6 +40,9 @@ fn one_scene_of_several_is_shown_and_the_others_are_named() {
     let warnings = default.report.warnings.join("\n");
     assert!(warnings.contains("\"scene 1\" is shown, and \"left\" left out"), "{warnings}");
     assert_eq!(names(&shown(&with(both))), ["A"], "the first without a default");
+    let empty_first = r#""scene": 0, "scenes": [{"nodes": []}, {"nodes": [1]}]"#;
+    assert_eq!(names(&shown(&with(empty_first))), ["B"], "the first with nodes");
+    assert_eq!(names(&shown(&with(r#""scenes": [{"nodes": []}]"#))), ["A", "B"], "all nodes without any in scenes");
     assert_eq!(names(&shown(&with(r#""asset2": 0"#))), ["A", "B"], "all nodes without scenes");
     let chosen = |name: &str| import_with(&path, &ImportOptions { scene: Some(name.into()), ..Default::default() });
     assert_eq!(names(&chosen("left").unwrap()), ["A"]);
@@ -245,6 +248,9 @@ fn specular_glossiness_becomes_metallic_roughness() {
     );
     assert!((roughness - (1.0 - 64.0 / 255.0)).abs() < 1e-3, "{roughness}");
     assert!(mapped.report.warnings[0].contains("\"m\" have a map of specular color and glossiness"));
+    let metal = with(r#""specularFactor": [1, 0.77, 0.34], "diffuseTexture": {"index": 0}"#);
+    assert!(metal.scene.materials[0].maps.get("base_color").is_none());
+    assert!(metal.report.warnings[0].contains("\"m\" are metals with a diffuse map"), "{:?}", metal.report.warnings);
 }
 
 #[test]

@@ -208,6 +208,18 @@ fn a_scene_that_was_not_baked_of_the_file_is_told() {
     assert_eq!(bind(&|scene| lapidary_core::ground::add_ground(scene)), Ok(()), "a ground is no object of the file");
     let renamed = bind(&|scene| scene.objects[0].name = "pole".into()).unwrap_err();
     assert!(renamed.contains("an object \"bar\" where the scene has \"pole\""), "{renamed}");
+    let twice = || {
+        let mut animation = animation::read(&path, &ImportOptions::default()).unwrap();
+        animation.objects.push("bar 2".into());
+        animation
+    };
+    let of_twice = |name: &str| {
+        let mut other = scene.clone();
+        other.objects.push(lapidary_core::scene::Object { name: name.into() });
+        BoundAnimation::new(twice(), &other).map(drop).map_err(|error| error.to_string())
+    };
+    assert!(!of_twice("bar").is_err_and(|told| told.contains("where the scene has")), "older bakes have equal names");
+    assert!(of_twice("rod").is_err_and(|told| told.contains("\"bar 2\" where the scene has \"rod\"")));
     let more = bind(&|scene| scene.objects.push(scene.objects[0].clone())).unwrap_err();
     assert!(more.contains("the file has 1 objects, the scene 2"), "{more}");
     let moved = bind(&|scene| scene.mesh.positions.iter_mut().for_each(|p| p.x += 0.5)).unwrap_err();

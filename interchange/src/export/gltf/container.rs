@@ -73,22 +73,10 @@ impl<'de> Deserialize<'de> for Members {
     }
 }
 
-const MAGIC: &[u8] = b"glTF";
+/// First bytes of a binary file.
+pub const MAGIC: &[u8] = b"glTF";
 const JSON: &[u8] = b"JSON";
 const BIN: &[u8] = b"BIN\0";
-
-/// The JSON of a file, and for a binary file the chunks after it.
-pub fn parts(bytes: &[u8]) -> (&[u8], Option<&[u8]>) {
-    let chunk = |at: usize| {
-        let length = bytes.get(at..at + 4)?;
-        let length = u32::from_le_bytes([length[0], length[1], length[2], length[3]]) as usize;
-        bytes.get(at + 8..(at + 8).checked_add(length)?)
-    };
-    match chunk(12) {
-        Some(json) if bytes.starts_with(MAGIC) => (json, Some(&bytes[20 + json.len()..])),
-        _ => (bytes, None),
-    }
-}
 
 /// A binary file from a JSON text and the chunks after it.
 ///

@@ -101,6 +101,9 @@ fn turned(material: &Material) -> (Material, f32) {
     (turned, 0.0)
 }
 
+/// The extension whose numbers import converts.
+const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
 /// Writes one material.
 struct OneMaterial<'w, 'a> {
     all: &'w mut MaterialWriter<'a>,
@@ -139,6 +142,8 @@ impl OneMaterial<'_, '_> {
         self.write_sheen();
         self.write_emission();
         self.write_alpha();
+        // It would show the look of before.
+        self.extension(GLOSSINESS, None);
         self.tell_lost_maps();
     }
 

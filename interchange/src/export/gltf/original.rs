@@ -8,7 +8,7 @@ use crate::{
         gltf::{compose::Textures, materials::MaterialWriter},
     },
     image::PictureFormat,
-    import::{ImportError, ImportOptions, Imported, import_with},
+    import::{ImportError, ImportOptions, Imported, gltf::container::Container, import_with},
 };
 use base64::Engine;
 use lapidary_core::{
@@ -31,7 +31,12 @@ pub fn write(scene: &Scene, path: &Path, original: &Path) -> Result<Exported, Ex
     let bytes = input::read(original).map_err(io_error)?;
     let bytes = input::text(&bytes).map_err(io_error)?;
     let imported = import_with(original, &ImportOptions { allow_outside: true, ..Default::default() })?;
-    let (json, chunks) = container::parts(&bytes);
+    // It was imported just now.
+    let Ok(Container { json, blob }) = Container::of(&bytes) else {
+        return Err(ExportError::text(original, "it changed while it was read; export it again"));
+    };
+    let chunks = blob.map(|blob| container::binary_chunk(blob.to_vec()));
+    let chunks = chunks.or(bytes.starts_with(container::MAGIC).then(Vec::new));
     let members: Members = serde_json::from_slice(json).map_err(|error| ExportError::text(original, error))?;
     let count = members.list("materials").len();
     if count > scene.materials.len() {
@@ -41,7 +46,7 @@ pub fn write(scene: &Scene, path: &Path, original: &Path) -> Result<Exported, Ex
     let (text, mut exported) = rewritten(members, scene, &imported).map_err(|error| ExportError::text(path, error))?;
     let is_binary = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
     let contents = match (chunks, is_binary) {
-        (Some(chunks), true) => container::binary(&text, chunks),
+        (Some(chunks), true) => container::binary(&text, &chunks),
         (None, true) => container::binary(&text, &[]),
         (None, false) => Ok(text.into_bytes()),
         (Some(_), false) => Err("the original is a binary file; end the name in .glb".into()),

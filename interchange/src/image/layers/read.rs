@@ -63,7 +63,7 @@ impl File {
         // All parts are decoded, and one of them becomes a picture.
         let decoding = parts.iter().fold(0, |sum: u64, part| sum.saturating_add(part.samples));
         let held = parts.iter().map(|part| part.pixels.saturating_mul(12)).max().unwrap_or(0);
-        Footprint { held, decoding }.check(memory::available(), path)?;
+        Footprint { held, levels: 0, decoding }.check(memory::available(), path)?;
         let file = openexr::read()
             .no_deep_data()
             .largest_resolution_level()

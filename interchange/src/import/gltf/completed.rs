@@ -3,6 +3,7 @@
 
 use super::{glossiness, pointers};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 
 /// The JSON of a file, completed.
 pub(super) struct Completed {
@@ -99,7 +100,7 @@ fn complete_accessors(document: &mut Value) -> bool {
 /// Finds the pictures of textures whose `source` is in an extension, such as EXT_texture_webp, and removes textures without any
 /// from the materials. Returns the names of these materials; `None` if all textures have a picture.
 fn complete_textures(document: &mut Value) -> Option<Vec<String>> {
-    let mut empty = Vec::new();
+    let mut empty = HashSet::new();
     let mut is_changed = false;
     for (index, texture) in list(document, "textures").iter_mut().enumerate() {
         let Some(fields) = texture.as_object_mut().filter(|fields| !fields.contains_key("source")) else { continue };
@@ -108,7 +109,7 @@ fn complete_textures(document: &mut Value) -> Option<Vec<String>> {
         fields.insert("source".into(), json!(source.unwrap_or(0)));
         is_changed = true;
         if source.is_none() {
-            empty.push(index as u64);
+            empty.insert(index as u64);
         }
     }
     if !is_changed {
@@ -127,7 +128,7 @@ fn complete_textures(document: &mut Value) -> Option<Vec<String>> {
 }
 
 /// Removes the uses of textures from a material. Returns whether it had some.
-fn remove_textures(value: &mut Value, textures: &[u64]) -> bool {
+fn remove_textures(value: &mut Value, textures: &HashSet<u64>) -> bool {
     let Some(fields) = value.as_object_mut() else { return false };
     let is_removed = |name: &String, value: &Value| {
         name.ends_with("Texture") && value["index"].as_u64().is_some_and(|index| textures.contains(&index))

@@ -13,13 +13,13 @@ const HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
 
 /// The contents of a file.
-pub(super) struct Container<'a> {
+pub(crate) struct Container<'a> {
     pub json: &'a [u8],
     pub blob: Option<&'a [u8]>,
 }
 
 /// Why there are no contents.
-pub(super) enum Unreadable {
+pub(crate) enum Unreadable {
     /// A GLB of another version.
     Version(u32),
     /// The problem.
@@ -29,7 +29,7 @@ pub(super) enum Unreadable {
 impl<'a> Container<'a> {
     pub fn of(bytes: &'a [u8]) -> Result<Self, Unreadable> {
         if !bytes.starts_with(b"glTF") {
-            return Ok(Self { json: bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), blob: None });
+            return Ok(Self { json: bytes, blob: None });
         }
         let [version, length] = [4, 8].map(|at| word(bytes, at));
         let (Some(version), Some(length)) = (version, length.filter(|length| *length as usize >= HEADER)) else {

@@ -4,7 +4,7 @@
 use super::layers::{TextureInfo, extension};
 use glam::Vec3;
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 pub(super) const EXTENSION: &str = "KHR_materials_pbrSpecularGlossiness";
 
@@ -94,6 +94,10 @@ pub(super) fn convert(document: &mut Value) -> bool {
     let mut is_changed = false;
     let materials = document.get_mut("materials").and_then(Value::as_array_mut);
     for material in materials.into_iter().flatten().filter_map(Value::as_object_mut) {
+        if has_better_fallback(material) {
+            material["extensions"].as_object_mut().map(|extensions| extensions.remove(EXTENSION));
+            is_changed = true;
+        }
         let Some(gloss) = material.get("extensions").and_then(|extensions| extensions.get(EXTENSION)) else { continue };
         let glossiness = gloss["glossinessFactor"].as_f64().unwrap_or(1.0).clamp(0.0, 1.0);
         let mut plain = json!({ "metallicFactor": 0, "roughnessFactor": 1.0 - glossiness });
@@ -108,9 +112,31 @@ pub(super) fn convert(document: &mut Value) -> bool {
     is_changed
 }
 
+/// Whether the plain material has maps of metalness and roughness where the extension's map would count by its mean.
+fn has_better_fallback(material: &Map<String, Value>) -> bool {
+    let extension = material.get("extensions").map(|extensions| &extensions[EXTENSION]);
+    let has_map = extension.is_some_and(|extension| extension["specularGlossinessTexture"].is_object());
+    has_map && material.get("pbrMetallicRoughness").is_some_and(|plain| plain["metallicRoughnessTexture"].is_object())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn maps_of_the_plain_material_count_more_than_the_mean_of_the_extensions_map() {
+        let converted = |plain: Value| {
+            let extension = json!({ "specularGlossinessTexture": { "index": 0 }, "diffuseFactor": [0.5, 0.5, 0.5, 1] });
+            let material = json!({ "pbrMetallicRoughness": plain, "extensions": { EXTENSION: extension } });
+            let mut document = json!({ "materials": [material] });
+            assert!(convert(&mut document));
+            (Glossiness::of_all(&document)[0].is_some(), document["materials"][0]["pbrMetallicRoughness"].clone())
+        };
+        let mapped = json!({ "metallicRoughnessTexture": { "index": 1 } });
+        assert_eq!(converted(mapped.clone()), (false, mapped));
+        let (is_kept, plain) = converted(json!({ "roughnessFactor": 0.3 }));
+        assert!(is_kept && plain["baseColorFactor"][0] == 0.5, "negative control: no such map");
+    }
 
     #[test]
     fn metals_and_plastics_come_out_as_such() {

@@ -226,6 +226,10 @@ impl MaterialReader<'_> {
         } else {
             // The color of a metal is its specular one.
             material.parameters.set("base_color", base_color);
+            if material.maps.get("base_color").is_some() {
+                let text = "are metals with a diffuse map, which metals do not show; it is left out";
+                self.ignored.told.insert((text, material.name.clone()));
+            }
             material.maps.set("base_color", None);
         }
         material.parameters.set("metalness", metalness);

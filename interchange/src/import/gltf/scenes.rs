@@ -1,30 +1,37 @@
 //! The scenes of a glTF file (glTF 2.0, section 3.5.1). One of them is imported: programs store alternatives, and unused
 //! scenes.
 
-use crate::names::{listed, told_apart};
+use crate::names::listed;
+use lapidary_core::names::told_apart;
 
 /// The scenes of a file.
 pub(super) struct FileScenes {
     /// Their names, told apart; those without a name have one derived from their number.
     pub names: Vec<String>,
-    /// The imported one; `None` if the file has none, and all its nodes are imported.
+    /// The imported one; `None` if no scene has nodes, and all nodes of the file are imported.
     pub shown: Option<usize>,
     /// Names of the others that have nodes.
     left_out: Vec<String>,
 }
 
+/// The scene that a file shows: its default one, or else the first, that has nodes.
+fn own(gltf: &gltf::Document) -> Option<usize> {
+    let has_nodes = |scene: &gltf::Scene| scene.nodes().next().is_some();
+    let scene = gltf.default_scene().filter(has_nodes).or_else(|| gltf.scenes().find(has_nodes));
+    scene.map(|scene| scene.index())
+}
+
 impl FileScenes {
     /// The scenes of a file, of which the `wanted` one is shown: a name, or a number from 0. By default it is the file's own
-    /// choice, else the first.
+    /// choice, else the first with nodes.
     ///
     /// # Errors
     /// The existing names, if `wanted` is not among them.
     pub fn of(gltf: &gltf::Document, wanted: Option<&str>) -> Result<Self, Vec<String>> {
         let name = |scene: gltf::Scene| scene.name().map_or_else(|| format!("scene {}", scene.index()), str::to_owned);
         let names = told_apart(gltf.scenes().map(name).collect());
-        let own = || gltf.default_scene().map_or(0, |scene| scene.index());
         let shown = match wanted {
-            None => Some(own()).filter(|_| !names.is_empty()),
+            None => own(gltf),
             Some(wanted) => {
                 let named = names.iter().position(|name| name == wanted);
                 let numbered = || wanted.parse().ok().filter(|number| *number < names.len());

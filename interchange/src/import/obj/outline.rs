@@ -70,6 +70,9 @@ impl Outline {
     /// Estimated number of vertices. Each distinct combination of a corner makes one; most programs write half as many
     /// more as there are positions, at seams and hard edges.
     pub fn vertices(&self) -> u64 {
+        if self.normals == 0 && self.smoothing.iter().any(|(_, smoothing)| matches!(smoothing, FaceSmoothing::Off)) {
+            return self.corners;
+        }
         let most = self.positions.max(self.uvs).max(self.normals);
         (most + most / 2).min(self.corners)
     }
