@@ -8,7 +8,7 @@ use super::{
 };
 use crate::import::{
     report::ImportError,
-    source::{Source, check_count},
+    source::{Source, check_count, colors_left_out},
 };
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use lapidary_core::{material::Material, scene::Object};
@@ -46,7 +46,10 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     let triangles: u64 = faces.iter().map(|face| face.corners.len().saturating_sub(2) as u64).sum();
     check_count("triangles", triangles, path)?;
     files.budget.take_mesh(0, triangles.saturating_sub(faces.len() as u64)).map_err(|over| over.at(path))?;
-    Ok(source(&vertices, &faces, path))
+    let mut source = source(&vertices, &faces, path);
+    let has_colors = header.elements.get("vertex").is_some_and(|vertex| vertex.properties.contains_key("red"));
+    source.warnings.extend(has_colors.then(|| colors_left_out(count("vertex"))));
+    Ok(source)
 }
 
 fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {

@@ -34,3 +34,8 @@ pub(super) fn check_count(what: &'static str, count: u64, path: &Path) -> Result
     }
     Err(ImportError::TooLarge { path: path.into(), what, count, limit: MAX_ELEMENTS })
 }
+
+/// The warning of vertices whose colors are not shown.
+pub(super) fn colors_left_out(vertices: u64) -> String {
+    format!("the colors of {vertices} vertices are left out; bake them to a texture")
+}

@@ -4,6 +4,7 @@ use crate::import::{
     budget::{Budget, OverBudget},
     files::Trouble,
     repair::Smoothing,
+    source::colors_left_out,
 };
 use glam::DVec3;
 use std::{collections::HashSet, fmt::Write, iter::repeat_n, str::SplitWhitespace};
@@ -23,6 +24,8 @@ pub(super) struct Outline {
     pub triangles: u64,
     /// Faces with a surface, as `tobj` returns them.
     faces: u64,
+    /// Positions with a color.
+    colored: u64,
     /// Elements without a surface.
     lines: u64,
     points: u64,
@@ -84,7 +87,9 @@ impl Outline {
         match key {
             "v" => {
                 self.positions += 1;
-                self.push_statement(key, without_color(numbers()));
+                let position = without_color(numbers());
+                self.colored += u64::from(position.len() < numbers().len());
+                self.push_statement(key, position);
             }
             "vt" => {
                 self.uvs += 1;
@@ -157,6 +162,9 @@ impl Outline {
 
     /// Warns of elements that were left out.
     pub fn warn(&self, warnings: &mut Vec<String>) {
+        if self.colored > 0 {
+            warnings.push(colors_left_out(self.colored));
+        }
         if self.lines + self.points > 0 {
             warnings.push(format!(
                 "{} lines and {} points have no surface and were left out; give them a thickness in the modelling program \
