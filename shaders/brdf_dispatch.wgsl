@@ -8,7 +8,7 @@ struct Brdf {
 }
 
 // The BRDF of a material.
-fn brdf_of(material: u32, uv: UvFootprint) -> Brdf {
+fn brdf_of(material: u32, at: SurfaceAttributes) -> Brdf {
     var brdf: Brdf;
     brdf.model = materials[material].model;
     switch brdf.model {
@@ -53,7 +53,7 @@ fn albedo_of(brdf: Brdf) -> vec3<f32> {
 }
 
 // Base color and roughness of a material, for the views that show them.
-fn color_and_roughness(material: u32, uv: UvFootprint) -> vec4<f32> {
+fn color_and_roughness(material: u32, at: SurfaceAttributes) -> vec4<f32> {
     switch materials[material].model {
 //= shown
         default: { return vec4(0.0); }

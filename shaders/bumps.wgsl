@@ -59,7 +59,7 @@ fn slope_texel(level: Level, x: u32, y: u32) -> SlopeMoments {
 
 fn slope_level(slot: TextureSlot, level: u32, uv: vec2<f32>) -> SlopeMoments {
     let there = level_of(slot, level, SLOPE_WORDS);
-    let quad = quad_around(there.size, uv);
+    let quad = quad_around(there.size, uv, slot.lookup);
     var sum = SlopeMoments(vec2(0.0), vec3(0.0));
     for (var i = 0u; i < 4u; i++) {
         let is_high = vec2((i & 1u) != 0u, i > 1u);
@@ -83,10 +83,20 @@ fn finest_slope(slot: TextureSlot, uv: vec2<f32>, is_height: bool) -> vec2<f32> 
         let axis = i >> 1u;
         let sign = select(1.0, -1.0, (i & 1u) != 0u);
         let along = sign * steps[axis] * linear_column(slot, axis);
-        let height = sample_texture(slot, uv + along)[slot.channel];
+        let height = sample_texture(slot, uv + along)[channel_of(slot)];
         change += select(vec2(0.0, sign * height), vec2(sign * height, 0.0), axis == 0u);
     }
     return slot.strength * change / (2.0 * steps);
+}
+
+// Slopes of a level; those of heights fall where a mirrored picture rises.
+fn slope_below(slot: TextureSlot, level: u32, uv: vec2<f32>, is_height: bool) -> SlopeMoments {
+    let moments = slope_level(slot, level, uv);
+    if !is_height {
+        return moments;
+    }
+    let rising = vec2(folded_slope(uv.x, wrap_of(slot, 0u)), folded_slope(uv.y, wrap_of(slot, 1u)));
+    return moments_mapped(moments, vec2(rising.x, 0.0), vec2(0.0, rising.y));
 }
 
 // Slopes within taps. The columns of a matrix convert levels to surface units.
@@ -113,7 +123,7 @@ fn slopes_within(
         if at == 0u {
             finest = moments_sum(finest, weight, moments_of(finest_slope(slot, uv, is_height)));
         } else {
-            lower = moments_sum(lower, weight, slope_level(slot, at, uv));
+            lower = moments_sum(lower, weight, slope_below(slot, at, uv, is_height));
         }
     }
     return moments_sum(finest, 1.0, moments_mapped(lower, column_x, column_y));
@@ -133,12 +143,13 @@ struct Bumped {
     by_heights: Moving,
 }
 
-fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: mat3x3<f32>) -> Bumped {
+fn bumped_normal(material: u32, corners: vec3<u32>, b: vec3<f32>, smoothed: mat3x3<f32>) -> Bumped {
     let still = Moving(vec3(0.0), vec3(0.0), vec3(0.0));
     var bumped = Bumped(smoothed[2], still, still);
     let normal_map = materials[material].normal_map;
     if normal_map.kind != 0u {
         let axes = normal_axes(normal_map, materials[material].normal_y);
+        let uv = footprint_at(corners, b, uv_set_of(normal_map));
         let taps = taps_of(normal_map, uv);
         if is_point(taps) || normal_map.kind == KIND_PROCEDURAL {
             let n = 2.0 * sample_slot(normal_map, uv).xyz - 1.0;
@@ -152,9 +163,9 @@ fn bumped_normal(material: u32, corners: vec3<u32>, uv: UvFootprint, smoothed: m
         }
     }
     let bump_map = materials[material].bump_map;
-    let slopes = surface_slopes(corners);
+    let slopes = surface_slopes(corners, corner_uvs(corners, uv_set_of(bump_map)));
     if bump_map.kind != 0u && slopes.is_regular {
-        let moments = height_moments(bump_map, uv);
+        let moments = height_moments(bump_map, footprint_at(corners, b, uv_set_of(bump_map)));
         // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
         let tilted = bumped.normal - slopes.per_u * moments.mean.x - slopes.per_v * moments.mean.y;
         let length_sq = dot(tilted, tilted);
@@ -192,13 +203,13 @@ fn pattern_moments(slot: TextureSlot, there: UvFootprint) -> SlopeMoments {
         let is_x = i < 2u;
         let sign = select(1.0, -1.0, (i & 1u) != 0u);
         let along = sign * select(steps.y * turn[1], steps.x * turn[0], is_x);
-        let height = procedural_value(slot, UvFootprint(there.uv + along, there.right, there.below))[slot.channel];
+        let height = procedural_value(slot, UvFootprint(there.uv + along, there.right, there.below))[channel_of(slot)];
         change += select(vec2(0.0, sign * height), vec2(sign * height, 0.0), is_x);
     }
     var moments = moments_of(slot.strength * change / (2.0 * steps));
     var range = 0.0;
-    if slot.channel < 3u {
-        range = slot.high[slot.channel] - slot.low[slot.channel];
+    if channel_of(slot) < 3u {
+        range = slot.high[channel_of(slot)] - slot.low[channel_of(slot)];
     }
     let fine = slot.strength * slot.strength * range * range * procedural_filtered(slot, there).y;
     let rows = transpose(turn);

@@ -1,5 +1,5 @@
 // Materials and their textures. All textures are in one pool of 32-bit words, so that any number of any size needs one binding.
-// Each is followed by its levels of detail. Lookups take the mean within a footprint, after decoding, with repeat. Twin of
+// Each is followed by its levels of detail. Lookups take the mean within a footprint, after decoding. Twin of
 // core/src/texture.rs.
 
 struct TextureSlot {
@@ -14,7 +14,8 @@ struct TextureSlot {
     // Sine and cosine of the rotation.
     turn: vec2<f32>,
     strength: f32,
-    channel: u32,
+    // Bits 0 and 1: component; 2 and 3: WRAP_* along u; 4 and 5: along v; 6: set of texture coordinates.
+    lookup: u32,
     // Pattern: its values, kind (see PATTERN_*), and octaves of noise.
     low: vec3<f32>,
     pattern: u32,
@@ -25,7 +26,8 @@ struct TextureSlot {
 // A model's declared parameter: a material's value and the map that modulates it.
 struct MaterialParameter {
     value: vec3<f32>,
-    padding: u32,
+    // 1 if the colors of the vertices multiply it.
+    has_vertex_color: u32,
     map: TextureSlot,
 }
 
@@ -155,16 +157,57 @@ struct Quad {
     blend: vec2<f32>,
 }
 
-fn quad_around(size: vec2<u32>, uv: vec2<f32>) -> Quad {
-    let p = (uv - floor(uv)) * vec2<f32>(size) - 0.5;
-    // -1 to size - 1, wrapped.
-    let low = vec2<u32>(vec2<i32>(floor(p)) + vec2<i32>(size)) % size;
-    return Quad(low, (low + 1u) % size, p - floor(p));
+fn quad_around(size: vec2<u32>, uv: vec2<f32>, lookup: u32) -> Quad {
+    let wrap = vec2(lookup >> 2u, lookup >> 4u) & vec2(3u);
+    let p = vec2(folded(uv.x, wrap.x), folded(uv.y, wrap.y)) * vec2<f32>(size) - 0.5;
+    // -1 to size - 1, and its neighbor, repeated or held at the edges.
+    let first = vec2<i32>(floor(p));
+    let last = vec2<i32>(size) - 1;
+    let low = select(clamp(first, vec2(0), last), (first + last + 1) % (last + 1), wrap == vec2(WRAP_REPEAT));
+    let high = select(clamp(first + 1, vec2(0), last), (low + 1) % (last + 1), wrap == vec2(WRAP_REPEAT));
+    return Quad(vec2<u32>(low), vec2<u32>(high), p - floor(p));
 }
 
-// Bilinear lookup with repeat of transformed coordinates.
+const WRAP_REPEAT: u32 = 0u;
+const WRAP_MIRROR: u32 = 1u;
+const WRAP_CLAMP: u32 = 2u;
+
+fn channel_of(slot: TextureSlot) -> u32 {
+    return slot.lookup & 3u;
+}
+
+// How coordinates outside 0 to 1 are read, along u or v.
+fn wrap_of(slot: TextureSlot, axis: u32) -> u32 {
+    return (slot.lookup >> (2u + 2u * axis)) & 3u;
+}
+
+fn uv_set_of(slot: TextureSlot) -> u32 {
+    return slot.lookup >> 6u;
+}
+
+// The coordinate within 0 to 1 that shows the same. Twin of core/src/texture/wrap.rs.
+fn folded(t: f32, wrap: u32) -> f32 {
+    if wrap == WRAP_CLAMP {
+        return clamp(t, 0.0, 1.0);
+    }
+    if wrap == WRAP_MIRROR {
+        let within_two = t - 2.0 * floor(0.5 * t);
+        return min(within_two, 2.0 - within_two);
+    }
+    return t - floor(t);
+}
+
+// The derivative of `folded`.
+fn folded_slope(t: f32, wrap: u32) -> f32 {
+    if wrap == WRAP_CLAMP {
+        return select(0.0, 1.0, t >= 0.0 && t <= 1.0);
+    }
+    return select(1.0, -1.0, wrap == WRAP_MIRROR && t - 2.0 * floor(0.5 * t) >= 1.0);
+}
+
+// Bilinear lookup of transformed coordinates.
 fn sample_level(slot: TextureSlot, level: Level, uv: vec2<f32>) -> vec4<f32> {
-    let quad = quad_around(level.size, uv);
+    let quad = quad_around(level.size, uv, slot.lookup);
     let low = quad.low;
     let high = quad.high;
     let top = mix(texel(slot.kind, level, low.x, low.y), texel(slot.kind, level, high.x, low.y), quad.blend.x);
@@ -249,32 +292,48 @@ fn plain_number(material: u32, index: u32, range: vec2<f32>) -> f32 {
     return clamp(materials[material].parameters[index].value.x, range.x, range.y);
 }
 
-// A color of a material after its map, within the parameter's range. Twin of `ResolvedMaterial::values` in core/src/material/resolved.rs.
-fn material_color(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> vec3<f32> {
+// The coordinates that a slot transforms.
+fn uv_of(slot: TextureSlot, at: SurfaceAttributes) -> UvFootprint {
+    if uv_set_of(slot) == SECOND_UVS {
+        return at.second_uv;
+    }
+    return at.uv;
+}
+
+// A color of a material after its map and the colors of the vertices, within the parameter's range. Twin of `ResolvedMaterial::values` in core/src/material/resolved.rs.
+fn material_color(material: u32, index: u32, at: SurfaceAttributes, range: vec2<f32>, least: f32) -> vec3<f32> {
     let value = materials[material].parameters[index].value;
     let map = materials[material].parameters[index].map;
-    if map.kind == 0u {
+    let has_vertex_color = materials[material].parameters[index].has_vertex_color != 0u;
+    if map.kind == 0u && !has_vertex_color {
         return plain_color(material, index, range);
     }
-    return clamp(least + (value - least) * sample_slot(map, uv).xyz, vec3(range.x), vec3(range.y));
+    var factor = vec3(1.0);
+    if map.kind != 0u {
+        factor = sample_slot(map, uv_of(map, at)).xyz;
+    }
+    if has_vertex_color {
+        factor *= at.color;
+    }
+    return clamp(least + (value - least) * factor, vec3(range.x), vec3(range.y));
 }
 
 // A number of a material after its map. The part above `least` is scaled by the map.
-fn material_number(material: u32, index: u32, uv: UvFootprint, range: vec2<f32>, least: f32) -> f32 {
+fn material_number(material: u32, index: u32, at: SurfaceAttributes, range: vec2<f32>, least: f32) -> f32 {
     let value = materials[material].parameters[index].value.x;
     let map = materials[material].parameters[index].map;
     if map.kind == 0u {
         return plain_number(material, index, range);
     }
-    return clamp(least + (value - least) * sample_slot(map, uv)[map.channel], range.x, range.y);
+    return clamp(least + (value - least) * sample_slot(map, uv_of(map, at))[channel_of(map)], range.x, range.y);
 }
 
 // Radiance emitted by a material. Twin of `SurfaceParameters` in core/src/brdf/surface.rs.
-fn material_emission(material: u32, uv: UvFootprint) -> vec3<f32> {
+fn material_emission(material: u32, at: SurfaceAttributes) -> vec3<f32> {
     let first = materials[material].surface;
     if materials[material].parameters[first].value.x == 0.0 {
         return vec3(0.0);
     }
-    let luminance = material_number(material, first, uv, vec2(0.0, MOST_LUMINANCE), 0.0);
-    return material_color(material, first + 1u, uv, vec2(0.0, 1.0), 0.0) * luminance;
+    let luminance = material_number(material, first, at, vec2(0.0, MOST_LUMINANCE), 0.0);
+    return material_color(material, first + 1u, at, vec2(0.0, 1.0), 0.0) * luminance;
 }

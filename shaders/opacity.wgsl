@@ -6,9 +6,9 @@ override HAS_VEILS: bool = false;
 // Opacity and its cutoff follow the two parameters of emission.
 const OPACITY: u32 = 2u;
 
-// Share of light that a point blocks.
-fn material_opacity(material: u32, uv: vec2<f32>) -> f32 {
-    let at = UvFootprint(uv, vec2(0.0), vec2(0.0));
+// Share of light that a point blocks, from both sets of texture coordinates.
+fn material_opacity(material: u32, uvs: vec4<f32>) -> f32 {
+    let at = SurfaceAttributes(point_footprint(uvs.xy), point_footprint(uvs.zw), vec3(1.0));
     let first = materials[material].surface + OPACITY;
     let opacity = material_number(material, first, at, vec2(0.0, 1.0), 0.0);
     let cutoff = material_number(material, first + 1u, at, vec2(0.0, 1.0), 0.0);
@@ -40,11 +40,11 @@ fn threshold(pixel: vec2<u32>, sample: u32, triangle: u32) -> f32 {
 }
 
 // Whether a sample of a pixel passes a point of a triangle.
-fn lets_through(triangle: u32, uv: vec2<f32>, pixel: vec2<u32>, sample: u32) -> bool {
+fn lets_through(triangle: u32, uvs: vec4<f32>, pixel: vec2<u32>, sample: u32) -> bool {
     if !HAS_VEILS {
         return false;
     }
-    let opacity = material_opacity(triangles[triangle].material & ~TWO_SIDED, uv);
+    let opacity = material_opacity(triangles[triangle].material & ~TWO_SIDED, uvs);
     // A threshold may round to 1.
     return opacity < 1.0 && opacity <= threshold(pixel, sample, triangle);
 }

@@ -18,22 +18,21 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let material = triangle.material & ~TWO_SIDED;
     let bc = bitcast<vec2<f32>>(g.yz);
     let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
-    let uv = footprint_at(triangle.vertices, hit.barycentric);
     if shows_color() {
-        return color_and_roughness(material, uv);
+        return color_and_roughness(material, attributes_at(triangle.vertices, hit.barycentric));
     }
     let has_bumps = materials[material].normal_map.kind != 0u || materials[material].bump_map.kind != 0u;
     if !has_bumps {
         return vec4(0.0);
     }
-    return vec4(spread_at(triangle.vertices, hit, material, uv, -ray(pixel, PINHOLE).direction), 0.0);
+    return vec4(spread_at(triangle.vertices, hit, material, -ray(pixel, PINHOLE).direction), 0.0);
 }
 
 // Twice the covariance of the slopes in the local frame.
-fn spread_at(corners: vec3<u32>, hit: Hit, material: u32, uv: UvFootprint, wo: vec3<f32>) -> vec3<f32> {
+fn spread_at(corners: vec3<u32>, hit: Hit, material: u32, wo: vec3<f32>) -> vec3<f32> {
     let smoothed = smooth_normal(corners, hit, wo);
     let tangent = interpolated_tangent(corners, hit.barycentric);
     let handedness = vertices[corners.x].handedness * hit.side;
-    let bumped = bumped_normal(material, corners, uv, frame_around(smoothed, tangent, handedness));
+    let bumped = bumped_normal(material, corners, hit.barycentric, frame_around(smoothed, tangent, handedness));
     return slope_spread(bumped, frame_around(facing(bumped.normal, wo), tangent, handedness));
 }

@@ -15,6 +15,9 @@ struct Vertex {
     is_valid: u32,
     // First texel of the vertex's cut over surface sources.
     source_cut_offset: u32,
+    second_uv: vec2<f32>,
+    // Three 16-bit floats.
+    color: vec2<u32>,
 }
 
 struct Triangle {

@@ -106,10 +106,10 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
         brdf = diffuse_brdf(textureLoad(color_roughness, pixel, 0).xyz);
     } else {
         let material = triangle.material & ~TWO_SIDED;
-        let footprint = footprint_at(corners, hit.barycentric);
-        brdf = brdf_of(material, footprint);
+        let attributes = attributes_at(corners, hit.barycentric);
+        brdf = brdf_of(material, attributes);
         if HAS_EMISSION {
-            emission = material_emission(material, footprint);
+            emission = material_emission(material, attributes);
         }
         slopes = select(textureLoad(color_roughness, pixel, 0).xyz, vec3(0.0), shows_color());
     }

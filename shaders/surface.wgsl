@@ -21,8 +21,12 @@ fn hit_triangle(triangle: u32, direction: vec3<f32>) -> Hit {
     return Hit(weights / sum, select(1.0, -1.0, back > 0.0));
 }
 
-fn interpolated_uv(corners: vec3<u32>, b: vec3<f32>) -> vec2<f32> {
-    return vertices[corners.x].uv * b.x + vertices[corners.y].uv * b.y + vertices[corners.z].uv * b.z;
+// Texture coordinates of the three corners, in a set.
+fn corner_uvs(corners: vec3<u32>, uv_set: u32) -> array<vec2<f32>, 3> {
+    if uv_set == SECOND_UVS {
+        return array(vertices[corners.x].second_uv, vertices[corners.y].second_uv, vertices[corners.z].second_uv);
+    }
+    return array(vertices[corners.x].uv, vertices[corners.y].uv, vertices[corners.z].uv);
 }
 
 // Texture coordinates of a point, and their change to the next samples on the right and below.
@@ -32,6 +36,21 @@ struct UvFootprint {
     below: vec2<f32>,
 }
 
+fn point_footprint(uv: vec2<f32>) -> UvFootprint {
+    return UvFootprint(uv, vec2(0.0), vec2(0.0));
+}
+
+// What the vertices give a material at a point. Twin of core/src/material/attributes.rs.
+struct SurfaceAttributes {
+    uv: UvFootprint,
+    second_uv: UvFootprint,
+    // Linear color; white where the mesh has none.
+    color: vec3<f32>,
+}
+
+const FIRST_UVS: u32 = 0u;
+const SECOND_UVS: u32 = 1u;
+
 struct Slopes {
     per_u: vec3<f32>,
     per_v: vec3<f32>,
@@ -39,12 +58,12 @@ struct Slopes {
 }
 
 // Gradients of u and v along a triangle: the surface gradient of a function is per_u df/du + per_v df/dv.
-fn surface_slopes(corners: vec3<u32>) -> Slopes {
+fn surface_slopes(corners: vec3<u32>, uvs: array<vec2<f32>, 3>) -> Slopes {
     let p = vertices[corners.x].position;
     let e1 = vertices[corners.y].position - p;
     let e2 = vertices[corners.z].position - p;
-    let d1 = vertices[corners.y].uv - vertices[corners.x].uv;
-    let d2 = vertices[corners.z].uv - vertices[corners.x].uv;
+    let d1 = uvs[1] - uvs[0];
+    let d2 = uvs[2] - uvs[0];
     let n = cross(e1, e2);
     let area_sq = dot(n, n);
     // Gradients of the barycentric weights of the second and third corner.
@@ -54,11 +73,12 @@ fn surface_slopes(corners: vec3<u32>) -> Slopes {
 }
 
 // The footprint of a sample. Twin of render/src/shade/differentials.rs.
-fn footprint_at(corners: vec3<u32>, b: vec3<f32>) -> UvFootprint {
-    let uv = interpolated_uv(corners, b);
-    let slopes = surface_slopes(corners);
+fn footprint_at(corners: vec3<u32>, b: vec3<f32>, uv_set: u32) -> UvFootprint {
+    let uvs = corner_uvs(corners, uv_set);
+    let uv = uvs[0] * b.x + uvs[1] * b.y + uvs[2] * b.z;
+    let slopes = surface_slopes(corners, uvs);
     if !slopes.is_regular {
-        return UvFootprint(uv, vec2(0.0), vec2(0.0));
+        return point_footprint(uv);
     }
     let p = vertices[corners.x].position;
     let normal = cross(vertices[corners.y].position - p, vertices[corners.z].position - p);
@@ -68,6 +88,18 @@ fn footprint_at(corners: vec3<u32>, b: vec3<f32>) -> UvFootprint {
     let right = along_plane(frame.world_from_view[0] * size, away, normal);
     let below = along_plane(-frame.world_from_view[1] * size, away, normal);
     return UvFootprint(uv, change_of_uv(slopes, right), change_of_uv(slopes, below));
+}
+
+fn attributes_at(corners: vec3<u32>, b: vec3<f32>) -> SurfaceAttributes {
+    let first = footprint_at(corners, b, FIRST_UVS);
+    let second = footprint_at(corners, b, SECOND_UVS);
+    let color = vertex_color(corners.x) * b.x + vertex_color(corners.y) * b.y + vertex_color(corners.z) * b.z;
+    return SurfaceAttributes(first, second, color);
+}
+
+fn vertex_color(vertex: u32) -> vec3<f32> {
+    let words = vertices[vertex].color;
+    return vec3(unpack2x16float(words.x), unpack2x16float(words.y).x);
 }
 
 // Displacement on a plane for a displacement across the ray.

@@ -21,13 +21,12 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
     let smoothed = smooth_normal(corners, hit, -direction);
     let tangent = interpolated_tangent(corners, hit.barycentric);
     let handedness = vertices[corners.x].handedness * hit.side;
-    let uv = footprint_at(corners, hit.barycentric);
     let material = triangle.material & ~TWO_SIDED;
     // A ground that catches shadows is flat and diffuse.
     let catches = id > frame.catcher;
     var bumped = smoothed;
     if !catches {
-        bumped = bumped_normal(material, corners, uv, frame_around(smoothed, tangent, handedness)).normal;
+        bumped = bumped_normal(material, corners, hit.barycentric, frame_around(smoothed, tangent, handedness)).normal;
     }
     // The rotation alone; the mirroring is a flag.
     let rotation = frame_around(facing(bumped, -direction), tangent, 1.0);

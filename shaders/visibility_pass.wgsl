@@ -4,7 +4,8 @@
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat, either) triangle: u32,
-    @location(1) uv: vec2<f32>,
+    // Both sets of texture coordinates.
+    @location(1) uvs: vec4<f32>,
 }
 
 @vertex
@@ -12,12 +13,12 @@ fn vertex(@builtin(vertex_index) index: u32) -> Corner {
     let triangle = index / 3u;
     let corners = triangles[triangle].vertices;
     let corner = vertices[corners[index - 3u * triangle]];
-    return Corner(frame.clip_from_world * vec4(corner.position, 1.0), triangle, corner.uv);
+    return Corner(frame.clip_from_world * vec4(corner.position, 1.0), triangle, vec4(corner.uv, corner.second_uv));
 }
 
 @fragment
 fn fragment(corner: Corner) -> @location(0) u32 {
-    if lets_through(corner.triangle, corner.uv, vec2<u32>(corner.position.xy), frame.sample) {
+    if lets_through(corner.triangle, corner.uvs, vec2<u32>(corner.position.xy), frame.sample) {
         discard;
     }
     return corner.triangle + 1u;

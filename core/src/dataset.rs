@@ -7,6 +7,8 @@
 //! | `positions`, `normals` | f32 | V, 3 | tessellated mesh, meters |
 //! | `tangents` | f32 | V, 4 | xyz and handedness |
 //! | `uvs` | f32 | V, 2 | (0, 0) is the top left corner |
+//! | `second_uvs` | f32 | V, 2 | where the scene has a second set |
+//! | `colors` | f32 | V, 3 | where its vertices have colors, linear Rec. 709 |
 //! | `triangles` | u32 | T, 3 | vertex indices |
 //! | `triangle_material`, `triangle_object` | u32 | T | indices into the metadata's lists |
 //! | `triangle_two_sided` | u8 | T | 1 if lit and seen from both sides |
@@ -182,6 +184,12 @@ pub fn scene_hash(scene: &Scene) -> String {
     ] {
         hasher.update(&(part.len() as u64).to_le_bytes());
         hasher.update(part);
+    }
+    if !mesh.second_uvs.is_empty() {
+        hasher.update(bytemuck::cast_slice(&mesh.second_uvs));
+    }
+    if !mesh.colors.is_empty() {
+        hasher.update(bytemuck::cast_slice(&mesh.colors));
     }
     for material in &scene.materials {
         hasher.update(&[u8::from(material.double_sided)]);

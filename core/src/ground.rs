@@ -110,7 +110,7 @@ fn plane(bounds: Bounds, object: u32, material: u32) -> Mesh {
         triangle_material: vec![material; triangles.len()],
         triangle_object: vec![object; triangles.len()],
         triangles,
-        ground: None,
+        ..Default::default()
     }
 }
 

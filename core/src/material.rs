@@ -2,6 +2,7 @@
 //!
 //! Nothing about the BRDF is precomputed (paper, 4.2): each pixel has its own parameters, all modulated by textures.
 
+mod attributes;
 mod check;
 mod maps;
 mod part;
@@ -9,6 +10,7 @@ mod presets;
 mod resolved;
 
 pub use crate::brdf::BrdfModel;
+pub use attributes::SurfaceAttributes;
 pub use check::{MOST_MATERIAL_NUMBER, MaterialProblem, UnknownName};
 pub use maps::{BUMP, Maps, MaterialMaps, NORMAL, map_color_space, map_label, map_names};
 pub use part::MaterialPart;
@@ -42,6 +44,9 @@ pub struct MaterialOf<S> {
     pub maps: Maps<S>,
     /// Both sides reflect: light reaches the back, and cameras see it.
     pub double_sided: bool,
+    /// The base color is multiplied by the colors of the vertices.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub vertex_colors: bool,
 }
 
 impl<S> Default for MaterialOf<S> {
@@ -53,6 +58,7 @@ impl<S> Default for MaterialOf<S> {
             parameters: Parameters::default(),
             maps: Maps::default(),
             double_sided: false,
+            vertex_colors: false,
         }
     }
 }
@@ -67,12 +73,13 @@ struct MaterialFields<S> {
     parameters: Parameters,
     maps: Maps<S>,
     double_sided: bool,
+    vertex_colors: bool,
 }
 
 impl<S> Default for MaterialFields<S> {
     fn default() -> Self {
-        let MaterialOf { name, model, file, parameters, maps, double_sided } = MaterialOf::default();
-        Self { name, model, file, parameters, maps, double_sided }
+        let MaterialOf { name, model, file, parameters, maps, double_sided, vertex_colors } = MaterialOf::default();
+        Self { name, model, file, parameters, maps, double_sided, vertex_colors }
     }
 }
 
@@ -80,16 +87,16 @@ impl<S> TryFrom<MaterialFields<S>> for MaterialOf<S> {
     type Error = UnknownName;
 
     fn try_from(fields: MaterialFields<S>) -> Result<Self, UnknownName> {
-        let MaterialFields { name, model, file, parameters, maps, double_sided } = fields;
+        let MaterialFields { name, model, file, parameters, maps, double_sided, vertex_colors } = fields;
         check::check_names(model, file.as_ref(), &parameters, &maps)?;
-        Ok(Self { name, model, file, parameters, maps, double_sided })
+        Ok(Self { name, model, file, parameters, maps, double_sided, vertex_colors })
     }
 }
 
 impl<S> MaterialOf<S> {
     /// The same material with other maps.
     pub fn with_maps<T>(&self, maps: Maps<T>) -> MaterialOf<T> {
-        let Self { name, model, file, parameters, double_sided, .. } = self;
+        let Self { name, model, file, parameters, double_sided, vertex_colors, .. } = self;
         MaterialOf {
             name: name.clone(),
             model: *model,
@@ -97,6 +104,7 @@ impl<S> MaterialOf<S> {
             parameters: parameters.clone(),
             maps,
             double_sided: *double_sided,
+            vertex_colors: *vertex_colors,
         }
     }
 }
@@ -146,6 +154,11 @@ impl<S> MaterialOf<S> {
     /// Its parameter for a quantity, such as `base_color` or `roughness`.
     pub fn parameter_for(&self, quantity: &str) -> Option<&'static Parameter> {
         self.declared().iter().find(|p| p.quantity == quantity)
+    }
+
+    /// The parameter that the colors of the vertices multiply, if any.
+    pub fn vertex_colored(&self) -> Option<&'static Parameter> {
+        self.vertex_colors.then(|| self.parameter_for("base_color")).flatten()
     }
 
     /// The reflectance of its parameters without maps.
@@ -328,7 +341,7 @@ mod tests {
         let material = storing();
         let plain = Material { model: BrdfModel::OpenPbr, ..Default::default() };
         let values = |material: &Material| {
-            ResolvedMaterial::from(material).values(|_| panic!("a map is read")).numbers().to_vec()
+            ResolvedMaterial::from(material).values(Vec3::ONE, |_| panic!("a map is read")).numbers().to_vec()
         };
         assert_eq!(values(&material), values(&plain));
         assert_eq!(material.plain_values().numbers(), plain.plain_values().numbers());
@@ -411,7 +424,7 @@ mod tests {
 
     /// The Lambertian albedo, or the GGX parameters, of a material after its maps.
     fn read(material: &Material, texel: Vec4) -> GgxParameters {
-        GgxParameters::new(&ResolvedMaterial::from(material).values(|_| texel))
+        GgxParameters::new(&ResolvedMaterial::from(material).values(Vec3::ONE, |_| texel))
     }
 
     #[test]

@@ -2,10 +2,13 @@
 
 use crate::{
     bounds::{Bounds, MOST_COORDINATE},
+    material::SurfaceAttributes,
     surfel::{MeshPlace, Surfel},
+    texture::UvSet,
 };
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
+use std::iter;
 use thiserror::Error;
 
 /// The smallest diagonal of a scene in meters. The fourth power of a distance must stay above the smallest `f32`.
@@ -30,6 +33,11 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// Texture coordinates, at most [`MOST_COORDINATE`]; (0, 0) is the *top left* corner of an image, as in glTF.
     pub uvs: Vec<Vec2>,
+    /// A second set of texture coordinates, see [`UvSet`]; empty without one.
+    pub second_uvs: Vec<Vec2>,
+    /// Linear Rec. 709 colors, one per vertex, see [`MaterialOf::vertex_colors`](crate::material::MaterialOf::vertex_colors);
+    /// empty for white.
+    pub colors: Vec<Vec3>,
     /// Vertex indices, counter-clockwise seen from the outside.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`Scene::materials`](crate::scene::Scene::materials), one per triangle.
@@ -200,6 +208,28 @@ impl Mesh {
         }
     }
 
+    /// The texture coordinates of a set; the first where there is no second.
+    #[inline]
+    pub fn uv_set(&self, set: UvSet) -> &[Vec2] {
+        if set == UvSet::First || self.second_uvs.is_empty() { &self.uvs } else { &self.second_uvs }
+    }
+
+    /// Interpolated attributes of a point of a triangle, by the weights of its corners.
+    pub fn attributes(&self, triangle: usize, weights: [f32; 3]) -> SurfaceAttributes {
+        let corners = self.triangles[triangle];
+        let uv = |set| corners.iter().zip(weights).map(|(&v, w)| self.uv_set(set)[v as usize] * w).sum::<Vec2>().into();
+        SurfaceAttributes { uv: [uv(UvSet::First), uv(UvSet::Second)], color: self.color(corners, weights) }
+    }
+
+    /// The interpolated color of three vertices; white without colors.
+    #[inline]
+    pub fn color(&self, corners: [u32; 3], weights: [f32; 3]) -> Vec3 {
+        if self.colors.is_empty() {
+            return Vec3::ONE;
+        }
+        corners.iter().zip(weights).map(|(&v, w)| self.colors[v as usize] * w).sum()
+    }
+
     /// The unit shading normal of a surface point, interpolated from the vertices, on the point's side.
     pub fn shading_normal(&self, at: &Surfel) -> Vec3 {
         let MeshPlace { triangle, barycentric: b } = at.place;
@@ -227,10 +257,14 @@ impl Mesh {
 
     fn validate_lengths(&self) -> Result<(), MeshError> {
         let (v, t) = (self.positions.len(), self.triangles.len());
+        // Those that may be left out.
+        let given = |len: usize| if len == 0 { v } else { len };
         for (array, owner, found, expected) in [
             ("normals", "vertices", self.normals.len(), v),
             ("tangents", "vertices", self.tangents.len(), v),
             ("texture coordinates", "vertices", self.uvs.len(), v),
+            ("second texture coordinates", "vertices", given(self.second_uvs.len()), v),
+            ("colors", "vertices", given(self.colors.len()), v),
             ("material indices", "triangles", self.triangle_material.len(), t),
             ("object indices", "triangles", self.triangle_object.len(), t),
         ] {
@@ -273,7 +307,9 @@ impl Mesh {
         check_numbers("position", of_ground.iter().map(|p| size(p.as_ref())))?;
         check("normal", self.normals.iter().map(|n| n.is_finite()))?;
         check("tangent", self.tangents.iter().map(|t| t.is_finite()))?;
-        check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))
+        check_numbers("texture coordinate", self.uvs.iter().map(|uv| size(uv.as_ref())))?;
+        check_numbers("second texture coordinate", self.second_uvs.iter().map(|uv| size(uv.as_ref())))?;
+        check_numbers("color", self.colors.iter().map(|color| size(color.as_ref())))
     }
 
     /// Tangents may be zero where u has no direction.
@@ -319,6 +355,12 @@ impl Mesh {
         self.positions.extend(ground.positions);
         self.normals.extend(ground.normals);
         self.tangents.extend(ground.tangents);
+        if !self.second_uvs.is_empty() {
+            self.second_uvs.extend(&ground.uvs);
+        }
+        if !self.colors.is_empty() {
+            self.colors.extend(iter::repeat_n(Vec3::ONE, ground.uvs.len()));
+        }
         self.uvs.extend(ground.uvs);
         self.triangles.extend(ground.triangles.into_iter().map(|corners| corners.map(|v| start.vertex + v)));
         self.triangle_material.extend(ground.triangle_material);
@@ -331,6 +373,8 @@ impl Mesh {
         let GroundStart { vertex, triangle } = self.ground.take()?;
         let (from_vertex, from_triangle) = (vertex as usize, triangle as usize);
         let triangles = self.triangles.split_off(from_triangle);
+        self.second_uvs.truncate(from_vertex);
+        self.colors.truncate(from_vertex);
         Some(Self {
             positions: self.positions.split_off(from_vertex),
             normals: self.normals.split_off(from_vertex),
@@ -339,7 +383,7 @@ impl Mesh {
             triangles: triangles.into_iter().map(|corners| corners.map(|v| v - vertex)).collect(),
             triangle_material: self.triangle_material.split_off(from_triangle),
             triangle_object: self.triangle_object.split_off(from_triangle),
-            ground: None,
+            ..Self::default()
         })
     }
 

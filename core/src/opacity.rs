@@ -83,11 +83,11 @@ impl Mapped {
         }
     }
 
-    fn at(&self, uv: Vec2) -> f32 {
+    fn at(&self, uvs: [Vec2; 2]) -> f32 {
         let sample = |slot: &TextureSlot, texture: &Option<Arc<Texture>>| {
-            let uv = slot.transform(uv);
+            let uv = slot.transform(uvs[slot.uv_set as usize]);
             let pattern = slot.procedural.as_ref().map(|pattern| pattern.value(&uv.into()));
-            pattern.or_else(|| texture.as_ref().map(|texture| texture.sample(uv, slot.color_space)))
+            pattern.or_else(|| texture.as_ref().map(|texture| texture.sample(uv, slot.color_space, slot.wrap)))
         };
         let texel = self.map.as_ref().and_then(|(slot, texture)| Some((sample(slot, texture)?, slot.channel)));
         (self.number * texel.map_or(1.0, |(texel, channel)| texel[channel as usize])).clamp(0.0, 1.0)
@@ -119,9 +119,9 @@ impl Opacity {
         least >= 1.0 || cuts_nothing
     }
 
-    /// Share of the light that a point stops, 0 to 1.
-    pub fn at(&self, uv: Vec2) -> f32 {
-        let (stopped, cutoff) = (self.stopped.at(uv), self.cutoff.at(uv));
+    /// Share of the light that a point stops, 0 to 1, from its texture coordinates of both sets.
+    pub fn at(&self, uvs: [Vec2; 2]) -> f32 {
+        let (stopped, cutoff) = (self.stopped.at(uvs), self.cutoff.at(uvs));
         if cutoff > 0.0 { f32::from(u8::from(stopped >= cutoff)) } else { stopped }
     }
 }
@@ -274,7 +274,7 @@ mod tests {
             (1.0, 0.5, true, [0.0, 1.0]),
         ] {
             let opacity = Opacity::of(&material(opacity, cutoff, has_map), &half(0));
-            assert_eq!([left, right].map(|uv| opacity.at(uv)), expected, "{opacity:?}");
+            assert_eq!([left, right].map(|uv| opacity.at([uv; 2])), expected, "{opacity:?}");
             assert_eq!(opacity.is_full(), expected == [1.0; 2]);
         }
     }
@@ -331,7 +331,7 @@ mod tests {
         assert!(opacities.agree(&numbered([1, 2, 0]), &scene.mesh), "by other numbers");
         assert!(!opacities.agree(&numbered([0, 0, 1]), &scene.mesh), "negative control: without the assignment");
         assert!(!opacities.agree(&numbered([0, 2, 2]), &scene.mesh), "negative control: another part too");
-        let opacity = |part| scene.opacity_of(part).at(Vec2::new(0.75, 0.5));
+        let opacity = |part| scene.opacity_of(part).at([Vec2::new(0.75, 0.5); 2]);
         assert_eq!([opacity(glass), opacity(opaque), opacity(Part { object: 0, material: 0 })], [0.5, 1.0, 1.0]);
     }
 

@@ -46,7 +46,7 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
         triangles: vec![[0, 2, 1]],
         triangle_material: vec![0],
         triangle_object: vec![0],
-        ground: None,
+        ..Default::default()
     };
     let scene = Scene {
         mesh,

@@ -1,17 +1,19 @@
-//! Textures: the encoded file, its decoded texels, and lookup with repeat: bilinear at a point, over levels of detail within
-//! the footprint of a sample.
+//! Textures: the encoded file, its decoded texels, and lookup: bilinear at a point, over levels of detail within the
+//! footprint of a sample.
 
 mod footprint;
 mod levels;
 mod procedural;
 mod reduction;
 mod slopes;
+mod wrap;
 
 pub use footprint::{MOST_TAPS, TEXELS_PER_WIDTH, Taps, UvFootprint};
 pub use levels::{Level, Levels};
 pub use procedural::{NOISE_CELLS, Pattern, Procedural};
 pub use reduction::level_sizes;
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
+pub use wrap::Wrap;
 
 use crate::color::{linear_from_codes, linear_from_deep_codes};
 use glam::{Mat2, Vec2, Vec3, Vec4};
@@ -44,6 +46,17 @@ pub enum Channel {
     A,
 }
 
+/// The texture coordinates of a surface that a map uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UvSet {
+    /// `TEXCOORD_0` of glTF; the only set of most meshes.
+    #[default]
+    First,
+    /// `TEXCOORD_1` of glTF; the first set in meshes that have no second.
+    Second,
+}
+
 /// A texture in use: its index, its decoding, and its transform on the surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -68,6 +81,17 @@ pub struct TextureSlot {
     /// A pattern instead of a texture; the index is then ignored.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub procedural: Option<Procedural>,
+    /// Along u and v, for pictures; patterns repeat.
+    #[serde(skip_serializing_if = "is_default")]
+    pub wrap: [Wrap; 2],
+    /// The coordinates that are transformed.
+    #[serde(skip_serializing_if = "is_default")]
+    pub uv_set: UvSet,
+}
+
+/// Whether a setting need not be written.
+pub fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 impl Default for TextureSlot {
@@ -82,6 +106,8 @@ impl Default for TextureSlot {
             strength: 1.0,
             flip_y: false,
             procedural: None,
+            wrap: Default::default(),
+            uv_set: UvSet::First,
         }
     }
 }
@@ -178,9 +204,9 @@ impl Texels {
         }
     }
 
-    /// Bilinear lookup with repeat in the texels of a picture of this size.
-    fn bilinear(&self, size: [u32; 2], uv: Vec2, color_space: ColorSpace) -> Vec4 {
-        let Quad { indices: [a, b, c, d], blend } = Quad::around(size, uv);
+    /// Bilinear lookup in the texels of a picture of this size.
+    fn bilinear(&self, size: [u32; 2], uv: Vec2, color_space: ColorSpace, wrap: [Wrap; 2]) -> Vec4 {
+        let Quad { indices: [a, b, c, d], blend } = Quad::around(size, uv, wrap);
         let texel = |index| self.at(index, color_space);
         texel(a).lerp(texel(b), blend.x).lerp(texel(c).lerp(texel(d), blend.x), blend.y)
     }
@@ -206,19 +232,12 @@ struct Quad {
 }
 
 impl Quad {
-    fn around(size: [u32; 2], uv: Vec2) -> Self {
-        let p = (uv - uv.floor()) * Vec2::new(size[0] as f32, size[1] as f32) - 0.5;
-        let (base, blend) = (p.floor(), p - p.floor());
-        // Texels beyond an edge are repeated from the other edge.
-        let neighbours = |first: f32, size: u32| {
-            let first = if first < 0.0 { size as usize - 1 } else { first as usize % size as usize };
-            (first, if first + 1 == size as usize { 0 } else { first + 1 })
-        };
-        let (left, right) = neighbours(base.x, size[0]);
-        let (above, below) = neighbours(base.y, size[1]);
+    fn around(size: [u32; 2], uv: Vec2, wrap: [Wrap; 2]) -> Self {
+        let ([left, right], across) = wrap[0].neighbours(uv.x, size[0]);
+        let ([above, below], down) = wrap[1].neighbours(uv.y, size[1]);
         let width = size[0] as usize;
         let indices = [above * width + left, above * width + right, below * width + left, below * width + right];
-        Self { indices, blend }
+        Self { indices, blend: Vec2::new(across, down) }
     }
 
     /// Weights of the four texels.
@@ -274,22 +293,24 @@ impl Texture {
         (0..count).map(|index| self.texels.at(index, color_space)[channel]).fold(f32::INFINITY, f32::min)
     }
 
-    /// Bilinear lookup with repeat; `uv` (0, 0) is the top left corner of the image.
-    pub fn sample(&self, uv: Vec2, color_space: ColorSpace) -> Vec4 {
-        self.texels.bilinear(self.size, uv, color_space)
+    /// Bilinear lookup; `uv` (0, 0) is the top left corner of the image.
+    pub fn sample(&self, uv: Vec2, color_space: ColorSpace, wrap: [Wrap; 2]) -> Vec4 {
+        self.texels.bilinear(self.size, uv, color_space, wrap)
     }
 
-    /// The mean within a footprint of transformed coordinates.
-    fn sample_taps(&self, taps: Taps, color_space: ColorSpace) -> Vec4 {
+    /// The mean within a footprint, through a slot: coordinates transformed, color space applied.
+    pub fn sample_footprint(&self, footprint: &UvFootprint, slot: &TextureSlot) -> Vec4 {
+        let taps = footprint.through(slot).taps(self.size);
+        let (color_space, wrap) = (slot.color_space, slot.wrap);
         if taps.level <= 0.0 && taps.count == 1 {
-            return self.sample(taps.first, color_space);
+            return self.sample(taps.first, color_space, wrap);
         }
         let levels = self.levels(color_space);
         let level = taps.level.min(levels.len() as f32);
         let (finer, blend) = (level as usize, level.fract());
         let at = |level: usize, uv| match level.checked_sub(1).map(|below| &levels[below]) {
-            None => self.sample(uv, color_space),
-            Some(level) => level.texels.bilinear(level.size, uv, color_space),
+            None => self.sample(uv, color_space, wrap),
+            Some(level) => level.texels.bilinear(level.size, uv, color_space, wrap),
         };
         let blended = |uv| {
             let fine = at(finer, uv);
@@ -297,17 +318,14 @@ impl Texture {
         };
         taps.positions().map(blended).sum::<Vec4>() / taps.count as f32
     }
-
-    /// The mean within a footprint, through a slot: coordinates transformed, color space applied.
-    pub fn sample_footprint(&self, footprint: &UvFootprint, slot: &TextureSlot) -> Vec4 {
-        self.sample_taps(footprint.through(slot).taps(self.size), slot.color_space)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::f32::consts::{FRAC_PI_2, PI};
+
+    const REPEAT: [Wrap; 2] = [Wrap::Repeat; 2];
 
     fn two_by_one() -> Texture {
         let texels = Texels::U8(vec![[0, 0, 0, 255], [255, 255, 255, 255]]);
@@ -337,10 +355,10 @@ mod tests {
     fn sampling_is_exact_at_texel_centres_and_repeats() {
         let t = two_by_one();
         for shift in [-3.0, 0.0, 2.0] {
-            assert_eq!(t.sample(Vec2::new(0.25 + shift, 0.5), ColorSpace::Linear).x, 0.0);
-            assert_eq!(t.sample(Vec2::new(0.75 + shift, 0.5), ColorSpace::Linear).x, 1.0);
+            assert_eq!(t.sample(Vec2::new(0.25 + shift, 0.5), ColorSpace::Linear, REPEAT).x, 0.0);
+            assert_eq!(t.sample(Vec2::new(0.75 + shift, 0.5), ColorSpace::Linear, REPEAT).x, 1.0);
         }
-        assert!((t.sample(Vec2::new(0.5, 0.5), ColorSpace::Linear).x - 0.5).abs() < 1e-6);
+        assert!((t.sample(Vec2::new(0.5, 0.5), ColorSpace::Linear, REPEAT).x - 0.5).abs() < 1e-6);
     }
 
     #[test]
@@ -414,11 +432,11 @@ mod tests {
     fn srgb_slots_decode_before_filtering() {
         let texels = Texels::U8(vec![[128, 128, 128, 255]]);
         let t = Texture { size: [1, 1], texels, ..two_by_one() };
-        assert!((t.sample(Vec2::ZERO, ColorSpace::Srgb).x - 0.2158605).abs() < 1e-5);
-        assert!((t.sample(Vec2::ZERO, ColorSpace::Linear).x - 128.0 / 255.0).abs() < 1e-6);
+        assert!((t.sample(Vec2::ZERO, ColorSpace::Srgb, REPEAT).x - 0.2158605).abs() < 1e-5);
+        assert!((t.sample(Vec2::ZERO, ColorSpace::Linear, REPEAT).x - 128.0 / 255.0).abs() < 1e-6);
         let deep = Texture { texels: Texels::U16(vec![[257 * 128; 4]]), ..t.clone() };
         for space in [ColorSpace::Srgb, ColorSpace::Linear] {
-            let [deep, codes] = [&deep, &t].map(|t| t.sample(Vec2::ZERO, space).truncate());
+            let [deep, codes] = [&deep, &t].map(|t| t.sample(Vec2::ZERO, space, REPEAT).truncate());
             assert!((deep - codes).abs().max_element() < 1e-6, "{space:?}: {deep} {codes}");
         }
     }

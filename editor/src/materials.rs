@@ -58,12 +58,15 @@ pub fn show(ui: &mut Ui, panel: &mut MaterialPanel, work: &Workspace, picture: &
     // The root of the tree has the mean of all light.
     let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.nodes.radiance[1].max_element() > 0.0;
     let shown = picture.shown().filter(is_lit);
+    let [has_second_uvs, has_vertex_colors] = work.scene.has_second_uvs_and_colors();
     let context = MaterialContext {
         document: &work.document,
         selected: work.selection.material,
         part: work.selection.part,
         parts: &work.bounds.parts,
         ground: work.scene.ground_material(),
+        has_second_uvs,
+        has_vertex_colors,
         lighting: shown.map(|s| &s.lighting),
         light_revision: shown.map_or(0, |s| s.light_revision),
     };

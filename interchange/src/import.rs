@@ -86,7 +86,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let Source { variants, scenes, warnings, unread, outside, files, .. } = source;
     let names = variants.names.clone();
     let mut report = ImportReport { scenes, variants: names, warnings, unread, outside, files, ..Default::default() };
-    let mesh = repair::repair(source.mesh, &mut report).map_err(mesh_error)?;
+    let mesh = repair::repair(source.mesh, &source.materials, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {
         mesh,

@@ -4,7 +4,7 @@
 use glam::Vec2;
 use lapidary_core::{
     material::{Maps, MaterialOf},
-    texture::{Channel, ColorSpace, Procedural, TextureSlot},
+    texture::{Channel, ColorSpace, Procedural, TextureSlot, UvSet, Wrap, is_default},
 };
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,12 @@ pub struct SlotFile {
     /// Normals have their green channel down (DirectX).
     #[serde(default)]
     pub flip_y: bool,
+    /// Along u and v.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub wrap: [Wrap; 2],
+    /// The texture coordinates of the surface.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub uv_set: UvSet,
 }
 
 fn one() -> Vec2 {
@@ -68,6 +74,8 @@ impl SlotFile {
             rotation_degrees: slot.rotation.to_degrees(),
             strength: slot.strength,
             flip_y: slot.flip_y,
+            wrap: slot.wrap,
+            uv_set: slot.uv_set,
         }
     }
 

@@ -1,8 +1,8 @@
 //! Parts of a scene that may change without a bake: materials, textures, and the assignment of materials to triangles.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use lapidary_core::{
-    material::{Material, MaterialMaps, MaterialPoint, ResolvedMaterial},
+    material::{Material, MaterialMaps, MaterialPoint, ResolvedMaterial, SurfaceAttributes},
     opacity::Opacities,
     scene::{Mesh, Scene},
     surfel::MeshPlace,
@@ -127,10 +127,10 @@ impl ResolvedAppearance {
         &self.materials[index as usize]
     }
 
-    /// A material within a footprint. Twin of `material_number` and `material_color` in `shaders/materials.wgsl`.
+    /// A material at the attributes of a point. Twin of `material_number` and `material_color` in `shaders/materials.wgsl`.
     #[inline]
-    pub(crate) fn material_at(&self, material: &ResolvedMaterial, uv: &UvFootprint) -> MaterialPoint {
-        material.at(|slot| self.sample(slot, uv))
+    pub(crate) fn material_at(&self, material: &ResolvedMaterial, at: &SurfaceAttributes) -> MaterialPoint {
+        material.at(at.color, |slot| self.sample(slot, at.uv_of(slot)))
     }
 
     /// Albedo and emission of a point of `mesh`, for bounces: the albedo is the share of light reflected in all directions, the
@@ -138,8 +138,8 @@ impl ResolvedAppearance {
     pub fn albedo_and_emission(&self, mesh: &Mesh, place: MeshPlace) -> (Vec3, Vec3) {
         let triangle = place.triangle as usize;
         let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
-        let uv: Vec2 = mesh.triangles[triangle].iter().zip(weights).map(|(&v, w)| mesh.uvs[v as usize] * w).sum();
-        let point = self.material_at(self.material(self.material_of(mesh, triangle)), &uv.into());
+        let point =
+            self.material_at(self.material(self.material_of(mesh, triangle)), &mesh.attributes(triangle, weights));
         (point.brdf.as_brdf().albedo(), point.emission)
     }
 

@@ -83,6 +83,8 @@ impl Reader<'_> {
             normals: self.array("normals", Dtype::F32, &[3], v)?,
             tangents: self.array("tangents", Dtype::F32, &[4], v)?,
             uvs: self.array("uvs", Dtype::F32, &[2], v)?,
+            second_uvs: self.optional_array("second_uvs", &[2], v)?,
+            colors: self.optional_array("colors", &[3], v)?,
             triangles,
             triangle_material: self.array("triangle_material", Dtype::U32, &[], t)?,
             triangle_object: self.array("triangle_object", Dtype::U32, &[], t)?,

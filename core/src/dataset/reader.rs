@@ -106,6 +106,16 @@ impl Reader<'_> {
         Ok(bytes.into_iter().map(|b| b != 0).collect())
     }
 
+    /// A tensor of floats that may be left out: then it is empty.
+    pub fn optional_array<T: bytemuck::Pod>(
+        &self,
+        name: &str,
+        inner: &[usize],
+        count: Option<usize>,
+    ) -> Result<Vec<T>, Damage> {
+        if self.has(name) { self.array(name, Dtype::F32, inner, count) } else { Ok(Vec::new()) }
+    }
+
     /// A tensor of `[count, inner..]` values as a vector of `T`, which has the size of one row.
     pub fn array<T: bytemuck::Pod>(
         &self,

@@ -86,6 +86,23 @@ fn everything_survives_the_disk() {
 }
 
 #[test]
+fn second_texture_coordinates_and_colors_survive_the_disk_and_are_hashed() {
+    let mut dataset = dataset();
+    let hash = scene_hash(&dataset.scene);
+    dataset.scene.mesh.second_uvs = vec![Vec2::new(0.25, 3.0), Vec2::X, Vec2::Y];
+    let with_uvs = scene_hash(&dataset.scene);
+    dataset.scene.mesh.colors = vec![Vec3::X, Vec3::Y, Vec3::splat(0.5)];
+    assert!(hash != with_uvs && with_uvs != scene_hash(&dataset.scene));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    dataset.write(&path).unwrap();
+    assert_eq!(read(&path).unwrap().scene.mesh, dataset.scene.mesh);
+    dataset.scene.mesh.colors.pop();
+    let message = dataset.write(&path).unwrap_err().to_string();
+    assert!(message.contains("2 colors for 3 vertices"), "{message}");
+}
+
+#[test]
 fn maps_of_every_parameter_survive_the_disk() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.cuts");

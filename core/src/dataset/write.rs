@@ -87,6 +87,12 @@ impl Dataset {
             tensor("triangle_object", Dtype::U32, [t], &mesh.triangle_object),
             tensor("tree_order", Dtype::U32, [self.tree.len()], self.tree.order()),
         ];
+        if !mesh.second_uvs.is_empty() {
+            tensors.push(tensor("second_uvs", Dtype::F32, [v, 2], &mesh.second_uvs));
+        }
+        if !mesh.colors.is_empty() {
+            tensors.push(tensor("colors", Dtype::F32, [v, 3], &mesh.colors));
+        }
         tensors.extend(cut_tensors(["cuts", "cut_offsets"], &self.cuts));
         tensors.extend(all_stored().flat_map(|part| part.tensors(self)));
         for (name, values) in [("triangle_two_sided", &self.two_sided), ("vertex_valid", &self.vertex_valid)] {

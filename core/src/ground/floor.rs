@@ -93,7 +93,7 @@ pub(super) mod tests {
             triangle_material: vec![0; triangles.len()],
             triangle_object: vec![0; triangles.len()],
             triangles,
-            ground: None,
+            ..Default::default()
         }
     }
 

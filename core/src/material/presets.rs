@@ -25,7 +25,8 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// `material` with this preset's model and values. Name and sides stay; maps and opacity stay unless maps are to be cleared.
+    /// `material` with this preset's model and values. Name and sides stay; maps, colors of vertices and opacity stay unless
+    /// maps are to be cleared.
     pub fn applied_to(&self, material: &Material, clear_maps: bool) -> Material {
         let mut changed = material.clone();
         // Maps follow quantities that this model names differently.
@@ -33,6 +34,7 @@ impl Preset {
         changed.parameters = self.parameters.clone();
         if clear_maps {
             changed.maps = MaterialMaps::default();
+            changed.vertex_colors = false;
         } else {
             // A leaf stays cut out, and its bake stays valid.
             changed.take_opacity(material, |slot| Some(slot.clone()));

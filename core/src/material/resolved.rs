@@ -3,7 +3,7 @@
 use super::{BUMP, Material, NORMAL};
 use crate::{
     brdf::{BrdfModel, Content, FilePart, Parameter, SurfaceBrdf, SurfaceParameters, Value, Values},
-    texture::TextureSlot,
+    texture::{TextureSlot, UvSet},
 };
 use glam::{Vec3, Vec4};
 
@@ -19,6 +19,7 @@ pub struct ResolvedMaterial {
     roughness: Option<Place>,
     normal: Option<TextureSlot>,
     bump: Option<TextureSlot>,
+    reads_second_uvs: bool,
     /// The point of a material without mapped parameters.
     constant: Option<MaterialPoint>,
 }
@@ -29,7 +30,9 @@ struct MappedParameter {
     place: Place,
     /// The value that the map modulates; may be out of range.
     value: Value,
-    slot: TextureSlot,
+    slot: Option<TextureSlot>,
+    /// Whether it is multiplied by the colors of the vertices.
+    has_vertex_color: bool,
 }
 
 /// The position of a parameter's first number among all values.
@@ -58,9 +61,13 @@ impl From<&Material> for ResolvedMaterial {
         });
         let places: Vec<Place> = firsts.collect();
         let of_quantity = |quantity| places.iter().copied().find(|(_, parameter)| parameter.quantity == quantity);
+        let colored = material.vertex_colored().map(|parameter| parameter.name);
         let mapped = |&(first, parameter): &Place| {
-            let slot = material.maps.get(parameter.name)?.clone();
-            Some(MappedParameter { place: (first, parameter), value: material.parameters.value(parameter), slot })
+            let slot = material.maps.get(parameter.name).cloned();
+            let has_vertex_color = colored == Some(parameter.name);
+            let value = material.parameters.value(parameter);
+            let varies = slot.is_some() || has_vertex_color;
+            varies.then_some(MappedParameter { place: (first, parameter), value, slot, has_vertex_color })
         };
         let content = material.file.as_ref().and_then(|file| file.content.clone());
         let mut resolved = Self {
@@ -72,6 +79,7 @@ impl From<&Material> for ResolvedMaterial {
             roughness: of_quantity("roughness"),
             normal: material.maps.get(NORMAL).cloned(),
             bump: material.maps.get(BUMP).cloned(),
+            reads_second_uvs: material.maps.slots().any(|slot| slot.uv_set == UvSet::Second),
             constant: None,
         };
         resolved.constant = resolved.mapped.is_empty().then(|| resolved.with_values(&resolved.plain));
@@ -85,21 +93,26 @@ impl ResolvedMaterial {
         materials.iter().map(Self::from).collect()
     }
 
-    /// The material at a point, where `sample` looks up the texels of maps.
+    /// The material at a point of the color that the vertices give, where `sample` looks up the texels of maps.
     #[inline]
-    pub fn at(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> MaterialPoint {
-        self.constant.clone().unwrap_or_else(|| self.with_values(&self.values(sample)))
+    pub fn at(&self, color: Vec3, sample: impl Fn(&TextureSlot) -> Vec4) -> MaterialPoint {
+        self.constant.clone().unwrap_or_else(|| self.with_values(&self.values(color, sample)))
     }
 
     /// Values of all parameters after their maps, clamped to their ranges.
     ///
     /// Values are clamped only here. Twin of `material_color` and `material_number` in `shaders/materials.wgsl`.
-    pub fn values(&self, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
+    pub fn values(&self, color: Vec3, sample: impl Fn(&TextureSlot) -> Vec4) -> Values {
         let mut values = self.plain;
-        for MappedParameter { place: (first, parameter), value, slot } in &self.mapped {
-            let texel = sample(slot);
-            let is_color = parameter.is_color();
-            let factor = if is_color { texel.truncate() } else { Vec3::splat(texel[slot.channel as usize]) };
+        for MappedParameter { place: (first, parameter), value, slot, has_vertex_color } in &self.mapped {
+            let read = |slot: &TextureSlot| match (sample(slot), parameter.is_color()) {
+                (texel, true) => texel.truncate(),
+                (texel, false) => Vec3::splat(texel[slot.channel as usize]),
+            };
+            let mut factor = slot.as_ref().map_or(Vec3::ONE, read);
+            if *has_vertex_color {
+                factor *= color;
+            }
             values.replace(*first, parameter.sanitized(parameter.modulated(*value, factor)));
         }
         values
@@ -116,10 +129,22 @@ impl ResolvedMaterial {
         }
     }
 
-    /// Whether a parameter or the normal has a map.
+    /// Whether anything of it varies from point to point.
     #[inline]
-    pub fn has_maps(&self) -> bool {
+    pub fn varies(&self) -> bool {
         !self.mapped.is_empty() || self.normal.is_some() || self.bump.is_some()
+    }
+
+    /// Whether a map uses the second set of texture coordinates.
+    #[inline]
+    pub fn reads_second_uvs(&self) -> bool {
+        self.reads_second_uvs
+    }
+
+    /// Whether it is multiplied by the colors of the vertices.
+    #[inline]
+    pub fn reads_vertex_colors(&self) -> bool {
+        self.mapped.iter().any(|mapped| mapped.has_vertex_color)
     }
 
     /// The slot of the normal map.

@@ -5,6 +5,7 @@ use crate::{
     mesh::Mesh,
     opacity::{Opacities, Opacity, chance},
     surfel::MeshPlace,
+    texture::UvSet,
 };
 use glam::{Vec2, Vec3};
 use obvhs::ray::Ray;
@@ -23,7 +24,8 @@ pub(super) struct Veils {
 
 /// Attributes for the opacity lookup at points of a triangle.
 struct Corners {
-    uvs: [Vec2; 3],
+    /// Of both sets.
+    uvs: [[Vec2; 3]; 2],
     material: u32,
 }
 
@@ -31,8 +33,8 @@ impl Veils {
     /// The surfaces of a mesh whose materials have an opacity in `thin`.
     pub fn new(mesh: &Mesh, surfaces: Intersector, material: impl Fn(u32) -> u32, thin: &[Option<Opacity>]) -> Self {
         let of_leaf = |&t: &u32| {
-            let uvs = mesh.triangles[t as usize].map(|v| mesh.uvs[v as usize]);
-            Corners { uvs, material: material(t) }
+            let uvs = |set| mesh.triangles[t as usize].map(|v| mesh.uv_set(set)[v as usize]);
+            Corners { uvs: [uvs(UvSet::First), uvs(UvSet::Second)], material: material(t) }
         };
         let corners = surfaces.leaf_ids.iter().map(of_leaf).collect();
         let leaf_of = surfaces.leaf_ids.iter().copied().zip(0..).collect();
@@ -57,9 +59,9 @@ impl Veils {
 
     /// Share of the light that a leaf triangle stops at a point.
     fn opacity(&self, leaf: usize, barycentric: Vec2) -> f32 {
-        let Corners { uvs: [a, b, c], material } = self.corners[leaf];
-        let uv = a + (b - a) * barycentric.x + (c - a) * barycentric.y;
-        self.opacities[material as usize].as_ref().map_or(1.0, |opacity| opacity.at(uv))
+        let Corners { uvs, material } = self.corners[leaf];
+        let at = uvs.map(|[a, b, c]| a + (b - a) * barycentric.x + (c - a) * barycentric.y);
+        self.opacities[material as usize].as_ref().map_or(1.0, |opacity| opacity.at(at))
     }
 
     /// Share of the light that passes all thin surfaces along a ray before `distance`, in lengths of `direction`.
@@ -197,6 +199,22 @@ mod tests {
             last.maps.set("geometry_opacity", Some(slot));
         }
         (mesh, Opacities::of(&materials, &[]))
+    }
+
+    #[test]
+    fn holes_lie_where_their_set_of_texture_coordinates_has_them() {
+        let (mut mesh, _) = stack(&[1.0]);
+        // The second set has the holes where the first has none.
+        mesh.second_uvs = mesh.uvs.iter().map(|uv| Vec2::new(1.0 - uv.x, uv.y)).collect();
+        let passes = |uv_set| {
+            let slot = TextureSlot { procedural: Some(Default::default()), uv_set, ..Default::default() };
+            let mut material = Material::default();
+            material.maps.set("geometry_opacity", Some(slot));
+            let scene = Intersector::with_opacities(&mesh, &Opacities::of(&[material], &[]));
+            AT.map(|at| scene.transmittance(at, Vec3::Y))
+        };
+        let [[a, b], [c, d]] = [UvSet::First, UvSet::Second].map(passes);
+        assert!(a != b && (a - d).abs() < 1e-5 && (b - c).abs() < 1e-5, "{a} {b} {c} {d}");
     }
 
     const AT: [Vec3; 2] = [Vec3::new(-0.3, 0.0, 0.1), Vec3::new(0.3, 0.0, 0.1)];

@@ -137,8 +137,9 @@ mod tests {
             assert!((far - mean).abs().max_element() < 0.01, "{far} {mean}");
         }
         // Negative control: without levels some lookups see only one color.
-        let near = (0..50)
-            .map(|i| t.sample(slot.transform(Vec2::new(0.013 * i as f32, 0.02 * i as f32 + 0.0013)), slot.color_space));
+        let near = (0..50).map(|i| {
+            t.sample(slot.transform(Vec2::new(0.013 * i as f32, 0.02 * i as f32 + 0.0013)), slot.color_space, slot.wrap)
+        });
         let worst = near.map(|near| (near - mean).abs().max_element()).fold(0.0, f32::max);
         assert!(worst > 0.2, "{worst}");
     }

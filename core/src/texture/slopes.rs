@@ -6,7 +6,7 @@
 //! is taken as smooth between its texels, so a map seen from near adds no roughness. Twin of `shaders/bumps.wgsl`.
 
 use super::{
-    Channel, ColorSpace, Procedural, Quad, Taps, Texture, TextureSlot, UvFootprint,
+    Channel, ColorSpace, Procedural, Quad, Taps, Texture, TextureSlot, UvFootprint, Wrap,
     reduction::{for_each_covered, level_sizes},
 };
 use glam::{Mat2, Vec2, Vec3, Vec4Swizzles};
@@ -166,8 +166,8 @@ impl SlopeLevel {
         level_sizes(texture.size).map(level).collect()
     }
 
-    fn bilinear(&self, uv: Vec2) -> SlopeMoments {
-        let quad = Quad::around(self.size, uv);
+    fn bilinear(&self, uv: Vec2, wrap: [Wrap; 2]) -> SlopeMoments {
+        let quad = Quad::around(self.size, uv, wrap);
         let mut moments = SlopeMoments::default();
         for (index, weight) in quad.indices.into_iter().zip(quad.weights()) {
             moments.add(weight, &self.texels[index].moments());
@@ -177,12 +177,12 @@ impl SlopeLevel {
 }
 
 impl Texture {
-    /// Slopes within taps: `finest` gives the texture's slopes at a point, `units` converts levels to the same units.
+    /// Slopes within taps: `finest` gives the texture's slopes at a point, `units` converts levels to the same units there.
     fn slope_moments(
         &self,
         taps: Taps,
-        source: SlopeSource,
-        units: Mat2,
+        (source, wrap): (SlopeSource, [Wrap; 2]),
+        units: impl Fn(Vec2) -> Mat2,
         finest: impl Fn(Vec2) -> Vec2,
     ) -> SlopeMoments {
         let levels = self.slope_levels(source);
@@ -190,7 +190,7 @@ impl Texture {
         let (finer, blend) = (level as usize, level.fract());
         let at = |level: usize, uv| match level.checked_sub(1) {
             None => SlopeMoments::of(finest(uv)),
-            Some(below) => levels[below].bilinear(uv).mapped(units),
+            Some(below) => levels[below].bilinear(uv, wrap).mapped(units(uv)),
         };
         let mut sum = SlopeMoments::default();
         let share = 1.0 / taps.count as f32;
@@ -211,8 +211,8 @@ impl Texture {
         if taps.level <= 0.0 && taps.count == 1 {
             return None;
         }
-        let at = |uv| slope_of(2.0 * self.sample(uv, ColorSpace::Linear).xyz() - 1.0);
-        let moments = self.slope_moments(taps, SlopeSource::Normals, Mat2::IDENTITY, at);
+        let at = |uv| slope_of(2.0 * self.sample(uv, ColorSpace::Linear, slot.wrap).xyz() - 1.0);
+        let moments = self.slope_moments(taps, (SlopeSource::Normals, slot.wrap), |_| Mat2::IDENTITY, at);
         Some(moments.mapped(slot.normal_axes()))
     }
 
@@ -225,7 +225,7 @@ impl Texture {
         let turn = slot.linear();
         let texel = size * slot.scale;
         let steps = [1.0 / texel.x.abs().max(1e-6), 1.0 / texel.y.abs().max(1e-6)];
-        let height = |uv: Vec2| self.sample(uv, ColorSpace::Linear)[slot.channel as usize];
+        let height = |uv: Vec2| self.sample(uv, ColorSpace::Linear, slot.wrap)[slot.channel as usize];
         let slope = |uv: Vec2, step: f32, along: Vec2| {
             slot.strength * (height(uv + step * along) - height(uv - step * along)) / (2.0 * step)
         };
@@ -233,8 +233,11 @@ impl Texture {
         if taps.level <= 0.0 && taps.count == 1 {
             return SlopeMoments::of(at(taps.first));
         }
-        let units = slot.strength * turn.transpose() * Mat2::from_diagonal(size);
-        self.slope_moments(taps, SlopeSource::Heights(slot.channel), units, at)
+        // A mirrored picture falls where the picture rises.
+        let [wrap_u, wrap_v] = slot.wrap;
+        let rising = |uv: Vec2| Vec2::new(wrap_u.slope(uv.x), wrap_v.slope(uv.y));
+        let units = |uv: Vec2| slot.strength * turn.transpose() * Mat2::from_diagonal(size * rising(uv));
+        self.slope_moments(taps, (SlopeSource::Heights(slot.channel), slot.wrap), units, at)
     }
 }
 
@@ -269,6 +272,25 @@ mod tests {
     fn normals(size: u32) -> Texture {
         let texel = |i| [0.3 + 0.4 * noise(3 * i), 0.4 + 0.2 * noise(3 * i + 1), 0.95, 1.0];
         Texture::new("normals", [size; 2], Texels::F32((0..size * size).map(texel).collect()))
+    }
+
+    #[test]
+    fn heights_fall_where_the_picture_is_mirrored_and_are_level_beyond_an_edge_that_is_held() {
+        let ramp = |i: u32| [(i % 64) as f32 / 64.0, 0.0, 0.0, 1.0];
+        let texture = Texture::new("ramp", [64; 2], Texels::F32((0..64 * 64).map(ramp).collect()));
+        for change in [0.0, 0.1] {
+            let slope = |wrap, u| {
+                let slot = TextureSlot { wrap: [wrap, Wrap::Repeat], ..Default::default() };
+                let changes = [change * Vec2::X, change * Vec2::Y];
+                texture.height_moments(&UvFootprint { uv: Vec2::new(u, 0.5), changes }, &slot).mean.x
+            };
+            for (wrap, expected) in
+                [(Wrap::Repeat, [1.0, 1.0, 1.0]), (Wrap::Mirror, [1.0, -1.0, -1.0]), (Wrap::Clamp, [1.0, 0.0, 0.0])]
+            {
+                let found = [0.5, 1.5, -0.5].map(|u| slope(wrap, u));
+                assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.02), "{wrap:?} {change}: {found:?}");
+            }
+        }
     }
 
     #[test]

@@ -111,12 +111,12 @@ fn material_file(material: &Material, document: &Document, path: &Path) -> (Mate
         let file = file.strip_prefix(folder).unwrap_or(file).to_string_lossy().into_owned();
         Some(SlotFile::of(slot, file))
     });
-    let Material { name, model, file, parameters, double_sided, .. } = material.clone();
+    let Material { name, model, file, parameters, double_sided, vertex_colors, .. } = material.clone();
     // Its contents are not written, but formats without such files approximate them.
     let beside =
         |file: BrdfFile| BrdfFile { path: file.path.strip_prefix(folder).unwrap_or(&file.path).into(), ..file };
     let file = file.filter(|_| model.has_file()).map(beside);
-    (MaterialFile { name, model, file, parameters, maps, double_sided }, left_out)
+    (MaterialFile { name, model, file, parameters, maps, double_sided, vertex_colors }, left_out)
 }
 
 /// A material without the parameters of an earlier BRDF file, which no reader would know.

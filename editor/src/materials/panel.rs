@@ -19,7 +19,7 @@ mod transfer;
 use crate::{
     actions::{Action, SelectAction},
     document::{Document, Edit},
-    widgets::{Edited, section},
+    widgets::{Edited, check_row, section},
 };
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use lapidary_core::{
@@ -56,6 +56,9 @@ pub struct MaterialContext<'a> {
     pub parts: &'a [Part],
     /// The material of a ground, which no other surface has.
     pub ground: Option<usize>,
+    /// Whether vertices have a second set of texture coordinates, and colors.
+    pub has_second_uvs: bool,
+    pub has_vertex_colors: bool,
     /// The environment's light, if it is in the picture.
     pub lighting: Option<&'a Arc<SceneLighting>>,
     /// Changes with the light.
@@ -136,15 +139,24 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
     transfer::show(ui, state, context.document, index, &mut changes, actions);
     ball(ui, state, context, index);
     section(ui, "Reflection", true, |ui| {
-        parameters::show(ui, state, context.document, index, &mut changes, actions);
+        if context.has_vertex_colors {
+            vertex_colors(ui, &mut changes);
+        }
+        parameters::show(ui, state, context, index, &mut changes, actions);
     });
     section(ui, "Surface detail", true, |ui| {
         for kind in ["normal", "bump"] {
-            maps::slot(ui, state, context.document, Target { index, kind }, &mut changes, actions);
+            maps::slot(ui, state, context, Target { index, kind }, &mut changes, actions);
         }
     });
     section(ui, "Lobe", false, |ui| state.plot.show(ui, &changes.material));
     changes.finish(index, original, actions);
+}
+
+fn vertex_colors(ui: &mut Ui, changes: &mut Changes) {
+    let help = "The colors of the vertices multiply the base color.";
+    let edited = check_row(ui, "Vertex colors", help, &mut changes.material.vertex_colors);
+    changes.note("Vertex colors", edited);
 }
 
 /// Chooses the material.

@@ -93,6 +93,12 @@ impl OpenScene {
         self.rendered()?.dataset.scene.mesh.ground_object()
     }
 
+    /// Whether vertices have a second set of texture coordinates, and colors.
+    pub fn has_second_uvs_and_colors(&self) -> [bool; 2] {
+        let mesh = self.rendered().map(|baked| &baked.dataset.scene.mesh);
+        mesh.map_or([false; 2], |mesh| [!mesh.second_uvs.is_empty(), !mesh.colors.is_empty()])
+    }
+
     /// Index of the ground's material, if one is shown.
     pub fn ground_material(&self) -> Option<usize> {
         self.rendered()?.dataset.scene.mesh.ground_material().map(|material| material as usize)

@@ -10,7 +10,7 @@ use lapidary_core::{
     brdf::{BrdfModel, Value},
     material::{BUMP, Material, NORMAL},
     scene::{Mesh, Object},
-    texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, Texels, Texture, TextureSlot, UvSet, Wrap},
 };
 use std::{fs, path::PathBuf, sync::Arc};
 
@@ -64,7 +64,7 @@ fn scene(materials: Vec<Material>, textures: Vec<Arc<Texture>>) -> Scene {
         triangle_material: vec![0, materials.len() as u32 - 1],
         triangle_object: vec![0, 1],
         positions,
-        ground: None,
+        ..Default::default()
     };
     let objects = ["front", "back"].map(|name| Object { name: name.into() }).into();
     Scene { mesh, materials, textures, objects, ..Default::default() }
@@ -213,6 +213,46 @@ fn original(folder: &Path, binary: bool) -> PathBuf {
     let bytes = if binary { gltf::glb_of(&json, data) } else { json.into_bytes() };
     fs::write(&path, bytes).unwrap();
     path
+}
+
+#[test]
+fn second_texture_coordinates_wraps_and_colors_of_vertices_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let slot = |uv_set, wrap| TextureSlot { color_space: ColorSpace::Srgb, uv_set, wrap, ..Default::default() };
+    let mut materials = ["first", "second"].map(|name| material(name, BrdfModel::Ggx, &[]));
+    materials[0].maps.set("base_color", Some(slot(UvSet::Second, [Wrap::Mirror, Wrap::Clamp])));
+    materials[1].maps.set("base_color", Some(slot(UvSet::First, [Wrap::Repeat; 2])));
+    materials[1].vertex_colors = true;
+    let picture = texture("a", [[255, 100, 50, 255], [128, 9, 9, 255], [64, 0, 0, 255], [1, 2, 3, 255]]);
+    let mut written = scene(materials.into(), vec![picture]);
+    written.mesh.second_uvs = written.mesh.uvs.iter().map(|uv| Vec2::ONE - *uv).collect();
+    written.mesh.colors = [Vec3::X, Vec3::Y, Vec3::Z].repeat(2);
+    let path = folder.path().join("own.glb");
+    assert_eq!(export(&written, &path).remarks, [""; 0]);
+    let mut read = import(&path).unwrap().scene;
+    assert_eq!(read.mesh.second_uvs, written.mesh.second_uvs);
+    assert_eq!(read.mesh.colors, [&[Vec3::ONE; 3], &written.mesh.colors[3..]].concat(), "of the second alone");
+    for (read, written) in read.materials.iter().zip(&written.materials) {
+        assert_eq!(
+            (read.vertex_colors, read.maps.get("base_color")),
+            (written.vertex_colors, written.maps.get("base_color"))
+        );
+    }
+    // An edited file has the new edges, and keeps the colors.
+    let slot = read.materials[0].maps.get_mut("base_color").unwrap();
+    (slot.uv_set, slot.wrap) = (UvSet::First, [Wrap::Clamp; 2]);
+    read.materials[1].vertex_colors = false;
+    let edited = folder.path().join("edited.glb");
+    let options = ExportOptions { original: Some(&path), ..Default::default() };
+    let remarks = write_materials(&read, &edited, &options).unwrap().remarks.join("\n");
+    assert!(remarks.contains("\"second\": the colors of its vertices stay"), "{remarks}");
+    let again = import(&edited).unwrap().scene;
+    let places = |scene: &Scene| {
+        let slots = scene.materials.iter().filter_map(|material| material.maps.get("base_color"));
+        slots.map(|slot| (slot.uv_set, slot.wrap)).collect::<Vec<_>>()
+    };
+    assert_eq!(places(&again), places(&read));
+    assert_ne!(places(&again), places(&written), "negative control");
 }
 
 #[test]

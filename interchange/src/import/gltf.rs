@@ -14,6 +14,7 @@ use crate::{
 use clips::Clips;
 use document::warn_of_extensions;
 use glam::{Mat4, Vec3};
+use gltf::material::AlphaMode;
 use hierarchy::node_name;
 use json::document_with;
 use lapidary_core::{
@@ -90,6 +91,12 @@ pub(super) fn read(
     }
     file.add_objects(&mut source, |source, node, primitive, part| {
         let read = file.primitive(primitive, path)?;
+        if read.is_colored() {
+            source.show_vertex_colors(part);
+        }
+        if read.has_alpha && primitive.material().alpha_mode() != AlphaMode::Opaque {
+            notes.faded.push(node_name(node));
+        }
         read.add_to(source, &file.deformation(node, primitive, &mut notes), node.index(), &at_rest, part);
         Ok(())
     })?;

@@ -177,6 +177,8 @@ impl MaterialLoader<'_> {
             strength: slot.strength,
             flip_y: slot.flip_y,
             procedural: slot.procedural.map(Procedural::sanitized),
+            wrap: slot.wrap,
+            uv_set: slot.uv_set,
         })
     }
 

@@ -21,7 +21,7 @@ use lapidary_core::{input, material::Material, scene::Object};
 use outline::Outline;
 use std::{
     cell::Cell,
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     io::{BufRead, Read},
     iter::repeat_n,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -45,6 +45,8 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     let expected = outline.vertices();
     files.budget.take_mesh(expected, outline.triangles).map_err(over_budget)?;
     let mut source = Source::default();
+    files.budget.take(outline.bytes_of_colors()).map_err(over_budget)?;
+    outline.paint();
     let mut models = parse(&outline).map_err(parse_error)?;
     let places = models.iter().flat_map(|model| triples(&model.mesh.positions));
     if let Some(offset) = recenter::offset(places) {
@@ -59,7 +61,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     let mut damaged = Damaged::default();
     let (mut polygons, mut smoothing) = (Polygons::default(), outline.smoothing());
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mut objects = HashMap::new();
+    let (mut objects, mut colored) = (HashMap::new(), BTreeSet::new());
     for model in models.iter().filter(|m| !m.mesh.indices.is_empty()) {
         let name = if model.name == "unnamed_object" { stem.to_string() } else { model.name.clone() };
         let object = *objects.entry(name.clone()).or_insert_with(|| {
@@ -69,7 +71,9 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
         let material = model.mesh.material_id.unwrap_or(outline.materials.in_order.len());
         let mesh = &mut source.mesh;
         let base = mesh.positions.len();
-        add_vertices(mesh, &model.mesh);
+        if add_vertices(mesh, &model.mesh) {
+            colored.insert(material);
+        }
         for corners in faces(&model.mesh) {
             mesh.push_polygon(base, corners, material as u32, object, &mut polygons);
             if let Some(next) = &mut smoothing {
@@ -80,6 +84,9 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     }
     damaged.warn(&mut source.warnings);
     add_materials(&mut source, &outline, TextureLibrary::new(files)).map_err(failed)?;
+    for material in colored {
+        source.materials[material].vertex_colors = true;
+    }
     Ok(source)
 }
 
@@ -133,9 +140,10 @@ fn triples(values: &[f32]) -> impl Iterator<Item = Vec3> {
 }
 
 /// Appends the vertices of one object and material. Normals and texture coordinates on only some of its faces cannot be
-/// assigned to vertices, and count as missing.
-fn add_vertices(raw: &mut RawMesh, mesh: &tobj::Mesh) {
-    let count = raw.positions.len() + mesh.positions.len() / 3;
+/// assigned to vertices, and count as missing. Returns whether they have colors other than white.
+fn add_vertices(raw: &mut RawMesh, mesh: &tobj::Mesh) -> bool {
+    let base = raw.positions.len();
+    let count = base + mesh.positions.len() / 3;
     raw.positions.extend(triples(&mesh.positions));
     if mesh.normals.len() == mesh.positions.len() {
         raw.normals.extend(triples(&mesh.normals));
@@ -147,6 +155,8 @@ fn add_vertices(raw: &mut RawMesh, mesh: &tobj::Mesh) {
     raw.normals.resize(count, Vec3::ZERO);
     raw.uvs.resize(count, RawMesh::NO_UV);
     raw.tangents.resize(count, Vec4::ZERO);
+    let colors: Vec<Vec3> = triples(&mesh.vertex_color).collect();
+    raw.push_colors(base, &colors)
 }
 
 /// The corners of each face. `tobj` gives no counts if all are triangles.

@@ -5,6 +5,7 @@ use crate::import::report::ImportReport;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use lapidary_core::{
     bounds::MOST_COORDINATE,
+    material::Material,
     mesh::check_extent,
     scene::{Mesh, MeshError},
 };
@@ -28,6 +29,10 @@ pub(super) struct RawMesh {
     pub uvs: Vec<Vec2>,
     /// Zero where missing.
     pub tangents: Vec<Vec4>,
+    /// A second set of texture coordinates. May be shorter: the others have the first ones.
+    pub second_uvs: Vec<Vec2>,
+    /// Linear colors. May be shorter: the others are white.
+    pub colors: Vec<Vec3>,
     pub triangles: Vec<[u32; 3]>,
     pub triangle_material: Vec<u32>,
     pub triangle_object: Vec<u32>,
@@ -38,6 +43,22 @@ pub(super) struct RawMesh {
 impl RawMesh {
     /// Marks a missing texture coordinate.
     pub const NO_UV: Vec2 = Vec2::NAN;
+
+    /// Gives the vertices from `base` on a second set of texture coordinates.
+    pub fn push_second_uvs(&mut self, base: usize, uvs: impl IntoIterator<Item = Vec2>) {
+        self.second_uvs.resize(base, Self::NO_UV);
+        self.second_uvs.extend(uvs);
+    }
+
+    /// Gives the vertices from `base` on colors. Returns whether these are not all white.
+    pub fn push_colors(&mut self, base: usize, colors: &[Vec3]) -> bool {
+        let is_colored = colors.iter().any(|color| *color != Vec3::ONE);
+        if is_colored {
+            self.colors.resize(base, Vec3::ONE);
+            self.colors.extend(colors.iter().map(|color| color.clamp(Vec3::ZERO, Vec3::ONE)));
+        }
+        is_colored
+    }
 
     /// Adds a triangle of vertices relative to `base`; an index past `u32` stays out of range.
     pub fn push_triangle(&mut self, base: usize, corners: [u32; 3], material: u32, object: u32) {
@@ -81,11 +102,11 @@ fn area_vector([a, b, c]: [Vec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Makes a clean mesh and counts the repairs in `report`.
+/// Makes a clean mesh, with tangents along the coordinates of its materials' normal maps, and counts the repairs in `report`.
 ///
 /// # Errors
 /// No triangles with an area, positions that are not finite or too far or in one place, indices out of range.
-pub(super) fn repair(mut raw: RawMesh, report: &mut ImportReport) -> Result<Mesh, MeshError> {
+pub(super) fn repair(mut raw: RawMesh, materials: &[Material], report: &mut ImportReport) -> Result<Mesh, MeshError> {
     check(&raw)?;
     let referenced = count_referenced(&raw);
     report.unreferenced_vertices = raw.positions.len() - referenced;
@@ -97,7 +118,7 @@ pub(super) fn repair(mut raw: RawMesh, report: &mut ImportReport) -> Result<Mesh
     turn_flipped_triangles(&mut raw, report);
     let referenced = count_referenced(&raw);
     let (mut mesh, has_uv) = weld(&raw, report);
-    tangents::complete(&mut mesh, &has_uv, report);
+    tangents::complete(&mut mesh, &has_uv, materials, report);
     report.welded_vertices = referenced.saturating_sub(mesh.positions.len());
     report.split_vertices = mesh.positions.len().saturating_sub(referenced);
     (report.vertices, report.triangles) = (mesh.positions.len(), mesh.triangles.len());
@@ -155,8 +176,13 @@ fn mark_invalid_attributes(raw: &mut RawMesh) {
             *normal = normal.as_dvec3().normalize_or_zero().as_vec3();
         }
     }
-    for uv in raw.uvs.iter_mut().filter(|uv| !uv.abs().cmple(Vec2::splat(MOST_COORDINATE)).all()) {
+    for uv in
+        raw.uvs.iter_mut().chain(&mut raw.second_uvs).filter(|uv| !uv.abs().cmple(Vec2::splat(MOST_COORDINATE)).all())
+    {
         *uv = RawMesh::NO_UV;
+    }
+    for color in raw.colors.iter_mut().filter(|color| !color.is_finite()) {
+        *color = Vec3::ONE;
     }
     for tangent in &mut raw.tangents {
         let direction = tangent.truncate().normalize_or_zero();
@@ -186,19 +212,33 @@ fn turn_flipped_triangles(raw: &mut RawMesh, report: &mut ImportReport) {
 }
 
 /// All attributes of a vertex as bits, and its object: vertices with equal keys are merged.
-type VertexKey = [u32; 13];
+type VertexKey = [u32; 18];
 
 fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
     values.map(|x| (x + 0.0).to_bits()) // adding zero makes -0 and 0 agree
 }
 
-fn vertex_key(object: u32, position: Vec3, normal: Vec3, uv: Vec2, tangent: Vec4) -> VertexKey {
-    let mut key = [object; 13];
-    key[1..4].copy_from_slice(&bits(position.to_array()));
-    key[4..7].copy_from_slice(&bits(normal.to_array()));
-    key[7..9].copy_from_slice(&bits(uv.to_array()));
-    key[9..13].copy_from_slice(&bits(tangent.to_array()));
-    key
+/// All attributes of a vertex.
+struct Attributes {
+    position: Vec3,
+    normal: Vec3,
+    uv: Vec2,
+    tangent: Vec4,
+    second_uv: Vec2,
+    color: Vec3,
+}
+
+impl Attributes {
+    fn key(&self, object: u32) -> VertexKey {
+        let mut key = [object; 18];
+        key[1..4].copy_from_slice(&bits(self.position.to_array()));
+        key[4..7].copy_from_slice(&bits(self.normal.to_array()));
+        key[7..9].copy_from_slice(&bits(self.uv.to_array()));
+        key[9..13].copy_from_slice(&bits(self.tangent.to_array()));
+        key[13..15].copy_from_slice(&bits(self.second_uv.to_array()));
+        key[15..18].copy_from_slice(&bits(self.color.to_array()));
+        key
+    }
 }
 
 /// Gives every corner its normal and texture coordinates, and merges corners with equal attributes into vertices. Also
@@ -260,13 +300,22 @@ impl<'a> Welder<'a> {
         let (position, normal) = (raw.positions[v], rebuilt.unwrap_or(raw.normals[v]));
         let has_uv = !raw.uvs[v].is_nan();
         let (uv, tangent) = if has_uv { (raw.uvs[v], raw.tangents[v]) } else { box_projection(position, normal) };
+        let second_uv = raw.second_uvs.get(v).copied().filter(|uv| !uv.is_nan()).unwrap_or(uv);
+        let color = raw.colors.get(v).copied().unwrap_or(Vec3::ONE);
         let next = mesh.positions.len() as u32;
-        let index = *self.by_key.entry(vertex_key(object, position, normal, uv, tangent)).or_insert(next);
+        let key = Attributes { position, normal, uv, tangent, second_uv, color }.key(object);
+        let index = *self.by_key.entry(key).or_insert(next);
         if index == next {
             mesh.positions.push(position);
             mesh.normals.push(normal);
             mesh.uvs.push(uv);
             mesh.tangents.push(tangent);
+            if !raw.second_uvs.is_empty() {
+                mesh.second_uvs.push(second_uv);
+            }
+            if !raw.colors.is_empty() {
+                mesh.colors.push(color);
+            }
             self.has_uv.push(has_uv);
             self.normals_rebuilt += usize::from(rebuilt.is_some());
         }

@@ -2,7 +2,12 @@
 
 use super::{repair::RawMesh, report::ImportError};
 use lapidary_core::{
-    camera::Camera, lights::Light, material::Material, parts::Variants, scene::Object, texture::Texture,
+    camera::Camera,
+    lights::Light,
+    material::Material,
+    parts::{Part, Variants},
+    scene::Object,
+    texture::Texture,
 };
 use std::path::{Path, PathBuf};
 
@@ -25,6 +30,18 @@ pub(super) struct Source {
     pub unread: Vec<String>,
     pub outside: Vec<String>,
     pub files: Vec<PathBuf>,
+}
+
+impl Source {
+    /// Shows the colors of a part's vertices, whichever variant is chosen.
+    pub fn show_vertex_colors(&mut self, part: Part) {
+        let of_variants = self.variants.parts.iter().filter(|variants| variants.part == part);
+        let others = of_variants.flat_map(|variants| variants.in_variants.iter().copied().chain([variants.plain]));
+        let all: Vec<u32> = others.chain([part.material]).collect();
+        for index in all {
+            self.materials[index as usize].vertex_colors = true;
+        }
+    }
 }
 
 /// Checks a count against the limit.

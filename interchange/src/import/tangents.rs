@@ -3,11 +3,16 @@
 use crate::import::report::ImportReport;
 use bevy_mikktspace::{Geometry, TangentSpace};
 use glam::{Vec3, Vec4};
-use lapidary_core::scene::Mesh;
+use lapidary_core::{
+    material::{Material, NORMAL},
+    scene::Mesh,
+    texture::UvSet,
+};
 
-/// Fills in all zero tangents. `has_uv` marks the vertices with texture coordinates from the file. A vertex is split
-/// where mirrored texture coordinates meet; otherwise the tangents of its corners are averaged.
-pub(super) fn complete(mesh: &mut Mesh, has_uv: &[bool], report: &mut ImportReport) {
+/// Fills in all zero tangents, along the coordinates of the materials' normal maps. `has_uv` marks the vertices with texture
+/// coordinates from the file. A vertex is split where mirrored texture coordinates meet; otherwise the tangents of its corners are
+/// averaged.
+pub(super) fn complete(mesh: &mut Mesh, has_uv: &[bool], materials: &[Material], report: &mut ImportReport) {
     let missing = |v: u32| mesh.tangents[v as usize] == Vec4::ZERO;
     let from_file = |v: usize| has_uv[v] && !missing(v as u32);
     report.tangents_rebuilt = (0..mesh.tangents.len()).filter(|v| !from_file(*v)).count();
@@ -17,7 +22,10 @@ pub(super) fn complete(mesh: &mut Mesh, has_uv: &[bool], report: &mut ImportRepo
     };
     let faces: Vec<usize> = (0..mesh.triangles.len()).filter(usable).collect();
     if !faces.is_empty() {
-        let mut geometry = Faces { mesh, tangents: vec![[Vec4::ZERO; 3]; faces.len()], faces };
+        let normals =
+            materials.iter().map(|material| material.maps.get(NORMAL).map_or(UvSet::First, |slot| slot.uv_set));
+        let sets = normals.collect();
+        let mut geometry = Faces { mesh, tangents: vec![[Vec4::ZERO; 3]; faces.len()], sets, faces };
         // Its error has no variant yet; unset tangents stay zero and are filled in below.
         bevy_mikktspace::generate_tangents(&mut geometry).ok();
         let Faces { faces, tangents, .. } = geometry;
@@ -34,6 +42,8 @@ pub(super) fn complete(mesh: &mut Mesh, has_uv: &[bool], report: &mut ImportRepo
 struct Faces<'a> {
     mesh: &'a Mesh,
     faces: Vec<usize>,
+    /// The coordinates of each material's normal map.
+    sets: Vec<UvSet>,
     tangents: Vec<[Vec4; 3]>,
 }
 
@@ -62,7 +72,9 @@ impl Geometry for Faces<'_> {
 
     /// MikkTSpace has v upward; with ours, downward, the bitangent of a normal map would point down.
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        let uv = self.mesh.uvs[self.vertex(face, corner)];
+        let material = self.mesh.triangle_material[self.faces[face]] as usize;
+        let set = self.sets.get(material).copied().unwrap_or_default();
+        let uv = self.mesh.uv_set(set)[self.vertex(face, corner)];
         [uv.x, 1.0 - uv.y]
     }
 
@@ -109,6 +121,9 @@ fn split_mirrored(mesh: &mut Mesh, sums: &[Vec<Vec3>; 2]) -> Vec<u32> {
                 mesh.positions.push(mesh.positions[v]);
                 mesh.normals.push(mesh.normals[v]);
                 mesh.uvs.push(mesh.uvs[v]);
+                let copied = |len: usize| (len > 0).then_some(v);
+                mesh.second_uvs.extend(copied(mesh.second_uvs.len()).map(|v| mesh.second_uvs[v]));
+                mesh.colors.extend(copied(mesh.colors.len()).map(|v| mesh.colors[v]));
                 mesh.tangents.push(m.extend(-1.0));
             }
             (None, None) => {}

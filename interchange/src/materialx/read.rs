@@ -296,6 +296,8 @@ impl<'a> Reader<'_, 'a> {
             strength: 1.0,
             flip_y: false,
             procedural: None,
+            wrap: Default::default(),
+            uv_set: Default::default(),
         })
     }
 

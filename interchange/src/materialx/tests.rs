@@ -20,6 +20,8 @@ fn slot(file: &str) -> SlotFile {
         strength: 1.0,
         flip_y: false,
         procedural: None,
+        wrap: Default::default(),
+        uv_set: Default::default(),
     }
 }
 

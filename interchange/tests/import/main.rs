@@ -12,13 +12,14 @@ mod obj;
 mod other_programs;
 mod outside;
 mod repair;
+mod vertex_attributes;
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     lights::Emission,
     material::BrdfModel,
     scene::{MeshError, Scene},
-    texture::{Channel, ColorSpace},
+    texture::{Channel, ColorSpace, UvSet},
 };
 use lapidary_interchange::import::{
     ImportError, ImportOptions, Imported, import, import_with, load_material, pictures_of_material,

@@ -111,20 +111,6 @@ fn colors_and_weights_of_vertices_move_no_others() {
     }
 }
 
-#[test]
-fn colors_of_vertices_are_left_out_aloud() {
-    let told = |name: &str, text: String| import_alone(name, text).unwrap().report.warnings.join("\n");
-    let obj = |color: &str| format!("v 0 0 0{color}\nv 1 0 0{color}\nv 0 1 0\nf 1 2 3\n");
-    let plain = ply("float", &["0 0 0", "1 0 0", "0 1 0"], &["3 0 1 2"]);
-    let colored = plain
-        .replace("element face", "property uchar red\nelement face")
-        .replace("\n0 0 0\n1 0 0\n0 1 0\n", "\n0 0 0 9\n1 0 0 9\n0 1 0 9\n");
-    assert!(told("a.obj", obj(" 1 0 0")).contains("the colors of 2 vertices are left out"));
-    assert!(told("a.ply", colored).contains("the colors of 3 vertices are left out"));
-    let none = [told("a.obj", obj("")), told("a.ply", plain)];
-    assert!(none.iter().all(|told| !told.contains("colors")), "negative control: {none:?}");
-}
-
 /// A file of vertices and faces, in ascii.
 fn ply(kind: &str, vertices: &[&str], faces: &[&str]) -> String {
     format!(

@@ -69,6 +69,9 @@ pub struct Vertex {
     pub uv: [f32; 2],
     pub is_valid: u32,
     pub source_cut_offset: u32,
+    pub second_uv: [f32; 2],
+    /// Three 16-bit floats.
+    pub color: [u32; 2],
 }
 
 /// `Triangle` of `scene.wgsl`.
@@ -93,7 +96,8 @@ pub struct TextureSlot {
     /// Sine and cosine.
     pub turn: [f32; 2],
     pub strength: f32,
-    pub channel: u32,
+    /// Component, wrap along u and v, and set of coordinates.
+    pub lookup: u32,
     /// Values of a pattern.
     pub low: [f32; 3],
     pub pattern: u32,
@@ -106,7 +110,8 @@ pub struct TextureSlot {
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct MaterialParameter {
     pub value: [f32; 3],
-    pub padding: u32,
+    /// 1 if the colors of the vertices multiply it.
+    pub has_vertex_color: u32,
     pub map: TextureSlot,
 }
 

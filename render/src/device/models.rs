@@ -16,7 +16,7 @@ pub struct ModelSet {
     /// Those that users wrote, each once.
     written: Vec<Arc<Written>>,
     parts: Vec<MaterialPart>,
-    /// The parameters, by number of their model and by name, that have maps.
+    /// The parameters, by number of their model and by name, that have maps or colors of vertices.
     mapped: BTreeSet<(u32, String)>,
 }
 
@@ -66,7 +66,9 @@ impl ModelSet {
         let set = Self { models, written, parts, mapped: BTreeSet::new() };
         let mapped = appearance.materials.iter().flat_map(|material| {
             let number = set.number(material);
-            let own = material.own_parameters().iter().filter(|p| material.maps.get(p.name).is_some());
+            let colored = material.vertex_colored().map(|p| p.name);
+            let varies = move |p: &&Parameter| material.maps.get(p.name).is_some() || colored == Some(p.name);
+            let own = material.own_parameters().iter().filter(varies);
             own.map(move |p| (number, p.name.to_owned()))
         });
         Self { mapped: mapped.collect(), ..set }
@@ -196,7 +198,7 @@ fn lines_at(place: &str, entry: &Entry) -> String {
     match place {
         "members" => format!("    {prefix}: {type_name},\n"),
         "makes" => {
-            let read = if list.is_empty() { String::new() } else { format!("read_{prefix}(material, uv){more}") };
+            let read = if list.is_empty() { String::new() } else { format!("read_{prefix}(material, at){more}") };
             format!("        case {constant}: {{ brdf.{prefix} = {prefix}_of({read}); }}\n")
         }
         "reflects" => format!("        case {constant}: {{ return {prefix}_reflect(brdf.{prefix}, light, wo); }}\n"),
@@ -216,7 +218,7 @@ fn shown_by(Entry { constant, prefix, list, .. }: &Entry) -> String {
         return format!("        case {constant}: {{ return vec4({color}, {roughness}); }}\n");
     }
     format!(
-        "        case {constant}: {{\n            let p = read_{prefix}(material, uv);\n            \
+        "        case {constant}: {{\n            let p = read_{prefix}(material, at);\n            \
              return vec4({color}, {roughness});\n        }}\n"
     )
 }
@@ -248,7 +250,7 @@ fn parameters(entry: &Entry) -> String {
         let [low, high] = p.range;
         match mapped.contains(&p.name) {
             true => {
-                format!("        material_{quantity}(material, {index}u, uv, vec2({low:?}, {high:?}), {least:?}),\n")
+                format!("        material_{quantity}(material, {index}u, at, vec2({low:?}, {high:?}), {least:?}),\n")
             }
             false => format!("        plain_{quantity}(material, {index}u, vec2({low:?}, {high:?})),\n"),
         }
@@ -258,7 +260,7 @@ fn parameters(entry: &Entry) -> String {
     let structure = if *has_structure { String::new() } else { format!("\nstruct {parameters_name} {{\n{fields}}}\n") };
     format!(
         "{structure}
-fn read_{prefix}(material: u32, uv: UvFootprint) -> {parameters_name} {{
+fn read_{prefix}(material: u32, at: SurfaceAttributes) -> {parameters_name} {{
     return {parameters_name}(
 {reads}    );
 }}

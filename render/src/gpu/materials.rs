@@ -81,10 +81,12 @@ fn material(m: &material::Material, pool: &TexturePool) -> Material {
         };
         m.maps.get(name).and_then(placed).unwrap_or_default()
     };
+    let colored = m.vertex_colored().map(|parameter| parameter.name);
     let mut parameters = [MaterialParameter::default(); MOST_PARAMETERS];
     for (packed, declared) in parameters.iter_mut().zip(m.declared()) {
         let value = m.parameters.value(declared).color();
-        *packed = MaterialParameter { value: value.to_array(), map: slot(declared.name), ..Default::default() };
+        let has_vertex_color = u32::from(colored == Some(declared.name));
+        *packed = MaterialParameter { value: value.to_array(), has_vertex_color, map: slot(declared.name) };
     }
     Material {
         model: m.model as u32,
@@ -109,9 +111,15 @@ fn texture_slot(slot: &texture::TextureSlot, place: Place) -> TextureSlot {
         offset: slot.offset.to_array(),
         turn: [sin, cos],
         strength: slot.strength,
-        channel: slot.channel as u32,
+        lookup: lookup_of(slot),
         ..Default::default()
     }
+}
+
+/// Bits 0 and 1: component; 2 and 3: wrap along u; 4 and 5: wrap along v; 6: set of coordinates.
+fn lookup_of(slot: &texture::TextureSlot) -> u32 {
+    let [u, v] = slot.wrap.map(|wrap| wrap as u32);
+    slot.channel as u32 | u << 2 | v << 4 | (slot.uv_set as u32) << 6
 }
 
 fn pattern_slot(slot: &texture::TextureSlot, pattern: &Procedural) -> TextureSlot {

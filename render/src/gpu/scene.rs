@@ -13,12 +13,15 @@ use crate::{
     view::View,
     view_mode::visibility_cuts,
 };
+use glam::Vec3;
+use half::f16;
 use lapidary_core::{
     bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
     ground::Ground,
     sources::IndirectBake,
+    texture::UvSet,
 };
 
 /// Of the diagonal of the scene: nearer than that nothing is drawn.
@@ -141,8 +144,16 @@ fn vertices(dataset: &Dataset) -> Vec<Vertex> {
         uv: mesh.uvs[v].to_array(),
         is_valid: u32::from(dataset.vertex_valid[v]),
         source_cut_offset: dataset.indirect.as_ref().map_or(0, |bake| bake.cuts.offsets()[v]),
+        second_uv: mesh.uv_set(UvSet::Second)[v].to_array(),
+        color: packed_color(mesh.colors.get(v).copied().unwrap_or(Vec3::ONE)),
     };
     (0..mesh.positions.len()).map(vertex).collect()
+}
+
+/// A color as 16-bit floats.
+fn packed_color(color: Vec3) -> [u32; 2] {
+    let [r, g, b] = color.to_array().map(|x| u32::from(f16::from_f32(x).to_bits()));
+    [r | g << 16, b]
 }
 
 fn triangles(dataset: &Dataset, appearance: &Appearance) -> Vec<Triangle> {

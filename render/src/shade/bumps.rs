@@ -30,9 +30,9 @@ impl SurfacePlace {
         let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
         let mut bumped = Bumped { normal: smooth.z_axis, moving: [Moving::default(); 2] };
         if let Some(slot) = material.normal_map() {
-            match appearance.normal_moments(slot, &self.uv) {
+            match appearance.normal_moments(slot, self.attributes.uv_of(slot)) {
                 None => {
-                    let n = slot.tangent_normal(appearance.encoded_normal(slot, &self.uv));
+                    let n = slot.tangent_normal(appearance.encoded_normal(slot, self.attributes.uv_of(slot)));
                     bumped.normal = (smooth * n).try_normalize().unwrap_or(bumped.normal);
                 }
                 Some(moments) => {
@@ -43,8 +43,9 @@ impl SurfacePlace {
                 }
             }
         }
-        if let (Some(slot), Some([per_u, per_v])) = (material.bump_map(), self.slopes) {
-            let moments = appearance.height_moments(slot, &self.uv);
+        let bump = material.bump_map().and_then(|slot| Some((slot, self.slopes[slot.uv_set as usize]?)));
+        if let Some((slot, [per_u, per_v])) = bump {
+            let moments = appearance.height_moments(slot, self.attributes.uv_of(slot));
             // The gradient along the surface tilts the normal of the raised surface against it (Blinn 1978).
             let tilted = bumped.normal - per_u * moments.mean.x - per_v * moments.mean.y;
             if let Some(normal) = tilted.try_normalize() {
@@ -67,7 +68,7 @@ impl Appearance {
 
     fn encoded_normal(&self, slot: &TextureSlot, uv: &UvFootprint) -> Vec3 {
         let texel = match slot.image() {
-            Some(image) => self.textures[image].sample(slot.transform(uv.uv), ColorSpace::Linear),
+            Some(image) => self.textures[image].sample(slot.transform(uv.uv), ColorSpace::Linear, slot.wrap),
             None => self.sample(slot, uv),
         };
         texel.truncate()

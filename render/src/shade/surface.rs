@@ -6,12 +6,12 @@ use lapidary_core::{
     brdf::{Lambert, LightsX8, LobeMomentsX8, Lobes, NO_LOBE, SpreadX8, SurfaceBrdf},
     dataset::Dataset,
     lights::Disc,
-    material::{MaterialPoint, ResolvedMaterial},
+    material::{MaterialPoint, ResolvedMaterial, SurfaceAttributes},
     offset,
     ray::{Hit, Intersector},
     simd::{Lanes, Vec3x8},
     surfel::MeshPlace,
-    texture::UvFootprint,
+    texture::UvSet,
 };
 use std::f32::consts::TAU;
 use wide::f32x8;
@@ -128,10 +128,10 @@ pub struct SurfacePlace {
     pub tangent: Vec3,
     /// 1, or -1 for mirrored textures, where v increases against `smooth_normal` x `tangent`.
     pub handedness: f32,
-    /// Texture coordinates and a sample's footprint in them.
-    pub uv: UvFootprint,
-    /// Gradients of u and v along the surface, per meter, for bump maps; `None` if they are undefined.
-    pub slopes: Option<[Vec3; 2]>,
+    /// What the vertices give the maps.
+    pub attributes: SurfaceAttributes,
+    /// Gradients of u and v of each set along the surface, per meter, for bump maps; `None` if they are undefined.
+    pub slopes: [Option<[Vec3; 2]>; 2],
 }
 
 /// Frame and material of a place seen from one direction.
@@ -152,7 +152,7 @@ impl SurfacePlace {
         let bumped = self.bumped(appearance, material);
         let world_from_local = frame(facing(bumped.normal, wo), self.tangent, self.handedness);
         let (wo, slopes) = (world_from_local.transpose() * wo, bumped.spread(&world_from_local));
-        PlaceLook { world_from_local, wo, slopes, material: appearance.material_at(material, &self.uv) }
+        PlaceLook { world_from_local, wo, slopes, material: appearance.material_at(material, &self.attributes) }
     }
 }
 
@@ -342,7 +342,6 @@ impl<'a> Surfaces<'a> {
         let face_normal = mesh.area_vector(triangle).normalize_or(wo) * side;
         let normal = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.normals[v as usize] * w).sum::<Vec3>() * side;
         let smooth_normal = facing(normal.try_normalize().unwrap_or(face_normal), wo);
-        let uv = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.uvs[v as usize] * w).sum::<Vec2>();
         let tangent = vertices.iter().zip(b.to_array()).map(|(&v, w)| mesh.tangents[v as usize].truncate() * w).sum();
         let handedness = mesh.tangents[vertices[0] as usize].w * side;
         let material_index = self.material(hit.triangle);
@@ -350,15 +349,23 @@ impl<'a> Surfaces<'a> {
         let edge = (p0.distance(p1) + p1.distance(p2) + p2.distance(p0)) / 3.0;
         let offset = offset::of_shading(edge, self.largest_offset);
         let position = p0 * b.x + p1 * b.y + p2 * b.z;
-        let slopes = match material.has_maps() {
-            true => surface_slopes([p0, p1, p2], vertices.map(|v| mesh.uvs[v as usize])),
-            false => None,
+        let footprint = |set| {
+            let uvs = mesh.uv_set(set);
+            let uv = vertices.iter().zip(b.to_array()).map(|(&v, w)| uvs[v as usize] * w).sum::<Vec2>();
+            let slopes = material.varies().then(|| surface_slopes([p0, p1, p2], vertices.map(|v| uvs[v as usize])));
+            match (&self.differentials, slopes.flatten()) {
+                (Some(differentials), Some(slopes)) => {
+                    (differentials.at(uv, position, face_normal, slopes), Some(slopes))
+                }
+                (_, slopes) => (uv.into(), slopes),
+            }
         };
-        let uv = match (&self.differentials, slopes) {
-            (Some(differentials), Some(slopes)) => differentials.at(uv, position, face_normal, slopes),
-            _ => uv.into(),
-        };
-        let place = SurfacePlace { position, smooth_normal, tangent, handedness, uv, slopes };
+        let first = footprint(UvSet::First);
+        let second = if material.reads_second_uvs() { footprint(UvSet::Second) } else { first };
+        let color = if material.reads_vertex_colors() { mesh.color(vertices, b.to_array()) } else { Vec3::ONE };
+        let attributes = SurfaceAttributes { uv: [first.0, second.0], color };
+        let slopes = [first.1, second.1];
+        let place = SurfacePlace { position, smooth_normal, tangent, handedness, attributes, slopes };
         let PlaceLook { world_from_local, wo, slopes, material: look } = place.under(self.appearance, material, wo);
         SurfacePoint {
             material: material_index,

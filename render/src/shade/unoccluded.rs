@@ -86,8 +86,8 @@ mod tests {
             smooth_normal: Vec3::Y,
             tangent: Vec3::X,
             handedness: 1.0,
-            uv: Vec2::ZERO.into(),
-            slopes: None,
+            attributes: Vec2::ZERO.into(),
+            slopes: [None; 2],
         };
         let shaded = |radiance: &dyn Fn(Vec3) -> f32| {
             let leaves: Vec<Vec3> = tree.leaf_directions().iter().map(|&d| Vec3::splat(radiance(d))).collect();

@@ -110,7 +110,7 @@ fn a_bake_takes_the_opacity_of_a_part_with_a_material_of_its_own() {
     wait_for_picture(&mut window);
     assert!(!window.shows(words));
     let scene = &window.0.state().work.scene.shown().unwrap().dataset.scene;
-    let opacity = |part| scene.opacity_of(part).at(Vec2::ZERO);
+    let opacity = |part| scene.opacity_of(part).at([Vec2::ZERO; 2]);
     assert_eq!([opacity(PYRAMID), opacity(Part { object: 0, material: 0 })], [0.25, 1.0]);
 
     let mut again = place.window();

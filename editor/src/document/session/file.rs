@@ -10,7 +10,7 @@ use lapidary_core::{
     material::{Material, MaterialOf},
     parts::Part,
     scene::pose::Pose,
-    texture::{Channel, ColorSpace, Procedural, TextureSlot},
+    texture::{Channel, ColorSpace, Procedural, TextureSlot, UvSet, Wrap, is_default},
 };
 use lapidary_render::Solution;
 use serde::{Deserialize, Serialize};
@@ -124,6 +124,12 @@ pub struct SessionSlot {
     /// A pattern in place of a picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub procedural: Option<Procedural>,
+    /// Along u and v.
+    #[serde(skip_serializing_if = "is_default")]
+    pub wrap: [Wrap; 2],
+    /// The texture coordinates of the surface.
+    #[serde(skip_serializing_if = "is_default")]
+    pub uv_set: UvSet,
 }
 
 /// Origin of a texture.
@@ -248,6 +254,8 @@ impl SessionSlot {
             strength: self.strength,
             flip_y: self.flip_y,
             procedural: self.procedural.map(Procedural::sanitized),
+            wrap: self.wrap,
+            uv_set: self.uv_set,
         }
     }
 }
@@ -265,6 +273,8 @@ impl From<&TextureSlot> for SessionSlot {
             strength: slot.strength,
             flip_y: slot.flip_y,
             procedural: slot.procedural,
+            wrap: slot.wrap,
+            uv_set: slot.uv_set,
         }
     }
 }

@@ -22,7 +22,7 @@ use lapidary_core::{
     parts::Part,
     scene::{Object, pose::Pose},
     test_scenes::{camera, dataset, light},
-    texture::{Channel, ColorSpace, Procedural, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, Procedural, Texture, TextureSlot, UvSet, Wrap},
 };
 use lapidary_interchange::image;
 use lapidary_render::{Post, Solution, ToneMap};
@@ -69,13 +69,17 @@ impl Project {
             parameters: GgxParameters { base_color: Vec3::new(0.8, 0.1, 0.3), roughness: 0.35, ..Default::default() }
                 .into(),
             maps: MaterialMaps::from([
-                ("base_color", TextureSlot { color_space: ColorSpace::Srgb, ..slot(3) }),
+                ("base_color", TextureSlot { color_space: ColorSpace::Srgb, uv_set: UvSet::Second, ..slot(3) }),
                 ("bump", TextureSlot { channel: Channel::G, rotation: 0.3, strength: 0.002, ..slot(1) }),
                 ("anisotropy", TextureSlot { channel: Channel::B, ..slot(3) }),
-                ("ior", TextureSlot { channel: Channel::A, offset: Vec2::X, ..slot(1) }),
+                (
+                    "ior",
+                    TextureSlot { channel: Channel::A, wrap: [Wrap::Clamp, Wrap::Mirror], offset: Vec2::X, ..slot(1) },
+                ),
                 ("roughness", TextureSlot { procedural: Some(Procedural::default()), ..slot(0) }),
             ]),
             double_sided: false,
+            vertex_colors: true,
         };
         document.environment = EnvironmentSettings {
             spec: self.path("maps/room.hdr").to_string_lossy().into_owned(),

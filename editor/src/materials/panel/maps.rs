@@ -1,9 +1,9 @@
 //! The row of a texture map: thumbnail, file, placement and encoding.
 
-use super::{Changes, MaterialPanel, patterns, target::Target};
+use super::{Changes, MaterialContext, MaterialPanel, patterns, target::Target};
 use crate::{
     actions::Action,
-    document::{Document, TextureEntry},
+    document::TextureEntry,
     widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
 };
 use egui::{
@@ -12,7 +12,7 @@ use egui::{
 };
 use lapidary_core::{
     brdf::{BrdfModel, Parameter},
-    texture::{Channel, ColorSpace, Texels, TextureSlot},
+    texture::{Channel, ColorSpace, Texels, TextureSlot, UvSet, Wrap},
 };
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ const EMPTY: f32 = 16.0;
 pub fn slot(
     ui: &mut Ui,
     state: &mut MaterialPanel,
-    document: &Document,
+    context: &MaterialContext,
     target: Target,
     changes: &mut Changes,
     actions: &mut Vec<Action>,
@@ -33,13 +33,13 @@ pub fn slot(
     let name = target.name();
     group(ui, &name, |ui| {
         let entry = changes.material.maps.get(target.kind);
-        let entry = entry.and_then(|slot| document.textures.get(slot.image()?));
+        let entry = entry.and_then(|slot| context.document.textures.get(slot.image()?));
         let shown = picture_row(ui, state, target, entry, changes, actions);
         if let Some(path) = dropped_on(ui, shown.rect) {
             target.load(Some(path), actions);
         }
         if changes.material.maps.get(target.kind).is_some() {
-            settings(ui, state, target, entry, changes);
+            settings(ui, state, context, target, changes);
         }
     });
 }
@@ -150,14 +150,9 @@ pub fn dropped_on(ui: &Ui, rect: Rect) -> Option<PathBuf> {
     dropped.first().map(|file| file.path().to_path_buf())
 }
 
-fn settings(
-    ui: &mut Ui,
-    state: &mut MaterialPanel,
-    target: Target,
-    entry: Option<&TextureEntry>,
-    changes: &mut Changes,
-) {
+fn settings(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, target: Target, changes: &mut Changes) {
     let Some(mut slot) = changes.material.maps.get(target.kind).cloned() else { return };
+    let entry = slot.image().and_then(|image| context.document.textures.get(image));
     match target.kind {
         "normal" => normal_strength(ui, &mut slot, changes),
         "bump" => bump_strength(ui, &mut slot, changes),
@@ -169,6 +164,12 @@ fn settings(
     let title = RichText::new("Placement").small();
     let folded = CollapsingHeader::new(title).id_salt((target.index, target.kind)).show(ui, |ui| {
         placement(ui, state, target, &mut slot, changes);
+        if slot.procedural.is_none() {
+            wrap(ui, &mut slot, changes);
+        }
+        if context.has_second_uvs {
+            uv_set(ui, &mut slot, changes);
+        }
         reading(ui, target.kind, entry, &mut slot, changes);
     });
     folded.header_response.accessible_name(format!("{} placement", target.name()));
@@ -243,6 +244,32 @@ fn rotation(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
         slot.rotation = degrees.to_radians();
     }
     changes.note("Map rotation", edited);
+}
+
+/// What coordinates outside 0 to 1 show.
+fn wrap(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
+    let choices = [
+        (Wrap::Repeat, Wrap::Repeat.label(), "The picture again."),
+        (Wrap::Mirror, Wrap::Mirror.label(), "The picture again, every other one mirrored."),
+        (Wrap::Clamp, Wrap::Clamp.label(), "The color at its edge."),
+    ];
+    for (label, wrap) in ["Wrap X", "Wrap Y"].into_iter().zip(&mut slot.wrap) {
+        let help = "What is shown beyond the edges of the picture.";
+        changes.note("Map wrap", choice_row(ui, label, help, wrap, &choices));
+    }
+}
+
+fn uv_set(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
+    let choices = [
+        (UvSet::First, "First", "TEXCOORD_0 of glTF."),
+        (
+            UvSet::Second,
+            "Second",
+            "TEXCOORD_1 of glTF. Normal maps are lit right once the scene is baked with this set.",
+        ),
+    ];
+    let help = "The texture coordinates of the surface that place the picture.";
+    changes.note("Map UV set", choice_row(ui, "UV set", help, &mut slot.uv_set, &choices));
 }
 
 /// Channel and color space, if the map has a choice.

@@ -1,9 +1,8 @@
 //! The BRDF model and the parameters that it declares, each with its map.
 
-use super::{Changes, MaterialPanel, maps, target::Target};
+use super::{Changes, MaterialContext, MaterialPanel, maps, target::Target};
 use crate::{
     actions::Action,
-    document::Document,
     widgets::{Number, color_row, entries::combo_row, group, note, section, slider_row},
 };
 use egui::Ui;
@@ -16,7 +15,7 @@ use lapidary_core::{
 pub fn show(
     ui: &mut Ui,
     state: &mut MaterialPanel,
-    document: &Document,
+    context: &MaterialContext,
     index: usize,
     changes: &mut Changes,
     actions: &mut Vec<Action>,
@@ -30,7 +29,7 @@ pub fn show(
             true => color(ui, parameter, changes),
             false => number(ui, parameter, changes),
         }
-        maps::slot(ui, state, document, Target { index, kind: parameter.name }, changes, actions);
+        maps::slot(ui, state, context, Target { index, kind: parameter.name }, changes, actions);
     };
     for part in changes.material.declared().chunk_by(|a, b| a.section == b.section) {
         match part[0].section {

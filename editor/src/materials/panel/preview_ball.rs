@@ -88,8 +88,8 @@ fn place_of(normal: Vec3) -> SurfacePlace {
         smooth_normal: normal,
         tangent,
         handedness: 1.0,
-        uv: (Vec2::new(longitude / TAU, colatitude / PI) * TILES).into(),
-        slopes: Some([tangent * (TILES.x / circle), down * (TILES.y / (PI * RADIUS))]),
+        attributes: (Vec2::new(longitude / TAU, colatitude / PI) * TILES).into(),
+        slopes: [Some([tangent * (TILES.x / circle), down * (TILES.y / (PI * RADIUS))]); 2],
     }
 }
 

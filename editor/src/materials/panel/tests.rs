@@ -69,6 +69,8 @@ fn harness(edit: impl FnOnce(&mut App)) -> Harness<'static, App> {
             part: app.part,
             parts: &app.parts,
             ground: app.ground,
+            has_second_uvs: true,
+            has_vertex_colors: true,
             lighting: app.lighting.as_ref(),
             light_revision: 0,
         };

@@ -5,7 +5,7 @@ use crate::image::encode_png_pixels;
 use glam::Vec2;
 use lapidary_core::{
     color::srgb_from_linear,
-    texture::{Channel, ColorSpace, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, Texture, TextureSlot, Wrap},
 };
 use serde_json::{Value, json};
 use std::{collections::HashMap, sync::Arc};
@@ -38,7 +38,7 @@ impl Component {
 
     fn value(&self, textures: &[Arc<Texture>], uv: Vec2) -> f32 {
         let Some((texture, channel, color_space)) = self.of else { return 1.0 };
-        let value = textures[texture as usize].sample(uv, color_space)[channel as usize];
+        let value = textures[texture as usize].sample(uv, color_space, Default::default())[channel as usize];
         if self.inverted { 1.0 - value } else { value }
     }
 }
@@ -77,30 +77,63 @@ pub fn mean(texture: &Texture, slot: &TextureSlot) -> f32 {
 /// The pictures and textures of a file that materials refer to.
 #[derive(Default)]
 pub struct Textures {
-    /// The file's texture for a texture of the scene, if it has one.
-    pub known: HashMap<u32, usize>,
-    /// Number of textures and pictures in the file.
+    /// The file's texture for a texture of the scene and what it shows beyond its edges, if it has one.
+    pub known: HashMap<(u32, [Wrap; 2]), usize>,
+    /// Number of textures, pictures and samplers in the file.
     pub textures: usize,
     pub images: usize,
-    /// New pictures; each has a new texture.
+    pub samplers: usize,
+    /// New pictures.
     pub pictures: Vec<Arc<[u8]>>,
-    pub by_bytes: HashMap<Arc<[u8]>, usize>,
+    /// New textures: the number of their new picture, and what they show beyond its edges.
+    pub new: Vec<(usize, [Wrap; 2])>,
+    /// New samplers.
+    pub wraps: Vec<[Wrap; 2]>,
 }
 
 impl Textures {
-    /// The texture of a picture, added on first use.
-    pub fn of_bytes(&mut self, bytes: Arc<[u8]>) -> usize {
-        if let Some(&known) = self.by_bytes.get(&bytes) {
-            return known;
-        }
-        let index = self.textures + self.pictures.len();
-        self.by_bytes.insert(bytes.clone(), index);
-        self.pictures.push(bytes);
-        index
+    /// The texture of a slot in the file.
+    pub fn known(&self, slot: &TextureSlot) -> Option<usize> {
+        self.known.get(&(slot.texture, slot.wrap)).copied()
     }
 
-    /// The elements of `textures` that the new pictures need.
-    pub fn new_textures(&self) -> Vec<Value> {
-        (0..self.pictures.len()).map(|index| json!({"source": self.images + index})).collect()
+    /// The texture of a picture, added on first use.
+    pub fn of_bytes(&mut self, bytes: Arc<[u8]>, wrap: [Wrap; 2]) -> usize {
+        let picture = index_in(&mut self.pictures, bytes);
+        if wrap != [Wrap::Repeat; 2] {
+            index_in(&mut self.wraps, wrap);
+        }
+        self.textures + index_in(&mut self.new, (picture, wrap))
     }
+
+    /// The elements to add to `textures`.
+    pub fn new_textures(&self) -> Vec<Value> {
+        let texture = |(picture, wrap): &(usize, [Wrap; 2])| {
+            let mut texture = json!({"source": self.images + picture});
+            if let Some(sampler) = self.wraps.iter().position(|known| known == wrap) {
+                texture["sampler"] = (self.samplers + sampler).into();
+            }
+            texture
+        };
+        self.new.iter().map(texture).collect()
+    }
+
+    /// The elements to add to `samplers`.
+    pub fn new_samplers(&self) -> Vec<Value> {
+        let mode = |wrap| match wrap {
+            Wrap::Repeat => 10_497,
+            Wrap::Mirror => 33_648,
+            Wrap::Clamp => 33_071,
+        };
+        self.wraps.iter().map(|[u, v]| json!({"wrapS": mode(*u), "wrapT": mode(*v)})).collect()
+    }
+}
+
+/// The place of an item in a list, added on first use.
+fn index_in<T: PartialEq>(list: &mut Vec<T>, item: T) -> usize {
+    let known = list.iter().position(|known| *known == item);
+    known.unwrap_or_else(|| {
+        list.push(item);
+        list.len() - 1
+    })
 }

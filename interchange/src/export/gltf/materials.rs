@@ -9,7 +9,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     material::{BUMP, Material, NORMAL},
-    texture::{Channel, ColorSpace, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, Texture, TextureSlot, UvSet},
 };
 use serde_json::{Map, Value, json};
 use std::{collections::BTreeSet, f32::consts::FRAC_PI_2, sync::Arc};
@@ -34,7 +34,7 @@ pub(super) struct MaterialWriter<'a> {
 
 /// Whether two pictures are placed equally.
 fn lies_like(a: &TextureSlot, b: &TextureSlot) -> bool {
-    (a.scale, a.offset, a.rotation) == (b.scale, b.offset, b.rotation)
+    (a.scale, a.offset, a.rotation, a.wrap, a.uv_set) == (b.scale, b.offset, b.rotation, b.wrap, b.uv_set)
 }
 
 impl<'a> MaterialWriter<'a> {
@@ -65,7 +65,7 @@ impl<'a> MaterialWriter<'a> {
     fn leave_out_missing(&self, material: &mut Material, remarks: &mut Vec<String>) {
         material.maps.retain(|name, slot| {
             let missing = self.scene.get(slot.texture as usize).filter(|texture| texture.encoded.is_empty());
-            let Some(missing) = missing.filter(|_| !self.textures.known.contains_key(&slot.texture)) else {
+            let Some(missing) = missing.filter(|_| self.textures.known(slot).is_none()) else {
                 return true;
             };
             let (name, picture) = (name.replace('_', " "), &missing.name);
@@ -380,23 +380,27 @@ impl OneMaterial<'_, '_> {
     /// The picture as imported.
     fn as_it_is(&mut self, slot: &TextureSlot) -> Value {
         let encoded = self.texture_of(slot).encoded.clone();
-        let known = self.all.textures.known.get(&slot.texture).copied();
-        let index = known.unwrap_or_else(|| self.all.textures.of_bytes(encoded));
+        let known = self.all.textures.known(slot);
+        let index = known.unwrap_or_else(|| self.all.textures.of_bytes(encoded, slot.wrap));
         self.info(index, slot)
     }
 
     /// A new picture from components.
     fn composed(&mut self, components: [Component; 4], encodes: bool, place: &TextureSlot) -> Value {
         let picture = Picture { components, encodes }.png(self.all.scene);
-        let index = self.all.textures.of_bytes(picture.into());
+        let index = self.all.textures.of_bytes(picture.into(), place.wrap);
         self.info(index, place)
     }
 
     fn info(&mut self, index: usize, slot: &TextureSlot) -> Value {
         let TextureSlot { scale, offset, rotation, .. } = slot;
         let default = TextureSlot::default();
+        let mut info = json!({"index": index});
+        if slot.uv_set == UvSet::Second {
+            info["texCoord"] = 1.into();
+        }
         if (*scale, *offset, *rotation) == (default.scale, default.offset, default.rotation) {
-            return json!({"index": index});
+            return info;
         }
         self.all.used.insert(TRANSFORM);
         let transform = json!({
@@ -404,7 +408,8 @@ impl OneMaterial<'_, '_> {
             "rotation": number(*rotation),
             "scale": [number(scale.x), number(scale.y)],
         });
-        json!({"index": index, "extensions": {TRANSFORM: transform}})
+        info["extensions"] = json!({TRANSFORM: transform});
+        info
     }
 }
 

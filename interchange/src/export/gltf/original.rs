@@ -16,7 +16,7 @@ use lapidary_core::{
     material::Material,
     output::{folder_of, is_same_output, write_atomically},
     scene::Scene,
-    texture::Texture,
+    texture::{Texture, Wrap},
 };
 use serde_json::{Value, json, value::RawValue};
 use std::{
@@ -65,7 +65,14 @@ fn rewritten(mut members: Members, scene: &Scene, imported: &Imported) -> serde_
     let same = same_textures(&scene.textures, &theirs.textures);
     let (textures, images) = (members.list("textures"), members.list("images"));
     let known = known_textures(&before, theirs, &same);
-    let known = Textures { known, textures: textures.len(), images: images.len(), ..Default::default() };
+    let samplers = members.list("samplers");
+    let known = Textures {
+        known,
+        textures: textures.len(),
+        images: images.len(),
+        samplers: samplers.len(),
+        ..Default::default()
+    };
     let mut writer = MaterialWriter::new(&scene.textures, known);
     let mut materials = Vec::new();
     let mut changed = 0;
@@ -75,6 +82,10 @@ fn rewritten(mut members: Members, scene: &Scene, imported: &Imported) -> serde_
             materials.push(raw);
         } else {
             changed += 1;
+            if old.vertex_colors && !material.vertex_colors {
+                let text = "the colors of its vertices stay in the file, where they show";
+                writer.remarks.push(format!("material \"{}\": {text}", material.name));
+            }
             let value = writer.material(material, before);
             materials.push(RawValue::from_string(value.to_string())?);
         }
@@ -92,7 +103,7 @@ fn rewritten(mut members: Members, scene: &Scene, imported: &Imported) -> serde_
     let count = materials.len();
     if changed > 0 {
         members.set("materials", &materials)?;
-        add_pictures(&mut members, &writer, textures, images)?;
+        add_pictures(&mut members, &writer, textures, images, samplers)?;
         add_extensions(&mut members, &writer.used)?;
     }
     Ok((members.text()?, Exported { files: Vec::new(), materials: count, remarks }))
@@ -103,12 +114,18 @@ fn add_pictures(
     writer: &MaterialWriter,
     mut textures: Vec<Value>,
     mut images: Vec<Value>,
+    mut samplers: Vec<Value>,
 ) -> serde_json::Result<()> {
     if writer.textures.pictures.is_empty() {
         return Ok(());
     }
     textures.extend(writer.textures.new_textures());
     images.extend(writer.textures.pictures.iter().map(|bytes| json!({"uri": data_uri(bytes)})));
+    let new_samplers = writer.textures.new_samplers();
+    if !new_samplers.is_empty() {
+        samplers.extend(new_samplers);
+        members.set("samplers", &samplers)?;
+    }
     members.set("textures", &textures)?;
     members.set("images", &images)
 }
@@ -167,19 +184,23 @@ const PLACES: [(&str, &[&str]); 11] = [
     ("/extensions/KHR_materials_transmission/transmissionTexture", &["geometry_opacity"]),
 ];
 
-/// The original's textures for the scene's textures.
-fn known_textures(before: &[Value], theirs: &Scene, same: &HashMap<u32, u32>) -> HashMap<u32, usize> {
+/// The original's textures for the scene's textures and what they show beyond their edges.
+fn known_textures(before: &[Value], theirs: &Scene, same: &HashMap<u32, u32>) -> HashMap<(u32, [Wrap; 2]), usize> {
     let mut of_theirs = HashMap::new();
     for (json, material) in before.iter().zip(&theirs.materials) {
         for (place, names) in PLACES {
             let index = json.pointer(place).and_then(|info| info["index"].as_u64());
             let slot = names.iter().find_map(|name| material.maps.get(name));
             if let (Some(index), Some(slot)) = (index, slot) {
-                of_theirs.entry(slot.texture).or_insert(index as usize);
+                of_theirs.entry((slot.texture, slot.wrap)).or_insert(index as usize);
             }
         }
     }
-    same.iter().filter_map(|(ours, theirs)| Some((*ours, *of_theirs.get(theirs)?))).collect()
+    let ours = |texture: u32| same.iter().filter(move |(_, theirs)| **theirs == texture).map(|(ours, _)| *ours);
+    of_theirs
+        .into_iter()
+        .flat_map(|((texture, wrap), index)| ours(texture).map(move |ours| ((ours, wrap), index)))
+        .collect()
 }
 
 /// Copies the buffers and pictures that the file names into the output's folder.

@@ -31,7 +31,7 @@ pub fn write(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
     let mut file = FileWriter::default();
     for (object, parts) in parts(&scene.mesh) {
         let name = scene.objects.get(object as usize).map_or("", |object| &object.name);
-        file.add_object(&scene.mesh, name, parts);
+        file.add_object(scene, name, parts);
     }
     let images: Vec<Value> = writer
         .textures
@@ -59,6 +59,10 @@ pub fn write(scene: &Scene, path: &Path) -> Result<Exported, ExportError> {
     });
     if !images.is_empty() {
         document["textures"] = writer.textures.new_textures().into();
+        let samplers = writer.textures.new_samplers();
+        if !samplers.is_empty() {
+            document["samplers"] = samplers.into();
+        }
         document["images"] = images.into();
     }
     if !writer.used.is_empty() {
@@ -113,16 +117,17 @@ impl FileWriter {
         self.accessors.len() - 1
     }
 
-    fn add_object(&mut self, mesh: &Mesh, name: &str, parts: BTreeMap<u32, Vec<[u32; 3]>>) {
+    fn add_object(&mut self, scene: &Scene, name: &str, parts: BTreeMap<u32, Vec<[u32; 3]>>) {
         let primitives: Vec<Value> =
-            parts.into_iter().map(|(material, triangles)| self.primitive(mesh, material, &triangles)).collect();
+            parts.into_iter().map(|(material, triangles)| self.primitive(scene, material, &triangles)).collect();
         self.nodes.push(json!({"name": name, "mesh": self.meshes.len()}));
         self.meshes.push(json!({"name": name, "primitives": primitives}));
     }
 
-    fn primitive(&mut self, mesh: &Mesh, material: u32, triangles: &[[u32; 3]]) -> Value {
+    fn primitive(&mut self, scene: &Scene, material: u32, triangles: &[[u32; 3]]) -> Value {
         const VERTICES: u32 = 34_962;
         const INDICES: u32 = 34_963;
+        let mesh = &scene.mesh;
         let mut own: HashMap<u32, u32> = HashMap::new();
         let mut vertices: Vec<usize> = Vec::new();
         let mut indices: Vec<u32> = Vec::with_capacity(3 * triangles.len());
@@ -134,7 +139,6 @@ impl FileWriter {
         }
         let of = |array: &[Vec3]| -> Vec<Vec3> { vertices.iter().map(|&v| array[v]).collect() };
         let (positions, normals) = (of(&mesh.positions), of(&mesh.normals));
-        let uvs: Vec<_> = vertices.iter().map(|&v| mesh.uvs[v]).collect();
         let count = vertices.len();
         let position = self.accessor(bytemuck::cast_slice(&positions), FLOAT, count, "VEC3", VERTICES);
         let (low, high) =
@@ -142,10 +146,20 @@ impl FileWriter {
         self.accessors[position]["min"] = json!(low.to_array());
         self.accessors[position]["max"] = json!(high.to_array());
         let normal = self.accessor(bytemuck::cast_slice(&normals), FLOAT, count, "VEC3", VERTICES);
-        let uv = self.accessor(bytemuck::cast_slice(&uvs), FLOAT, count, "VEC2", VERTICES);
+        let mut attributes = json!({"POSITION": position, "NORMAL": normal});
+        let sets = [("TEXCOORD_0", &mesh.uvs), ("TEXCOORD_1", &mesh.second_uvs)];
+        for (name, uvs) in sets.into_iter().filter(|(_, uvs)| !uvs.is_empty()) {
+            let uvs: Vec<_> = vertices.iter().map(|&v| uvs[v]).collect();
+            attributes[name] = self.accessor(bytemuck::cast_slice(&uvs), FLOAT, count, "VEC2", VERTICES).into();
+        }
+        let shows_colors = scene.materials.get(material as usize).is_some_and(|material| material.vertex_colors);
+        if shows_colors && !mesh.colors.is_empty() {
+            let colors = of(&mesh.colors);
+            attributes["COLOR_0"] = self.accessor(bytemuck::cast_slice(&colors), FLOAT, count, "VEC3", VERTICES).into();
+        }
         let index = self.accessor(bytemuck::cast_slice(&indices), UNSIGNED_INT, indices.len(), "SCALAR", INDICES);
         json!({
-            "attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv},
+            "attributes": attributes,
             "indices": index,
             "material": material,
         })

@@ -1,10 +1,7 @@
 //! The binary data of a glTF file: loaded from any place, and checked before the `gltf` crate reads it, which trusts
 //! its offsets and counts.
 
-use super::super::{
-    files::{Files, Trouble},
-    repair::RawMesh,
-};
+use super::super::files::{Files, Trouble};
 use base64::{
     Engine, alphabet,
     engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
@@ -85,17 +82,37 @@ impl Buffers {
         Ok(self.attribute(&accessor, Dimensions::Vec4)?.chunks_exact(4).map(Vec4::from_slice).collect())
     }
 
-    /// The first set of texture coordinates; [`RawMesh::NO_UV`] if the primitive has none.
-    pub fn uvs(&self, primitive: &gltf::Primitive, count: usize) -> Result<Vec<Vec2>, String> {
-        let Some(accessor) = primitive.get(&Semantic::TexCoords(0)) else { return Ok(vec![RawMesh::NO_UV; count]) };
+    /// A set of texture coordinates, if the primitive has it.
+    pub fn uvs(&self, primitive: &gltf::Primitive, set: u32, count: usize) -> Result<Option<Vec<Vec2>>, String> {
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(None) };
         one_per_vertex(&accessor, "texture coordinates", count)?;
-        if self.is_quantized {
-            return Ok(self.attribute(&accessor, Dimensions::Vec2)?.chunks_exact(2).map(Vec2::from_slice).collect());
-        }
-        self.check(&accessor, &[DataType::F32, DataType::U8, DataType::U16], Dimensions::Vec2)?;
-        let reader = primitive.reader(|b| self.slice(&b));
-        let uvs = reader.read_tex_coords(0).into_iter().flat_map(|t| t.into_f32());
-        Ok(uvs.map(Vec2::from_array).collect())
+        let numbers = match self.is_quantized {
+            true => self.attribute(&accessor, Dimensions::Vec2)?,
+            false => self.fractions(&accessor, Dimensions::Vec2)?,
+        };
+        Ok(Some(numbers.chunks_exact(2).map(Vec2::from_slice).collect()))
+    }
+
+    /// Linear colors of the vertices and whether any is transparent, if the primitive has colors.
+    pub fn colors(&self, primitive: &gltf::Primitive, count: usize) -> Result<Option<(Vec<Vec3>, bool)>, String> {
+        let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
+        one_per_vertex(&accessor, "colors", count)?;
+        let width = accessor.dimensions().multiplicity();
+        let dimensions = if width == 4 { Dimensions::Vec4 } else { Dimensions::Vec3 };
+        let numbers = self.fractions(&accessor, dimensions)?;
+        let is_transparent = numbers.chunks_exact(width).any(|color| color.get(3).is_some_and(|alpha| *alpha < 1.0));
+        Ok(Some((numbers.chunks_exact(width).map(Vec3::from_slice).collect(), is_transparent)))
+    }
+
+    /// Floats, or unsigned integers as fractions of their largest value, whether or not they are marked as normalized.
+    fn fractions(&self, accessor: &Accessor, dimensions: Dimensions) -> Result<Vec<f32>, String> {
+        self.check(accessor, &[DataType::F32, DataType::U8, DataType::U16], dimensions)?;
+        let numbers = match accessor.data_type() {
+            DataType::U8 => self.components(accessor, |x: u8| f32::from(x) / 255.0),
+            DataType::U16 => self.components(accessor, |x: u16| f32::from(x) / 65_535.0),
+            _ => self.components(accessor, |x: f32| x),
+        };
+        numbers.ok_or_else(|| no_data(accessor))
     }
 
     pub fn indices(&self, primitive: &gltf::Primitive) -> Result<Option<Vec<u32>>, String> {
@@ -135,7 +152,7 @@ impl Buffers {
             (DataType::U16, false) => self.components(accessor, |x: u16| f32::from(x)),
             _ => self.components(accessor, |x: f32| x),
         };
-        numbers.ok_or_else(|| format!("accessor {} has no data", accessor.index()))
+        numbers.ok_or_else(|| no_data(accessor))
     }
 
     fn components<T: Item + Copy>(&self, accessor: &Accessor, number: fn(T) -> f32) -> Option<Vec<f32>> {
@@ -158,7 +175,7 @@ impl Buffers {
         if let Some(view) = accessor.view() {
             self.check_range(&view, accessor.offset(), accessor.count(), accessor.size(), index)?;
         } else if accessor.sparse().is_none() {
-            return Err(format!("accessor {index} has no data"));
+            return Err(no_data(accessor));
         }
         if let Some(sparse) = accessor.sparse() {
             let (indices, values) = (sparse.indices(), sparse.values());
@@ -186,6 +203,10 @@ impl Buffers {
             _ => Err(format!("accessor {accessor} with {count} elements does not fit its {available} bytes")),
         }
     }
+}
+
+fn no_data(accessor: &Accessor) -> String {
+    format!("accessor {} has no data", accessor.index())
 }
 
 /// Checks the count of an attribute before it is read.

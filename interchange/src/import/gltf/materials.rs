@@ -18,7 +18,7 @@ use gltf::{buffer::View, material::AlphaMode, texture::WrappingMode};
 use lapidary_core::{
     brdf::GgxParameters,
     material::Material,
-    texture::{Channel, ColorSpace, TextureSlot},
+    texture::{Channel, ColorSpace, TextureSlot, UvSet, Wrap},
 };
 use serde_json::Value;
 use std::{
@@ -70,27 +70,19 @@ pub(super) fn index_of(
 /// Unsupported features of materials.
 #[derive(Default)]
 struct Ignored {
-    second_uvs: Vec<String>,
-    not_repeated: Vec<String>,
+    further_uvs: Vec<String>,
     /// Remarks on extensions, and the materials they apply to.
     told: BTreeSet<(&'static str, String)>,
 }
 
 impl Ignored {
     fn warn(&self, warnings: &mut Vec<String>) {
-        for (names, text) in [
-            (
-                &self.second_uvs,
-                "use a second set of texture coordinates and show with the first; unwrap them to one set",
-            ),
-            (
-                &self.not_repeated,
-                "clamp or mirror their textures, which repeat instead; keep coordinates within 0 to 1",
-            ),
-        ] {
-            if !names.is_empty() {
-                warnings.push(format!("the materials {} {text}", listed(names)));
-            }
+        if !self.further_uvs.is_empty() {
+            warnings.push(format!(
+                "the materials {} use a third set of texture coordinates or a further one, and show with the first; \
+                 unwrap them to two sets",
+                listed(&self.further_uvs)
+            ));
         }
         let mut by_text: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         self.told.iter().for_each(|(text, name)| by_text.entry(text).or_default().push(name.clone()));
@@ -256,23 +248,24 @@ impl MaterialReader<'_> {
         transform: Transform,
         material: &str,
     ) -> Result<TextureSlot, Trouble> {
-        let note = |list: &mut Vec<String>| {
-            if list.last().is_none_or(|last| last != material) {
-                list.push(material.to_owned());
-            }
-        };
-        if transform.tex_coord.unwrap_or(set) != 0 {
-            note(&mut self.ignored.second_uvs);
+        let set = transform.tex_coord.unwrap_or(set);
+        let further = &mut self.ignored.further_uvs;
+        if set > 1 && further.last().is_none_or(|last| last != material) {
+            further.push(material.to_owned());
         }
         let sampler = texture.sampler();
-        if [sampler.wrap_s(), sampler.wrap_t()] != [WrappingMode::Repeat; 2] {
-            note(&mut self.ignored.not_repeated);
-        }
+        let wrap = |mode| match mode {
+            WrappingMode::Repeat => Wrap::Repeat,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+        };
         Ok(TextureSlot {
             texture: self.texture(texture.source().index())?,
             scale: transform.scale,
             offset: transform.offset,
             rotation: transform.rotation,
+            wrap: [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())],
+            uv_set: if set == 1 { UvSet::Second } else { UvSet::First },
             ..Default::default()
         })
     }

@@ -2,7 +2,6 @@
 
 use super::primitive::is_surface;
 use crate::names::listed;
-use gltf::mesh::Semantic;
 
 /// Largest number of sentences of one kind in the report.
 const MOST_SENTENCES: usize = 5;
@@ -13,19 +12,16 @@ pub(super) struct Notes {
     pub not_surfaces: Vec<String>,
     /// Sentences on unusable deformations of objects.
     pub deformations: Vec<String>,
-    pub colored: Vec<String>,
+    /// Objects whose vertex colors have an alpha that counts.
+    pub faded: Vec<String>,
     pub turned: Vec<String>,
 }
 
 impl Notes {
     pub fn inspect(&mut self, name: &str, mesh: &gltf::Mesh) {
-        let mut note = |list: fn(&mut Self) -> &mut Vec<String>, applies: bool| {
-            if applies {
-                list(self).push(name.to_owned());
-            }
-        };
-        note(|n| &mut n.not_surfaces, mesh.primitives().any(|p| !is_surface(p.mode())));
-        note(|n| &mut n.colored, mesh.primitives().any(|p| p.get(&Semantic::Colors(0)).is_some()));
+        if mesh.primitives().any(|p| !is_surface(p.mode())) {
+            self.not_surfaces.push(name.to_owned());
+        }
     }
 
     pub fn warn(&self, warnings: &mut Vec<String>) {
@@ -36,7 +32,7 @@ impl Notes {
         for (names, text) in [
             (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
             (&self.turned, "have a rotation that is not a unit quaternion, which was normalized; export them again"),
-            (&self.colored, "have vertex colors, which were left out; bake them to a texture"),
+            (&self.faded, "have vertex colors with transparency, which was left out; bake it to a texture of opacity"),
         ] {
             if !names.is_empty() {
                 warnings.push(format!("the objects {} {text}", listed(names)));

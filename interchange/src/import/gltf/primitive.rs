@@ -1,8 +1,8 @@
 //! Primitives of a glTF mesh: vertices and triangles.
 
 use super::buffers::Buffers;
-use crate::import::source::Source;
-use glam::Vec2;
+use crate::import::{repair::RawMesh, source::Source};
+use glam::{Vec2, Vec3};
 use gltf::mesh::Mode;
 use lapidary_core::{
     animation::{
@@ -17,6 +17,10 @@ use lapidary_core::{
 pub(super) struct Primitive {
     pub surface: Surface,
     uvs: Vec<Vec2>,
+    second_uvs: Option<Vec<Vec2>>,
+    colors: Option<Vec<Vec3>>,
+    /// Whether the colors of its vertices have an alpha below 1.
+    pub has_alpha: bool,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -26,8 +30,12 @@ impl Primitive {
         let count = positions.len();
         let indices = buffers.indices(primitive)?.unwrap_or_else(|| (0..count as u32).collect());
         let (normals, tangents) = (buffers.normals(primitive, count)?, buffers.tangents(primitive, count)?);
+        let (colors, has_alpha) = buffers.colors(primitive, count)?.unzip();
         Ok(Self {
-            uvs: buffers.uvs(primitive, count)?,
+            uvs: buffers.uvs(primitive, 0, count)?.unwrap_or_else(|| vec![RawMesh::NO_UV; count]),
+            second_uvs: buffers.uvs(primitive, 1, count)?,
+            colors,
+            has_alpha: has_alpha.unwrap_or_default(),
             triangles: triangles(primitive.mode(), &indices),
             surface: Surface { positions, normals, tangents },
         })
@@ -47,6 +55,11 @@ impl Primitive {
         Ok(())
     }
 
+    /// Whether its vertices have other colors than white.
+    pub fn is_colored(&self) -> bool {
+        self.colors.iter().flatten().any(|color| *color != Vec3::ONE)
+    }
+
     /// Adds the primitive of a node, transformed to the world. If that mirrors it, the triangles are reversed.
     pub fn add_to(
         mut self,
@@ -63,6 +76,12 @@ impl Primitive {
         raw.normals.extend(self.surface.normals);
         raw.tangents.extend(self.surface.tangents);
         raw.uvs.extend(self.uvs);
+        if let Some(uvs) = self.second_uvs {
+            raw.push_second_uvs(base, uvs);
+        }
+        if let Some(colors) = self.colors {
+            raw.push_colors(base, &colors);
+        }
         for [a, b, c] in self.triangles {
             raw.push_triangle(base, if is_mirrored { [a, c, b] } else { [a, b, c] }, material, object);
         }

@@ -4,15 +4,16 @@ use crate::import::{
     budget::{Budget, OverBudget},
     files::Trouble,
     repair::Smoothing,
-    source::colors_left_out,
 };
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use lapidary_core::color::linear_from_srgb;
 use std::{collections::HashSet, fmt::Write, iter::repeat_n, str::SplitWhitespace};
 
 /// Results of the pass, and the text in the form for `tobj`.
 #[derive(Default)]
 pub(super) struct Outline {
-    /// Of the same line numbers. Lines and points are left out, and colors of vertices, which `tobj` wants on all or none.
+    /// Of the same line numbers. Lines and points are left out, and colors of vertices until [`Self::paint`]: `tobj` wants them on
+    /// all or none.
     pub text: String,
     /// Names in the order of first use; `tobj` refers to them by index.
     pub materials: Names,
@@ -24,8 +25,8 @@ pub(super) struct Outline {
     pub triangles: u64,
     /// Faces with a surface, as `tobj` returns them.
     faces: u64,
-    /// Positions with a color.
-    colored: u64,
+    /// Linear colors of the first positions; the others are white.
+    colors: Vec<Vec3>,
     /// Elements without a surface.
     lines: u64,
     points: u64,
@@ -86,9 +87,12 @@ impl Outline {
         let numbers = || value.split('#').next().unwrap_or_default().trim_end();
         match key {
             "v" => {
-                self.positions += 1;
                 let position = without_color(numbers());
-                self.colored += u64::from(position.len() < numbers().len());
+                if let Some(color) = color(&numbers()[position.len()..]) {
+                    self.colors.resize(self.positions as usize, Vec3::ONE);
+                    self.colors.push(color);
+                }
+                self.positions += 1;
                 self.push_statement(key, position);
             }
             "vt" => {
@@ -162,9 +166,6 @@ impl Outline {
 
     /// Warns of elements that were left out.
     pub fn warn(&self, warnings: &mut Vec<String>) {
-        if self.colored > 0 {
-            warnings.push(colors_left_out(self.colored));
-        }
         if self.lines + self.points > 0 {
             warnings.push(format!(
                 "{} lines and {} points have no surface and were left out; give them a thickness in the modelling program \
@@ -174,6 +175,23 @@ impl Outline {
         }
     }
 
+    /// Largest length of the text after [`Self::paint`].
+    pub fn bytes_of_colors(&self) -> u64 {
+        if self.colors.is_empty() { 0 } else { self.text.len() as u64 + 125 * self.positions }
+    }
+
+    /// Writes a color after each position of the text, if any has one. Damaged positions stay.
+    pub fn paint(&mut self) {
+        if self.colors.is_empty() {
+            return;
+        }
+        let mut colors = std::mem::take(&mut self.colors).into_iter();
+        self.replace_positions(|text, position, _| {
+            let Vec3 { x, y, z } = colors.next().unwrap_or(Vec3::ONE);
+            write!(text, "v {:e} {:e} {:e} {x:e} {y:e} {z:e}", position.x, position.y, position.z)
+        });
+    }
+
     /// Largest length of the text after [`Self::subtract`]: a number in double precision takes up to 25 bytes.
     pub fn bytes_of_subtraction(&self) -> u64 {
         self.text.len() as u64 + 75 * self.positions
@@ -181,13 +199,20 @@ impl Outline {
 
     /// Subtracts `offset` from the positions in the text, in double precision. Damaged ones stay.
     pub fn subtract(&mut self, offset: DVec3) {
+        self.replace_positions(|text, position, color| {
+            let DVec3 { x, y, z } = position - offset;
+            write!(text, "v {x:e} {y:e} {z:e}{color}")
+        });
+    }
+
+    /// Writes the statement of each position anew, from the position and the color after it. Damaged ones stay.
+    fn replace_positions(&mut self, mut write: impl FnMut(&mut String, DVec3, &str) -> std::fmt::Result) {
         let mut text = String::with_capacity(self.text.len());
         for line in self.text.lines() {
-            match line.strip_prefix("v ").and_then(|numbers| position(numbers.split_whitespace())) {
-                Some(position) => {
-                    let DVec3 { x, y, z } = position - offset;
-                    write!(text, "v {x:e} {y:e} {z:e}").expect("a string takes all");
-                }
+            let numbers = line.strip_prefix("v ").unwrap_or_default();
+            let place = without_color(numbers);
+            match position(place.split_whitespace()) {
+                Some(position) => write(&mut text, position, &numbers[place.len()..]).expect("a string takes all"),
                 None => text.push_str(line),
             }
             text.push('\n');
@@ -211,6 +236,13 @@ fn without_color(numbers: &str) -> &str {
         (Some(third), Some(_)) => &numbers[..third.as_ptr() as usize + third.len() - numbers.as_ptr() as usize],
         _ => numbers,
     }
+}
+
+/// The linear color of three sRGB numbers from 0 to 1; more may follow.
+fn color(numbers: &str) -> Option<Vec3> {
+    let mut words = numbers.split_whitespace().map(|word| word.parse::<f32>().ok().filter(|number| number.is_finite()));
+    let mut number = || words.next().flatten();
+    Some(Vec3::new(number()?, number()?, number()?).map(linear_from_srgb))
 }
 
 fn position(mut words: SplitWhitespace) -> Option<DVec3> {

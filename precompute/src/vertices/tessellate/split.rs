@@ -60,6 +60,12 @@ pub(super) fn midpoint_vertex(mesh: &mut Mesh, midpoints: &mut FxHashMap<(u32, u
     let tangent: Vec3 = (ta.truncate() + tb.truncate()).try_normalize().unwrap_or(ta.truncate());
     mesh.tangents.push(tangent.extend(ta.w));
     mesh.uvs.push(0.5 * (mesh.uvs[a] + mesh.uvs[b]));
+    if !mesh.second_uvs.is_empty() {
+        mesh.second_uvs.push(0.5 * (mesh.second_uvs[a] + mesh.second_uvs[b]));
+    }
+    if !mesh.colors.is_empty() {
+        mesh.colors.push(0.5 * (mesh.colors[a] + mesh.colors[b]));
+    }
     let id = mesh.positions.len() as u32 - 1;
     midpoints.insert(key, id);
     id

@@ -6,7 +6,7 @@ use crate::{
     test_scenes::{cuboid, floor, room, scene_of},
     vertices::sidedness::classify,
 };
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{camera::Camera, scene::Scene};
 use std::{
     collections::HashSet,
@@ -210,4 +210,20 @@ fn cancelling_stops_within_a_round() {
     let (cancelled, asked, fewer) = asked_until(all / 2);
     assert!(cancelled && fewer < vertices, "{fewer} of {vertices} vertices");
     assert!(asked < all * 3 / 4, "asked {asked} times, half of all is {}", all / 2);
+}
+
+#[test]
+fn a_vertex_between_two_has_the_mean_of_their_second_texture_coordinates_and_colors() {
+    let mut mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X],
+        normals: vec![Vec3::Y; 2],
+        tangents: vec![Vec4::X; 2],
+        uvs: vec![Vec2::ZERO, Vec2::X],
+        second_uvs: vec![Vec2::ZERO, Vec2::new(0.0, 4.0)],
+        colors: vec![Vec3::X, Vec3::Y],
+        ..Default::default()
+    };
+    midpoint_vertex(&mut mesh, &mut Default::default(), 0, 1);
+    assert_eq!((mesh.uvs[2], mesh.second_uvs[2]), (Vec2::new(0.5, 0.0), Vec2::new(0.0, 2.0)));
+    assert_eq!(mesh.colors[2], Vec3::new(0.5, 0.5, 0.0));
 }

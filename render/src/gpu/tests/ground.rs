@@ -31,7 +31,7 @@ fn scene() -> Dataset {
         triangles: whole.triangles[t..].iter().map(|corners| corners.map(|i| i - v as u32)).collect(),
         triangle_material: whole.triangle_material[t..].to_vec(),
         triangle_object: whole.triangle_object[t..].to_vec(),
-        ground: None,
+        ..Default::default()
     };
     blocker.append_ground(floor);
     let mut dataset = dataset(blocker, white());

@@ -142,7 +142,9 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 handedness,
                 uv,
                 is_valid,
-                source_cut_offset
+                source_cut_offset,
+                second_uv,
+                color
             ),
         ),
         ("Triangle", shape!(layout::Triangle, vertices, material)),
@@ -158,7 +160,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 offset,
                 turn,
                 strength,
-                channel,
+                lookup,
                 low,
                 pattern,
                 high,
@@ -170,7 +172,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             shape!(layout::Material, model, normal_y, surface, table, estimate, normal_map, bump_map, parameters),
         ),
         ("Tables", shape!(layout::Tables, linear_from_srgb, albedo)),
-        ("MaterialParameter", shape!(layout::MaterialParameter, value, padding, map)),
+        ("MaterialParameter", shape!(layout::MaterialParameter, value, has_vertex_color, map)),
         ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),
         ("BoxNode", shape!(layout::BoxNode, low, first, high, triangles)),
         ("RayUniforms", shape!(layout::RayUniforms, directions, words)),

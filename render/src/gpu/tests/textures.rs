@@ -10,7 +10,7 @@ use lapidary_core::{
     brdf::GgxParameters,
     dataset::Dataset,
     material::{BrdfModel, MaterialMaps},
-    texture::{Channel, ColorSpace, Pattern, Procedural, Texels, Texture, TextureSlot},
+    texture::{Channel, ColorSpace, Pattern, Procedural, Texels, Texture, TextureSlot, UvSet, Wrap},
 };
 use std::{f32::consts::PI, sync::Arc};
 
@@ -46,8 +46,9 @@ fn fine_textures(bits: Bits) -> Vec<Arc<Texture>> {
 }
 
 fn look(dataset: &Dataset, names: &[&str], bits: Bits) -> Appearance {
-    let slot = |texture, color_space, channel, strength| TextureSlot {
+    let slot = |texture: u32, color_space, channel, strength| TextureSlot {
         texture,
+        wrap: [0, 1].map(|axis| Wrap::ALL[(texture as usize + axis) % 3]),
         color_space,
         channel,
         strength,
@@ -55,7 +56,7 @@ fn look(dataset: &Dataset, names: &[&str], bits: Bits) -> Appearance {
         offset: Vec2::new(0.3, -1.2),
         rotation: 0.4,
         flip_y: true,
-        procedural: None,
+        ..Default::default()
     };
     let mut maps = MaterialMaps::from([
         ("base_color", slot(0, ColorSpace::Srgb, Channel::R, 1.0)),
@@ -182,5 +183,47 @@ fn spreads_of_turned_and_mirrored_normals_are_those_of_the_cpu() {
         rig.renderer.set_appearance(look(rotation + 0.5 * PI, mirror));
         let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
         assert!(!agrees(&gpu, &other), "negative control, {rotation} {mirror}");
+    }
+}
+
+/// The floor with a second set of texture coordinates, turned and shifted against the first, and colors of its vertices.
+fn with_second_uvs_and_colors() -> Dataset {
+    let mut dataset = (*super::twin::scene()).clone();
+    let mesh = &mut dataset.scene.mesh;
+    mesh.second_uvs = mesh.uvs.iter().map(|uv| Vec2::new(0.4 - uv.y, 1.7 * uv.x)).collect();
+    // The device has 16-bit floats, which hold these exactly.
+    let color = |p: &Vec3| (64.0 * Vec3::new(1.0 + p.x.sin(), 1.0 + (2.0 * p.z).cos(), 0.5)).round() / 128.0;
+    mesh.colors = mesh.positions.iter().map(color).collect();
+    dataset
+}
+
+#[test]
+fn second_texture_coordinates_and_colors_of_vertices_are_as_on_the_cpu() {
+    let dataset = with_second_uvs_and_colors();
+    let Some(mut rig) = Rig::of(Arc::new(dataset.clone()), 64) else { return };
+    let moved = |names: &[&str], uv_set, vertex_colors| {
+        let mut looks = look(&dataset, names, Bits::Eight);
+        for material in &mut looks.materials {
+            material.vertex_colors = vertex_colors;
+            material.maps.slots_mut().for_each(|slot| slot.uv_set = uv_set);
+        }
+        looks
+    };
+    for (names, mode) in [
+        (&["base_color"][..], ViewMode::Albedo),
+        (&[], ViewMode::Albedo),
+        (&["normal"], ViewMode::Normals),
+        (&["bump"], ViewMode::Normals),
+        (&["base_color", "roughness", "metalness", "normal", "bump"], ViewMode::Shaded),
+    ] {
+        rig.look(moved(names, UvSet::Second, true));
+        let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Refine);
+        assert!(agrees(&gpu, &cpu), "{names:?} {mode:?}: {:?}", difference(&gpu, &cpu));
+        for (uv_set, vertex_colors) in [(UvSet::First, true), (UvSet::Second, false)] {
+            let shows = if uv_set == UvSet::First { !names.is_empty() } else { mode != ViewMode::Normals };
+            rig.renderer.set_appearance(moved(names, uv_set, vertex_colors));
+            let other = on_the_cpu(&rig.gpu, &rig.renderer, &view(mode), rig.lit(), BrdfSampling::Refine);
+            assert_eq!(agrees(&gpu, &other), !shows, "negative control, {names:?} {mode:?} {uv_set:?}");
+        }
     }
 }

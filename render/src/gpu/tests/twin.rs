@@ -57,7 +57,7 @@ pub(super) fn maps() -> MaterialMaps {
         offset: Vec2::new(0.3, -1.2),
         rotation: 0.4,
         flip_y: false,
-        procedural: None,
+        ..Default::default()
     };
     MaterialMaps::from([
         ("base_color", slot(0, ColorSpace::Srgb, Channel::R, 1.0)),

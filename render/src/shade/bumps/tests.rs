@@ -56,8 +56,9 @@ fn normals() -> Texture {
 
 /// A place on the plane z = 0, with one unit of u and v per meter.
 fn place(uv: UvFootprint) -> SurfacePlace {
-    let (smooth_normal, tangent, slopes) = (Vec3::Z, Vec3::X, Some([Vec3::X, Vec3::Y]));
-    SurfacePlace { position: Vec3::ZERO, smooth_normal, tangent, handedness: 1.0, uv, slopes }
+    let (smooth_normal, tangent, slopes) = (Vec3::Z, Vec3::X, [Some([Vec3::X, Vec3::Y]); 2]);
+    let attributes = uv.into();
+    SurfacePlace { position: Vec3::ZERO, smooth_normal, tangent, handedness: 1.0, attributes, slopes }
 }
 
 fn look(model: BrdfModel, roughness: f32, map: &'static str, slot: TextureSlot) -> Appearance {
@@ -235,7 +236,7 @@ fn slopes_help_at_every_distance() {
 
 /// A place on a quad in z = 0 as in the files of glTF: u along +X, v along -Y.
 fn quad(uv: UvFootprint) -> SurfacePlace {
-    SurfacePlace { slopes: Some([Vec3::X, Vec3::NEG_Y]), ..place(uv) }
+    SurfacePlace { slopes: [Some([Vec3::X, Vec3::NEG_Y]); 2], ..place(uv) }
 }
 
 fn with_normals(texture: Texture, slot: TextureSlot) -> ResolvedAppearance {

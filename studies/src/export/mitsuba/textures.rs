@@ -5,7 +5,7 @@ use anyhow::Result;
 use glam::{Vec3, Vec4};
 use lapidary_core::{
     image::Image,
-    texture::{Procedural, Texture, TextureSlot},
+    texture::{Procedural, Texture, TextureSlot, Wrap},
 };
 use lapidary_interchange::image;
 use std::{
@@ -48,7 +48,15 @@ impl<'a> TextureFolder<'a> {
             let texel = |x: u32, y: u32| value(texture.texel(x.into(), y.into(), slot.color_space));
             image::write(&Image::from_fn(texture.size, texel), &self.folder.join(&file))?;
         }
-        let properties = xml::value("string", "filename", file) + &xml::value("boolean", "raw", true) + &to_uv(slot);
+        let wrap = match slot.wrap[0] {
+            Wrap::Repeat => "repeat",
+            Wrap::Mirror => "mirror",
+            Wrap::Clamp => "clamp",
+        };
+        let properties = xml::value("string", "filename", file)
+            + &xml::value("boolean", "raw", true)
+            + &xml::value("string", "wrap_mode", wrap)
+            + &to_uv(slot);
         let name = name.map(|name| format!(" name=\"{name}\"")).unwrap_or_default();
         Ok(xml::plugin("texture", "bitmap", &name, &properties))
     }
