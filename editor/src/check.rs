@@ -84,7 +84,8 @@ impl Checked {
 
     /// The scene that the session's materials belong to: the baked one, or the one to bake.
     fn scene(&mut self, loaded: &LoadedSession, options: &ImportOptions) -> Option<Scene> {
-        let source = loaded.session.scene.as_deref().map(|path| self.source(path, options));
+        let options = ImportOptions { scene: loaded.session.scene_in_file.clone(), ..options.clone() };
+        let source = loaded.session.scene.as_deref().map(|path| self.source(path, &options));
         let baked = loaded
             .session
             .dataset

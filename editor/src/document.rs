@@ -46,6 +46,8 @@ use std::{path::PathBuf, sync::Arc};
 pub struct Document {
     /// The scene file that is baked; `None` for a dataset opened by itself.
     pub scene: Option<PathBuf>,
+    /// Which of the scenes in the file, by name or number; `None` for its default.
+    pub scene_in_file: Option<String>,
     /// The dataset that is shown; `None` until there is a bake.
     pub dataset: Option<PathBuf>,
     /// One for each material index of the mesh, then the added ones.
@@ -97,6 +99,7 @@ impl Document {
     pub fn empty() -> Self {
         Self {
             scene: None,
+            scene_in_file: None,
             dataset: None,
             materials: Vec::new(),
             added: 0,

@@ -6,7 +6,7 @@ mod pose;
 mod tests;
 
 use crate::{
-    actions::{Action, CameraAction, MaterialAction, SelectAction},
+    actions::{Action, CameraAction, FileAction, MaterialAction, SelectAction},
     document::Document,
     dragged::Dragged,
     viewport::gizmo::{Pivot, Subject},
@@ -36,6 +36,8 @@ const SWATCH: f32 = 11.0;
 pub struct SceneContext<'a> {
     /// The document.
     pub document: &'a Document,
+    /// Names of the scenes in its file, if there are several.
+    pub scenes: &'a [String],
     /// Its dataset, if one is loaded.
     pub dataset: Option<&'a Dataset>,
     /// The active object: the one selected last.
@@ -65,6 +67,7 @@ pub fn show(
 ) {
     let filter = TextEdit::singleline(&mut state.filter).hint_text("Filter").desired_width(f32::INFINITY);
     ui.add(filter).accessible_name("Filter objects and materials");
+    scenes(ui, context, actions);
     let wanted = state.filter.trim().to_lowercase();
     if let Some(dataset) = context.dataset {
         state.object_materials.update(dataset);
@@ -166,6 +169,27 @@ fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Ve
         if name.on_hover_text("Drag it onto a surface to apply its values").clicked() {
             actions.push(Action::Select(SelectAction::Material(Some(index))));
         }
+    });
+}
+
+/// The list of scenes in a glTF file. Another one is opened in place of this.
+fn scenes(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
+    if context.scenes.is_empty() {
+        return;
+    }
+    let shown = context.document.scene_in_file.as_deref();
+    ui.horizontal(|ui| {
+        let label =
+            ui.label("Scene").on_hover_text("Scenes of the glTF file. Another one is opened and baked for itself.");
+        let combo = ComboBox::from_id_salt("scene of the file").selected_text(shown.unwrap_or("Default"));
+        let opened = combo.width(ui.available_width()).truncate().show_ui(ui, |ui| {
+            for name in context.scenes {
+                if ui.selectable_label(shown == Some(name), name).clicked() {
+                    actions.push(Action::File(FileAction::OpenSceneIn(name.clone())));
+                }
+            }
+        });
+        opened.response.labelled_by(label.id);
     });
 }
 

@@ -14,6 +14,7 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::{brdf::BrdfFile, input, texture::Texture};
+use lapidary_interchange::import::ImportOptions;
 use lapidary_studies::args::shader_source;
 use std::{
     path::{Path, PathBuf},
@@ -73,7 +74,12 @@ impl EditorState {
                 self.environments.forget_picture(spec);
                 Source::Environment(spec.clone())
             } else if self.work.document.scene.as_ref() == Some(&path) {
-                Source::Scene { path: path.clone(), allow_outside: self.work.preferences.outside.allow(&path) }
+                let allow_outside = self.work.preferences.outside.allow(&path);
+                let scene = self.work.document.scene_in_file.clone();
+                Source::Scene {
+                    path: path.clone(),
+                    options: ImportOptions { allow_outside, scene, ..Default::default() },
+                }
             } else if is_brdf {
                 Source::Brdf(path.clone())
             } else if may_be_read(&path, &self.work.document, &self.work.preferences.outside) {

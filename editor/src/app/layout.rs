@@ -141,6 +141,7 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         Side::Scene => {
             let context = SceneContext {
                 document: &state.work.document,
+                scenes: state.work.scene.source.as_ref().map_or(&[], |source| &source.report.scenes),
                 dataset: state.work.scene.rendered().map(|b| &*b.dataset),
                 selected_object: state.work.selection.object,
                 other_objects: &state.work.selection.others,

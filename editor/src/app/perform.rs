@@ -52,6 +52,11 @@ impl EditorState {
     fn perform_file(&mut self, ctx: &Context, action: FileAction) {
         match action {
             FileAction::Open(Some(path)) => self.open(Target::File(path)),
+            FileAction::OpenSceneIn(scene) => {
+                if let Some(path) = self.work.document.scene.clone() {
+                    self.open(Target::SceneIn { path, scene });
+                }
+            }
             FileAction::OpenBundled(index) => self.open_bundled(index),
             FileAction::Save => self.save(ctx),
             FileAction::SaveAs(Some(path)) => self.save_to(ctx, &path),

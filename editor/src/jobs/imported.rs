@@ -39,15 +39,14 @@ pub struct Imported {
 }
 
 impl Imported {
-    /// Imports a scene file; `allow_outside` lets it name files outside its folder.
+    /// Imports a scene of a file.
     ///
     /// # Errors
     /// A file that cannot be read, or is no scene.
-    pub fn read(path: &Path, allow_outside: bool) -> Result<Self, ImportError> {
+    pub fn read(path: &Path, options: &ImportOptions) -> Result<Self, ImportError> {
         let start = Instant::now();
-        let options = ImportOptions { allow_outside, ..Default::default() };
-        let mut imported = import_with(path, &options)?;
-        let animation = match animation::read(path, &options) {
+        let mut imported = import_with(path, options)?;
+        let animation = match animation::read(path, options) {
             Ok(animation) => Some(animation.into()),
             Err(AnimationFileError::NoGltf { .. } | AnimationFileError::Unplayable(AnimationError::NoClips { .. })) => {
                 None

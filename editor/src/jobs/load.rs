@@ -49,8 +49,8 @@ pub enum Source {
     Scene {
         /// Which.
         path: PathBuf,
-        /// Whether it may name files outside its folder.
-        allow_outside: bool,
+        /// Which of its scenes, and whether it may name files outside its folder.
+        options: ImportOptions,
     },
     /// A picture for a map.
     Texture(PathBuf),
@@ -191,7 +191,7 @@ fn open(source: Source) -> anyhow::Result<Loaded> {
             let (environment, warnings) = environment::from_spec(&spec)?;
             Loaded::Environment { environment: environment.into(), warnings }
         }
-        Source::Scene { path, allow_outside } => Loaded::Scene(Imported::read(&path, allow_outside)?.into()),
+        Source::Scene { path, options } => Loaded::Scene(Imported::read(&path, &options)?.into()),
         Source::Texture(path) => Loaded::Texture(image::read_texture(&path)?.into()),
         Source::Brdf(path) => {
             let (content, remarks) = Content::read(&path)?;

@@ -41,6 +41,13 @@ use std::{
 pub enum Target {
     /// A scene, a dataset or a session.
     File(PathBuf),
+    /// A scene of a file with several, by name or number.
+    SceneIn {
+        /// The file.
+        path: PathBuf,
+        /// The scene.
+        scene: String,
+    },
     /// A bundled scene; nothing is written beside it.
     Bundled(PathBuf),
     /// The autosave of a process that did not exit cleanly.
@@ -106,10 +113,11 @@ impl Consent {
         Self { is_refused: true, ..Self::default() }
     }
 
-    /// Imports a scene with the files that it may read.
-    fn import(&self, path: &Path) -> Result<Imported, ImportError> {
+    /// Imports a scene of a file, or its default, with the files that it may read.
+    fn import(&self, path: &Path, scene: Option<&str>) -> Result<Imported, ImportError> {
         let allowed = !self.is_refused && self.allowed.allow(path);
-        let imported = Imported::read(path, allowed);
+        let options = ImportOptions { allow_outside: allowed, scene: scene.map(Into::into), ..Default::default() };
+        let imported = Imported::read(path, &options);
         let outside = match &imported {
             Ok(source) => source.report.outside.clone(),
             Err(ImportError::Outside { names, .. }) => names.clone(),
@@ -187,7 +195,7 @@ impl Opening {
 fn name(target: &Target) -> String {
     let of = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     match target {
-        Target::File(path) => of(path),
+        Target::File(path) | Target::SceneIn { path, .. } => of(path),
         Target::Bundled(scene) => of(scene),
         Target::Recovered(_) => "recovered work".into(),
         Target::Session { path, .. } => path.as_deref().map_or("the session".into(), of),
@@ -203,6 +211,15 @@ pub fn open(target: Target, bakes: &Path, consent: &Consent) -> Result<Opened> {
     match consent.unknown.take() {
         Some((scene, names)) => Ok(Opened::Outside { target: target.into(), scene, names }),
         None => opened,
+    }
+}
+
+/// The bake of a scene of a file, as the window names it.
+pub fn bake_beside(path: &Path, scene_in_file: Option<&str>) -> PathBuf {
+    let plain = |c: char| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' };
+    match scene_in_file {
+        None => path.with_extension("cuts"),
+        Some(scene) => path.with_extension(format!("{}.cuts", scene.chars().map(plain).collect::<String>())),
     }
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    actions::{CameraAction, MaterialAction, SelectAction},
+    actions::{Action, CameraAction, FileAction, MaterialAction, SelectAction},
     document::Edit,
     test_support::{WIDTH, assert_fits, baked_triangle},
 };
@@ -18,6 +18,7 @@ use lapidary_core::{
 
 struct Probe {
     document: Document,
+    scenes: Vec<String>,
     dataset: Dataset,
     panel: ScenePanel,
     pivot: Pivot,
@@ -41,7 +42,7 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
     document.materials = vec![Material { name: "Gold".into(), ..Default::default() }, Material::default()];
     document.bookmarks = bookmarks.iter().map(|n| Camera { name: (*n).into(), ..document.camera.clone() }).collect();
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let Probe { document, dataset, panel, pivot, others, actions } = probe;
+        let Probe { document, scenes, dataset, panel, pivot, others, actions } = probe;
         let (selected_object, dataset) = (Some(0), Some(&*dataset));
         let is_there = |object: &u32| (*object as usize) < document.objects.len();
         let selected = [0].into_iter().chain(others.iter().copied()).filter(is_there);
@@ -49,6 +50,7 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
             selected.map(|object| Subject { object, center: center(object), middle: center(object) }).collect();
         let context = SceneContext {
             document,
+            scenes,
             dataset,
             selected_object,
             other_objects: others,
@@ -58,7 +60,8 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
         show(ui, (panel, pivot), &context, actions);
     };
     let (panel, pivot) = (ScenePanel::default(), Pivot::default());
-    let probe = Probe { document, dataset, panel, pivot, others: Vec::new(), actions: Vec::new() };
+    let scenes = ["Day", "Night"].map(String::from).into();
+    let probe = Probe { document, scenes, dataset, panel, pivot, others: Vec::new(), actions: Vec::new() };
     // Steps short enough that two clicks are a double click.
     let builder = Harness::builder().with_size(vec2(WIDTH, 700.0)).with_step_dt(0.02).with_max_steps(60);
     let mut panel = builder.build_ui_state(show, probe);
@@ -345,4 +348,23 @@ fn variants_are_chosen_where_there_are_any() {
         panel.run();
         assert_eq!(shown(&panel).as_deref(), Some(expected));
     }
+}
+
+#[test]
+fn scenes_of_the_file_are_opened_where_there_are_several() {
+    let mut panel = panel(named(&["Floor"]), &[]);
+    let chooser = |panel: &Harness<Probe>| panel.query_by_role_and_label(Role::ComboBox, "Scene").map(|c| c.value());
+    assert_eq!(chooser(&panel), Some(Some("Default".into())));
+    panel.get_by_role_and_label(Role::ComboBox, "Scene").click();
+    panel.run();
+    panel.get_by_label("Night").click();
+    panel.run();
+    let [Action::File(FileAction::OpenSceneIn(name))] = &panel.state().actions[..] else { panic!("no action") };
+    assert_eq!(name, "Night");
+    panel.state_mut().document.scene_in_file = Some("Night".into());
+    panel.run();
+    assert_eq!(chooser(&panel), Some(Some("Night".into())));
+    panel.state_mut().scenes.clear();
+    panel.run();
+    assert_eq!(chooser(&panel), None);
 }

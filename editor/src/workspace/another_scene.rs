@@ -7,7 +7,7 @@ use crate::{
         fitting::{fit_materials, take_textures},
         parts::{OwnMaterials, Renumbering},
     },
-    jobs::{Imported, kept_bakes::kept_in},
+    jobs::{Imported, kept_bakes::kept_in, opening::bake_beside},
 };
 use lapidary_core::{animation::AnimationError, dataset::Dataset};
 use std::path::Path;
@@ -56,7 +56,7 @@ impl Workspace {
     fn take_changed(&mut self, path: &Path, source: Imported) {
         self.messages.warning(format!("The scene file has changed; bake it again to see it ({})", path.display()));
         let output = self.scene.bake_output.take().or_else(|| self.document.dataset.clone());
-        self.scene.bake_output = output.or_else(|| Some(path.with_extension("cuts")));
+        self.scene.bake_output = output.or_else(|| Some(bake_beside(path, self.document.scene_in_file.as_deref())));
         if self.scene.baked.is_none() {
             take_textures(&mut self.document, &source.scene.textures);
         }

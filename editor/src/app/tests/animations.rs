@@ -244,7 +244,7 @@ fn keyframes_that_change_on_disk_are_seen_at_once() {
 /// Rewrites the scene file, and notifies the window.
 fn change(window: &mut Window, path: &Path, metres: Option<f32>) {
     write_sliding(path, metres);
-    let changed = Imported::read(path, false).unwrap();
+    let changed = Imported::read(path, &Default::default()).unwrap();
     window.0.state_mut().work.scene_changed(path, changed);
     window.0.run_steps(2);
 }

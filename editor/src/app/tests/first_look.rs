@@ -164,7 +164,7 @@ fn a_scene_that_changes_during_its_bake_is_seen_as_it_is() {
     window.bake_by_itself(false);
     // Read again before the bake is taken.
     std::fs::write(place.path("scene.obj"), super::SCENE.replace("0 0.6 0", "0 0.9 0")).unwrap();
-    let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
+    let changed = Imported::read(&place.path("scene.obj"), &Default::default()).unwrap();
     let hash = changed.hash.clone();
     window.0.state_mut().work.scene_changed(&place.path("scene.obj"), changed);
     window.wait("the bake", |s| s.baking.progress().is_none());

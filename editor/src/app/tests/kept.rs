@@ -265,3 +265,30 @@ fn a_scene_that_changes_on_disk_is_said_and_its_bake_is_marked() {
     window.wait_for_watch("the change", change, |s| s.work.scene.is_stale());
     assert!(window.has_said("The scene file has changed") && window.0.state().work.scene.shown().is_some());
 }
+
+/// A file of two scenes, of one and of two objects.
+const TWO_SCENES: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"name": "Day", "nodes": [0]}, {"name": "Night/2", "nodes": [0, 1]}],
+        "nodes": [{"name": "lamp", "mesh": 0}, {"name": "moon", "mesh": 0, "translation": [0, 0, 5]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+
+#[test]
+fn another_scene_of_a_file_has_its_own_bake_and_sessions_keep_it() {
+    let place = Place::new();
+    let path = place.path("two.gltf");
+    std::fs::write(&path, TWO_SCENES).unwrap();
+    let day = opened(&place, Target::File(path.clone()));
+    assert_eq!((day.document.objects.len(), day.document.scene_in_file), (1, None));
+    assert_eq!(day.source.unwrap().report.scenes, ["Day", "Night/2"]);
+    assert_eq!(day.bake_output, Some(place.path("two.cuts")));
+    let night = opened(&place, Target::SceneIn { path: path.clone(), scene: "Night/2".into() });
+    assert_eq!(night.document.objects, ["lamp", "moon"]);
+    assert_eq!(night.bake_output, Some(place.path("two.Night_2.cuts")));
+    let session = place.path("night.lapidary");
+    session::save(&night.document, &night.unknown, &session).unwrap();
+    let again = opened(&place, Target::File(session));
+    assert_eq!(again.document.scene_in_file.as_deref(), Some("Night/2"));
+    assert_eq!(again.source.unwrap().scene.objects.len(), 2);
+    assert_eq!(again.bake_output, Some(place.path("two.Night_2.cuts")));
+}

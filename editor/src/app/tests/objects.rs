@@ -32,7 +32,7 @@ fn with_a_rug(place: &Place) -> Window {
             .iter()
             .fold(shifted, |text, (before, now)| text.replace(before, now));
     std::fs::write(place.path("scene.obj"), shifted).unwrap();
-    let changed = Imported::read(&place.path("scene.obj"), false).unwrap();
+    let changed = Imported::read(&place.path("scene.obj"), &Default::default()).unwrap();
     window.0.state_mut().work.scene_changed(&place.path("scene.obj"), changed);
     window.0.run_steps(2);
     assert_eq!(window.0.state().work.document.objects, ["floor", "pyramid"], "the bake before is still seen");

@@ -21,6 +21,9 @@ use std::path::PathBuf;
 pub struct Session {
     /// The scene file.
     pub scene: Option<PathBuf>,
+    /// Which of the scenes in the file; `None` for its default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scene_in_file: Option<String>,
     /// The dataset.
     pub dataset: Option<PathBuf>,
     /// In the order of the dataset, then the added ones.
@@ -178,6 +181,7 @@ impl Session {
         };
         Self {
             scene: document.scene.clone(),
+            scene_in_file: document.scene_in_file.clone(),
             dataset: document.dataset.clone(),
             materials: own.iter().chain(&document.hidden_ground).chain(added).map(material).collect(),
             added: added.len(),

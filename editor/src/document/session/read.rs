@@ -113,6 +113,7 @@ impl Reader {
     fn session(&mut self, root: &Map<String, Value>) -> Session {
         let session = Session {
             scene: self.path(root, "scene"),
+            scene_in_file: root.get("scene_in_file").map(|_| self.choice(root, "scene_in_file")),
             dataset: self.path(root, "dataset"),
             materials: self.list(root, "materials", material_template),
             added: self.choice(root, "added"),

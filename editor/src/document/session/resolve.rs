@@ -51,7 +51,7 @@ impl LoadedSession {
         let ground = scene.and_then(|scene| scene.mesh.ground_object());
         take_poses(&mut document, &session.poses, ground, &mut warnings);
         document.clip_time = session.clip_time;
-        document.scene = session.scene;
+        (document.scene, document.scene_in_file) = (session.scene, session.scene_in_file);
         document.dataset = session.dataset;
         document.environment = session.environment;
         if let Some(lights) = session.lights {

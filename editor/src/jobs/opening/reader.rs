@@ -1,6 +1,6 @@
 //! Reads a scene, a dataset or a session, with its bakes.
 
-use super::{Consent, Opened, Ready, Target, no_document};
+use super::{Consent, Opened, Ready, Target, bake_beside, no_document};
 use crate::{
     document::{
         Document,
@@ -36,11 +36,12 @@ pub struct Reader<'a> {
 pub fn read(target: Target, reader: &Reader) -> Result<Opened> {
     match target {
         Target::File(path) => match kind_of(&path) {
-            Kind::Scene => reader.scene(&path, path.with_extension("cuts")).map(ready),
+            Kind::Scene => reader.scene(&path, None).map(ready),
             Kind::Dataset => open_dataset(&path).map(ready),
             Kind::Session => reader.session(&path, Some(path.clone()), None),
             kind => Err(anyhow::Error::msg(no_document(&path, kind))),
         },
+        Target::SceneIn { path, scene } => reader.scene(&path, Some(scene)).map(ready),
         Target::Bundled(scene) => reader.bundled(&scene).map(ready),
         Target::Recovered(recovery) => {
             reader.session(&recovery.file.clone(), recovery.session_path.clone(), Some(recovery))
@@ -87,9 +88,10 @@ struct Found {
 }
 
 impl Reader<'_> {
-    /// A scene whose bakes go to `output`.
-    fn scene(&self, path: &Path, output: PathBuf) -> Result<Ready> {
-        let source = self.consent.import(path)?;
+    /// A scene of a file, or its default, whose bakes go beside it.
+    fn scene(&self, path: &Path, scene_in_file: Option<String>) -> Result<Ready> {
+        let source = self.consent.import(path, scene_in_file.as_deref())?;
+        let output = bake_beside(path, scene_in_file.as_deref());
         let mut warnings = source.report.warnings.clone();
         let found = self.bakes_of(&source, path, &output, &mut warnings);
         let document = match &found.whole {
@@ -100,11 +102,12 @@ impl Reader<'_> {
             Some((kept, _)) => Document::of_scene(&source.scene, Some(path.into())).with_bake(&kept.dataset),
             None => Document::of_scene(&source.scene, Some(path.into())),
         };
+        let document = Document { scene_in_file, ..document };
         Ok(Ready { recent: Some(path.into()), bake_output: Some(output), ..found.ready(document, source, warnings) })
     }
 
     fn bundled(&self, scene: &Path) -> Result<Ready> {
-        let source = self.consent.import(scene)?;
+        let source = self.consent.import(scene, None)?;
         let output = kept_in(self.bakes, scene, &source.hash);
         let mut warnings = source.report.warnings.clone();
         let found = self.bakes_of(&source, scene, &output, &mut warnings);
@@ -164,8 +167,11 @@ impl Reader<'_> {
     fn resolve(&self, loaded: LoadedSession, path: Option<PathBuf>, recovery: Option<Recovery>) -> Ready {
         let mut warnings = Vec::new();
         let scene_path = loaded.session.scene.clone();
-        let source = scene_path.as_deref().and_then(|path| self.source_if_there(path, &mut warnings));
-        let output = loaded.session.dataset.clone().or_else(|| scene_path.as_ref().map(|p| p.with_extension("cuts")));
+        let in_file = loaded.session.scene_in_file.clone();
+        let in_file = in_file.as_deref();
+        let source = scene_path.as_deref().and_then(|path| self.source_if_there(path, in_file, &mut warnings));
+        let beside = || scene_path.as_ref().map(|path| bake_beside(path, in_file));
+        let output = loaded.session.dataset.clone().or_else(beside);
         let named = source.as_ref().zip(scene_path.as_deref()).zip(output.as_deref());
         let found = named.map(|((source, scene), output)| self.bakes_of(source, scene, output, &mut warnings));
         let baked = match &found {
@@ -194,11 +200,11 @@ impl Reader<'_> {
     }
 
     /// Reads the scene; without it a session can be shown, but not baked again.
-    fn source_if_there(&self, path: &Path, warnings: &mut Vec<String>) -> Option<Imported> {
+    fn source_if_there(&self, path: &Path, in_file: Option<&str>, warnings: &mut Vec<String>) -> Option<Imported> {
         if !path.is_file() {
             return None;
         }
-        let source = self.consent.import(path);
+        let source = self.consent.import(path, in_file);
         source.map_err(|error| warnings.push(format!("The scene cannot be baked again: {error}"))).ok()
     }
 }

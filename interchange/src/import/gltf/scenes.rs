@@ -51,7 +51,7 @@ impl FileScenes {
         let shown = &self.names[self.shown.filter(|_| !self.left_out.is_empty())?];
         let others = listed(&self.left_out);
         Some(format!(
-            "the file has several scenes: \"{shown}\" is shown, and {others} left out; bake another with --scene NAME"
+            "the file has several scenes: \"{shown}\" is shown, and {others} left out; choose another in the Scene tab, or with --scene NAME"
         ))
     }
 }
