@@ -60,6 +60,11 @@ fn floats_of_a_tiff_keep_their_range_in_color_and_gray() {
     }
     let doubles = floats.map(f64::from);
     assert_eq!(texels(&compressed::<colortype::Gray64Float>(Compression::Lzw, &doubles), "height.tif"), gray);
+    // Halves: 16-bit integers that a tag declares as floats (tag 339, one short, value 3).
+    let mut halves = compressed::<colortype::Gray16>(Compression::Uncompressed, &[0x3e00; 8]);
+    let tag = halves.windows(10).position(|w| w == [0x53, 1, 3, 0, 1, 0, 0, 0, 1, 0]).unwrap();
+    halves[tag + 8] = 3;
+    assert_eq!(texels(&halves, "height.tif"), Texels::F32(vec![[1.5, 1.5, 1.5, 1.0]; 8]));
     let rgb: Vec<f32> = floats.repeat(3);
     let expected = Texels::F32(rgb.as_chunks().0.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect());
     assert_eq!(texels(&compressed::<colortype::RGB32Float>(Compression::Lzw, &rgb), "a.tif"), expected);

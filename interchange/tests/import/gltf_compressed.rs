@@ -224,6 +224,8 @@ fn damaged_compression_names_the_file_and_the_mesh() {
             .map_or_else(|| format!("read with {to}"), |e| e.to_string())
     };
     let (packed, mesh) = (meshopt("EXT_meshopt_compression", &views(0)), draco(&stream));
+    let many: Vec<String> = (0..33).map(|i| format!(r#""COLOR_{i}": {i}"#)).collect();
+    let many = format!("{}}}}}", many.join(", "));
     let length = format!(r#""byteOffset": 0, "byteLength": {}"#, views(0)[0].bytes.len());
     for (json, from, to, reason) in [
         (&packed, r#""count": 4"#, r#""count": 400"#, "are damaged"),
@@ -238,6 +240,7 @@ fn damaged_compression_names_the_file_and_the_mesh() {
         (&mesh, r#""indices": 1,"#, "", "has no indices"),
         (&mesh, r#""TEXCOORD_0": 1}}"#, r#""TEXCOORD_0": 7}}"#, "are damaged"),
         (&mesh, r#""bufferView": 0"#, r#""bufferView": 9"#, "cannot be found"),
+        (&mesh, r#""TEXCOORD_0": 1}}"#, &many, "has 34 compressed attributes, more than the limit of 32"),
     ] {
         let message = cut(json, from, to);
         assert!(message.contains(reason) && message.contains("the mesh \"Sign\""), "{to}: {message}");

@@ -90,7 +90,7 @@ fn coordinates_that_do_not_fit_their_face_are_left_out_and_said() {
 #[test]
 fn texts_keep_the_digits_of_coordinates_whatever_their_type() {
     let with = |kind: &str| {
-        let mut ply = format!("ply\nformat ascii 1.0\nelement vertex 4\n");
+        let mut ply = String::from("ply\nformat ascii 1.0\nelement vertex 4\n");
         ["x", "y", "z"].iter().for_each(|axis| ply += &format!("property {kind} {axis}\n"));
         ply += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
         for [x, y] in [[0.0, 0.0], [0.25, 0.0], [0.25, 0.25], [0.0, 0.25]] {
