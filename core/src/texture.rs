@@ -177,9 +177,9 @@ impl TextureSlot {
 /// Decoded texels, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texels {
-    /// 8 bits per component, as in png, jpg and tga.
+    /// 8 bits per component, as in png, jpg, webp and tga.
     U8(Vec<[u8; 4]>),
-    /// 16 bits per component, as in png of 16 bits.
+    /// 16 bits per component, as in png and tif of 16 bits.
     U16(Vec<[u16; 4]>),
     /// Floating point, as in hdr and exr. Texels of a scene are at most [`Texels::MOST`].
     F32(Vec<[f32; 4]>),

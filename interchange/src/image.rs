@@ -1,12 +1,17 @@
-//! Picture files: OpenEXR and its layers, Radiance HDR, PNG, JPEG and TGA.
+//! Picture files: OpenEXR and its layers, Radiance HDR, PNG, JPEG, TGA, TIFF, WebP and KTX2.
 
+mod ktx2;
 mod layers;
 mod open_exr;
 mod picture_format;
 mod primaries;
 mod radiance;
 mod read;
+mod tiff;
 mod write;
+
+#[cfg(test)]
+mod tests;
 
 pub use layers::{Layer, LayeredImage, MetaValue, Metadata, read_layer};
 pub use picture_format::PictureFormat;

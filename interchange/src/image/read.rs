@@ -1,13 +1,17 @@
-//! Decoding of picture files by their contents. The `image` crate reads png, jpg and tga.
+//! Decoding of picture files by their contents. The `image` crate reads png, jpg, tga, webp and most of tiff.
 //!
 //! Headers are checked before memory is allocated: sizes against [`MAX_PIXELS`] and the free memory, channels by name.
 
 use super::{
+    ktx2,
     open_exr::{self, EXR_MAGIC},
-    radiance,
+    radiance, tiff,
 };
 use glam::Vec3;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use image::{
+    ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits,
+    error::{ImageFormatHint, UnsupportedError},
+};
 use lapidary_core::{
     color::{linear_from_codes, linear_from_deep_codes},
     image::{Image, ImageError},
@@ -23,7 +27,7 @@ use std::{
 /// Largest readable picture in pixels: 16k x 16k, 4 GiB as four floats per pixel.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Reads a texture from a png, jpg, tga, hdr or exr file. Texels out of range are replaced, see [`Texels::sanitize`].
+/// Reads a texture from a picture file. Texels out of range are replaced, see [`Texels::sanitize`].
 ///
 /// # Errors
 /// A file that is unreadable, not a picture, or too large.
@@ -39,7 +43,7 @@ fn texture_in(path: &Path) -> Result<Texture, ImageError> {
     decode(&bytes, path)
 }
 
-/// Reads a png, jpg, tga, hdr or exr file; 8-bit pictures are decoded from sRGB.
+/// Reads a picture file; 8-bit pictures are decoded from sRGB.
 ///
 /// # Errors
 /// A file that is unreadable, not a picture, or too large.
@@ -47,7 +51,7 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
     Ok(linear_image(&texture_in(path)?))
 }
 
-/// Decodes the bytes of a png, jpg, tga, hdr or exr file read from `path`, and keeps them with the texture.
+/// Decodes the bytes of a picture file read from `path`, and keeps them with the texture.
 ///
 /// Files of 8 and 16 bits keep their codes, because only the slot that uses them knows their encoding (sRGB or linear).
 ///
@@ -59,6 +63,10 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
         open_exr::decode(bytes, path)?
     } else if bytes.starts_with(radiance::SIGNATURE) {
         radiance::decode(bytes, path)?
+    } else if bytes.starts_with(ktx2::SIGNATURE) {
+        ktx2::decode(bytes, path)?
+    } else if tiff::is_of_gray_floats(bytes) {
+        tiff::decode(bytes, path)?
     } else {
         decode_common(bytes, path)?
     };
@@ -78,7 +86,7 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    fn of(pixels: u64, depth: Depth, decoding: u64) -> Self {
+    pub(super) fn of(pixels: u64, depth: Depth, decoding: u64) -> Self {
         let [held, of_level] = match depth {
             Depth::Eight => [4, 4],
             Depth::Sixteen => [8, 16],
@@ -114,6 +122,12 @@ pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
         let [width, height] = radiance::Header::read(bytes, path)?.size().map(u64::from);
         return Ok(Footprint::of(width * height, Depth::Float, width * height * 16));
     }
+    if bytes.starts_with(ktx2::SIGNATURE) {
+        return ktx2::footprint(bytes, path);
+    }
+    if tiff::is_of_gray_floats(bytes) {
+        return tiff::footprint(bytes, path);
+    }
     let format = format_of(bytes, path)?;
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
     let decoder = decoder.map_err(|e| undecodable(path, e))?;
@@ -124,7 +138,7 @@ pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
     Ok(Footprint { decoding: footprint.held.max(footprint.decoding), ..footprint })
 }
 
-/// Width and height of a png, jpg or tga file, from its header alone.
+/// Width and height of a picture file that the `image` crate reads, from its header alone.
 ///
 /// # Errors
 /// A file that is unreadable, or not such a picture.
@@ -165,8 +179,18 @@ pub(super) fn undecodable(path: &Path, error: image::ImageError) -> ImageError {
     match &error {
         image::ImageError::IoError(error) if ends_early(error) => truncated(path, "bytes are missing"),
         _ if cause.is_some_and(ends_early) => truncated(path, "bytes are missing"),
+        image::ImageError::Unsupported(what) => damaged(path, unsupported(what)),
         _ => damaged(path, &error),
     }
+}
+
+/// What of a format is not supported, in words.
+fn unsupported(error: &UnsupportedError) -> String {
+    let format = match error.format_hint() {
+        ImageFormatHint::Exact(format) => format.extensions_str()[0],
+        _ => "picture",
+    };
+    format!("it is a {format} of a kind that is not supported")
 }
 
 pub(super) fn check_size(width: u64, height: u64, path: &Path) -> Result<(), ImageError> {
@@ -209,7 +233,7 @@ fn texels_of(decoded: DynamicImage) -> Texels {
 }
 
 /// What a component is stored as.
-enum Depth {
+pub(super) enum Depth {
     Eight,
     Sixteen,
     Float,

@@ -71,6 +71,11 @@ impl Budget {
         Ok(())
     }
 
+    /// Bytes that are left.
+    pub fn rest(&self) -> u64 {
+        self.limit - self.used
+    }
+
     /// Takes the memory of a mesh of `vertices` and `triangles` until it is clean.
     pub fn take_mesh(&mut self, vertices: u64, triangles: u64) -> Result<(), OverBudget> {
         self.take(vertices.saturating_mul(VERTEX).saturating_add(triangles.saturating_mul(TRIANGLE)))

@@ -31,6 +31,7 @@ use std::path::Path;
 mod buffers;
 mod clips;
 mod completed;
+mod compressed;
 pub(crate) mod container;
 mod deformations;
 mod document;

@@ -12,12 +12,12 @@ use super::{
 use crate::{
     import::{
         report::ImportError,
-        source::{Source, check_count},
+        source::{Source, check_count, default_material},
     },
     names::listed,
 };
 use glam::{Vec2, Vec3, Vec4};
-use lapidary_core::{input, material::Material, scene::Object};
+use lapidary_core::{input, scene::Object};
 use outline::Outline;
 use std::{
     cell::Cell,
@@ -84,9 +84,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     }
     damaged.warn(&mut source.warnings);
     add_materials(&mut source, &outline, TextureLibrary::new(files)).map_err(failed)?;
-    for material in colored {
-        source.materials[material].vertex_colors = true;
-    }
+    colored.into_iter().for_each(|material| source.color_by_vertices(material));
     Ok(source)
 }
 
@@ -225,7 +223,7 @@ fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLib
     mtl::add_materials(source, &outline.materials.in_order, &entries, &mut library)?;
     let count = source.materials.len() as u32;
     if source.mesh.triangle_material.contains(&count) {
-        source.materials.push(Material { name: "default".into(), ..Default::default() });
+        source.materials.push(default_material());
     }
     library.finish(source);
     Ok(())

@@ -1,27 +1,37 @@
-//! Stanford PLY, ascii and binary, parsed by `ply-rs-bw`.
+//! Stanford PLY, ascii and binary, parsed by `ply-rs-bw`. Textures are named by comments, as MeshLab writes them.
 
 use super::{
     files::{Files, Trouble},
     polygon::Polygons,
     recenter,
     repair::RawMesh,
+    textures::TextureLibrary,
 };
 use crate::import::{
     report::ImportError,
-    source::{Source, check_count, colors_left_out},
+    source::{Source, check_count, default_material},
 };
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use lapidary_core::{material::Material, scene::Object};
+use lapidary_core::{
+    color::linear_from_srgb,
+    material::Material,
+    scene::Object,
+    texture::{ColorSpace, TextureSlot},
+};
 use ply_rs_bw::{
     parser::{Parser, Reader},
-    ply::{Property, PropertyAccess, PropertyAccessResult},
+    ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
 };
 use std::path::Path;
+use wedges::Wedges;
+
+mod wedges;
 
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
     let parse_error = |reason: String| Trouble::from(reason).at(path, "PLY");
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(|e| parse_error(e.to_string()))?;
+    let mut header = Parser::<Vertex>::new().read_header(&mut reader).map_err(|e| parse_error(e.to_string()))?;
+    read_positions_as_doubles(&mut header);
     for element in header.elements.values() {
         check_count("elements", element.count as u64, path)?;
         // A property takes at least a byte, in ascii and binary.
@@ -46,39 +56,84 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     let triangles: u64 = faces.iter().map(|face| face.corners.len().saturating_sub(2) as u64).sum();
     check_count("triangles", triangles, path)?;
     files.budget.take_mesh(0, triangles.saturating_sub(faces.len() as u64)).map_err(|over| over.at(path))?;
+    let has_wedges = faces.iter().any(|face| !face.uvs.is_empty());
+    let corners: u64 = if has_wedges { faces.iter().map(|face| face.corners.len() as u64).sum() } else { 0 };
+    files.budget.take_mesh(corners, 0).map_err(|over| over.at(path))?;
     let mut source = source(&vertices, &faces, path);
-    let has_colors = header.elements.get("vertex").is_some_and(|vertex| vertex.properties.contains_key("red"));
-    source.warnings.extend(has_colors.then(|| colors_left_out(count("vertex"))));
+    add_textures(&mut source, &header, files).map_err(|trouble| trouble.at(path, "PLY"))?;
+    if !source.mesh.colors.is_empty() {
+        (0..source.materials.len()).for_each(|material| source.color_by_vertices(material));
+    }
     Ok(source)
 }
 
+/// Texts may have more digits than `f32` holds, whatever type their header names.
+fn read_positions_as_doubles(header: &mut Header) {
+    if header.encoding != Encoding::Ascii {
+        return;
+    }
+    let Some(vertex) = header.elements.get_mut("vertex") else { return };
+    for name in ["x", "y", "z"] {
+        match vertex.properties.get_mut(name) {
+            Some(property) if property.data_type == PropertyType::Scalar(ScalarType::Float) => {
+                property.data_type = PropertyType::Scalar(ScalarType::Double);
+            }
+            _ => {}
+        }
+    }
+}
+
 fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
-    let mut positions: Vec<Vec3> = vertices.iter().map(|v| v.position.as_vec3()).collect();
-    let used = faces.iter().flat_map(|face| &face.corners).filter_map(|&corner| positions.get(corner as usize));
+    let wedges = Wedges::of(vertices, faces);
+    let mut positions: Vec<Vec3> = wedges.each(|v| vertices[v].position.as_vec3());
+    let used = wedges.corners.iter().flatten().filter_map(|&corner| positions.get(corner as usize));
     let offset = recenter::offset(used.copied());
     if let Some(offset) = offset {
-        positions = vertices.iter().map(|v| (v.position - offset).as_vec3()).collect();
+        positions = wedges.each(|v| (vertices[v].position - offset).as_vec3());
     }
     let mut mesh = RawMesh {
-        positions,
-        normals: vertices.iter().map(|v| v.normal).collect(),
+        normals: wedges.each(|v| vertices[v].normal),
         // PLY does not define its texture space; its writers count v from the bottom.
-        uvs: vertices.iter().map(|v| Vec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
-        tangents: vec![Vec4::ZERO; vertices.len()],
+        uvs: wedges.uvs.iter().map(|uv| Vec2::new(uv.x, 1.0 - uv.y)).collect(),
+        tangents: vec![Vec4::ZERO; positions.len()],
+        positions,
         ..Default::default()
     };
+    let colors: Vec<Vec3> = wedges.each(|v| vertices[v].color.map(linear_from_srgb));
+    mesh.push_colors(0, &colors);
     let mut polygons = Polygons::default();
-    for Face { corners } in faces {
-        mesh.push_polygon(0, corners, 0, 0, &mut polygons);
+    for (corners, face) in wedges.corners.iter().zip(faces) {
+        mesh.push_polygon(0, corners, face.texture, 0, &mut polygons);
     }
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Source {
         mesh,
-        materials: vec![Material { name: "default".into(), ..Default::default() }],
         objects: vec![Object { name }],
-        warnings: offset.map(recenter::warning).into_iter().collect(),
+        warnings: offset.map(recenter::warning).into_iter().chain(wedges.remark()).collect(),
         ..Default::default()
     }
+}
+
+/// Adds a material for each texture, and one without a texture for faces that name none.
+fn add_textures(source: &mut Source, header: &Header, files: Files) -> Result<(), Trouble> {
+    let mut library = TextureLibrary::new(files);
+    let names = header.comments.iter().filter_map(|comment| comment.trim().strip_prefix("TextureFile"));
+    for name in names.map(str::trim).filter(|name| !name.is_empty()) {
+        let texture = library.load(name)?;
+        let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut material = Material { name: stem, ..Default::default() };
+        material.parameters.set("base_color", Vec3::ONE);
+        let slot = TextureSlot { texture, color_space: ColorSpace::Srgb, ..Default::default() };
+        material.maps.set("base_color", Some(slot));
+        source.materials.push(material);
+    }
+    let count = source.materials.len() as u32;
+    source.mesh.triangle_material.iter_mut().for_each(|material| *material = (*material).min(count));
+    if count == 0 || source.mesh.triangle_material.contains(&count) {
+        source.materials.push(default_material());
+    }
+    library.finish(source);
+    Ok(())
 }
 
 /// An element that a mesh does not use.
@@ -101,12 +156,14 @@ struct Vertex {
     position: DVec3,
     normal: Vec3,
     uv: Vec2,
+    /// sRGB encoded, 0 to 1.
+    color: Vec3,
 }
 
 impl PropertyAccess for Vertex {
     /// Missing positions are NaN, which the repair reports.
     fn new() -> Self {
-        Self { position: DVec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV }
+        Self { position: DVec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV, color: Vec3::ONE }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
@@ -119,6 +176,9 @@ impl PropertyAccess for Vertex {
             "nz" => &mut self.normal.z,
             "u" | "s" | "texture_u" | "texture_s" => &mut self.uv.x,
             "v" | "t" | "texture_v" | "texture_t" => &mut self.uv.y,
+            "red" | "diffuse_red" => return set_fraction(&mut self.color.x, &value),
+            "green" | "diffuse_green" => return set_fraction(&mut self.color.y, &value),
+            "blue" | "diffuse_blue" => return set_fraction(&mut self.color.z, &value),
             _ => return PropertyAccessResult::Ignored,
         };
         let Some(number) = value.to_f32_lossy() else { return PropertyAccessResult::UnsupportedType };
@@ -139,22 +199,45 @@ fn set_double(target: &mut f64, value: &Property) -> PropertyAccessResult {
     PropertyAccessResult::Set
 }
 
+/// Integers are fractions of the largest number of 8 bits, or of 16.
+fn set_fraction(target: &mut f32, value: &Property) -> PropertyAccessResult {
+    let Some(number) = value.to_f32_lossy() else { return PropertyAccessResult::UnsupportedType };
+    *target = match value {
+        Property::Float(_) | Property::Double(_) => number,
+        Property::UShort(_) => number / 65_535.0,
+        _ => number / 255.0,
+    };
+    PropertyAccessResult::Set
+}
+
 #[derive(Clone, Debug)]
 struct Face {
     corners: Vec<u32>,
+    /// Texture coordinates of the corners, two numbers for each; empty if the vertices have them.
+    uvs: Vec<f32>,
+    /// Number of the texture; one that is not there means none.
+    texture: u32,
 }
 
 impl PropertyAccess for Face {
     fn new() -> Self {
-        Self { corners: Vec::new() }
+        Self { corners: Vec::new(), uvs: Vec::new(), texture: 0 }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        if name != "vertex_indices" && name != "vertex_index" {
-            return PropertyAccessResult::Ignored;
+        match (name, value) {
+            ("vertex_indices" | "vertex_index", value) => {
+                let Some(corners) = value.to_u32_list() else { return PropertyAccessResult::UnsupportedType };
+                self.corners = corners;
+            }
+            ("texcoord", Property::ListFloat(uvs)) => self.uvs = uvs,
+            ("texcoord", Property::ListDouble(uvs)) => self.uvs = uvs.into_iter().map(|x| x as f32).collect(),
+            ("texnumber", value) => {
+                let Some(number) = value.to_f32_lossy() else { return PropertyAccessResult::UnsupportedType };
+                self.texture = if number >= 0.0 { number as u32 } else { u32::MAX };
+            }
+            _ => return PropertyAccessResult::Ignored,
         }
-        let Some(corners) = value.to_u32_list() else { return PropertyAccessResult::UnsupportedType };
-        self.corners = corners;
         PropertyAccessResult::Set
     }
 }

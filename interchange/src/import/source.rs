@@ -1,6 +1,7 @@
 //! Output of a format's reader.
 
 use super::{repair::RawMesh, report::ImportError};
+use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     lights::Light,
@@ -39,9 +40,23 @@ impl Source {
         let others = of_variants.flat_map(|variants| variants.in_variants.iter().copied().chain([variants.plain]));
         let all: Vec<u32> = others.chain([part.material]).collect();
         for index in all {
-            self.materials[index as usize].vertex_colors = true;
+            self.color_by_vertices(index as usize);
         }
     }
+
+    /// Multiplies a material by the colors of the vertices, which are all the color of surfaces without a material.
+    pub fn color_by_vertices(&mut self, material: usize) {
+        let material = &mut self.materials[material];
+        if *material == default_material() {
+            material.parameters.set("base_color", Vec3::ONE);
+        }
+        material.vertex_colors = true;
+    }
+}
+
+/// The material of surfaces without one.
+pub(super) fn default_material() -> Material {
+    Material { name: "default".into(), ..Default::default() }
 }
 
 /// Checks a count against the limit.
@@ -50,9 +65,4 @@ pub(super) fn check_count(what: &'static str, count: u64, path: &Path) -> Result
         return Ok(());
     }
     Err(ImportError::TooLarge { path: path.into(), what, count, limit: MAX_ELEMENTS })
-}
-
-/// The warning of vertices whose colors are not shown.
-pub(super) fn colors_left_out(vertices: u64) -> String {
-    format!("the colors of {vertices} vertices are left out; bake them to a texture")
 }

@@ -3,6 +3,7 @@
 
 mod damage;
 mod gltf;
+mod gltf_compressed;
 mod gltf_extensions;
 mod gltf_foreign;
 mod limits;
@@ -11,6 +12,7 @@ mod numbers;
 mod obj;
 mod other_programs;
 mod outside;
+mod ply;
 mod repair;
 mod vertex_attributes;
 

@@ -123,3 +123,32 @@ fn colors_stay_at_their_vertices_where_the_mesh_is_far_away_or_has_seams_of_colo
     };
     assert_eq!([seam("0 0 1"), seam("1 0 0")], [6, 4]);
 }
+
+#[test]
+fn colors_of_ply_are_srgb_in_bytes_and_floats_and_all_the_color_of_a_surface_without_a_material() {
+    let ply = |kind: &str, [red, half]: [&str; 2]| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property {kind} red\nproperty {kind} green\nproperty {kind} blue\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n\
+             0 0 0 {red} 0 0\n1 0 0 {half} {half} {half}\n0 1 0 0 0 {red}\n3 0 1 2\n"
+        )
+    };
+    for (kind, numbers) in [("uchar", ["255", "128"]), ("float", ["1", "0.5019608"]), ("ushort", ["65535", "32896"])] {
+        let imported = import_alone("a.ply", ply(kind, numbers)).unwrap();
+        check_valid(&imported);
+        let mesh = &imported.scene.mesh;
+        let of = |place: Vec3| mesh.colors[mesh.positions.iter().position(|p| *p == place).unwrap()];
+        assert_eq!((of(Vec3::ZERO), of(Vec3::Y)), (Vec3::X, Vec3::Z), "{kind}");
+        assert!((of(Vec3::X) - Vec3::splat(linear_from_srgb(128.0 / 255.0))).length() < 1e-4, "{kind}");
+        let material = &imported.scene.materials[0];
+        assert!(material.vertex_colors && material.parameters.color("base_color") == Vec3::ONE);
+    }
+    let plain = import_alone(
+        "a.ply",
+        ply("uchar", ["255", "255"]).replace(" 255 0 0", " 255 255 255").replace(" 0 0 255", " 255 255 255"),
+    )
+    .unwrap();
+    assert!(plain.scene.mesh.colors.is_empty() && !plain.scene.materials[0].vertex_colors, "negative control");
+    assert!(plain.scene.materials[0].parameters.color("base_color") != Vec3::ONE);
+}

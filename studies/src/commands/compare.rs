@@ -23,7 +23,7 @@ use std::{
 /// Options of `compare`.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArgs {
-    /// Picture to measure: exr, hdr, png, jpg or tga
+    /// Picture to measure: exr, hdr, png, jpg, tif, webp or tga
     test: PathBuf,
     /// Reference of the same size
     reference: PathBuf,

@@ -148,8 +148,8 @@ mod tests {
         assert_eq!(
             foreign(Path::new("a.fbx")),
             "file not found; open a scene (.obj, .gltf, .glb, .ply), a dataset (.cuts), a session (.lapidary, .json), an \
-             environment (.hdr, .exr), a picture (.png, .jpg, .tga), a material (.json, .mtlx), a BRDF (.binary, .wgsl) or \
-             lights (.json) (a.fbx)"
+             environment (.hdr, .exr), a picture (.png, .jpg, .tif, .webp, .ktx2, .tga), a material (.json, .mtlx), a \
+             BRDF (.binary, .wgsl) or lights (.json) (a.fbx)"
         );
         assert!(foreign(Path::new(".")).contains("does not know"));
     }

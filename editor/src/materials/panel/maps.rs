@@ -71,7 +71,7 @@ fn picture_row(
     };
     let choose = |ui: &mut Ui| {
         let verb = if is_there { "Swap" } else { "Load" };
-        let hint = "Choose a png, jpg, tga, hdr or exr file, or drop one on this row.";
+        let hint = "Choose a png, jpg, tif, webp, ktx2, tga, hdr or exr file, or drop one on this row.";
         // From the right, so that the button takes the width that the menu leaves.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             patterns::menu(ui, target, changes, actions);

@@ -1,7 +1,10 @@
 //! The binary data of a glTF file: loaded from any place, and checked before the `gltf` crate reads it, which trusts
 //! its offsets and counts.
 
-use super::super::files::{Files, Trouble};
+use super::{
+    super::files::{Files, Trouble},
+    compressed::Compressed,
+};
 use base64::{
     Engine, alphabet,
     engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
@@ -32,24 +35,17 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    pub fn load(gltf: &gltf::Gltf, files: &mut Files) -> Result<Self, Trouble> {
-        let load = |buffer: gltf::Buffer| {
-            let data = match buffer.source() {
-                Source::Bin => {
-                    let blob = gltf.blob.as_ref().ok_or("the binary chunk is missing")?;
-                    files.budget.take(blob.len() as u64)?;
-                    blob.clone()
-                }
-                Source::Uri(uri) => read_uri(uri, files)?,
+    pub fn load(gltf: &gltf::Gltf, compressed: &Compressed, files: &mut Files) -> Result<Self, Trouble> {
+        let mut loaded = Vec::new();
+        for buffer in gltf.buffers() {
+            let data = match compressed.decode(&loaded, files)? {
+                Some(data) => data,
+                None => contents(&buffer, gltf, files)?,
             };
-            if data.len() + MOST_PADDING < buffer.length() {
-                let (index, found, expected) = (buffer.index(), data.len(), buffer.length());
-                return Err(format!("buffer {index} has {found} of {expected} bytes, it was truncated").into());
-            }
-            Ok(data)
-        };
+            loaded.push(data);
+        }
         let is_quantized = gltf.extensions_used().any(|name| name == QUANTIZATION);
-        Ok(Self { data: gltf.buffers().map(load).collect::<Result<_, Trouble>>()?, is_quantized })
+        Ok(Self { data: loaded, is_quantized })
     }
 
     /// The bytes of a view.
@@ -207,6 +203,23 @@ impl Buffers {
 
 fn no_data(accessor: &Accessor) -> String {
     format!("accessor {} has no data", accessor.index())
+}
+
+/// The contents of a buffer of a file.
+fn contents(buffer: &gltf::Buffer, gltf: &gltf::Gltf, files: &mut Files) -> Result<Vec<u8>, Trouble> {
+    let data = match buffer.source() {
+        Source::Bin => {
+            let blob = gltf.blob.as_ref().ok_or("the binary chunk is missing")?;
+            files.budget.take(blob.len() as u64)?;
+            blob.clone()
+        }
+        Source::Uri(uri) => read_uri(uri, files)?,
+    };
+    if data.len() + MOST_PADDING < buffer.length() {
+        let (index, found, expected) = (buffer.index(), data.len(), buffer.length());
+        return Err(format!("buffer {index} has {found} of {expected} bytes, it was truncated").into());
+    }
+    Ok(data)
 }
 
 /// Checks the count of an attribute before it is read.

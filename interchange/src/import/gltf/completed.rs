@@ -1,7 +1,7 @@
 //! Completes what valid files may leave out and the `gltf` crate requires, before it parses them. Everything here changes the
 //! JSON only.
 
-use super::{glossiness, pointers};
+use super::{compressed::Compressed, glossiness, pointers};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 
@@ -13,12 +13,17 @@ pub(super) struct Completed {
     pub pointing: Vec<usize>,
     /// Names of the materials with textures without a picture, which are removed.
     pub without_picture: Vec<String>,
+    pub compressed: Compressed,
 }
 
 /// Completes the `document` of a JSON text; one that lacks nothing stays as it is, to the byte.
-pub(super) fn completed(mut document: Value, text: &[u8]) -> Completed {
+///
+/// # Errors
+/// Compressed data that are not described completely.
+pub(super) fn completed(mut document: Value, text: &[u8]) -> Result<Completed, String> {
     let pointing = pointers::remove(&mut document);
-    let mut is_changed = !pointing.is_empty();
+    let compressed = Compressed::of(&mut document)?;
+    let mut is_changed = !pointing.is_empty() || !compressed.is_empty();
     is_changed |= glossiness::convert(&mut document);
     is_changed |= complete_scenes(&mut document);
     is_changed |= complete_positions(&mut document);
@@ -26,16 +31,16 @@ pub(super) fn completed(mut document: Value, text: &[u8]) -> Completed {
     let without_picture = complete_textures(&mut document);
     is_changed |= without_picture.is_some();
     let text = if is_changed { document.to_string().into_bytes() } else { text.to_vec() };
-    Completed { text, pointing, without_picture: without_picture.unwrap_or_default() }
+    Ok(Completed { text, pointing, without_picture: without_picture.unwrap_or_default(), compressed })
 }
 
 /// The elements of a list member.
-fn list<'a>(json: &'a mut Value, name: &str) -> &'a mut [Value] {
+pub(super) fn list<'a>(json: &'a mut Value, name: &str) -> &'a mut [Value] {
     json.get_mut(name).and_then(Value::as_array_mut).map(Vec::as_mut_slice).unwrap_or_default()
 }
 
 /// Appends to a list member, which is made if it is missing. Returns the index; `None` if the member is no list.
-fn push(json: &mut Value, name: &str, value: Value) -> Option<usize> {
+pub(super) fn push(json: &mut Value, name: &str, value: Value) -> Option<usize> {
     let list = json.as_object_mut()?.entry(name).or_insert_with(|| json!([])).as_array_mut()?;
     list.push(value);
     Some(list.len() - 1)
@@ -97,15 +102,30 @@ fn complete_accessors(document: &mut Value) -> bool {
     true
 }
 
+/// The extensions whose pictures are read, and come before those for other programs.
+pub(super) const PICTURES: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
+
+/// The picture that an extension of a texture names, and whether it comes before the texture's own.
+fn source_in_extension(texture: &Value) -> Option<(u64, bool)> {
+    let extensions = &texture["extensions"];
+    let read = PICTURES.iter().find_map(|name| extensions[name]["source"].as_u64());
+    let other = || extensions.as_object()?.values().find_map(|extension| extension["source"].as_u64());
+    read.map(|source| (source, true)).or_else(|| Some((other()?, false)))
+}
+
 /// Finds the pictures of textures whose `source` is in an extension, such as EXT_texture_webp, and removes textures without any
-/// from the materials. Returns the names of these materials; `None` if all textures have a picture.
+/// from the materials. Returns the names of these materials; `None` if nothing changed.
 fn complete_textures(document: &mut Value) -> Option<Vec<String>> {
     let mut empty = HashSet::new();
     let mut is_changed = false;
     for (index, texture) in list(document, "textures").iter_mut().enumerate() {
-        let Some(fields) = texture.as_object_mut().filter(|fields| !fields.contains_key("source")) else { continue };
-        let extensions = fields.get("extensions").and_then(Value::as_object);
-        let source = extensions.and_then(|all| all.values().find_map(|extension| extension["source"].as_u64()));
+        let in_extension = source_in_extension(texture);
+        let Some(fields) = texture.as_object_mut() else { continue };
+        let source = match in_extension {
+            Some((source, comes_first)) if comes_first || !fields.contains_key("source") => Some(source),
+            _ if fields.contains_key("source") => continue,
+            _ => None,
+        };
         fields.insert("source".into(), json!(source.unwrap_or(0)));
         is_changed = true;
         if source.is_none() {

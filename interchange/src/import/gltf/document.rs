@@ -2,7 +2,8 @@
 
 use super::{
     buffers,
-    completed::{Completed, completed},
+    completed::{self, Completed, completed},
+    compressed,
     container::{Container, Unreadable},
     glossiness, layers, lights, pointers, variants,
 };
@@ -14,7 +15,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Supported extensions; others are named in a warning.
-const EXTENSIONS: [&str; 13] = [
+const EXTENSIONS: [&str; 18] = [
     lights::EXTENSION,
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -29,13 +30,17 @@ const EXTENSIONS: [&str; 13] = [
     pointers::EXTENSION,
     glossiness::EXTENSION,
     buffers::QUANTIZATION,
+    compressed::EXTENSIONS[0],
+    compressed::EXTENSIONS[1],
+    compressed::EXTENSIONS[2],
+    completed::PICTURES[0],
+    completed::PICTURES[1],
 ];
 
-/// Whether an extension concerns looks alone: a file that requires it shows without it, with a warning. Compressed and
-/// instanced meshes are refused.
+/// Whether an extension concerns looks alone: a file that requires it shows without it, with a warning. Instanced
+/// meshes are refused.
 fn is_of_looks(name: &str) -> bool {
-    const OTHERS: [&str; 5] =
-        ["KHR_texture_basisu", "EXT_texture_webp", "MSFT_texture_dds", "EXT_lights_image_based", "KHR_xmp_json_ld"];
+    const OTHERS: [&str; 3] = ["MSFT_texture_dds", "EXT_lights_image_based", "KHR_xmp_json_ld"];
     name.contains("_materials_") || OTHERS.contains(&name)
 }
 
@@ -81,7 +86,7 @@ pub(super) fn parse(container: &Container, path: &Path) -> Result<Parsed, Import
     let failed = |reason: String| Trouble::from(reason).at(path, "glTF");
     let document: Value = serde_json::from_slice(container.json).map_err(|error| failed(error.to_string()))?;
     check(&document, path)?;
-    let completed = completed(document, container.json);
+    let completed = completed(document, container.json).map_err(failed)?;
     let mut json: gltf::json::Root =
         serde_json::from_slice(&completed.text).map_err(|error| failed(error.to_string()))?;
     // Checked above; the crate would refuse a file that requires them.

@@ -10,7 +10,10 @@ use super::{
     layers::{self, Layers, TextureInfo, Transform},
 };
 use crate::{
-    import::{gltf::json::document_with, source::Source},
+    import::{
+        gltf::json::document_with,
+        source::{Source, default_material},
+    },
     names::listed,
 };
 use glam::{Vec3, Vec4};
@@ -62,7 +65,7 @@ pub(super) fn index_of(
     let chosen = chosen.filter(|index| *index < default);
     let index = chosen.or(primitive.material().index()).unwrap_or(default);
     if index == source.materials.len() {
-        source.materials.push(Material { name: "default".into(), ..Default::default() });
+        source.materials.push(default_material());
     }
     index as u32
 }

@@ -67,7 +67,7 @@ impl SceneFile {
         let container = container(bytes, path)?;
         files.budget.take_json(container.json).map_err(|over| over.at(path))?;
         let Parsed { gltf, completed } = parse(&container, path)?;
-        let Completed { text: json, pointing, without_picture } = completed;
+        let Completed { text: json, pointing, without_picture, compressed } = completed;
         let bytes_of_nodes = hierarchy::bytes_of_weights(&gltf).saturating_add(deformations::bytes_of_skins(&gltf));
         files.budget.take(bytes_of_nodes).map_err(|over| over.at(path))?;
         let variant = options.variant.as_deref();
@@ -75,7 +75,7 @@ impl SceneFile {
             FileVariants::of(&json, variant).map_err(|known| ImportError::no_variant(path, variant, known))?;
         let wanted = options.scene.as_deref();
         let scenes = FileScenes::of(&gltf, wanted).map_err(|known| ImportError::no_scene(path, wanted, known))?;
-        let buffers = Buffers::load(&gltf, files).map_err(failed)?;
+        let buffers = Buffers::load(&gltf, &compressed, files).map_err(failed)?;
         let hierarchy = hierarchy::read(&gltf, scenes.shown);
         let skins = deformations::skins(&gltf, &buffers);
         let Hierarchy { nodes, order, turned } = hierarchy;

@@ -1,0 +1,69 @@
+//! Texture coordinates at the corners of faces: a vertex on a seam has several.
+
+use super::{Face, Vertex};
+use glam::Vec2;
+use std::collections::HashMap;
+
+/// The vertices of a mesh, each with one pair of texture coordinates.
+pub(super) struct Wedges {
+    /// Indices of the file's vertices.
+    of_file: Vec<u32>,
+    pub uvs: Vec<Vec2>,
+    /// The vertices of each face. Indices out of range stay so.
+    pub corners: Vec<Vec<u32>>,
+    /// Faces whose coordinates do not fit their corners.
+    unfit: usize,
+}
+
+impl Wedges {
+    /// Splits the vertices of a file where faces disagree.
+    pub fn of(vertices: &[Vertex], faces: &[Face]) -> Self {
+        let mut all = Self {
+            of_file: (0..vertices.len() as u32).collect(),
+            uvs: vertices.iter().map(|vertex| vertex.uv).collect(),
+            corners: Vec::with_capacity(faces.len()),
+            unfit: 0,
+        };
+        let mut known = HashMap::new();
+        for face in faces {
+            let (uvs, rest) = face.uvs.as_chunks::<2>();
+            let fits = uvs.len() == face.corners.len() && rest.is_empty();
+            all.unfit += usize::from(!fits && !face.uvs.is_empty());
+            if !fits {
+                all.corners.push(face.corners.clone());
+                continue;
+            }
+            let mut split = |(&corner, uv): (&u32, &[f32; 2])| {
+                if corner as usize >= vertices.len() {
+                    return u32::MAX;
+                }
+                let next = all.uvs.len() as u32;
+                let index = *known.entry((corner, uv.map(f32::to_bits))).or_insert(next);
+                if index == next {
+                    all.of_file.push(corner);
+                    all.uvs.push(Vec2::from_array(*uv));
+                }
+                index
+            };
+            let corners = face.corners.iter().zip(uvs).map(&mut split).collect();
+            all.corners.push(corners);
+        }
+        all
+    }
+
+    /// A value for each vertex, by the index of the file's vertex.
+    pub fn each<T>(&self, value: impl Fn(usize) -> T) -> Vec<T> {
+        self.of_file.iter().map(|&vertex| value(vertex as usize)).collect()
+    }
+
+    /// What is left out.
+    pub fn remark(&self) -> Option<String> {
+        (self.unfit > 0).then(|| {
+            format!(
+                "{} faces have texture coordinates for another number of corners, which were left out; export the mesh as \
+                 triangles",
+                self.unfit
+            )
+        })
+    }
+}
