@@ -195,7 +195,8 @@ fn a_colored_highlight_becomes_openpbr_and_a_gray_one_keeps_its_grazing_reflecti
     let of = |color: &str| {
         let specular =
             format!(r#""KHR_materials_specular": {{"specularFactor": 0.5, "specularColorFactor": {color}}}"#);
-        with_material(&format!(r#""extensions": {{{specular}}}"#)).scene.materials.remove(0)
+        let plastic = r#""pbrMetallicRoughness": {"metallicFactor": 0}"#;
+        with_material(&format!(r#"{plastic}, "extensions": {{{specular}}}"#)).scene.materials.remove(0)
     };
     let colored = of("[1, 0.5, 0.25]");
     assert_eq!((colored.model, colored.parameters.number("specular_weight")), (BrdfModel::OpenPbr, 0.5));
