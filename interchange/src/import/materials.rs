@@ -6,7 +6,7 @@ use super::{
     textures::sanitized,
 };
 use crate::{
-    image::{decode, footprint},
+    image::footprint,
     import::{
         files::read_file,
         report::{ImportError, ImportOptions, ImportReport},
@@ -213,7 +213,7 @@ impl MaterialLoader<'_> {
         let failed = |source| ImportError::Map { path: self.path.into(), source };
         let footprint = footprint(&bytes, Path::new(name)).map_err(failed)?;
         self.files.budget.take_picture(bytes.len(), footprint).map_err(|over| over.at(self.path))?;
-        let mut texture = decode(&bytes, Path::new(name)).map_err(failed)?;
+        let mut texture = self.files.decode(&bytes, Path::new(name)).map_err(failed)?;
         texture.name = name.to_owned();
         self.report.warnings.extend(sanitized(&mut texture));
         self.scene.textures.push(texture.into());

@@ -210,7 +210,7 @@ fn looks_like_normals(texture: &Texture) -> bool {
             let sum = texels.iter().fold([0u64; 3], |s, t| [0, 1, 2].map(|c| s[c] + u64::from(t[c])));
             sum.map(|s| s as f32 / (65_535.0 * texels.len() as f32))
         }
-        Texels::F32(texels) => {
+        Texels::F32(texels) | Texels::Wide { texels, .. } => {
             let sum = texels.iter().fold([0f64; 3], |s, t| [0, 1, 2].map(|c| s[c] + f64::from(t[c])));
             sum.map(|s| s as f32 / texels.len() as f32)
         }

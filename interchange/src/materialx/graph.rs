@@ -345,8 +345,12 @@ impl<'a> Graph<'a> {
         }
         let kind =
             if node.has_tag_name("gltf_colorimage") { "color4" } else { node.attribute("type").unwrap_or("color3") };
-        // Only colors are converted from a space.
-        let color_space = if kind.starts_with("color") { self.color_space(told) } else { ColorSpace::Linear };
+        // Only colors are converted from a space. That of float pictures is in their own file.
+        let color_space = match kind.starts_with("color") {
+            true if holds_floats(file) => ColorSpace::Srgb,
+            true => self.color_space(told),
+            false => ColorSpace::Linear,
+        };
         let is_clamped = |name: &str| {
             let mode = self.child(node, name).and_then(|mode| mode.attribute("value"));
             mode.is_some_and(|mode| mode != "periodic")
@@ -377,6 +381,12 @@ impl<'a> Graph<'a> {
         let numbers = self.constant(node, name, &[1.0])?;
         Ok(triple(&numbers))
     }
+}
+
+/// Whether a picture of this name has float texels, which no transfer function encodes.
+pub fn holds_floats(file: &str) -> bool {
+    let extension = file.rsplit('.').next().unwrap_or_default();
+    ["exr", "hdr"].iter().any(|float| extension.eq_ignore_ascii_case(float))
 }
 
 /// The first three of some numbers, or one for all.

@@ -2,6 +2,7 @@
 
 use super::{
     estimate::leave_out_patterns,
+    graph::holds_floats,
     nearest::nearest,
     placement::{Placement, is_turned},
     surface::{OPACITY_CUTOFF, Row, Surface},
@@ -324,7 +325,7 @@ impl DocumentWriter {
         self.open(category, &[("name", name.clone()), ("type", kind.into())])?;
         let mut file: Vec<Attribute> =
             vec![("name", "file".into()), ("type", "filename".into()), ("value", slot.file.clone())];
-        if slot.color_space == Some(ColorSpace::Srgb) && kind.starts_with("color") {
+        if slot.color_space == Some(ColorSpace::Srgb) && kind.starts_with("color") && !holds_floats(&slot.file) {
             file.push(("colorspace", "srgb_texture".into()));
         }
         self.empty("input", &file)?;

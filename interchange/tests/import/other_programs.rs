@@ -358,3 +358,27 @@ fn a_map_of_a_coat_alone_has_a_coat() {
         "negative control"
     );
 }
+
+#[test]
+fn a_picture_with_a_damaged_line_is_read_and_told_by_name() {
+    let files = Files::new();
+    let warnings = |line: &str| {
+        let header = format!("#?RADIANCE\n{line}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+        files.add("sky.hdr", [header.as_bytes(), &[128, 64, 32, 129]].concat());
+        files.add("a.mtl", "newmtl Red\nmap_Kd sky.hdr\n");
+        let imported = import(&files.add("a.obj", TRIANGLE)).unwrap();
+        let texel = imported.scene.textures[0].texel(0, 0, ColorSpace::Srgb).truncate();
+        assert_eq!(texel, Vec3::new(1.0, 0.5, 0.25));
+        let json = files.add("m.json", r#"{"maps": {"base_color": {"file": "sky.hdr"}}}"#);
+        let (_, remarks) = load_material(&json, &mut Scene::default(), &ImportOptions::default()).unwrap();
+        assert_eq!(remarks, imported.report.warnings);
+        remarks
+    };
+    for (line, said) in
+        [("EXPOSURE=much\n", "its EXPOSURE is \"much\""), ("PRIMARIES=0 0\n", "its PRIMARIES is \"0 0\"")]
+    {
+        let found = warnings(line);
+        assert!(found.len() == 1 && found[0].starts_with(&format!("the picture \"sky.hdr\": {said}")), "{found:?}");
+    }
+    assert_eq!(warnings("EXPOSURE=1\n"), [""; 0], "negative control");
+}

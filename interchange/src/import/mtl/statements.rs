@@ -18,7 +18,7 @@ pub(in crate::import) struct MtlEntry {
 
 /// A statement of a material.
 #[derive(Debug)]
-pub(super) struct Statement {
+pub(in crate::import) struct Statement {
     /// Its key as the file has it.
     pub key: String,
     pub value: String,
@@ -53,7 +53,7 @@ pub(in crate::import) fn parse(text: &str, budget: &mut Budget) -> Result<HashMa
 
 /// A texture statement: options and the file name, which may contain spaces.
 #[derive(Debug, PartialEq)]
-pub(super) struct MapStatement {
+pub(in crate::import) struct MapStatement {
     pub file: String,
     pub scale: Vec2,
     pub offset: Vec2,

@@ -270,3 +270,23 @@ fn prefixes_of_names_need_no_declaration() {
     assert_eq!((read.material.parameters.number("base_weight"), read.remarks), (0.5, vec![]));
     assert!(message("<materialx>\n<a:b></materialx>").starts_with("line 2: it is not well-formed XML"));
 }
+
+#[test]
+fn the_primaries_of_a_float_picture_are_in_its_own_file() {
+    let of = |file: &str, kind: &str, input: &str| {
+        let nodes = format!(
+            "<image name=\"p\" type=\"{kind}\"><input name=\"file\" type=\"filename\" value=\"{file}\" colorspace=\"lin_rec709\"/></image>"
+        );
+        let input = format!("<input name=\"{input}\" type=\"{kind}\" nodename=\"p\"/>");
+        with_nodes(&nodes, "standard_surface", &input).material
+    };
+    let space = |file: &str| of(file, "color3", "base_color").maps.get("base_color").unwrap().color_space;
+    assert_eq!(
+        (space("a.EXR"), space("a.hdr"), space("a.png")),
+        (Some(ColorSpace::Srgb), Some(ColorSpace::Srgb), Some(ColorSpace::Linear))
+    );
+    let roughness = of("a.exr", "float", "specular_roughness");
+    assert_eq!(roughness.maps.get("specular_roughness").unwrap().color_space, Some(ColorSpace::Linear), "a value");
+    let text = write(&[of("a.exr", "color3", "base_color")], Surface::OpenPbr).unwrap().text;
+    assert!(!text.contains("srgb_texture"), "{text}");
+}
