@@ -48,21 +48,17 @@ pub(crate) fn nearest<S: Clone>(
 /// The specular weight of OpenPBR's model here scales metal and dielectric, that of other models and surfaces the dielectric alone.
 fn weigh_metal<S>(nearest: &mut MaterialOf<S>, from: BrdfModel, surface: Surface, remarks: &mut Vec<String>) {
     const LOST: &str = "its specular weight scales the reflection of its metal otherwise";
-    let p = &mut nearest.parameters;
-    let (weight, metalness) = (p.number("specular_weight"), p.number("base_metalness"));
-    let is_mapped = |name| nearest.maps.get(name).is_some();
+    let number = |name| nearest.parameters.number(name);
+    let (weight, metalness, base) = (number("specular_weight"), number("base_metalness"), number("base_weight"));
+    let [weights, metals] = ["specular_weight", "base_metalness"].map(|name| nearest.maps.get(name).is_some());
     match (from == BrdfModel::OpenPbr, surface == Surface::OpenPbr) {
-        (false, true) => {
-            if !weigh_dielectric(nearest) {
-                remarks.push(LOST.into());
-            }
-        }
-        (true, false) if metalness > 0.0 && (weight < 1.0 || is_mapped("specular_weight")) => {
-            if metalness < 1.0 || is_mapped("base_metalness") || is_mapped("specular_weight") {
+        (false, true) if !weigh_dielectric(nearest) => remarks.push(LOST.into()),
+        (true, false) if metalness > 0.0 && (weight < 1.0 || weights) => {
+            if metalness < 1.0 || metals || weights {
                 return remarks.push(LOST.into());
             }
-            p.set("base_weight", weight * p.number("base_weight"));
-            p.set("specular_weight", 1.0);
+            nearest.parameters.set("base_weight", weight * base);
+            nearest.parameters.set("specular_weight", 1.0);
         }
         _ => {}
     }

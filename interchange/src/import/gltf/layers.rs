@@ -261,7 +261,7 @@ impl Layers {
                 "have an anisotropy texture, which is left out: the highlight is stretched the same everywhere",
             ),
         ];
-        lost.into_iter().filter_map(|(lost, text)| lost.then(|| text.into())).chain(unreadable).collect()
+        lost.into_iter().filter(|(lost, _)| *lost).map(|(_, text)| text.into()).chain(unreadable).collect()
     }
 }
 
