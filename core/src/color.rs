@@ -1,6 +1,7 @@
 //! Color: the sRGB transfer function at the border, luminance inside. Twin of `shaders/color.wgsl`.
 
-use glam::Vec3;
+use crate::texture::Texels;
+use glam::{Mat3, Vec3};
 use std::sync::LazyLock;
 
 /// Rec. 709 luminance weights.
@@ -10,6 +11,13 @@ pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 #[inline]
 pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(LUMINANCE)
+}
+
+/// A color in linear Rec. 709 from other primaries. Infinite components become the largest 16-bit float: they would make NaN of
+/// the others.
+#[inline]
+pub fn in_rec_709(to_rec_709: Mat3, color: Vec3) -> Vec3 {
+    to_rec_709 * color.map(|x| if x.is_infinite() { x.clamp(-Texels::MOST, Texels::MOST) } else { x })
 }
 
 /// Decodes one sRGB component (IEC 61966-2-1), 0 to 1.

@@ -15,8 +15,8 @@ pub use reduction::level_sizes;
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 pub use wrap::Wrap;
 
-use crate::color::{linear_from_codes, linear_from_deep_codes};
-use glam::{Mat2, Vec2, Vec3, Vec4};
+use crate::color::{in_rec_709, linear_from_codes, linear_from_deep_codes};
+use glam::{Mat2, Mat3, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -24,9 +24,9 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorSpace {
-    /// Texels of 8 and 16 bits are sRGB encoded. Float texels are always linear.
+    /// Colors: texels of 8 and 16 bits are sRGB encoded, and float texels have the primaries of their file.
     Srgb,
-    /// Texels are linear values: roughness, normals, heights.
+    /// Texels are linear values as they are: roughness, normals, heights.
     #[default]
     Linear,
 }
@@ -183,6 +183,13 @@ pub enum Texels {
     U16(Vec<[u16; 4]>),
     /// Floating point, as in hdr and exr. Texels of a scene are at most [`Texels::MOST`].
     F32(Vec<[f32; 4]>),
+    /// Floating point in other primaries than those of Rec. 709. Only colors are converted: values have no primaries.
+    Wide {
+        /// The texels as in the file; those of a scene are at most [`Texels::MOST`].
+        texels: Vec<[f32; 4]>,
+        /// From the file's primaries to linear Rec. 709.
+        to_rec_709: Mat3,
+    },
 }
 
 impl Texels {
@@ -190,7 +197,11 @@ impl Texels {
     #[inline]
     pub fn at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
         match (self, color_space) {
-            (Self::F32(t), _) => Vec4::from_array(t[index]),
+            (Self::F32(t), _) | (Self::Wide { texels: t, .. }, ColorSpace::Linear) => Vec4::from_array(t[index]),
+            (Self::Wide { texels, to_rec_709 }, ColorSpace::Srgb) => {
+                let [r, g, b, a] = texels[index];
+                in_rec_709(*to_rec_709, Vec3::new(r, g, b)).extend(a)
+            }
             (Self::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
             (Self::U8(t), ColorSpace::Srgb) => {
                 let [r, g, b, a] = t[index];
@@ -211,12 +222,21 @@ impl Texels {
         texel(a).lerp(texel(b), blend.x).lerp(texel(c).lerp(texel(d), blend.x), blend.y)
     }
 
+    /// The number of texels.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::U8(texels) => texels.len(),
+            Self::U16(texels) => texels.len(),
+            Self::F32(texels) | Self::Wide { texels, .. } => texels.len(),
+        }
+    }
+
     /// The largest number of a 16-bit float.
     pub const MOST: f32 = 65_504.0;
 
     /// Replaces NaN by 0 and clamps the others to [`Self::MOST`]. Returns the number of changed texels.
     pub fn sanitize(&mut self) -> usize {
-        let Self::F32(texels) = self else { return 0 };
+        let (Self::F32(texels) | Self::Wide { texels, .. }) = self else { return 0 };
         let is_wrong = |texel: &&mut [f32; 4]| !texel.iter().all(|x| x.abs() <= Self::MOST);
         let repair = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(-Self::MOST, Self::MOST) };
         texels.iter_mut().filter(is_wrong).map(|texel| *texel = texel.map(repair)).count()
@@ -426,6 +446,24 @@ mod tests {
             wrong += u32::from(error(&other_way) > 0.01);
         }
         assert!(wrong > 90, "negative control: {wrong}");
+    }
+
+    #[test]
+    fn primaries_of_a_file_count_for_colors_and_at_every_level_and_not_for_values() {
+        // Red and green change places.
+        let to_rec_709 = Mat3::from_cols(Vec3::Y, Vec3::X, Vec3::Z);
+        let native = vec![[0.25, 0.5, 0.75, 1.0], [0.75, 0.0, 0.25, 1.0]];
+        let wide = Texture::new("w", [2, 1], Texels::Wide { texels: native.clone(), to_rec_709 });
+        let plain = Texture::new("p", [2, 1], Texels::F32(native));
+        let first = |t: &Texture, space| t.texel(0, 0, space).to_array();
+        assert_eq!(first(&wide, ColorSpace::Srgb), [0.5, 0.25, 0.75, 1.0]);
+        for other in [first(&wide, ColorSpace::Linear), first(&plain, ColorSpace::Srgb)] {
+            assert_eq!(other, [0.25, 0.5, 0.75, 1.0], "negative control");
+        }
+        let last = |t: &Texture, space| t.levels(space).last().unwrap().texels.at(0, space).to_array();
+        assert_eq!(last(&wide, ColorSpace::Srgb), [0.25, 0.5, 0.5, 1.0]);
+        assert_eq!(last(&wide, ColorSpace::Linear), [0.5, 0.25, 0.5, 1.0]);
+        assert_eq!(wide.mean(ColorSpace::Srgb).to_array(), [0.25, 0.5, 0.5, 1.0]);
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub mod environment;
 pub mod export;
 mod file_format;
 pub mod formats;
+mod fresnel;
 pub mod image;
 pub mod import;
 mod material_file;

@@ -10,6 +10,7 @@
 mod candidates;
 mod estimate;
 mod graph;
+mod include;
 mod nearest;
 mod placement;
 mod read;
@@ -20,6 +21,7 @@ mod tests;
 mod write;
 
 pub(crate) use estimate::without_file;
+pub(crate) use include::{Expanded, expanded};
 pub(crate) use nearest::nearest;
 pub use read::{MaterialXError, ReadMaterial, names, read};
 pub use surface::Surface;

@@ -109,8 +109,8 @@ pub(super) fn to_rec_709(found: Option<Chromaticities>, path: &Path) -> Result<O
     found.map_or(Ok(None), |found| primaries::rec_709_from(&found)).map_err(unusable)
 }
 
-/// The picture with its alpha. It is black outside the data window.
-pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
+/// The picture with its alpha. It is black outside the data window. `remarks` gets what of the header is left out.
+pub(super) fn decode(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Result<([u32; 2], Texels), ImageError> {
     let headers = headers(bytes, path)?;
     let chosen = choose(&headers).map_err(|reason| damaged(path, reason))?;
     let header = &headers[chosen.part];
@@ -127,13 +127,10 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), Im
     let colors = Colors::of(&layer.channel_data.list, &chosen.layer, chromaticities.unwrap_or(REC_709));
     let colors = colors.filter(|colors| colors.are_whole(window.samples()));
     let colors = colors.ok_or_else(|| damaged(path, "its channels differ in resolution"))?;
-    let to_rec_709 = if colors.are_gray() { None } else { to_rec_709(chromaticities, path)? };
-    let texel = |i: usize| {
-        let color = colors.at(i);
-        let color = to_rec_709.map_or(color, |matrix| primaries::converted(matrix, color));
-        color.extend(colors.alpha_at(i)).to_array()
-    };
-    Ok((window.size, Texels::F32(window.picture([0.0; 4], texel))))
+    let named = chromaticities.filter(|_| !colors.are_gray());
+    let to_rec_709 = named.and_then(|found| primaries::rec_709_or_remark(&found, remarks));
+    let texel = |i: usize| colors.at(i).extend(colors.alpha_at(i)).to_array();
+    Ok((window.size, primaries::texels(window.picture([0.0; 4], texel), to_rec_709)))
 }
 
 /// Reads all channels of one part. The `exr` crate would read the first one of any content.
@@ -247,7 +244,12 @@ impl<'a> Colors<'a> {
             channels.iter().find(|c| c.name.eq_case_insensitive(&full)).map(|c| &c.sample_data)
         };
         let three = |[a, b, c]: [&str; 3]| Some([named(a)?, named(b)?, named(c)?]);
-        let chroma = || Some(Planes::Chroma(three(["Y", "RY", "BY"])?, primaries::luminance(&chromaticities)?));
+        let chroma = || {
+            Some(Planes::Chroma(
+                three(["Y", "RY", "BY"])?,
+                primaries::luminance(&chromaticities).or_else(|| primaries::luminance(&REC_709))?,
+            ))
+        };
         let rgb = three(["R", "G", "B"]).map(Planes::Rgb);
         let planes = rgb.or_else(chroma).or_else(|| named("Y").map(Planes::Gray))?;
         Some(Self { planes, alpha: named("A") })

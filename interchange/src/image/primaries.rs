@@ -78,17 +78,28 @@ fn xyz(chromaticity: openexr::Vec2<f32>) -> DVec3 {
     DVec3::new(x, y, 1.0 - x - y)
 }
 
-/// A color after a conversion. Infinite components become the largest 16-bit float: they would make NaN of the others.
-pub(super) fn converted(matrix: Mat3, color: Vec3) -> Vec3 {
-    matrix * color.map(|x| if x.is_infinite() { x.clamp(-Texels::MOST, Texels::MOST) } else { x })
+/// Floating-point texels that are in these primaries: colors are converted where they are used, see [`Texels::Wide`].
+pub(super) fn texels(texels: Vec<[f32; 4]>, to_rec_709: Option<Mat3>) -> Texels {
+    match to_rec_709 {
+        Some(to_rec_709) => Texels::Wide { texels, to_rec_709 },
+        None => Texels::F32(texels),
+    }
+}
+
+/// The conversion of a file with these primaries. Without one, if they span no colors: `remarks` gets a sentence.
+pub(super) fn rec_709_or_remark(found: &Chromaticities, remarks: &mut Vec<String>) -> Option<Mat3> {
+    rec_709_from(found).unwrap_or_else(|space| {
+        remarks.push(format!("it names primaries that span no colors ({space}), and is taken for linear Rec. 709"));
+        None
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{decode, read};
+    use crate::image::{decode, decode_with, read};
     use exr::prelude::{self as openexr, WritableImage};
-    use lapidary_core::image::Image;
+    use lapidary_core::{image::Image, texture::ColorSpace};
     use std::{io::Cursor, path::Path};
 
     const ACES_CG: Chromaticities = Chromaticities {
@@ -109,7 +120,7 @@ mod tests {
 
     fn first(color: Vec3, chromaticities: Option<Chromaticities>) -> Vec3 {
         let texture = decode(&file(color, chromaticities), Path::new("a.exr")).unwrap();
-        texture.texel(0, 0, Default::default()).truncate()
+        texture.texel(0, 0, ColorSpace::Srgb).truncate()
     }
 
     #[test]
@@ -142,11 +153,28 @@ mod tests {
     }
 
     #[test]
-    fn primaries_on_a_line_are_refused_with_their_values() {
+    fn values_of_a_file_with_primaries_stay_as_they_are() {
+        let normal = Vec3::new(0.5, 0.75, 1.0);
+        let texture = decode(&file(normal, Some(ACES_CG)), Path::new("n.exr")).unwrap();
+        let texel = |space| texture.texel(0, 0, space).truncate();
+        assert_eq!(texel(ColorSpace::Linear), normal);
+        assert!((texel(ColorSpace::Srgb) - normal).abs().max_element() > 0.05, "negative control: a color");
+    }
+
+    #[test]
+    fn primaries_on_a_line_are_told_or_refused_with_their_values() {
         let flat = Chromaticities { blue: REC_709.red, ..ACES_CG };
         let flat = Chromaticities { red: REC_709.red, ..flat };
         for bad in [flat, Chromaticities { white: openexr::Vec2(0.0, 0.0), ..ACES_CG }] {
-            let message = decode(&file(Vec3::ONE, Some(bad)), Path::new("a.exr")).unwrap_err().to_string();
+            let bytes = file(Vec3::new(0.25, 0.5, 1.0), Some(bad));
+            let mut remarks = Vec::new();
+            let texture = decode_with(&bytes, Path::new("a.exr"), &mut remarks).unwrap();
+            assert_eq!(texture.texel(0, 0, ColorSpace::Srgb).truncate(), Vec3::new(0.25, 0.5, 1.0));
+            assert!(remarks.len() == 1 && remarks[0].contains("green [0.165, 0.83]"), "{remarks:?}");
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.exr");
+            std::fs::write(&path, &bytes).unwrap();
+            let message = read(&path).unwrap_err().to_string();
             assert!(message.contains("green [0.165, 0.83]") && message.contains("Rec. 709"), "{message}");
         }
     }

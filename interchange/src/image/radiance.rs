@@ -8,9 +8,9 @@ use super::{
     read::{check_size, damaged, truncated, undecodable},
 };
 use exr::{meta::attribute::Chromaticities, prelude as openexr};
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 use image::{ImageDecoder, codecs::hdr::HdrDecoder};
-use lapidary_core::{image::ImageError, texture::Texels};
+use lapidary_core::{color::in_rec_709, image::ImageError, texture::Texels};
 use std::{io::Read, path::Path};
 
 /// First bytes of the files. `#?RADIANCE` is usual; other programs write their own names, as in `#?RGBE`.
@@ -18,6 +18,9 @@ pub(super) const SIGNATURE: &[u8] = b"#?";
 
 /// Longest text of a file that a message repeats, in characters.
 const QUOTED: usize = 40;
+
+/// Most remarks on lines of a header.
+const MOST_REMARKS: usize = 4;
 
 /// The header of a picture.
 #[derive(Debug)]
@@ -45,13 +48,15 @@ struct Values {
     divisor: Vec3,
     primaries: Option<Chromaticities>,
     is_xyz: bool,
+    /// Lines that are left out, in sentences.
+    remarks: Vec<String>,
 }
 
 impl Header {
     pub fn read(bytes: &[u8], path: &Path) -> Result<Self, ImageError> {
         let mut rest = bytes;
         let mut line = || next_line(&mut rest).ok_or_else(|| truncated(path, "its header has no end"));
-        let mut values = Values { divisor: Vec3::ONE, primaries: None, is_xyz: false };
+        let mut values = Values { divisor: Vec3::ONE, primaries: None, is_xyz: false, remarks: Vec::new() };
         line()?; // the signature
         loop {
             let text = line()?;
@@ -61,12 +66,10 @@ impl Header {
             values.take(&text).map_err(|reason| damaged(path, reason))?;
         }
         let axes = axes(&line()?).map_err(|reason| damaged(path, reason))?;
+        values.check_divisor();
         let header = Self { axes, values, scanlines: bytes.len() - rest.len() };
         let [width, height] = header.size();
         check_size(width.into(), height.into(), path)?;
-        if !(header.values.divisor.is_finite() && header.values.divisor.min_element() > 0.0) {
-            return Err(damaged(path, "the product of its EXPOSURE and COLORCORR lines is out of range"));
-        }
         Ok(header)
     }
 
@@ -81,11 +84,6 @@ impl Header {
         let [across, along] = self.axes;
         let (across, along) = (across.along(scanline), along.along(pixel));
         if self.axes[0].is_x { [across, along] } else { [along, across] }
-    }
-
-    fn to_rec_709(&self) -> Result<Option<Mat3>, String> {
-        let named = if self.values.is_xyz { Some(XYZ) } else { self.values.primaries };
-        named.map_or(Ok(None), |found| primaries::rec_709_from(&found))
     }
 }
 
@@ -120,10 +118,16 @@ impl Values {
                     return Err(format!("its FORMAT is \"{}\"; {formats}", quoted(other)));
                 }
             },
-            "EXPOSURE" => self.divisor *= numbers::<1>("EXPOSURE", value)?[0],
-            "COLORCORR" => self.divisor *= Vec3::from_array(numbers("COLORCORR", value)?),
+            "EXPOSURE" => {
+                let [exposure] = self.numbers("EXPOSURE", value).unwrap_or([1.0]);
+                self.divisor *= exposure;
+            }
+            "COLORCORR" => {
+                let correction = self.numbers("COLORCORR", value).unwrap_or([1.0; 3]);
+                self.divisor *= Vec3::from_array(correction);
+            }
             "PRIMARIES" => {
-                let [rx, ry, gx, gy, bx, by, wx, wy] = numbers("PRIMARIES", value)?;
+                let Some([rx, ry, gx, gy, bx, by, wx, wy]) = self.numbers("PRIMARIES", value) else { return Ok(()) };
                 let [red, green, blue, white] = [(rx, ry), (gx, gy), (bx, by), (wx, wy)].map(openexr::Vec2::from);
                 self.primaries = Some(Chromaticities { red, green, blue, white });
             }
@@ -131,16 +135,29 @@ impl Values {
         }
         Ok(())
     }
+
+    /// The numbers of a line, or none with a remark.
+    fn numbers<const N: usize>(&mut self, name: &str, value: &str) -> Option<[f32; N]> {
+        let numbers: Result<Vec<f32>, _> = value.split_whitespace().map(str::parse).collect();
+        let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+        if numbers.is_none() && self.remarks.len() < MOST_REMARKS {
+            self.remarks.push(format!("its {name} is \"{}\" in place of {N} numbers, and is left out", quoted(value)));
+        }
+        numbers
+    }
+
+    /// Leaves out a divisor that is out of range.
+    fn check_divisor(&mut self) {
+        if !(self.divisor.is_finite() && self.divisor.min_element() > 0.0) {
+            self.divisor = Vec3::ONE;
+            self.remarks
+                .push("the product of its EXPOSURE and COLORCORR lines is out of range, and is left out".into());
+        }
+    }
 }
 
 fn quoted(text: &str) -> String {
     text.chars().take(QUOTED).collect()
-}
-
-fn numbers<const N: usize>(name: &str, value: &str) -> Result<[f32; N], String> {
-    let numbers: Result<Vec<f32>, _> = value.split_whitespace().map(str::parse).collect();
-    let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
-    numbers.ok_or_else(|| format!("its {name} is \"{}\"; it needs {N} numbers", quoted(value)))
 }
 
 fn axes(line: &str) -> Result<[Axis; 2], String> {
@@ -162,22 +179,25 @@ fn next_line(rest: &mut &[u8]) -> Option<String> {
     Some(line)
 }
 
-/// Radiance in linear Rec. 709, upright.
-pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<([u32; 2], Texels), ImageError> {
+/// Radiance, upright; `remarks` gets what of the header is left out.
+pub(super) fn decode(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Result<([u32; 2], Texels), ImageError> {
     let header = Header::read(bytes, path)?;
-    let unusable = |space| ImageError::Primaries { path: path.into(), space };
-    let to_rec_709 = header.to_rec_709().map_err(unusable)?;
+    remarks.extend(header.values.remarks.iter().cloned());
     let stored = stored_pixels(&header, &bytes[header.scanlines..]).map_err(|e| undecodable(path, e))?;
     let size = header.size();
     let mut texels = vec![[0.0, 0.0, 0.0, 1.0]; stored.len()];
     let along = header.axes[1].length;
+    // Values are never in XYZ.
+    let from_xyz = if header.values.is_xyz { primaries::rec_709_or_remark(&XYZ, remarks) } else { None };
     for (i, &rgb) in stored.iter().enumerate() {
         let [x, y] = header.position(i as u32 / along, i as u32 % along);
         let color = Vec3::from_array(rgb) / header.values.divisor;
-        let [r, g, b] = to_rec_709.map_or(color, |matrix| primaries::converted(matrix, color)).to_array();
+        let [r, g, b] = from_xyz.map_or(color, |matrix| in_rec_709(matrix, color)).to_array();
         texels[y as usize * size[0] as usize + x as usize] = [r, g, b, 1.0];
     }
-    Ok((size, Texels::F32(texels)))
+    let named = header.values.primaries.filter(|_| !header.values.is_xyz);
+    let to_rec_709 = named.and_then(|found| primaries::rec_709_or_remark(&found, remarks));
+    Ok((size, primaries::texels(texels, to_rec_709)))
 }
 
 /// The pixels in the order of the file. The decoder knows one signature, one format and one orientation.
@@ -192,7 +212,7 @@ fn stored_pixels(header: &Header, scanlines: &[u8]) -> image::ImageResult<Vec<[f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::texture::Texture;
+    use lapidary_core::texture::{ColorSpace, Texture};
 
     /// A file of uncompressed pixels.
     fn file(header: &str, pixels: &[[u8; 4]]) -> Vec<u8> {
@@ -205,7 +225,7 @@ mod tests {
 
     fn first(header: &str, pixel: [u8; 4]) -> Vec3 {
         let texture = read(&file(header, &[pixel])).unwrap();
-        texture.texel(0, 0, Default::default()).truncate()
+        texture.texel(0, 0, ColorSpace::Srgb).truncate()
     }
 
     #[test]
@@ -224,11 +244,18 @@ mod tests {
         assert_eq!(of("EXPOSURE=4.0\n"), Vec3::ONE);
         assert_eq!(of("EXPOSURE=2\nEXPOSURE= 8e0\n\tEXPOSURE=100\n"), Vec3::splat(0.25));
         assert_eq!(of("COLORCORR=1 2 4\nEXPOSURE=0.5\n"), Vec3::new(8.0, 4.0, 2.0));
-        for (wrong, word) in
-            [("EXPOSURE=0\n", "out of range"), ("EXPOSURE=x\n", "\"x\""), ("COLORCORR=1 1\n", "3 numbers")]
-        {
-            let message = read(&file(&header(wrong), &[[128; 4]])).unwrap_err();
-            assert!(message.contains(word) && message.ends_with("(a.hdr)"), "{message}");
+        for (wrong, word) in [
+            ("EXPOSURE=0\n", "out of range"),
+            ("EXPOSURE=x\n", "its EXPOSURE is \"x\""),
+            ("COLORCORR=1 1\n", "3 numbers"),
+            ("PRIMARIES=1\n", "8 numbers"),
+            ("PRIMARIES=0 0 0 0 0 0 0 0\n", "span no colors"),
+        ] {
+            let bytes = file(&header(wrong), &[[128, 128, 128, 131]]);
+            let mut remarks = Vec::new();
+            let texture = crate::image::decode_with(&bytes, Path::new("a.hdr"), &mut remarks).unwrap();
+            assert_eq!(texture.texel(0, 0, Default::default()).truncate(), Vec3::splat(4.0), "as without the line");
+            assert!(remarks.len() == 1 && remarks[0].contains(word), "{remarks:?}");
         }
     }
 

@@ -13,7 +13,7 @@ use image::{
     error::{ImageFormatHint, UnsupportedError},
 };
 use lapidary_core::{
-    color::{linear_from_codes, linear_from_deep_codes},
+    color::{in_rec_709, linear_from_codes, linear_from_deep_codes},
     image::{Image, ImageError},
     input, memory,
     texture::{Texels, Texture},
@@ -32,23 +32,28 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// # Errors
 /// A file that is unreadable, not a picture, or too large.
 pub fn read_texture(path: &Path) -> Result<Texture, ImageError> {
-    let mut texture = texture_in(path)?;
+    let mut texture = texture_in(path, &mut Vec::new())?;
     texture.texels.sanitize();
     Ok(texture)
 }
 
 /// The texture in a file, with its texels unchanged.
-fn texture_in(path: &Path) -> Result<Texture, ImageError> {
+fn texture_in(path: &Path, remarks: &mut Vec<String>) -> Result<Texture, ImageError> {
     let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
-    decode(&bytes, path)
+    decode_with(&bytes, path, remarks)
 }
 
 /// Reads a picture file; 8-bit pictures are decoded from sRGB.
 ///
 /// # Errors
-/// A file that is unreadable, not a picture, or too large.
+/// A file that is unreadable, not a picture, or too large, or says what its colors are in a way that cannot be used.
 pub fn read(path: &Path) -> Result<Image, ImageError> {
-    Ok(linear_image(&texture_in(path)?))
+    let mut remarks = Vec::new();
+    let texture = texture_in(path, &mut remarks)?;
+    match remarks.pop() {
+        Some(remark) => Err(damaged(path, remark)),
+        None => Ok(linear_image(&texture)),
+    }
 }
 
 /// Decodes the bytes of a picture file read from `path`, and keeps them with the texture.
@@ -58,11 +63,19 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
+    decode_with(bytes, path, &mut Vec::new())
+}
+
+/// The same as [`decode`]; `remarks` gets sentences on what of the header cannot be used and is left out.
+///
+/// # Errors
+/// Damaged, foreign or oversized contents.
+pub fn decode_with(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Result<Texture, ImageError> {
     footprint(bytes, path)?.check(memory::available(), path)?;
     let (size, texels) = if bytes.starts_with(&EXR_MAGIC) {
-        open_exr::decode(bytes, path)?
+        open_exr::decode(bytes, path, remarks)?
     } else if bytes.starts_with(radiance::SIGNATURE) {
-        radiance::decode(bytes, path)?
+        radiance::decode(bytes, path, remarks)?
     } else if bytes.starts_with(ktx2::SIGNATURE) {
         ktx2::decode(bytes, path)?
     } else if tiff::is_of_gray_floats(bytes) {
@@ -160,6 +173,9 @@ fn linear_image(texture: &Texture) -> Image {
         Texels::U8(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_codes([r, g, b])).collect(),
         Texels::U16(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_deep_codes([r, g, b])).collect(),
         Texels::F32(texels) => texels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
+        Texels::Wide { texels, to_rec_709 } => {
+            texels.iter().map(|&[r, g, b, _]| in_rec_709(*to_rec_709, Vec3::new(r, g, b))).collect()
+        }
     };
     Image { size: texture.size, pixels }
 }

@@ -4,10 +4,11 @@
 
 use super::budget::{Budget, OverBudget};
 use crate::{
+    image::decode_with,
     import::report::{ImportError, ImportOptions, ImportReport},
     names::listed,
 };
-use lapidary_core::{image::ImageError, input, memory};
+use lapidary_core::{image::ImageError, input, memory, texture::Texture};
 use std::{
     borrow::Cow,
     collections::{BTreeSet, HashMap},
@@ -76,6 +77,8 @@ pub(super) struct Files {
     listings: Listings,
     /// The files read so far.
     read: Vec<PathBuf>,
+    /// Sentences on what of pictures is left out.
+    remarks: Vec<String>,
 }
 
 impl Files {
@@ -90,6 +93,7 @@ impl Files {
             outside: BTreeSet::new(),
             listings: Listings::default(),
             read: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 
@@ -123,9 +127,20 @@ impl Files {
         })
     }
 
-    /// Reports the files read, and the files outside. Unread ones are also reported where they are missed.
+    /// Decodes a picture that fits the budget. What its header says and cannot be used becomes a warning.
+    pub fn decode(&mut self, bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
+        let mut remarks = Vec::new();
+        let texture = decode_with(bytes, path, &mut remarks)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        self.remarks.extend(remarks.into_iter().map(|remark| format!("the picture \"{name}\": {remark}")));
+        Ok(texture)
+    }
+
+    /// Reports the files read, what of pictures is left out, and the files outside. Unread ones are also reported where they are
+    /// missed.
     pub fn tell(self, report: &mut ImportReport) {
         report.files.extend(self.read);
+        report.warnings.extend(self.remarks);
         if self.outside.is_empty() {
             return;
         }

@@ -6,13 +6,13 @@ use super::{
     textures::sanitized,
 };
 use crate::{
-    image::{decode, footprint},
+    image::footprint,
     import::{
         files::read_file,
         report::{ImportError, ImportOptions, ImportReport},
     },
     material_file::{MaterialFile, SlotFile},
-    materialx::{self, MaterialXError, ReadMaterial},
+    materialx::{self, Expanded, MaterialXError, ReadMaterial},
 };
 use lapidary_core::{
     brdf::{BrdfFile, Content},
@@ -43,7 +43,25 @@ pub fn materials_in_file(path: &Path) -> Vec<String> {
     if wanted.is_some() || !is_materialx(file) {
         return Vec::new();
     }
-    input::read_text(file).ok().and_then(|text| materialx::names(&text).ok()).unwrap_or_default()
+    let names = || {
+        let mut files = Files::beside(file, &ImportOptions::default());
+        let Expanded { text, .. } = whole_document(input::read_text(file).ok()?, &mut files).ok()?;
+        materialx::names(&text).ok()
+    };
+    names().unwrap_or_default()
+}
+
+/// A MaterialX document with all documents that it includes.
+fn whole_document(text: String, files: &mut Files) -> Result<Expanded, MaterialXError> {
+    materialx::expanded(text, |path| {
+        let bytes = files.find(path).and_then(|found| files.read(&found)).map_err(|trouble| match trouble {
+            Trouble::Reason(reason) => reason,
+            Trouble::Outside(_) => "it is outside the folder of the document".into(),
+            Trouble::Memory(_) => "it does not fit into the memory".into(),
+        })?;
+        let text = input::text(&bytes).map_err(|error| error.to_string())?;
+        String::from_utf8(text.into_owned()).map_err(|_| "it is not text".into())
+    })
 }
 
 /// Whether a file is a MaterialX document, by its extension.
@@ -81,7 +99,8 @@ pub fn load_material(
 pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
     let (path, wanted) = material_in_file(path);
     let text = input::read_text(path).ok();
-    let read = text.and_then(|text| contents(path, text.as_bytes(), wanted).ok()).map(|read| read.material);
+    let mut files = Files::beside(path, &ImportOptions::default());
+    let read = text.and_then(|text| contents(path, text.as_bytes(), wanted, &mut files).ok()).map(|read| read.material);
     // The file that a name refers to depends on whether files outside are allowed.
     let found = [false, true].into_iter().flat_map(|allow_outside| {
         let mut files = Files::beside(path, &ImportOptions { allow_outside, ..Default::default() });
@@ -94,11 +113,15 @@ pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
 }
 
 /// The contents of a material file.
-fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>) -> Result<ReadMaterial, ImportError> {
+fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>, files: &mut Files) -> Result<ReadMaterial, ImportError> {
     let parse_error = |format, reason| ImportError::Parse { path: path.into(), format, reason };
     if is_materialx(path) {
         let text = std::str::from_utf8(bytes).map_err(|e| parse_error("MaterialX", e.to_string()))?;
-        return materialx::read(text, wanted).map_err(|error| match error {
+        let read = whole_document(text.into(), files).and_then(|Expanded { text, remarks }| {
+            let read = materialx::read(&text, wanted)?;
+            Ok(ReadMaterial { remarks: [remarks, read.remarks].concat(), ..read })
+        });
+        return read.map_err(|error| match error {
             MaterialXError::NoSuchMaterial { .. } => ImportError::NoSuchMaterial { path: path.into(), source: error },
             other => parse_error("MaterialX", other.to_string()),
         });
@@ -123,7 +146,7 @@ impl MaterialLoader<'_> {
     fn load(&mut self, wanted: Option<&str>) -> Result<Material, ImportError> {
         let path = self.path;
         let bytes = read_file(path, &mut self.files)?;
-        let ReadMaterial { material: file, remarks } = contents(path, &bytes, wanted)?;
+        let ReadMaterial { material: file, remarks } = contents(path, &bytes, wanted, &mut self.files)?;
         if let Some((map, _)) = file.maps.iter().find(|(_, slot)| slot.picture() == Some("")) {
             let reason = format!("the map `{map}` names neither a `file` nor a `procedural`");
             return Err(self.unread(Trouble::Reason(reason), ""));
@@ -192,7 +215,7 @@ impl MaterialLoader<'_> {
         let failed = |source| ImportError::Map { path: self.path.into(), source };
         let footprint = footprint(&bytes, Path::new(name)).map_err(failed)?;
         self.files.budget.take_picture(bytes.len(), footprint).map_err(|over| over.at(self.path))?;
-        let mut texture = decode(&bytes, Path::new(name)).map_err(failed)?;
+        let mut texture = self.files.decode(&bytes, Path::new(name)).map_err(failed)?;
         texture.name = name.to_owned();
         self.report.warnings.extend(sanitized(&mut texture));
         self.scene.textures.push(texture.into());

@@ -3,11 +3,12 @@
 //! Parsed here instead of by `tobj`, which panics at a color of fewer than three numbers and drops the whole library at
 //! one bad line.
 
-use super::{
-    budget::{Budget, OverBudget},
-    files::Trouble,
-    textures::TextureLibrary,
-};
+mod lost;
+mod statements;
+
+pub(super) use statements::{MtlEntry, parse};
+
+use super::{files::Trouble, textures::TextureLibrary};
 use crate::{import::source::Source, names::listed};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -16,6 +17,8 @@ use lapidary_core::{
     material::Material,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
+use lost::Lost;
+use statements::MapStatement;
 use std::collections::HashMap;
 
 /// Height in meters of a white texel of a bump map with multiplier 1; MTL has no unit for it.
@@ -23,151 +26,6 @@ pub(crate) const BUMP_METRES: f32 = 0.01;
 
 /// A specular color up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
 pub(crate) const LARGEST_DIELECTRIC_F0: f32 = 0.2;
-
-/// Illumination models with transparency: glass, and refraction.
-const TRANSPARENT_MODELS: [f32; 4] = [4.0, 6.0, 7.0, 9.0];
-
-/// The statements of one material by lower-case key; the last of repeated ones counts.
-#[derive(Debug, Default)]
-pub(super) struct MtlEntry {
-    statements: HashMap<String, String>,
-    /// Whether `Tr` is the opacity: the program that wrote the file says so nowhere, but names itself in a comment.
-    tr_is_opacity: bool,
-}
-
-/// All materials of a library by name. Unknown lines are skipped.
-///
-/// # Errors
-/// More materials than the budget allows.
-pub(super) fn parse(text: &str, budget: &mut Budget) -> Result<HashMap<String, MtlEntry>, OverBudget> {
-    let mut entries = HashMap::new();
-    let mut current: Option<(String, MtlEntry)> = None;
-    let mut tr_is_opacity = false;
-    for line in text.lines().map(str::trim) {
-        if let Some(comment) = line.strip_prefix('#') {
-            tr_is_opacity |= comment.to_ascii_lowercase().contains("meshlab");
-            continue;
-        }
-        let (key, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        if key == "newmtl" {
-            budget.take_names(1)?;
-            entries
-                .extend(current.replace((value.trim().to_owned(), MtlEntry { tr_is_opacity, ..Default::default() })));
-        } else if let Some((_, entry)) = &mut current {
-            entry.statements.insert(key.to_ascii_lowercase(), value.trim().to_owned());
-        }
-    }
-    entries.extend(current);
-    Ok(entries)
-}
-
-/// A texture statement: options and the file name, which may contain spaces.
-#[derive(Debug, PartialEq)]
-struct MapStatement {
-    file: String,
-    scale: Vec2,
-    offset: Vec2,
-    multiplier: f32,
-    channel: Option<Channel>,
-}
-
-impl MtlEntry {
-    fn number(&self, key: &str) -> Option<f32> {
-        self.statements.get(key)?.split_whitespace().next()?.parse().ok().filter(|x: &f32| x.is_finite())
-    }
-
-    /// Three numbers, or one for all.
-    fn color(&self, key: &str) -> Option<Vec3> {
-        let numbers: Option<Vec<f32>> =
-            self.statements.get(key)?.split_whitespace().take(3).map(|w| w.parse().ok()).collect();
-        match *numbers? {
-            [r, g, b] => Some(Vec3::new(r, g, b)),
-            [gray] => Some(Vec3::splat(gray)),
-            _ => None,
-        }
-        .filter(|c| c.is_finite())
-    }
-
-    /// `d`, or else what `Tr` says: most programs write `1 - d`, and some, as MeshLab, write `d`. An opaque material of
-    /// theirs would be invisible, which its illumination model contradicts.
-    fn opacity(&self) -> f32 {
-        let Some(tr) = self.number("tr").filter(|_| self.number("d").is_none()) else {
-            return self.number("d").unwrap_or(1.0);
-        };
-        let is_transparent = self.number("illum").is_none_or(|model| TRANSPARENT_MODELS.contains(&model));
-        match self.tr_is_opacity {
-            true => tr,
-            false if tr >= 1.0 && !is_transparent => 1.0,
-            false => 1.0 - tr,
-        }
-    }
-
-    fn map(&self, key: &str) -> Option<MapStatement> {
-        parse_map(self.statements.get(key)?)
-    }
-}
-
-/// Splits a texture statement such as `-bm 0.5 -s 2 2 1 my wood.png`.
-fn parse_map(statement: &str) -> Option<MapStatement> {
-    let mut map =
-        MapStatement { file: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, multiplier: 1.0, channel: None };
-    let mut rest = statement.trim();
-    while let Some(option) = rest.strip_prefix('-') {
-        let (name, after) = option.split_once(char::is_whitespace)?;
-        rest = after.trim_start();
-        match name {
-            "s" | "o" | "t" | "mm" => {
-                let numbers = take_numbers(&mut rest);
-                let pair = Vec2::new(*numbers.first()?, numbers.get(1).copied().unwrap_or(f32::from(name == "s")));
-                match name {
-                    "s" => map.scale = pair,
-                    "o" => map.offset = pair,
-                    _ => {}
-                }
-            }
-            "bm" => map.multiplier = *take_numbers(&mut rest).first()?,
-            "imfchan" => map.channel = channel(take_word(&mut rest)),
-            _ => _ = take_word(&mut rest), // blendu, blendv, clamp, cc, boost, texres, type: one word each
-        }
-    }
-    map.file = rest.trim().to_owned();
-    (!map.file.is_empty()).then_some(map)
-}
-
-fn channel(word: &str) -> Option<Channel> {
-    match word {
-        "r" => Some(Channel::R),
-        "g" => Some(Channel::G),
-        "b" => Some(Channel::B),
-        "m" => Some(Channel::A),
-        _ => None,
-    }
-}
-
-fn take_word<'a>(rest: &mut &'a str) -> &'a str {
-    let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-    *rest = after.trim_start();
-    word
-}
-
-/// Up to three numbers; the last word is the file's name and stays even if it is a number.
-fn take_numbers(rest: &mut &str) -> Vec<f32> {
-    let mut numbers = Vec::new();
-    while numbers.len() < 3 {
-        let Some((word, after)) = rest.split_once(char::is_whitespace) else { break };
-        let Ok(number) = word.parse::<f32>() else { break };
-        numbers.push(if number.is_finite() { number } else { 0.0 });
-        *rest = after.trim_start();
-    }
-    numbers
-}
-
-/// Unsupported features of materials, by material.
-#[derive(Default)]
-struct Ignored {
-    invisible: Vec<String>,
-    shininess_maps: Vec<String>,
-}
 
 /// Adds the materials called `names` to `source`, from the library `entries`, and reports missing and ignored ones.
 ///
@@ -179,48 +37,29 @@ pub(super) fn add_materials(
     entries: &HashMap<String, MtlEntry>,
     library: &mut TextureLibrary,
 ) -> Result<(), Trouble> {
-    let mut ignored = Ignored::default();
+    let mut lost = Lost::default();
     for name in names {
         let material = match entries.get(name) {
-            Some(entry) => material(name, entry, library, &mut ignored)?,
+            Some(entry) => {
+                lost.inspect(name, entry);
+                material(name, entry, library)?
+            }
             None => Material { name: name.clone(), ..Default::default() },
         };
         source.materials.push(material);
     }
     let missing: Vec<String> = names.iter().filter(|n| !entries.contains_key(*n)).cloned().collect();
-    warn(
-        source,
-        &missing,
-        "the materials {} are in no material library and show gray; put the .mtl file beside the scene",
-    );
-    warn(
-        source,
-        &ignored.invisible,
-        "the materials {} stop no light and are not seen; if their file means the opposite, raise their opacity",
-    );
-    warn(
-        source,
-        &ignored.shininess_maps,
-        "the materials {} have a shininess map (map_Ns), which was left out; convert it to a roughness map (map_Pr)",
-    );
+    if !missing.is_empty() {
+        source.warnings.push(format!(
+            "the materials {} are in no material library and show gray; put the .mtl file beside the scene",
+            listed(&missing)
+        ));
+    }
+    lost.warn(&mut source.warnings);
     Ok(())
 }
 
-fn warn(source: &mut Source, names: &[String], text: &str) {
-    if !names.is_empty() {
-        source.warnings.push(text.replace("{}", &listed(names)));
-    }
-}
-
-fn material(
-    name: &str,
-    entry: &MtlEntry,
-    library: &mut TextureLibrary,
-    ignored: &mut Ignored,
-) -> Result<Material, Trouble> {
-    if entry.map("map_ns").is_some() {
-        ignored.shininess_maps.push(name.to_owned());
-    }
+fn material(name: &str, entry: &MtlEntry, library: &mut TextureLibrary) -> Result<Material, Trouble> {
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
     let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
     // Programs leave the color black when a texture replaces it.
@@ -228,9 +67,6 @@ fn material(
     let opacity = entry.opacity();
     if opacity < 1.0 {
         material.parameters.set("geometry_opacity", opacity.max(0.0));
-    }
-    if opacity <= 0.0 {
-        ignored.invisible.push(name.to_owned());
     }
     add_maps(&mut material, entry, library)?;
     add_layers(&mut material, entry);
@@ -240,7 +76,9 @@ fn material(
 
 /// Coat (`Pc`, of roughness `Pcr`) and sheen (`Ps`): either makes a material OpenPBR.
 fn add_layers(material: &mut Material, entry: &MtlEntry) {
-    let [coat, sheen] = ["pc", "ps"].map(|key| entry.number(key).unwrap_or(0.0));
+    // A map alone has the weight 1.
+    let weight = |key, map| entry.number(key).unwrap_or(if entry.map(map).is_some() { 1.0 } else { 0.0 });
+    let (coat, sheen) = (weight("pc", "map_pc"), weight("ps", "map_ps"));
     if coat <= 0.0 && sheen <= 0.0 {
         return;
     }
@@ -372,7 +210,7 @@ fn looks_like_normals(texture: &Texture) -> bool {
             let sum = texels.iter().fold([0u64; 3], |s, t| [0, 1, 2].map(|c| s[c] + u64::from(t[c])));
             sum.map(|s| s as f32 / (65_535.0 * texels.len() as f32))
         }
-        Texels::F32(texels) => {
+        Texels::F32(texels) | Texels::Wide { texels, .. } => {
             let sum = texels.iter().fold([0f64; 3], |s, t| [0, 1, 2].map(|c| s[c] + f64::from(t[c])));
             sum.map(|s| s as f32 / texels.len() as f32)
         }
@@ -383,38 +221,12 @@ fn looks_like_normals(texture: &Texture) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
-    fn entry(text: &str) -> MtlEntry {
-        parse(&format!("newmtl m\n{text}"), &mut Budget::new(None)).unwrap().remove("m").unwrap()
-    }
-
-    #[test]
-    fn map_options_and_names_with_spaces_are_told_apart() {
-        let map = parse_map("-s 2 3 1 -bm 0.5 -clamp on -o 0.25 my old\\wood 2.png").unwrap();
-        assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.25, 0.0)));
-        assert_eq!((map.multiplier, map.file.as_str()), (0.5, "my old\\wood 2.png"));
-        assert_eq!(parse_map("-bm 2 7").unwrap().file, "7");
-        assert_eq!(parse_map("-bm 0.5"), None);
-        assert_eq!(parse_map("-s"), None);
-    }
+    use super::{statements::entry, *};
 
     #[test]
     fn damaged_lines_cost_only_themselves() {
         let m = parameters(&entry("Kd 0.5\nKs spectral file.rfl\nNs\nPr 0.25\nKe 1 nan 0\nd"));
         assert_eq!((m.base_color, m.roughness), (Vec3::splat(0.5), 0.25));
-    }
-
-    #[test]
-    fn opacity_is_read_as_its_program_meant_it() {
-        let opacity = |text: &str| entry(text).opacity();
-        assert_eq!([opacity(""), opacity("d 0.25\nTr 1"), opacity("Tr 0.25\nillum 2")], [1.0, 0.25, 0.75]);
-        // As MeshLab writes an opaque material. Glass of other programs stays transparent.
-        assert_eq!([opacity("Tr 1.0\nillum 2"), opacity("Tr 1\nillum 2\nd 1"), opacity("Tr 1\nd x")], [1.0, 1.0, 0.0]);
-        assert_eq!([opacity("Tr 1\nillum 4"), opacity("Tr 1"), opacity("Tr 0\nillum 2")], [0.0, 0.0, 1.0]);
-        let by_meshlab = "#\n# Wavefront material file\n# Converted by Meshlab Group\n#\nnewmtl m\nTr 0.25\nillum 2\n";
-        let opacity = |text: &str| parse(text, &mut Budget::new(None)).unwrap()["m"].opacity();
-        assert_eq!([opacity(by_meshlab), opacity(&by_meshlab.replace("Meshlab", "Blender"))], [0.25, 0.75]);
     }
 
     #[test]

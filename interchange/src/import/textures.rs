@@ -2,7 +2,7 @@
 
 use super::files::{Files, Trouble};
 use crate::{
-    image::{decode, footprint},
+    image::footprint,
     import::{report::ImportReport, source::Source},
 };
 use lapidary_core::texture::Texture;
@@ -100,5 +100,5 @@ pub(super) fn sanitized(texture: &mut Texture) -> Option<String> {
 pub(super) fn read_picture(bytes: &[u8], path: &Path, files: &mut Files) -> Result<Texture, Trouble> {
     let footprint = footprint(bytes, path).map_err(|e| e.to_string())?;
     files.budget.take_picture(bytes.len(), footprint)?;
-    Ok(decode(bytes, path)?)
+    Ok(files.decode(bytes, path)?)
 }

@@ -11,8 +11,14 @@ pub struct Candidate<'a> {
     pub label: &'a str,
     /// Its surface, if it has one.
     pub shader: Option<Node<'a, 'a>>,
+    /// What else it connects, which is not rendered.
+    pub others: Vec<&'a str>,
     pub line: u32,
 }
+
+/// Inputs of a material beside its surface, and what they are.
+const OTHERS: [(&str, &str); 2] =
+    [("displacementshader", "displacement"), ("backsurfaceshader", "the surface of its back")];
 
 /// The category of a surface: its element's, or the one its reference names.
 pub fn category<'a>(shader: Node<'a, 'a>) -> &'a str {
@@ -29,17 +35,23 @@ impl<'a> Candidate<'a> {
         let of = |node: Node<'a, 'a>, shader| {
             let name = node.attribute("name").unwrap_or_default();
             let label = node.attribute("uiname").filter(|label| !label.is_empty()).unwrap_or(name);
-            Self { name, label, shader, line: graph.line(node) }
+            Self { name, label, shader, others: Vec::new(), line: graph.line(node) }
         };
         let materials = root.children().filter(|node| node.has_tag_name("surfacematerial")).map(|node| {
             let input = graph.child(node, "surfaceshader");
             let target = input.and_then(|input| graph.target(input).ok().flatten());
-            of(node, target.map(|(shader, _)| shader))
+            let is_connected = |input: &Node| ["nodename", "nodegraph"].iter().any(|to| input.has_attribute(*to));
+            let has = |name| graph.child(node, name).is_some_and(|input| is_connected(&input));
+            let others = OTHERS.into_iter().filter(|(name, _)| has(name)).map(|(_, what)| what).collect();
+            Self { others, ..of(node, target.map(|(shader, _)| shader)) }
         });
-        // Before version 1.38 a material contains its surface.
+        // Before version 1.38 a material contains its surface, and may contain its displacement.
         let before = root.children().filter(|node| node.has_tag_name("material")).map(|node| {
-            let shader = node.children().find(|child| child.has_tag_name("shaderref"));
-            of(node, shader)
+            let shaders = || node.children().filter(|child| child.has_tag_name("shaderref"));
+            let is_surface = |shader: &Node<'a, 'a>| Surface::of(category(*shader)).is_some();
+            let shader = shaders().find(is_surface).or_else(|| shaders().next());
+            let others = shaders().filter(|other| Some(*other) != shader).map(category).collect();
+            Self { others, ..of(node, shader) }
         });
         let materials: Vec<_> = materials.chain(before).collect();
         if !materials.is_empty() {

@@ -1,10 +1,11 @@
 //! The nodes behind an input: constants, and pictures behind supported nodes.
 
+mod coordinates;
 mod relief;
+mod units;
 
 pub use relief::Relief;
 
-use super::placement::{placed, tiled};
 use glam::{Affine2, Vec2, Vec3};
 use lapidary_core::texture::{Channel, ColorSpace};
 use roxmltree::{Document, Node, NodeId};
@@ -190,6 +191,8 @@ impl<'a> Graph<'a> {
         };
         let numbers: Option<Vec<f32>> = text.split(',').take(5).map(number).collect();
         let mut numbers = numbers.filter(|numbers| numbers.len() <= 4).ok_or_else(wrong)?;
+        let factor = self.unit_factor(told);
+        numbers.iter_mut().for_each(|x| *x *= factor);
         if told.attribute("type").is_some_and(|kind| kind.starts_with("color"))
             && self.color_space(told) == ColorSpace::Srgb
         {
@@ -324,13 +327,30 @@ impl<'a> Graph<'a> {
         let Some(told) = told else { return self.beyond(input, "no picture is named") };
         let file = told.attribute("value").unwrap_or_default().trim();
         if file.contains('<') || file.contains('{') {
-            return self.beyond(told, &format!("the picture \"{file}\" stands for several, which are not read"));
+            let what = if ["<UDIM>", "<UVTILE>"].iter().any(|token| file.contains(token)) {
+                "is one of several tiles, which are not read; join them to one picture"
+            } else {
+                "stands for several, which are not read; name one of them"
+            };
+            return self.beyond(told, &format!("the picture \"{file}\" {what}"));
         }
+        // The innermost prefix counts.
         let prefix = told.ancestors().find_map(|around| around.attribute("fileprefix")).unwrap_or_default();
+        if self
+            .child(node, "layer")
+            .and_then(|layer| self.telling(layer)?.attribute("value"))
+            .is_some_and(|l| !l.is_empty())
+        {
+            self.remark(node, "the layer of the picture is chosen as in other pictures, not by its name");
+        }
         let kind =
             if node.has_tag_name("gltf_colorimage") { "color4" } else { node.attribute("type").unwrap_or("color3") };
-        // Only colors are converted from a space.
-        let color_space = if kind.starts_with("color") { self.color_space(told) } else { ColorSpace::Linear };
+        // Only colors are converted from a space. That of float pictures is in their own file.
+        let color_space = match kind.starts_with("color") {
+            true if holds_floats(file) => ColorSpace::Srgb,
+            true => self.color_space(told),
+            false => ColorSpace::Linear,
+        };
         let is_clamped = |name: &str| {
             let mode = self.child(node, name).and_then(|mode| mode.attribute("value"));
             mode.is_some_and(|mode| mode != "periodic")
@@ -361,57 +381,12 @@ impl<'a> Graph<'a> {
         let numbers = self.constant(node, name, &[1.0])?;
         Ok(triple(&numbers))
     }
+}
 
-    /// The transform of an image node, after the transform of its coordinates.
-    fn transform(&self, node: XmlNode<'a>) -> Result<Affine2> {
-        let before = match self.child(node, "texcoord") {
-            Some(input) => self.coordinates(input)?,
-            None => Affine2::IDENTITY,
-        };
-        let own = match node.tag_name().name() {
-            "tiledimage" => {
-                let real = self.pair(node, "realworldtilesize", Vec2::ONE)?
-                    / self.pair(node, "realworldimagesize", Vec2::ONE)?;
-                let (tiling, offset) =
-                    (self.pair(node, "uvtiling", Vec2::ONE)?, self.pair(node, "uvoffset", Vec2::ZERO)?);
-                Affine2::from_scale_angle_translation(real, 0.0, Vec2::ZERO) * tiled(tiling, offset)
-            }
-            "gltf_image" | "gltf_colorimage" | "gltf_normalmap" => {
-                // The numbers are as in KHR_texture_transform.
-                let scale = self.pair(node, "scale", Vec2::ONE)?;
-                let offset = self.pair(node, "offset", Vec2::ZERO)?;
-                let pivot = self.pair(node, "pivot", Vec2::Y)?;
-                let degrees = self.constant(node, "rotate", &[0.0])?[0];
-                placed(pivot, 1.0 / scale, -degrees, Vec2::new(-offset.x, offset.y), false)
-            }
-            _ => Affine2::IDENTITY,
-        };
-        Ok(own * before)
-    }
-
-    fn coordinates(&self, input: XmlNode<'a>) -> Result<Affine2> {
-        let Some((node, _)) = self.target(input)? else { return Ok(Affine2::IDENTITY) };
-        self.step(node)?;
-        match node.tag_name().name() {
-            "texcoord" => {
-                if self.constant(node, "index", &[0.0])?[0] != 0.0 {
-                    self.remark(node, "the second set of texture coordinates is taken for the first");
-                }
-                Ok(Affine2::IDENTITY)
-            }
-            "place2d" => {
-                let before = match self.child(node, "texcoord") {
-                    Some(input) => self.coordinates(input)?,
-                    None => Affine2::IDENTITY,
-                };
-                let number = |name| self.constant(node, name, &[0.0]).map(|numbers| numbers[0]);
-                let [pivot, offset] = ["pivot", "offset"].map(|name| self.pair(node, name, Vec2::ZERO));
-                let scale = self.pair(node, "scale", Vec2::ONE)?;
-                Ok(placed(pivot?, scale, number("rotate")?, offset?, number("operationorder")? == 1.0) * before)
-            }
-            other => self.beyond(node, &format!("coordinates by the node \"{other}\" are not read")),
-        }
-    }
+/// Whether a picture of this name has float texels, which no transfer function encodes.
+pub fn holds_floats(file: &str) -> bool {
+    let extension = file.rsplit('.').next().unwrap_or_default();
+    ["exr", "hdr"].iter().any(|float| extension.eq_ignore_ascii_case(float))
 }
 
 /// The first three of some numbers, or one for all.

@@ -5,6 +5,7 @@ use super::{
     stretch,
     surface::{OPACITY_CUTOFF, Surface},
 };
+use crate::fresnel::weigh_dielectric;
 use glam::Vec3;
 use lapidary_core::{brdf::BrdfModel, material::MaterialOf};
 
@@ -16,6 +17,7 @@ pub(crate) fn nearest<S: Clone>(
 ) -> MaterialOf<S> {
     let mut nearest = as_openpbr(material, remarks);
     nearest.parameters = nearest.parameters.sanitized();
+    weigh_metal(&mut nearest, material.model, surface, remarks);
     match surface {
         Surface::OpenPbr => {
             if nearest.parameters.number(OPACITY_CUTOFF) > 0.0 {
@@ -43,6 +45,25 @@ pub(crate) fn nearest<S: Clone>(
     nearest
 }
 
+/// The specular weight of OpenPBR's model here scales metal and dielectric, that of other models and surfaces the dielectric alone.
+fn weigh_metal<S>(nearest: &mut MaterialOf<S>, from: BrdfModel, surface: Surface, remarks: &mut Vec<String>) {
+    const LOST: &str = "its specular weight scales the reflection of its metal otherwise";
+    let number = |name| nearest.parameters.number(name);
+    let (weight, metalness, base) = (number("specular_weight"), number("base_metalness"), number("base_weight"));
+    let [weights, metals] = ["specular_weight", "base_metalness"].map(|name| nearest.maps.get(name).is_some());
+    match (from == BrdfModel::OpenPbr, surface == Surface::OpenPbr) {
+        (false, true) if !weigh_dielectric(nearest) => remarks.push(LOST.into()),
+        (true, false) if metalness > 0.0 && (weight < 1.0 || weights) => {
+            if metalness < 1.0 || metals || weights {
+                return remarks.push(LOST.into());
+            }
+            nearest.parameters.set("base_weight", weight * base);
+            nearest.parameters.set("specular_weight", 1.0);
+        }
+        _ => {}
+    }
+}
+
 /// Adapts a material to the parts of glTF's surface without a row: weights are multiplied into colors.
 fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
     let p = &nearest.parameters;
@@ -61,6 +82,11 @@ fn say_to_gltf<S>(nearest: &mut MaterialOf<S>, remarks: &mut Vec<String>) {
             remarks.push(format!("the map of its {} is left out", weight.replace('_', " ")));
         }
     }
+    // The color of glTF scales the reflectance toward the normal alone, its weight all of it.
+    let specular = p.color("specular_color");
+    let (weight, most) = (p.number("specular_weight"), specular.max_element());
+    nearest.parameters.set("specular_weight", weight * most);
+    nearest.parameters.set("specular_color", if most > 0.0 { specular / most } else { Vec3::ONE });
     nearest.parameters.set("base_color", base_color);
     nearest.parameters.set("fuzz_color", fuzz_color);
 }

@@ -1,6 +1,7 @@
 //! Placement of a picture on a surface: converts between the transform of a MaterialX document, whose v begins at the
 //! bottom, and a texture slot's, whose v begins at the top.
 
+use crate::material_file::SlotFile;
 use glam::{Affine2, Mat2, Vec2};
 
 /// The numbers of a slot that place its picture.
@@ -59,10 +60,20 @@ pub fn tiled(tiling: Vec2, offset: Vec2) -> Affine2 {
     Affine2::from_mat2_translation(Mat2::from_diagonal(tiling), -offset)
 }
 
+/// Whether a picture is turned or mirrored: its normals are then too.
+pub fn is_turned(slot: &SlotFile) -> bool {
+    slot.rotation_degrees != 0.0 || slot.scale.min_element() < 0.0
+}
+
+/// A document's transform by `rotate2d`.
+pub fn turned(degrees: f32) -> Affine2 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    Affine2::from_mat2(Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos)))
+}
+
 /// A document's transform by `place2d`; `turned_first` is its operation order 1.
 pub fn placed(pivot: Vec2, scale: Vec2, degrees: f32, offset: Vec2, turned_first: bool) -> Affine2 {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    let turn = Affine2::from_mat2(Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos)));
+    let turn = turned(degrees);
     let divide = Affine2::from_mat2(Mat2::from_diagonal(1.0 / scale));
     let shift = Affine2::from_translation(-offset);
     let inner = if turned_first { divide * turn * shift } else { shift * turn * divide };

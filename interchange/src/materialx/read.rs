@@ -1,11 +1,13 @@
 //! Converts a document to a material.
 
+mod lost;
+mod resolve;
+
 use super::{
     candidates::{Candidate, category, choose},
     graph::{Found, Graph, Picture, Relief, Unread},
-    placement::Placement,
-    stretch,
-    surface::{OPACITY_CUTOFF, Row, Surface},
+    placement::{Placement, is_turned},
+    surface::{Row, Surface},
 };
 use crate::material_file::{MaterialFile, SlotFile};
 use glam::Vec3;
@@ -15,13 +17,14 @@ use lapidary_core::{
     texture::Channel,
 };
 use roxmltree::{Document, Node, ParsingOptions};
+use std::borrow::Cow;
 use thiserror::Error;
 
 /// Largest number of elements, comments and texts in a document. MaterialX's own libraries have 50,000.
 const MOST_NODES: u32 = 1_000_000;
 
 /// Longest document in bytes.
-const MOST_BYTES: usize = 64 << 20;
+pub(super) const MOST_BYTES: usize = 64 << 20;
 
 /// Why a document yields no material.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -100,18 +103,55 @@ fn with_graph<R>(
     text: &str,
     make: impl for<'a> FnOnce(&Graph<'a>, Node<'a, 'a>) -> Result<R, MaterialXError>,
 ) -> Result<R, MaterialXError> {
+    parsed(text, |document| {
+        let root = document.root_element();
+        let graph = Graph::new(document);
+        if !root.has_tag_name("materialx") {
+            let reason = format!("it begins with \"{}\", not with \"materialx\"", root.tag_name().name());
+            return Err(MaterialXError::Contents { line: graph.line(root), reason });
+        }
+        make(&graph, root)
+    })
+}
+
+/// Largest number of prefixes of names that are used without being declared.
+const MOST_PREFIXES: usize = 8;
+
+/// Parses a document, and calls a function with it. Prefixes as in `xi:include` need not be declared: MaterialX's own reader
+/// does not ask for it.
+pub(super) fn parsed<R>(
+    text: &str,
+    make: impl for<'a> FnOnce(&'a Document<'a>) -> Result<R, MaterialXError>,
+) -> Result<R, MaterialXError> {
     if text.len() > MOST_BYTES {
         return Err(MaterialXError::TooLong { found: text.len() >> 20, limit: MOST_BYTES >> 20 });
     }
-    let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..Default::default() };
-    let document = Document::parse_with_options(text, options).map_err(|e| MaterialXError::Xml(e.to_string()))?;
-    let root = document.root_element();
-    let graph = Graph::new(&document);
-    if !root.has_tag_name("materialx") {
-        let reason = format!("it begins with \"{}\", not with \"materialx\"", root.tag_name().name());
-        return Err(MaterialXError::Contents { line: graph.line(root), reason });
+    let mut text = Cow::Borrowed(text);
+    let mut prefixes = 0;
+    loop {
+        let error = match document_of(&text) {
+            Ok(document) => return make(&document),
+            Err(error) => error,
+        };
+        let declared = match &error {
+            roxmltree::Error::UnknownNamespace(prefix, _) if prefixes < MOST_PREFIXES => {
+                text.replacen("<materialx", &format!("<materialx xmlns:{prefix}=\"urn:{prefix}\""), 1)
+            }
+            _ => return Err(malformed(&error)),
+        };
+        (text, prefixes) = (declared.into(), prefixes + 1);
     }
-    make(&graph, root)
+}
+
+fn document_of(text: &str) -> Result<Document<'_>, roxmltree::Error> {
+    let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..Default::default() };
+    Document::parse_with_options(text, options)
+}
+
+fn malformed(error: &roxmltree::Error) -> MaterialXError {
+    let (text, position) = (error.to_string(), error.pos());
+    let reason = text.strip_suffix(&format!(" at {position}")).unwrap_or(&text);
+    MaterialXError::Xml(format!("line {}: it is not well-formed XML: {reason}", position.row))
 }
 
 struct Reader<'g, 'a> {
@@ -128,22 +168,6 @@ struct Told {
 }
 
 impl<'a> Reader<'_, 'a> {
-    fn tell_of_others(&mut self, all: &[Candidate], chosen: &Candidate, was_asked: bool, root: Node<'a, 'a>) {
-        let others: Vec<String> =
-            all.iter().filter(|other| other.name != chosen.name).map(|other| other.name.into()).collect();
-        if !was_asked && !others.is_empty() {
-            self.remarks.push(format!(
-                "it has {} materials, of which \"{}\" was read; add #NAME to the file's name for another: {}",
-                all.len(),
-                chosen.name,
-                crate::names::listed(&others)
-            ));
-        }
-        if root.children().any(|node| node.tag_name().name() == "include") {
-            self.remarks.push("it includes other documents, which were not read".into());
-        }
-    }
-
     fn material(&mut self, of: &Candidate<'a>) -> Result<MaterialFile, MaterialXError> {
         let Some((shader, surface)) = of.surface() else {
             let found = of.shader.map_or("missing", category);
@@ -158,7 +182,7 @@ impl<'a> Reader<'_, 'a> {
         self.take_stored(&mut material, shader, surface)?;
         self.finish(&mut material, shader, surface)?;
         self.take_reliefs(&mut material, shader, surface)?;
-        self.tell_of_lost(shader, surface);
+        self.tell_of_lost(of, shader, surface);
         let stored: Vec<String> = material.stored().map(|p| p.label.to_lowercase()).collect();
         if !stored.is_empty() {
             self.remarks.push(format!("stored but not rendered: {}", stored.join(", ")));
@@ -255,6 +279,9 @@ impl<'a> Reader<'_, 'a> {
         let is_color = matches!(row.default, Value::Color(_));
         match found {
             Found::Constant(numbers) => {
+                if !is_color && numbers.iter().any(|x| *x != numbers[0]) {
+                    self.remarks.push(format!("of the color of \"{}\" only the red is taken", row.input));
+                }
                 let value = match (numbers.as_slice(), is_color) {
                     ([x, y, z, ..], true) => Value::Color(Vec3::new(*x, *y, *z)),
                     ([x], true) => Value::Color(Vec3::splat(*x)),
@@ -301,60 +328,6 @@ impl<'a> Reader<'_, 'a> {
         })
     }
 
-    /// Resolves inputs that depend on each other.
-    fn finish(
-        &mut self,
-        material: &mut MaterialFile,
-        shader: Node<'a, 'a>,
-        surface: Surface,
-    ) -> Result<(), MaterialXError> {
-        match surface {
-            Surface::OpenPbr => {}
-            Surface::StandardSurface => {
-                let is_metal =
-                    material.parameters.number("base_metalness") > 0.0 && material.maps.get("base_metalness").is_none();
-                if is_metal {
-                    // There the weight belongs to the tint at the edge, here to the metal.
-                    material.parameters.set("specular_weight", 1.0);
-                }
-                stretched(material, stretch::of_burley);
-                stretched_coat(material);
-            }
-            Surface::GltfPbr => {
-                let has_sheen = material.parameters.color("fuzz_color").max_element() > 0.0
-                    || material.maps.get("fuzz_color").is_some();
-                material.parameters.set("fuzz_weight", if has_sheen { 1.0 } else { 0.0 });
-                material.parameters.set("coat_ior", 1.5);
-                material.parameters.set("coat_darkening", 0.0);
-                stretched(material, stretch::of_gltf);
-                self.alpha(material, shader)?;
-            }
-        }
-        if let Some(input) = surface.thin_walled().and_then(|name| self.graph.child(shader, name)) {
-            material.double_sided = input.attribute("value") == Some("true");
-        }
-        Ok(())
-    }
-
-    /// Cutout as in glTF.
-    fn alpha(&mut self, material: &mut MaterialFile, shader: Node<'a, 'a>) -> Result<(), MaterialXError> {
-        const OPACITY: &str = "geometry_opacity";
-        let [mode, cutoff] = [("alpha_mode", 0.0), ("alpha_cutoff", 0.5)]
-            .map(|(name, default)| self.graph.constant(shader, name, &[default]).map(|numbers| numbers[0]));
-        let unread = |unread| match unread {
-            Unread::Wrong(text) | Unread::Beyond(text) => MaterialXError::Value(text),
-        };
-        let (mode, cutoff) = (mode.map_err(unread)?, cutoff.map_err(unread)?);
-        if mode == 0.0 {
-            material.parameters.set(OPACITY, 1.0);
-            material.maps.set(OPACITY, None);
-        }
-        if mode == 1.0 {
-            material.parameters.set(OPACITY_CUTOFF, cutoff);
-        }
-        Ok(())
-    }
-
     fn take_reliefs(
         &mut self,
         material: &mut MaterialFile,
@@ -367,60 +340,16 @@ impl<'a> Reader<'_, 'a> {
             Err(unread) => return self.tell(surface.normal(), unread),
         };
         for (name, relief) in [NORMAL, BUMP].into_iter().zip(reliefs) {
-            let Some(Relief { picture, strength }) = relief else { continue };
+            let Some(Relief { picture, strength, turns }) = relief else { continue };
             // An inverted green channel is DirectX's convention.
             let flip_y = name == NORMAL && picture.factor.y < 0.0;
             let slot = self.slot(&picture, surface.normal());
+            if slot.as_ref().is_some_and(|slot| name == NORMAL && !turns && is_turned(slot)) {
+                self.remarks
+                    .push("the normals turn with their picture, whose coordinates are turned or mirrored".into());
+            }
             material.maps.set(name, slot.map(|slot| SlotFile { strength, flip_y, ..slot }));
         }
         Ok(())
-    }
-
-    /// Adds remarks on inputs without effect, and on unknown ones.
-    fn tell_of_lost(&mut self, shader: Node<'a, 'a>, surface: Surface) {
-        let lost: Vec<&str> = surface
-            .lost()
-            .iter()
-            .filter(|(name, _)| self.graph.child(shader, name).is_some_and(|input| self.shows(input)))
-            .map(|(_, what)| *what)
-            .collect();
-        if !lost.is_empty() {
-            self.remarks.push(format!("left out: {}", lost.join(", ")));
-        }
-        for input in shader.children().filter(|node| ["input", "bindinput"].contains(&node.tag_name().name())) {
-            let name = input.attribute("name").unwrap_or_default();
-            if !surface.knows(name) {
-                let line = self.graph.line(input);
-                self.remarks
-                    .push(format!("line {line}: {} has no input \"{name}\", which is left out", surface.node()));
-            }
-        }
-    }
-
-    /// Whether an input has an effect: it is connected, or a number other than 0. A normal's value is its default.
-    fn shows(&self, input: Node<'a, 'a>) -> bool {
-        match self.graph.input(input) {
-            Ok(Found::Constant(numbers)) => numbers.len() == 1 && numbers[0] != 0.0,
-            Ok(Found::Picture(_)) => true,
-            Err(_) => input.attribute("value").is_none(),
-        }
-    }
-}
-
-/// Sets OpenPBR's roughness and anisotropy for the lobe whose widths `widths` computes from the input.
-fn stretched(material: &mut MaterialFile, widths: impl Fn(f32, f32) -> stretch::Widths) {
-    change_stretch(material, ["specular_roughness", "specular_roughness_anisotropy"], widths);
-}
-
-fn stretched_coat(material: &mut MaterialFile) {
-    change_stretch(material, ["coat_roughness", "coat_roughness_anisotropy"], stretch::of_burley);
-}
-
-fn change_stretch(material: &mut MaterialFile, names: [&'static str; 2], widths: impl Fn(f32, f32) -> stretch::Widths) {
-    let [roughness, anisotropy] = names.map(|name| material.parameters.number(name));
-    let is_mapped = names.iter().any(|name| material.maps.get(name).is_some());
-    if anisotropy > 0.0 && !is_mapped {
-        let lobe = stretch::to_openpbr(widths(roughness, anisotropy));
-        names.into_iter().zip(lobe).for_each(|(name, number)| material.parameters.set(name, number));
     }
 }

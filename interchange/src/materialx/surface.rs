@@ -93,45 +93,56 @@ const GLTF_PBR: [Row; 14] = [
     Row::number("alpha", "geometry_opacity", 1.0),
 ];
 
-/// An input without effect here unless it is zero, and the lost feature.
-type Lost = (&'static str, &'static str);
+/// An input that is not rendered.
+pub(super) struct Lost {
+    /// Name of the input.
+    pub input: &'static str,
+    /// The lost feature.
+    pub what: &'static str,
+    /// The number without effect.
+    pub without_effect: f32,
+}
+
+const fn lost(input: &'static str, what: &'static str) -> Lost {
+    Lost { input, what, without_effect: 0.0 }
+}
 
 const LOST_OF_OPEN_PBR: [Lost; 3] = [
-    ("geometry_tangent", "the direction of the highlight"),
-    ("geometry_coat_tangent", "the direction of the coat's highlight"),
-    ("geometry_coat_normal", "the normal of the coat"),
+    lost("geometry_tangent", "the direction of the highlight"),
+    lost("geometry_coat_tangent", "the direction of the coat's highlight"),
+    lost("geometry_coat_normal", "the normal of the coat"),
 ];
 
 const LOST_OF_STANDARD_SURFACE: [Lost; 8] = [
-    ("transmission", "transmission"),
-    ("subsurface", "subsurface scattering"),
-    ("thin_film_thickness", "the thin film"),
-    ("specular_rotation", "the turn of the highlight"),
-    ("coat_rotation", "the turn of the coat's highlight"),
-    ("tangent", "the direction of the highlight"),
-    ("coat_normal", "the normal of the coat"),
-    ("coat_affect_roughness", "how much the coat blurs the base"),
+    lost("transmission", "transmission"),
+    lost("subsurface", "subsurface scattering"),
+    lost("thin_film_thickness", "the thin film"),
+    lost("specular_rotation", "the turn of the highlight"),
+    lost("coat_rotation", "the turn of the coat's highlight"),
+    lost("tangent", "the direction of the highlight"),
+    lost("coat_normal", "the normal of the coat"),
+    lost("coat_affect_roughness", "how much the coat blurs the base"),
 ];
 
-const LOST_OF_GLTF_PBR: [Lost; 7] = [
-    ("transmission", "transmission"),
-    ("iridescence", "iridescence"),
-    ("dispersion", "dispersion"),
-    ("thickness", "absorption inside"),
-    ("anisotropy_rotation", "the turn of the highlight"),
-    ("tangent", "the direction of the highlight"),
-    ("clearcoat_normal", "the normal of the coat"),
+const LOST_OF_GLTF_PBR: [Lost; 8] = [
+    lost("transmission", "transmission"),
+    lost("iridescence", "iridescence"),
+    lost("dispersion", "dispersion"),
+    lost("thickness", "absorption inside"),
+    lost("anisotropy_rotation", "the turn of the highlight"),
+    lost("tangent", "the direction of the highlight"),
+    lost("clearcoat_normal", "the normal of the coat"),
+    Lost { input: "occlusion", what: "occlusion, which is computed here", without_effect: 1.0 },
 ];
 
 /// Inputs that are read elsewhere, and prefixes of inputs about lost features.
-const OTHERS: [&str; 14] = [
+const OTHERS: [&str; 13] = [
     "normal",
     "geometry_normal",
     "thin_walled",
     "geometry_thin_walled",
     "alpha_mode",
     "alpha_cutoff",
-    "occlusion",
     "transmission_",
     "subsurface_",
     "thin_film_",
@@ -208,7 +219,7 @@ impl Surface {
         let is_longer = |other: &str| self != Self::OpenPbr && input.starts_with(other);
         let is_meant = |other: &str| if other.ends_with('_') { is_longer(other) } else { input == other };
         self.rows().iter().chain(&self.stored_rows()).any(|row| row.input == input)
-            || self.lost().iter().any(|(name, _)| *name == input)
+            || self.lost().iter().any(|lost| lost.input == input)
             || OTHERS.into_iter().any(is_meant)
     }
 }

@@ -2,8 +2,9 @@
 
 use super::{
     estimate::leave_out_patterns,
+    graph::holds_floats,
     nearest::nearest,
-    placement::Placement,
+    placement::{Placement, is_turned},
     surface::{OPACITY_CUTOFF, Row, Surface},
 };
 use crate::material_file::{MaterialFile, SlotFile};
@@ -123,6 +124,12 @@ impl DocumentWriter {
         let name = self.name_like(&material.name);
         let mut remarks = Vec::new();
         let mut nearest = nearest(material, self.surface, &mut remarks);
+        if material.double_sided && self.surface.thin_walled().is_none() {
+            remarks.push("its surface cannot say that both sides reflect".into());
+        }
+        if nearest.maps.get(NORMAL).is_some_and(is_turned) {
+            remarks.push("its normals turn with their picture here, and with the surface in MaterialX".into());
+        }
         leave_out_patterns(&mut nearest.maps, &mut remarks);
         let graph = format!("NG_{name}");
         let mut ends: Vec<(Row, End)> = Vec::new();
@@ -318,7 +325,7 @@ impl DocumentWriter {
         self.open(category, &[("name", name.clone()), ("type", kind.into())])?;
         let mut file: Vec<Attribute> =
             vec![("name", "file".into()), ("type", "filename".into()), ("value", slot.file.clone())];
-        if slot.color_space == Some(ColorSpace::Srgb) && kind.starts_with("color") {
+        if slot.color_space == Some(ColorSpace::Srgb) && kind.starts_with("color") && !holds_floats(&slot.file) {
             file.push(("colorspace", "srgb_texture".into()));
         }
         self.empty("input", &file)?;

@@ -195,7 +195,8 @@ fn a_colored_highlight_becomes_openpbr_and_a_gray_one_keeps_its_grazing_reflecti
     let of = |color: &str| {
         let specular =
             format!(r#""KHR_materials_specular": {{"specularFactor": 0.5, "specularColorFactor": {color}}}"#);
-        with_material(&format!(r#""extensions": {{{specular}}}"#)).scene.materials.remove(0)
+        let plastic = r#""pbrMetallicRoughness": {"metallicFactor": 0}"#;
+        with_material(&format!(r#"{plastic}, "extensions": {{{specular}}}"#)).scene.materials.remove(0)
     };
     let colored = of("[1, 0.5, 0.25]");
     assert_eq!((colored.model, colored.parameters.number("specular_weight")), (BrdfModel::OpenPbr, 0.5));
@@ -214,6 +215,73 @@ fn a_colored_highlight_becomes_openpbr_and_a_gray_one_keeps_its_grazing_reflecti
         assert!((mean(ior) - expected).abs() < 0.004, "{scale}: {} {expected}", mean(ior));
         assert!(fresnel(0.1, ior) > 0.25, "the grazing reflection stays: {}", fresnel(0.1, ior));
         assert!(fresnel(1.0, ior) < 0.02 + 0.04 * scale, "{scale}: {}", fresnel(1.0, ior));
+    }
+}
+
+#[test]
+fn a_dark_specular_color_is_told_where_its_reflection_differs_visibly() {
+    let warnings = |color: &str, metalness: f32, weight: f32| {
+        let specular =
+            format!(r#""KHR_materials_specular": {{"specularFactor": {weight}, "specularColorFactor": {color}}}"#);
+        let plastic = format!(r#""pbrMetallicRoughness": {{"metallicFactor": {metalness}}}"#);
+        with_material(&format!(r#"{plastic}, "extensions": {{{specular}}}"#)).report.warnings
+    };
+    // Black shows 1.5 % toward the normal in place of 0, and blue alone 0 in place of Schlick's 1/21 in red.
+    for color in ["[0, 0, 0]", "[0, 0, 1]"] {
+        let said = warnings(color, 0.0, 1.0);
+        assert!(said.len() == 1 && said[0].contains("\"m\" have a dark or strong specular color"), "{said:?}");
+        assert_eq!(warnings(color, 1.0, 1.0), [""; 0], "a metal has none");
+        assert_eq!(warnings(color, 0.0, 0.1), [""; 0], "a faint highlight");
+    }
+    for color in ["[1, 1, 1]", "[0.5, 0.5, 0.5]", "[1, 0.9, 0.8]"] {
+        assert_eq!(warnings(color, 0.0, 1.0), [""; 0], "negative control");
+    }
+}
+
+#[test]
+fn the_weight_of_a_highlight_leaves_metals_below_a_coat() {
+    let of = |metalness: f32, coat: &str| {
+        let specular = r#""KHR_materials_specular": {"specularFactor": 0.5}"#;
+        let material =
+            format!(r#""pbrMetallicRoughness": {{"metallicFactor": {metalness}}}, "extensions": {{{coat}{specular}}}"#);
+        with_material(&material).scene.materials.remove(0)
+    };
+    let coated = of(0.5, r#""KHR_materials_sheen": {}, "#);
+    let p = &coated.parameters;
+    assert_eq!((coated.model, p.number("specular_weight")), (BrdfModel::OpenPbr, 1.0));
+    assert!((fresnel(1.0, p.number("specular_ior")) - 0.02).abs() < 1e-6, "half of 0.04");
+    assert_eq!(of(0.0, r#""KHR_materials_sheen": {}, "#).parameters.number("specular_weight"), 0.5, "negative control");
+    assert_eq!(of(0.5, "").parameters.number("specular"), 0.5, "GGX means the dielectric alone");
+}
+
+#[test]
+fn textures_and_extensions_of_materials_that_are_not_rendered_are_told_once_by_name() {
+    let warnings = |material: &str| with_material(material).report.warnings;
+    let occlusion = warnings(r#""occlusionTexture": {"index": 0}"#);
+    assert!(occlusion.len() == 1 && occlusion[0].contains("\"m\" have an occlusion texture"), "{occlusion:?}");
+    for name in ["volume", "dispersion", "iridescence", "diffuse_transmission", "unlit"] {
+        let said = warnings(&format!(r#""extensions": {{"KHR_materials_{name}": {{}}}}"#));
+        let expected = format!("the glTF extensions \"KHR_materials_{name}\" are not supported");
+        assert!(said.len() == 1 && said[0].starts_with(&expected), "{said:?}");
+    }
+    for (name, wrong) in [
+        ("clearcoat", r#""clearcoatFactor": "much""#),
+        ("sheen", r#""sheenColorFactor": 1"#),
+        ("anisotropy", r#""anisotropyStrength": []"#),
+        ("transmission", r#""transmissionFactor": {}"#),
+        ("emissive_strength", r#""strength": 2"#),
+    ] {
+        let said = warnings(&format!(r#""extensions": {{"KHR_materials_{name}": {{{wrong}}}}}"#));
+        let expected = format!("have a KHR_materials_{name} that is damaged");
+        assert!(said.len() == 1 && said[0].contains(&expected), "{said:?}");
+    }
+    for rendered in [
+        r#""extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": {"index": 0}, "clearcoatRoughnessTexture": {"index": 0}}}"#,
+        r#""extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenColorTexture": {"index": 0}}}"#,
+        r#""extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}"#,
+        r#""extensions": {"KHR_materials_ior": {"ior": 1.4}, "KHR_materials_emissive_strength": {"emissiveStrength": 2}}"#,
+    ] {
+        assert_eq!(warnings(rendered), [""; 0], "negative control");
     }
 }
 

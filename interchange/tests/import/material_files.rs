@@ -172,3 +172,32 @@ fn a_materialx_document_that_is_wrong_is_told_with_its_file_and_line() {
     assert_eq!(material.parameters.number("specular_roughness"), 0.3);
     assert!(with("0.25", "0.5").unwrap().1.len() == 1, "negative control");
 }
+
+#[test]
+fn included_documents_are_read_from_beside_and_others_told() {
+    let files = Files::new();
+    files.add_png("lib/maps/c.png", [0.5; 3]);
+    let graph = "<materialx version=\"1.39\" fileprefix=\"maps/\" colorspace=\"srgb_texture\"><image name=\"c\" type=\"color3\">\
+        <input name=\"file\" type=\"filename\" value=\"c.png\"/></image></materialx>";
+    files.add("lib/nodes.mtlx", graph);
+    let document = |href: &str| {
+        let text = format!(
+            "<materialx version=\"1.39\"><xi:include href=\"{href}\"/><standard_surface name=\"s\" type=\"surfaceshader\">\
+             <input name=\"base_color\" type=\"color3\" nodename=\"c\"/></standard_surface></materialx>"
+        );
+        let path = files.add("m.mtlx", text);
+        let mut scene = Scene::default();
+        let loaded = load_material(&path, &mut scene, &ImportOptions::default()).unwrap();
+        (loaded, scene.textures.len(), pictures_of_material(&path).len())
+    };
+    let ((material, remarks), textures, pictures) = document("lib/nodes.mtlx");
+    assert_eq!(material.maps.get("base_color").unwrap().color_space, ColorSpace::Srgb);
+    assert_eq!((remarks, textures, pictures), (vec![], 1, 1));
+    let outside = Files::new();
+    let foreign = outside.add("nodes.mtlx", graph);
+    for (href, reason) in [("gone.mtlx", "there is no such file"), (foreign.to_str().unwrap(), "outside the folder")] {
+        let ((material, remarks), textures, _) = document(href);
+        assert!(material.maps.get("base_color").is_none() && textures == 0, "negative control");
+        assert!(remarks[0].contains("which it includes, is left out") && remarks[0].contains(reason), "{remarks:?}");
+    }
+}

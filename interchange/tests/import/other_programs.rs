@@ -263,3 +263,108 @@ fn scenes_near_the_origin_stay_where_they_are() {
     let message = import_alone("a.obj", format!("{far}v 451234.5 5411111.25\nf 1 2 3\n")).unwrap_err().to_string();
     assert!(message.contains("line 4"), "{message}");
 }
+
+/// Warnings of a scene with this material.
+fn warnings_of(material: &str) -> Vec<String> {
+    let files = Files::new();
+    files.add_png("a.png", [0.5; 3]);
+    files.add_png("b.png", [0.25; 3]);
+    files.add("a.mtl", format!("newmtl Red\n{material}"));
+    import(&files.add("a.obj", TRIANGLE)).unwrap().report.warnings
+}
+
+#[test]
+fn statements_of_a_library_that_are_not_rendered_are_told_by_name() {
+    for (statement, said) in [
+        ("disp -mm 0 0.1 a.png", "the statement disp (displacement)"),
+        ("map_disp a.png", "the statement map_disp (displacement)"),
+        ("decal a.png", "the statement decal (a picture over the others)"),
+        ("refl -type sphere a.png", "the statement refl (a picture of reflections)"),
+        ("d 0.5\nTf 1 0.5 0.5", "the statement Tf (the color of transmitted light)"),
+        ("map_Ka a.png", "the statement map_Ka (a map of ambient light)"),
+        ("map_Ns a.png", "the statement map_Ns (a map of shininess; convert it to a map of roughness, map_Pr)"),
+        ("sharpness 60", "the statement sharpness"),
+        ("map_RMA a.png", "the statement map_RMA"),
+        ("Kd spectral red.rfl", "the statement Kd in a form that is not read"),
+        ("Ni glass", "the statement Ni in a form that is not read"),
+        ("map_Kd -s", "the statement map_Kd in a form that is not read"),
+        ("bump a.png\nmap_bump b.png", "the statement map_bump beside another one"),
+        ("Ks 0.9 0.5 0.1", "a highlight (Ks) with a hue"),
+        ("map_Kd -cc on a.png", "the option -cc of map_Kd"),
+        ("map_Kd -clamp on a.png", "the option -clamp of map_Kd"),
+        ("map_Kd -texres 512 a.png", "the option -texres of map_Kd"),
+        ("map_Kd -mm 0.2 1 a.png", "the option -mm of map_Kd"),
+        ("map_Pr -t 0.5 a.png", "the option -t of map_Pr"),
+        ("map_Kd -boost 2 a.png", "the option -boost of map_Kd"),
+        ("map_Kd -blendu off a.png", "the option -blendu of map_Kd"),
+        ("map_Kd -imfchan g a.png", "the option -imfchan of map_Kd"),
+        ("map_Pr -imfchan l a.png", "the option -imfchan of map_Pr"),
+        ("map_Pr -bm 2 a.png", "the option -bm of map_Pr"),
+    ] {
+        assert_eq!(
+            warnings_of(statement),
+            [format!("the materials \"Red\" have {said}, which is left out")],
+            "{statement}"
+        );
+    }
+}
+
+#[test]
+fn statements_that_are_rendered_or_have_no_effect_are_not_told() {
+    for statement in [
+        "Ka 0.2 0.2 0.2\nKd 1 0 0 # red\nKs 0.5 0.5 0.5\nillum 2\nTf 0.5 0.5 0.5\nNi 1.5\nNs 10",
+        "d 0.5\nTf 1 1 1",
+        "map_Kd a.png\nmap_Ka a.png",
+        "bump a.png\nmap_bump a.png",
+        "norm a.png\nKd 0 0 0\nKs 0.9 0.6 0.3\nPm 1",
+        "map_Kd -cc off -clamp off -mm 0 1 -t 0 0 0 -boost 0 -blendu on -blendv on -s 2 2 1 -o 0.5 0.5 0 a.png",
+        "map_Pr -imfchan g a.png\nmap_bump -bm 2 a.png",
+        "Pc 1\nmap_Pc a.png\nPcr 0.1\nPs 0.5\naniso 0.5\nanisor 0.25",
+    ] {
+        assert_eq!(warnings_of(statement), [""; 0], "{statement}");
+    }
+    let many: String = (0..50).map(|i| format!("acme_{i} 1\n")).collect();
+    let warnings = warnings_of(&many);
+    assert_eq!((warnings.len(), warnings[20].as_str()), (21, "30 more kinds of statements of materials are left out"));
+}
+
+#[test]
+fn a_map_of_a_coat_alone_has_a_coat() {
+    let files = Files::new();
+    files.add_png("a.png", [0.5; 3]);
+    let coat = |material: &str| {
+        files.add("a.mtl", format!("newmtl Red\n{material}"));
+        let material = import(&files.add("a.obj", TRIANGLE)).unwrap().scene.materials.remove(0);
+        (material.maps.get("coat_weight").is_some(), material.parameters.number("coat_weight"))
+    };
+    assert_eq!(coat("map_Pc a.png"), (true, 1.0));
+    assert_eq!(
+        (coat("Pc 0.25\nmap_Pc a.png"), coat("Pc 0\nmap_Pc a.png").0),
+        ((true, 0.25), false),
+        "negative control"
+    );
+}
+
+#[test]
+fn a_picture_with_a_damaged_line_is_read_and_told_by_name() {
+    let files = Files::new();
+    let warnings = |line: &str| {
+        let header = format!("#?RADIANCE\n{line}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+        files.add("sky.hdr", [header.as_bytes(), &[128, 64, 32, 129]].concat());
+        files.add("a.mtl", "newmtl Red\nmap_Kd sky.hdr\n");
+        let imported = import(&files.add("a.obj", TRIANGLE)).unwrap();
+        let texel = imported.scene.textures[0].texel(0, 0, ColorSpace::Srgb).truncate();
+        assert_eq!(texel, Vec3::new(1.0, 0.5, 0.25));
+        let json = files.add("m.json", r#"{"maps": {"base_color": {"file": "sky.hdr"}}}"#);
+        let (_, remarks) = load_material(&json, &mut Scene::default(), &ImportOptions::default()).unwrap();
+        assert_eq!(remarks, imported.report.warnings);
+        remarks
+    };
+    for (line, said) in
+        [("EXPOSURE=much\n", "its EXPOSURE is \"much\""), ("PRIMARIES=0 0\n", "its PRIMARIES is \"0 0\"")]
+    {
+        let found = warnings(line);
+        assert!(found.len() == 1 && found[0].starts_with(&format!("the picture \"sky.hdr\": {said}")), "{found:?}");
+    }
+    assert_eq!(warnings("EXPOSURE=1\n"), [""; 0], "negative control");
+}

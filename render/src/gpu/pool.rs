@@ -31,7 +31,7 @@ impl MipContent {
         match (map, &texture.texels) {
             (NORMAL, _) => Self::Slopes(SlopeSource::Normals),
             (BUMP, _) => Self::Slopes(SlopeSource::Heights(slot.channel)),
-            (_, Texels::U8(_) | Texels::U16(_)) => Self::Values(slot.color_space),
+            (_, Texels::U8(_) | Texels::U16(_) | Texels::Wide { .. }) => Self::Values(slot.color_space),
             (_, Texels::F32(_)) => Self::Values(ColorSpace::Linear),
         }
     }
@@ -44,10 +44,10 @@ impl MipContent {
         }
     }
 
-    /// How the shader decodes a texture. Texels of 16 bits are decoded before, to floats.
+    /// How the shader decodes a texture. Texels of 16 bits and of other primaries are decoded before, to floats.
     fn kind(self, texture: &Texture) -> u32 {
         match (&texture.texels, self) {
-            (Texels::U16(_) | Texels::F32(_), _) => KIND_FLOAT,
+            (Texels::U16(_) | Texels::F32(_) | Texels::Wide { .. }, _) => KIND_FLOAT,
             (Texels::U8(_), Self::Values(ColorSpace::Srgb)) => KIND_SRGB,
             (Texels::U8(_), _) => KIND_LINEAR,
         }
@@ -175,6 +175,10 @@ fn halved(texture: &Texture) -> Texture {
         [(2 * x, 2 * y), (x1, 2 * y), (2 * x, y1), (x1, y1)].map(|(x, y)| (y * width + x) as usize)
     };
     let positions = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+    let float_mean = |t: &[[f32; 4]], x, y| {
+        let quad = sources(x, y);
+        std::array::from_fn(|c| quad.iter().map(|&i| t[i][c]).sum::<f32>() * 0.25)
+    };
     let texels = match &texture.texels {
         Texels::U8(t) => {
             let mean = |i: [usize; 4], c: usize| ((i.iter().map(|&i| u32::from(t[i][c])).sum::<u32>() + 2) / 4) as u8;
@@ -184,9 +188,9 @@ fn halved(texture: &Texture) -> Texture {
             let mean = |i: [usize; 4], c: usize| ((i.iter().map(|&i| u32::from(t[i][c])).sum::<u32>() + 2) / 4) as u16;
             Texels::U16(positions.map(|(x, y)| std::array::from_fn(|c| mean(sources(x, y), c))).collect())
         }
-        Texels::F32(t) => {
-            let mean = |i: [usize; 4], c: usize| i.iter().map(|&i| t[i][c]).sum::<f32>() * 0.25;
-            Texels::F32(positions.map(|(x, y)| std::array::from_fn(|c| mean(sources(x, y), c))).collect())
+        Texels::F32(t) => Texels::F32(positions.map(|(x, y)| float_mean(t, x, y)).collect()),
+        Texels::Wide { texels, to_rec_709 } => {
+            Texels::Wide { texels: positions.map(|(x, y)| float_mean(texels, x, y)).collect(), to_rec_709: *to_rec_709 }
         }
     };
     Texture::new(texture.name.clone(), size, texels)
@@ -209,8 +213,8 @@ fn append(words: &mut Vec<u32>, texture: &Texture, detail: MipContent) {
 fn append_texels(words: &mut Vec<u32>, texels: &Texels, color_space: ColorSpace) {
     match texels {
         Texels::U8(t) => words.extend(t.iter().map(|&c| u32::from_le_bytes(c))),
-        Texels::U16(t) => {
-            words.extend((0..t.len()).flat_map(|i| texels.at(i, color_space).to_array().map(f32::to_bits)));
+        Texels::U16(_) | Texels::Wide { .. } => {
+            words.extend((0..texels.count()).flat_map(|i| texels.at(i, color_space).to_array().map(f32::to_bits)));
         }
         Texels::F32(t) => words.extend(t.iter().flatten().map(|c| c.to_bits())),
     }

@@ -243,7 +243,7 @@ fn read_png(path: &Path) -> Result<DisplayPicture> {
             let pixels = pixels.into_iter().map(|pixel| pixel.map(code)).collect();
             Ok(DisplayPicture { size: texture.size, pixels })
         }
-        Texels::F32(_) => Ok(DisplayPicture::shown(&image::read(path)?, &Post::default())),
+        Texels::F32(_) | Texels::Wide { .. } => Ok(DisplayPicture::shown(&image::read(path)?, &Post::default())),
     }
 }
 

@@ -296,7 +296,7 @@ fn reading(
     let floats = entry.is_some_and(|e| matches!(e.texture.texels, Texels::F32(_)));
     let help = match floats {
         true => "No effect on this picture: its texels are floating point and always linear.",
-        false => "How texels of 8 or 16 bits are read: sRGB for colors, linear for values such as roughness.",
+        false => "How texels are read: sRGB for colors, linear for values such as roughness.",
     };
     let spaces = [
         (ColorSpace::Srgb, "sRGB", "Texels are sRGB encoded: colors."),

@@ -3,7 +3,7 @@
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
 use lapidary_core::{
     color::srgb_from_linear,
-    texture::{Texels, Texture},
+    texture::{ColorSpace, Texels, Texture},
 };
 use std::{
     collections::HashMap,
@@ -58,7 +58,10 @@ fn encoded_texel(texture: &Texture, x: u32, y: u32) -> [f32; 3] {
     match &texture.texels {
         Texels::U8(texels) => [0, 1, 2].map(|c| f32::from(texels[index][c])),
         Texels::U16(texels) => [0, 1, 2].map(|c| f32::from(texels[index][c]) / 257.0),
-        Texels::F32(texels) => [0, 1, 2].map(|c| srgb_from_linear(texels[index][c]) * 255.0),
+        Texels::F32(_) | Texels::Wide { .. } => {
+            let texel = texture.texels.at(index, ColorSpace::Srgb);
+            [0, 1, 2].map(|c| srgb_from_linear(texel[c]) * 255.0)
+        }
     }
 }
 

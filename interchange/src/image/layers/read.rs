@@ -2,12 +2,12 @@
 
 use super::super::{
     open_exr::{self, EXR_MAGIC, Part, Window, undecodable, words},
-    primaries,
     read::{Footprint, damaged},
 };
 use exr::prelude::{self as openexr, ReadChannels, ReadLayers};
 use glam::{Mat3, Vec3};
 use lapidary_core::{
+    color::in_rec_709,
     image::{Image, ImageError},
     input, memory,
 };
@@ -121,7 +121,7 @@ impl Group {
         }
         let pixel = |i| {
             let value = Vec3::from_array(planes.map(|samples| samples.value_by_flat_index(i).to_f32()));
-            to_rec_709.map_or(value, |matrix| primaries::converted(matrix, value))
+            to_rec_709.map_or(value, |matrix| in_rec_709(matrix, value))
         };
         Ok(Image { size: self.window.size, pixels: self.window.picture(Vec3::ZERO, pixel) })
     }

@@ -12,7 +12,7 @@ use crate::{
     names::listed,
 };
 use serde_json::Value;
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 
 /// Supported extensions; others are named in a warning.
 const EXTENSIONS: [&str; 18] = [
@@ -77,6 +77,16 @@ fn check(document: &Value, path: &Path) -> Result<(), ImportError> {
     if unknown.is_empty() { Ok(()) } else { Err(ImportError::Extensions { path: path.into(), names: unknown }) }
 }
 
+/// Names of the extensions that materials have: some programs do not list them.
+fn extensions_of_materials(document: &Value) -> BTreeSet<String> {
+    let materials = document["materials"].as_array().into_iter().flatten();
+    materials
+        .filter_map(|material| material["extensions"].as_object())
+        .flatten()
+        .map(|(name, _)| name.clone())
+        .collect()
+}
+
 /// Parses and validates. The validation of the `gltf` crate looks up accessors of attributes before it checks their indices,
 /// so these are checked first.
 ///
@@ -86,11 +96,13 @@ pub(super) fn parse(container: &Container, path: &Path) -> Result<Parsed, Import
     let failed = |reason: String| Trouble::from(reason).at(path, "glTF");
     let document: Value = serde_json::from_slice(container.json).map_err(|error| failed(error.to_string()))?;
     check(&document, path)?;
+    let of_materials = extensions_of_materials(&document);
     let completed = completed(document, container.json).map_err(failed)?;
     let mut json: gltf::json::Root =
         serde_json::from_slice(&completed.text).map_err(|error| failed(error.to_string()))?;
     // Checked above; the crate would refuse a file that requires them.
     let mut required = std::mem::take(&mut json.extensions_required);
+    required.extend(of_materials);
     required.retain(|name| !json.extensions_used.contains(name));
     json.extensions_used.extend(required);
     let mut attributes = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());

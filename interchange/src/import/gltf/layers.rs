@@ -5,7 +5,10 @@
 //! is the same lobe here, with the square of glTF's roughness. Transmission passes straight through a thin surface, as
 //! opacity; where that is impossible, the material shows opaque with a remark.
 
-use crate::materialx::stretch;
+use crate::{
+    fresnel::{set_specular_color, weigh_dielectric},
+    materialx::stretch,
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::BrdfModel,
@@ -17,6 +20,7 @@ use serde::{
     de::{DeserializeOwned, IgnoredAny},
 };
 use serde_json::Value;
+use std::borrow::Cow;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// The extensions read here.
@@ -115,49 +119,23 @@ struct EmissiveStrength {
 #[derive(Clone, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 struct Specular {
-    specular_factor: f32,
     specular_color_factor: Vec3,
     specular_color_texture: Option<TextureInfo>,
 }
 
 impl Default for Specular {
     fn default() -> Self {
-        Self { specular_factor: 1.0, specular_color_factor: Vec3::ONE, specular_color_texture: None }
+        Self { specular_color_factor: Vec3::ONE, specular_color_texture: None }
     }
 }
 
 impl Specular {
-    /// Whether it is a color: a gray scales the reflectance toward the normal alone, see [`scaled_ior`]. Black stays black
+    /// Whether it is a color: a gray is an index of refraction, see [`set_specular_color`]. Black stays black
     /// with a texture.
     fn is_colored(&self) -> bool {
         let color = self.specular_color_factor;
         color.max_element() != color.min_element() || self.specular_color_texture.is_some() && color.max_element() > 0.0
     }
-
-    /// The hue: the color over its largest component, which [`scaled_ior`] takes.
-    fn hue(&self) -> Vec3 {
-        self.specular_color_factor / self.specular_color_factor.max_element()
-    }
-}
-
-/// The index of refraction of a dielectric whose reflectance toward the normal, F0, is scaled and whose grazing reflectance, F90,
-/// stays 1, as `specularColorFactor` asks for.
-///
-/// The models here have Fresnel's formula, not Schlick's F0 + (1 - F0)(1 - cos)^5, so F0 and F90 are not free of each other.
-/// The index keeps the mean over a hemisphere: Schlick's changes by 20/21 of the change of F0. Keeping F0 instead would leave a
-/// black color without any reflection, because an index of 1 has no surface. Fresnel's mean is (n - 1) / (4.08567 + 1.00071 n)
-/// (Kulla and Conty 2017, *Revisiting physically based shading at Imageworks*), within 7 % here.
-pub(super) fn scaled_ior(ior: f32, scale: f32) -> f32 {
-    const A: f32 = 4.085_67;
-    const B: f32 = 1.000_71;
-    const MOST: f32 = 0.9;
-    if scale == 1.0 || !(ior > 1.0) || !(scale >= 0.0) {
-        return ior;
-    }
-    let normal = ((ior - 1.0) / (ior + 1.0)).powi(2);
-    let change = ((scale * normal).min(1.0) - normal) * 20.0 / 21.0;
-    let mean = ((ior - 1.0) / (A + B * ior) + change).clamp(0.0, MOST);
-    (1.0 + A * mean) / (1.0 - B * mean)
 }
 
 /// The extensions of a material.
@@ -169,7 +147,12 @@ pub(super) struct Layers {
     transmission: Option<Transmission>,
     emission: Option<EmissiveStrength>,
     specular: Option<Specular>,
+    /// Names of extensions with other values than the specification allows.
+    unreadable: Vec<&'static str>,
 }
+
+/// A remark on a material, that follows its name.
+pub(super) type Remark = Cow<'static, str>;
 
 /// Adds a map to a material.
 type AddMap<'f, E> =
@@ -178,13 +161,17 @@ type AddMap<'f, E> =
 impl Layers {
     /// The extensions of each material of a document.
     pub fn of_all(document: &Value) -> Vec<Self> {
-        let of = |material: &Value| Self {
-            clearcoat: extension(material, CLEARCOAT),
-            sheen: extension(material, SHEEN),
-            anisotropy: extension(material, ANISOTROPY),
-            transmission: extension(material, TRANSMISSION),
-            emission: extension(material, EMISSIVE_STRENGTH),
-            specular: extension(material, SPECULAR),
+        let of = |material: &Value| {
+            let mut unreadable = Vec::new();
+            Self {
+                clearcoat: told_extension(material, CLEARCOAT, &mut unreadable),
+                sheen: told_extension(material, SHEEN, &mut unreadable),
+                anisotropy: told_extension(material, ANISOTROPY, &mut unreadable),
+                transmission: told_extension(material, TRANSMISSION, &mut unreadable),
+                emission: told_extension(material, EMISSIVE_STRENGTH, &mut unreadable),
+                specular: told_extension(material, SPECULAR, &mut unreadable),
+                unreadable,
+            }
         };
         document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(of).collect())
     }
@@ -199,29 +186,41 @@ impl Layers {
         material: &mut Material,
         mean: f32,
         mut slot: impl FnMut(&TextureInfo) -> Result<TextureSlot, E>,
-    ) -> Result<Vec<&'static str>, E> {
+    ) -> Result<Vec<Remark>, E> {
         let mut map =
             |material: &mut Material, name: &'static str, info: &Option<TextureInfo>, channel, color_space| {
                 let made = info.as_ref().map(&mut slot).transpose()?;
                 material.maps.set(name, made.map(|slot| TextureSlot { channel, color_space, ..slot }));
                 Ok(())
             };
-        let color = self.specular.as_ref().filter(|specular| specular.is_colored());
+        // A metal's reflection has the color of its base alone.
+        let is_metal = material.parameters.number("metalness") >= 1.0 && material.maps.get("metalness").is_none();
+        let color = self.specular.as_ref().filter(|specular| specular.is_colored() && !is_metal);
         if self.clearcoat.is_some() || self.sheen.is_some() || color.is_some() {
             material.change_model(BrdfModel::OpenPbr);
         }
         self.add_coat(material, &mut map)?;
         self.add_sheen(material, &mut map)?;
         if let Some(color) = color {
-            material.parameters.set("specular_weight", color.specular_factor);
-            material.parameters.set("specular_color", color.hue());
             map(material, "specular_color", &color.specular_color_texture, Channel::R, ColorSpace::Srgb)?;
         }
         let mut told = self.told();
-        if let Some(anisotropy) = &self.anisotropy {
-            told.extend(anisotropy.stretch(material, mean));
+        if let Some(specular) = self.specular.as_ref().filter(|_| !is_metal) {
+            let lost = set_specular_color(material, specular.specular_color_factor);
+            told.extend(lost.map(|lost| format!("have a {lost}").into()));
         }
-        told.extend(self.transmission.as_ref().and_then(|transmission| transmission.thin_out(material)));
+        if !weigh_dielectric(material) {
+            told.push(
+                "have a map of specular weight below a coat or sheen, which also scales the reflection of their metal"
+                    .into(),
+            );
+        }
+        if let Some(anisotropy) = &self.anisotropy {
+            told.extend(anisotropy.stretch(material, mean).map(Into::into));
+        }
+        told.extend(
+            self.transmission.as_ref().and_then(|transmission| transmission.thin_out(material)).map(Into::into),
+        );
         if let Some(emission) = &self.emission {
             let luminance = material.parameters.number("emission_luminance");
             material.parameters.set("emission_luminance", luminance * emission.emissive_strength);
@@ -250,19 +249,19 @@ impl Layers {
     }
 
     /// Remarks on extensions that are always left out.
-    fn told(&self) -> Vec<&'static str> {
+    fn told(&self) -> Vec<Remark> {
         let has_normal = self.clearcoat.as_ref().is_some_and(|coat| coat.clearcoat_normal_texture.is_some());
         let has_direction = self.anisotropy.as_ref().is_some_and(|anisotropy| anisotropy.anisotropy_texture.is_some());
-        [
+        let unreadable = self.unreadable.iter();
+        let unreadable = unreadable.map(|name| format!("have a {name} that is damaged, which is left out").into());
+        let lost = [
             (has_normal, "have a normal map of their coat, which is left out: the coat has that of the base"),
             (
                 has_direction,
                 "have an anisotropy texture, which is left out: the highlight is stretched the same everywhere",
             ),
-        ]
-        .into_iter()
-        .filter_map(|(lost, text)| lost.then_some(text))
-        .collect()
+        ];
+        lost.into_iter().filter(|(lost, _)| *lost).map(|(_, text)| text.into()).chain(unreadable).collect()
     }
 }
 
@@ -291,6 +290,19 @@ impl Transmission {
 pub(super) fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Option<T> {
     let value = &material["extensions"][name];
     (!value.is_null()).then(|| serde_json::from_value(value.clone()).ok()).flatten()
+}
+
+/// The extension of a material; `unreadable` gets its name if it is damaged.
+fn told_extension<T: DeserializeOwned>(
+    material: &Value,
+    name: &'static str,
+    unreadable: &mut Vec<&'static str>,
+) -> Option<T> {
+    let found = extension(material, name);
+    if found.is_none() && !material["extensions"][name].is_null() {
+        unreadable.push(name);
+    }
+    found
 }
 
 impl Anisotropy {

@@ -7,7 +7,7 @@ use super::{
     },
     buffers::{Buffers, percent_decoded, read_uri},
     glossiness::{self, Glossiness, Metallic},
-    layers::{self, Layers, TextureInfo, Transform},
+    layers::{Layers, Remark, TextureInfo, Transform},
 };
 use crate::{
     import::{
@@ -75,7 +75,7 @@ pub(super) fn index_of(
 struct Ignored {
     further_uvs: Vec<String>,
     /// Remarks on extensions, and the materials they apply to.
-    told: BTreeSet<(&'static str, String)>,
+    told: BTreeSet<(Remark, String)>,
 }
 
 impl Ignored {
@@ -132,11 +132,18 @@ impl MaterialReader<'_> {
             ..Default::default()
         };
         material.set_emission(Vec3::from_array(source.emissive_factor()));
+        if source.occlusion_texture().is_some() {
+            self.tell("have an occlusion texture, which is left out: occlusion is computed here", &material);
+        }
         self.add_maps(&mut material, source)?;
         self.add_opacity(&mut material, source);
         self.add_glossiness(&mut material, index)?;
         self.add_layers(&mut material, index)?;
         Ok(material)
+    }
+
+    fn tell(&mut self, remark: impl Into<Remark>, material: &Material) {
+        self.ignored.told.insert((remark.into(), material.name.clone()));
     }
 
     fn add_maps(&mut self, material: &mut Material, source: &gltf::Material) -> Result<(), Trouble> {
@@ -212,7 +219,7 @@ impl MaterialReader<'_> {
             specular = mean(self, &slot);
             let text = "have a map of specular color and glossiness, of which the mean was taken; bake it to maps of \
                         metalness and roughness";
-            self.ignored.told.insert((text, material.name.clone()));
+            self.tell(text, material);
         }
         let Metallic { base_color, metalness, roughness } =
             glossiness.metallic(diffuse, specular.truncate(), specular.w);
@@ -223,7 +230,7 @@ impl MaterialReader<'_> {
             material.parameters.set("base_color", base_color);
             if material.maps.get("base_color").is_some() {
                 let text = "are metals with a diffuse map, which metals do not show; it is left out";
-                self.ignored.told.insert((text, material.name.clone()));
+                self.tell(text, material);
             }
             material.maps.set("base_color", None);
         }
@@ -295,12 +302,11 @@ impl MaterialReader<'_> {
 fn parameters(source: &gltf::Material) -> GgxParameters {
     let pbr = source.pbr_metallic_roughness();
     let [r, g, b, _] = pbr.base_color_factor();
-    let color = source.specular().map_or(Vec3::ONE, |specular| specular.specular_color_factor().into());
     GgxParameters {
         base_color: Vec3::new(r, g, b),
         roughness: pbr.roughness_factor(),
         metalness: pbr.metallic_factor(),
-        ior: layers::scaled_ior(source.ior().unwrap_or(1.5), color.max_element()),
+        ior: source.ior().unwrap_or(1.5),
         specular: source.specular().map_or(1.0, |specular| specular.specular_factor()),
         ..Default::default()
     }

@@ -9,6 +9,8 @@ pub struct Relief {
     pub picture: Picture,
     /// Scale of normals, or height in meters.
     pub strength: f32,
+    /// Whether its normals turn with the picture, as glTF's do; others are those of the surface's own tangents.
+    pub turns: bool,
 }
 
 impl<'a> Graph<'a> {
@@ -31,7 +33,7 @@ impl<'a> Graph<'a> {
                 let height = self.needed(node, "height")?;
                 let Found::Picture(picture) = self.follow(height)? else { return Ok([normals, None]) };
                 let strength = self.constant(node, "scale", &[1.0])?[0] * picture.factor.x;
-                Ok([normals, Some(Relief { picture: *picture, strength })])
+                Ok([normals, Some(Relief { picture: *picture, strength, turns: true })])
             }
             "dot" => self.reliefs_behind(self.needed(node, "in")?),
             // The unmapped normal.
@@ -52,6 +54,6 @@ impl<'a> Graph<'a> {
             return self.beyond(node, "normals that are not those of tangent space are not read");
         }
         let strength = self.constant(node, "scale", &[1.0])?[0];
-        Ok(Relief { picture: *picture, strength })
+        Ok(Relief { picture: *picture, strength, turns: node.has_tag_name("gltf_normalmap") })
     }
 }

@@ -1,0 +1,133 @@
+//! What of a material library is not rendered, by statement and material.
+
+use super::statements::MtlEntry;
+use crate::names::listed;
+use std::collections::BTreeMap;
+
+const NUMBERS: [&str; 11] = ["ni", "pr", "ns", "pm", "aniso", "anisor", "d", "tr", "pc", "pcr", "ps"];
+const COLORS: [&str; 3] = ["kd", "ks", "ke"];
+const COLOR_MAPS: [&str; 2] = ["map_kd", "map_ke"];
+const NUMBER_MAPS: [&str; 7] = ["map_pr", "map_pm", "map_ks", "map_d", "map_pc", "map_pcr", "map_ps"];
+const RELIEFS: [&str; 4] = ["norm", "map_kn", "bump", "map_bump"];
+
+/// Statements without effect on a picture: ambient light, which path tracing computes, and the kind of an old renderer's
+/// shading.
+const WITHOUT_EFFECT: [&str; 2] = ["ka", "illum"];
+
+/// What statements are that many files have.
+const MEANINGS: [(&str, &str); 8] = [
+    ("disp", "displacement"),
+    ("map_disp", "displacement"),
+    ("decal", "a picture over the others"),
+    ("refl", "a picture of reflections"),
+    ("map_refl", "a picture of reflections"),
+    ("map_ka", "a map of ambient light"),
+    ("map_ns", "a map of shininess; convert it to a map of roughness, map_Pr"),
+    ("tf", "the color of transmitted light"),
+];
+
+/// Largest number of kinds of statements in the report.
+const MOST_KINDS: usize = 20;
+
+/// Statements and options that are left out, and their materials.
+#[derive(Default)]
+pub(super) struct Lost {
+    invisible: Vec<String>,
+    by_kind: BTreeMap<String, Vec<String>>,
+}
+
+impl Lost {
+    /// Notes what of a material is not rendered.
+    pub fn inspect(&mut self, material: &str, entry: &MtlEntry) {
+        if entry.opacity() <= 0.0 {
+            self.invisible.push(material.to_owned());
+        }
+        let mut statements: Vec<_> = entry.statements().collect();
+        statements.sort_by_key(|(key, _)| *key);
+        for (key, statement) in statements {
+            let name = &statement.key;
+            if let Some(text) = lost(entry, key, name) {
+                self.note(text, material);
+            }
+            for option in lost_options(entry, key) {
+                self.note(format!("the option -{option} of {name}"), material);
+            }
+        }
+        if has_colored_highlight(entry) {
+            self.note("a highlight (Ks) with a hue".into(), material);
+        }
+    }
+
+    fn note(&mut self, text: String, material: &str) {
+        self.by_kind.entry(text).or_default().push(material.to_owned());
+    }
+
+    pub fn warn(&self, warnings: &mut Vec<String>) {
+        if !self.invisible.is_empty() {
+            warnings.push(format!(
+                "the materials {} stop no light and are not seen; if their file means the opposite, raise their opacity",
+                listed(&self.invisible)
+            ));
+        }
+        let kinds = self.by_kind.iter().take(MOST_KINDS);
+        warnings.extend(
+            kinds.map(|(text, names)| format!("the materials {} have {text}, which is left out", listed(names))),
+        );
+        if self.by_kind.len() > MOST_KINDS {
+            warnings.push(format!(
+                "{} more kinds of statements of materials are left out",
+                self.by_kind.len() - MOST_KINDS
+            ));
+        }
+    }
+}
+
+/// A statement that is left out, in words.
+fn lost(entry: &MtlEntry, key: &str, name: &str) -> Option<String> {
+    let is_map = COLOR_MAPS.iter().chain(&NUMBER_MAPS).chain(&RELIEFS).any(|map| *map == key);
+    let is_readable = match key {
+        "map_ka" if entry.value(key) == entry.value("map_kd") => return None,
+        "tf" if !entry.is_transparent() || entry.color(key) == Some(glam::Vec3::ONE) => return None,
+        "map_kn" | "map_bump" if is_second(entry, key) => {
+            return Some(format!("the statement {name} beside another one"));
+        }
+        _ if WITHOUT_EFFECT.contains(&key) => true,
+        _ if NUMBERS.contains(&key) => entry.number(key).is_some(),
+        _ if COLORS.contains(&key) => entry.color(key).is_some(),
+        _ => is_map && entry.map(key).is_some(),
+    };
+    if is_readable {
+        return None;
+    }
+    if is_map || NUMBERS.contains(&key) || COLORS.contains(&key) {
+        return Some(format!("the statement {name} in a form that is not read"));
+    }
+    let meaning = MEANINGS.iter().find(|(known, _)| *known == key);
+    Some(format!("the statement {name}{}", meaning.map_or(String::new(), |(_, meaning)| format!(" ({meaning})"))))
+}
+
+/// Whether another key names another picture for the same map: that one counts.
+fn is_second(entry: &MtlEntry, key: &str) -> bool {
+    let first = entry.map(if key == "map_kn" { "norm" } else { "bump" });
+    first.is_some_and(|first| entry.map(key).is_none_or(|map| map.file != first.file))
+}
+
+/// The options of a map that are left out.
+fn lost_options(entry: &MtlEntry, key: &str) -> Vec<String> {
+    let is_color = COLOR_MAPS.contains(&key);
+    let is_relief = RELIEFS.contains(&key);
+    let Some(map) = entry.map(key).filter(|_| is_color || is_relief || NUMBER_MAPS.contains(&key)) else {
+        return Vec::new();
+    };
+    let channel = (is_color && map.channel.is_some()).then(|| "imfchan".to_owned());
+    let multiplier = (!is_relief && map.multiplier != 1.0).then(|| "bm".to_owned());
+    map.lost.into_iter().chain(channel).chain(multiplier).collect()
+}
+
+/// Whether a dielectric has a highlight of another color than white: its hue is lost.
+fn has_colored_highlight(entry: &MtlEntry) -> bool {
+    let Some(highlight) = entry.color("ks") else { return false };
+    let is_colored = highlight.max_element() - highlight.min_element() > 0.05 * highlight.max_element();
+    let is_metal = super::parameters(entry).metalness > 0.5;
+    is_colored && !is_metal
+}
