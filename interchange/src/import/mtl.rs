@@ -8,7 +8,11 @@ use super::{
     files::Trouble,
     textures::TextureLibrary,
 };
-use crate::{import::source::Source, names::listed};
+use crate::{
+    features::{self, Feature, Format, Support},
+    import::source::Source,
+    names::listed,
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{BrdfModel, GgxParameters},
@@ -16,7 +20,7 @@ use lapidary_core::{
     material::Material,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Height in meters of a white texel of a bump map with multiplier 1; MTL has no unit for it.
 pub(crate) const BUMP_METRES: f32 = 0.01;
@@ -86,6 +90,11 @@ impl MtlEntry {
             _ => None,
         }
         .filter(|c| c.is_finite())
+    }
+
+    /// Whether a statement changes nothing: it lets all colors pass.
+    fn is_default(&self, key: &str) -> bool {
+        key == "tf" && self.color(key).is_none_or(|color| color.min_element() >= 1.0)
     }
 
     /// `d`, or else what `Tr` says: most programs write `1 - d`, and some, as MeshLab, write `d`. An opaque material of
@@ -162,11 +171,48 @@ fn take_numbers(rest: &mut &str) -> Vec<f32> {
     numbers
 }
 
+/// Longest word of an unknown line that a warning names.
+const LONGEST_KEY: usize = 20;
+
 /// Unsupported features of materials, by material.
 #[derive(Default)]
 struct Ignored {
     invisible: Vec<String>,
-    shininess_maps: Vec<String>,
+    /// By the name of the feature.
+    left_out: BTreeMap<&'static str, (Feature, Vec<String>)>,
+    /// First words of lines that are in no format.
+    unknown: BTreeSet<String>,
+}
+
+impl Ignored {
+    fn note(&mut self, material: &str, entry: &MtlEntry) {
+        for key in entry.statements.keys().filter(|key| !entry.is_default(key)) {
+            match features::of(Format::Mtl, key) {
+                Some(feature) if matches!(feature.support, Support::LeftOut(_)) => {
+                    let (_, materials) = self.left_out.entry(feature.name).or_insert((feature, Vec::new()));
+                    if materials.last().is_none_or(|last| last != material) {
+                        materials.push(material.to_owned());
+                    }
+                }
+                Some(_) => {}
+                None if is_word(key) => _ = self.unknown.insert(key.clone()),
+                None => {}
+            }
+        }
+    }
+
+    fn warn(self, warnings: &mut Vec<String>) {
+        warnings.extend(self.left_out.values().filter_map(|(feature, names)| feature.warning("materials", names)));
+        if !self.unknown.is_empty() {
+            let unknown: Vec<String> = self.unknown.into_iter().collect();
+            warnings
+                .push(format!("the lines {} of material libraries are not known and were left out", listed(&unknown)));
+        }
+    }
+}
+
+fn is_word(key: &str) -> bool {
+    key.len() <= LONGEST_KEY && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') && !key.is_empty()
 }
 
 /// Adds the materials called `names` to `source`, from the library `entries`, and reports missing and ignored ones.
@@ -198,11 +244,7 @@ pub(super) fn add_materials(
         &ignored.invisible,
         "the materials {} stop no light and are not seen; if their file means the opposite, raise their opacity",
     );
-    warn(
-        source,
-        &ignored.shininess_maps,
-        "the materials {} have a shininess map (map_Ns), which was left out; convert it to a roughness map (map_Pr)",
-    );
+    ignored.warn(&mut source.warnings);
     Ok(())
 }
 
@@ -218,9 +260,7 @@ fn material(
     library: &mut TextureLibrary,
     ignored: &mut Ignored,
 ) -> Result<Material, Trouble> {
-    if entry.map("map_ns").is_some() {
-        ignored.shininess_maps.push(name.to_owned());
-    }
+    ignored.note(name, entry);
     let mut material = Material { name: name.to_owned(), parameters: parameters(entry).into(), ..Default::default() };
     let whole = if entry.map("map_ke").is_some() { Vec3::ONE } else { Vec3::ZERO };
     // Programs leave the color black when a texture replaces it.

@@ -13,15 +13,16 @@ use crate::import::{
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use lapidary_core::{material::Material, scene::Object};
 use ply_rs_bw::{
-    parser::{Parser, Reader},
+    parser::{ParseError, Parser, Reader},
     ply::{Property, PropertyAccess, PropertyAccessResult},
 };
-use std::path::Path;
+use std::{io::ErrorKind, path::Path};
 
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
     let parse_error = |reason: String| Trouble::from(reason).at(path, "PLY");
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(|e| parse_error(e.to_string()))?;
+    let header = Parser::<Vertex>::new().read_header(&mut reader);
+    let header = header.map_err(|error| parse_error(told(&error, "its header", "is not as PLY defines it")))?;
     for element in header.elements.values() {
         check_count("elements", element.count as u64, path)?;
         // A property takes at least a byte, in ascii and binary.
@@ -41,7 +42,8 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
             "face" => Parser::new().read_payload_for_element(&mut reader, element, &header).map(|f| faces = f),
             _ => Parser::<Ignored>::new().read_payload_for_element(&mut reader, element, &header).map(drop),
         };
-        result.map_err(|e| parse_error(e.to_string()))?;
+        let part = format!("its elements \"{}\"", element.name);
+        result.map_err(|error| parse_error(told(&error, &part, "does not fit the header")))?;
     }
     let triangles: u64 = faces.iter().map(|face| face.corners.len().saturating_sub(2) as u64).sum();
     check_count("triangles", triangles, path)?;
@@ -50,6 +52,15 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     let has_colors = header.elements.get("vertex").is_some_and(|vertex| vertex.properties.contains_key("red"));
     source.warnings.extend(has_colors.then(|| colors_left_out(count("vertex"))));
     Ok(source)
+}
+
+/// What is wrong with a part of the file.
+fn told(error: &ParseError, part: &str, wrong: &str) -> String {
+    let place = error.line().map_or_else(|| format!("something in {part}"), |line| format!("line {line} in {part}"));
+    match error.kind() {
+        ErrorKind::UnexpectedEof => format!("it ends within {part}"),
+        _ => format!("{place} {wrong}"),
+    }
 }
 
 fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {

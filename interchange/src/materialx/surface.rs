@@ -180,7 +180,7 @@ impl Surface {
     }
 
     /// Its inputs that are lost.
-    pub(super) const fn lost(self) -> &'static [Lost] {
+    pub(crate) const fn lost(self) -> &'static [Lost] {
         match self {
             Self::OpenPbr => &LOST_OF_OPEN_PBR,
             Self::StandardSurface => &LOST_OF_STANDARD_SURFACE,

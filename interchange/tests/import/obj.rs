@@ -124,6 +124,38 @@ fn bump_maps_that_are_blue_are_normal_maps_and_a_file_is_loaded_once() {
 }
 
 #[test]
+fn lines_of_a_library_that_are_not_shown_are_named() {
+    let told = |line: &str| {
+        let files = Files::new();
+        files.add("a.mtl", format!("newmtl one\nKa 1 1 1\nillum 2\n{line}\nnewmtl two\nKd 1 0 0\n"));
+        let faces = "usemtl one\nf 1 2 3\nusemtl two\nf 1 3 2\n";
+        let scene = format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+        import(&files.add("a.obj", scene)).unwrap().report.warnings.join("\n")
+    };
+    for (line, what) in [
+        ("disp height.png", "the materials \"one\" have displacement, which are left out"),
+        ("map_Ns shine.png", "the materials \"one\" have maps of shininess"),
+        ("TF 0.5 1 1", "\"one\" have colors of transmitted light"),
+        ("map_ao dark.png\nfoo", "the lines \"foo\", \"map_ao\" of material libraries are not known"),
+    ] {
+        let told = told(line);
+        assert!(told.contains(what) && !told.contains("two"), "{line}: {told}");
+    }
+    for line in ["Tf 1 1 1", "Ka 0 0 0", "map_Ka dark.png", "illum 4", "sharpness 60", "Ke 1 1 1", "\u{1}{ } 5"] {
+        assert_eq!(told(line), "", "negative control: {line}");
+    }
+}
+
+#[test]
+fn curves_of_free_form_are_left_out_aloud() {
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let told = |more: &str| import_alone("a.obj", format!("{mesh}{more}")).unwrap().report.warnings.join("\n");
+    let surface = told("cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 3 1\nparm u 0 1\nend\n");
+    assert!(surface.contains("curves and surfaces of free form, which are left out; convert them"), "{surface}");
+    assert_eq!(told("o end\ng surf\n# curv\n"), "", "negative control");
+}
+
+#[test]
 fn coats_and_sheen_of_a_library_become_openpbr() {
     let files = Files::new();
     files.add("a.mtl", "newmtl m\nKd 0.1 0.2 0.3\nPr 0.4\nPm 0.5\nPc 0.7\nPcr 0.2\nPs 0.3\nnewmtl plain\nPr 0.4\n");

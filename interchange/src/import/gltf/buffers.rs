@@ -39,7 +39,8 @@ impl Buffers {
         let load = |buffer: gltf::Buffer| {
             let data = match buffer.source() {
                 Source::Bin => {
-                    let blob = gltf.blob.as_ref().ok_or("the binary chunk is missing")?;
+                    let missing = || format!("buffer {} has no data: the binary chunk is missing", buffer.index());
+                    let blob = gltf.blob.as_ref().ok_or_else(missing)?;
                     files.budget.take(blob.len() as u64)?;
                     blob.clone()
                 }

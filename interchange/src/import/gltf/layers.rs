@@ -5,7 +5,11 @@
 //! is the same lobe here, with the square of glTF's roughness. Transmission passes straight through a thin surface, as
 //! opacity; where that is impossible, the material shows opaque with a remark.
 
-use crate::materialx::stretch;
+use crate::{
+    features::gltf::{ANISOTROPY_MAPS, COAT_NORMALS, TRANSMISSION_MAPS},
+    import::fields,
+    materialx::stretch,
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::BrdfModel,
@@ -19,8 +23,6 @@ use serde::{
 use serde_json::Value;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// The extensions read here.
-pub(super) const EXTENSIONS: [&str; 5] = [CLEARCOAT, SHEEN, ANISOTROPY, TRANSMISSION, EMISSIVE_STRENGTH];
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
 const SHEEN: &str = "KHR_materials_sheen";
 const ANISOTROPY: &str = "KHR_materials_anisotropy";
@@ -169,6 +171,8 @@ pub(super) struct Layers {
     transmission: Option<Transmission>,
     emission: Option<EmissiveStrength>,
     specular: Option<Specular>,
+    /// Remarks on extensions that cannot be read.
+    wrong: Vec<String>,
 }
 
 /// Adds a map to a material.
@@ -178,13 +182,19 @@ type AddMap<'f, E> =
 impl Layers {
     /// The extensions of each material of a document.
     pub fn of_all(document: &Value) -> Vec<Self> {
-        let of = |material: &Value| Self {
-            clearcoat: extension(material, CLEARCOAT),
-            sheen: extension(material, SHEEN),
-            anisotropy: extension(material, ANISOTROPY),
-            transmission: extension(material, TRANSMISSION),
-            emission: extension(material, EMISSIVE_STRENGTH),
-            specular: extension(material, SPECULAR),
+        let of = |material: &Value| {
+            let mut wrong = Vec::new();
+            let mut layers = Self {
+                clearcoat: read(material, CLEARCOAT, &mut wrong),
+                sheen: read(material, SHEEN, &mut wrong),
+                anisotropy: read(material, ANISOTROPY, &mut wrong),
+                transmission: read(material, TRANSMISSION, &mut wrong),
+                emission: read(material, EMISSIVE_STRENGTH, &mut wrong),
+                specular: read(material, SPECULAR, &mut wrong),
+                wrong: Vec::new(),
+            };
+            layers.wrong = wrong;
+            layers
         };
         document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(of).collect())
     }
@@ -199,7 +209,7 @@ impl Layers {
         material: &mut Material,
         mean: f32,
         mut slot: impl FnMut(&TextureInfo) -> Result<TextureSlot, E>,
-    ) -> Result<Vec<&'static str>, E> {
+    ) -> Result<Vec<String>, E> {
         let mut map =
             |material: &mut Material, name: &'static str, info: &Option<TextureInfo>, channel, color_space| {
                 let made = info.as_ref().map(&mut slot).transpose()?;
@@ -219,7 +229,7 @@ impl Layers {
         }
         let mut told = self.told();
         if let Some(anisotropy) = &self.anisotropy {
-            told.extend(anisotropy.stretch(material, mean));
+            told.extend(anisotropy.stretch(material, mean).map(str::to_owned));
         }
         told.extend(self.transmission.as_ref().and_then(|transmission| transmission.thin_out(material)));
         if let Some(emission) = &self.emission {
@@ -249,48 +259,51 @@ impl Layers {
         map(material, "fuzz_roughness", &sheen.sheen_roughness_texture, Channel::A, ColorSpace::Linear)
     }
 
-    /// Remarks on extensions that are always left out.
-    fn told(&self) -> Vec<&'static str> {
+    /// Remarks on extensions that are left out.
+    fn told(&self) -> Vec<String> {
         let has_normal = self.clearcoat.as_ref().is_some_and(|coat| coat.clearcoat_normal_texture.is_some());
         let has_direction = self.anisotropy.as_ref().is_some_and(|anisotropy| anisotropy.anisotropy_texture.is_some());
-        [
-            (has_normal, "have a normal map of their coat, which is left out: the coat has that of the base"),
-            (
-                has_direction,
-                "have an anisotropy texture, which is left out: the highlight is stretched the same everywhere",
-            ),
-        ]
-        .into_iter()
-        .filter_map(|(lost, text)| lost.then_some(text))
-        .collect()
+        let lost = [(has_normal, COAT_NORMALS), (has_direction, ANISOTROPY_MAPS)]
+            .into_iter()
+            .filter(|(is_there, _)| *is_there);
+        lost.filter_map(|(_, feature)| feature.lost()).chain(self.wrong.iter().cloned()).collect()
     }
 }
 
 impl Transmission {
     /// Lowers the opacity by the transmitted share. Returns a remark.
-    fn thin_out(&self, material: &mut Material) -> Option<&'static str> {
+    fn thin_out(&self, material: &mut Material) -> Option<String> {
         const OPACITY: &str = "geometry_opacity";
         const REFLECTED: f32 = 0.08;
         if !(self.transmission_factor > 0.0) {
             return None;
         }
         if self.transmission_texture.is_some() {
-            return Some("transmit light by a map, which is left out; they show opaque");
+            return TRANSMISSION_MAPS.lost();
         }
         if material.parameters.number("opacity_cutoff") > 0.0 {
-            return Some("are cut out and transmit light, which is left out");
+            return Some("are cut out and transmit light, which is left out".into());
         }
         // Both faces of a sheet of glass reflect some light: it stays visible and selectable.
         let stopped = (1.0 - self.transmission_factor).max(REFLECTED);
         material.parameters.set(OPACITY, material.parameters.number(OPACITY) * stopped);
-        Some("transmit light, which passes straight on as through a thin sheet, without refraction or tint")
+        Some("transmit light, which passes straight on as through a thin sheet, without refraction or tint".into())
     }
 }
 
-/// The extension of a material, if it is present and readable.
-pub(super) fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Option<T> {
+/// The extension of a material, if it is present.
+///
+/// # Errors
+/// A field of another kind.
+pub(super) fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Option<Result<T, String>> {
     let value = &material["extensions"][name];
-    (!value.is_null()).then(|| serde_json::from_value(value.clone()).ok()).flatten()
+    (!value.is_null()).then(|| fields::contents(value))
+}
+
+/// The extension of a material, if it is present and readable; else a remark may be added.
+fn read<T: DeserializeOwned>(material: &Value, name: &str, wrong: &mut Vec<String>) -> Option<T> {
+    let told = |reason| wrong.push(format!("have a {name} that was left out, because {reason}; export them again"));
+    extension(material, name)?.map_err(told).ok()
 }
 
 impl Anisotropy {

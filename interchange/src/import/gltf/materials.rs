@@ -73,7 +73,7 @@ struct Ignored {
     second_uvs: Vec<String>,
     not_repeated: Vec<String>,
     /// Remarks on extensions, and the materials they apply to.
-    told: BTreeSet<(&'static str, String)>,
+    told: BTreeSet<(String, String)>,
 }
 
 impl Ignored {
@@ -217,7 +217,7 @@ impl MaterialReader<'_> {
             specular = mean(self, &slot);
             let text = "have a map of specular color and glossiness, of which the mean was taken; bake it to maps of \
                         metalness and roughness";
-            self.ignored.told.insert((text, material.name.clone()));
+            self.ignored.told.insert((text.into(), material.name.clone()));
         }
         let Metallic { base_color, metalness, roughness } =
             glossiness.metallic(diffuse, specular.truncate(), specular.w);
@@ -228,7 +228,7 @@ impl MaterialReader<'_> {
             material.parameters.set("base_color", base_color);
             if material.maps.get("base_color").is_some() {
                 let text = "are metals with a diffuse map, which metals do not show; it is left out";
-                self.ignored.told.insert((text, material.name.clone()));
+                self.ignored.told.insert((text.into(), material.name.clone()));
             }
             material.maps.set("base_color", None);
         }

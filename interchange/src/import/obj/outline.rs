@@ -1,10 +1,13 @@
 //! First pass over the text of an OBJ file: counts and names, and everything that `tobj` reads wrongly or not at all.
 
-use crate::import::{
-    budget::{Budget, OverBudget},
-    files::Trouble,
-    repair::Smoothing,
-    source::colors_left_out,
+use crate::{
+    features::{self, Feature, Format, Support},
+    import::{
+        budget::{Budget, OverBudget},
+        files::Trouble,
+        repair::Smoothing,
+        source::colors_left_out,
+    },
 };
 use glam::DVec3;
 use std::{collections::HashSet, fmt::Write, iter::repeat_n, str::SplitWhitespace};
@@ -29,6 +32,8 @@ pub(super) struct Outline {
     /// Elements without a surface.
     lines: u64,
     points: u64,
+    /// Of curves and surfaces of free form.
+    free_form: Option<Feature>,
     /// The smoothing from a face on; empty without `s` statements.
     smoothing: Vec<(u64, FaceSmoothing)>,
 }
@@ -109,9 +114,19 @@ impl Outline {
                 self.materials.add(value.trim(), budget)?;
             }
             "mtllib" => self.libraries.add(value.trim(), budget)?,
-            _ => self.text.push_str(trimmed),
+            _ => {
+                self.note(key);
+                self.text.push_str(trimmed);
+            }
         }
         Ok(())
+    }
+
+    /// Notes a statement that is left out.
+    fn note(&mut self, key: &str) {
+        if self.free_form.is_none() && !key.is_empty() && !key.starts_with('#') {
+            self.free_form = features::of(Format::Obj, key).filter(|f| matches!(f.support, Support::LeftOut(_)));
+        }
     }
 
     fn push_statement(&mut self, key: &str, value: &str) {
@@ -164,6 +179,9 @@ impl Outline {
     pub fn warn(&self, warnings: &mut Vec<String>) {
         if self.colored > 0 {
             warnings.push(colors_left_out(self.colored));
+        }
+        if let Some(lost) = self.free_form.and_then(|feature| feature.lost()) {
+            warnings.push(format!("parts of the file {lost}"));
         }
         if self.lines + self.points > 0 {
             warnings.push(format!(
