@@ -165,8 +165,8 @@ const PICTURES: [Feature; 13] = [
     feature(
         Picture,
         "",
-        "EXR: deep pixels, channels of different resolution, and DWA compression",
-        LeftOut("such a file is refused; flatten it, or save it with ZIP compression"),
+        "EXR: deep pixels, and channels of different resolution, as of luminance and chroma",
+        LeftOut("such a file is refused; flatten it, or save it as RGB"),
     ),
     feature(Picture, "HDR", "RGBE and XYZE, exposure, color correction, primaries, all orientations", Read),
     feature(Picture, "PNG", "8 and 16 bits, with alpha", Read),
