@@ -8,11 +8,7 @@ use super::{
     files::Trouble,
     textures::TextureLibrary,
 };
-use crate::{
-    features::{self, Feature, Format, Support},
-    import::source::Source,
-    names::listed,
-};
+use crate::{import::source::Source, names::listed};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{BrdfModel, GgxParameters},
@@ -20,7 +16,10 @@ use lapidary_core::{
     material::Material,
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot},
 };
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use lost::Ignored;
+use std::collections::HashMap;
+
+mod lost;
 
 /// Height in meters of a white texel of a bump map with multiplier 1; MTL has no unit for it.
 pub(crate) const BUMP_METRES: f32 = 0.01;
@@ -169,50 +168,6 @@ fn take_numbers(rest: &mut &str) -> Vec<f32> {
         *rest = after.trim_start();
     }
     numbers
-}
-
-/// Longest word of an unknown line that a warning names.
-const LONGEST_KEY: usize = 20;
-
-/// Unsupported features of materials, by material.
-#[derive(Default)]
-struct Ignored {
-    invisible: Vec<String>,
-    /// By the name of the feature.
-    left_out: BTreeMap<&'static str, (Feature, Vec<String>)>,
-    /// First words of lines that are in no format.
-    unknown: BTreeSet<String>,
-}
-
-impl Ignored {
-    fn note(&mut self, material: &str, entry: &MtlEntry) {
-        for key in entry.statements.keys().filter(|key| !entry.is_default(key)) {
-            match features::of(Format::Mtl, key) {
-                Some(feature) if matches!(feature.support, Support::LeftOut(_)) => {
-                    let (_, materials) = self.left_out.entry(feature.name).or_insert((feature, Vec::new()));
-                    if materials.last().is_none_or(|last| last != material) {
-                        materials.push(material.to_owned());
-                    }
-                }
-                Some(_) => {}
-                None if is_word(key) => _ = self.unknown.insert(key.clone()),
-                None => {}
-            }
-        }
-    }
-
-    fn warn(self, warnings: &mut Vec<String>) {
-        warnings.extend(self.left_out.values().filter_map(|(feature, names)| feature.warning("materials", names)));
-        if !self.unknown.is_empty() {
-            let unknown: Vec<String> = self.unknown.into_iter().collect();
-            warnings
-                .push(format!("the lines {} of material libraries are not known and were left out", listed(&unknown)));
-        }
-    }
-}
-
-fn is_word(key: &str) -> bool {
-    key.len() <= LONGEST_KEY && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') && !key.is_empty()
 }
 
 /// Adds the materials called `names` to `source`, from the library `entries`, and reports missing and ignored ones.

@@ -1,10 +1,7 @@
 //! Small files of every kind, each cut short at every place, and with a value of another kind in place of each field.
 //! Messages name the file, and for JSON the field.
 
-use super::{
-    gltf::{Gltf, QUAD},
-    *,
-};
+use super::{gltf::Gltf, *};
 use lapidary_core::image::Image;
 use serde_json::{Value, json};
 
