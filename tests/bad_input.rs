@@ -54,12 +54,18 @@ fn missing_materials_and_zero_area_triangles_are_warnings() {
     let folder = Folder::new();
     let scene = fs::read_to_string(folder.path("scene.obj")).expect("the scene");
     folder.write("poor.obj", scene.replace("scene.mtl", "gone.mtl") + "f 1 1 2\n");
-    let output = folder.run(&format!(
-        "bake poor.obj -o a.cuts {} --progress bar --report r.json",
-        SMALL.replace("--progress none", "")
-    ));
-    let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success() && warnings.contains("gone.mtl"), "{warnings}");
+    let warnings = |options: &str| {
+        let small = SMALL.replace("--progress none", "");
+        let output = folder.run(&format!("bake poor.obj -o a.cuts {small} --report r.json {options}"));
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{options}: {errors}");
+        errors
+    };
+    for progress in ["bar", "json", "none"] {
+        let warnings = warnings(&format!("--progress {progress}"));
+        assert_eq!(warnings.matches("gone.mtl").count(), 1, "{progress}: {warnings}");
+    }
+    assert_eq!(warnings("--progress none --quiet"), "", "negative control");
     assert!(folder.json("r.json")["warnings"].to_string().contains("gone.mtl"));
     assert_eq!(folder.dataset("a.cuts").scene.objects.len(), 2);
 }

@@ -12,6 +12,7 @@ mod export;
 mod farm;
 mod faults;
 mod gpu;
+mod info;
 mod kills;
 mod materials;
 mod mitsuba;

@@ -13,6 +13,7 @@ use source::Source;
 use std::path::Path;
 
 mod budget;
+mod fields;
 mod files;
 pub(crate) mod gltf;
 mod materials;
@@ -33,6 +34,7 @@ pub use crate::material_file::{MapFiles, MaterialFile, SlotFile};
 pub use materials::{is_materialx, load_material, material_in_file, materials_in_file, pictures_of_material};
 pub use report::{ImportError, ImportOptions, ImportReport};
 pub use scene_format::{Content, SceneFormat};
+pub use textures::sanitized;
 
 /// A scene and the report of its import.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 //!
 //! File contents become the data of `lapidary-core`, which is independent of these formats.
 //!
-//! * [`formats`]: the lists of all formats
+//! * [`formats`]: the lists of all formats; [`features`]: what is read of each
 //! * [`import`]: scenes and materials; [`export`]: materials of a scene
 //! * [`materialx`]: materials in and out of MaterialX documents
 //! * [`animation`]: clips, skins and morph targets of glTF files
@@ -11,6 +11,7 @@
 pub mod animation;
 pub mod environment;
 pub mod export;
+pub mod features;
 mod file_format;
 pub mod formats;
 mod fresnel;

@@ -10,7 +10,7 @@ use lapidary_core::{
     brdf::{BrdfModel, Value},
     color::luminance,
     material::{BUMP, NORMAL},
-    texture::Channel,
+    texture::{Channel, UvSet, Wrap},
 };
 use std::{collections::BTreeSet, fmt::Write};
 
@@ -212,6 +212,14 @@ impl Entry<'_> {
             Channel::A => "-imfchan m ",
         };
         options += channel;
+        match slot.wrap {
+            [Wrap::Clamp, Wrap::Clamp] => options += "-clamp on ",
+            [Wrap::Repeat, Wrap::Repeat] => {}
+            _ => self.lost.push(format!("MTL can only repeat or clamp the picture of {key}; it repeats")),
+        }
+        if slot.uv_set == UvSet::Second {
+            self.lost.push(format!("MTL has one set of texture coordinates, and {key} uses the second"));
+        }
         // MTL counts v from the bottom.
         let offset = [slot.offset.x, 1.0 - slot.scale.y - slot.offset.y];
         if offset != [0.0; 2] {

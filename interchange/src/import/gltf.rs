@@ -5,6 +5,7 @@ use super::{
     textures::TextureLibrary,
 };
 use crate::{
+    features::gltf::ORTHOGRAPHIC,
     import::{
         report::{ImportError, ImportOptions},
         source::Source,
@@ -152,9 +153,7 @@ fn remark_of_empty_textures(materials: &[String]) -> Option<String> {
 fn add_camera(source: &mut Source, node: &gltf::Node, camera: &gltf::Camera, world_from_node: Mat4) {
     let name = node.name().or(camera.name()).unwrap_or("camera").to_owned();
     let gltf::camera::Projection::Perspective(lens) = camera.projection() else {
-        source
-            .warnings
-            .push(format!("the camera \"{name}\" is orthographic and was left out; use a perspective camera"));
+        source.warnings.extend(ORTHOGRAPHIC.warning("cameras", &[name]));
         return;
     };
     let eye = world_from_node.w_axis.truncate();

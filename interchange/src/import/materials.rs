@@ -1,6 +1,7 @@
 //! Materials in separate files, JSON or MaterialX documents.
 
 use super::{
+    fields,
     files::{Files, Trouble},
     ranges::{material_warning, repair_material},
     textures::sanitized,
@@ -126,8 +127,7 @@ fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>, files: &mut Files) 
             other => parse_error("MaterialX", other.to_string()),
         });
     }
-    let mut material: MaterialFile =
-        serde_json::from_slice(bytes).map_err(|e| parse_error("a material", e.to_string()))?;
+    let mut material: MaterialFile = fields::parse(bytes).map_err(|reason| parse_error("a material", reason))?;
     if material.file.is_some() && !material.model.has_file() {
         // The file belongs to an earlier model, as do its declarations.
         material = MaterialFile { file: None, ..material.own() };

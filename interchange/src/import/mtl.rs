@@ -195,6 +195,7 @@ fn texture_slot(
         channel: map.channel.unwrap_or_default(),
         scale: map.scale,
         offset: Vec2::new(map.offset.x, 1.0 - map.scale.y - map.offset.y),
+        wrap: [map.wrap; 2],
         ..Default::default()
     })
 }

@@ -19,10 +19,10 @@ use lapidary_core::{
     texture::{ColorSpace, TextureSlot},
 };
 use ply_rs_bw::{
-    parser::{Parser, Reader},
+    parser::{ParseError, Parser, Reader},
     ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
 };
-use std::path::Path;
+use std::{io::ErrorKind, path::Path};
 use wedges::Wedges;
 
 mod wedges;
@@ -30,7 +30,8 @@ mod wedges;
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
     let parse_error = |reason: String| Trouble::from(reason).at(path, "PLY");
     let mut reader = Reader::new(bytes);
-    let mut header = Parser::<Vertex>::new().read_header(&mut reader).map_err(|e| parse_error(e.to_string()))?;
+    let header = Parser::<Vertex>::new().read_header(&mut reader);
+    let mut header = header.map_err(|error| parse_error(told(&error, "its header", "is not as PLY defines it")))?;
     read_positions_as_doubles(&mut header);
     for element in header.elements.values() {
         check_count("elements", element.count as u64, path)?;
@@ -51,7 +52,8 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
             "face" => Parser::new().read_payload_for_element(&mut reader, element, &header).map(|f| faces = f),
             _ => Parser::<Ignored>::new().read_payload_for_element(&mut reader, element, &header).map(drop),
         };
-        result.map_err(|e| parse_error(e.to_string()))?;
+        let part = format!("its elements \"{}\"", element.name);
+        result.map_err(|error| parse_error(told(&error, &part, "does not fit the header")))?;
     }
     let triangles: u64 = faces.iter().map(|face| face.corners.len().saturating_sub(2) as u64).sum();
     check_count("triangles", triangles, path)?;
@@ -80,6 +82,15 @@ fn read_positions_as_doubles(header: &mut Header) {
             }
             _ => {}
         }
+    }
+}
+
+/// What is wrong with a part of the file.
+fn told(error: &ParseError, part: &str, wrong: &str) -> String {
+    let place = error.line().map_or_else(|| format!("something in {part}"), |line| format!("line {line} in {part}"));
+    match error.kind() {
+        ErrorKind::UnexpectedEof => format!("it ends within {part}"),
+        _ => format!("{place} {wrong}"),
     }
 }
 

@@ -85,7 +85,7 @@ impl TextureLibrary {
 }
 
 /// Clamps the texels of a texture; returns a remark if any changed.
-pub(super) fn sanitized(texture: &mut Texture) -> Option<String> {
+pub fn sanitized(texture: &mut Texture) -> Option<String> {
     let changed = texture.texels.sanitize();
     (changed > 0).then(|| {
         format!(

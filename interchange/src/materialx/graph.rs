@@ -7,7 +7,7 @@ mod units;
 pub use relief::Relief;
 
 use glam::{Affine2, Vec2, Vec3};
-use lapidary_core::texture::{Channel, ColorSpace};
+use lapidary_core::texture::{Channel, ColorSpace, UvSet, Wrap};
 use roxmltree::{Document, Node, NodeId};
 use std::{
     cell::{Cell, RefCell},
@@ -53,6 +53,10 @@ pub struct Picture {
     pub is_color: bool,
     /// Transform of coordinates whose v begins at the bottom.
     pub transform: Affine2,
+    /// Along u and v.
+    pub wrap: [Wrap; 2],
+    /// The texture coordinates of the surface.
+    pub uv_set: UvSet,
     /// Factor of the texels.
     pub factor: Vec3,
     /// Added to the texels after the factor.
@@ -351,24 +355,32 @@ impl<'a> Graph<'a> {
             true => self.color_space(told),
             false => ColorSpace::Linear,
         };
-        let is_clamped = |name: &str| {
-            let mode = self.child(node, name).and_then(|mode| mode.attribute("value"));
-            mode.is_some_and(|mode| mode != "periodic")
-        };
-        if is_clamped("uaddressmode") || is_clamped("vaddressmode") {
-            self.remark(node, "the picture repeats, and is not clamped or mirrored");
-        }
         let picture = Picture {
             file: format!("{prefix}{file}"),
             color_space,
             channel: None,
             is_color: kind != "float",
             transform: self.transform(node)?,
+            wrap: ["uaddressmode", "vaddressmode"].map(|name| self.wrap(node, name)),
+            uv_set: self.uv_set(node)?,
             factor: self.factor_of_gltf(node)?,
             added: Vec3::ZERO,
         };
         let found = Found::Picture(Box::new(picture));
         if output == Some("outa") { self.extracted(node, found, 3) } else { Ok(found) }
+    }
+
+    /// What is shown beyond the edges of a picture.
+    fn wrap(&self, node: XmlNode<'a>, input: &str) -> Wrap {
+        match self.child(node, input).and_then(|mode| mode.attribute("value")) {
+            Some("clamp") => Wrap::Clamp,
+            Some("mirror") => Wrap::Mirror,
+            Some("constant") => {
+                self.remark(node, "the picture repeats in place of one color beyond its edges");
+                Wrap::Repeat
+            }
+            _ => Wrap::Repeat,
+        }
     }
 
     /// `gltf_image` and `gltf_colorimage` also multiply by their own factor.

@@ -323,8 +323,8 @@ impl<'a> Reader<'_, 'a> {
             strength: 1.0,
             flip_y: false,
             procedural: None,
-            wrap: Default::default(),
-            uv_set: Default::default(),
+            wrap: picture.wrap,
+            uv_set: picture.uv_set,
         })
     }
 

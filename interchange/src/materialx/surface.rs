@@ -94,7 +94,7 @@ const GLTF_PBR: [Row; 14] = [
 ];
 
 /// An input that is not rendered.
-pub(super) struct Lost {
+pub(crate) struct Lost {
     /// Name of the input.
     pub input: &'static str,
     /// The lost feature.
@@ -191,7 +191,7 @@ impl Surface {
     }
 
     /// Its inputs that are lost.
-    pub(super) const fn lost(self) -> &'static [Lost] {
+    pub(crate) const fn lost(self) -> &'static [Lost] {
         match self {
             Self::OpenPbr => &LOST_OF_OPEN_PBR,
             Self::StandardSurface => &LOST_OF_STANDARD_SURFACE,

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{MapUse, Parameter, Value},
     material::{BUMP, NORMAL},
-    texture::{Channel, ColorSpace},
+    texture::{Channel, ColorSpace, UvSet, Wrap},
 };
 use quick_xml::{
     Writer,
@@ -316,11 +316,13 @@ impl DocumentWriter {
     /// A picture; returns the name of its node.
     fn image(&mut self, input: &str, slot: &SlotFile, kind: &str) -> io::Result<String> {
         let placement = Placement { scale: slot.scale, offset: slot.offset, rotation_degrees: slot.rotation_degrees };
-        let tiling = placement.tiling();
+        // Tiles repeat and have the first set of coordinates.
+        let repeats = slot.wrap == [Wrap::Repeat; 2] && slot.uv_set == UvSet::First;
+        let tiling = placement.tiling().filter(|_| repeats);
         let category = if tiling.is_some() { "tiledimage" } else { "image" };
         let name = format!("{input}_picture");
         if tiling.is_none() {
-            self.place2d(&format!("{name}_place"), &placement)?;
+            self.place2d(&format!("{name}_place"), &placement, slot.uv_set)?;
         }
         self.open(category, &[("name", name.clone()), ("type", kind.into())])?;
         let mut file: Vec<Attribute> =
@@ -334,15 +336,29 @@ impl DocumentWriter {
                 self.input("uvtiling", "vector2", pair(tiling))?;
                 self.input("uvoffset", "vector2", pair(offset))?;
             }
-            None => self.connected("texcoord", "vector2", &format!("{name}_place"))?,
+            None => {
+                self.connected("texcoord", "vector2", &format!("{name}_place"))?;
+                for (input, wrap) in ["uaddressmode", "vaddressmode"].into_iter().zip(slot.wrap) {
+                    let mode = match wrap {
+                        Wrap::Repeat => "periodic",
+                        Wrap::Mirror => "mirror",
+                        Wrap::Clamp => "clamp",
+                    };
+                    self.input(input, "string", mode)?;
+                }
+            }
         }
         self.close(category)?;
         Ok(name)
     }
 
-    fn place2d(&mut self, name: &str, placement: &Placement) -> io::Result<()> {
+    fn place2d(&mut self, name: &str, placement: &Placement, uv_set: UvSet) -> io::Result<()> {
         let coordinates = format!("{name}_texcoord");
-        self.empty("texcoord", &[("name", coordinates.clone()), ("type", "vector2".into())])?;
+        self.open("texcoord", &[("name", coordinates.clone()), ("type", "vector2".into())])?;
+        if uv_set == UvSet::Second {
+            self.input("index", "integer", 1)?;
+        }
+        self.close("texcoord")?;
         let (scale, degrees, offset) = placement.place2d();
         self.open("place2d", &[("name", name.into()), ("type", "vector2".into())])?;
         self.connected("texcoord", "vector2", &coordinates)?;

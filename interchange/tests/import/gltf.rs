@@ -228,9 +228,15 @@ fn gltf_lights_are_read_as_they_stand_and_bad_ones_left_out_aloud() {
     );
     assert_eq!((lights[2].emission, lights[2].position), (Emission::Point, Vec3::new(1.0, 2.0, 3.0)));
     let warnings = imported.report.warnings.join("\n");
-    for part in
-        ["\"gone\"", "\"odd\" was left out", "\"laser\"", "\"wide\"", "\"text\"", "negative", "\"key\" have a range"]
-    {
+    for part in [
+        "\"gone\"",
+        "\"odd\" was left out",
+        "\"laser\"",
+        "\"wide\"",
+        "\"text\"",
+        "negative",
+        "\"key\" have ends of light",
+    ] {
         assert!(warnings.contains(part), "{part} is not in {warnings}");
     }
     assert_eq!(imported.report.warnings.len(), 6, "{warnings}");

@@ -151,15 +151,41 @@ fn what_extensions_say_and_is_not_kept_is_told() {
             "KHR_materials_transmission": {"transmissionFactor": 0.5}}"#,
     );
     let told = imported.report.warnings.join("\n");
-    for part in ["anisotropy texture", "normal map of their coat", "transmit light"] {
-        assert!(told.contains(&format!("\"m\" {}", if part == "transmit light" { part } else { "have a" })), "{told}");
-        assert!(told.contains(part), "{part}: {told}");
+    for part in ["have maps of anisotropy", "have normal maps of their coats", "transmit light"] {
+        assert!(told.contains(&format!("\"m\" {part}")), "{part}: {told}");
     }
     assert_eq!(
         with_material(r#""extensions": {"KHR_materials_transmission": {"transmissionFactor": 0}}"#).report.warnings,
         [""; 0]
     );
     assert_eq!(imported.scene.materials[0].parameters.number("geometry_opacity"), 0.5);
+}
+
+#[test]
+fn extensions_are_left_out_with_what_that_means() {
+    let told = |rest: &'static str| {
+        let file = Gltf { rest, ..QUAD };
+        import_alone("a.gltf", file.embedded()).unwrap().report.warnings.join("\n")
+    };
+    let volume = told(r#", "extensionsUsed": ["KHR_materials_volume", "EXT_new", "KHR_materials_ior", "KHR_xmp"]"#);
+    for (name, what) in [("KHR_materials_volume", "bodies show as thin sheets"), ("EXT_new", "may look different")] {
+        let sentence = format!("the glTF extensions \"{name}\" are not supported and were left out; ");
+        assert!(volume.contains(&sentence) && volume.contains(what), "{volume}");
+    }
+    assert!(!volume.contains("_ior") && !volume.contains("_xmp"), "negative control: {volume}");
+}
+
+#[test]
+fn an_extension_with_a_wrong_value_is_left_out_by_its_field() {
+    let told = |strength: &str| {
+        let extension = r#""KHR_materials_emissive_strength": {"emissiveStrength": STRENGTH}"#;
+        let material = format!("\"extensions\": {{{}}}", extension.replace("STRENGTH", strength));
+        with_material(&material).report.warnings.join("\n")
+    };
+    let wrong = told("\"high\"");
+    assert!(wrong.contains("\"m\" have a KHR_materials_emissive_strength that was left out"), "{wrong}");
+    assert!(wrong.contains(r#""emissiveStrength" is "high", where a number is needed"#), "{wrong}");
+    assert_eq!(told("2"), "", "negative control");
 }
 
 #[test]
@@ -269,10 +295,10 @@ fn textures_and_extensions_of_materials_that_are_not_rendered_are_told_once_by_n
         ("sheen", r#""sheenColorFactor": 1"#),
         ("anisotropy", r#""anisotropyStrength": []"#),
         ("transmission", r#""transmissionFactor": {}"#),
-        ("emissive_strength", r#""strength": 2"#),
+        ("emissive_strength", r#""emissiveStrength": "much""#),
     ] {
         let said = warnings(&format!(r#""extensions": {{"KHR_materials_{name}": {{{wrong}}}}}"#));
-        let expected = format!("have a KHR_materials_{name} that is damaged");
+        let expected = format!("have a KHR_materials_{name} that was left out, because \"");
         assert!(said.len() == 1 && said[0].contains(&expected), "{said:?}");
     }
     for rendered in [

@@ -78,12 +78,12 @@ fn optional_parts_may_be_left_out() {
     let error = import_alone("a.gltf", json).unwrap_err();
     assert!(matches!(error, ImportError::Mesh { source: MeshError::TooSmall { .. }, .. }), "{error}");
     // What is needed is still needed.
-    for (from, to) in [
-        (r#""count": 4, "type": "VEC3""#, r#""type": "VEC3""#),
-        (r#""buffer": 0, "byteLength": 48"#, r#""byteLength": 48"#),
+    for (from, to, lack) in [
+        (r#""count": 4, "type": "VEC3""#, r#""type": "VEC3""#, r#""accessors[0]" lacks the field "count""#),
+        (r#""buffer": 0, "byteLength": 48"#, r#""byteLength": 48"#, r#""bufferViews[0]" lacks the field "buffer""#),
     ] {
         let refused = import_alone("a.gltf", replaced(&QUAD, &[(from, to)])).unwrap_err().to_string();
-        assert!(refused.contains("missing field") && refused.ends_with("a.gltf)"), "{refused}");
+        assert!(refused.contains(lack) && refused.ends_with("a.gltf)"), "{refused}");
     }
 }
 
@@ -315,6 +315,11 @@ fn quantized_meshes_are_read() {
         );
         assert!(mesh.normals.iter().all(|normal| *normal == Vec3::Z));
         assert_eq!((imported.report.normals_rebuilt, imported.report.warnings), (0, Vec::<String>::new()));
+        let morphed =
+            json.replace(r#""indices": 2}]"#, r#""indices": 2, "targets": [{"POSITION": 0}]}], "weights": [1]"#);
+        let morphed = shown(&morphed);
+        assert!((morphed.scene.mesh.bounds().max.x - 2.0 * expected).abs() < 1e-5, "{component}: twice the size");
+        assert_eq!(morphed.report.warnings, [""; 0]);
         let plain = json.replace("KHR_mesh_quantization", "KHR_materials_ior");
         assert!(
             import_alone("a.gltf", plain).unwrap_err().to_string().contains("not allowed there"),

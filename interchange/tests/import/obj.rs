@@ -124,6 +124,15 @@ fn bump_maps_that_are_blue_are_normal_maps_and_a_file_is_loaded_once() {
 }
 
 #[test]
+fn curves_of_free_form_are_left_out_aloud() {
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let told = |more: &str| import_alone("a.obj", format!("{mesh}{more}")).unwrap().report.warnings.join("\n");
+    let surface = told("cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 3 1\nparm u 0 1\nend\n");
+    assert!(surface.contains("curves and surfaces of free form, which are left out; convert them"), "{surface}");
+    assert_eq!(told("o end\ng surf\n# curv\n"), "", "negative control");
+}
+
+#[test]
 fn coats_and_sheen_of_a_library_become_openpbr() {
     let files = Files::new();
     files.add("a.mtl", "newmtl m\nKd 0.1 0.2 0.3\nPr 0.4\nPm 0.5\nPc 0.7\nPcr 0.2\nPs 0.3\nnewmtl plain\nPr 0.4\n");

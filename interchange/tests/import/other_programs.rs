@@ -278,12 +278,10 @@ fn statements_of_a_library_that_are_not_rendered_are_told_by_name() {
     for (statement, said) in [
         ("disp -mm 0 0.1 a.png", "the statement disp (displacement)"),
         ("map_disp a.png", "the statement map_disp (displacement)"),
-        ("decal a.png", "the statement decal (a picture over the others)"),
-        ("refl -type sphere a.png", "the statement refl (a picture of reflections)"),
-        ("d 0.5\nTf 1 0.5 0.5", "the statement Tf (the color of transmitted light)"),
-        ("map_Ka a.png", "the statement map_Ka (a map of ambient light)"),
-        ("map_Ns a.png", "the statement map_Ns (a map of shininess; convert it to a map of roughness, map_Pr)"),
-        ("sharpness 60", "the statement sharpness"),
+        ("decal a.png", "the statement decal (pictures over the others)"),
+        ("refl -type sphere a.png", "the statement refl (pictures of reflections)"),
+        ("d 0.5\nTf 1 0.5 0.5", "the statement Tf (colors of transmitted light)"),
+        ("map_Ns a.png", "the statement map_Ns (maps of shininess)"),
         ("map_RMA a.png", "the statement map_RMA"),
         ("Kd spectral red.rfl", "the statement Kd in a form that is not read"),
         ("Ni glass", "the statement Ni in a form that is not read"),
@@ -291,7 +289,6 @@ fn statements_of_a_library_that_are_not_rendered_are_told_by_name() {
         ("bump a.png\nmap_bump b.png", "the statement map_bump beside another one"),
         ("Ks 0.9 0.5 0.1", "a highlight (Ks) with a hue"),
         ("map_Kd -cc on a.png", "the option -cc of map_Kd"),
-        ("map_Kd -clamp on a.png", "the option -clamp of map_Kd"),
         ("map_Kd -texres 512 a.png", "the option -texres of map_Kd"),
         ("map_Kd -mm 0.2 1 a.png", "the option -mm of map_Kd"),
         ("map_Pr -t 0.5 a.png", "the option -t of map_Pr"),
@@ -301,11 +298,9 @@ fn statements_of_a_library_that_are_not_rendered_are_told_by_name() {
         ("map_Pr -imfchan l a.png", "the option -imfchan of map_Pr"),
         ("map_Pr -bm 2 a.png", "the option -bm of map_Pr"),
     ] {
-        assert_eq!(
-            warnings_of(statement),
-            [format!("the materials \"Red\" have {said}, which is left out")],
-            "{statement}"
-        );
+        let warnings = warnings_of(statement);
+        let expected = format!("the materials \"Red\" have {said}, which is left out");
+        assert!(warnings.len() == 1 && warnings[0].starts_with(&expected), "{statement}: {warnings:?}");
     }
 }
 
@@ -314,6 +309,8 @@ fn statements_that_are_rendered_or_have_no_effect_are_not_told() {
     for statement in [
         "Ka 0.2 0.2 0.2\nKd 1 0 0 # red\nKs 0.5 0.5 0.5\nillum 2\nTf 0.5 0.5 0.5\nNi 1.5\nNs 10",
         "d 0.5\nTf 1 1 1",
+        "map_Ka a.png\nsharpness 60",
+        "map_Kd -clamp on a.png",
         "map_Kd a.png\nmap_Ka a.png",
         "bump a.png\nmap_bump a.png",
         "norm a.png\nKd 0 0 0\nKs 0.9 0.6 0.3\nPm 1",

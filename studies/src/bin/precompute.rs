@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use lapidary_studies::{
     commands::{bake::BakeArgs, info::InfoArgs, merge::MergeArgs, verify::VerifyArgs},
-    terminal::error_text,
+    terminal::{Console, error_text},
 };
 use std::process::ExitCode;
 
@@ -32,9 +32,10 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    let console = Console { quiet: cli.quiet };
     let result = match &cli.command {
-        Command::Bake(args) => args.files().check().and_then(|()| args.run(cli.quiet)).map(|_| ()),
-        Command::Merge(args) => args.files().check().and_then(|()| args.run(cli.quiet)).map(|_| ()),
+        Command::Bake(args) => args.files().check().and_then(|()| args.run(console)).map(|_| ()),
+        Command::Merge(args) => args.files().check().and_then(|()| args.run(console)).map(|_| ()),
         Command::Info(args) => args.run(),
         Command::Verify(args) => args.run(),
     };

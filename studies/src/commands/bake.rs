@@ -17,7 +17,7 @@ use std::path::Path;
 /// # Errors
 /// See [`BakeArgs::run`].
 pub fn run(args: &BakeArgs, console: Console) -> Result<Outcome> {
-    let report = args.run(console.quiet)?;
+    let report = args.run(console)?;
     if let Some(shard) = args.shard {
         console.summary(format_args!(
             "{}: share {shard} is complete, {:.1} s; when all are, run: lapidary merge {}",

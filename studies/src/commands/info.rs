@@ -1,25 +1,27 @@
-//! The `info` command: contents of a dataset or of a scene.
+//! The `info` command: contents of a dataset, and of the files that it is made of.
+
+mod inputs;
 
 use crate::{
     bake_parts,
     outputs::CommandFiles,
     terminal::{json_text, print_out},
 };
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
+use inputs::Input;
 use lapidary_core::dataset::Dataset;
 use lapidary_interchange::{
     formats::{FileFormat, SceneFormat},
     image,
-    import::{ImportOptions, Imported, import_with},
 };
 use std::path::PathBuf;
 
 /// Options of `info`.
 #[derive(Args, Clone, Debug)]
 pub struct InfoArgs {
-    /// Dataset or scene.
-    #[arg(help = format!("Dataset to describe, or a scene: {}", SceneFormat::names()))]
+    /// Dataset, scene, material or picture.
+    #[arg(help = format!("Dataset to describe; or a scene ({}), a material or a picture, with what of it is left out", SceneFormat::names()))]
     pub file: PathBuf,
     /// Scene of a glTF file with several, by name or by number from 0 [default: the file's default scene]
     #[arg(long, value_name = "NAME|NUMBER")]
@@ -35,71 +37,20 @@ impl InfoArgs {
         CommandFiles::default().reads([&self.file])
     }
 
-    /// Prints the contents of a dataset or scene.
+    /// Prints the contents of the file.
     ///
     /// # Errors
-    /// An unreadable file.
+    /// An unreadable file, or a scene chosen in a file that has none.
     pub fn run(&self) -> Result<()> {
-        if SceneFormat::of(&self.file).is_some() {
-            let options = ImportOptions { scene: self.scene.clone(), ..Default::default() };
-            let imported = import_with(&self.file, &options)?;
-            return if self.json {
-                print_out(&json_text(&scene_json(&imported))?)
-            } else {
-                print_out(&scene_text(&imported))
-            };
+        if self.scene.is_some() && SceneFormat::of(&self.file).is_none() {
+            bail!("--scene chooses a scene of a glTF file; leave it out here ({})", self.file.display());
+        }
+        if let Some(input) = Input::read(&self.file, self.scene.clone())? {
+            return print_out(&if self.json { json_text(&input.json())? } else { input.text() });
         }
         let dataset = Dataset::read(&self.file, image::decode)?;
         if self.json { print_out(&json_text(&info_json(&dataset))?) } else { print_out(&info_text(&dataset)) }
     }
-}
-
-fn names<T>(of: &[T], name: impl Fn(&T) -> &String) -> Vec<&String> {
-    of.iter().map(name).collect()
-}
-
-fn scene_json(Imported { scene, report }: &Imported) -> serde_json::Value {
-    serde_json::json!({
-        "vertices": scene.mesh.positions.len(),
-        "triangles": scene.mesh.triangles.len(),
-        "materials": names(&scene.materials, |m| &m.name),
-        "scenes": report.scenes,
-        "variants": report.variants,
-        "objects": names(&scene.objects, |o| &o.name),
-        "cameras": scene.cameras,
-        "lights": names(&scene.lights, |l| &l.name),
-        "warnings": report.warnings,
-    })
-}
-
-fn scene_text(Imported { scene, report }: &Imported) -> String {
-    let size = scene.mesh.bounds().max - scene.mesh.bounds().min;
-    let mut text = format!(
-        "mesh       {} vertices, {} triangles, {:.2} x {:.2} x {:.2} m\n",
-        scene.mesh.positions.len(),
-        scene.mesh.triangles.len(),
-        size.x,
-        size.y,
-        size.z
-    );
-    text += &format!(
-        "scene      {} objects, {} materials, {} textures, {} cameras, {} lights\n",
-        scene.objects.len(),
-        scene.materials.len(),
-        scene.textures.len(),
-        scene.cameras.len(),
-        scene.lights.len()
-    );
-    let lists = [
-        ("material  ", names(&scene.materials, |m| &m.name)),
-        ("scenes    ", names(&report.scenes, |name| name)),
-        ("variant   ", names(&report.variants, |name| name)),
-        ("warning   ", names(&report.warnings, |warning| warning)),
-    ];
-    for (what, names) in lists {
-        text.extend(names.iter().map(|name| format!("{what} {name}\n")));
-    }
-    text
 }
 
 fn info_json(dataset: &Dataset) -> serde_json::Value {

@@ -33,8 +33,8 @@ impl MergeArgs {
     ///
     /// # Errors
     /// Missing, incomplete or unrelated shares, or an unwritable output.
-    pub fn run(&self, quiet: bool) -> Result<BakeReport> {
-        let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
+    pub fn run(&self, console: Console) -> Result<BakeReport> {
+        let progress = ProgressReporter::new(self.progress, console);
         progress.cancel_on_interrupt();
         let report = merge(&self.file, image::decode, &progress)?.report;
         progress.finish();
@@ -47,6 +47,6 @@ impl MergeArgs {
 /// # Errors
 /// See [`MergeArgs::run`].
 pub fn run(args: &MergeArgs, console: Console) -> Result<Outcome> {
-    summarize(&args.run(console.quiet)?, &args.file, console)?;
+    summarize(&args.run(console)?, &args.file, console)?;
     Ok(Outcome::Done)
 }

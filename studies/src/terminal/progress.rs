@@ -22,27 +22,31 @@ pub enum ProgressStyle {
     Json,
     /// Lines on standard output that report percentage, phase and warnings to an Open Job Description worker
     Openjd,
-    /// Nothing
+    /// No progress; warnings are printed unless --quiet is given
     None,
 }
 
 /// Shows a job's messages and cancels it on Ctrl-C.
 pub struct ProgressReporter {
     style: ProgressStyle,
+    /// Prints the warnings where no progress is shown.
+    console: Console,
     bar: Mutex<ProgressBar>,
     percentage: Mutex<Percentage>,
     cancelled: Arc<AtomicBool>,
 }
 
 impl ProgressReporter {
-    /// Shows nothing until the first message.
-    pub fn new(style: ProgressStyle) -> Self {
-        Self { style, bar: Mutex::new(ProgressBar::hidden()), percentage: Mutex::default(), cancelled: Arc::default() }
+    /// Shows nothing until the first message, and nothing at all on a quiet console.
+    pub fn new(style: ProgressStyle, console: Console) -> Self {
+        let style = if console.quiet { ProgressStyle::None } else { style };
+        let (bar, percentage) = (Mutex::new(ProgressBar::hidden()), Mutex::default());
+        Self { style, console, bar, percentage, cancelled: Arc::default() }
     }
 
     /// A bar unless the console is quiet; cancels as [`Self::cancel_on_interrupt`].
     pub fn interruptible(console: Console) -> Self {
-        let reporter = Self::new(if console.quiet { ProgressStyle::None } else { ProgressStyle::Bar });
+        let reporter = Self::new(ProgressStyle::Bar, console);
         reporter.cancel_on_interrupt();
         reporter
     }
@@ -60,13 +64,13 @@ impl ProgressReporter {
         let _ = ctrlc::set_handler(handler);
     }
 
-    /// Shows a warning above the bar.
+    /// Shows a warning, above the bar if there is one. Only a quiet console hides it.
     pub fn warn(&self, message: &str) {
         match self.style {
             ProgressStyle::Json => self.print_json(&Event::Warning { message: Warning::Text(message.to_owned()) }),
             ProgressStyle::Bar => self.bar().suspend(|| eprintln!("warning: {message}")),
             ProgressStyle::Openjd => println!("openjd_status: warning: {message}"),
-            ProgressStyle::None => {}
+            ProgressStyle::None => self.console.warning(message),
         }
     }
 
@@ -152,8 +156,8 @@ pub fn phase_bar(name: &str, total: u64, unit: &str) -> ProgressBar {
 impl Observer for ProgressReporter {
     fn event(&self, event: Event) {
         match (self.style, event) {
-            (ProgressStyle::None, _) => {}
             (_, Event::Warning { message }) => self.warn(&message.text(option_name)),
+            (ProgressStyle::None, _) => {}
             (ProgressStyle::Json, event) => self.print_json(&event),
             (ProgressStyle::Openjd, event) => self.print_openjd(&event),
             (ProgressStyle::Bar, Event::Started { phase, total, unit }) => self.start_bar(phase, total, unit),

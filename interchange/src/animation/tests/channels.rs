@@ -52,6 +52,28 @@ fn the_keyframes_of_a_sampler_are_read_once_and_only_into_memory_that_there_is()
 }
 
 #[test]
+fn keyframes_may_be_sparse_over_zeros() {
+    let mut file = carried(1, 2);
+    let (index, up) = (file.shorts(&[1], "SCALAR"), file.floats(&[0.0, 1.0, 0.0], "VEC3"));
+    let view = |accessor: usize| file.json["accessors"][accessor]["bufferView"].clone();
+    let sparse = json!({
+        "count": 1,
+        "indices": { "bufferView": view(index), "componentType": 5123 },
+        "values": { "bufferView": view(up) },
+    });
+    let keys = file.json["animations"][0]["samplers"][0]["output"].as_u64().unwrap() as usize;
+    let accessor = file.json["accessors"][keys].as_object_mut().unwrap();
+    accessor.remove("bufferView");
+    accessor.insert("sparse".into(), sparse);
+    let (animation, scene) = bound(&mut file);
+    let lifted = |height: f32| scene.mesh.positions.iter().map(move |&place| place + Vec3::Y * height);
+    for time in [0.0, 0.5, 1.0] {
+        assert!(farthest(&at(&animation, time, &scene).positions, lifted(time)) < 1e-5, "{time}");
+    }
+    assert!(farthest(&at(&animation, 1.0, &scene).positions, lifted(0.0)) > 0.9, "negative control");
+}
+
+#[test]
 fn a_second_channel_for_one_property_is_left_out_and_told() {
     let mut file = bending_bar();
     let still = file.floats(&[NO_TURN, NO_TURN].concat(), "VEC4");

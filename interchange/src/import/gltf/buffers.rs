@@ -209,7 +209,8 @@ fn no_data(accessor: &Accessor) -> String {
 fn contents(buffer: &gltf::Buffer, gltf: &gltf::Gltf, files: &mut Files) -> Result<Vec<u8>, Trouble> {
     let data = match buffer.source() {
         Source::Bin => {
-            let blob = gltf.blob.as_ref().ok_or("the binary chunk is missing")?;
+            let missing = || format!("buffer {} has no data: the binary chunk is missing", buffer.index());
+            let blob = gltf.blob.as_ref().ok_or_else(missing)?;
             files.budget.take(blob.len() as u64)?;
             blob.clone()
         }

@@ -11,9 +11,6 @@ use std::collections::BTreeMap;
 mod draco;
 mod meshopt;
 
-/// The extensions that are decoded here.
-pub(super) const EXTENSIONS: [&str; 3] = [meshopt::EXTENSIONS[0], meshopt::EXTENSIONS[1], draco::EXTENSION];
-
 /// The contents of a buffer that no file holds.
 enum Contents {
     /// Copies of compressed views for programs that do not decode them.

@@ -131,7 +131,8 @@ impl Buffers {
 
     fn differences(&self, accessor: &gltf::Accessor, vertices: usize) -> Result<Vec<Vec3>, String> {
         super::buffers::one_per_vertex(accessor, "morph targets", vertices)?;
-        let values = self.numbers(accessor, Dimensions::Vec3)?;
+        let values =
+            self.numbers(accessor, Dimensions::Vec3).or_else(|_| self.attribute(accessor, Dimensions::Vec3))?;
         let differences: Vec<Vec3> = values.chunks_exact(3).map(Vec3::from_slice).collect();
         match differences.iter().position(|difference| !difference.is_finite()) {
             Some(vertex) => Err(format!("vertex {vertex} of a target is not a finite number")),

@@ -1,41 +1,25 @@
 //! A glTF document: parsed, and checked for its version and the extensions it requires.
 
 use super::{
-    buffers,
-    completed::{self, Completed, completed},
-    compressed,
+    completed::{Completed, completed},
     container::{Container, Unreadable},
-    glossiness, layers, lights, pointers, variants,
 };
 use crate::{
-    import::{files::Trouble, report::ImportError},
+    features::{self, Feature, Format, Support},
+    import::{fields, files::Trouble, report::ImportError},
     names::listed,
 };
+use gltf::json::validation::Error as Invalid;
 use serde_json::Value;
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
-/// Supported extensions; others are named in a warning.
-const EXTENSIONS: [&str; 18] = [
-    lights::EXTENSION,
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_texture_transform",
-    layers::EXTENSIONS[0],
-    layers::EXTENSIONS[1],
-    layers::EXTENSIONS[2],
-    layers::EXTENSIONS[3],
-    layers::EXTENSIONS[4],
-    variants::EXTENSION,
-    // The properties it animates stay at rest, with a warning.
-    pointers::EXTENSION,
-    glossiness::EXTENSION,
-    buffers::QUANTIZATION,
-    compressed::EXTENSIONS[0],
-    compressed::EXTENSIONS[1],
-    compressed::EXTENSIONS[2],
-    completed::PICTURES[0],
-    completed::PICTURES[1],
-];
+/// Whether an extension is supported; others are named in a warning.
+fn is_read(name: &str) -> bool {
+    features::is_read(Format::Gltf, name)
+}
 
 /// Whether an extension concerns looks alone: a file that requires it shows without it, with a warning. Instanced
 /// meshes are refused.
@@ -72,7 +56,7 @@ fn check(document: &Value, path: &Path) -> Result<(), ImportError> {
         return Err(ImportError::GltfVersion { path: path.into(), version: version.into() });
     }
     let names = document["extensionsRequired"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let unknown = names.filter(|name| !EXTENSIONS.contains(name) && !is_of_looks(name));
+    let unknown = names.filter(|name| !is_read(name) && !is_of_looks(name));
     let unknown: Vec<String> = unknown.map(str::to_owned).collect();
     if unknown.is_empty() { Ok(()) } else { Err(ImportError::Extensions { path: path.into(), names: unknown }) }
 }
@@ -94,12 +78,11 @@ fn extensions_of_materials(document: &Value) -> BTreeSet<String> {
 /// A file of another version, with other required extensions, or with invalid contents.
 pub(super) fn parse(container: &Container, path: &Path) -> Result<Parsed, ImportError> {
     let failed = |reason: String| Trouble::from(reason).at(path, "glTF");
-    let document: Value = serde_json::from_slice(container.json).map_err(|error| failed(error.to_string()))?;
+    let document: Value = fields::parse(container.json).map_err(failed)?;
     check(&document, path)?;
     let of_materials = extensions_of_materials(&document);
     let completed = completed(document, container.json).map_err(failed)?;
-    let mut json: gltf::json::Root =
-        serde_json::from_slice(&completed.text).map_err(|error| failed(error.to_string()))?;
+    let mut json: gltf::json::Root = fields::parse(&completed.text).map_err(failed)?;
     // Checked above; the crate would refuse a file that requires them.
     let mut required = std::mem::take(&mut json.extensions_required);
     required.extend(of_materials);
@@ -109,18 +92,60 @@ pub(super) fn parse(container: &Container, path: &Path) -> Result<Parsed, Import
     if let Some(bad) = attributes.find(|accessor| accessor.value() >= json.accessors.len()) {
         return Err(failed(format!("a mesh refers to accessor {bad}, but there are {}", json.accessors.len())));
     }
-    let document = gltf::Document::from_json(json).map_err(|error| failed(error.to_string()))?;
+    let document = gltf::Document::from_json(json).map_err(|error| failed(told(error)))?;
     let blob = container.blob.map(<[u8]>::to_vec);
     Ok(Parsed { gltf: gltf::Gltf { document, blob }, completed })
 }
 
+/// What the `gltf` crate finds wrong, by field.
+fn told(error: gltf::Error) -> String {
+    const MOST: usize = 3;
+    let gltf::Error::Validation(errors) = error else { return error.to_string() };
+    let what = |error: &Invalid| match error {
+        Invalid::IndexOutOfBounds => "refers to something that is not there",
+        Invalid::Missing => "is missing",
+        _ => "has a value that is not allowed",
+    };
+    let fields: Vec<String> =
+        errors.iter().take(MOST).map(|(path, error)| format!("\"{path}\" {}", what(error))).collect();
+    let more = errors.len().saturating_sub(MOST);
+    fields.join(", ") + &if more > 0 { format!(", and {more} more such fields") } else { String::new() }
+}
+
 /// Warns of unsupported extensions.
 pub(super) fn warn_of_extensions(gltf: &gltf::Document, warnings: &mut Vec<String>) {
-    let others: Vec<String> = gltf.extensions_used().filter(|e| !EXTENSIONS.contains(e)).map(str::to_owned).collect();
-    if !others.is_empty() {
-        warnings.push(format!(
-            "the glTF extensions {} are not supported and were left out; what they describe may look different",
-            listed(&others)
-        ));
+    let mut by_loss: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for name in gltf.extensions_used().filter(|name| !is_read(name)) {
+        match features::of(Format::Gltf, name) {
+            Some(Feature { support: Support::LeftOut(what), .. }) => by_loss.entry(what).or_default().push(name.into()),
+            Some(_) => {}
+            None => by_loss.entry("what they describe may look different").or_default().push(name.into()),
+        }
+    }
+    warnings.extend(by_loss.iter().map(|(what, names)| {
+        format!("the glTF extensions {} are not supported and were left out; {what}", listed(names))
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::{buffers, glossiness, lights, pointers, variants},
+        *,
+    };
+
+    #[test]
+    fn the_table_of_features_has_the_extensions_that_are_read() {
+        for name in [
+            lights::EXTENSION,
+            variants::EXTENSION,
+            pointers::EXTENSION,
+            glossiness::EXTENSION,
+            buffers::QUANTIZATION,
+            "KHR_materials_clearcoat",
+        ] {
+            assert!(is_read(name), "{name}");
+        }
+        assert!(!is_read("KHR_materials_volume") && !is_read("EXT_unknown") && !is_read(""), "negative control");
     }
 }

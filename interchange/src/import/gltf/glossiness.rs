@@ -46,7 +46,7 @@ pub(super) struct Metallic {
 impl Glossiness {
     /// The extension of each material.
     pub fn of_all(document: &Value) -> Vec<Option<Self>> {
-        let of = |material: &Value| extension(material, EXTENSION);
+        let of = |material: &Value| extension(material, EXTENSION).and_then(Result::ok);
         document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(of).collect())
     }
 

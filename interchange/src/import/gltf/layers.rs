@@ -6,7 +6,9 @@
 //! opacity; where that is impossible, the material shows opaque with a remark.
 
 use crate::{
+    features::gltf::{ANISOTROPY_MAPS, COAT_NORMALS, TRANSMISSION_MAPS},
     fresnel::{set_specular_color, weigh_dielectric},
+    import::fields,
     materialx::stretch,
 };
 use glam::{Vec2, Vec3};
@@ -20,11 +22,8 @@ use serde::{
     de::{DeserializeOwned, IgnoredAny},
 };
 use serde_json::Value;
-use std::borrow::Cow;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// The extensions read here.
-pub(super) const EXTENSIONS: [&str; 5] = [CLEARCOAT, SHEEN, ANISOTROPY, TRANSMISSION, EMISSIVE_STRENGTH];
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
 const SHEEN: &str = "KHR_materials_sheen";
 const ANISOTROPY: &str = "KHR_materials_anisotropy";
@@ -112,7 +111,12 @@ struct Transmission {
 #[derive(Clone, Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct EmissiveStrength {
+    #[serde(default = "one")]
     emissive_strength: f32,
+}
+
+fn one() -> f32 {
+    1.0
 }
 
 /// The color of a highlight; the `gltf` crate gives its weight.
@@ -147,12 +151,9 @@ pub(super) struct Layers {
     transmission: Option<Transmission>,
     emission: Option<EmissiveStrength>,
     specular: Option<Specular>,
-    /// Names of extensions with other values than the specification allows.
-    unreadable: Vec<&'static str>,
+    /// Remarks on extensions that cannot be read.
+    wrong: Vec<String>,
 }
-
-/// A remark on a material, that follows its name.
-pub(super) type Remark = Cow<'static, str>;
 
 /// Adds a map to a material.
 type AddMap<'f, E> =
@@ -162,16 +163,18 @@ impl Layers {
     /// The extensions of each material of a document.
     pub fn of_all(document: &Value) -> Vec<Self> {
         let of = |material: &Value| {
-            let mut unreadable = Vec::new();
-            Self {
-                clearcoat: told_extension(material, CLEARCOAT, &mut unreadable),
-                sheen: told_extension(material, SHEEN, &mut unreadable),
-                anisotropy: told_extension(material, ANISOTROPY, &mut unreadable),
-                transmission: told_extension(material, TRANSMISSION, &mut unreadable),
-                emission: told_extension(material, EMISSIVE_STRENGTH, &mut unreadable),
-                specular: told_extension(material, SPECULAR, &mut unreadable),
-                unreadable,
-            }
+            let mut wrong = Vec::new();
+            let mut layers = Self {
+                clearcoat: read(material, CLEARCOAT, &mut wrong),
+                sheen: read(material, SHEEN, &mut wrong),
+                anisotropy: read(material, ANISOTROPY, &mut wrong),
+                transmission: read(material, TRANSMISSION, &mut wrong),
+                emission: read(material, EMISSIVE_STRENGTH, &mut wrong),
+                specular: read(material, SPECULAR, &mut wrong),
+                wrong: Vec::new(),
+            };
+            layers.wrong = wrong;
+            layers
         };
         document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(of).collect())
     }
@@ -186,7 +189,7 @@ impl Layers {
         material: &mut Material,
         mean: f32,
         mut slot: impl FnMut(&TextureInfo) -> Result<TextureSlot, E>,
-    ) -> Result<Vec<Remark>, E> {
+    ) -> Result<Vec<String>, E> {
         let mut map =
             |material: &mut Material, name: &'static str, info: &Option<TextureInfo>, channel, color_space| {
                 let made = info.as_ref().map(&mut slot).transpose()?;
@@ -207,7 +210,7 @@ impl Layers {
         let mut told = self.told();
         if let Some(specular) = self.specular.as_ref().filter(|_| !is_metal) {
             let lost = set_specular_color(material, specular.specular_color_factor);
-            told.extend(lost.map(|lost| format!("have a {lost}").into()));
+            told.extend(lost.map(|lost| format!("have a {lost}")));
         }
         if !weigh_dielectric(material) {
             told.push(
@@ -248,61 +251,51 @@ impl Layers {
         map(material, "fuzz_roughness", &sheen.sheen_roughness_texture, Channel::A, ColorSpace::Linear)
     }
 
-    /// Remarks on extensions that are always left out.
-    fn told(&self) -> Vec<Remark> {
+    /// Remarks on extensions that are left out.
+    fn told(&self) -> Vec<String> {
         let has_normal = self.clearcoat.as_ref().is_some_and(|coat| coat.clearcoat_normal_texture.is_some());
         let has_direction = self.anisotropy.as_ref().is_some_and(|anisotropy| anisotropy.anisotropy_texture.is_some());
-        let unreadable = self.unreadable.iter();
-        let unreadable = unreadable.map(|name| format!("have a {name} that is damaged, which is left out").into());
-        let lost = [
-            (has_normal, "have a normal map of their coat, which is left out: the coat has that of the base"),
-            (
-                has_direction,
-                "have an anisotropy texture, which is left out: the highlight is stretched the same everywhere",
-            ),
-        ];
-        lost.into_iter().filter(|(lost, _)| *lost).map(|(_, text)| text.into()).chain(unreadable).collect()
+        let lost = [(has_normal, COAT_NORMALS), (has_direction, ANISOTROPY_MAPS)]
+            .into_iter()
+            .filter(|(is_there, _)| *is_there);
+        lost.filter_map(|(_, feature)| feature.lost()).chain(self.wrong.iter().cloned()).collect()
     }
 }
 
 impl Transmission {
     /// Lowers the opacity by the transmitted share. Returns a remark.
-    fn thin_out(&self, material: &mut Material) -> Option<&'static str> {
+    fn thin_out(&self, material: &mut Material) -> Option<String> {
         const OPACITY: &str = "geometry_opacity";
         const REFLECTED: f32 = 0.08;
         if !(self.transmission_factor > 0.0) {
             return None;
         }
         if self.transmission_texture.is_some() {
-            return Some("transmit light by a map, which is left out; they show opaque");
+            return TRANSMISSION_MAPS.lost();
         }
         if material.parameters.number("opacity_cutoff") > 0.0 {
-            return Some("are cut out and transmit light, which is left out");
+            return Some("are cut out and transmit light, which is left out".into());
         }
         // Both faces of a sheet of glass reflect some light: it stays visible and selectable.
         let stopped = (1.0 - self.transmission_factor).max(REFLECTED);
         material.parameters.set(OPACITY, material.parameters.number(OPACITY) * stopped);
-        Some("transmit light, which passes straight on as through a thin sheet, without refraction or tint")
+        Some("transmit light, which passes straight on as through a thin sheet, without refraction or tint".into())
     }
 }
 
-/// The extension of a material, if it is present and readable.
-pub(super) fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Option<T> {
+/// The extension of a material, if it is present.
+///
+/// # Errors
+/// A field of another kind.
+pub(super) fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Option<Result<T, String>> {
     let value = &material["extensions"][name];
-    (!value.is_null()).then(|| serde_json::from_value(value.clone()).ok()).flatten()
+    (!value.is_null()).then(|| fields::contents(value))
 }
 
-/// The extension of a material; `unreadable` gets its name if it is damaged.
-fn told_extension<T: DeserializeOwned>(
-    material: &Value,
-    name: &'static str,
-    unreadable: &mut Vec<&'static str>,
-) -> Option<T> {
-    let found = extension(material, name);
-    if found.is_none() && !material["extensions"][name].is_null() {
-        unreadable.push(name);
-    }
-    found
+/// The extension of a material, if it is present and readable; else a remark may be added.
+fn read<T: DeserializeOwned>(material: &Value, name: &str, wrong: &mut Vec<String>) -> Option<T> {
+    let told = |reason| wrong.push(format!("have a {name} that was left out, because {reason}; export them again"));
+    extension(material, name)?.map_err(told).ok()
 }
 
 impl Anisotropy {

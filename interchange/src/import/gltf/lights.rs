@@ -4,7 +4,10 @@
 //! The extension uses candela and lux. They are taken as W/sr and W/m², without a luminous efficacy: renderers of
 //! linear RGB have no other unit of brightness, and exporters disagree about the factor.
 
-use crate::{import::source::Source, names::listed};
+use crate::{
+    features::gltf::RANGES,
+    import::{fields, source::Source},
+};
 use glam::{Mat4, Vec3};
 use lapidary_core::lights::{Emission, Light, MAX_LIGHTS};
 use serde::Deserialize;
@@ -73,10 +76,7 @@ pub(super) fn add_lights(source: &mut Source, document: &Value, nodes: &[(gltf::
             }
         }
     }
-    if !ranged.is_empty() {
-        let names = listed(&ranged);
-        source.warnings.push(format!("the lights {names} have a range, which was left out: light has no end"));
-    }
+    source.warnings.extend(RANGES.warning("lights", &ranged));
     if count > MAX_LIGHTS {
         source.warnings.push(format!("the file has {count} lights, of which the first {MAX_LIGHTS} are used"));
     }
@@ -92,7 +92,7 @@ fn read_light(
     let index = index.as_u64().and_then(|i| usize::try_from(i).ok()).ok_or("its index is not a number")?;
     let entry = document["extensions"][EXTENSION]["lights"].get(index);
     let entry = entry.ok_or_else(|| format!("it refers to light {index}, which the file has not"))?;
-    let punctual: Punctual = serde_json::from_value(entry.clone()).map_err(|e| e.to_string())?;
+    let punctual: Punctual = fields::contents(entry)?;
     let emission = emission(&punctual)?;
     let position = world_from_node.w_axis.truncate();
     let forward = -world_from_node.z_axis.truncate().normalize_or(Vec3::NEG_Z);

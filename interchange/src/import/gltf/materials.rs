@@ -7,7 +7,7 @@ use super::{
     },
     buffers::{Buffers, percent_decoded, read_uri},
     glossiness::{self, Glossiness, Metallic},
-    layers::{Layers, Remark, TextureInfo, Transform},
+    layers::{Layers, TextureInfo, Transform},
 };
 use crate::{
     import::{
@@ -75,7 +75,7 @@ pub(super) fn index_of(
 struct Ignored {
     further_uvs: Vec<String>,
     /// Remarks on extensions, and the materials they apply to.
-    told: BTreeSet<(Remark, String)>,
+    told: BTreeSet<(String, String)>,
 }
 
 impl Ignored {
@@ -142,7 +142,7 @@ impl MaterialReader<'_> {
         Ok(material)
     }
 
-    fn tell(&mut self, remark: impl Into<Remark>, material: &Material) {
+    fn tell(&mut self, remark: impl Into<String>, material: &Material) {
         self.ignored.told.insert((remark.into(), material.name.clone()));
     }
 

@@ -1,7 +1,7 @@
 //! Collects the parts of objects that are left out, for the final report.
 
 use super::primitive::is_surface;
-use crate::names::listed;
+use crate::{features::gltf::LINES, names::listed};
 
 /// Largest number of sentences of one kind in the report.
 const MOST_SENTENCES: usize = 5;
@@ -29,8 +29,8 @@ impl Notes {
         if let Some(more) = self.deformations.len().checked_sub(MOST_SENTENCES).filter(|more| *more > 0) {
             warnings.push(format!("{more} more objects show without a part of their deformation"));
         }
+        warnings.extend(LINES.warning("objects", &self.not_surfaces));
         for (names, text) in [
-            (&self.not_surfaces, "hold points or lines, which were left out; convert them to surfaces"),
             (&self.turned, "have a rotation that is not a unit quaternion, which was normalized; export them again"),
             (&self.faded, "have vertex colors with transparency, which was left out; bake it to a texture of opacity"),
         ] {

@@ -1,7 +1,10 @@
 //! What of a material library is not rendered, by statement and material.
 
 use super::statements::MtlEntry;
-use crate::names::listed;
+use crate::{
+    features::{self, Feature, Format, Support},
+    names::listed,
+};
 use std::collections::BTreeMap;
 
 const NUMBERS: [&str; 11] = ["ni", "pr", "ns", "pm", "aniso", "anisor", "d", "tr", "pc", "pcr", "ps"];
@@ -9,22 +12,6 @@ const COLORS: [&str; 3] = ["kd", "ks", "ke"];
 const COLOR_MAPS: [&str; 2] = ["map_kd", "map_ke"];
 const NUMBER_MAPS: [&str; 7] = ["map_pr", "map_pm", "map_ks", "map_d", "map_pc", "map_pcr", "map_ps"];
 const RELIEFS: [&str; 4] = ["norm", "map_kn", "bump", "map_bump"];
-
-/// Statements without effect on a picture: ambient light, which path tracing computes, and the kind of an old renderer's
-/// shading.
-const WITHOUT_EFFECT: [&str; 2] = ["ka", "illum"];
-
-/// What statements are that many files have.
-const MEANINGS: [(&str, &str); 8] = [
-    ("disp", "displacement"),
-    ("map_disp", "displacement"),
-    ("decal", "a picture over the others"),
-    ("refl", "a picture of reflections"),
-    ("map_refl", "a picture of reflections"),
-    ("map_ka", "a map of ambient light"),
-    ("map_ns", "a map of shininess; convert it to a map of roughness, map_Pr"),
-    ("tf", "the color of transmitted light"),
-];
 
 /// Largest number of kinds of statements in the report.
 const MOST_KINDS: usize = 20;
@@ -50,11 +37,11 @@ impl Lost {
                 self.note(text, material);
             }
             for option in lost_options(entry, key) {
-                self.note(format!("the option -{option} of {name}"), material);
+                self.note(format!("the option -{option} of {name}, which is left out"), material);
             }
         }
         if has_colored_highlight(entry) {
-            self.note("a highlight (Ks) with a hue".into(), material);
+            self.note("a highlight (Ks) with a hue, which is left out".into(), material);
         }
     }
 
@@ -70,9 +57,7 @@ impl Lost {
             ));
         }
         let kinds = self.by_kind.iter().take(MOST_KINDS);
-        warnings.extend(
-            kinds.map(|(text, names)| format!("the materials {} have {text}, which is left out", listed(names))),
-        );
+        warnings.extend(kinds.map(|(text, names)| format!("the materials {} have {text}", listed(names))));
         if self.by_kind.len() > MOST_KINDS {
             warnings.push(format!(
                 "{} more kinds of statements of materials are left out",
@@ -84,26 +69,38 @@ impl Lost {
 
 /// A statement that is left out, in words.
 fn lost(entry: &MtlEntry, key: &str, name: &str) -> Option<String> {
+    let feature = features::of(Format::Mtl, key);
     let is_map = COLOR_MAPS.iter().chain(&NUMBER_MAPS).chain(&RELIEFS).any(|map| *map == key);
     let is_readable = match key {
         "map_ka" if entry.value(key) == entry.value("map_kd") => return None,
         "tf" if !entry.is_transparent() || entry.color(key) == Some(glam::Vec3::ONE) => return None,
         "map_kn" | "map_bump" if is_second(entry, key) => {
-            return Some(format!("the statement {name} beside another one"));
+            return Some(format!("the statement {name} beside another one, which is left out"));
         }
-        _ if WITHOUT_EFFECT.contains(&key) => true,
+        _ if features::of(Format::Mtl, key).is_some_and(|feature| feature.lost().is_none() || key == "illum")
+            && !is_map
+            && !NUMBERS.contains(&key)
+            && !COLORS.contains(&key) =>
+        {
+            true
+        }
         _ if NUMBERS.contains(&key) => entry.number(key).is_some(),
         _ if COLORS.contains(&key) => entry.color(key).is_some(),
-        _ => is_map && entry.map(key).is_some(),
+        _ if is_map => entry.map(key).is_some(),
+        _ => feature.is_some_and(|feature| !matches!(feature.support, Support::LeftOut(_))),
     };
     if is_readable {
         return None;
     }
     if is_map || NUMBERS.contains(&key) || COLORS.contains(&key) {
-        return Some(format!("the statement {name} in a form that is not read"));
+        return Some(format!("the statement {name} in a form that is not read, which is left out"));
     }
-    let meaning = MEANINGS.iter().find(|(known, _)| *known == key);
-    Some(format!("the statement {name}{}", meaning.map_or(String::new(), |(_, meaning)| format!(" ({meaning})"))))
+    Some(match feature {
+        Some(Feature { name: meaning, support: Support::LeftOut(remedy), .. }) => {
+            format!("the statement {name} ({meaning}), which is left out; {remedy}")
+        }
+        _ => format!("the statement {name}, which is left out"),
+    })
 }
 
 /// Whether another key names another picture for the same map: that one counts.

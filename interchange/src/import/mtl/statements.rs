@@ -2,7 +2,7 @@
 
 use crate::import::budget::{Budget, OverBudget};
 use glam::{Vec2, Vec3};
-use lapidary_core::texture::Channel;
+use lapidary_core::texture::{Channel, Wrap};
 use std::collections::HashMap;
 
 /// Illumination models with transparency: glass, and refraction.
@@ -59,6 +59,7 @@ pub(in crate::import) struct MapStatement {
     pub offset: Vec2,
     pub multiplier: f32,
     pub channel: Option<Channel>,
+    pub wrap: Wrap,
     /// Options that are left out.
     pub lost: Vec<String>,
 }
@@ -121,6 +122,7 @@ fn parse_map(statement: &str) -> Option<MapStatement> {
         offset: Vec2::ZERO,
         multiplier: 1.0,
         channel: None,
+        wrap: Wrap::Repeat,
         lost: Vec::new(),
     };
     let mut rest = statement.trim();
@@ -157,7 +159,8 @@ impl MapStatement {
             }
             // One word each.
             "blendu" | "blendv" => return Some(take_word(rest) == "off"),
-            "clamp" | "cc" => return Some(take_word(rest) == "on"),
+            "clamp" => self.wrap = if take_word(rest) == "on" { Wrap::Clamp } else { Wrap::Repeat },
+            "cc" => return Some(take_word(rest) == "on"),
             _ => {
                 take_word(rest);
                 return Some(true);
@@ -209,7 +212,8 @@ mod tests {
     fn map_options_and_names_with_spaces_are_told_apart() {
         let map = parse_map("-s 2 3 1 -bm 0.5 -clamp on -o 0.25 my old\\wood 2.png").unwrap();
         assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.25, 0.0)));
-        assert_eq!((map.multiplier, map.file.as_str()), (0.5, "my old\\wood 2.png"));
+        assert_eq!((map.multiplier, map.file.as_str(), map.wrap), (0.5, "my old\\wood 2.png", Wrap::Clamp));
+        assert_eq!(parse_map("-clamp off a.png").unwrap().wrap, Wrap::Repeat);
         assert_eq!(parse_map("-bm 2 7").unwrap().file, "7");
         assert_eq!(parse_map("-bm 0.5"), None);
         assert_eq!(parse_map("-s"), None);

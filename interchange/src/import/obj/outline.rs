@@ -1,9 +1,12 @@
 //! First pass over the text of an OBJ file: counts and names, and everything that `tobj` reads wrongly or not at all.
 
-use crate::import::{
-    budget::{Budget, OverBudget},
-    files::Trouble,
-    repair::Smoothing,
+use crate::{
+    features::{self, Feature, Format, Support},
+    import::{
+        budget::{Budget, OverBudget},
+        files::Trouble,
+        repair::Smoothing,
+    },
 };
 use glam::{DVec3, Vec3};
 use lapidary_core::color::linear_from_srgb;
@@ -30,6 +33,8 @@ pub(super) struct Outline {
     /// Elements without a surface.
     lines: u64,
     points: u64,
+    /// Of curves and surfaces of free form.
+    free_form: Option<Feature>,
     /// The smoothing from a face on; empty without `s` statements.
     smoothing: Vec<(u64, FaceSmoothing)>,
 }
@@ -113,9 +118,19 @@ impl Outline {
                 self.materials.add(value.trim(), budget)?;
             }
             "mtllib" => self.libraries.add(value.trim(), budget)?,
-            _ => self.text.push_str(trimmed),
+            _ => {
+                self.note(key);
+                self.text.push_str(trimmed);
+            }
         }
         Ok(())
+    }
+
+    /// Notes a statement that is left out.
+    fn note(&mut self, key: &str) {
+        if self.free_form.is_none() && !key.is_empty() && !key.starts_with('#') {
+            self.free_form = features::of(Format::Obj, key).filter(|f| matches!(f.support, Support::LeftOut(_)));
+        }
     }
 
     fn push_statement(&mut self, key: &str, value: &str) {
@@ -166,6 +181,9 @@ impl Outline {
 
     /// Warns of elements that were left out.
     pub fn warn(&self, warnings: &mut Vec<String>) {
+        if let Some(lost) = self.free_form.and_then(|feature| feature.lost()) {
+            warnings.push(format!("parts of the file {lost}"));
+        }
         if self.lines + self.points > 0 {
             warnings.push(format!(
                 "{} lines and {} points have no surface and were left out; give them a thickness in the modelling program \

@@ -5,6 +5,7 @@ use super::{
     Graph, Result, XmlNode,
 };
 use glam::{Affine2, Mat2, Vec2};
+use lapidary_core::texture::UvSet;
 
 impl<'a> Graph<'a> {
     /// The transform of an image node, after the transform of its coordinates.
@@ -30,6 +31,26 @@ impl<'a> Graph<'a> {
         Ok(own * self.before(node, "texcoord")?)
     }
 
+    /// The set of coordinates before the transforms of a picture.
+    pub(super) fn uv_set(&self, node: XmlNode<'a>) -> Result<UvSet> {
+        let before = ["texcoord", "in", "in1"].into_iter().find_map(|input| self.child(node, input));
+        let Some((node, _)) = before.map(|input| self.target(input)).transpose()?.flatten() else {
+            return Ok(UvSet::First);
+        };
+        self.step(node)?;
+        if !node.has_tag_name("texcoord") {
+            return self.uv_set(node);
+        }
+        match self.constant(node, "index", &[0.0])?[0] {
+            0.0 => Ok(UvSet::First),
+            1.0 => Ok(UvSet::Second),
+            _ => {
+                self.remark(node, "a third set of texture coordinates or a further one is taken for the first");
+                Ok(UvSet::First)
+            }
+        }
+    }
+
     /// The transform behind an input of coordinates, if there is one.
     fn before(&self, node: XmlNode<'a>, input: &str) -> Result<Affine2> {
         self.child(node, input).map_or(Ok(Affine2::IDENTITY), |input| self.coordinates(input))
@@ -39,12 +60,7 @@ impl<'a> Graph<'a> {
         let Some((node, _)) = self.target(input)? else { return Ok(Affine2::IDENTITY) };
         self.step(node)?;
         match node.tag_name().name() {
-            "texcoord" => {
-                if self.constant(node, "index", &[0.0])?[0] != 0.0 {
-                    self.remark(node, "the second set of texture coordinates is taken for the first");
-                }
-                Ok(Affine2::IDENTITY)
-            }
+            "texcoord" => Ok(Affine2::IDENTITY),
             "place2d" => {
                 let number = |name| self.constant(node, name, &[0.0]).map(|numbers| numbers[0]);
                 let [pivot, offset] = ["pivot", "offset"].map(|name| self.pair(node, name, Vec2::ZERO));

@@ -4,7 +4,7 @@ use crate::{
     args::{OutsideArgs, ShotOption, choices},
     bake_parts::{self, PartOptions},
     outputs::CommandFiles,
-    terminal::{ProgressReporter, ProgressStyle, option_name, write_json},
+    terminal::{Console, ProgressReporter, ProgressStyle, option_name, write_json},
     values,
 };
 use anyhow::{Context, Error, Result};
@@ -181,7 +181,7 @@ impl BakeArgs {
     ///
     /// # Errors
     /// An unreadable scene, options out of range, an unwritable output, or Ctrl-C.
-    pub fn run(&self, quiet: bool) -> Result<BakeReport> {
+    pub fn run(&self, console: Console) -> Result<BakeReport> {
         let rays = self.device.rays(self.shard)?;
         let devices = rays.as_ref().map(|rays| rays as &dyn RayDevices);
         let mut settings = resolve(self.settings())?;
@@ -189,7 +189,7 @@ impl BakeArgs {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
             pool.context("cannot start the worker threads; choose a smaller --threads")?;
         }
-        let progress = ProgressReporter::new(if quiet { ProgressStyle::None } else { self.progress });
+        let progress = ProgressReporter::new(self.progress, console);
         progress.cancel_on_interrupt();
         let start = Instant::now();
         let options =
