@@ -99,7 +99,7 @@ fn depth(texture: &Texture) -> &'static str {
     match texture.texels {
         Texels::U8(_) => "8 bits",
         Texels::U16(_) => "16 bits",
-        Texels::F32(_) => "32-bit floats",
+        Texels::F32(_) | Texels::Wide { .. } => "32-bit floats",
     }
 }
 
