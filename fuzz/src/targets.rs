@@ -47,15 +47,18 @@ pub fn all() -> Vec<Box<dyn Target>> {
 }
 
 /// Targets of one file.
-const FILES: [FileKind; 17] = [
+const FILES: [FileKind; 20] = [
     FileKind { name: "obj", share: 110, file: "input.obj", mutation: text::text, read: scenes::import_file },
     FileKind { name: "mtl", share: 50, file: "input.mtl", mutation: text::text, read: scenes::import_with_materials },
     FileKind { name: "gltf", share: 130, file: "input.gltf", mutation: json::json, read: scenes::import_file },
     FileKind { name: "glb", share: 80, file: "input.glb", mutation: containers::glb, read: scenes::import_file },
     FileKind { name: "ply", share: 90, file: "input.ply", mutation: containers::ply, read: scenes::import_file },
-    FileKind { name: "png", share: 90, file: "input.png", mutation: containers::png, read: files::read_picture },
-    FileKind { name: "jpg", share: 60, file: "input.jpg", mutation: mutate::bytes, read: files::read_picture },
-    FileKind { name: "tga", share: 60, file: "input.tga", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "png", share: 70, file: "input.png", mutation: containers::png, read: files::read_picture },
+    FileKind { name: "jpg", share: 40, file: "input.jpg", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "tga", share: 40, file: "input.tga", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "webp", share: 20, file: "input.webp", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "tif", share: 20, file: "input.tif", mutation: mutate::bytes, read: files::read_picture },
+    FileKind { name: "ktx2", share: 20, file: "input.ktx2", mutation: mutate::bytes, read: files::read_picture },
     FileKind { name: "hdr", share: 60, file: "input.hdr", mutation: mutate::bytes, read: files::read_picture },
     FileKind { name: "exr", share: 60, file: "input.exr", mutation: mutate::bytes, read: files::read_picture },
     FileKind { name: "lights", share: 60, file: "input.json", mutation: json::json, read: scenes::read_lights },

@@ -34,7 +34,7 @@ macro_rules! targets {
 }
 
 targets!(
-    obj 200, mtl 200, gltf 200, glb 200, ply 200, png 200, jpg 200, tga 200, hdr 200, exr 200, lights 50, material 50,
+    obj 200, mtl 200, gltf 200, glb 200, ply 200, png 200, jpg 200, tga 200, webp 200, tif 200, ktx2 200, hdr 200, exr 200, lights 50, material 50,
     materialx 100, wgsl 50, session 50, cuts 20, bake 5, checkpoint 5
 );
 
