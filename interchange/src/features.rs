@@ -125,7 +125,7 @@ fn of_surfaces() -> impl Iterator<Item = Feature> {
 pub fn table() -> String {
     let mut text = String::new();
     for format in Format::ALL {
-        text += &format!("\n**{}**\n\n| feature | | |\n|---|---|---|\n", format.label());
+        text += &format!("\n**{}**\n\n| feature | support | how, or what to do |\n|---|---|---|\n", format.label());
         text.extend(rows(format).iter().map(row));
     }
     text

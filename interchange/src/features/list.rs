@@ -143,9 +143,14 @@ const MATERIALX: [Feature; 15] = [
 ];
 
 const MATERIAL: [Feature; 4] = [
-    feature(Material, "name model parameters double_sided", "models and their parameters", Read),
+    feature(Material, "name model parameters double_sided vertex_colors", "models and their parameters", Read),
     feature(Material, "file", "measured tables and BRDFs of your own", Read),
-    feature(Material, "maps", "pictures and patterns for every parameter, with placement", Read),
+    feature(
+        Material,
+        "maps",
+        "pictures and patterns for every parameter, with placement, wrap and set of coordinates",
+        Read,
+    ),
     feature(Material, "", "other fields", LeftOut("such a file is refused with their names")),
 ];
 

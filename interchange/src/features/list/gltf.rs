@@ -28,7 +28,7 @@ pub(crate) const TRANSMISSION_MAPS: Feature =
 pub(super) const ALL: [Feature; 51] = [
     feature("", "version 2.0; buffers and pictures beside it, embedded or in a GLB", Read),
     feature("", "version 1.0", LeftOut("such a file is refused; convert it with the program gltf-pipeline")),
-    feature("scenes", "scenes", Approximated("one is shown; choose another by `--scene`")),
+    feature("scenes", "scenes", Approximated("one is shown; choose another in the *Scene* tab, or by `--scene`")),
     feature("nodes", "the hierarchy of nodes, with mirrored ones", Read),
     feature("", "triangles, strips and fans; sparse accessors; accessors without data", Read),
     LINES,
