@@ -10,6 +10,7 @@ pub use crate::mesh::{Mesh, MeshError};
 use crate::{
     camera::Camera, lights::Light, material::Material, opacity::PartOpacity, parts::Variants, texture::Texture,
 };
+use glam::DVec3;
 use placed::Placed;
 use pose::ClipTime;
 use std::sync::Arc;
@@ -45,6 +46,8 @@ pub struct Scene {
     pub placed: Vec<Placed>,
     /// The animation time of a bake; `None` at rest, as in a file.
     pub clip_time: Option<ClipTime>,
+    /// Where its origin is in the source file, in meters: a scene far from the origin there is moved, for precision.
+    pub origin: DVec3,
 }
 
 impl Scene {
@@ -62,6 +65,7 @@ impl Scene {
             part_opacities: self.part_opacities.clone(),
             placed: self.placed.clone(),
             clip_time: self.clip_time.clone(),
+            origin: self.origin,
         }
     }
 

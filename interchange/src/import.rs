@@ -87,6 +87,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
     let Source { variants, scenes, warnings, unread, outside, files, .. } = source;
     let names = variants.names.clone();
+    let warnings = source.origin.map(recenter::warning).into_iter().chain(warnings).collect();
     let mut report = ImportReport { scenes, variants: names, warnings, unread, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &source.materials, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
@@ -101,6 +102,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         part_opacities: Vec::new(),
         placed: Vec::new(),
         clip_time: None,
+        origin: source.origin.unwrap_or_default(),
     };
     tell_apart(&mut scene);
     aim_at_the_center(&mut scene);

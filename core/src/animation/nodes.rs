@@ -78,6 +78,13 @@ impl Nodes {
         is_changed
     }
 
+    /// Puts a node at rest elsewhere in its parent.
+    pub fn place_at_rest(&mut self, node: usize, translation: Vec3) {
+        let node = &mut self.nodes[node];
+        node.at_rest.translation = translation;
+        node.parent_from_node.w_axis = translation.extend(1.0);
+    }
+
     /// The state without an animation.
     pub fn at_rest(&self) -> NodeState {
         NodeState {

@@ -10,7 +10,9 @@ use crate::{
     opacity::PartOpacity,
     parts::Variants,
     scene::{placed::Placed, pose::ClipTime},
+    texture::is_default,
 };
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -34,6 +36,8 @@ pub(super) struct Header {
     pub placed: Vec<Placed>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip_time: Option<ClipTime>,
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub origin: DVec3,
     /// First vertex and triangle of the ground in the mesh.
     #[serde(default)]
     pub ground: Option<GroundStart>,

@@ -103,6 +103,7 @@ impl Reader<'_> {
             part_opacities: header.part_opacities.clone(),
             placed: header.placed.clone(),
             clip_time: header.clip_time.clone(),
+            origin: header.origin,
         })
     }
 

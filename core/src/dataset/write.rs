@@ -65,6 +65,7 @@ impl Dataset {
             part_opacities: self.scene.part_opacities.clone(),
             placed: self.scene.placed.clone(),
             clip_time: self.scene.clip_time.clone(),
+            origin: self.scene.origin,
             ground: self.scene.mesh.ground,
             textures: self.scene.textures.iter().map(|t| t.name.clone()).collect(),
             brdfs,

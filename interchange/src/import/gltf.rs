@@ -67,7 +67,7 @@ pub(super) fn read(
     drop(clips);
     let (gltf, buffers) = (&file.gltf, &file.buffers);
     let mut library = TextureLibrary::new(files);
-    let mut source = Source::default();
+    let mut source = Source { origin: file.origin, ..Source::default() };
     source.variants.names.clone_from(&file.variants.names);
     source.warnings.extend(file.scenes.remark());
     if file.scenes.names.len() > 1 {

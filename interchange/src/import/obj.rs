@@ -53,7 +53,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
         files.budget.take(outline.bytes_of_subtraction()).map_err(over_budget)?;
         outline.subtract(offset);
         models = parse(&outline).map_err(parse_error)?;
-        source.warnings.push(recenter::warning(offset));
+        source.origin = Some(offset);
     }
     let vertices: u64 = models.iter().map(|model| model.mesh.positions.len() as u64 / 3).sum();
     files.budget.take_mesh(vertices.saturating_sub(expected), 0).map_err(over_budget)?;

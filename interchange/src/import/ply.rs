@@ -120,7 +120,8 @@ fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
     Source {
         mesh,
         objects: vec![Object { name }],
-        warnings: offset.map(recenter::warning).into_iter().chain(wedges.remark()).collect(),
+        origin: offset,
+        warnings: wedges.remark().into_iter().collect(),
         ..Default::default()
     }
 }

@@ -1,7 +1,7 @@
 //! Output of a format's reader.
 
 use super::{repair::RawMesh, report::ImportError};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lapidary_core::{
     camera::Camera,
     lights::Light,
@@ -19,6 +19,8 @@ const MAX_ELEMENTS: u64 = 100_000_000;
 #[derive(Default)]
 pub(super) struct Source {
     pub mesh: RawMesh,
+    /// What was subtracted from the coordinates of the file, if the scene is far from their origin.
+    pub origin: Option<DVec3>,
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
     pub objects: Vec<Object>,

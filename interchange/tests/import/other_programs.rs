@@ -1,6 +1,7 @@
 //! What other programs write into OBJ, MTL and PLY files, and byte order marks in all texts.
 
 use super::{gltf::QUAD, *};
+use glam::DVec3;
 use lapidary_core::scene::Mesh;
 
 fn mesh(name: &str, contents: impl AsRef<[u8]>) -> Mesh {
@@ -364,4 +365,29 @@ fn a_picture_with_a_damaged_line_is_read_and_told_by_name() {
         assert!(found.len() == 1 && found[0].starts_with(&format!("the picture \"sky.hdr\": {said}")), "{found:?}");
     }
     assert_eq!(warnings("EXPOSURE=1\n"), [""; 0], "negative control");
+}
+
+#[test]
+fn a_gltf_far_from_the_origin_is_moved_in_the_digits_of_its_text_and_says_where_it_was() {
+    let far = |nodes: &'static str| import_alone("a.gltf", super::gltf::Gltf { nodes, ..QUAD }.embedded()).unwrap();
+    let moved = far(r#"[{"mesh": 0, "translation": [451235.25, 0, 0]}]"#);
+    check_valid(&moved);
+    assert_eq!(moved.scene.origin, DVec3::new(451_236.0, 1.0, 0.0));
+    let near = far(r#"[{"mesh": 0, "translation": [0.25, 0, 0]}]"#);
+    assert_eq!(near.scene.origin, DVec3::ZERO);
+    let offset = Vec3::new(-1.0, -1.0, 0.0);
+    for (moved, near) in moved.scene.mesh.positions.iter().zip(&near.scene.mesh.positions) {
+        assert_eq!(*moved, *near + offset, "to the last bit, which is of 3 cm at the place of the file");
+    }
+    assert!(moved.report.warnings.join("\n").contains("add (451236, 1, 0) to its coordinates"));
+    let by_matrix = far(r#"[{"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 451235.25,0,0,1]}]"#);
+    assert_eq!(by_matrix.scene.mesh.positions, moved.scene.mesh.positions);
+    // It is written back where it was.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("own.glb");
+    lapidary_interchange::export::write_materials(&moved.scene, &path, &Default::default()).unwrap();
+    let again = import(&path).unwrap();
+    assert_eq!((again.scene.origin, &again.scene.mesh.positions), (moved.scene.origin, &moved.scene.mesh.positions));
+    let bytes = std::fs::read(&path).unwrap();
+    assert!(String::from_utf8_lossy(&bytes).contains("\"translation\":[451236.0,1.0,0.0]"));
 }

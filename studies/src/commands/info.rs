@@ -9,7 +9,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use clap::Args;
-use inputs::Input;
+use inputs::{Input, origin_text};
 use lapidary_core::dataset::Dataset;
 use lapidary_interchange::{
     formats::{FileFormat, SceneFormat},
@@ -59,6 +59,7 @@ fn info_json(dataset: &Dataset) -> serde_json::Value {
         "settings": dataset.settings,
         "report": dataset.report,
         "scene_hash": dataset.scene_hash,
+        "origin": scene.origin,
         "materials": scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
         "objects": scene.objects.iter().map(|o| &o.name).collect::<Vec<_>>(),
         "textures": scene.textures.iter().map(|t| &t.name).collect::<Vec<_>>(),
@@ -73,6 +74,7 @@ fn info_text(dataset: &Dataset) -> String {
         "mesh       {} vertices, {} triangles, {:.2} x {:.2} x {:.2} m\n",
         r.vertices, r.triangles, size.x, size.y, size.z
     );
+    text += &origin_text(scene);
     text += &format!(
         "scene      {} objects, {} materials, {} textures, {} cameras\n",
         scene.objects.len(),

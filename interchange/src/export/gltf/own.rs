@@ -6,7 +6,7 @@ use crate::export::{
     gltf::{compose::Textures, materials::MaterialWriter},
 };
 use base64::Engine;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lapidary_core::{
     output::write_atomically,
     scene::{Mesh, Scene},
@@ -120,7 +120,12 @@ impl FileWriter {
     fn add_object(&mut self, scene: &Scene, name: &str, parts: BTreeMap<u32, Vec<[u32; 3]>>) {
         let primitives: Vec<Value> =
             parts.into_iter().map(|(material, triangles)| self.primitive(scene, material, &triangles)).collect();
-        self.nodes.push(json!({"name": name, "mesh": self.meshes.len()}));
+        let mut node = json!({"name": name, "mesh": self.meshes.len()});
+        if scene.origin != DVec3::ZERO {
+            // In the double precision of JSON.
+            node["translation"] = json!(scene.origin.to_array());
+        }
+        self.nodes.push(node);
         self.meshes.push(json!({"name": name, "primitives": primitives}));
     }
 

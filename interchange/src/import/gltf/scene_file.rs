@@ -19,11 +19,13 @@ use crate::{
             notes::Notes,
             primitive::is_surface,
         },
+        recenter,
         report::{ImportError, ImportOptions},
         source::{Source, check_count},
     },
     names::listed,
 };
+use glam::{DVec3, Vec3};
 use gltf::mesh::{Mode, Semantic};
 use lapidary_core::{
     animation::{
@@ -33,8 +35,10 @@ use lapidary_core::{
         shape::{Deformation, Posture},
         skin::Skin,
     },
+    bounds::Bounds,
     parts::Part,
 };
+use serde_json::Value;
 use std::{collections::HashSet, path::Path};
 
 /// Scale at rest of nodes that have none there and get one from a clip: a thousandth hides them. It is not smaller, because clips
@@ -59,6 +63,8 @@ pub(super) struct SceneFile {
     pub pointing: HashSet<usize>,
     /// Names of materials with textures that have no picture.
     pub without_picture: Vec<String>,
+    /// What was subtracted from the places of the scene's roots, if they are far from the origin.
+    pub origin: Option<DVec3>,
 }
 
 impl SceneFile {
@@ -80,10 +86,70 @@ impl SceneFile {
         let skins = deformations::skins(&gltf, &buffers);
         let Hierarchy { nodes, order, turned } = hierarchy;
         let pointing = pointing.into_iter().collect();
-        let file =
-            Self { gltf, json, buffers, variants, scenes, nodes, order, turned, skins, pointing, without_picture };
+        let origin = None;
+        let mut file = Self {
+            gltf,
+            json,
+            buffers,
+            variants,
+            scenes,
+            nodes,
+            order,
+            turned,
+            skins,
+            pointing,
+            without_picture,
+            origin,
+        };
         file.check_size(files, path)?;
+        file.bring_near();
         Ok(file)
+    }
+
+    /// Moves the roots of a scene that is far from the origin there, in the double precision of the JSON. Roots that a clip moves
+    /// stay, since it says where they are.
+    fn bring_near(&mut self) {
+        let of_root = |channel: gltf::animation::Channel| {
+            let target = channel.target();
+            target.property() == gltf::animation::Property::Translation
+                && self.nodes.get(target.node().index()).parent.is_none()
+        };
+        if self.gltf.animations().flat_map(|animation| animation.channels()).any(of_root) {
+            return;
+        }
+        // Declared bounds may be missing or wrong, but are known without reading all positions.
+        let declared = |primitive: &gltf::Primitive| bounds_of(primitive).to_vec();
+        let read = |primitive: &gltf::Primitive| self.buffers.positions(primitive).unwrap_or_default();
+        let Some(origin) = self.offset_of(declared).and_then(|_| self.offset_of(read)) else { return };
+        let document: Value = serde_json::from_slice(&self.json).unwrap_or_default();
+        for &index in &self.order {
+            let node = &document["nodes"][index];
+            let at = |list: &Value, first: usize| {
+                list.as_array()?
+                    .get(first..first + 3)
+                    .map(|xyz| DVec3::from_array([0, 1, 2].map(|i| xyz[i].as_f64().unwrap_or_default())))
+            };
+            if self.nodes.get(index).parent.is_none() {
+                let place = at(&node["matrix"], 12).or(at(&node["translation"], 0)).unwrap_or_default();
+                self.nodes.place_at_rest(index, (place - origin).as_vec3());
+            }
+        }
+        self.origin = Some(origin);
+    }
+
+    /// The offset of the scene at rest from the origin, if it is far away. `positions` gives those of a primitive.
+    fn offset_of(&self, positions: impl Fn(&gltf::Primitive) -> Vec<Vec3>) -> Option<DVec3> {
+        let at_rest = self.at_rest();
+        let mut corners = Vec::new();
+        for node in self.nodes_of_scene() {
+            let world_from_node = at_rest.world_from_node(node.index());
+            for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+                let places = positions(&primitive).into_iter().map(|place| world_from_node.transform_point3(place));
+                let Bounds { min, max } = Bounds::around(places);
+                corners.extend([min, max]);
+            }
+        }
+        recenter::offset(corners.into_iter().filter(|corner| corner.is_finite()))
     }
 
     /// Keeps the triangles of nodes that have no extent at rest and get one from a clip: they take [`HIDDEN_SCALE`] instead of 0.
@@ -184,6 +250,12 @@ impl SceneFile {
         let skins = self.skins.iter().map(|skin| skin.as_ref().is_ok_and(is_carried)).collect();
         Moving { weights: marked(|property| property == Property::Weights), nodes, skins }
     }
+}
+
+/// Two opposite corners of the positions that a primitive declares.
+fn bounds_of(primitive: &gltf::Primitive) -> [Vec3; 2] {
+    let gltf::mesh::Bounds { min, max } = primitive.bounding_box();
+    [min, max].map(Vec3::from_array)
 }
 
 /// Indices of the nodes, meshes and skins that clips move.

@@ -1,6 +1,7 @@
 //! Scenes, materials and pictures, with the messages of their import: what is approximated and left out.
 
 use anyhow::Result;
+use glam::DVec3;
 use lapidary_core::{
     input,
     material::Material,
@@ -111,6 +112,7 @@ fn scene_json(Imported { scene, report }: &Imported) -> serde_json::Value {
     serde_json::json!({
         "vertices": scene.mesh.positions.len(),
         "triangles": scene.mesh.triangles.len(),
+        "origin": scene.origin,
         "materials": names(&scene.materials, |m| &m.name),
         "scenes": report.scenes,
         "variants": report.variants,
@@ -119,6 +121,12 @@ fn scene_json(Imported { scene, report }: &Imported) -> serde_json::Value {
         "lights": names(&scene.lights, |l| &l.name),
         "warnings": report.warnings,
     })
+}
+
+/// Where the origin is in the source file, if the scene was moved.
+pub fn origin_text(scene: &Scene) -> String {
+    let DVec3 { x, y, z } = scene.origin;
+    if scene.origin == DVec3::ZERO { String::new() } else { format!("origin     {x}, {y}, {z} in the file\n") }
 }
 
 fn scene_text(Imported { scene, report }: &Imported) -> String {
@@ -139,6 +147,7 @@ fn scene_text(Imported { scene, report }: &Imported) -> String {
         scene.cameras.len(),
         scene.lights.len()
     );
+    text += &origin_text(scene);
     text += &lines("material   ", scene.materials.iter().map(|material| &material.name));
     text += &lines("scenes     ", &report.scenes);
     text += &lines("variant    ", &report.variants);
