@@ -24,18 +24,28 @@ pub enum SlopeSource {
     /// Texels are tangent-space normals; the slopes are their x and y for a z of 1.
     Normals,
     /// A channel of the texels holds heights; the slopes are its changes per texel.
-    Heights(Channel),
+    Heights {
+        /// The channel.
+        channel: Channel,
+        /// Whether the picture follows itself along u and v; else the heights at its edges go on.
+        repeats: [bool; 2],
+    },
 }
 
 impl SlopeSource {
     /// Number of sources.
-    pub const COUNT: usize = 5;
+    pub const COUNT: usize = 17;
+
+    /// The heights of a bump map.
+    pub fn heights(slot: &TextureSlot) -> Self {
+        Self::Heights { channel: slot.channel, repeats: slot.wrap.map(|wrap| wrap == Wrap::Repeat) }
+    }
 
     /// Index among the sources.
     pub fn index(self) -> usize {
         match self {
             Self::Normals => 0,
-            Self::Heights(channel) => 1 + channel as usize,
+            Self::Heights { channel, repeats: [u, v] } => 1 + channel as usize + 4 * usize::from(u) + 8 * usize::from(v),
         }
     }
 }
@@ -132,6 +142,14 @@ impl SlopeTexel {
     }
 }
 
+/// The texels before and after one of a row. Mirrored and held edges go on with the texel at the edge.
+fn neighbors(at: usize, size: usize, repeats: bool) -> [usize; 2] {
+    match repeats {
+        true => [(at + size - 1) % size, (at + 1) % size],
+        false => [at.saturating_sub(1), (at + 1).min(size - 1)],
+    }
+}
+
 /// The slope of an unnormalized tangent-space normal.
 pub fn slope_of(normal: Vec3) -> Vec2 {
     normal.truncate() / normal.z.max(LEAST_Z * normal.length()).max(1e-6)
@@ -146,10 +164,10 @@ impl SlopeLevel {
                 let texel = texture.texels.at(y * width + x, ColorSpace::Linear).xyz();
                 slope_of(2.0 * texel - 1.0)
             }
-            SlopeSource::Heights(channel) => {
+            SlopeSource::Heights { channel, repeats } => {
                 let at = |x: usize, y: usize| texture.texels.at(y * width + x, ColorSpace::Linear)[channel as usize];
-                let (left, right) = ((x + width - 1) % width, (x + 1) % width);
-                let (above, below) = ((y + height - 1) % height, (y + 1) % height);
+                let [[left, right], [above, below]] =
+                    [neighbors(x, width, repeats[0]), neighbors(y, height, repeats[1])];
                 0.5 * Vec2::new(at(right, y) - at(left, y), at(x, below) - at(x, above))
             }
         };
@@ -237,7 +255,7 @@ impl Texture {
         let [wrap_u, wrap_v] = slot.wrap;
         let rising = |uv: Vec2| Vec2::new(wrap_u.slope(uv.x), wrap_v.slope(uv.y));
         let units = |uv: Vec2| slot.strength * turn.transpose() * Mat2::from_diagonal(size * rising(uv));
-        self.slope_moments(taps, (SlopeSource::Heights(slot.channel), slot.wrap), units, at)
+        self.slope_moments(taps, (SlopeSource::heights(slot), slot.wrap), units, at)
     }
 }
 

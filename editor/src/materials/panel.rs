@@ -139,7 +139,7 @@ pub fn show(ui: &mut Ui, state: &mut MaterialPanel, context: &MaterialContext, a
     transfer::show(ui, state, context.document, index, &mut changes, actions);
     ball(ui, state, context, index);
     section(ui, "Reflection", true, |ui| {
-        if context.has_vertex_colors {
+        if context.has_vertex_colors && changes.material.parameter_for("base_color").is_some() {
             vertex_colors(ui, &mut changes);
         }
         parameters::show(ui, state, context, index, &mut changes, actions);

@@ -47,7 +47,9 @@ impl Workspace {
         }
         match self.scene.source.as_mut().filter(|known| known.hash == source.hash) {
             // Trials of its mesh stay known.
-            Some(known) => (known.scene, known.animation) = (source.scene, source.animation),
+            Some(known) => {
+                (known.scene, known.animation, known.report) = (source.scene, source.animation, source.report);
+            }
             None => self.take_changed(path, source),
         }
         self.drop_lost_clip();

@@ -30,7 +30,7 @@ impl MipContent {
     fn of(map: &str, slot: &TextureSlot, texture: &Texture) -> Self {
         match (map, &texture.texels) {
             (NORMAL, _) => Self::Slopes(SlopeSource::Normals),
-            (BUMP, _) => Self::Slopes(SlopeSource::Heights(slot.channel)),
+            (BUMP, _) => Self::Slopes(SlopeSource::heights(slot)),
             (_, Texels::U8(_) | Texels::U16(_) | Texels::Wide { .. }) => Self::Values(slot.color_space),
             (_, Texels::F32(_)) => Self::Values(ColorSpace::Linear),
         }
@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn what_is_packed_has_the_length_that_is_told() {
-        let slopes = [SlopeSource::Normals, SlopeSource::Heights(Default::default())].map(MipContent::Slopes);
+        let slopes = [SlopeSource::Normals, SlopeSource::heights(&Default::default())].map(MipContent::Slopes);
         let floats = Texture::new("floats", [5, 9], Texels::F32(vec![[0.5; 4]; 45]));
         let deep = Texture::new("deep", [5, 9], Texels::U16(vec![[700; 4]; 45]));
         for detail in [MipContent::Values(ColorSpace::Srgb), slopes[0], slopes[1]] {

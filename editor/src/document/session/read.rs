@@ -113,7 +113,7 @@ impl Reader {
     fn session(&mut self, root: &Map<String, Value>) -> Session {
         let session = Session {
             scene: self.path(root, "scene"),
-            scene_in_file: root.get("scene_in_file").map(|_| self.choice(root, "scene_in_file")),
+            scene_in_file: self.choice(root, "scene_in_file"),
             dataset: self.path(root, "dataset"),
             materials: self.list(root, "materials", material_template),
             added: self.choice(root, "added"),
@@ -192,7 +192,8 @@ impl Reader {
 /// A material with the parameters and slots of `given`, so that their values are read one by one too.
 fn material_template(given: &Value) -> SessionMaterial {
     let file = given.get("file").map(|_| BrdfFile::unread(""));
-    let mut template = SessionMaterial { file, ..Default::default() };
+    let vertex_colors = given.get("vertex_colors").is_some();
+    let mut template = SessionMaterial { file, vertex_colors, ..Default::default() };
     let named = |key| given.get(key).and_then(Value::as_object).into_iter().flatten();
     // The parameters of a BRDF file are known only once it is read.
     let may_declare = given.get("file").and_then(Value::as_str).is_some_and(|file| file.ends_with(".wgsl"));
@@ -207,12 +208,18 @@ fn material_template(given: &Value) -> SessionMaterial {
     let known = || BrdfModel::ALL.iter().flat_map(|&model| map_names(model));
     for (name, slot) in named("maps").filter(|(_, slot)| slot.is_object()) {
         if may_declare || known().any(|known| known == name) {
-            let procedural =
-                slot.get("procedural").filter(|pattern| pattern.is_object()).map(|_| Procedural::default());
-            template.maps.set(name.clone(), Some(SessionSlot { procedural, ..Default::default() }));
+            template.maps.set(name.clone(), Some(slot_template(slot)));
         }
     }
     template
+}
+
+/// A slot with all that `given` has: what is as by default is not written, and so has no place.
+fn slot_template(given: &Value) -> SessionSlot {
+    let procedural = given.get("procedural").filter(|pattern| pattern.is_object()).map(|_| Procedural::default());
+    let wrap = if given.get("wrap").is_some() { [Wrap::Mirror; 2] } else { Default::default() };
+    let uv_set = if given.get("uv_set").is_some() { UvSet::Second } else { UvSet::First };
+    SessionSlot { procedural, wrap, uv_set, ..Default::default() }
 }
 
 /// A light with the fields of its kind.

@@ -265,7 +265,7 @@ fn uv_set(ui: &mut Ui, slot: &mut TextureSlot, changes: &mut Changes) {
         (
             UvSet::Second,
             "Second",
-            "TEXCOORD_1 of glTF. Normal maps are lit right once the scene is baked with this set.",
+            "TEXCOORD_1 of glTF. A normal map is turned with the set that the file names for it.",
         ),
     ];
     let help = "The texture coordinates of the surface that place the picture.";

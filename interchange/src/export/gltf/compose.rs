@@ -36,9 +36,9 @@ impl Component {
         self.of.map(|(texture, ..)| &*textures[texture as usize])
     }
 
-    fn value(&self, textures: &[Arc<Texture>], uv: Vec2) -> f32 {
+    fn value(&self, textures: &[Arc<Texture>], uv: Vec2, wrap: [Wrap; 2]) -> f32 {
         let Some((texture, channel, color_space)) = self.of else { return 1.0 };
-        let value = textures[texture as usize].sample(uv, color_space, Default::default())[channel as usize];
+        let value = textures[texture as usize].sample(uv, color_space, wrap)[channel as usize];
         if self.inverted { 1.0 - value } else { value }
     }
 }
@@ -49,6 +49,8 @@ pub struct Picture {
     pub components: [Component; 4],
     /// Whether colors are sRGB encoded.
     pub encodes: bool,
+    /// What is shown beyond its edges.
+    pub wrap: [Wrap; 2],
 }
 
 impl Picture {
@@ -59,7 +61,7 @@ impl Picture {
         let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
         let pixel = |x: u32, y: u32| {
             let uv = Vec2::new((x as f32 + 0.5) / size[0] as f32, (y as f32 + 0.5) / size[1] as f32);
-            let [r, g, b, a] = self.components.each_ref().map(|component| component.value(textures, uv));
+            let [r, g, b, a] = self.components.each_ref().map(|component| component.value(textures, uv, self.wrap));
             let encode = |x: f32| byte(if self.encodes { srgb_from_linear(x) } else { x });
             [encode(r), encode(g), encode(b), byte(a)]
         };

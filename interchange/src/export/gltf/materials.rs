@@ -387,7 +387,7 @@ impl OneMaterial<'_, '_> {
 
     /// A new picture from components.
     fn composed(&mut self, components: [Component; 4], encodes: bool, place: &TextureSlot) -> Value {
-        let picture = Picture { components, encodes }.png(self.all.scene);
+        let picture = Picture { components, encodes, wrap: place.wrap }.png(self.all.scene);
         let index = self.all.textures.of_bytes(picture.into(), place.wrap);
         self.info(index, place)
     }

@@ -292,7 +292,7 @@ pub fn remarks(material: &Material) -> Vec<String> {
             "maps with the second set of texture coordinates have the first",
         ),
         (
-            maps.slots().any(|slot| slot.wrap[0] != slot.wrap[1]),
+            maps.slots().any(|slot| slot.procedural.is_none() && slot.wrap[0] != slot.wrap[1]),
             "maps that repeat, mirror or clamp along one axis do it along both",
         ),
         (

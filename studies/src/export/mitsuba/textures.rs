@@ -49,6 +49,7 @@ impl<'a> TextureFolder<'a> {
             image::write(&Image::from_fn(texture.size, texel), &self.folder.join(&file))?;
         }
         let wrap = match slot.wrap[0] {
+            _ if slot.procedural.is_some() => "repeat",
             Wrap::Repeat => "repeat",
             Wrap::Mirror => "mirror",
             Wrap::Clamp => "clamp",
