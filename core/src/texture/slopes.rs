@@ -45,7 +45,9 @@ impl SlopeSource {
     pub fn index(self) -> usize {
         match self {
             Self::Normals => 0,
-            Self::Heights { channel, repeats: [u, v] } => 1 + channel as usize + 4 * usize::from(u) + 8 * usize::from(v),
+            Self::Heights { channel, repeats: [u, v] } => {
+                1 + channel as usize + 4 * usize::from(u) + 8 * usize::from(v)
+            }
         }
     }
 }

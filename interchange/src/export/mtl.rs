@@ -243,6 +243,9 @@ impl Entry<'_> {
             let told = is_told(p.name) && material.parameters.value(p) != p.default && !HELD.contains(&p.quantity);
             mapped || told
         });
+        if material.vertex_colors {
+            self.lost.push("MTL does not say that the colors of vertices multiply its color".into());
+        }
         let names: Vec<String> = lost.map(|p| p.label.to_lowercase()).collect();
         if !names.is_empty() {
             self.lost.push(format!("MTL has no place for its {}", names.join(", ")));

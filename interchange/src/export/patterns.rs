@@ -23,6 +23,8 @@ pub fn as_pictures(scene: &Scene) -> Cow<'_, Scene> {
             let Some(slot) = material.maps.get_mut(&name) else { continue };
             let Some(pattern) = slot.procedural.take() else { continue };
             (slot.texture, slot.color_space) = (textures.len() as u32, map_color_space(&name));
+            // As patterns do.
+            slot.wrap = Default::default();
             textures.push(picture(&pattern, slot.color_space).into());
         }
     }

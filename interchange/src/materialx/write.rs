@@ -157,7 +157,10 @@ impl DocumentWriter {
         self.open("surfacematerial", &attributes)?;
         self.connected("surfaceshader", "surfaceshader", &format!("SR_{name}"))?;
         self.close("surfacematerial")?;
-        self.remarks.extend(remarks.into_iter().map(|remark| format!("material \"{}\": {remark}", material.name)));
+        let colors = material.vertex_colors.then(|| "the colors of its vertices are left out".to_owned());
+        self.remarks.extend(
+            remarks.into_iter().chain(colors).map(|remark| format!("material \"{}\": {remark}", material.name)),
+        );
         Ok(())
     }
 

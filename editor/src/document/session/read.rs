@@ -16,7 +16,7 @@ use lapidary_core::{
     input,
     lights::{Emission, Light},
     material::{BrdfModel, map_names},
-    texture::Procedural,
+    texture::{Procedural, UvSet, Wrap},
 };
 use lapidary_precompute::Preset;
 use serde::{Serialize, de::DeserializeOwned};
