@@ -148,7 +148,7 @@ fn bumped_normal(material: u32, corners: vec3<u32>, b: vec3<f32>, smoothed: mat3
     var bumped = Bumped(smoothed[2], still, still);
     let normal_map = materials[material].normal_map;
     if normal_map.kind != 0u {
-        let axes = normal_axes(normal_map, materials[material].normal_y);
+        let axes = normal_axes(normal_map);
         let uv = footprint_at(corners, b, uv_set_of(normal_map));
         let taps = taps_of(normal_map, uv);
         if is_point(taps) || normal_map.kind == KIND_PROCEDURAL {

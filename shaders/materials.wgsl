@@ -14,7 +14,8 @@ struct TextureSlot {
     // Sine and cosine of the rotation.
     turn: vec2<f32>,
     strength: f32,
-    // Bits 0 and 1: component; 2 and 3: WRAP_* along u; 4 and 5: along v; 6: set of texture coordinates.
+    // Bits 0 and 1: component; 2 and 3: WRAP_* along u; 4 and 5: along v; 6: set of texture coordinates; 7: normals have green
+    // down.
     lookup: u32,
     // Pattern: its values, kind (see PATTERN_*), and octaves of noise.
     low: vec3<f32>,
@@ -40,8 +41,8 @@ const MOST_LUMINANCE: f32 = 1e6;
 
 struct Material {
     model: u32,
-    // -1 if the normal map has green down, else 1.
-    normal_y: f32,
+    // READS_*: what it needs of the vertices.
+    reads: u32,
     // Index of the first surface parameter; all models have these.
     surface: u32,
     // First word of its measured BRDF.
@@ -137,9 +138,10 @@ fn linear_column(slot: TextureSlot, axis: u32) -> vec2<f32> {
     return vec2(slot.turn.x, slot.turn.y) * slot.scale.y;
 }
 
-// The picture's axes on the surface: what a normal's x and y in the picture add along tangent and bitangent. `green` is -1
-// if green is down, else 1. Twin of `TextureSlot::normal_axes`.
-fn normal_axes(slot: TextureSlot, green: f32) -> mat2x2<f32> {
+// The picture's axes on the surface: what a normal's x and y in the picture add along tangent and bitangent. Twin of
+// `TextureSlot::normal_axes`.
+fn normal_axes(slot: TextureSlot) -> mat2x2<f32> {
+    let green = select(1.0, -1.0, (slot.lookup & 128u) != 0u);
     let mirror = slot.strength * select(vec2(1.0), vec2(-1.0), slot.scale < vec2(0.0));
     return mat2x2<f32>(mirror * vec2(slot.turn.y, -slot.turn.x), green * mirror * slot.turn);
 }
@@ -182,7 +184,7 @@ fn wrap_of(slot: TextureSlot, axis: u32) -> u32 {
 }
 
 fn uv_set_of(slot: TextureSlot) -> u32 {
-    return slot.lookup >> 6u;
+    return (slot.lookup >> 6u) & 1u;
 }
 
 // The coordinate within 0 to 1 that shows the same. Twin of core/src/texture/wrap.rs.

@@ -19,7 +19,8 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let bc = bitcast<vec2<f32>>(g.yz);
     let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
     if shows_color() {
-        return color_and_roughness(material, attributes_at(triangle.vertices, hit.barycentric));
+        let reads = materials[material].reads;
+        return color_and_roughness(material, attributes_at(triangle.vertices, hit.barycentric, reads));
     }
     let has_bumps = materials[material].normal_map.kind != 0u || materials[material].bump_map.kind != 0u;
     if !has_bumps {

@@ -106,7 +106,7 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
         brdf = diffuse_brdf(textureLoad(color_roughness, pixel, 0).xyz);
     } else {
         let material = triangle.material & ~TWO_SIDED;
-        let attributes = attributes_at(corners, hit.barycentric);
+        let attributes = attributes_at(corners, hit.barycentric, materials[material].reads);
         brdf = brdf_of(material, attributes);
         if HAS_EMISSION {
             emission = material_emission(material, attributes);

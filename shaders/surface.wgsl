@@ -48,6 +48,9 @@ struct SurfaceAttributes {
     color: vec3<f32>,
 }
 
+const READS_SECOND_UVS: u32 = 1u;
+const READS_VERTEX_COLORS: u32 = 2u;
+
 const FIRST_UVS: u32 = 0u;
 const SECOND_UVS: u32 = 1u;
 
@@ -90,11 +93,18 @@ fn footprint_at(corners: vec3<u32>, b: vec3<f32>, uv_set: u32) -> UvFootprint {
     return UvFootprint(uv, change_of_uv(slopes, right), change_of_uv(slopes, below));
 }
 
-fn attributes_at(corners: vec3<u32>, b: vec3<f32>) -> SurfaceAttributes {
+// The attributes that a material reads, see READS_*; the others are not looked up.
+fn attributes_at(corners: vec3<u32>, b: vec3<f32>, reads: u32) -> SurfaceAttributes {
     let first = footprint_at(corners, b, FIRST_UVS);
-    let second = footprint_at(corners, b, SECOND_UVS);
-    let color = vertex_color(corners.x) * b.x + vertex_color(corners.y) * b.y + vertex_color(corners.z) * b.z;
-    return SurfaceAttributes(first, second, color);
+    var attributes = SurfaceAttributes(first, first, vec3(1.0));
+    if (reads & READS_SECOND_UVS) != 0u {
+        attributes.second_uv = footprint_at(corners, b, SECOND_UVS);
+    }
+    if (reads & READS_VERTEX_COLORS) != 0u {
+        attributes.color =
+            vertex_color(corners.x) * b.x + vertex_color(corners.y) * b.y + vertex_color(corners.z) * b.z;
+    }
+    return attributes;
 }
 
 fn vertex_color(vertex: u32) -> vec3<f32> {

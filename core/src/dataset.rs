@@ -66,6 +66,7 @@ use crate::{
     cut::packed::PackedCuts,
     image::ImageError,
     light_tree::LightTree,
+    material::NORMAL,
     mesh::Mesh,
     meshless::MeshlessBake,
     scene::{
@@ -74,7 +75,7 @@ use crate::{
     },
     shot::Shot,
     sources::IndirectBake,
-    texture::Texture,
+    texture::{Texture, UvSet},
 };
 use glam::Vec2;
 use std::{path::Path, sync::Arc};
@@ -193,6 +194,10 @@ pub fn scene_hash(scene: &Scene) -> String {
     }
     for material in &scene.materials {
         hasher.update(&[u8::from(material.double_sided)]);
+        // Tangents are along these coordinates.
+        if material.maps.get(NORMAL).is_some_and(|slot| slot.uv_set == UvSet::Second) {
+            hasher.update(NORMAL.as_bytes());
+        }
     }
     hasher.finalize().to_hex().to_string()
 }

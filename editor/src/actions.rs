@@ -87,8 +87,8 @@ impl Action {
 pub enum FileAction {
     /// Open a scene, a dataset or a session.
     Open(Option<PathBuf>),
-    /// Open another scene of the document's scene file, by name.
-    OpenSceneIn(String),
+    /// Open another scene of the document's scene file, by name; `None` for its default.
+    OpenSceneIn(Option<String>),
     /// Open a bundled scene, by its place in the menu.
     OpenBundled(usize),
     /// Write the session.

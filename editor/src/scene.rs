@@ -36,8 +36,8 @@ const SWATCH: f32 = 11.0;
 pub struct SceneContext<'a> {
     /// The document.
     pub document: &'a Document,
-    /// Names of the scenes in its file, if there are several.
-    pub scenes: &'a [String],
+    /// Names of the scenes in its file, if there are several, and of the default one.
+    pub scenes: (&'a [String], Option<&'a str>),
     /// Its dataset, if one is loaded.
     pub dataset: Option<&'a Dataset>,
     /// The active object: the one selected last.
@@ -174,18 +174,20 @@ fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Ve
 
 /// The list of scenes in a glTF file. Another one is opened in place of this.
 fn scenes(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
-    if context.scenes.is_empty() {
+    let (names, default) = context.scenes;
+    if names.is_empty() {
         return;
     }
-    let shown = context.document.scene_in_file.as_deref();
+    let shown = context.document.scene_in_file.as_deref().or(default);
     ui.horizontal(|ui| {
         let label =
             ui.label("Scene").on_hover_text("Scenes of the glTF file. Another one is opened and baked for itself.");
-        let combo = ComboBox::from_id_salt("scene of the file").selected_text(shown.unwrap_or("Default"));
+        let combo = ComboBox::from_id_salt("scene of the file").selected_text(shown.unwrap_or("All nodes"));
         let opened = combo.width(ui.available_width()).truncate().show_ui(ui, |ui| {
-            for name in context.scenes {
-                if ui.selectable_label(shown == Some(name), name).clicked() {
-                    actions.push(Action::File(FileAction::OpenSceneIn(name.clone())));
+            for name in names {
+                if ui.selectable_label(shown == Some(name), name).clicked() && shown != Some(name) {
+                    let chosen = (default != Some(name)).then(|| name.clone());
+                    actions.push(Action::File(FileAction::OpenSceneIn(chosen)));
                 }
             }
         });

@@ -43,6 +43,8 @@ pub struct ExportOptions<'a> {
     /// The glTF file that the scene was imported from: its materials are rewritten, all else stays. Without it, a glTF
     /// file has the meshes and materials of the scene.
     pub original: Option<&'a Path>,
+    /// The scene of that file, by name or number; `None` for its default.
+    pub scene: Option<&'a str>,
 }
 
 /// Writes the materials of a scene, except its ground's, in the format given by the extension of `path`.

@@ -85,10 +85,11 @@ pub(crate) fn animation(path: &Path, options: &ImportOptions) -> Option<Result<A
 /// Repairs and validates the mesh.
 fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
     let mesh_error = |source| ImportError::Mesh { path: path.into(), source };
-    let Source { variants, scenes, warnings, unread, outside, files, .. } = source;
+    let Source { variants, scenes, default_scene, warnings, unread, outside, files, .. } = source;
     let names = variants.names.clone();
     let warnings = source.origin.map(recenter::warning).into_iter().chain(warnings).collect();
-    let mut report = ImportReport { scenes, variants: names, warnings, unread, outside, files, ..Default::default() };
+    let mut report =
+        ImportReport { scenes, default_scene, variants: names, warnings, unread, outside, files, ..Default::default() };
     let mesh = repair::repair(source.mesh, &source.materials, &mut report).map_err(mesh_error)?;
     mesh.validate(source.materials.len(), source.objects.len()).map_err(mesh_error)?;
     let mut scene = Scene {

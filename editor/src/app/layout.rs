@@ -141,7 +141,12 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         Side::Scene => {
             let context = SceneContext {
                 document: &state.work.document,
-                scenes: state.work.scene.source.as_ref().map_or(&[], |source| &source.report.scenes),
+                scenes: state
+                    .work
+                    .scene
+                    .source
+                    .as_ref()
+                    .map_or((&[], None), |source| (&source.report.scenes, source.report.default_scene.as_deref())),
                 dataset: state.work.scene.rendered().map(|b| &*b.dataset),
                 selected_object: state.work.selection.object,
                 other_objects: &state.work.selection.others,

@@ -54,7 +54,10 @@ impl EditorState {
             FileAction::Open(Some(path)) => self.open(Target::File(path)),
             FileAction::OpenSceneIn(scene) => {
                 if let Some(path) = self.work.document.scene.clone() {
-                    self.open(Target::SceneIn { path, scene });
+                    self.open(match scene {
+                        Some(scene) => Target::SceneIn { path, scene },
+                        None => Target::File(path),
+                    });
                 }
             }
             FileAction::OpenBundled(index) => self.open_bundled(index),

@@ -170,7 +170,8 @@ fn export_materials(work: &mut Workspace, path: PathBuf) {
     let Some(baked) = work.scene.rendered().cloned() else { return work.messages.error(NOTHING) };
     let copies = |path: &Path| MaterialFormat::of(path).is_some_and(|format| format.copies_scene);
     let original = work.document.scene.clone().filter(|scene| copies(scene) && copies(&path));
-    let export = MaterialExport { path, surface: Surface::default(), original };
+    let export =
+        MaterialExport { path, surface: Surface::default(), original, scene: work.document.scene_in_file.clone() };
     let written = export
         .files(CommandFiles::default().reads(work.inputs(Written::Other)))
         .check()

@@ -216,7 +216,11 @@ pub fn open(target: Target, bakes: &Path, consent: &Consent) -> Result<Opened> {
 
 /// The bake of a scene of a file, as the window names it.
 pub fn bake_beside(path: &Path, scene_in_file: Option<&str>) -> PathBuf {
-    let plain = |c: char| if c.is_alphanumeric() || "-_ ".contains(c) { c } else { '_' };
+    // Codes keep names apart that differ in other characters alone.
+    let plain = |c: char| match c.is_alphanumeric() || "-_ ".contains(c) {
+        true => c.to_string(),
+        false => format!("%{:x}", u32::from(c)),
+    };
     match scene_in_file {
         None => path.with_extension("cuts"),
         Some(scene) => path.with_extension(format!("{}.cuts", scene.chars().map(plain).collect::<String>())),

@@ -50,7 +50,7 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
             selected.map(|object| Subject { object, center: center(object), middle: center(object) }).collect();
         let context = SceneContext {
             document,
-            scenes,
+            scenes: (scenes, Some("Day")),
             dataset,
             selected_object,
             other_objects: others,
@@ -354,16 +354,24 @@ fn variants_are_chosen_where_there_are_any() {
 fn scenes_of_the_file_are_opened_where_there_are_several() {
     let mut panel = panel(named(&["Floor"]), &[]);
     let chooser = |panel: &Harness<Probe>| panel.query_by_role_and_label(Role::ComboBox, "Scene").map(|c| c.value());
-    assert_eq!(chooser(&panel), Some(Some("Default".into())));
+    assert_eq!(chooser(&panel), Some(Some("Day".into())));
     panel.get_by_role_and_label(Role::ComboBox, "Scene").click();
     panel.run();
     panel.get_by_label("Night").click();
     panel.run();
-    let [Action::File(FileAction::OpenSceneIn(name))] = &panel.state().actions[..] else { panic!("no action") };
-    assert_eq!(name, "Night");
+    let opened = |panel: &Harness<Probe>| match panel.state().actions.last() {
+        Some(Action::File(FileAction::OpenSceneIn(name))) => name.clone(),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(opened(&panel).as_deref(), Some("Night"));
     panel.state_mut().document.scene_in_file = Some("Night".into());
     panel.run();
     assert_eq!(chooser(&panel), Some(Some("Night".into())));
+    panel.get_by_role_and_label(Role::ComboBox, "Scene").click();
+    panel.run();
+    panel.get_by_label("Day").click();
+    panel.run();
+    assert_eq!(opened(&panel), None, "the default needs no name");
     panel.state_mut().scenes.clear();
     panel.run();
     assert_eq!(chooser(&panel), None);

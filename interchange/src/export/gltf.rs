@@ -15,7 +15,7 @@ use std::path::Path;
 
 pub(super) fn write(scene: &Scene, path: &Path, options: &ExportOptions) -> Result<Exported, ExportError> {
     match options.original {
-        Some(original) => original::write(scene, path, original),
+        Some(original) => original::write(scene, path, original, options.scene),
         None => own::write(scene, path),
     }
 }

@@ -72,6 +72,7 @@ pub(super) fn read(
     source.warnings.extend(file.scenes.remark());
     if file.scenes.names.len() > 1 {
         source.scenes.clone_from(&file.scenes.names);
+        source.default_scene = file.scenes.default.map(|scene| file.scenes.names[scene].clone());
     }
     source.warnings.extend(file.variants.remark());
     source.warnings.extend(remark_of_empty_textures(&file.without_picture));

@@ -180,6 +180,8 @@ pub struct ImportReport {
     pub flipped_triangles: usize,
     /// Names of the scenes of its file, if it has several; one of them is imported.
     pub scenes: Vec<String>,
+    /// The one of them that is imported by default.
+    pub default_scene: Option<String>,
     /// Names of the variants of its materials.
     pub variants: Vec<String>,
     /// Files read in addition to the scene's: buffers, materials and pictures.

@@ -29,6 +29,8 @@ pub(super) struct Source {
     pub variants: Variants,
     /// Names of the scenes of the file, if it has several.
     pub scenes: Vec<String>,
+    /// The one of them that is imported by default.
+    pub default_scene: Option<String>,
     pub warnings: Vec<String>,
     pub unread: Vec<String>,
     pub outside: Vec<String>,

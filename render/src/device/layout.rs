@@ -120,7 +120,7 @@ pub struct MaterialParameter {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Material {
     pub model: u32,
-    pub normal_y: f32,
+    pub reads: u32,
     /// Index of the first parameter of surfaces.
     pub surface: u32,
     /// First word of its measured BRDF.
@@ -359,6 +359,8 @@ pub mod constants {
     pub const BACKGROUND_MAP: u32 = 0;
     pub const BACKGROUND_FLAT: u32 = 1;
     pub const TWO_SIDED: u32 = 1 << 31;
+    pub const READS_SECOND_UVS: u32 = 1;
+    pub const READS_VERTEX_COLORS: u32 = 2;
     pub const FIELD_NONE: u32 = 0;
     pub const FIELD_ENVIRONMENT: u32 = 1;
     pub const FIELD_SOURCES: u32 = 2;

@@ -10,7 +10,7 @@ use crate::{
         GpuDevice, ModelSet,
         layout::{
             Material, MaterialParameter, Tables, TextureSlot,
-            constants::{KIND_PROCEDURAL, MOST_PARAMETERS, NO_TABLE},
+            constants::{KIND_PROCEDURAL, MOST_PARAMETERS, NO_TABLE, READS_SECOND_UVS, READS_VERTEX_COLORS},
         },
         storage,
     },
@@ -19,7 +19,7 @@ use lapidary_core::{
     brdf::{MISSING, albedo_table, narrow_widths},
     color::LINEAR_FROM_CODE,
     material::{self, BUMP, NORMAL},
-    texture::{self, Procedural},
+    texture::{self, Procedural, UvSet},
 };
 use wgpu::util::DeviceExt;
 
@@ -90,7 +90,7 @@ fn material(m: &material::Material, pool: &TexturePool) -> Material {
     }
     Material {
         model: m.model as u32,
-        normal_y: if m.maps.get(NORMAL).is_some_and(|s| s.flip_y) { -1.0 } else { 1.0 },
+        reads: reads_of(m),
         surface: m.own_parameters().len() as u32,
         table: NO_TABLE,
         estimate: [0.0; 4],
@@ -116,10 +116,18 @@ fn texture_slot(slot: &texture::TextureSlot, place: Place) -> TextureSlot {
     }
 }
 
-/// Bits 0 and 1: component; 2 and 3: wrap along u; 4 and 5: wrap along v; 6: set of coordinates.
+/// What a material needs of the vertices: a second set of coordinates, and colors.
+fn reads_of(m: &material::Material) -> u32 {
+    let has_second = m.maps.slots().any(|slot| slot.uv_set == UvSet::Second);
+    let second = if has_second { READS_SECOND_UVS } else { 0 };
+    let colors = if m.vertex_colored().is_some() { READS_VERTEX_COLORS } else { 0 };
+    second | colors
+}
+
+/// Bits 0 and 1: component; 2 and 3: wrap along u; 4 and 5: wrap along v; 6: set of coordinates; 7: green down.
 fn lookup_of(slot: &texture::TextureSlot) -> u32 {
     let [u, v] = slot.wrap.map(|wrap| wrap as u32);
-    slot.channel as u32 | u << 2 | v << 4 | (slot.uv_set as u32) << 6
+    slot.channel as u32 | u << 2 | v << 4 | (slot.uv_set as u32) << 6 | u32::from(slot.flip_y) << 7
 }
 
 fn pattern_slot(slot: &texture::TextureSlot, pattern: &Procedural) -> TextureSlot {

@@ -34,6 +34,9 @@ pub struct ExportArgs {
     /// glTF file that the scene was baked from: --materials is a copy of it with new materials
     #[arg(long, value_name = "FILE.gltf", requires = "materials")]
     original: Option<PathBuf>,
+    /// Scene of the --original, by name or by number from 0 [default: the file's default scene]
+    #[arg(long, value_name = "NAME|NUMBER", requires = "original")]
+    scene: Option<String>,
     /// Most bounces of light between surfaces, 0 to 1000; 1 is direct light and one indirect bounce [default: 0; 1 if
     /// --components names indirect]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1000))]
@@ -56,7 +59,7 @@ impl ExportArgs {
 
     fn materials(&self) -> Option<MaterialExport> {
         let path = self.materials.clone()?;
-        Some(MaterialExport { path, surface: self.surface, original: self.original.clone() })
+        Some(MaterialExport { path, surface: self.surface, original: self.original.clone(), scene: self.scene.clone() })
     }
 }
 

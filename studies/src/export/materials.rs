@@ -18,6 +18,8 @@ pub struct MaterialExport {
     pub surface: Surface,
     /// The glTF file that the scene came from.
     pub original: Option<PathBuf>,
+    /// The scene of that file, by name or number; `None` for its default.
+    pub scene: Option<String>,
 }
 
 impl MaterialExport {
@@ -32,7 +34,8 @@ impl MaterialExport {
     /// # Errors
     /// An unknown format, an original that cannot be read or has other materials, or an unwritable file.
     pub fn write(&self, scene: &Scene) -> Result<Exported> {
-        let options = ExportOptions { surface: self.surface, original: self.original.as_deref() };
+        let (original, in_file) = (self.original.as_deref(), self.scene.as_deref());
+        let options = ExportOptions { surface: self.surface, original, scene: in_file };
         Ok(write_materials(scene, &self.path, &options)?)
     }
 }

@@ -284,11 +284,11 @@ fn another_scene_of_a_file_has_its_own_bake_and_sessions_keep_it() {
     assert_eq!(day.bake_output, Some(place.path("two.cuts")));
     let night = opened(&place, Target::SceneIn { path: path.clone(), scene: "Night/2".into() });
     assert_eq!(night.document.objects, ["lamp", "moon"]);
-    assert_eq!(night.bake_output, Some(place.path("two.Night_2.cuts")));
+    assert_eq!(night.bake_output, Some(place.path("two.Night%2f2.cuts")));
     let session = place.path("night.lapidary");
     session::save(&night.document, &night.unknown, &session).unwrap();
     let again = opened(&place, Target::File(session));
     assert_eq!(again.document.scene_in_file.as_deref(), Some("Night/2"));
     assert_eq!(again.source.unwrap().scene.objects.len(), 2);
-    assert_eq!(again.bake_output, Some(place.path("two.Night_2.cuts")));
+    assert_eq!(again.bake_output, Some(place.path("two.Night%2f2.cuts")));
 }

@@ -298,8 +298,13 @@ fn reading(
         true => "No effect on this picture: its texels are floating point and always linear.",
         false => "How texels are read: sRGB for colors, linear for values such as roughness.",
     };
+    let is_wide = entry.is_some_and(|e| matches!(e.texture.texels, Texels::Wide { .. }));
+    let (color, colors) = match is_wide {
+        true => ("Color", "Colors, converted from the primaries that the picture names."),
+        false => ("sRGB", "Texels are sRGB encoded: colors."),
+    };
     let spaces = [
-        (ColorSpace::Srgb, "sRGB", "Texels are sRGB encoded: colors."),
+        (ColorSpace::Srgb, color, colors),
         (ColorSpace::Linear, "Linear", "Texels are the values: roughness, metalness."),
     ];
     let edited =

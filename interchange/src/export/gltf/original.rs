@@ -26,11 +26,18 @@ use std::{
 };
 
 /// Writes the `original` to `path` with the materials of the scene.
-pub fn write(scene: &Scene, path: &Path, original: &Path) -> Result<Exported, ExportError> {
+pub fn write(
+    scene: &Scene,
+    path: &Path,
+    original: &Path,
+    scene_in_file: Option<&str>,
+) -> Result<Exported, ExportError> {
     let io_error = |source| ImportError::Io { path: original.into(), source };
     let bytes = input::read(original).map_err(io_error)?;
     let bytes = input::text(&bytes).map_err(io_error)?;
-    let imported = import_with(original, &ImportOptions { allow_outside: true, ..Default::default() })?;
+    let scene_in_file = scene_in_file.map(Into::into);
+    let imported =
+        import_with(original, &ImportOptions { allow_outside: true, scene: scene_in_file, ..Default::default() })?;
     // It was imported just now.
     let Ok(Container { json, blob }) = Container::of(&bytes) else {
         return Err(ExportError::text(original, "it changed while it was read; export it again"));

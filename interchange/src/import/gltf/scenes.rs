@@ -10,6 +10,8 @@ pub(super) struct FileScenes {
     pub names: Vec<String>,
     /// The imported one; `None` if no scene has nodes, and all nodes of the file are imported.
     pub shown: Option<usize>,
+    /// The one that is imported unless another is wanted.
+    pub default: Option<usize>,
     /// Names of the others that have nodes.
     left_out: Vec<String>,
 }
@@ -30,8 +32,9 @@ impl FileScenes {
     pub fn of(gltf: &gltf::Document, wanted: Option<&str>) -> Result<Self, Vec<String>> {
         let name = |scene: gltf::Scene| scene.name().map_or_else(|| format!("scene {}", scene.index()), str::to_owned);
         let names = told_apart(gltf.scenes().map(name).collect());
+        let default = own(gltf);
         let shown = match wanted {
-            None => own(gltf),
+            None => default,
             Some(wanted) => {
                 let named = names.iter().position(|name| name == wanted);
                 let numbered = || wanted.parse().ok().filter(|number| *number < names.len());
@@ -43,7 +46,7 @@ impl FileScenes {
         };
         let is_left_out = |scene: &gltf::Scene| Some(scene.index()) != shown && scene.nodes().next().is_some();
         let left_out = gltf.scenes().filter(is_left_out).map(|scene| names[scene.index()].clone()).collect();
-        Ok(Self { names, shown, left_out })
+        Ok(Self { names, shown, default, left_out })
     }
 
     /// The remark on scenes that are left out.

@@ -169,7 +169,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ),
         (
             "Material",
-            shape!(layout::Material, model, normal_y, surface, table, estimate, normal_map, bump_map, parameters),
+            shape!(layout::Material, model, reads, surface, table, estimate, normal_map, bump_map, parameters),
         ),
         ("Tables", shape!(layout::Tables, linear_from_srgb, albedo)),
         ("MaterialParameter", shape!(layout::MaterialParameter, value, has_vertex_color, map)),

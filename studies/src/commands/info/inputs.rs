@@ -48,8 +48,9 @@ impl Input {
             return Ok(None);
         }
         let failed = |source| lapidary_core::image::ImageError::Io { action: "read", path: path.into(), source };
-        let mut texture = image::decode(&input::read(path).map_err(failed)?, path)?;
-        let warnings = sanitized(&mut texture).into_iter().collect();
+        let mut warnings = Vec::new();
+        let mut texture = image::decode_with(&input::read(path).map_err(failed)?, path, &mut warnings)?;
+        warnings.extend(sanitized(&mut texture));
         Ok(Some(Self::Picture(texture, warnings)))
     }
 
