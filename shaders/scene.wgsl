@@ -16,7 +16,7 @@ struct Vertex {
     // First texel of the vertex's cut over surface sources.
     source_cut_offset: u32,
     second_uv: vec2<f32>,
-    // Three 16-bit floats.
+    // Three fractions of 16 bits.
     color: vec2<u32>,
 }
 

@@ -109,7 +109,7 @@ fn attributes_at(corners: vec3<u32>, b: vec3<f32>, reads: u32) -> SurfaceAttribu
 
 fn vertex_color(vertex: u32) -> vec3<f32> {
     let words = vertices[vertex].color;
-    return vec3(unpack2x16float(words.x), unpack2x16float(words.y).x);
+    return vec3(unpack2x16unorm(words.x), unpack2x16unorm(words.y).x);
 }
 
 // Displacement on a plane for a displacement across the ray.

@@ -17,7 +17,10 @@ fn a_scene_tells_what_of_it_is_left_out() {
     assert_eq!(json(&folder, "scene.obj")["warnings"], serde_json::json!([]), "negative control");
     folder.write("scene.mtl", "newmtl white\nKd 0.8 0.8 0.8\ndisp height.png\n".into());
     let text = folder.succeed("info scene.obj");
-    assert!(text.contains("warning    the materials \"white\" have displacement, which are left out"), "{text}");
+    assert!(
+        text.contains("warning    the materials \"white\" have the statement disp (displacement), which is left out"),
+        "{text}"
+    );
     let told = json(&folder, "scene.obj")["warnings"][0].to_string();
     assert!(told.contains("displacement"), "{told}");
 }

@@ -70,7 +70,7 @@ pub struct Vertex {
     pub is_valid: u32,
     pub source_cut_offset: u32,
     pub second_uv: [f32; 2],
-    /// Three 16-bit floats.
+    /// Three fractions of 16 bits.
     pub color: [u32; 2],
 }
 

@@ -14,7 +14,6 @@ use crate::{
     view_mode::visibility_cuts,
 };
 use glam::Vec3;
-use half::f16;
 use lapidary_core::{
     bounds::Bounds,
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
@@ -150,9 +149,9 @@ fn vertices(dataset: &Dataset) -> Vec<Vertex> {
     (0..mesh.positions.len()).map(vertex).collect()
 }
 
-/// A color as 16-bit floats.
+/// A color as fractions of 16 bits.
 fn packed_color(color: Vec3) -> [u32; 2] {
-    let [r, g, b] = color.to_array().map(|x| u32::from(f16::from_f32(x).to_bits()));
+    let [r, g, b] = color.to_array().map(|x| (65_535.0 * x.clamp(0.0, 1.0)).round() as u32);
     [r | g << 16, b]
 }
 

@@ -191,8 +191,7 @@ fn with_second_uvs_and_colors() -> Dataset {
     let mut dataset = (*super::twin::scene()).clone();
     let mesh = &mut dataset.scene.mesh;
     mesh.second_uvs = mesh.uvs.iter().map(|uv| Vec2::new(0.4 - uv.y, 1.7 * uv.x)).collect();
-    // The device has 16-bit floats, which hold these exactly.
-    let color = |p: &Vec3| (64.0 * Vec3::new(1.0 + p.x.sin(), 1.0 + (2.0 * p.z).cos(), 0.5)).round() / 128.0;
+    let color = |p: &Vec3| Vec3::new(0.5 + 0.5 * p.x.sin(), 0.5 + 0.5 * (2.0 * p.z).cos(), 0.25);
     mesh.colors = mesh.positions.iter().map(color).collect();
     dataset
 }
