@@ -153,7 +153,7 @@ fn are_alike(a: &Value, b: &Value) -> bool {
 fn names_the_field(message: &str, place: &str, value: &Value) -> bool {
     /// The mesh of a scene whose field is ignored.
     const OF_THE_MESH: [&str; 3] = ["the mesh has no triangles", "beyond the limit of 1e9", "below the limit of 1e-6"];
-    let message = message.to_ascii_lowercase();
+    let message = message.to_ascii_lowercase().replace("buffer view", "bufferview");
     let singular = |word: &str| word.trim_end_matches("es").trim_end_matches('s').to_ascii_lowercase();
     let mut words = place.split('/').filter(|word| !word.is_empty() && word.parse::<usize>().is_err());
     words.any(|word| message.contains(&singular(word)))

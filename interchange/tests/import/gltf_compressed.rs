@@ -290,7 +290,12 @@ fn damaged_compression_names_the_file_and_the_mesh() {
         (&packed, r#""count": 4"#, r#""count": 400"#, "are damaged"),
         (&packed, &length, r#""byteOffset": 0, "byteLength": 9"#, "are damaged"),
         (&packed, &length, r#""byteOffset": 9, "byteLength": 999"#, "end past buffer 0"),
-        (&packed, r#""mode": "ATTRIBUTES","#, "", "cannot be found: it lacks the field \"mode\""),
+        (
+            &packed,
+            r#""mode": "ATTRIBUTES","#,
+            "",
+            "cannot be found: in EXT_meshopt_compression, it lacks the field \"mode\"",
+        ),
         (&packed, r#""byteStride": 12"#, r#""byteStride": "x""#, "\"byteStride\" is \"x\", where a whole number"),
         (&packed, "ATTRIBUTES", "MAGIC", "in the mode \"MAGIC\", which is not known"),
         (&packed, r#""mode": "ATT"#, r#""filter": "MAGIC", "mode": "ATT"#, "are damaged"),

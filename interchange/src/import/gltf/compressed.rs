@@ -82,9 +82,9 @@ fn damaged(owner: &str) -> String {
     format!("the compressed data of {owner} are damaged")
 }
 
-/// Reads what an extension says of its compressed data.
-fn described<T: DeserializeOwned>(extension: &Value, owner: &str) -> Result<T, String> {
-    contents(extension).map_err(|reason| format!("the compressed data of {owner} cannot be found: {reason}"))
+/// Reads what an object of the file, which is at `place`, says of compressed data.
+fn described<T: DeserializeOwned>(object: &Value, place: &str, owner: &str) -> Result<T, String> {
+    contents(object).map_err(|reason| format!("the compressed data of {owner} cannot be found: in {place}, {reason}"))
 }
 
 /// The name of what has compressed data, for messages. Many views of a mesh share one.

@@ -85,7 +85,7 @@ pub fn expand(
     let mut by_view: BTreeMap<usize, (usize, Mesh)> = BTreeMap::new();
     for (mesh, primitive, owner) in compressed(document) {
         let extension = &list(document, "meshes")[mesh]["primitives"][primitive]["extensions"][EXTENSION];
-        let Extension { buffer_view, attributes } = described(extension, &owner)?;
+        let Extension { buffer_view, attributes } = described(extension, EXTENSION, &owner)?;
         let count = attributes.len();
         if count > MOST_ATTRIBUTES {
             let limit = MOST_ATTRIBUTES;
@@ -141,8 +141,8 @@ impl Place<'_> {
             let missing = || format!("{owner} is compressed and has no indices").into();
             return attribute.map_or_else(|| Err(missing()), |_| Ok(()));
         };
-        let fields = named(self.document, "accessors", index as usize, owner)?;
-        let accessor: Accessor = described(fields, owner)?;
+        let (fields, place) = named(self.document, "accessors", index as usize, owner)?;
+        let accessor: Accessor = described(fields, &place, owner)?;
         let bounds = ["min", "max"].map(|bound| (bound, fields.get(bound).filter(|value| is_bound(value)).cloned()));
         let part = Part::of(&accessor, attribute).ok_or_else(|| damaged(owner))?;
         let view = json!({ "buffer": self.buffer, "byteOffset": self.mesh.length, "byteLength": part.length() });
@@ -162,10 +162,13 @@ impl Place<'_> {
     }
 }
 
-/// An element of a list member.
-fn named<'a>(document: &'a mut Value, list_name: &str, index: usize, owner: &str) -> Result<&'a Value, String> {
-    let missing = || format!("the compressed data of {owner} cannot be found: {list_name}[{index}] is not there");
-    list(document, list_name).get(index).ok_or_else(missing)
+/// An element of a list member, and its place.
+fn named<'a>(document: &'a mut Value, name: &str, index: usize, owner: &str) -> Result<(&'a Value, String), String> {
+    let place = format!("{name}[{index}]");
+    match list(document, name).get(index) {
+        Some(element) => Ok((element, place)),
+        None => Err(format!("the compressed data of {owner} cannot be found: {place} is not there")),
+    }
 }
 
 /// Whether a value bounds the elements of an accessor.
@@ -255,7 +258,8 @@ impl Mesh {
         owner: &Owner,
         budget: &mut Budget,
     ) -> Result<(usize, Self), Trouble> {
-        let range = described(named(document, "bufferViews", view, owner)?, owner)?;
+        let (view, place) = named(document, "bufferViews", view, owner)?;
+        let range = described(view, &place, owner)?;
         let buffer = add(document, "buffers", json!({}), budget)?;
         Ok((buffer, Self { owner: Rc::clone(owner), range, parts: Vec::new(), length: 0 }))
     }

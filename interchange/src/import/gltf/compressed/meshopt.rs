@@ -42,8 +42,9 @@ struct Layout {
     filter: Option<String>,
 }
 
-fn extension(object: &Value) -> Option<&Value> {
-    EXTENSIONS.iter().find_map(|name| object["extensions"].get(name))
+/// The extension of an object, and its name.
+fn extension(object: &Value) -> Option<(&'static str, &Value)> {
+    EXTENSIONS.into_iter().find_map(|name| Some((name, object["extensions"].get(name)?)))
 }
 
 /// Gives each compressed view a buffer, and marks the buffers of copies.
@@ -52,21 +53,23 @@ pub fn expand(
     buffers: &mut BTreeMap<usize, Contents>,
     budget: &mut Budget,
 ) -> Result<(), Trouble> {
-    let is_fallback = |buffer: &Value| extension(buffer).is_some_and(|extension| extension["fallback"] == true);
+    let is_fallback = |buffer: &Value| extension(buffer).is_some_and(|(_, extension)| extension["fallback"] == true);
     for (index, buffer) in list(document, "buffers").iter().enumerate() {
         if is_fallback(buffer) {
             buffers.insert(index, Contents::Fallback);
         }
     }
     let views = list(document, "bufferViews").iter().enumerate();
-    let compressed: Vec<_> = views.filter_map(|(index, view)| Some((index, extension(view)?.clone()))).collect();
+    let of_view = |(index, view)| extension(view).map(|(name, extension)| (index, name, extension.clone()));
+    let compressed: Vec<_> = views.filter_map(of_view).collect();
     if compressed.is_empty() {
         return Ok(());
     }
     let mut owners = owners(document);
-    for (index, extension) in compressed {
+    for (index, name, extension) in compressed {
         let owner = owners.remove(&index).unwrap_or_else(|| format!("buffer view {index}").into());
-        let view = View { range: described(&extension, &owner)?, layout: described(&extension, &owner)?, owner };
+        let (range, layout) = (described(&extension, name, &owner)?, described(&extension, name, &owner)?);
+        let view = View { owner, range, layout };
         let length = view.length().ok_or_else(|| damaged(&view.owner))?;
         let buffer = add(document, "buffers", json!({ "byteLength": length }), budget)?;
         let fields = &mut list(document, "bufferViews")[index];
