@@ -88,9 +88,12 @@ impl Budget {
 
     /// Takes the memory for parsing a JSON text.
     pub fn take_json(&mut self, json: &[u8]) -> Result<(), OverBudget> {
-        let count = |byte: u8| json.iter().filter(|b| **b == byte).count() as u64;
-        // The text is held twice: as read for extensions, and in the parsed document.
-        self.take(2 * json.len() as u64 + JSON_OBJECT * count(b'{') + JSON_ENTRY * count(b','))
+        self.take(bytes_of_json(json))
+    }
+
+    /// Takes the memory by which a JSON text and its parsed document grew.
+    pub fn take_growth(&mut self, from: &[u8], to: &[u8]) -> Result<(), OverBudget> {
+        self.take(bytes_of_json(to).saturating_sub(bytes_of_json(from)))
     }
 
     /// Takes the memory of a picture with its levels of detail, from its encoded length. The decoder's own memory is
@@ -101,6 +104,13 @@ impl Budget {
         self.used -= footprint.decoding;
         Ok(())
     }
+}
+
+/// Peak bytes of a JSON text while it is parsed.
+fn bytes_of_json(json: &[u8]) -> u64 {
+    let count = |byte: u8| json.iter().filter(|b| **b == byte).count() as u64;
+    // The text is held twice: as read for extensions, and in the parsed document.
+    2 * json.len() as u64 + JSON_OBJECT * count(b'{') + JSON_ENTRY * count(b',')
 }
 
 #[cfg(test)]

@@ -76,22 +76,20 @@ pub(super) fn read(
     }
     source.warnings.extend(file.variants.remark());
     source.warnings.extend(remark_of_empty_textures(&file.without_picture));
-    materials::add_materials(&mut source, gltf, &file.json, buffers, &mut library).map_err(failed)?;
+    materials::add_materials(&mut source, gltf, &file.json, buffers, &file.other_pictures, &mut library)
+        .map_err(failed)?;
     let at_rest = file.at_rest();
     let placed: Vec<_> =
         file.nodes_of_scene().map(|node| (node.clone(), at_rest.world_from_node(node.index()))).collect();
     if let Some(document) = document_with(&file.json, lights::EXTENSION) {
         lights::add_lights(&mut source, &document, &placed);
     }
-    let mut notes = Notes { turned: file.turned.clone(), ..Notes::default() };
     for (node, world_from_node) in &placed {
         if let Some(camera) = node.camera() {
             add_camera(&mut source, node, &camera, *world_from_node);
         }
-        if let Some(mesh) = node.mesh() {
-            notes.inspect(&node_name(node), &mesh);
-        }
     }
+    let mut notes = Notes::of(&file);
     file.add_objects(&mut source, |source, node, primitive, part| {
         let read = file.primitive(primitive, path)?;
         if read.is_colored() {

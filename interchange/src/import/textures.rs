@@ -6,30 +6,57 @@ use crate::{
     import::{report::ImportReport, source::Source},
 };
 use lapidary_core::texture::Texture;
-use std::{collections::HashMap, path::Path};
+use std::{
+    collections::{HashMap, HashSet},
+    path::Path,
+};
 
 /// The textures loaded so far by an import.
 pub(super) struct TextureLibrary {
     pub files: Files,
     pub textures: Vec<Texture>,
-    by_source: HashMap<String, u32>,
+    /// The indices of textures, and why others cannot be read.
+    by_source: HashMap<String, Result<u32, String>>,
+    /// The indices of what is shown for unread ones.
+    missing: HashMap<String, u32>,
+    /// Unread ones for which another texture is shown.
+    replaced: HashSet<(String, u32)>,
     report: ImportReport,
+}
+
+/// A texture that cannot be read.
+pub(super) struct Unread {
+    source: String,
+    name: String,
+    reason: String,
 }
 
 impl TextureLibrary {
     /// An empty library; `files` finds the textures.
     pub fn new(files: Files) -> Self {
-        Self { files, textures: Vec::new(), by_source: HashMap::new(), report: ImportReport::default() }
+        let (by_source, missing, replaced) = (HashMap::new(), HashMap::new(), HashSet::new());
+        Self { files, textures: Vec::new(), by_source, missing, replaced, report: ImportReport::default() }
+    }
+
+    /// Index of the texture in the file that a scene calls `name`; it may be missing.
+    ///
+    /// # Errors
+    /// [`Trouble::Memory`].
+    pub fn load(&mut self, name: &str) -> Result<u32, Trouble> {
+        match self.try_load(name)? {
+            Ok(index) => Ok(index),
+            Err(unread) => self.missing(unread),
+        }
     }
 
     /// Index of the texture in the file that a scene calls `name`.
     ///
     /// # Errors
     /// [`Trouble::Memory`].
-    pub fn load(&mut self, name: &str) -> Result<u32, Trouble> {
+    pub fn try_load(&mut self, name: &str) -> Result<Result<u32, Unread>, Trouble> {
         let found = self.files.find(name);
         let source = found.as_ref().map_or(name.to_owned(), |path| path.to_string_lossy().into_owned());
-        self.load_with(&source, name, |files| {
+        self.try_load_with(&source, name, |files| {
             let path = found?;
             let bytes = files.read(&path)?;
             read_picture(&bytes, &path, files)
@@ -40,21 +67,35 @@ impl TextureLibrary {
     ///
     /// # Errors
     /// [`Trouble::Memory`].
-    pub fn load_with(
+    pub fn try_load_with(
         &mut self,
         source: &str,
         name: &str,
         read: impl FnOnce(&mut Files) -> Result<Texture, Trouble>,
-    ) -> Result<u32, Trouble> {
-        if let Some(&index) = self.by_source.get(source) {
+    ) -> Result<Result<u32, Unread>, Trouble> {
+        let unread = |reason: &String| Unread { source: source.into(), name: name.into(), reason: reason.clone() };
+        if let Some(known) = self.by_source.get(source) {
+            return Ok(known.as_ref().map(|index| *index).map_err(unread));
+        }
+        let read = match read(&mut self.files) {
+            Ok(texture) => Ok(self.push(Texture { name: name.to_owned(), ..texture })),
+            Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
+            Err(Trouble::Outside(_)) => Err("it is outside the folder of the scene".to_owned()),
+            Err(Trouble::Reason(reason)) => Err(reason),
+        };
+        let result = read.as_ref().map(|index| *index).map_err(unread);
+        self.by_source.insert(source.to_owned(), read);
+        Ok(result)
+    }
+
+    /// Index of a texture that shows visibly that one is missing.
+    ///
+    /// # Errors
+    /// [`Trouble::Memory`].
+    pub fn missing(&mut self, Unread { source, name, reason }: Unread) -> Result<u32, Trouble> {
+        if let Some(&index) = self.missing.get(&source) {
             return Ok(index);
         }
-        let reason = match read(&mut self.files) {
-            Ok(texture) => return Ok(self.push(source, Texture { name: name.to_owned(), ..texture })),
-            Err(Trouble::Memory(over)) => return Err(Trouble::Memory(over)),
-            Err(Trouble::Outside(_)) => "it is outside the folder of the scene".into(),
-            Err(Trouble::Reason(reason)) => reason,
-        };
         self.files.budget.take_names(1)?;
         let warning = format!(
             "the texture \"{name}\" was replaced by a magenta chequerboard because it cannot be read: {reason}; \
@@ -62,14 +103,25 @@ impl TextureLibrary {
         );
         self.report.unread.push(warning.clone());
         self.report.warnings.push(warning);
-        Ok(self.push(source, Texture::missing(name)))
+        let index = self.push(Texture::missing(&name));
+        self.missing.insert(source, index);
+        Ok(index)
     }
 
-    fn push(&mut self, source: &str, mut texture: Texture) -> u32 {
+    /// Reports once that the texture at `index` is shown for an unread one.
+    pub fn replaced(&mut self, Unread { source, name, reason }: Unread, index: u32) {
+        if self.replaced.insert((source, index)) {
+            let shown = &self.textures[index as usize].name;
+            self.report.warnings.push(format!(
+                "the texture \"{name}\" cannot be read: {reason}; \"{shown}\" is shown, which the file has for other programs"
+            ));
+        }
+    }
+
+    fn push(&mut self, mut texture: Texture) -> u32 {
         self.report.warnings.extend(sanitized(&mut texture));
         let index = self.textures.len() as u32;
         self.textures.push(texture);
-        self.by_source.insert(source.to_owned(), index);
         index
     }
 

@@ -43,7 +43,7 @@ fn data_buffer(bytes: &[u8]) -> String {
 }
 
 /// A view that meshoptimizer compressed.
-struct View {
+pub struct View {
     bytes: Vec<u8>,
     layout: &'static str,
 }
@@ -54,7 +54,7 @@ fn vertices(bytes: &[u8], stride: usize, version: u8) -> Vec<u8> {
 }
 
 /// The views of the quad: its positions, indices and texture coordinates.
-fn views(version: u8) -> [View; 3] {
+pub fn views(version: u8) -> [View; 3] {
     let buffer = Gltf::buffer();
     let indices = encode_index_sequence(&INDICES, IndexEncoding::DEFAULT, &mut Workspace::default()).unwrap();
     [
@@ -71,7 +71,7 @@ fn views(version: u8) -> [View; 3] {
 }
 
 /// The quad with these views, and with a fallback buffer that is not there.
-fn meshopt(extension: &str, views: &[View; 3]) -> String {
+pub fn meshopt(extension: &str, views: &[View; 3]) -> String {
     let bytes = views.iter().map(|view| view.bytes.as_slice()).collect::<Vec<_>>().concat();
     let buffers = format!(
         r#"{}, {{"byteLength": 92, "extensions": {{"{extension}": {{"fallback": true}}}}}}"#,
@@ -145,19 +145,30 @@ fn filters_of_meshoptimizer_are_undone() {
     );
 }
 
+/// An attribute of the four vertices.
+fn attribute(kind: GeometryAttributeType, components: u8, of: DataType, bytes: &[u8]) -> PointAttribute {
+    let is_normalized = kind == GeometryAttributeType::Color;
+    let mut attribute = PointAttribute::new();
+    attribute.init(kind, components, of, is_normalized, 4);
+    attribute.buffer_mut().write(0, bytes);
+    attribute
+}
+
 /// The quad as a Draco mesh: its positions have the number 0, its texture coordinates 1.
-fn draco_stream(method: i32) -> Vec<u8> {
+pub fn draco_stream(method: i32) -> Vec<u8> {
+    draco_stream_with(method, [])
+}
+
+/// The quad with further attributes, which have the numbers from 2 on.
+fn draco_stream_with(method: i32, more: impl IntoIterator<Item = PointAttribute>) -> Vec<u8> {
     let buffer = Gltf::buffer();
-    let attribute = |kind, components, bytes: &[u8]| {
-        let mut attribute = PointAttribute::new();
-        attribute.init(kind, components, DataType::Float32, false, 4);
-        attribute.buffer_mut().write(0, bytes);
-        attribute
-    };
     let mut mesh = Mesh::new();
     mesh.set_num_points(4);
-    mesh.add_attribute(attribute(GeometryAttributeType::Position, 3, &buffer[..48]));
-    mesh.add_attribute(attribute(GeometryAttributeType::TexCoord, 2, &buffer[60..]));
+    mesh.add_attribute(attribute(GeometryAttributeType::Position, 3, DataType::Float32, &buffer[..48]));
+    mesh.add_attribute(attribute(GeometryAttributeType::TexCoord, 2, DataType::Float32, &buffer[60..]));
+    for attribute in more {
+        mesh.add_attribute(attribute);
+    }
     mesh.set_num_faces(2);
     for (face, corners) in INDICES.as_chunks::<3>().0.iter().enumerate() {
         mesh.set_face(FaceIndex(face as u32), corners.map(PointIndex));
@@ -174,7 +185,7 @@ fn draco_stream(method: i32) -> Vec<u8> {
 }
 
 /// The quad with a Draco stream, and accessors without data.
-fn draco(stream: &[u8]) -> String {
+pub fn draco(stream: &[u8]) -> String {
     let view = format!(r#"{{"buffer": 0, "byteLength": {}}}"#, stream.len());
     let extension = "KHR_draco_mesh_compression";
     replaced(
@@ -215,6 +226,54 @@ fn meshes_that_draco_compressed_are_those_before() {
 }
 
 #[test]
+fn integers_that_draco_compressed_are_those_before() {
+    let colors = [[255u8, 0, 0, 255], [0, 51, 0, 255], [0, 0, 102, 255], [255, 255, 255, 255]];
+    // Joints with numbers of more than a byte.
+    let joints = [[299u16, 0, 0, 0], [299, 0, 0, 0], [43, 0, 0, 0], [43, 0, 0, 0]];
+    let joints: Vec<u8> = joints.iter().flatten().flat_map(|joint| joint.to_le_bytes()).collect();
+    let more = |joints: &[u8]| {
+        [
+            attribute(GeometryAttributeType::Color, 4, DataType::Uint8, colors.as_flattened()),
+            attribute(GeometryAttributeType::Generic, 4, DataType::Uint16, joints),
+            attribute(GeometryAttributeType::Generic, 4, DataType::Uint8, [[255u8, 0, 0, 0]; 4].as_flattened()),
+        ]
+    };
+    let nodes = format!(r#""nodes": [{{"mesh": 0, "skin": 0}}{}, {{"translation": [0, 0, 5]}}]"#, ", {}".repeat(299));
+    let numbers: Vec<String> = (1..=300).map(|joint| joint.to_string()).collect();
+    let skins = format!(r#""skins": [{{"joints": [{}]}}], "asset""#, numbers.join(", "));
+    let scene = |stream: &[u8]| {
+        draco(stream)
+            .replace(r#""nodes": [{"mesh": 0}]"#, &nodes)
+            .replace(r#""asset""#, &skins)
+            .replace(r#""TEXCOORD_0": 2}"#, r#""TEXCOORD_0": 2, "COLOR_0": 3, "JOINTS_0": 4, "WEIGHTS_0": 5}"#)
+            .replace(r#""TEXCOORD_0": 1}"#, r#""TEXCOORD_0": 1, "COLOR_0": 2, "JOINTS_0": 3, "WEIGHTS_0": 4}"#)
+            .replace(
+                r#""type": "VEC2"}]"#,
+                r#""type": "VEC2"}, {"componentType": 5121, "normalized": true, "count": 4, "type": "VEC4"},
+                {"componentType": 5123, "count": 4, "type": "VEC4"},
+                {"componentType": 5121, "normalized": true, "count": 4, "type": "VEC4"}]"#,
+            )
+    };
+    for method in [0, 1] {
+        let imported = import_alone("a.gltf", scene(&draco_stream_with(method, more(&joints)))).unwrap();
+        assert_eq!(imported.report.warnings, [""; 0]);
+        let mesh = &imported.scene.mesh;
+        let found = |place: Vec3| mesh.positions.iter().position(|found| found.distance(place) < 1e-3);
+        for (place, color) in [
+            (Vec3::new(0.0, 0.0, 5.0), Vec3::X),
+            (Vec3::new(1.0, 0.0, 5.0), Vec3::Y * 0.2),
+            (Vec3::new(1.0, 1.0, 0.0), Vec3::Z * 0.4),
+            (Vec3::new(0.0, 1.0, 0.0), Vec3::ONE),
+        ] {
+            let vertex = found(place).unwrap_or_else(|| panic!("{place} in {:?}", mesh.positions));
+            assert!(mesh.colors[vertex].distance(color) < 1e-6, "{place}: {}", mesh.colors[vertex]);
+        }
+        let resting = import_alone("a.gltf", scene(&draco_stream_with(method, more(&[0; 32])))).unwrap();
+        assert_eq!(resting.scene.mesh.bounds().max.z, 0.0, "negative control");
+    }
+}
+
+#[test]
 fn damaged_compression_names_the_file_and_the_mesh() {
     let stream = draco_stream(1);
     let cut = |json: &str, from: &str, to: &str| {
@@ -231,7 +290,13 @@ fn damaged_compression_names_the_file_and_the_mesh() {
         (&packed, r#""count": 4"#, r#""count": 400"#, "are damaged"),
         (&packed, &length, r#""byteOffset": 0, "byteLength": 9"#, "are damaged"),
         (&packed, &length, r#""byteOffset": 9, "byteLength": 999"#, "end past buffer 0"),
-        (&packed, r#""mode": "ATTRIBUTES","#, "", "cannot be found: missing field `mode`"),
+        (
+            &packed,
+            r#""mode": "ATTRIBUTES","#,
+            "",
+            "cannot be found: in EXT_meshopt_compression, it lacks the field \"mode\"",
+        ),
+        (&packed, r#""byteStride": 12"#, r#""byteStride": "x""#, "\"byteStride\" is \"x\", where a whole number"),
         (&packed, "ATTRIBUTES", "MAGIC", "in the mode \"MAGIC\", which is not known"),
         (&packed, r#""mode": "ATT"#, r#""filter": "MAGIC", "mode": "ATT"#, "are damaged"),
         (&mesh, r#""count": 4"#, r#""count": 5"#, "has 4 vertices in its compressed data, and 5 in the file"),
@@ -239,7 +304,7 @@ fn damaged_compression_names_the_file_and_the_mesh() {
         (&mesh, r#""count": 6"#, r#""count": 9"#, "has 6 corners of triangles"),
         (&mesh, r#""indices": 1,"#, "", "has no indices"),
         (&mesh, r#""TEXCOORD_0": 1}}"#, r#""TEXCOORD_0": 7}}"#, "are damaged"),
-        (&mesh, r#""bufferView": 0"#, r#""bufferView": 9"#, "cannot be found"),
+        (&mesh, r#""bufferView": 0"#, r#""bufferView": 9"#, "cannot be found: bufferViews[9] is not there"),
         (&mesh, r#""TEXCOORD_0": 1}}"#, &many, "has 34 compressed attributes, more than the limit of 32"),
     ] {
         let message = cut(json, from, to);
@@ -297,22 +362,53 @@ fn compressed_files_cut_or_changed_anywhere_never_panic() {
     }
 }
 
+/// The quad with textures, whose images are `a.png`, `b.webp` and `gone.ktx2`, and a material with the first texture.
+fn with_textures(files: &Files, textures: &str) -> Imported {
+    let rest = format!(
+        r#", "images": [{{"uri": "a.png"}}, {{"uri": "b.webp"}}, {{"uri": "gone.ktx2"}}], "textures": [{textures}],
+        "materials": [{{"name": "m", "pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}},
+            "emissiveTexture": {{"index": 0}}}}]"#
+    );
+    let scene = Gltf { primitive: r#""indices": 1, "material": 0"#, rest: Box::leak(rest.into_boxed_str()), ..QUAD };
+    import(&files.add("a.gltf", scene.embedded())).unwrap()
+}
+
+#[test]
+fn the_own_picture_of_a_texture_is_shown_where_its_first_cannot_be_read() {
+    let files = Files::new();
+    files.add_png("a.png", [0.25; 3]);
+    files.add("b.webp", b"\xabKTX 20\xbb\r\n\x1a\n and no more");
+    for (extension, source, name, reason) in [
+        ("EXT_texture_webp", 2, "gone.ktx2", "there is no such file beside it"),
+        ("KHR_texture_basisu", 1, "b.webp", ""),
+    ] {
+        let first = format!(r#""extensions": {{"{extension}": {{"source": {source}}}}}"#);
+        let imported = with_textures(&files, &format!(r#"{{"source": 0, {first}}}"#));
+        let shown = &imported.scene.textures;
+        assert!(shown.len() == 1 && shown[0].size == [2, 2] && shown[0].name == "a.png", "{name}");
+        let told = &imported.report.warnings;
+        let expected = format!("the texture \"{name}\" cannot be read: {reason}");
+        assert!(told.len() == 1 && told[0].starts_with(&expected), "once: {told:?}");
+        assert!(told[0].ends_with("\"a.png\" is shown, which the file has for other programs"), "{told:?}");
+        assert_eq!(imported.report.unread, [""; 0]);
+        for textures in [format!("{{{first}}}"), format!(r#"{{"source": 2, {first}}}"#)] {
+            let missing = with_textures(&files, &textures);
+            let told = &missing.report.warnings;
+            assert!(told.len() == 1 && told[0].contains("magenta") && told[0].contains(name), "control: {told:?}");
+        }
+    }
+}
+
 #[test]
 fn pictures_in_extensions_come_before_those_for_other_programs() {
     let with = |texture: &str| {
-        let rest = format!(
-            r#", "images": [{{"uri": "a.png"}}, {{"uri": "b.webp"}}], "textures": [{texture}],
-            "materials": [{{"name": "m", "pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}]"#
-        );
-        let scene =
-            Gltf { primitive: r#""indices": 1, "material": 0"#, rest: Box::leak(rest.into_boxed_str()), ..QUAD };
         let files = Files::new();
         files.add_png("a.png", [0.25; 3]);
         let mut webp = std::io::Cursor::new(Vec::new());
         let pixels = image::RgbImage::from_pixel(3, 1, image::Rgb([9, 8, 7]));
         pixels.write_to(&mut webp, image::ImageFormat::WebP).unwrap();
         files.add("b.webp", webp.into_inner());
-        let imported = import(&files.add("a.gltf", scene.embedded())).unwrap();
+        let imported = with_textures(&files, texture);
         assert_eq!(imported.report.warnings, [""; 0]);
         imported.scene.textures[0].size
     };

@@ -189,6 +189,26 @@ fn an_extension_with_a_wrong_value_is_left_out_by_its_field() {
 }
 
 #[test]
+fn a_transform_with_a_wrong_value_is_left_out_by_its_field() {
+    let of = |transform: &str, material: &str| {
+        let texture = format!(r#"{{"index": 0, "extensions": {{"KHR_texture_transform": {transform}}}}}"#);
+        let imported = with_material(&material.replace("TEXTURE", &texture));
+        let scales = imported.scene.materials[0].maps.slots().map(|slot| slot.scale).collect::<Vec<_>>();
+        (scales, imported.report.warnings.join("\n"))
+    };
+    let remark = r#""m" have a KHR_texture_transform that was left out, because "scale"#;
+    for material in [
+        r#""normalTexture": TEXTURE"#,
+        r#""extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": TEXTURE}}"#,
+    ] {
+        let (scales, told) = of(r#"{"scale": "big"}"#, material);
+        assert!(scales == [Vec2::ONE] && told.contains(remark), "{scales:?} {told}");
+        let negative_control = of(r#"{"scale": [2, 3]}"#, material);
+        assert_eq!(negative_control, (vec![Vec2::new(2.0, 3.0)], String::new()));
+    }
+}
+
+#[test]
 fn alpha_counts_where_the_material_says_so() {
     let with_alpha = |mode: &str, alpha: f32, left: u8| {
         let material = format!(
@@ -317,4 +337,25 @@ fn fresnel(cosine: f32, ior: f32) -> f32 {
     let [across, along] =
         [(cosine - root) / (cosine + root), (ior * ior * cosine - root) / (ior * ior * cosine + root)];
     0.5 * (across * across + along * along)
+}
+
+#[test]
+fn colors_and_coordinates_that_are_not_rendered_are_told_once_by_name() {
+    let told = |attributes: &str, targets: &str| {
+        let json = QUAD
+            .embedded()
+            .replace(r#"[{"mesh": 0}]"#, r#"[{"mesh": 0, "name": "Sign"}]"#)
+            .replace(r#""POSITION": 0,"#, &format!(r#""POSITION": 0,{attributes}"#))
+            .replace(r#""indices": 1"#, &format!(r#""indices": 1, "targets": [{targets}]"#));
+        import_alone("a.gltf", json).unwrap().report.warnings
+    };
+    let targets = "the objects \"Sign\" have morph targets of colors and texture coordinates, which are left out; ";
+    for target in [r#"{"POSITION": 0, "COLOR_0": 0}"#, r#"{"POSITION": 0}, {"TEXCOORD_0": 2}"#] {
+        let warnings = told("", target);
+        assert!(warnings.len() == 1 && warnings[0].starts_with(targets), "{target}: {warnings:?}");
+    }
+    let further = "the objects \"Sign\" have further sets of colors of vertices, which are left out; ";
+    let warnings = told(r#""COLOR_0": 0, "COLOR_1": 0,"#, "");
+    assert!(warnings.len() == 1 && warnings[0].starts_with(further), "{warnings:?}");
+    assert_eq!(told(r#""COLOR_0": 0,"#, r#"{"POSITION": 0}"#), [""; 0], "negative control");
 }

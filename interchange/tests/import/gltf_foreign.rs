@@ -117,14 +117,26 @@ fn required_extensions_of_looks_are_told_and_those_of_shapes_refused() {
         let rest = format!(r#", "extensionsRequired": ["{name}"]"#);
         import_alone("a.gltf", Gltf { rest: Box::leak(rest.into_boxed_str()), ..QUAD }.embedded())
     };
-    for name in ["KHR_materials_unlit", "KHR_materials_iridescence", "KHR_materials_volume", "MSFT_texture_dds"] {
+    for name in [
+        "KHR_materials_unlit",
+        "KHR_materials_iridescence",
+        "KHR_materials_volume",
+        "ACME_materials_magic",
+        "MSFT_texture_dds",
+        "EXT_texture_avif",
+        "EXT_lights_image_based",
+        "KHR_node_visibility",
+        "MSFT_lod",
+    ] {
         let warnings = with(name).unwrap().report.warnings;
         assert!(warnings.len() == 1 && warnings[0].contains(&format!("\"{name}\"")), "{warnings:?}");
     }
-    for name in ["KHR_materials_sheen", "KHR_materials_pbrSpecularGlossiness", "KHR_mesh_quantization"] {
-        assert_eq!(with(name).unwrap().report.warnings, [""; 0], "{name} is read");
+    for name in ["KHR_materials_sheen", "KHR_materials_pbrSpecularGlossiness", "KHR_mesh_quantization", "KHR_xmp"] {
+        assert_eq!(with(name).unwrap().report.warnings, [""; 0], "nothing of {name} is lost");
     }
-    assert!(matches!(with("EXT_mesh_gpu_instancing"), Err(ImportError::Extensions { .. })), "negative control");
+    for name in ["EXT_mesh_gpu_instancing", "ACME_magic", ""] {
+        assert!(matches!(with(name), Err(ImportError::Extensions { .. })), "negative control");
+    }
 }
 
 #[test]

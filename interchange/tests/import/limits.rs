@@ -40,6 +40,33 @@ fn a_sparse_accessor_without_a_view_is_counted() {
 }
 
 #[test]
+fn keyframes_without_data_are_counted_and_bounded() {
+    let files = Files::new();
+    let told = |count: u64, budget: u64| {
+        let accessors = format!(
+            r#""accessors": [{{"componentType": 5126, "count": 1, "type": "SCALAR"}},
+                {{"componentType": 5126, "count": {count}, "type": "VEC4"}},"#
+        );
+        let clip = r#""animations": [{"name": "spin", "samplers": [{"input": 0, "output": 1}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}}]}], "asset""#;
+        let json = QUAD.embedded().replace(r#""accessors": ["#, &accessors).replace(r#""asset""#, clip);
+        let json = json.replace(r#""POSITION": 0, "TEXCOORD_0": 2"#, r#""POSITION": 2, "TEXCOORD_0": 4"#);
+        let json = json.replace(r#""indices": 1"#, r#""indices": 3"#);
+        within(budget, &files.add("a.gltf", json)).unwrap().report.warnings.join("\n")
+    };
+    // Products of these counts with 4 and 8 are 0 in 64 bits.
+    for count in [1 << 62, 1 << 59] {
+        let message = told(count, 10 * MEGABYTE);
+        assert!(message.contains("\"spin\" cannot be played") && message.contains("10 MB are free"), "{message}");
+        let message = told(count, u64::MAX);
+        let reason = format!("accessor 1 has {count} elements without data, more than 4294967295");
+        assert!(message.contains("\"spin\" cannot be played") && message.contains(&reason), "{message}");
+    }
+    let message = told(2, 10 * MEGABYTE);
+    assert!(!message.contains("MB") && !message.contains("without data"), "negative control: {message}");
+}
+
+#[test]
 fn instances_of_a_mesh_are_counted_together() {
     let files = Files::new();
     let nodes = |count: usize| {

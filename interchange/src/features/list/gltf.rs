@@ -25,7 +25,20 @@ pub(crate) const ANISOTROPY_MAPS: Feature =
 pub(crate) const TRANSMISSION_MAPS: Feature =
     feature("transmissionTexture", "maps of transmission", LeftOut("they show opaque"));
 
-pub(super) const ALL: [Feature; 51] = [
+/// Copies of meshes that no node places. They are shapes: a file that needs them is not shown without.
+pub(crate) const INSTANCES: Feature = feature(
+    "EXT_mesh_gpu_instancing",
+    "instances in lists",
+    LeftOut("a file that requires it is refused; make them nodes"),
+);
+/// Further colors of vertices.
+pub(crate) const FURTHER_COLORS: Feature =
+    feature("COLOR_1", "further sets of colors of vertices", LeftOut("the first set shows alone"));
+/// Morph targets of what is no shape.
+pub(crate) const TARGETS_OF_LOOKS: Feature =
+    feature("", "morph targets of colors and texture coordinates", LeftOut("these stay as at rest"));
+
+pub(super) const ALL: [Feature; 53] = [
     feature("", "version 2.0; buffers and pictures beside it, embedded or in a GLB", Read),
     feature("", "version 1.0", LeftOut("such a file is refused; convert it with the program gltf-pipeline")),
     feature("scenes", "scenes", Approximated("one is shown; choose another in the *Scene* tab, or by `--scene`")),
@@ -34,18 +47,16 @@ pub(super) const ALL: [Feature; 51] = [
     LINES,
     feature("NORMAL TANGENT TEXCOORD_0", "normals, tangents and texture coordinates", Read),
     feature("COLOR_0", "colors of vertices", Read),
+    FURTHER_COLORS,
     feature("", "transparency of vertices", LeftOut("bake it to a texture of opacity")),
     feature("TEXCOORD_1", "second sets of texture coordinates", Read),
     feature("TEXCOORD_2", "further sets of texture coordinates", Approximated("their maps show with the first set")),
     feature("KHR_mesh_quantization", "quantized meshes", Read),
     feature("KHR_draco_mesh_compression EXT_meshopt_compression KHR_meshopt_compression", "compressed meshes", Read),
-    feature(
-        "EXT_mesh_gpu_instancing",
-        "instances in lists",
-        LeftOut("a file that requires it is refused; make them nodes"),
-    ),
+    INSTANCES,
     feature("JOINTS_0 WEIGHTS_0", "skins, with up to 64 sets of joints", Read),
     feature("targets", "morph targets of positions, normals and tangents", Read),
+    TARGETS_OF_LOOKS,
     feature("animations", "animations of nodes, skins and morph targets", Read),
     feature("KHR_animation_pointer", "animations of materials, lights and cameras", Approximated("they stay at rest")),
     feature("cameras", "perspective cameras", Read),

@@ -24,6 +24,9 @@ pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// against the bytes that are there.
 const MOST_PADDING: usize = 3;
 
+/// Largest count of an accessor without data, which no bytes limit. Its sparse indices have 32 bits and reach no further.
+const MOST_WITHOUT_DATA: usize = u32::MAX as usize;
+
 /// Bytes and 16-bit numbers, signed and not.
 const INTEGERS: [DataType; 4] = [DataType::I8, DataType::U8, DataType::I16, DataType::U16];
 
@@ -172,6 +175,9 @@ impl Buffers {
             self.check_range(&view, accessor.offset(), accessor.count(), accessor.size(), index)?;
         } else if accessor.sparse().is_none() {
             return Err(no_data(accessor));
+        } else if accessor.count() > MOST_WITHOUT_DATA {
+            let count = accessor.count();
+            return Err(format!("accessor {index} has {count} elements without data, more than {MOST_WITHOUT_DATA}"));
         }
         if let Some(sparse) = accessor.sparse() {
             let (indices, values) = (sparse.indices(), sparse.values());

@@ -177,9 +177,11 @@ impl<'a> ChannelReader<'a> {
             file::Interpolation::CubicSpline => Interpolation::CubicSpline,
         };
         let numbers = [(sampler.input(), Dimensions::Scalar), (sampler.output(), dimensions)];
-        let count = |(accessor, dimensions): &(Accessor, Dimensions)| accessor.count() * dimensions.multiplicity();
-        let bytes = numbers.iter().map(count).fold(0, usize::saturating_add) as u64 * NUMBER;
-        self.budget.take(bytes).map_err(no_room)?;
+        let count = |(accessor, dimensions): &(Accessor, Dimensions)| {
+            (accessor.count() as u64).saturating_mul(dimensions.multiplicity() as u64)
+        };
+        let count = numbers.iter().map(count).fold(0, u64::saturating_add);
+        self.budget.take(count.saturating_mul(NUMBER)).map_err(no_room)?;
         let [times, values] = numbers.map(|(accessor, dimensions)| self.file.buffers.numbers(&accessor, dimensions));
         let keys = Arc::new(Keyframes::new(times?, values?, width, interpolation)?);
         self.samplers.insert(key, keys.clone());

@@ -1,9 +1,13 @@
 //! Completes what valid files may leave out and the `gltf` crate requires, before it parses them. Everything here changes the
 //! JSON only.
 
-use super::{compressed::Compressed, glossiness, pointers};
+use super::{
+    super::{budget::Budget, files::Trouble},
+    compressed::Compressed,
+    glossiness, pointers,
+};
 use serde_json::{Value, json};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// The JSON of a file, completed.
 pub(super) struct Completed {
@@ -13,25 +17,32 @@ pub(super) struct Completed {
     pub pointing: Vec<usize>,
     /// Names of the materials with textures without a picture, which are removed.
     pub without_picture: Vec<String>,
+    /// By texture, its own picture, where one in an extension comes before it.
+    pub other_pictures: HashMap<usize, usize>,
     pub compressed: Compressed,
 }
 
 /// Completes the `document` of a JSON text; one that lacks nothing stays as it is, to the byte.
 ///
 /// # Errors
-/// Compressed data that are not described completely.
-pub(super) fn completed(mut document: Value, text: &[u8]) -> Result<Completed, String> {
+/// Compressed data that are not described completely, or [`Trouble::Memory`] for what is added.
+pub(super) fn completed(mut document: Value, text: &[u8], budget: &mut Budget) -> Result<Completed, Trouble> {
     let pointing = pointers::remove(&mut document);
-    let compressed = Compressed::of(&mut document)?;
+    // What this adds is taken below, with the rest of the text.
+    let compressed = Compressed::of(&mut document, &mut budget.clone())?;
     let mut is_changed = !pointing.is_empty() || !compressed.is_empty();
     is_changed |= glossiness::convert(&mut document);
     is_changed |= complete_scenes(&mut document);
     is_changed |= complete_positions(&mut document);
     is_changed |= complete_accessors(&mut document);
+    let other_pictures = other_pictures(&mut document);
     let without_picture = complete_textures(&mut document);
     is_changed |= without_picture.is_some();
-    let text = if is_changed { document.to_string().into_bytes() } else { text.to_vec() };
-    Ok(Completed { text, pointing, without_picture: without_picture.unwrap_or_default(), compressed })
+    let completed = if is_changed { document.to_string().into_bytes() } else { text.to_vec() };
+    budget.take_growth(text, &completed)?;
+    let text = completed;
+    let without_picture = without_picture.unwrap_or_default();
+    Ok(Completed { text, pointing, without_picture, other_pictures, compressed })
 }
 
 /// The elements of a list member.
@@ -113,6 +124,16 @@ fn source_in_extension(texture: &Value) -> Option<(u64, bool)> {
     read.map(|source| (source, true)).or_else(|| Some((other()?, false)))
 }
 
+/// The textures' own pictures, where one in an extension comes before them.
+fn other_pictures(document: &mut Value) -> HashMap<usize, usize> {
+    let textures = list(document, "textures").iter().enumerate();
+    let other = |(index, texture): (usize, &Value)| {
+        source_in_extension(texture).filter(|(_, comes_first)| *comes_first)?;
+        Some((index, texture["source"].as_u64()?.try_into().ok()?))
+    };
+    textures.filter_map(other).collect()
+}
+
 /// Finds the pictures of textures whose `source` is in an extension, such as EXT_texture_webp, and removes textures without any
 /// from the materials. Returns the names of these materials; `None` if nothing changed.
 fn complete_textures(document: &mut Value) -> Option<Vec<String>> {
@@ -160,4 +181,20 @@ fn remove_textures(value: &mut Value, textures: &HashSet<u64>) -> bool {
         has_some |= remove_textures(inner, textures);
     }
     has_some
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_text_grows_by_counts_against_the_memory() {
+        let text = format!(r#"{{"scenes": [{{}}{}]}}"#, ",{}".repeat(999));
+        let within = |bytes: u64| {
+            let taken = completed(serde_json::from_str(&text).unwrap(), text.as_bytes(), &mut Budget::new(Some(bytes)));
+            !matches!(taken, Err(Trouble::Memory(_)))
+        };
+        // Each scene gets the ten bytes of `"nodes":[]`, which are held twice.
+        assert!(within(20_000) && !within(19_000));
+    }
 }

@@ -3,10 +3,17 @@
 //! The JSON is rewritten as if the file were not compressed: each compressed buffer view or mesh gets a buffer of its own, after
 //! those of the file. Their contents are decoded when buffers are loaded, so accessors are read as those of any file.
 
-use super::super::files::{Files, Trouble};
+use super::{
+    super::{
+        budget::Budget,
+        fields::contents,
+        files::{Files, Trouble},
+    },
+    completed::push,
+};
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, rc::Rc};
 
 mod draco;
 mod meshopt;
@@ -27,11 +34,11 @@ impl Compressed {
     /// Rewrites a document. One without compressed data stays as it is.
     ///
     /// # Errors
-    /// Compressed data that are not described completely.
-    pub fn of(document: &mut Value) -> Result<Self, String> {
+    /// Compressed data that are not described completely, or [`Trouble::Memory`].
+    pub fn of(document: &mut Value, budget: &mut Budget) -> Result<Self, Trouble> {
         let mut buffers = BTreeMap::new();
-        meshopt::expand(document, &mut buffers)?;
-        draco::expand(document, &mut buffers)?;
+        meshopt::expand(document, &mut buffers, budget)?;
+        draco::expand(document, &mut buffers, budget)?;
         Ok(Self(buffers))
     }
 
@@ -75,12 +82,21 @@ fn damaged(owner: &str) -> String {
     format!("the compressed data of {owner} are damaged")
 }
 
-/// Reads what an extension says of its compressed data.
-fn described<T: DeserializeOwned>(extension: &Value, owner: &str) -> Result<T, String> {
-    T::deserialize(extension).map_err(|error| format!("the compressed data of {owner} cannot be found: {error}"))
+/// Reads what an object of the file, which is at `place`, says of compressed data.
+fn described<T: DeserializeOwned>(object: &Value, place: &str, owner: &str) -> Result<T, String> {
+    contents(object).map_err(|reason| format!("the compressed data of {owner} cannot be found: in {place}, {reason}"))
 }
 
+/// The name of what has compressed data, for messages. Many views of a mesh share one.
+type Owner = Rc<str>;
+
 /// The name of a mesh in messages.
-fn mesh_name(index: usize, mesh: &Value) -> String {
-    mesh["name"].as_str().map_or_else(|| format!("mesh {index}"), |name| format!("the mesh \"{name}\""))
+fn mesh_name(index: usize, mesh: &Value) -> Owner {
+    mesh["name"].as_str().map_or_else(|| format!("mesh {index}"), |name| format!("the mesh \"{name}\"")).into()
+}
+
+/// Appends an object to a list member of the document, within the budget.
+fn add(document: &mut Value, list: &str, object: Value, budget: &mut Budget) -> Result<usize, Trouble> {
+    budget.take_json(object.to_string().as_bytes())?;
+    push(document, list, object).ok_or_else(|| format!("its \"{list}\" are no list").into())
 }

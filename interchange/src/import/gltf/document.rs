@@ -5,8 +5,8 @@ use super::{
     container::{Container, Unreadable},
 };
 use crate::{
-    features::{self, Feature, Format, Support},
-    import::{fields, files::Trouble, report::ImportError},
+    features::{self, Feature, Format, Support, gltf::INSTANCES},
+    import::{budget::Budget, fields, files::Trouble, report::ImportError},
     names::listed,
 };
 use gltf::json::validation::Error as Invalid;
@@ -21,11 +21,10 @@ fn is_read(name: &str) -> bool {
     features::is_read(Format::Gltf, name)
 }
 
-/// Whether an extension concerns looks alone: a file that requires it shows without it, with a warning. Instanced
-/// meshes are refused.
-fn is_of_looks(name: &str) -> bool {
-    const OTHERS: [&str; 3] = ["MSFT_texture_dds", "EXT_lights_image_based", "KHR_xmp_json_ld"];
-    name.contains("_materials_") || OTHERS.contains(&name)
+/// Whether a file that requires an extension shows without it, with a warning: known ones leave the shapes as they are, except for
+/// instances, and those of materials concern looks alone.
+fn is_dispensable(name: &str) -> bool {
+    name.contains("_materials_") || features::of(Format::Gltf, name).is_some_and(|feature| feature != INSTANCES)
 }
 
 /// A parsed file.
@@ -46,7 +45,7 @@ pub(super) fn container<'a>(bytes: &'a [u8], path: &Path) -> Result<Container<'a
     })
 }
 
-/// Checks the version, and that all required extensions are supported, or concern looks alone.
+/// Checks the version, and that all required extensions are supported, or that the file shows without them.
 ///
 /// # Errors
 /// [`ImportError::GltfVersion`] and [`ImportError::Extensions`].
@@ -56,7 +55,7 @@ fn check(document: &Value, path: &Path) -> Result<(), ImportError> {
         return Err(ImportError::GltfVersion { path: path.into(), version: version.into() });
     }
     let names = document["extensionsRequired"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let unknown = names.filter(|name| !is_read(name) && !is_of_looks(name));
+    let unknown = names.filter(|name| !is_dispensable(name));
     let unknown: Vec<String> = unknown.map(str::to_owned).collect();
     if unknown.is_empty() { Ok(()) } else { Err(ImportError::Extensions { path: path.into(), names: unknown }) }
 }
@@ -75,13 +74,13 @@ fn extensions_of_materials(document: &Value) -> BTreeSet<String> {
 /// so these are checked first.
 ///
 /// # Errors
-/// A file of another version, with other required extensions, or with invalid contents.
-pub(super) fn parse(container: &Container, path: &Path) -> Result<Parsed, ImportError> {
+/// A file of another version, with other required extensions, with invalid contents, or beyond the `budget`.
+pub(super) fn parse(container: &Container, path: &Path, budget: &mut Budget) -> Result<Parsed, ImportError> {
     let failed = |reason: String| Trouble::from(reason).at(path, "glTF");
     let document: Value = fields::parse(container.json).map_err(failed)?;
     check(&document, path)?;
     let of_materials = extensions_of_materials(&document);
-    let completed = completed(document, container.json).map_err(failed)?;
+    let completed = completed(document, container.json, budget).map_err(|trouble| trouble.at(path, "glTF"))?;
     let mut json: gltf::json::Root = fields::parse(&completed.text).map_err(failed)?;
     // Checked above; the crate would refuse a file that requires them.
     let mut required = std::mem::take(&mut json.extensions_required);

@@ -32,13 +32,29 @@ const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 const SPECULAR: &str = "KHR_materials_specular";
 
 /// `KHR_texture_transform`.
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Transform {
     pub offset: Vec2,
     pub rotation: f32,
     pub scale: Vec2,
     pub tex_coord: Option<u32>,
+}
+
+impl Transform {
+    pub const EXTENSION: &str = "KHR_texture_transform";
+
+    /// The transform in the extensions of a texture; the identity if it has none.
+    ///
+    /// # Errors
+    /// A remark on a field of another kind.
+    pub fn of(extensions: &Value) -> Result<Self, String> {
+        let value = &extensions[Self::EXTENSION];
+        if value.is_null() {
+            return Ok(Self::default());
+        }
+        fields::contents(value).map_err(|reason| left_out(Self::EXTENSION, &reason))
+    }
 }
 
 impl Default for Transform {
@@ -68,9 +84,9 @@ pub(super) struct TextureInfo {
 }
 
 impl TextureInfo {
-    /// Its `KHR_texture_transform`, if any.
-    pub fn transform(&self) -> Transform {
-        serde_json::from_value(self.extensions["KHR_texture_transform"].clone()).unwrap_or_default()
+    /// Its transform, or a remark why it has none.
+    pub fn transform(&self) -> Result<Transform, String> {
+        Transform::of(&self.extensions)
     }
 }
 
@@ -294,8 +310,12 @@ pub(super) fn extension<T: DeserializeOwned>(material: &Value, name: &str) -> Op
 
 /// The extension of a material, if it is present and readable; else a remark may be added.
 fn read<T: DeserializeOwned>(material: &Value, name: &str, wrong: &mut Vec<String>) -> Option<T> {
-    let told = |reason| wrong.push(format!("have a {name} that was left out, because {reason}; export them again"));
-    extension(material, name)?.map_err(told).ok()
+    extension(material, name)?.map_err(|reason| wrong.push(left_out(name, &reason))).ok()
+}
+
+/// The remark on materials with an extension that cannot be read.
+fn left_out(extension: &str, reason: &str) -> String {
+    format!("have a {extension} that was left out, because {reason}; export them again")
 }
 
 impl Anisotropy {

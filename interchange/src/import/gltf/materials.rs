@@ -3,7 +3,7 @@
 use super::{
     super::{
         files::Trouble,
-        textures::{TextureLibrary, read_picture},
+        textures::{TextureLibrary, Unread, read_picture},
     },
     buffers::{Buffers, percent_decoded, read_uri},
     glossiness::{self, Glossiness, Metallic},
@@ -25,7 +25,7 @@ use lapidary_core::{
 };
 use serde_json::Value;
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::{BTreeMap, BTreeSet, HashMap},
     path::Path,
 };
 
@@ -38,6 +38,7 @@ pub(super) fn add_materials(
     gltf: &gltf::Gltf,
     json: &[u8],
     buffers: &Buffers,
+    other_pictures: &HashMap<usize, usize>,
     library: &mut TextureLibrary,
 ) -> Result<(), Trouble> {
     let normal_transforms = normal_transforms(json);
@@ -46,7 +47,17 @@ pub(super) fn add_materials(
     let glossiness = document_with(json, glossiness::EXTENSION).map(|document| Glossiness::of_all(&document));
     let glossiness = glossiness.unwrap_or_default();
     let ignored = Ignored::default();
-    let mut reader = MaterialReader { gltf, views, buffers, library, normal_transforms, layers, glossiness, ignored };
+    let mut reader = MaterialReader {
+        gltf,
+        views,
+        buffers,
+        other_pictures,
+        library,
+        normal_transforms,
+        layers,
+        glossiness,
+        ignored,
+    };
     source.materials = gltf.materials().map(|m| reader.material(&m)).collect::<Result<_, _>>()?;
     reader.ignored.warn(&mut source.warnings);
     Ok(())
@@ -93,13 +104,10 @@ impl Ignored {
     }
 }
 
-/// The transform of each material's normal texture, from the JSON itself; empty if the file has none.
-fn normal_transforms(json: &[u8]) -> Vec<Transform> {
-    let document = document_with(json, "KHR_texture_transform").unwrap_or_default();
-    let transform = |material: &Value| {
-        let value = material["normalTexture"]["extensions"]["KHR_texture_transform"].clone();
-        serde_json::from_value(value).unwrap_or_default()
-    };
+/// The transform of each material's normal texture, from the JSON itself, or a remark; empty if the file has none.
+fn normal_transforms(json: &[u8]) -> Vec<Result<Transform, String>> {
+    let document = document_with(json, Transform::EXTENSION).unwrap_or_default();
+    let transform = |material: &Value| Transform::of(&material["normalTexture"]["extensions"]);
     document["materials"].as_array().map_or_else(Vec::new, |materials| materials.iter().map(transform).collect())
 }
 
@@ -114,8 +122,10 @@ struct MaterialReader<'a> {
     /// Buffer views by index.
     views: Vec<View<'a>>,
     buffers: &'a Buffers,
+    /// By texture, its own picture, where one in an extension comes before it.
+    other_pictures: &'a HashMap<usize, usize>,
     library: &'a mut TextureLibrary,
-    normal_transforms: Vec<Transform>,
+    normal_transforms: Vec<Result<Transform, String>>,
     layers: Vec<Layers>,
     glossiness: Vec<Option<Glossiness>>,
     ignored: Ignored,
@@ -165,8 +175,9 @@ impl MaterialReader<'_> {
             maps.set("emission_color", Some(TextureSlot { color_space: ColorSpace::Srgb, ..self.slot(&info, name)? }));
         }
         if let Some(normal) = source.normal_texture() {
-            let transform = self.normal_transforms.get_mut(source.index().unwrap_or_default()).map(std::mem::take);
-            let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform.unwrap_or_default(), name)?;
+            let transform = self.normal_transforms.get(source.index().unwrap_or_default()).cloned();
+            let transform = self.readable(transform.unwrap_or_else(|| Ok(Transform::default())), name);
+            let slot = self.slot_of(&normal.texture(), normal.tex_coord(), transform, name)?;
             maps.set("normal", Some(TextureSlot { strength: normal.scale(), ..slot }));
         }
         Ok(())
@@ -243,7 +254,16 @@ impl MaterialReader<'_> {
     fn slot_in_extension(&mut self, info: &TextureInfo, material: &str) -> Result<TextureSlot, Trouble> {
         let missing = || Trouble::from(format!("a material refers to texture {}, which is not there", info.index));
         let texture = self.gltf.textures().nth(info.index).ok_or_else(missing)?;
-        self.slot_of(&texture, info.tex_coord, info.transform(), material)
+        let transform = self.readable(info.transform(), material);
+        self.slot_of(&texture, info.tex_coord, transform, material)
+    }
+
+    /// A transform, or the identity with a remark.
+    fn readable(&mut self, transform: Result<Transform, String>, material: &str) -> Transform {
+        transform.unwrap_or_else(|remark| {
+            self.ignored.told.insert((remark, material.to_owned()));
+            Transform::default()
+        })
     }
 
     fn slot(&mut self, info: &gltf::texture::Info, material: &str) -> Result<TextureSlot, Trouble> {
@@ -270,7 +290,7 @@ impl MaterialReader<'_> {
             WrappingMode::ClampToEdge => Wrap::Clamp,
         };
         Ok(TextureSlot {
-            texture: self.texture(texture.source().index())?,
+            texture: self.texture(texture)?,
             scale: transform.scale,
             offset: transform.offset,
             rotation: transform.rotation,
@@ -280,18 +300,33 @@ impl MaterialReader<'_> {
         })
     }
 
+    /// Loads the picture of a texture, or else its picture for programs without the extension of the first.
+    fn texture(&mut self, texture: &gltf::Texture) -> Result<u32, Trouble> {
+        let unread = match self.picture(texture.source().index())? {
+            Ok(index) => return Ok(index),
+            Err(unread) => unread,
+        };
+        let images = self.gltf.as_json().images.len();
+        let other = self.other_pictures.get(&texture.index()).copied().filter(|&image| image < images);
+        if let Some(Ok(index)) = other.map(|image| self.picture(image)).transpose()? {
+            self.library.replaced(unread, index);
+            return Ok(index);
+        }
+        self.library.missing(unread)
+    }
+
     /// Loads an image from a file, a `data:` URI or a buffer view.
-    fn texture(&mut self, image: usize) -> Result<u32, Trouble> {
+    fn picture(&mut self, image: usize) -> Result<Result<u32, Unread>, Trouble> {
         let json = &self.gltf.as_json().images[image];
         let name = json.name.clone().unwrap_or_else(|| format!("image {image}"));
         let (views, buffers) = (&self.views, self.buffers);
         match &json.uri {
-            Some(uri) if !uri.starts_with("data:") => self.library.load(&percent_decoded(uri)),
-            Some(uri) => self.library.load_with(&format!("image {image}"), &name, |files| {
+            Some(uri) if !uri.starts_with("data:") => self.library.try_load(&percent_decoded(uri)),
+            Some(uri) => self.library.try_load_with(&format!("image {image}"), &name, |files| {
                 let bytes = read_uri(uri, files)?;
                 read_picture(&bytes, Path::new(&name), files)
             }),
-            None => self.library.load_with(&format!("image {image}"), &name, |files| {
+            None => self.library.try_load_with(&format!("image {image}"), &name, |files| {
                 let view = json.buffer_view.and_then(|v| views.get(v.value())).ok_or("it has no data")?;
                 read_picture(buffers.view(view)?, Path::new(&name), files)
             }),

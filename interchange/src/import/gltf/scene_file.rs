@@ -26,7 +26,10 @@ use crate::{
     names::listed,
 };
 use glam::{DVec3, Vec3};
-use gltf::mesh::{Mode, Semantic};
+use gltf::{
+    json::{animation::Target, validation::Checked},
+    mesh::{Mode, Semantic},
+};
 use lapidary_core::{
     animation::{
         Clip,
@@ -39,7 +42,10 @@ use lapidary_core::{
     parts::Part,
 };
 use serde_json::Value;
-use std::{collections::HashSet, path::Path};
+use std::{
+    collections::{HashMap, HashSet},
+    path::Path,
+};
 
 /// Scale at rest of nodes that have none there and get one from a clip: a thousandth hides them. It is not smaller, because clips
 /// find the vertices again by their places at rest, and coordinates of some meters have steps of a micrometer.
@@ -63,6 +69,8 @@ pub(super) struct SceneFile {
     pub pointing: HashSet<usize>,
     /// Names of materials with textures that have no picture.
     pub without_picture: Vec<String>,
+    /// By texture, its own picture, where one in an extension comes before it.
+    pub other_pictures: HashMap<usize, usize>,
     /// What was subtracted from the places of the scene's roots, if they are far from the origin.
     pub origin: Option<DVec3>,
 }
@@ -72,8 +80,8 @@ impl SceneFile {
         let failed = |trouble: Trouble| trouble.at(path, "glTF");
         let container = container(bytes, path)?;
         files.budget.take_json(container.json).map_err(|over| over.at(path))?;
-        let Parsed { gltf, completed } = parse(&container, path)?;
-        let Completed { text: json, pointing, without_picture, compressed } = completed;
+        let Parsed { gltf, completed } = parse(&container, path, &mut files.budget)?;
+        let Completed { text: json, pointing, without_picture, other_pictures, compressed } = completed;
         let bytes_of_nodes = hierarchy::bytes_of_weights(&gltf).saturating_add(deformations::bytes_of_skins(&gltf));
         files.budget.take(bytes_of_nodes).map_err(|over| over.at(path))?;
         let variant = options.variant.as_deref();
@@ -99,6 +107,7 @@ impl SceneFile {
             skins,
             pointing,
             without_picture,
+            other_pictures,
             origin,
         };
         file.check_size(files, path)?;
@@ -109,12 +118,13 @@ impl SceneFile {
     /// Moves the roots of a scene that is far from the origin there, in the double precision of the JSON. Roots that a clip moves
     /// stay, since it says where they are.
     fn bring_near(&mut self) {
-        let of_root = |channel: gltf::animation::Channel| {
-            let target = channel.target();
-            target.property() == gltf::animation::Property::Translation
-                && self.nodes.get(target.node().index()).parent.is_none()
+        // As stored: the crate panics at targets that are not valid.
+        let of_root = |Target { path, node, .. }: &Target| {
+            let is_root = node.value() < self.gltf.nodes().count() && self.nodes.get(node.value()).parent.is_none();
+            is_root && *path == Checked::Valid(gltf::animation::Property::Translation)
         };
-        if self.gltf.animations().flat_map(|animation| animation.channels()).any(of_root) {
+        let animations = self.gltf.as_json().animations.iter();
+        if animations.flat_map(|animation| &animation.channels).any(|channel| of_root(&channel.target)) {
             return;
         }
         // Declared bounds may be missing or wrong, but are known without reading all positions.
