@@ -3,7 +3,7 @@
 
 mod list;
 
-pub(crate) use list::gltf;
+pub(crate) use list::{PLY_OTHERS, gltf};
 
 use crate::{materialx::Surface, names::listed};
 use lapidary_core::brdf::BrdfModel;

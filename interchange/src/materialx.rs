@@ -13,6 +13,7 @@ mod graph;
 mod include;
 mod nearest;
 mod placement;
+mod places;
 mod read;
 pub mod stretch;
 mod surface;
@@ -21,8 +22,9 @@ mod tests;
 mod write;
 
 pub(crate) use estimate::without_file;
-pub(crate) use include::{Expanded, expanded};
+pub(crate) use include::{Expanded, Library, expanded};
 pub(crate) use nearest::nearest;
+pub(crate) use read::read_expanded;
 pub use read::{MaterialXError, ReadMaterial, names, read};
 pub use surface::Surface;
 pub use write::{Written, write};

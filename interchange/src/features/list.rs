@@ -17,20 +17,34 @@ const fn feature(format: Format, keys: &'static str, name: &'static str, support
 
 const POLYGONS: Support = LeftOut("convert them to polygons in the program that made them");
 
-const OBJ: [Feature; 9] = [
+const OBJ: [Feature; 13] = [
     feature(Obj, "v", "positions; a fourth number divides them", Read),
     feature(Obj, "vt vn", "texture coordinates and normals; those on some faces only are rebuilt", Read),
     feature(Obj, "f", "polygons with any number of corners, also concave; negative numbers", Read),
     feature(Obj, "o g", "objects and groups; each name is an object", Read),
     feature(Obj, "s", "smoothing groups and `s off`", Read),
     feature(Obj, "usemtl mtllib", "materials and their libraries", Read),
-    feature(Obj, "", "colors of vertices, in sRGB", Read),
+    feature(Obj, "", "colors of vertices, in sRGB from 0 to 1 or to 255", Read),
     feature(Obj, "l p", "lines and points", LeftOut("give them a thickness in the modelling program")),
     feature(
         Obj,
         "cstype vp bmat deg step curv curv2 surf parm trim hole scrv sp end con bzp bsp",
         "curves and surfaces of free form",
         POLYGONS,
+    ),
+    feature(Obj, "maplib usemap", "maps of faces", LeftOut("name the picture in the material (map_Kd)")),
+    feature(Obj, "call csh", "calls of other files", LeftOut("join the files to one in the program that made them")),
+    feature(
+        Obj,
+        "shadow_obj trace_obj",
+        "other objects in shadows and reflections",
+        LeftOut("shadows and reflections are those of the object itself"),
+    ),
+    feature(
+        Obj,
+        "mg lod bevel c_interp d_interp ctech stech",
+        "settings of curves and of other renderers",
+        Unneeded("faces are shown whole"),
     ),
 ];
 
@@ -45,7 +59,7 @@ const MTL: [Feature; 26] = [
     ),
     feature(Mtl, "Ns", "shininess", Approximated("as the roughness of equal width, where `Pr` is missing")),
     feature(Mtl, "map_Ns", "maps of shininess", LeftOut("convert them to maps of roughness (map_Pr)")),
-    feature(Mtl, "Ni", "index of refraction, 1 to 4", Read),
+    feature(Mtl, "Ni", "index of refraction, 1 to 4; 1 counts as not given", Read),
     feature(Mtl, "Pr map_Pr Pm map_Pm", "roughness and metalness", Read),
     feature(Mtl, "Pc map_Pc Pcr map_Pcr", "coats and their roughness", Read),
     feature(Mtl, "Ps map_Ps", "sheen", Read),
@@ -88,20 +102,31 @@ const MTL: [Feature; 26] = [
     ),
 ];
 
-const PLY: [Feature; 8] = [
+/// Elements and properties of PLY that have no row of their own.
+pub(crate) const PLY_OTHERS: Feature = feature(Ply, "", "other contents", LeftOut("export the scene as glTF or OBJ"));
+
+const PLY: [Feature; 11] = [
     feature(Ply, "", "ASCII and binary files of either byte order", Read),
     feature(Ply, "x y z nx ny nz", "positions and normals", Read),
     feature(Ply, "u v s t texture_u texture_v texture_s texture_t", "texture coordinates of vertices", Read),
     feature(Ply, "vertex_indices vertex_index", "polygons with any number of corners, also concave", Read),
-    feature(Ply, "red green blue diffuse_red diffuse_green diffuse_blue", "colors of vertices, in sRGB", Read),
-    feature(Ply, "texcoord texnumber TextureFile", "texture coordinates of corners, and pictures", Read),
-    feature(Ply, "tristrips", "strips of triangles", LeftOut("export it with faces")),
     feature(
         Ply,
-        "edge",
-        "edges, materials and other elements and properties",
-        LeftOut("export the scene as glTF or OBJ"),
+        "red green blue diffuse_red diffuse_green diffuse_blue",
+        "colors of vertices, or else of faces, in sRGB",
+        Read,
     ),
+    feature(Ply, "alpha diffuse_alpha", "opacities of vertices and faces", LeftOut("use a texture of opacity in glTF")),
+    feature(Ply, "texcoord texnumber TextureFile", "texture coordinates of corners, and pictures", Read),
+    feature(Ply, "tristrips", "strips of triangles", LeftOut("export it with faces")),
+    feature(Ply, "edge", "edges", LeftOut("give them a thickness in the modelling program")),
+    feature(
+        Ply,
+        "flags quality confidence intensity",
+        "marks and measures of points",
+        Unneeded("they are no part of a look"),
+    ),
+    PLY_OTHERS,
 ];
 
 const MATERIALX: [Feature; 15] = [
@@ -179,7 +204,7 @@ const PICTURES: [Feature; 16] = [
     feature(
         Picture,
         "",
-        "profiles of color, gamma and orientation in PNG and JPEG",
+        "profiles of color, gamma and orientation in PNG, JPEG, TIFF and WebP",
         LeftOut("the slot tells whether a picture is sRGB or linear"),
     ),
     feature(

@@ -104,7 +104,17 @@ impl Files {
         let last = parts.rsplit('/').next().unwrap_or(&parts);
         let named = self.listings.file(&self.folder, &parts);
         let beside = if last == parts { None } else { self.listings.file(&self.folder, last) };
-        let found: Vec<PathBuf> = named.into_iter().chain(beside).collect();
+        self.allowed(name, named.into_iter().chain(beside).collect())
+    }
+
+    /// The file at the path `name` from the folder, in any case.
+    pub fn find_at(&mut self, name: &str) -> Result<PathBuf, Trouble> {
+        let named = self.listings.file(&self.folder, name);
+        self.allowed(name, named.into_iter().collect())
+    }
+
+    /// The first of some files that is allowed.
+    fn allowed(&mut self, name: &str, found: Vec<PathBuf>) -> Result<PathBuf, Trouble> {
         if found.is_empty() {
             return Err("there is no such file beside it".into());
         }

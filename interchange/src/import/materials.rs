@@ -13,7 +13,7 @@ use crate::{
         report::{ImportError, ImportOptions, ImportReport},
     },
     material_file::{MaterialFile, SlotFile},
-    materialx::{self, Expanded, MaterialXError, ReadMaterial},
+    materialx::{self, Expanded, Library, MaterialXError, ReadMaterial},
 };
 use lapidary_core::{
     brdf::{BrdfFile, Content},
@@ -54,16 +54,28 @@ pub fn materials_in_file(path: &Path) -> Vec<String> {
 
 /// A MaterialX document with all documents that it includes.
 fn whole_document(text: String, files: &mut Files) -> Result<Expanded, MaterialXError> {
-    materialx::expanded(text, |path| {
-        let bytes = files.find(path).and_then(|found| files.read(&found)).map_err(|trouble| match trouble {
+    materialx::expanded(text, files)
+}
+
+impl Library for Files {
+    fn read(&mut self, path: &str) -> Result<String, String> {
+        let reason = |trouble| match trouble {
             Trouble::Reason(reason) => reason,
             Trouble::Outside(_) => "it is outside the folder of the document".into(),
-            Trouble::Memory(_) => "it does not fit into the memory".into(),
-        })?;
+            Trouble::Memory(_) => NO_ROOM.into(),
+        };
+        let bytes = self.find_at(path).and_then(|found| Files::read(self, &found)).map_err(reason)?;
         let text = input::text(&bytes).map_err(|error| error.to_string())?;
         String::from_utf8(text.into_owned()).map_err(|_| "it is not text".into())
-    })
+    }
+
+    fn take(&mut self, bytes: usize) -> Result<(), String> {
+        self.budget.take(bytes as u64).map_err(|_| NO_ROOM.into())
+    }
 }
+
+/// Why a document is left out whose text exceeds the budget.
+const NO_ROOM: &str = "it does not fit into the memory";
 
 /// Whether a file is a MaterialX document, by its extension.
 pub fn is_materialx(path: &Path) -> bool {
@@ -118,10 +130,7 @@ fn contents(path: &Path, bytes: &[u8], wanted: Option<&str>, files: &mut Files) 
     let parse_error = |format, reason| ImportError::Parse { path: path.into(), format, reason };
     if is_materialx(path) {
         let text = std::str::from_utf8(bytes).map_err(|e| parse_error("MaterialX", e.to_string()))?;
-        let read = whole_document(text.into(), files).and_then(|Expanded { text, remarks }| {
-            let read = materialx::read(&text, wanted)?;
-            Ok(ReadMaterial { remarks: [remarks, read.remarks].concat(), ..read })
-        });
+        let read = whole_document(text.into(), files).and_then(|document| materialx::read_expanded(document, wanted));
         return read.map_err(|error| match error {
             MaterialXError::NoSuchMaterial { .. } => ImportError::NoSuchMaterial { path: path.into(), source: error },
             other => parse_error("MaterialX", other.to_string()),

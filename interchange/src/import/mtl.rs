@@ -39,14 +39,16 @@ pub(super) fn add_materials(
 ) -> Result<(), Trouble> {
     let mut lost = Lost::default();
     for name in names {
-        let material = match entries.get(name) {
-            Some(entry) => {
-                lost.inspect(name, entry);
-                material(name, entry, library)?
-            }
-            None => Material { name: name.clone(), ..Default::default() },
+        let Some(entry) = entries.get(name) else {
+            source.push_uncolored(Material { name: name.clone(), ..Default::default() });
+            continue;
         };
-        source.materials.push(material);
+        lost.inspect(name, entry);
+        let material = material(name, entry, library)?;
+        match base_color(entry) {
+            Some(_) => source.materials.push(material),
+            None => source.push_uncolored(material),
+        }
     }
     let missing: Vec<String> = names.iter().filter(|n| !entries.contains_key(*n)).cloned().collect();
     if !missing.is_empty() {
@@ -105,21 +107,33 @@ fn anisotropy(entry: &MtlEntry) -> f32 {
     if (from_tangent - 0.5).abs() < 0.25 { -amount } else { amount }
 }
 
+/// Whether the color is black, so that it may be a metal's.
+fn is_black(entry: &MtlEntry) -> bool {
+    entry.color("kd").is_some_and(|kd| luminance(kd) < 0.05)
+}
+
+fn metalness(entry: &MtlEntry) -> f32 {
+    let is_mirror = is_black(entry) && entry.color("ks").is_some_and(|ks| luminance(ks) > 0.6);
+    let default = if entry.map("map_pm").is_some() || is_mirror { 1.0 } else { 0.0 };
+    entry.number("pm").unwrap_or(default)
+}
+
+/// The base color, if the material has any.
+fn base_color(entry: &MtlEntry) -> Option<Vec3> {
+    let has_map = entry.map("map_kd").is_some();
+    match (entry.color("kd"), entry.color("ks")) {
+        (_, Some(ks)) if metalness(entry) > 0.5 && is_black(entry) => Some(ks),
+        // Programs leave the color black when a texture replaces it.
+        (Some(kd), _) if !(has_map && kd.max_element() <= 0.0) => Some(kd),
+        _ => has_map.then_some(Vec3::ONE),
+    }
+}
+
 fn parameters(entry: &MtlEntry) -> GgxParameters {
     let has = |map: &str| entry.map(map).is_some();
-    let diffuse = entry.color("kd");
-    let specular = entry.color("ks");
-    let diffuse_is_black = diffuse.is_some_and(|kd| luminance(kd) < 0.05);
-    let mirror = diffuse_is_black && specular.is_some_and(|ks| luminance(ks) > 0.6);
-    let metalness = entry.number("pm").unwrap_or(if has("map_pm") || mirror { 1.0 } else { 0.0 });
-    let base_color = match (diffuse, specular) {
-        (_, Some(ks)) if metalness > 0.5 && diffuse_is_black => ks,
-        // Programs leave the color black when a texture replaces it.
-        (Some(kd), _) if !(has("map_kd") && kd.max_element() <= 0.0) => kd,
-        _ if has("map_kd") => Vec3::ONE,
-        _ => GgxParameters::default().base_color,
-    };
-    let (ior, weight) = dielectric(entry.number("ni"), specular, has("map_ks"));
+    let metalness = metalness(entry);
+    let base_color = base_color(entry).unwrap_or(GgxParameters::default().base_color);
+    let (ior, weight) = dielectric(entry.number("ni"), entry.color("ks"), has("map_ks"));
     let roughness = entry.number("pr").unwrap_or_else(|| match entry.number("ns") {
         _ if has("map_pr") => 1.0,
         // The Blinn-Phong lobe is as wide as alpha = sqrt(2 / (Ns + 2)), and roughness = sqrt(alpha).

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     import::{
         report::ImportError,
-        source::{Source, check_count, default_material},
+        source::{Source, check_count},
     },
     names::listed,
 };
@@ -223,7 +223,7 @@ fn add_materials(source: &mut Source, outline: &Outline, mut library: TextureLib
     mtl::add_materials(source, &outline.materials.in_order, &entries, &mut library)?;
     let count = source.materials.len() as u32;
     if source.mesh.triangle_material.contains(&count) {
-        source.materials.push(default_material());
+        source.push_default_material();
     }
     library.finish(source);
     Ok(())

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::import::{
     report::ImportError,
-    source::{Source, check_count, default_material},
+    source::{Source, check_count},
 };
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use lapidary_core::{
@@ -18,6 +18,7 @@ use lapidary_core::{
     scene::Object,
     texture::{ColorSpace, TextureSlot},
 };
+use lost::Lost;
 use ply_rs_bw::{
     parser::{ParseError, Parser, Reader},
     ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
@@ -25,6 +26,7 @@ use ply_rs_bw::{
 use std::{io::ErrorKind, path::Path};
 use wedges::Wedges;
 
+mod lost;
 mod wedges;
 
 pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source, ImportError> {
@@ -58,10 +60,15 @@ pub(super) fn read(bytes: &[u8], path: &Path, mut files: Files) -> Result<Source
     let triangles: u64 = faces.iter().map(|face| face.corners.len().saturating_sub(2) as u64).sum();
     check_count("triangles", triangles, path)?;
     files.budget.take_mesh(0, triangles.saturating_sub(faces.len() as u64)).map_err(|over| over.at(path))?;
-    let has_wedges = faces.iter().any(|face| !face.uvs.is_empty());
-    let corners: u64 = if has_wedges { faces.iter().map(|face| face.corners.len() as u64).sum() } else { 0 };
+    let lost = Lost::of(&header, &vertices, &faces);
+    if let Some(reason) = lost.in_place_of_faces().filter(|_| triangles == 0) {
+        return Err(parse_error(reason));
+    }
+    let are_split = shows_colors_of_faces(&vertices, &faces) || faces.iter().any(|face| !face.uvs.is_empty());
+    let corners: u64 = if are_split { faces.iter().map(|face| face.corners.len() as u64).sum() } else { 0 };
     files.budget.take_mesh(corners, 0).map_err(|over| over.at(path))?;
     let mut source = source(&vertices, &faces, path);
+    source.warnings.extend(lost.warnings());
     add_textures(&mut source, &header, files).map_err(|trouble| trouble.at(path, "PLY"))?;
     if !source.mesh.colors.is_empty() {
         (0..source.materials.len()).for_each(|material| source.color_by_vertices(material));
@@ -94,6 +101,11 @@ fn told(error: &ParseError, part: &str, wrong: &str) -> String {
     }
 }
 
+/// Whether the colors of faces are shown: those of vertices are not, or all white.
+fn shows_colors_of_faces(vertices: &[Vertex], faces: &[Face]) -> bool {
+    faces.iter().any(|face| face.color != Vec3::ONE) && vertices.iter().all(|vertex| vertex.color == Vec3::ONE)
+}
+
 fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
     let wedges = Wedges::of(vertices, faces);
     let mut positions: Vec<Vec3> = wedges.each(|v| vertices[v].position.as_vec3());
@@ -110,7 +122,7 @@ fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
         positions,
         ..Default::default()
     };
-    let colors: Vec<Vec3> = wedges.each(|v| vertices[v].color.map(linear_from_srgb));
+    let colors: Vec<Vec3> = wedges.colors.iter().map(|color| color.map(linear_from_srgb)).collect();
     mesh.push_colors(0, &colors);
     let mut polygons = Polygons::default();
     for (corners, face) in wedges.corners.iter().zip(faces) {
@@ -142,7 +154,7 @@ fn add_textures(source: &mut Source, header: &Header, files: Files) -> Result<()
     let count = source.materials.len() as u32;
     source.mesh.triangle_material.iter_mut().for_each(|material| *material = (*material).min(count));
     if count == 0 || source.mesh.triangle_material.contains(&count) {
-        source.materials.push(default_material());
+        source.push_default_material();
     }
     library.finish(source);
     Ok(())
@@ -170,12 +182,13 @@ struct Vertex {
     uv: Vec2,
     /// sRGB encoded, 0 to 1.
     color: Vec3,
+    opacity: f32,
 }
 
 impl PropertyAccess for Vertex {
     /// Missing positions are NaN, which the repair reports.
     fn new() -> Self {
-        Self { position: DVec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV, color: Vec3::ONE }
+        Self { position: DVec3::NAN, normal: Vec3::ZERO, uv: RawMesh::NO_UV, color: Vec3::ONE, opacity: 1.0 }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
@@ -188,10 +201,7 @@ impl PropertyAccess for Vertex {
             "nz" => &mut self.normal.z,
             "u" | "s" | "texture_u" | "texture_s" => &mut self.uv.x,
             "v" | "t" | "texture_v" | "texture_t" => &mut self.uv.y,
-            "red" | "diffuse_red" => return set_fraction(&mut self.color.x, &value),
-            "green" | "diffuse_green" => return set_fraction(&mut self.color.y, &value),
-            "blue" | "diffuse_blue" => return set_fraction(&mut self.color.z, &value),
-            _ => return PropertyAccessResult::Ignored,
+            _ => return set_color(&mut self.color, &mut self.opacity, name, &value),
         };
         let Some(number) = value.to_f32_lossy() else { return PropertyAccessResult::UnsupportedType };
         *target = number;
@@ -209,6 +219,18 @@ fn set_double(target: &mut f64, value: &Property) -> PropertyAccessResult {
     let Some(number) = number else { return PropertyAccessResult::UnsupportedType };
     *target = number;
     PropertyAccessResult::Set
+}
+
+/// Sets a component of a color or an opacity.
+fn set_color(color: &mut Vec3, opacity: &mut f32, name: &str, value: &Property) -> PropertyAccessResult {
+    let target = match name {
+        "red" | "diffuse_red" => &mut color.x,
+        "green" | "diffuse_green" => &mut color.y,
+        "blue" | "diffuse_blue" => &mut color.z,
+        "alpha" | "diffuse_alpha" => opacity,
+        _ => return PropertyAccessResult::Ignored,
+    };
+    set_fraction(target, value)
 }
 
 /// Integers are fractions of the largest number of 8 bits, or of 16.
@@ -229,11 +251,14 @@ struct Face {
     uvs: Vec<f32>,
     /// Number of the texture; one that is not there means none.
     texture: u32,
+    /// As of vertices.
+    color: Vec3,
+    opacity: f32,
 }
 
 impl PropertyAccess for Face {
     fn new() -> Self {
-        Self { corners: Vec::new(), uvs: Vec::new(), texture: 0 }
+        Self { corners: Vec::new(), uvs: Vec::new(), texture: 0, color: Vec3::ONE, opacity: 1.0 }
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
@@ -248,7 +273,7 @@ impl PropertyAccess for Face {
                 let Some(number) = value.to_f32_lossy() else { return PropertyAccessResult::UnsupportedType };
                 self.texture = if number >= 0.0 { number as u32 } else { u32::MAX };
             }
-            _ => return PropertyAccessResult::Ignored,
+            (name, value) => return set_color(&mut self.color, &mut self.opacity, name, &value),
         }
         PropertyAccessResult::Set
     }

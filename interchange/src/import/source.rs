@@ -10,7 +10,10 @@ use lapidary_core::{
     scene::Object,
     texture::Texture,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
 
 /// Files with more vertices or triangles than this are refused: at some 100 bytes each they would take 10 GB.
 const MAX_ELEMENTS: u64 = 100_000_000;
@@ -22,6 +25,8 @@ pub(super) struct Source {
     /// What was subtracted from the coordinates of the file, if the scene is far from their origin.
     pub origin: Option<DVec3>,
     pub materials: Vec<Material>,
+    /// Indices of the materials whose base color no file gives.
+    pub uncolored: HashSet<usize>,
     pub textures: Vec<Texture>,
     pub objects: Vec<Object>,
     pub cameras: Vec<Camera>,
@@ -48,19 +53,25 @@ impl Source {
         }
     }
 
-    /// Multiplies a material by the colors of the vertices, which are all the color of surfaces without a material.
-    pub fn color_by_vertices(&mut self, material: usize) {
-        let material = &mut self.materials[material];
-        if *material == default_material() {
+    /// Multiplies a material by the colors of the vertices, which are all its color where no file gives another.
+    pub fn color_by_vertices(&mut self, index: usize) {
+        let material = &mut self.materials[index];
+        if self.uncolored.contains(&index) {
             material.parameters.set("base_color", Vec3::ONE);
         }
         material.vertex_colors = true;
     }
-}
 
-/// The material of surfaces without one.
-pub(super) fn default_material() -> Material {
-    Material { name: "default".into(), ..Default::default() }
+    /// Adds a material whose base color no file gives.
+    pub fn push_uncolored(&mut self, material: Material) {
+        self.uncolored.insert(self.materials.len());
+        self.materials.push(material);
+    }
+
+    /// Adds the material of surfaces without one.
+    pub fn push_default_material(&mut self) {
+        self.push_uncolored(Material { name: "default".into(), ..Default::default() });
+    }
 }
 
 /// Checks a count against the limit.

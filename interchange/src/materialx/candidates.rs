@@ -13,7 +13,7 @@ pub struct Candidate<'a> {
     pub shader: Option<Node<'a, 'a>>,
     /// What else it connects, which is not rendered.
     pub others: Vec<&'a str>,
-    pub line: u32,
+    pub node: Node<'a, 'a>,
 }
 
 /// Inputs of a material beside its surface, and what they are.
@@ -35,7 +35,7 @@ impl<'a> Candidate<'a> {
         let of = |node: Node<'a, 'a>, shader| {
             let name = node.attribute("name").unwrap_or_default();
             let label = node.attribute("uiname").filter(|label| !label.is_empty()).unwrap_or(name);
-            Self { name, label, shader, others: Vec::new(), line: graph.line(node) }
+            Self { name, label, shader, others: Vec::new(), node }
         };
         let materials = root.children().filter(|node| node.has_tag_name("surfacematerial")).map(|node| {
             let input = graph.child(node, "surfaceshader");
@@ -77,11 +77,11 @@ impl<'a> Candidate<'a> {
 pub fn choose<'b, 'a>(
     all: &'b [Candidate<'a>],
     wanted: Option<&str>,
-    line: u32,
+    place: impl FnOnce() -> String,
 ) -> Result<&'b Candidate<'a>, MaterialXError> {
     let Some(first) = all.first() else {
         let reason = "it has no material, and no surface that is read";
-        return Err(MaterialXError::Contents { line, reason: reason.into() });
+        return Err(MaterialXError::Contents { place: place(), reason: reason.into() });
     };
     match wanted {
         Some(name) => all.iter().find(|candidate| candidate.is_called(name)).ok_or_else(|| {

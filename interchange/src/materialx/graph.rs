@@ -6,12 +6,14 @@ mod units;
 
 pub use relief::Relief;
 
+use super::places::Places;
 use glam::{Affine2, Vec2, Vec3};
 use lapidary_core::texture::{Channel, ColorSpace, UvSet, Wrap};
 use roxmltree::{Document, Node, NodeId};
 use std::{
     cell::{Cell, RefCell},
     collections::{BTreeSet, HashMap},
+    rc::Rc,
 };
 
 /// Largest number of nodes between an input and its picture.
@@ -66,14 +68,15 @@ pub struct Picture {
 /// Finds nodes of a document by name, and follows connections.
 pub struct Graph<'a> {
     document: &'a Document<'a>,
+    places: Rc<Places>,
     names: HashMap<(NodeId, &'a str), XmlNode<'a>>,
     steps: Cell<u32>,
     remarks: RefCell<BTreeSet<String>>,
 }
 
 impl<'a> Graph<'a> {
-    /// The graph of a document.
-    pub fn new(document: &'a Document<'a>) -> Self {
+    /// The graph of a document whose lines come from these places.
+    pub fn new(document: &'a Document<'a>, places: Rc<Places>) -> Self {
         let named = document.descendants().filter_map(|node| {
             let (parent, name) = (node.parent_element()?, node.attribute("name")?);
             Some(((parent.id(), name), node))
@@ -81,12 +84,12 @@ impl<'a> Graph<'a> {
         // The first of several nodes with one name counts.
         let mut names = HashMap::new();
         named.for_each(|(key, node)| _ = names.entry(key).or_insert(node));
-        Self { document, names, steps: Cell::new(0), remarks: RefCell::default() }
+        Self { document, places, names, steps: Cell::new(0), remarks: RefCell::default() }
     }
 
-    /// The line on which an element begins.
-    pub fn line(&self, node: XmlNode) -> u32 {
-        self.document.text_pos_at(node.range().start).row
+    /// Where an element begins, in words.
+    pub fn place(&self, node: XmlNode) -> String {
+        self.places.words(self.document.text_pos_at(node.range().start).row)
     }
 
     /// An element within another by its name.
@@ -100,11 +103,11 @@ impl<'a> Graph<'a> {
     }
 
     fn remark(&self, node: XmlNode, what: &str) {
-        self.remarks.borrow_mut().insert(format!("line {}: {what}", self.line(node)));
+        self.remarks.borrow_mut().insert(format!("{}: {what}", self.place(node)));
     }
 
     fn beyond<T>(&self, node: XmlNode, what: &str) -> Result<T> {
-        Err(Unread::Beyond(format!("line {}: {what}", self.line(node))))
+        Err(Unread::Beyond(format!("{}: {what}", self.place(node))))
     }
 
     fn step(&self, at: XmlNode) -> Result<()> {
@@ -163,6 +166,11 @@ impl<'a> Graph<'a> {
         None
     }
 
+    /// The text of an input of a node, which the surrounding graph may give.
+    fn word(&self, node: XmlNode<'a>, input: &str) -> Option<&'a str> {
+        self.telling(self.child(node, input)?)?.attribute("value")
+    }
+
     fn follow(&self, input: XmlNode<'a>) -> Result<Found> {
         let found = match self.target(input)? {
             Some((node, output)) => self.node(node, output)?,
@@ -184,8 +192,8 @@ impl<'a> Graph<'a> {
         let wrong = || {
             let name = input.attribute("name").unwrap_or_default();
             Unread::Wrong(format!(
-                "line {}: the value \"{text}\" of \"{name}\" is neither a number nor 2 to 4 of them",
-                self.line(told)
+                "{}: the value \"{text}\" of \"{name}\" is neither a number nor 2 to 4 of them",
+                self.place(told)
             ))
         };
         let number = |word: &str| match word.trim() {
@@ -218,8 +226,7 @@ impl<'a> Graph<'a> {
             }
             "swizzle" => {
                 let found = self.follow(self.needed(node, "in")?)?;
-                let told = self.child(node, "channels").and_then(|input| input.attribute("value"));
-                self.swizzled(node, found, told.unwrap_or("x"))
+                self.swizzled(node, found, self.word(node, "channels").unwrap_or("x"))
             }
             "separate2" | "separate3" | "separate4" => {
                 let found = self.follow(self.needed(node, "in")?)?;
@@ -340,11 +347,7 @@ impl<'a> Graph<'a> {
         }
         // The innermost prefix counts.
         let prefix = told.ancestors().find_map(|around| around.attribute("fileprefix")).unwrap_or_default();
-        if self
-            .child(node, "layer")
-            .and_then(|layer| self.telling(layer)?.attribute("value"))
-            .is_some_and(|l| !l.is_empty())
-        {
+        if self.word(node, "layer").is_some_and(|layer| !layer.is_empty()) {
             self.remark(node, "the layer of the picture is chosen as in other pictures, not by its name");
         }
         let kind =
@@ -372,7 +375,7 @@ impl<'a> Graph<'a> {
 
     /// What is shown beyond the edges of a picture.
     fn wrap(&self, node: XmlNode<'a>, input: &str) -> Wrap {
-        match self.child(node, input).and_then(|mode| mode.attribute("value")) {
+        match self.word(node, input) {
             Some("clamp") => Wrap::Clamp,
             Some("mirror") => Wrap::Mirror,
             Some("constant") => {

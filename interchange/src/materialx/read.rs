@@ -6,7 +6,9 @@ mod resolve;
 use super::{
     candidates::{Candidate, category, choose},
     graph::{Found, Graph, Picture, Relief, Unread},
+    include::Expanded,
     placement::{Placement, is_turned},
+    places::Places,
     surface::{Row, Surface},
 };
 use crate::material_file::{MaterialFile, SlotFile};
@@ -17,7 +19,7 @@ use lapidary_core::{
     texture::Channel,
 };
 use roxmltree::{Document, Node, ParsingOptions};
-use std::borrow::Cow;
+use std::{borrow::Cow, rc::Rc};
 use thiserror::Error;
 
 /// Largest number of elements, comments and texts in a document. MaterialX's own libraries have 50,000.
@@ -41,10 +43,10 @@ pub enum MaterialXError {
         limit: usize,
     },
     /// It is not MaterialX, or has no supported material.
-    #[error("line {line}: {reason}")]
+    #[error("{place}: {reason}")]
     Contents {
-        /// The line.
-        line: u32,
+        /// The line, and the document if another one includes it.
+        place: String,
         /// The problem.
         reason: String,
     },
@@ -75,10 +77,16 @@ pub struct ReadMaterial {
 /// # Errors
 /// A document that is not MaterialX, lacks the material, or has an invalid value. The error gives the line.
 pub fn read(text: &str, wanted: Option<&str>) -> Result<ReadMaterial, MaterialXError> {
-    with_graph(text, |graph, root| {
+    read_expanded(Expanded::of(text.into()), wanted)
+}
+
+/// Reads a material as [`read`] does, of a document with all that it includes.
+pub(crate) fn read_expanded(document: Expanded, wanted: Option<&str>) -> Result<ReadMaterial, MaterialXError> {
+    let Expanded { text, remarks, places } = document;
+    with_graph(&text, places, |graph, root| {
         let all = Candidate::all(graph, root);
-        let chosen = choose(&all, wanted, graph.line(root))?;
-        let mut reader = Reader { graph, remarks: Vec::new() };
+        let chosen = choose(&all, wanted, || graph.place(root))?;
+        let mut reader = Reader { graph, remarks };
         reader.tell_of_others(&all, chosen, wanted.is_some(), root);
         let material = reader.material(chosen)?;
         let mut remarks = reader.remarks;
@@ -92,7 +100,7 @@ pub fn read(text: &str, wanted: Option<&str>) -> Result<ReadMaterial, MaterialXE
 /// # Errors
 /// A document that is not MaterialX.
 pub fn names(text: &str) -> Result<Vec<String>, MaterialXError> {
-    with_graph(text, |graph, root| {
+    with_graph(text, Rc::default(), |graph, root| {
         let all = Candidate::all(graph, root);
         Ok(all.iter().filter(|candidate| candidate.surface().is_some()).map(|c| c.name.to_owned()).collect())
     })
@@ -101,14 +109,15 @@ pub fn names(text: &str) -> Result<Vec<String>, MaterialXError> {
 /// Parses a document, and calls a function with its graph and its root element.
 fn with_graph<R>(
     text: &str,
+    places: Rc<Places>,
     make: impl for<'a> FnOnce(&Graph<'a>, Node<'a, 'a>) -> Result<R, MaterialXError>,
 ) -> Result<R, MaterialXError> {
     parsed(text, |document| {
         let root = document.root_element();
-        let graph = Graph::new(document);
+        let graph = Graph::new(document, places);
         if !root.has_tag_name("materialx") {
             let reason = format!("it begins with \"{}\", not with \"materialx\"", root.tag_name().name());
-            return Err(MaterialXError::Contents { line: graph.line(root), reason });
+            return Err(MaterialXError::Contents { place: graph.place(root), reason });
         }
         make(&graph, root)
     })
@@ -163,8 +172,8 @@ struct Reader<'g, 'a> {
 struct Told {
     value: Value,
     slot: Option<SlotFile>,
-    /// Added to the map.
-    added: f32,
+    /// Added to the map; of a number to all three.
+    added: Vec3,
 }
 
 impl<'a> Reader<'_, 'a> {
@@ -173,7 +182,7 @@ impl<'a> Reader<'_, 'a> {
             let found = of.shader.map_or("missing", category);
             let known = Surface::ALL.map(Surface::node).join(", ");
             let reason = format!("the surface of \"{}\" is {found}, and only {known} are read", of.name);
-            return Err(MaterialXError::Contents { line: of.line, reason });
+            return Err(MaterialXError::Contents { place: self.graph.place(of.node), reason });
         };
         let mut material = MaterialFile { name: of.label.into(), model: BrdfModel::OpenPbr, ..Default::default() };
         for row in surface.rows() {
@@ -247,7 +256,7 @@ impl<'a> Reader<'_, 'a> {
             }
             return Ok(());
         };
-        let told = told.unwrap_or(Told { value: default, slot: None, added: 0.0 });
+        let told = told.unwrap_or(Told { value: default, slot: None, added: Vec3::ZERO });
         self.set(material, parameter, row, told);
         Ok(())
     }
@@ -260,7 +269,7 @@ impl<'a> Reader<'_, 'a> {
             Value::Number(x) => Value::Number(base + x.max(0.0).powf(row.power)),
             color => color,
         };
-        if added != base {
+        if added != Vec3::splat(base) {
             self.remarks.push(format!("the map of \"{}\" cannot be shifted so, and is left out", row.input));
             // A factor alone is misleading without the added part, such as -1 for an inverted map.
             material.parameters.set(parameter.name, powered(row.default, 0.0));
@@ -295,14 +304,14 @@ impl<'a> Reader<'_, 'a> {
                         return None;
                     }
                 };
-                Some(Told { value, slot: None, added: 0.0 })
+                Some(Told { value, slot: None, added: Vec3::ZERO })
             }
             Found::Picture(picture) => {
                 if is_color && (picture.channel.is_some() || !picture.is_color) {
                     self.remarks.push(format!("the map of \"{}\" is taken for one of colors", row.input));
                 }
                 let value = if is_color { Value::Color(picture.factor) } else { Value::Number(picture.factor.x) };
-                let added = picture.added.x;
+                let added = if is_color { picture.added } else { Vec3::splat(picture.added.x) };
                 Some(Told { value, slot: self.slot(&picture, row.input)?.into(), added })
             }
         }

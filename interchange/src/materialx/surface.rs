@@ -135,21 +135,29 @@ const LOST_OF_GLTF_PBR: [Lost; 8] = [
     Lost { input: "occlusion", what: "occlusion, which is computed here", without_effect: 1.0 },
 ];
 
-/// Inputs that are read elsewhere, and prefixes of inputs about lost features.
-const OTHERS: [&str; 13] = [
-    "normal",
-    "geometry_normal",
-    "thin_walled",
-    "geometry_thin_walled",
+/// Further inputs of Standard Surface: those about its lost features.
+const OTHERS_OF_STANDARD_SURFACE: [&str; 11] = [
+    "transmission_color",
+    "transmission_depth",
+    "transmission_scatter",
+    "transmission_scatter_anisotropy",
+    "transmission_dispersion",
+    "transmission_extra_roughness",
+    "subsurface_color",
+    "subsurface_radius",
+    "subsurface_scale",
+    "subsurface_anisotropy",
+    "thin_film_IOR",
+];
+
+/// Further inputs of glTF's surface: those of its opacity, and about its lost features.
+const OTHERS_OF_GLTF_PBR: [&str; 6] = [
     "alpha_mode",
     "alpha_cutoff",
-    "transmission_",
-    "subsurface_",
-    "thin_film_",
-    "iridescence_",
-    "attenuation_",
-    "emission_",
-    "geometry_opacity",
+    "iridescence_ior",
+    "iridescence_thickness",
+    "attenuation_distance",
+    "attenuation_color",
 ];
 
 impl Surface {
@@ -213,14 +221,22 @@ impl Surface {
         }
     }
 
+    /// Its further inputs: those that are read elsewhere, and those about lost features.
+    const fn others(self) -> &'static [&'static str] {
+        match self {
+            Self::OpenPbr => &[],
+            Self::StandardSurface => &OTHERS_OF_STANDARD_SURFACE,
+            Self::GltfPbr => &OTHERS_OF_GLTF_PBR,
+        }
+    }
+
     /// Whether it has an input of this name.
     pub(super) fn knows(self, input: &str) -> bool {
-        // All such inputs of OpenPBR are stored or unknown.
-        let is_longer = |other: &str| self != Self::OpenPbr && input.starts_with(other);
-        let is_meant = |other: &str| if other.ends_with('_') { is_longer(other) } else { input == other };
         self.rows().iter().chain(&self.stored_rows()).any(|row| row.input == input)
             || self.lost().iter().any(|lost| lost.input == input)
-            || OTHERS.into_iter().any(is_meant)
+            || self.others().contains(&input)
+            || self.normal() == input
+            || self.thin_walled() == Some(input)
     }
 }
 
@@ -241,5 +257,26 @@ mod tests {
             assert_eq!(Surface::of(surface.node()), Some(surface));
         }
         assert!(!is_known("base"), "negative control");
+    }
+
+    #[test]
+    fn a_surface_knows_its_own_inputs_and_no_others() {
+        use Surface::{GltfPbr, OpenPbr, StandardSurface};
+        for (input, known) in [
+            ("normal", [false, true, true]),
+            ("geometry_normal", [true, false, false]),
+            ("thin_walled", [false, true, false]),
+            ("geometry_thin_walled", [true, false, false]),
+            ("alpha_mode", [false, false, true]),
+            ("geometry_opacity", [true, false, false]),
+            ("emission_color", [true, true, false]),
+            ("emission_colour", [false; 3]),
+            ("transmission_depth", [true, true, false]),
+            ("transmission_dept", [false; 3]),
+            ("attenuation_color", [false, false, true]),
+            ("iridescence_ior", [false, false, true]),
+        ] {
+            assert_eq!([OpenPbr, StandardSurface, GltfPbr].map(|surface| surface.knows(input)), known, "{input}");
+        }
     }
 }

@@ -201,3 +201,61 @@ fn included_documents_are_read_from_beside_and_others_told() {
         assert!(remarks[0].contains("which it includes, is left out") && remarks[0].contains(reason), "{remarks:?}");
     }
 }
+
+/// A document that includes another, and one surface.
+const INCLUDING: &str = "<materialx version=\"1.39\">\n<xi:include href=\"lib/m.mtlx\"/>\n\
+    <standard_surface name=\"own\" type=\"surfaceshader\"/></materialx>";
+
+#[test]
+fn an_error_in_an_included_document_is_located_there() {
+    let files = Files::new();
+    let path = files.add("m.mtlx", INCLUDING);
+    let with = |inputs: &str| {
+        let surface = format!("<standard_surface name=\"s\" type=\"surfaceshader\">\n{inputs}</standard_surface>");
+        files.add("lib/m.mtlx", format!("<materialx version=\"1.39\">\n\n{surface}</materialx>"));
+        load_material(&path, &mut Scene::default(), &ImportOptions::default())
+    };
+    let base = |value: &str| format!("<input name=\"base\" type=\"float\" value=\"{value}\"/>");
+    let message = with(&base("much")).unwrap_err().to_string();
+    assert!(
+        message.contains("line 4 of \"lib/m.mtlx\": the value \"much\"") && message.ends_with("m.mtlx)"),
+        "{message}"
+    );
+    let remarks = with("\n<input name=\"bsae\" type=\"float\" value=\"1\"/>").unwrap().1.join("\n");
+    assert!(remarks.contains("line 5 of \"lib/m.mtlx\": standard_surface has no input \"bsae\""), "{remarks}");
+    assert!(!with(&base("0.5")).unwrap().1.join("\n").contains("line"), "negative control");
+    let own =
+        files.add("m.mtlx", INCLUDING.replace("shader\"/>", "shader\">\n<input name=\"bsae\"/></standard_surface>"));
+    let mut scene = Scene::default();
+    let mut named = own.into_os_string();
+    named.push("#own");
+    let (_, remarks) = load_material(Path::new(&named), &mut scene, &ImportOptions::default()).unwrap();
+    assert!(remarks.join("\n").contains("line 4: standard_surface has no input"), "negative control: {remarks:?}");
+}
+
+#[test]
+fn a_missing_document_is_not_another_of_its_name() {
+    let files = Files::new();
+    let path = files.add("m.mtlx", INCLUDING);
+    let remarks = || load_material(&path, &mut Scene::default(), &ImportOptions::default()).unwrap().1;
+    let missing = remarks();
+    assert!(missing.len() == 1 && missing[0].ends_with("is left out: there is no such file beside it"), "{missing:?}");
+    files.add("LIB/M.mtlx", "<materialx version=\"1.39\"/>");
+    assert_eq!(remarks(), [""; 0], "negative control: the same name in another case");
+}
+
+#[test]
+fn included_documents_are_counted_with_what_their_elements_inherit() {
+    let files = Files::new();
+    let path = files.add("m.mtlx", INCLUDING);
+    files.add(
+        "lib/m.mtlx",
+        format!("<materialx fileprefix=\"{}\">{}</materialx>", "a".repeat(10_000), "<a/>".repeat(1000)),
+    );
+    let remarks = |budget: u64| {
+        let options = ImportOptions { budget: Some(budget), ..Default::default() };
+        load_material(&path, &mut Scene::default(), &options).unwrap().1
+    };
+    assert!(remarks(2_000_000)[0].ends_with("is left out: it does not fit into the memory"));
+    assert_eq!(remarks(50_000_000), [""; 0], "negative control");
+}

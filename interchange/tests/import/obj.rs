@@ -133,6 +133,23 @@ fn curves_of_free_form_are_left_out_aloud() {
 }
 
 #[test]
+fn statements_of_other_renderers_are_left_out_aloud_each_once() {
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let told = |more: &str| import_alone("a.obj", format!("{more}\n{mesh}")).unwrap().report.warnings.join("\n");
+    for (statements, meaning) in [
+        ("maplib a.map\nusemap wood", "maps of faces"),
+        ("call b.obj", "calls of other files"),
+        ("shadow_obj b.obj\ntrace_obj c.obj", "other objects in shadows and reflections"),
+    ] {
+        let warning = told(&format!("{statements}\n{statements}"));
+        assert!(warning.starts_with(&format!("parts of the file have {meaning}, which are left out")), "{warning}");
+        assert_eq!(warning.lines().count(), 1, "{warning}");
+    }
+    assert_eq!(told("maplib a\ncall b.obj\nvp 0 0").lines().count(), 3);
+    assert_eq!(told("mg 1 2\nlod 1"), "", "negative control: polygons have no use for them");
+}
+
+#[test]
 fn coats_and_sheen_of_a_library_become_openpbr() {
     let files = Files::new();
     files.add("a.mtl", "newmtl m\nKd 0.1 0.2 0.3\nPr 0.4\nPm 0.5\nPc 0.7\nPcr 0.2\nPs 0.3\nnewmtl plain\nPr 0.4\n");

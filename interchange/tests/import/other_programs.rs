@@ -287,6 +287,8 @@ fn statements_of_a_library_that_are_not_rendered_are_told_by_name() {
         ("Kd spectral red.rfl", "the statement Kd in a form that is not read"),
         ("Ni glass", "the statement Ni in a form that is not read"),
         ("map_Kd -s", "the statement map_Kd in a form that is not read"),
+        ("Ni 7", "the statement Ni out of 1 to 4"),
+        ("Ni 0", "the statement Ni out of 1 to 4"),
         ("bump a.png\nmap_bump b.png", "the statement map_bump beside another one"),
         ("Ks 0.9 0.5 0.1", "a highlight (Ks) with a hue"),
         ("map_Kd -cc on a.png", "the option -cc of map_Kd"),
@@ -310,6 +312,8 @@ fn statements_that_are_rendered_or_have_no_effect_are_not_told() {
     for statement in [
         "Ka 0.2 0.2 0.2\nKd 1 0 0 # red\nKs 0.5 0.5 0.5\nillum 2\nTf 0.5 0.5 0.5\nNi 1.5\nNs 10",
         "d 0.5\nTf 1 1 1",
+        "Ni 1",
+        "Ni 4",
         "map_Ka a.png\nsharpness 60",
         "map_Kd -clamp on a.png",
         "map_Kd a.png\nmap_Ka a.png",

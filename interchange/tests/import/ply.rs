@@ -105,3 +105,78 @@ fn texts_keep_the_digits_of_coordinates_whatever_their_type() {
     assert_eq!(size, Vec3::new(0.25, 0.25, 0.0), "f32 has steps of 0.5 there");
     assert_eq!(mesh, with("double"));
 }
+
+/// A square of two triangles with these properties and values of its vertices and its faces, and further elements.
+fn with(vertices: [&str; 2], faces: [&str; 3], elements: [&str; 2]) -> String {
+    let places = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"].map(|place| format!("{place} {}\n", vertices[1])).concat();
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n{}element face 2\n\
+         property list uchar int vertex_indices\n{}{}end_header\n{places}3 0 1 2 {}\n3 0 2 3 {}\n{}",
+        vertices[0], faces[0], elements[0], faces[1], faces[2], elements[1]
+    )
+}
+
+const RGB: &str = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+
+#[test]
+fn faces_have_colors_of_their_own_where_vertices_have_none() {
+    let colors = |imported: &Imported| {
+        let mesh = &imported.scene.mesh;
+        assert_eq!(mesh.triangles.len(), 2);
+        [0, 1].map(|t| mesh.triangles[t].map(|v| mesh.colors[v as usize]))
+    };
+    for vertices in [["", ""], [RGB, "255 255 255"]] {
+        let imported = import_alone("a.ply", with(vertices, [RGB, "255 0 0", "0 0 255"], ["", ""])).unwrap();
+        check_valid(&imported);
+        assert_eq!(colors(&imported), [[Vec3::X; 3], [Vec3::Z; 3]]);
+        assert_eq!((imported.report.vertices, &imported.report.warnings[..]), (6, &[][..]));
+        let material = &imported.scene.materials[0];
+        assert!(material.vertex_colors && material.parameters.color("base_color") == Vec3::ONE);
+    }
+    let both = import_alone("a.ply", with([RGB, "0 255 0"], [RGB, "255 0 0", "0 0 255"], ["", ""])).unwrap();
+    assert_eq!((colors(&both), both.report.vertices), ([[Vec3::Y; 3]; 2], 4));
+    assert!(both.report.warnings[0].starts_with("the faces have colors beside those of vertices, which are left out"));
+    let white = import_alone("a.ply", with(["", ""], [RGB, "255 255 255", "255 255 255"], ["", ""])).unwrap();
+    assert!(white.scene.mesh.colors.is_empty() && white.report.vertices == 4, "negative control");
+}
+
+#[test]
+fn what_of_a_file_is_left_out_is_said_by_name() {
+    let said = |vertices, faces, elements| {
+        import_alone("a.ply", with(vertices, faces, elements)).unwrap().report.warnings.join("\n")
+    };
+    const ALPHA: &str = "property uchar alpha\n";
+    const NONE: [&str; 2] = ["", ""];
+    let opaque = [ALPHA, "255", "255"];
+    let vertices = said([ALPHA, "10"], opaque, NONE);
+    assert!(vertices.starts_with("the properties of vertices \"alpha\" have opacities"), "{vertices}");
+    assert!(said([ALPHA, "255"], [ALPHA, "255", "10"], NONE).starts_with("the properties of faces \"alpha\" have"));
+    let strips = said(NONE, ["", "", ""], ["element tristrips 1\nproperty list int int vertex_indices\n", "3 0 1 2\n"]);
+    assert_eq!(strips, "the elements \"tristrips\" have strips of triangles, which are left out; export it with faces");
+    let others = said(
+        ["property float heat\n", "1"],
+        ["property float nx\nproperty float heat\n", "0 1", "0 1"],
+        ["element lamp 1\nproperty float heat\nelement rope 0\nproperty float x\n", "1\n"],
+    );
+    for expected in ["elements \"lamp\"", "properties of vertices \"heat\"", "properties of faces \"nx\", \"heat\""] {
+        assert!(others.contains(&format!("the {expected} have other contents, which are left out")), "{others}");
+    }
+    assert_eq!(others.lines().count(), 3);
+    let quality = ["property float quality\n", "1"];
+    assert_eq!(said(quality, ["property int flags\n", "0", "0"], NONE), "", "negative control");
+    assert_eq!(said([ALPHA, "255"], opaque, NONE), "", "negative control: opaque");
+}
+
+#[test]
+fn a_file_of_strips_alone_is_refused_with_their_name() {
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let of = |element: &str| {
+        let list = format!("element {element} 1\nproperty list int int vertex_indices\n");
+        let text = format!("{head}{list}end_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
+        import_alone("a.ply", text).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let refused = of("tristrips").unwrap_err();
+    assert!(refused.contains("it has no faces but strips of triangles (\"tristrips\"); export it again"), "{refused}");
+    assert!(of("lamp").unwrap_err().contains("holds faces"));
+    assert_eq!(of("face"), Ok(()), "negative control");
+}

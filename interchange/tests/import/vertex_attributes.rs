@@ -152,3 +152,31 @@ fn colors_of_ply_are_srgb_in_bytes_and_floats_and_all_the_color_of_a_surface_wit
     assert!(plain.scene.mesh.colors.is_empty() && !plain.scene.materials[0].vertex_colors, "negative control");
     assert!(plain.scene.materials[0].parameters.color("base_color") != Vec3::ONE);
 }
+
+#[test]
+fn colors_of_vertices_are_all_the_color_where_no_file_gives_one() {
+    let files = Files::new();
+    files.add("a.mtl", "newmtl Plain\nPr 0.25\nnewmtl Coat\nPc 1\nnewmtl Gray\nKd 0.5 0.5 0.5\n");
+    let names = ["Missing", "Plain", "Coat", "Gray"];
+    let base = |vertices: &str| {
+        let faces: String = names.iter().map(|name| format!("usemtl {name}\nf 1 2 3\n")).collect();
+        let imported = import(&files.add("a.obj", format!("mtllib a.mtl\n{vertices}{faces}"))).unwrap();
+        imported.scene.materials.iter().map(|m| m.parameters.color("base_color").x).collect::<Vec<_>>()
+    };
+    assert_eq!(base("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\n"), [1.0, 1.0, 1.0, 0.5]);
+    let white = base("v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\n");
+    assert!(white[..3].iter().all(|gray| *gray < 1.0), "negative control: {white:?}");
+}
+
+#[test]
+fn colors_of_obj_up_to_255_are_fractions_of_it_for_the_whole_file() {
+    let colors = |obj: &str| {
+        let mesh = import_alone("a.obj", obj).unwrap().scene.mesh;
+        [Vec3::ZERO, Vec3::X, Vec3::Y].map(|at| mesh.colors[mesh.positions.iter().position(|p| *p == at).unwrap()])
+    };
+    let bytes = colors("v 0 0 0 255 128 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 255\nf 1 2 3\n");
+    let [half, one] = [128.0, 1.0].map(|byte: f32| linear_from_srgb(byte / 255.0));
+    assert_eq!(bytes, [Vec3::new(1.0, half, 0.0), Vec3::splat(one), Vec3::Z]);
+    let rounded = colors("v 0 0 0 1.00001 0.5 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 1\nf 1 2 3\n");
+    assert_eq!(rounded, [Vec3::new(1.0, linear_from_srgb(0.5), 0.0), Vec3::ONE, Vec3::Z], "negative control");
+}

@@ -10,10 +10,7 @@ use super::{
     layers::{Layers, TextureInfo, Transform},
 };
 use crate::{
-    import::{
-        gltf::json::document_with,
-        source::{Source, default_material},
-    },
+    import::{gltf::json::document_with, source::Source},
     names::listed,
 };
 use glam::{Vec3, Vec4};
@@ -76,7 +73,7 @@ pub(super) fn index_of(
     let chosen = chosen.filter(|index| *index < default);
     let index = chosen.or(primitive.material().index()).unwrap_or(default);
     if index == source.materials.len() {
-        source.materials.push(default_material());
+        source.push_default_material();
     }
     index as u32
 }

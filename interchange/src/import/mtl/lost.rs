@@ -74,6 +74,9 @@ fn lost(entry: &MtlEntry, key: &str, name: &str) -> Option<String> {
     let is_readable = match key {
         "map_ka" if entry.value(key) == entry.value("map_kd") => return None,
         "tf" if !entry.is_transparent() || entry.color(key) == Some(glam::Vec3::ONE) => return None,
+        "ni" if entry.number(key).is_some_and(|ni| !(1.0..=4.0).contains(&ni)) => {
+            return Some(format!("the statement {name} out of 1 to 4, which is left out"));
+        }
         "map_kn" | "map_bump" if is_second(entry, key) => {
             return Some(format!("the statement {name} beside another one, which is left out"));
         }

@@ -12,6 +12,9 @@ use glam::{DVec3, Vec3};
 use lapidary_core::color::linear_from_srgb;
 use std::{collections::HashSet, fmt::Write, iter::repeat_n, str::SplitWhitespace};
 
+/// Largest component of colors from 0 to 1, with some room for rounding. Files with a larger one have colors from 0 to 255.
+const MOST_FRACTION: f32 = 1.01;
+
 /// Results of the pass, and the text in the form for `tobj`.
 #[derive(Default)]
 pub(super) struct Outline {
@@ -28,13 +31,13 @@ pub(super) struct Outline {
     pub triangles: u64,
     /// Faces with a surface, as `tobj` returns them.
     faces: u64,
-    /// Linear colors of the first positions; the others are white.
-    colors: Vec<Vec3>,
+    /// Colors of the first positions as in the file; the others are white.
+    colors: Vec<Option<Vec3>>,
     /// Elements without a surface.
     lines: u64,
     points: u64,
-    /// Of curves and surfaces of free form.
-    free_form: Option<Feature>,
+    /// What its statements have that is left out, each once.
+    lost: Vec<Feature>,
     /// The smoothing from a face on; empty without `s` statements.
     smoothing: Vec<(u64, FaceSmoothing)>,
 }
@@ -94,8 +97,8 @@ impl Outline {
             "v" => {
                 let position = without_color(numbers());
                 if let Some(color) = color(&numbers()[position.len()..]) {
-                    self.colors.resize(self.positions as usize, Vec3::ONE);
-                    self.colors.push(color);
+                    self.colors.resize(self.positions as usize, None);
+                    self.colors.push(Some(color));
                 }
                 self.positions += 1;
                 self.push_statement(key, position);
@@ -128,8 +131,12 @@ impl Outline {
 
     /// Notes a statement that is left out.
     fn note(&mut self, key: &str) {
-        if self.free_form.is_none() && !key.is_empty() && !key.starts_with('#') {
-            self.free_form = features::of(Format::Obj, key).filter(|f| matches!(f.support, Support::LeftOut(_)));
+        if key.is_empty() || key.starts_with('#') {
+            return;
+        }
+        let lost = features::of(Format::Obj, key).filter(|feature| matches!(feature.support, Support::LeftOut(_)));
+        if let Some(feature) = lost.filter(|feature| !self.lost.contains(feature)) {
+            self.lost.push(feature);
         }
     }
 
@@ -181,9 +188,7 @@ impl Outline {
 
     /// Warns of elements that were left out.
     pub fn warn(&self, warnings: &mut Vec<String>) {
-        if let Some(lost) = self.free_form.and_then(|feature| feature.lost()) {
-            warnings.push(format!("parts of the file {lost}"));
-        }
+        warnings.extend(self.lost.iter().filter_map(Feature::lost).map(|lost| format!("parts of the file {lost}")));
         if self.lines + self.points > 0 {
             warnings.push(format!(
                 "{} lines and {} points have no surface and were left out; give them a thickness in the modelling program \
@@ -203,9 +208,13 @@ impl Outline {
         if self.colors.is_empty() {
             return;
         }
-        let mut colors = std::mem::take(&mut self.colors).into_iter();
+        let colors = std::mem::take(&mut self.colors);
+        let most = colors.iter().flatten().fold(0.0, |most: f32, color| most.max(color.max_element()));
+        let white = if most > MOST_FRACTION { 255.0 } else { 1.0 };
+        let mut colors = colors.into_iter();
         self.replace_positions(|text, position, _| {
-            let Vec3 { x, y, z } = colors.next().unwrap_or(Vec3::ONE);
+            let color = colors.next().flatten().map(|color| (color / white).map(linear_from_srgb));
+            let Vec3 { x, y, z } = color.unwrap_or(Vec3::ONE);
             write!(text, "v {:e} {:e} {:e} {x:e} {y:e} {z:e}", position.x, position.y, position.z)
         });
     }
@@ -256,11 +265,11 @@ fn without_color(numbers: &str) -> &str {
     }
 }
 
-/// The linear color of three sRGB numbers from 0 to 1; more may follow.
+/// The color of three sRGB numbers; more may follow.
 fn color(numbers: &str) -> Option<Vec3> {
     let mut words = numbers.split_whitespace().map(|word| word.parse::<f32>().ok().filter(|number| number.is_finite()));
     let mut number = || words.next().flatten();
-    Some(Vec3::new(number()?, number()?, number()?).map(linear_from_srgb))
+    Some(Vec3::new(number()?, number()?, number()?))
 }
 
 fn position(mut words: SplitWhitespace) -> Option<DVec3> {

@@ -1,14 +1,16 @@
-//! Texture coordinates at the corners of faces: a vertex on a seam has several.
+//! Texture coordinates at the corners of faces, and colors of faces: a vertex on a seam has several.
 
-use super::{Face, Vertex};
-use glam::Vec2;
+use super::{Face, Vertex, shows_colors_of_faces};
+use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// The vertices of a mesh, each with one pair of texture coordinates.
+/// The vertices of a mesh, each with one pair of texture coordinates and one color.
 pub(super) struct Wedges {
     /// Indices of the file's vertices.
     of_file: Vec<u32>,
     pub uvs: Vec<Vec2>,
+    /// sRGB encoded.
+    pub colors: Vec<Vec3>,
     /// The vertices of each face. Indices out of range stay so.
     pub corners: Vec<Vec<u32>>,
     /// Faces whose coordinates do not fit their corners.
@@ -21,31 +23,35 @@ impl Wedges {
         let mut all = Self {
             of_file: (0..vertices.len() as u32).collect(),
             uvs: vertices.iter().map(|vertex| vertex.uv).collect(),
+            colors: vertices.iter().map(|vertex| vertex.color).collect(),
             corners: Vec::with_capacity(faces.len()),
             unfit: 0,
         };
+        let shows_colors = shows_colors_of_faces(vertices, faces);
         let mut known = HashMap::new();
         for face in faces {
             let (uvs, rest) = face.uvs.as_chunks::<2>();
             let fits = uvs.len() == face.corners.len() && rest.is_empty();
             all.unfit += usize::from(!fits && !face.uvs.is_empty());
-            if !fits {
+            if !fits && !shows_colors {
                 all.corners.push(face.corners.clone());
                 continue;
             }
-            let mut split = |(&corner, uv): (&u32, &[f32; 2])| {
-                if corner as usize >= vertices.len() {
-                    return u32::MAX;
-                }
+            let mut split = |(at, &corner): (usize, &u32)| {
+                let Some(vertex) = vertices.get(corner as usize) else { return u32::MAX };
+                let uv = if fits { Vec2::from_array(uvs[at]) } else { vertex.uv };
+                let color = if shows_colors { face.color } else { vertex.color };
+                let key = (corner, uv.to_array().map(f32::to_bits), color.to_array().map(f32::to_bits));
                 let next = all.uvs.len() as u32;
-                let index = *known.entry((corner, uv.map(f32::to_bits))).or_insert(next);
+                let index = *known.entry(key).or_insert(next);
                 if index == next {
                     all.of_file.push(corner);
-                    all.uvs.push(Vec2::from_array(*uv));
+                    all.uvs.push(uv);
+                    all.colors.push(color);
                 }
                 index
             };
-            let corners = face.corners.iter().zip(uvs).map(&mut split).collect();
+            let corners = face.corners.iter().enumerate().map(&mut split).collect();
             all.corners.push(corners);
         }
         all

@@ -49,8 +49,7 @@ impl<'a> Graph<'a> {
             self.follow(self.needed(node, "in")?)?
         };
         let Found::Picture(picture) = found else { return self.beyond(node, "it has no picture of normals") };
-        if self.child(node, "space").and_then(|space| space.attribute("value")).is_some_and(|space| space != "tangent")
-        {
+        if self.word(node, "space").is_some_and(|space| space != "tangent") {
             return self.beyond(node, "normals that are not those of tangent space are not read");
         }
         let strength = self.constant(node, "scale", &[1.0])?[0];

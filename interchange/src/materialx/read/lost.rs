@@ -28,9 +28,6 @@ impl<'a> Reader<'_, 'a> {
                 crate::names::listed(&others)
             ));
         }
-        if root.children().any(|node| node.tag_name().name() == "include") {
-            self.remarks.push("it includes other documents, which were not read".into());
-        }
         if root.children().any(|node| node.has_tag_name("variantset")) {
             self.remarks.push("its variants are left out".into());
         }
@@ -49,9 +46,8 @@ impl<'a> Reader<'_, 'a> {
         for input in shader.children().filter(|node| ["input", "bindinput"].contains(&node.tag_name().name())) {
             let name = input.attribute("name").unwrap_or_default();
             if !surface.knows(name) {
-                let line = self.graph.line(input);
-                self.remarks
-                    .push(format!("line {line}: {} has no input \"{name}\", which is left out", surface.node()));
+                let place = self.graph.place(input);
+                self.remarks.push(format!("{place}: {} has no input \"{name}\", which is left out", surface.node()));
             }
         }
     }

@@ -290,3 +290,55 @@ fn the_primaries_of_a_float_picture_are_in_its_own_file() {
     let text = write(&[of("a.exr", "color3", "base_color")], Surface::OpenPbr).unwrap().text;
     assert!(!text.contains("srgb_texture"), "{text}");
 }
+
+/// A base color by a picture `i` of colors, whose node has `inputs`, and nodes behind it.
+fn picture(inputs: &str, behind: &str) -> ReadMaterial {
+    let end = if behind.is_empty() { "i" } else { "n" };
+    let nodes = format!(
+        r#"<nodegraph name="g"><input name="edges" type="string" value="clamp"/><image name="i" type="color3">
+        <input name="file" type="filename" value="a.png"/>{inputs}</image>{behind}<output name="o" type="color3" nodename="{end}"/>
+        </nodegraph>"#
+    );
+    with_nodes(&nodes, "open_pbr_surface", r#"<input name="base_color" type="color3" nodegraph="g" output="o"/>"#)
+}
+
+#[test]
+fn an_added_color_is_told_whichever_component_it_has() {
+    let added = |value: &str| {
+        let node = format!(
+            r#"<add name="n" type="color3"><input name="in1" type="color3" nodename="i"/>
+            <input name="in2" type="color3" value="{value}"/></add>"#
+        );
+        let ReadMaterial { material, remarks } = picture("", &node);
+        (material.maps.get("base_color").is_some(), remarks)
+    };
+    for value in ["0.5, 0, 0", "0, 0.5, 0", "0, 0, 0.5"] {
+        let (is_kept, remarks) = added(value);
+        assert!(!is_kept && remarks.join("").contains("cannot be shifted"), "{value}: {remarks:?}");
+    }
+    assert_eq!(added("0, 0, 0"), (true, Vec::new()), "negative control");
+}
+
+#[test]
+fn edges_of_a_picture_may_come_from_the_graph_around_it() {
+    use lapidary_core::texture::Wrap;
+    let wrap = |told: &str| {
+        let read = picture(&format!("<input name=\"uaddressmode\" type=\"string\" {told}/>"), "");
+        read.material.maps.get("base_color").unwrap().wrap
+    };
+    assert_eq!(wrap("interfacename=\"edges\""), [Wrap::Clamp, Wrap::Repeat]);
+    assert_eq!(wrap("value=\"mirror\""), [Wrap::Mirror, Wrap::Repeat]);
+    assert_eq!(wrap("interfacename=\"none\""), [Wrap::Repeat; 2], "negative control");
+}
+
+#[test]
+fn inputs_of_other_surfaces_are_told() {
+    for input in ["normal", "thin_walled", "alpha_mode"] {
+        let remarks = with_nodes("", "open_pbr_surface", &number(input, "value=\"1\"")).remarks;
+        assert_eq!(remarks, [format!("line 3: open_pbr_surface has no input \"{input}\", which is left out")]);
+    }
+    let remarks = with_nodes("", "standard_surface", &number("emission_colour", "value=\"1\"")).remarks;
+    assert!(remarks[0].contains("standard_surface has no input \"emission_colour\""), "{remarks:?}");
+    let own = with_nodes("", "gltf_pbr", &number("alpha_mode", "value=\"1\""));
+    assert_eq!(own.remarks, [""; 0], "negative control");
+}
