@@ -98,7 +98,7 @@ pub(super) fn read(
         if read.has_alpha && primitive.material().alpha_mode() != AlphaMode::Opaque {
             notes.faded.push(node_name(node));
         }
-        read.add_to(source, &file.deformation(node, primitive, &mut notes), node.index(), &at_rest, part);
+        read.add_to(source, &file.deformation(node, primitive, &mut notes.deformations), node.index(), &at_rest, part);
         Ok(())
     })?;
     source.warnings.extend(remarks);
@@ -130,7 +130,7 @@ pub(super) fn read_animation(
         if moving.reaches(node, primitive) {
             let Primitive { mut surface, triangles, .. } = file.primitive(primitive, path)?;
             surface.tangents.clear();
-            let deformation = file.deformation(node, primitive, &mut notes);
+            let deformation = file.deformation(node, primitive, &mut notes.deformations);
             shapes.push(Shape { object: part.object, node: node.index(), surface, triangles, deformation });
         }
         Ok(())

@@ -20,7 +20,7 @@ fn quad(colors: [[u8; 4]; 4], info: &str, alpha_mode: &str) -> Imported {
         format!(r#"{{"byteLength": 48, "uri": "data:application/octet-stream;base64,{}"}}"#, STANDARD.encode(bytes));
     let text = QUAD
         .embedded()
-        .replace("\"bufferViews\": [", &format!("\"bufferViews\": [{{\"buffer\": 1, \"byteLength\": 32}}, {{\"buffer\": 1, \"byteOffset\": 32, \"byteLength\": 16}}, "))
+        .replace("\"bufferViews\": [", "\"bufferViews\": [{\"buffer\": 1, \"byteLength\": 32}, {\"buffer\": 1, \"byteOffset\": 32, \"byteLength\": 16}, ")
         .replace("\"bufferView\": 2", "\"bufferView\": 4")
         .replace("\"bufferView\": 1", "\"bufferView\": 3")
         .replace("\"bufferView\": 0", "\"bufferView\": 2")

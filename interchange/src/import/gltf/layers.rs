@@ -237,9 +237,7 @@ impl Layers {
         if let Some(anisotropy) = &self.anisotropy {
             told.extend(anisotropy.stretch(material, mean).map(Into::into));
         }
-        told.extend(
-            self.transmission.as_ref().and_then(|transmission| transmission.thin_out(material)).map(Into::into),
-        );
+        told.extend(self.transmission.as_ref().and_then(|transmission| transmission.thin_out(material)));
         if let Some(emission) = &self.emission {
             let luminance = material.parameters.number("emission_luminance");
             material.parameters.set("emission_luminance", luminance * emission.emissive_strength);

@@ -16,7 +16,6 @@ use crate::{
             completed::Completed,
             document::{Parsed, container, parse},
             hierarchy::node_name,
-            notes::Notes,
             primitive::is_surface,
         },
         recenter,
@@ -236,14 +235,19 @@ impl SceneFile {
         Ok(read)
     }
 
-    /// The usable deformation of a primitive.
-    pub fn deformation(&self, node: &gltf::Node, primitive: &gltf::Primitive, notes: &mut Notes) -> Deformation {
+    /// The usable deformation of a primitive; `remarks` gets sentences on the rest.
+    pub fn deformation(
+        &self,
+        node: &gltf::Node,
+        primitive: &gltf::Primitive,
+        remarks: &mut Vec<String>,
+    ) -> Deformation {
         let vertices = primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count());
         let (deformation, troubles) = deformations::read(node, primitive, vertices, &self.skins, &self.buffers);
         let told = |trouble| {
             format!("\"{}\" shows without a part of its deformation, {trouble}; export it again", node_name(node))
         };
-        notes.deformations.extend(troubles.into_iter().map(told));
+        remarks.extend(troubles.into_iter().map(told));
         deformation
     }
 
