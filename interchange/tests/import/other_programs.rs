@@ -312,6 +312,7 @@ fn statements_that_are_rendered_or_have_no_effect_are_not_told() {
     for statement in [
         "Ka 0.2 0.2 0.2\nKd 1 0 0 # red\nKs 0.5 0.5 0.5\nillum 2\nTf 0.5 0.5 0.5\nNi 1.5\nNs 10",
         "d 0.5\nTf 1 1 1",
+        "Kd 1 0 0\n\n  \nKs 0 0 0\n",
         "Ni 1",
         "Ni 4",
         "map_Ka a.png\nsharpness 60",

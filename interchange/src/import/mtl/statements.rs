@@ -33,6 +33,9 @@ pub(in crate::import) fn parse(text: &str, budget: &mut Budget) -> Result<HashMa
     let mut current: Option<(String, MtlEntry)> = None;
     let mut tr_is_opacity = false;
     for line in text.lines().map(str::trim) {
+        if line.is_empty() {
+            continue;
+        }
         if let Some(comment) = line.strip_prefix('#') {
             tr_is_opacity |= comment.to_ascii_lowercase().contains("meshlab");
             continue;
