@@ -16,6 +16,7 @@ use std::{
     io::ErrorKind,
     path::{Path, PathBuf},
 };
+use unicode_normalization::UnicodeNormalization;
 
 /// Why a named or embedded file is not read.
 pub(super) enum Trouble {
@@ -169,6 +170,11 @@ impl Files {
     }
 }
 
+/// A file name in one case and one Unicode form: macOS writes accents apart from their letters, other systems with them.
+fn comparable(name: &str) -> String {
+    name.nfc().collect::<String>().to_lowercase()
+}
+
 /// Reads the imported file, within its memory budget and without a byte order mark.
 pub(super) fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, ImportError> {
     let io_error = |source| ImportError::Io { path: path.into(), source };
@@ -184,7 +190,7 @@ pub(super) fn read_file(path: &Path, files: &mut Files) -> Result<Vec<u8>, Impor
     Ok(without_mark.unwrap_or(bytes))
 }
 
-/// The entries of folders by their names in lower case, cached: listing a folder for each missing name would take long.
+/// The entries of folders by their comparable names, cached: listing a folder for each missing name would take long.
 #[derive(Default)]
 struct Listings(HashMap<PathBuf, HashMap<String, OsString>>);
 
@@ -203,7 +209,7 @@ impl Listings {
         let mut at = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_path_buf() };
         for part in name.split('/').filter(|p| !p.is_empty() && *p != ".") {
             let exact = at.join(part);
-            at = if exact.exists() { exact } else { at.join(self.entries(&at).get(&part.to_lowercase())?) };
+            at = if exact.exists() { exact } else { at.join(self.entries(&at).get(&comparable(part))?) };
         }
         Some(at)
     }
@@ -214,7 +220,7 @@ impl Listings {
             let mut names: Vec<OsString> = entries.map(|entry| entry.file_name()).collect();
             // Of names that differ only in case, the first in order is kept.
             names.sort_by(|a, b| b.cmp(a));
-            names.into_iter().map(|name| (name.to_string_lossy().to_lowercase(), name)).collect()
+            names.into_iter().map(|name| (comparable(&name.to_string_lossy()), name)).collect()
         })
     }
 }

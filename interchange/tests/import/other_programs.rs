@@ -396,3 +396,18 @@ fn a_gltf_far_from_the_origin_is_moved_in_the_digits_of_its_text_and_says_where_
     let bytes = std::fs::read(&path).unwrap();
     assert!(String::from_utf8_lossy(&bytes).contains("\"translation\":[451236.0,1.0,0.0]"));
 }
+
+#[test]
+fn file_names_are_found_in_either_unicode_form() {
+    let [composed, apart] = ["caf\u{e9}.png", "cafe\u{301}.png"];
+    for (on_disk, named) in [(composed, apart), (apart, composed), (apart, apart)] {
+        let files = Files::new();
+        files.add_png(on_disk, [0.25; 3]);
+        files.add("a.mtl", format!("newmtl Red\nmap_Kd {named}\n"));
+        assert_eq!(import(&files.add("a.obj", TRIANGLE)).unwrap().report.warnings, [""; 0], "{on_disk:?} {named:?}");
+    }
+    let files = Files::new();
+    files.add_png("cafe.png", [0.25; 3]);
+    files.add("a.mtl", format!("newmtl Red\nmap_Kd {composed}\n"));
+    assert_eq!(import(&files.add("a.obj", TRIANGLE)).unwrap().report.warnings.len(), 1, "negative control");
+}
