@@ -4,7 +4,7 @@
 use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
     View, ViewMode,
-    device::test_adapter::on_adapter,
+    device::{layout::Vertex, test_adapter::on_adapter},
     gpu::{GpuBackend, Room, ShaderSource},
     shade::surface::Surfaces,
     shade::{
@@ -456,10 +456,13 @@ fn a_dataset_or_picture_beyond_the_limits_is_an_error_with_both_numbers() {
     let message = rig.gpu.begin(&huge, BrdfSampling::Refine).unwrap_err().to_string();
     assert!(message.contains("9000") && message.contains("8192"), "{message}");
     let mut large = (*scene()).clone();
-    let vertices = (128 << 20) / 64 + 1;
+    let vertices = (128 << 20) / size_of::<Vertex>() + 1;
     large.scene.mesh.positions.resize(vertices, Vec3::ZERO);
     let message = rig.gpu.set_scene(&large.into()).unwrap_err().to_string();
-    assert!(message.contains(&format!("{}", vertices * 64)) && message.contains("134217728"), "{message}");
+    assert!(
+        message.contains(&format!("{}", vertices * size_of::<Vertex>())) && message.contains("134217728"),
+        "{message}"
+    );
     // What was there before is still shown.
     let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), BrdfSampling::Refine);
     assert!(agrees(&gpu, &cpu));
