@@ -11,7 +11,7 @@ use lapidary_core::{
 };
 pub(super) use normals::Smoothing;
 use normals::smooth_normals;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 mod normals;
 
@@ -271,7 +271,7 @@ struct Welder<'a> {
     /// Whether the file had texture coordinates, per vertex of `mesh`.
     has_uv: Vec<bool>,
     normals_rebuilt: usize,
-    by_key: HashMap<VertexKey, u32>,
+    by_key: FxHashMap<VertexKey, u32>,
     /// The object and the new index of raw vertices with stored normals; most corners end here.
     by_raw_vertex: Vec<Option<(u32, u32)>>,
 }
@@ -279,7 +279,7 @@ struct Welder<'a> {
 impl<'a> Welder<'a> {
     fn new(raw: &'a RawMesh) -> Self {
         let by_raw_vertex = vec![None; raw.positions.len()];
-        let (has_uv, by_key) = (Vec::new(), HashMap::new());
+        let (has_uv, by_key) = (Vec::new(), FxHashMap::default());
         Self { raw, mesh: Mesh::default(), has_uv, normals_rebuilt: 0, by_key, by_raw_vertex }
     }
 
