@@ -1,11 +1,13 @@
 //! Color: the sRGB transfer function at the border, luminance inside. Twin of `shaders/color.wgsl`.
 
-use crate::texture::Texels;
 use glam::{Mat3, Vec3};
 use std::sync::LazyLock;
 
 /// Rec. 709 luminance weights.
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// The largest number of a 16-bit float.
+pub const LARGEST_HALF: f32 = 65_504.0;
 
 /// Luminance of a scene-linear Rec. 709 color.
 #[inline]
@@ -17,7 +19,7 @@ pub fn luminance(rgb: Vec3) -> f32 {
 /// the others.
 #[inline]
 pub fn in_rec_709(to_rec_709: Mat3, color: Vec3) -> Vec3 {
-    to_rec_709 * color.map(|x| if x.is_infinite() { x.clamp(-Texels::MOST, Texels::MOST) } else { x })
+    to_rec_709 * color.map(|x| if x.is_infinite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
 
 /// Decodes one sRGB component (IEC 61966-2-1), 0 to 1.

@@ -176,6 +176,10 @@ impl Dataset {
 pub fn scene_hash(scene: &Scene) -> String {
     let mesh = &scene.mesh;
     let mut hasher = blake3::Hasher::new();
+    let mut add = |part: &[u8]| {
+        hasher.update(&(part.len() as u64).to_le_bytes());
+        hasher.update(part);
+    };
     for part in [
         bytemuck::cast_slice::<_, u8>(&mesh.positions),
         bytemuck::cast_slice(&mesh.normals),
@@ -183,14 +187,13 @@ pub fn scene_hash(scene: &Scene) -> String {
         bytemuck::cast_slice(&mesh.triangles),
         bytemuck::cast_slice(&mesh.triangle_material),
     ] {
-        hasher.update(&(part.len() as u64).to_le_bytes());
-        hasher.update(part);
+        add(part);
     }
-    if !mesh.second_uvs.is_empty() {
-        hasher.update(bytemuck::cast_slice(&mesh.second_uvs));
-    }
-    if !mesh.colors.is_empty() {
-        hasher.update(bytemuck::cast_slice(&mesh.colors));
+    // Scenes without them keep the hash that they had before there were any.
+    let optional = [bytemuck::cast_slice::<_, u8>(&mesh.second_uvs), bytemuck::cast_slice(&mesh.colors)];
+    for (kind, part) in (0u8..).zip(optional).filter(|(_, part)| !part.is_empty()) {
+        add(&[kind]);
+        add(part);
     }
     for material in &scene.materials {
         hasher.update(&[u8::from(material.double_sided)]);

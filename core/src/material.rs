@@ -19,7 +19,7 @@ pub use resolved::{MaterialPoint, ResolvedMaterial};
 
 use crate::{
     brdf::{BrdfFile, Content, FilePart, Parameter, Parameters, SurfaceBrdf, SurfaceParameters, Values},
-    texture::TextureSlot,
+    texture::{TextureSlot, UvSet},
 };
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -216,6 +216,11 @@ impl<S: Clone> MaterialOf<S> {
 }
 
 impl Material {
+    /// Whether a map uses the second set of texture coordinates.
+    pub fn reads_second_uvs(&self) -> bool {
+        self.maps.slots().any(|slot| slot.uv_set == UvSet::Second)
+    }
+
     /// The same material with only the path of its file.
     pub fn without_content(&self) -> Self {
         Self { file: self.file.as_ref().map(BrdfFile::without_content), ..self.clone() }

@@ -15,7 +15,7 @@ pub use reduction::level_sizes;
 pub use slopes::{SlopeLevel, SlopeMoments, SlopeSource, SlopeTexel, covariance_mapped};
 pub use wrap::Wrap;
 
-use crate::color::{in_rec_709, linear_from_codes, linear_from_deep_codes};
+use crate::color::{LARGEST_HALF, in_rec_709, linear_from_codes, linear_from_deep_codes};
 use glam::{Mat2, Mat3, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -231,8 +231,8 @@ impl Texels {
         }
     }
 
-    /// The largest number of a 16-bit float.
-    pub const MOST: f32 = 65_504.0;
+    /// The largest number of a texel.
+    pub const MOST: f32 = LARGEST_HALF;
 
     /// Replaces NaN by 0 and clamps the others to [`Self::MOST`]. Returns the number of changed texels.
     pub fn sanitize(&mut self) -> usize {
@@ -253,8 +253,8 @@ struct Quad {
 
 impl Quad {
     fn around(size: [u32; 2], uv: Vec2, wrap: [Wrap; 2]) -> Self {
-        let ([left, right], across) = wrap[0].neighbours(uv.x, size[0]);
-        let ([above, below], down) = wrap[1].neighbours(uv.y, size[1]);
+        let ([left, right], across) = wrap[0].neighbors(uv.x, size[0]);
+        let ([above, below], down) = wrap[1].neighbors(uv.y, size[1]);
         let width = size[0] as usize;
         let indices = [above * width + left, above * width + right, below * width + left, below * width + right];
         Self { indices, blend: Vec2::new(across, down) }

@@ -3,7 +3,7 @@
 use super::{BUMP, Material, NORMAL};
 use crate::{
     brdf::{BrdfModel, Content, FilePart, Parameter, SurfaceBrdf, SurfaceParameters, Value, Values},
-    texture::{TextureSlot, UvSet},
+    texture::TextureSlot,
 };
 use glam::{Vec3, Vec4};
 
@@ -79,7 +79,7 @@ impl From<&Material> for ResolvedMaterial {
             roughness: of_quantity("roughness"),
             normal: material.maps.get(NORMAL).cloned(),
             bump: material.maps.get(BUMP).cloned(),
-            reads_second_uvs: material.maps.slots().any(|slot| slot.uv_set == UvSet::Second),
+            reads_second_uvs: material.reads_second_uvs(),
             constant: None,
         };
         resolved.constant = resolved.mapped.is_empty().then(|| resolved.with_values(&resolved.plain));

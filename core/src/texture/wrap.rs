@@ -53,7 +53,7 @@ impl Wrap {
 
     /// The two texels of a row of `size` around a coordinate, and the weight of the second.
     #[inline]
-    pub(super) fn neighbours(self, t: f32, size: u32) -> ([usize; 2], f32) {
+    pub(super) fn neighbors(self, t: f32, size: u32) -> ([usize; 2], f32) {
         let p = self.folded(t) * size as f32 - 0.5;
         let (base, blend) = (p.floor(), p - p.floor());
         let last = size as usize - 1;
@@ -81,7 +81,7 @@ mod tests {
 
     /// The coordinates of a row of four texels, which hold 0 to 3, read with linear interpolation.
     fn read(wrap: Wrap, t: f32) -> f32 {
-        let ([low, high], blend) = wrap.neighbours(t, 4);
+        let ([low, high], blend) = wrap.neighbors(t, 4);
         low as f32 * (1.0 - blend) + high as f32 * blend
     }
 
@@ -99,7 +99,7 @@ mod tests {
         for wrap in Wrap::ALL {
             assert_eq!([0.125, 0.5, 0.75].map(|t| read(wrap, t)), [0.0, 1.5, 2.5], "{wrap:?}");
             for t in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e-9, 0.99999994] {
-                let ([low, high], _) = wrap.neighbours(t, 4);
+                let ([low, high], _) = wrap.neighbors(t, 4);
                 assert!(low < 4 && high < 4, "{wrap:?} {t}");
             }
         }

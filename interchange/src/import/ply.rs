@@ -109,7 +109,8 @@ fn shows_colors_of_faces(vertices: &[Vertex], faces: &[Face]) -> bool {
 fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
     let wedges = Wedges::of(vertices, faces);
     let mut positions: Vec<Vec3> = wedges.each(|v| vertices[v].position.as_vec3());
-    let used = wedges.corners.iter().flatten().filter_map(|&corner| positions.get(corner as usize));
+    let corners = wedges.corners.iter().flat_map(|corners| corners.iter());
+    let used = corners.filter_map(|&corner| positions.get(corner as usize));
     let offset = recenter::offset(used.copied());
     if let Some(offset) = offset {
         positions = wedges.each(|v| (vertices[v].position - offset).as_vec3());
@@ -122,8 +123,10 @@ fn source(vertices: &[Vertex], faces: &[Face], path: &Path) -> Source {
         positions,
         ..Default::default()
     };
-    let colors: Vec<Vec3> = wedges.colors.iter().map(|color| color.map(linear_from_srgb)).collect();
-    mesh.push_colors(0, &colors);
+    if wedges.colors.iter().any(|color| *color != Vec3::ONE) {
+        let colors: Vec<Vec3> = wedges.colors.iter().map(|color| color.map(linear_from_srgb)).collect();
+        mesh.push_colors(0, &colors);
+    }
     let mut polygons = Polygons::default();
     for (corners, face) in wedges.corners.iter().zip(faces) {
         mesh.push_polygon(0, corners, face.texture, 0, &mut polygons);

@@ -19,7 +19,7 @@ use lapidary_core::{
     brdf::{MISSING, albedo_table, narrow_widths},
     color::LINEAR_FROM_CODE,
     material::{self, BUMP, NORMAL},
-    texture::{self, Procedural, UvSet},
+    texture::{self, Procedural},
 };
 use wgpu::util::DeviceExt;
 
@@ -118,8 +118,7 @@ fn texture_slot(slot: &texture::TextureSlot, place: Place) -> TextureSlot {
 
 /// What a material needs of the vertices: a second set of coordinates, and colors.
 fn reads_of(m: &material::Material) -> u32 {
-    let has_second = m.maps.slots().any(|slot| slot.uv_set == UvSet::Second);
-    let second = if has_second { READS_SECOND_UVS } else { 0 };
+    let second = if m.reads_second_uvs() { READS_SECOND_UVS } else { 0 };
     let colors = if m.vertex_colored().is_some() { READS_VERTEX_COLORS } else { 0 };
     second | colors
 }

@@ -1,3 +1,5 @@
+mod placement;
+
 use super::*;
 use crate::{
     actions::{MaterialAction, SelectAction},
@@ -386,28 +388,6 @@ fn nothing_removes_a_map_where_the_click_that_loaded_it_was() {
     assert!(!remove.expand(2.0).intersects(loaded_at), "{remove:?} {loaded_at:?}");
     let swap = harness.get_by_label("Swap Roughness map").rect();
     assert!(swap.contains(loaded_at.center()), "the button that loads stays: {swap:?} {loaded_at:?}");
-}
-
-#[test]
-fn placement_edits_scale_offset_rotation_and_channel() {
-    let mut harness = harness(|app| app.document.materials[0].maps.set("roughness", Some(TextureSlot::default())));
-    let slot = |h: &Harness<App>| h.state().material().maps.get("roughness").cloned().unwrap();
-    click(&mut harness, "Roughness map placement");
-    type_in(&mut harness, "Roughness map scale value", "4");
-    assert_eq!(slot(&harness).scale, Vec2::splat(4.0));
-    click(&mut harness, "Roughness map link x and y");
-    type_in(&mut harness, "Roughness map scale y value", "2");
-    assert_eq!(slot(&harness).scale, Vec2::new(4.0, 2.0));
-    type_in(&mut harness, "Roughness map rotation value", "90");
-    assert!((slot(&harness).rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
-    type_in(&mut harness, "Roughness map offset x value", "0.5");
-    assert_eq!(slot(&harness).offset, Vec2::new(0.5, 0.0));
-    click(&mut harness, "Roughness map channel: G");
-    assert_eq!(slot(&harness).channel, Channel::G);
-    let labels = vec!["Map scale", "Map scale", "Map rotation", "Map offset", "Map channel"];
-    assert_eq!(harness.state().log(), (labels, 5));
-    click(&mut harness, "Remove Roughness map");
-    assert_eq!(harness.state().material().maps, MaterialMaps::default());
 }
 
 #[test]

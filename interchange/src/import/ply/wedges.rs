@@ -2,24 +2,24 @@
 
 use super::{Face, Vertex, shows_colors_of_faces};
 use glam::{Vec2, Vec3};
-use std::collections::HashMap;
+use std::{borrow::Cow, collections::HashMap};
 
 /// The vertices of a mesh, each with one pair of texture coordinates and one color.
-pub(super) struct Wedges {
+pub(super) struct Wedges<'a> {
     /// Indices of the file's vertices.
     of_file: Vec<u32>,
     pub uvs: Vec<Vec2>,
     /// sRGB encoded.
     pub colors: Vec<Vec3>,
     /// The vertices of each face. Indices out of range stay so.
-    pub corners: Vec<Vec<u32>>,
+    pub corners: Vec<Cow<'a, [u32]>>,
     /// Faces whose coordinates do not fit their corners.
     unfit: usize,
 }
 
-impl Wedges {
+impl<'a> Wedges<'a> {
     /// Splits the vertices of a file where faces disagree.
-    pub fn of(vertices: &[Vertex], faces: &[Face]) -> Self {
+    pub fn of(vertices: &[Vertex], faces: &'a [Face]) -> Self {
         let mut all = Self {
             of_file: (0..vertices.len() as u32).collect(),
             uvs: vertices.iter().map(|vertex| vertex.uv).collect(),
@@ -34,7 +34,7 @@ impl Wedges {
             let fits = uvs.len() == face.corners.len() && rest.is_empty();
             all.unfit += usize::from(!fits && !face.uvs.is_empty());
             if !fits && !shows_colors {
-                all.corners.push(face.corners.clone());
+                all.corners.push(Cow::Borrowed(&face.corners));
                 continue;
             }
             let mut split = |(at, &corner): (usize, &u32)| {

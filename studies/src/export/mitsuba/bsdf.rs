@@ -14,7 +14,7 @@ use lapidary_core::{
     brdf::{GgxParameters, Metal, OpenPbrParameters, widths},
     color::luminance,
     material::{BrdfModel, Material},
-    texture::{TextureSlot, UvSet},
+    texture::TextureSlot,
 };
 use lapidary_interchange::materialx::stretch::{of_openpbr, to_burley};
 
@@ -287,10 +287,7 @@ pub fn remarks(material: &Material) -> Vec<String> {
         (lobe && maps.get("specular").is_some(), "the map of its specular weight is left out"),
         (maps.get("opacity_cutoff").is_some(), "the map of its cutoff is left out"),
         (material.vertex_colors, "the colors of its vertices are left out"),
-        (
-            maps.slots().any(|slot| slot.uv_set == UvSet::Second),
-            "maps with the second set of texture coordinates have the first",
-        ),
+        (material.reads_second_uvs(), "maps with the second set of texture coordinates have the first"),
         (
             maps.slots().any(|slot| slot.procedural.is_none() && slot.wrap[0] != slot.wrap[1]),
             "maps that repeat, mirror or clamp along one axis do it along both",
